@@ -10,10 +10,10 @@ use rt_scene_io::{Accel, Integrator, LoadOptions, Scene, format::parse_ron, reso
 const SCENE: &str = r#"(
     camera: (look_from: (0, 2, 6), look_at: (0, 0.7, 0)),
     film: (size: (40, 30)),
-    settings: (spp: 4, depth: 4, roulette_from: 1),
+    settings: (spp: 4, max_depth: 4, rr_start_depth: 1),
     background: gradient(bottom: gray(0.1), top: rgb(0.2, 0.3, 0.5)),
     lights: [
-        quad(corner: (-1, 4, -1), edges: ((2, 0, 0), (0, 0, 2)), radiance: gray(4), shines: both),
+        quad(corner: (-1, 4, -1), edges: ((2, 0, 0), (0, 0, 2)), radiance: gray(4), emission_sides: both),
         sphere(center: (3, 2, 1), radius: 0.2, radiance: rgb(9, 6, 3)),
         point(position: (-4, 3, 2), intensity: gray(0.3)),
     ],

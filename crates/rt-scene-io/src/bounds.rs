@@ -6,8 +6,9 @@ use rt_math::{Aabb, AnimatedTransformChain, Transform};
 use crate::{Content, Group, GroupId, MeshId, NamedMesh, Node, Scene};
 
 impl Scene {
-    /// The box around all that is bounded, in world space and at all moments; empty without any. Infinite planes don't count, nor do
-    /// instances of a group that does not come before the group that they are in.
+    /// Box around all bounded objects, in world space, at all times; empty without any.
+    ///
+    /// Infinite planes do not count. Neither do instances of a group that does not precede the group they are in.
     pub fn bounds(&self) -> Aabb {
         tree_bounds(&self.nodes, &self.groups, &self.meshes)
     }
@@ -29,7 +30,7 @@ fn measure(nodes: &[Node], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     let here = AnimatedTransformChain::still(Transform::IDENTITY);
     let mut open: Vec<(&Node, AnimatedTransformChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
     while let Some((node, outer)) = open.pop() {
-        // What cannot move as it should stays where it is.
+        // A motion that cannot be interpolated is ignored.
         let outer_from_local =
             node.place_below(&outer).unwrap_or_else(|_| outer.clone().compose(&node.parent_from_local));
         let local = node.content.as_ref().map_or(Aabb::EMPTY, |content| content_bounds(content, groups, meshes));

@@ -1,10 +1,10 @@
-//! From the arrays of a model file to a mesh, with a warning for whatever had to be mended.
+//! Meshes from the arrays of model files, with a warning for each kind of repair.
 
 use rt_geometry::{MeshData, MeshError, TriangleMesh};
 
 use crate::Warning;
 
-/// Builds a mesh; `None` if no triangle is left, about which there is a warning as well.
+/// Builds a mesh; `None`, with a warning, if no triangle is left.
 pub(crate) fn build_mesh(
     data: MeshData,
     place: &str,

@@ -10,26 +10,25 @@ use crate::load::{extension, load_standalone_model, read_scene_file};
 use crate::options::folder_of;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, Warning, resolve, resolve_path};
 
-/// What [`convert`] makes.
+/// Result of [`convert`].
 #[derive(Clone, Debug, Default)]
 pub struct Converted {
     /// The scene file.
     pub text: String,
-    /// What was mended or left out of the input.
+    /// Repairs and omissions of the input.
     pub warnings: Vec<Warning>,
-    /// What was chosen because the input leaves it open, and what the text refers to the input for. One sentence each.
+    /// Choices that the input leaves open, and materials that stay in the input. One sentence each.
     pub notes: Vec<String>,
 }
 
-/// The text of a scene file that stands for `input`, to be written to `output`, whose ending (`.ron` or `.json`)
-/// decides the format.
+/// Text of a scene file that stands for `input`. The extension of `output`, `.ron` or `.json`, selects the format.
 ///
-/// A model becomes a scene that refers to it, with camera, lights, film, settings and materials written out; it
-/// renders to the same picture as the model. A scene is written anew in canonical form; comments are lost. References
-/// to files are rewritten for the folder of the output.
+/// A model becomes a scene that refers to it, with camera, lights, film, settings and materials written out. It renders to the
+/// same image as the model. A scene is written anew in canonical form; comments are lost. References to files are rewritten for
+/// the folder of the output.
 ///
 /// # Errors
-/// Everything that is wrong with the input, or an output of another format or in a folder that does not exist.
+/// Every error in the input; an output of another format or in a folder that does not exist.
 pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Converted, LoadError> {
     let is_json = match extension(output).as_str() {
         "ron" => false,
@@ -38,7 +37,7 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Con
     };
     let options = options.rooted_at(input);
     let (mut file, mut comments, warnings) = match read_scene_file(input, &options)? {
-        Some((file, _room)) => {
+        Some((file, _reservation)) => {
             let warnings = resolve(&file, input, &options)?.warnings;
             (file, Vec::new(), warnings)
         }
@@ -55,7 +54,7 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Con
     Ok(Converted { text: head + &file.to_ron(), warnings, notes: comments })
 }
 
-/// A scene around a model with everything written out that one may want to edit, what to say about it, and to warn of.
+/// Builds an editable scene file around a model; returns its notes and warnings as well.
 fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<String>, Vec<Warning>), LoadError> {
     let (mut file, scene) = load_standalone_model(input, options)?;
     file.name = Some(scene.name.clone());
@@ -79,8 +78,8 @@ fn list(names: &[String]) -> String {
     }
 }
 
-/// Adds the materials of a scene to its file, and returns the names of those that stay with the model. Names that two materials
-/// share cannot tell them apart and are left out.
+/// Adds the materials of a scene to its file; returns the names of those that stay with the model. Ambiguous names are left
+/// out.
 fn write_materials(file: &mut SceneFile, scene: &Scene) -> Vec<String> {
     let mut left = Vec::new();
     let mut uses: HashMap<&str, u32> = HashMap::new();
@@ -124,7 +123,7 @@ fn move_references(
     Ok(left)
 }
 
-/// The way from a folder to a file, both absolute.
+/// Path from a folder to a file, both absolute.
 fn relative(folder: &Path, file: &Path) -> PathBuf {
     let shared = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
     let up = folder.components().skip(shared).map(|_| Component::ParentDir);

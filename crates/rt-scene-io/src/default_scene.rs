@@ -13,7 +13,7 @@ use crate::resolve::rounded;
 use crate::scene::{is_emissive, used_materials};
 use crate::{LoadOptions, Material as SceneMaterial, Model, NamedCamera, StudioLights};
 
-/// Name of the plane that `ground` asks for.
+/// Name of the ground plane.
 const GROUND: &str = "ground";
 
 /// Samples per pixel of a bare model under an integrator that samples directions.
@@ -80,18 +80,17 @@ pub(crate) const fn needs_bounds(model: &Model, options: &LoadOptions) -> bool {
     options.ground || (model.is_photometric && !model.lights.is_empty())
 }
 
-/// Exposes the film for lights in candela and lux of this illuminance: a white surface that they light becomes white. Returns a
-/// note.
+/// Sets the exposure at which a white surface under this illuminance (lx) becomes white. Returns a note.
 ///
-/// Emissive materials and images around the scene have a radiance of which 1 is white. Where there are such sources as well,
-/// 1 is added to the radiance of the white surface, so that neither is overexposed.
+/// Emissive materials and environment images use radiance 1 as white. With such sources, 1 is added to the radiance of the
+/// white surface, so that neither is overexposed.
 fn expose(file: &mut SceneFile, illuminance: f64, has_radiance: bool) -> String {
-    // Lights that reach nothing, or are out of range, give no hint.
+    // Lights that reach no object, or are out of range, are ignored.
     let is_usable = illuminance > 0.0 && illuminance.is_finite();
     let radiance = if is_usable { illuminance / PI } else { f64::from(u8::from(!has_radiance)) };
     let white = radiance + f64::from(u8::from(has_radiance));
     file.film.exposure = rounded(-transcendental::log2(white), 10.0);
-    // What is nearer to a lamp than most is many times as bright: the curve keeps its shape visible.
+    // The filmic curve keeps the shape of surfaces near a light visible.
     file.film.tone = format::Tone::Aces;
     if !is_usable {
         let exposure = file.film.exposure;
@@ -122,11 +121,11 @@ fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
     file.materials.insert(name, material(&matte));
 }
 
-/// Luminance of the unshadowed light that falls straight on places in a box: the geometric mean of the average and the
-/// greatest, since a spot may light a small part, and a lamp may stand near to one.
+/// Typical unshadowed illuminance in a box: the geometric mean of average and maximum. A spot may light a small part only, and
+/// a light may be close to one point.
 fn typical_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
     let bounds = if bounds.is_empty() { Aabb::new(DVec3::NEG_ONE, DVec3::ONE) } else { *bounds };
-    // A light may stand in such a place: it is taken to keep a tenth of the size away.
+    // Distances below a tenth of the size are clamped: a light may coincide with a sample point.
     let nearest = (bounds.extent().length() * 0.1).max(f64::MIN_POSITIVE);
     let at = |place: DVec3| -> f64 {
         let lit = lights.iter().filter_map(|light| Some((light, light.illuminate(place)?)));
@@ -140,13 +139,13 @@ fn typical_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
         .sum()
     };
     let part = |i: u32| f64::from(i) * 0.25;
-    let places =
+    let points =
         (0..125).map(|i| bounds.min + bounds.extent() * DVec3::new(part(i % 5), part(i / 5 % 5), part(i / 25)));
-    let (sum, greatest) = places.map(at).fold((0.0, 0.0), |(sum, greatest), e: f64| (sum + e, e.max(greatest)));
-    (sum / 125.0 * greatest).sqrt()
+    let (sum, max) = points.map(at).fold((0.0, 0.0), |(sum, max), e: f64| (sum + e, e.max(max)));
+    (sum / 125.0 * max).sqrt()
 }
 
-/// A camera, which moves from one place to another while the shutter is open.
+/// Camera of a scene file, with its motion while the shutter is open.
 fn camera(camera: &NamedCamera, exposure: [f64; 2]) -> format::Camera {
     let start = vec![matrix(&camera.settings.world_from_camera)];
     let (transform, animation) = match &camera.settings.moves_to {
@@ -195,7 +194,7 @@ fn light(light: &Light) -> format::Light {
             intensity,
             units,
             falloff: f.into(),
-            lamp_radius,
+            shadow_near: lamp_radius,
             casts_shadows,
         },
         LightKind::Directional { direction } => {
@@ -229,9 +228,10 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
     };
     let is_dark = emission.is_none();
     let written = match physical.as_ref()? {
-        Physical::Black => {
-            Material::Light { radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)), shines: (*shines).into() }
-        }
+        Physical::Black => Material::Light {
+            radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)),
+            emission_sides: (*shines).into(),
+        },
         _ if !(is_dark || *shines == Sides::Both) => return None,
         Physical::Diffuse { albedo, roughness } => {
             Material::Diffuse { albedo: constant(albedo)?, roughness: *roughness, emission }
@@ -272,7 +272,7 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
     Some(written)
 }
 
-/// All that is constant about a surface. Coefficients with a texture are left to the model.
+/// Constant coefficients of a surface; textured ones stay with the model.
 pub(crate) fn material(phong: &Phong) -> Material {
     let constant = |coefficient: ColorTexture| match coefficient {
         ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
@@ -292,7 +292,7 @@ pub(crate) fn material(phong: &Phong) -> Material {
         fresnel: phong.transmission.map(|t| t.fresnel),
         absorption: phong.transmission.map(|t| Color::from_rgb(t.absorption.to_array())),
         priority: phong.transmission.map(|t| t.priority),
-        shines: None,
+        emission_sides: None,
     }
 }
 

@@ -7,11 +7,12 @@ use rt_shading::{Bitmap, emitter::EnvironmentLight};
 
 use crate::{LoadErrorKind, LoadOptions, read_texture};
 
-/// Reads an equirectangular image (PNG, JPEG, HDR or EXR) as the light all around a scene: its radiance is multiplied by
-/// `scale`, and it is turned to the left, seen from inside, by `rotation` radians around +y.
+/// Reads an equirectangular image (PNG, JPEG, HDR or EXR) as environment light.
+///
+/// Its radiance is multiplied by `scale`. It is rotated by `rotation` radians around +y: to the left, seen from inside.
 ///
 /// # Errors
-/// If the file cannot be read, is no image, holds what is no radiance, or the budget has no room for it.
+/// An unreadable file, a file that is no image, invalid radiance, or a budget that is too small.
 pub fn read_environment(
     path: &Path,
     scale: Rgb,

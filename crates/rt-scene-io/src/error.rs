@@ -1,4 +1,4 @@
-//! What can be wrong with a file, and where.
+//! Errors of scenes and models, with their locations.
 
 use std::fmt;
 use std::io;
@@ -13,8 +13,8 @@ use crate::excerpt::Excerpt;
 use crate::sanitize::SingleLine;
 use crate::texture::TextureError;
 
-/// Everything that is wrong with a scene or model: at least one [`Diagnostic`]. Each is printed on a line of its own, with the
-/// line of the file below it where that is known.
+/// All errors of a scene or model: at least one [`Diagnostic`]. Each is printed on a line of its own, followed by the line of
+/// the file where it is known.
 #[derive(Debug)]
 pub struct LoadError {
     diagnostics: Vec<Diagnostic>,
@@ -26,16 +26,16 @@ pub struct LoadError {
 pub struct Diagnostic {
     /// The file, as the user named it.
     pub file: String,
-    /// Where in the file.
+    /// Location in the file.
     pub location: Location,
-    /// What is wrong and what to do about it.
+    /// Error, with the value and the remedy.
     #[source]
     pub kind: LoadErrorKind,
     /// The line of the file, if its text is at hand.
     pub excerpt: Option<Excerpt>,
 }
 
-/// A place in a file.
+/// Location in a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Location {
     /// The file as a whole.
@@ -49,7 +49,7 @@ pub enum Location {
     Path(String),
 }
 
-/// What is wrong. Each message holds the offending value, the rule, and what to do.
+/// Kind of an error. Each message holds the offending value, the rule, and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadErrorKind {
@@ -65,26 +65,26 @@ pub enum LoadErrorKind {
     /// More than a limit allows.
     #[error("{what} is {value}, the limit is {limit}")]
     TooLarge {
-        /// What is too large, with its unit.
+        /// Name of the quantity, with its unit.
         what: &'static str,
-        /// How large it is.
+        /// Its value.
         value: u64,
-        /// How large it may be.
+        /// Its maximum.
         limit: u64,
     },
     /// More memory than the budget allows; predicted before it is taken.
     #[error(transparent)]
     Memory(#[from] MemoryError),
-    /// Text in another encoding, told by its byte order mark.
+    /// Text in another encoding, recognised by its byte order mark.
     #[error("is text in {0}: save it as UTF-8")]
     OtherEncoding(&'static str),
     /// Bytes that are not text.
     #[error("is not UTF-8 text: the byte at offset {0} is invalid")]
     NotUtf8(usize),
-    /// The ending of the name tells no format that is known or built in.
+    /// Unknown file extension, or a format that is not compiled in.
     #[error("has no known ending (known are {known}); rename it, or convert it with another program")]
     UnknownFormat {
-        /// Endings that can be read.
+        /// Supported extensions.
         known: &'static str,
     },
     /// A reference to a file elsewhere.
@@ -92,7 +92,7 @@ pub enum LoadErrorKind {
     BadReference {
         /// The reference as written.
         reference: String,
-        /// Why it is refused.
+        /// Reason for the refusal.
         rule: String,
     },
     /// A reference to a file that is not there.
@@ -180,12 +180,12 @@ impl LoadErrorKind {
 }
 
 impl LoadError {
-    /// All of the diagnostics as one error; `None` if there is none.
+    /// All diagnostics as one error; `None` for an empty list.
     pub fn from_diagnostics(diagnostics: Vec<Diagnostic>) -> Option<Self> {
         (!diagnostics.is_empty()).then_some(Self { diagnostics })
     }
 
-    /// The diagnostics, in the order in which they were met; at least one.
+    /// Diagnostics in the order of their detection; at least one.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
@@ -289,7 +289,7 @@ pub(crate) fn suggestion(meant: Option<&str>, known: &[String]) -> String {
     }
 }
 
-/// The known word that is most like another, if it is like it at all.
+/// Most similar known word, if the similarity is sufficient.
 pub(crate) fn nearest<'k>(found: &str, known: &'k [String]) -> Option<&'k str> {
     let similarity = |word: &&String| strsim::jaro_winkler(found, word);
     let alike = known.iter().filter(|word| similarity(word) > 0.75);

@@ -2,24 +2,24 @@
 
 use std::fmt;
 
-/// Characters of a line that are shown at most.
+/// Maximum number of characters of a line in a message.
 const SHOWN: usize = 100;
 
 /// Characters before the caret that are shown of a line that is too long.
 const BEFORE: usize = 60;
 
-/// A line of a text, and a place in it. It is printed on two lines, without a line break at the end.
+/// Line of a text with a caret. Printed on two lines, without a final line break.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excerpt {
     /// Counted from 1.
     line: usize,
-    /// As shown: control characters are spaces, and what is too far from the place is left out.
+    /// Text as shown: control characters become spaces, distant parts are left out.
     text: String,
     /// Characters of `text` before the caret.
     before: usize,
 }
 
-/// A place in a text.
+/// Position in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Position {
     /// Counted from 1.
@@ -52,7 +52,7 @@ pub(crate) fn line_start(text: &str, line: usize) -> usize {
     }
 }
 
-/// The greatest beginning of a character up to a byte.
+/// Largest character boundary up to a byte.
 pub(crate) fn floor(text: &str, byte: usize) -> usize {
     let mut byte = byte.min(text.len());
     while !text.is_char_boundary(byte) {

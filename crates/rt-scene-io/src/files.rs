@@ -10,10 +10,10 @@ use crate::options::folder_of;
 use crate::texture::{PixelEncoding, decode_within};
 use crate::{LoadErrorKind, LoadOptions, limits};
 
-/// Reads a regular file, or the one of `options` that is in memory. Whoever asks for it has foreseen the memory that it takes.
+/// Reads a regular file, or the in-memory file of `options`. The caller has reserved memory for it.
 ///
 /// # Errors
-/// If there is no such file, it is empty, a folder, a pipe or a device, larger than `options` allow, or cannot be read.
+/// A missing or empty file, a folder, a pipe, a device, a file beyond the size limit, or a read error.
 pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
     let limit = options.max_file_bytes.unwrap_or(limits::FILE_BYTES);
     let too_large = |value| LoadErrorKind::too_large("the size in bytes", value, limit);
@@ -40,7 +40,7 @@ pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErro
     if bytes.is_empty() { Err(LoadErrorKind::Empty) } else { Ok(bytes) }
 }
 
-/// Reads a file that another refers to, if the budget has room for it.
+/// Reads a file that another one refers to, if the budget suffices.
 pub(crate) fn read_referenced(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
     let size = match options.content_of(path) {
         Some(bytes) => bytes.len() as u64,
@@ -50,10 +50,10 @@ pub(crate) fn read_referenced(path: &Path, options: &LoadOptions) -> Result<Vec<
     read_file(path, options)
 }
 
-/// Refuses text in UTF-16, which a byte order mark tells. Loaders ask before they read text.
+/// Refuses UTF-16, recognised by its byte order mark.
 ///
 /// # Errors
-/// If the bytes are such text.
+/// The bytes begin with the byte order mark of UTF-16.
 pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), LoadErrorKind> {
     match bytes {
         [0xFF, 0xFE, ..] => Err(LoadErrorKind::OtherEncoding("UTF-16 (little-endian)")),
@@ -65,7 +65,7 @@ pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), LoadErrorKind> {
 /// Reads a text file in UTF-8, without its byte order mark.
 ///
 /// # Errors
-/// As [`read_file`], or if the bytes are not UTF-8.
+/// Errors of [`read_file`], or bytes that are not UTF-8.
 pub fn read_text(path: &Path, options: &LoadOptions) -> Result<String, LoadErrorKind> {
     decode_text(read_file(path, options)?)
 }
@@ -84,12 +84,12 @@ pub(crate) fn decode_text(bytes: Vec<u8>) -> Result<String, LoadErrorKind> {
 /// Reads an image file as a texture.
 ///
 /// # Errors
-/// As [`read_file`] and [`decode_texture`](crate::decode_texture), or if the budget has no room for it.
+/// Errors of [`read_file`] and [`decode_texture`](crate::decode_texture), or a budget that is too small.
 pub fn read_texture(path: &Path, options: &LoadOptions) -> Result<Bitmap, LoadErrorKind> {
     read_texture_as(path, PixelEncoding::Colors, options)
 }
 
-/// As [`read_texture`], of an image whose pixels may be numbers.
+/// Version of [`read_texture`] for images of colours or of data.
 pub(crate) fn read_texture_as(
     path: &Path,
     pixels: PixelEncoding,
@@ -106,14 +106,13 @@ pub(crate) fn is_absolute(reference: &str) -> bool {
     reference.starts_with('/') || reference.as_bytes().get(1) == Some(&b':')
 }
 
-/// The file that `reference` names, as written in the file `referrer`.
+/// File that `reference` names, as written in the file `referrer`.
 ///
-/// References are relative to the folder of the referrer. The file must exist and lie below `options.root` (by
-/// default that folder), also after symbolic links are followed. Backslashes count as slashes. What is found is added
-/// to `options.referenced`.
+/// References are relative to the folder of the referrer. The file must exist and lie below `options.root` (by default that
+/// folder), also after symbolic links are resolved. Backslashes count as slashes. The file is added to `options.referenced`.
 ///
 /// # Errors
-/// If the reference is absolute, a URL, leaves the root, or names nothing.
+/// An absolute reference, a URL, a path outside of the root, or a missing file.
 pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> Result<PathBuf, LoadErrorKind> {
     let bad = |rule: &str| LoadErrorKind::BadReference { reference: reference.to_owned(), rule: rule.to_owned() };
     if reference.is_empty() {

@@ -3,17 +3,17 @@
 //! ```text
 //!   .ron .json ── parse ──► SceneFile ──┐
 //!                                       ├─ resolve ─► Scene    plain data: ids instead of names, radians instead of
-//!   .obj .gltf .nff ── load ──► Model ──┘                      degrees, pixels instead of paths, nothing unchecked
+//!   .obj .gltf .nff ── load ──► Model ──┘                      degrees, pixels instead of paths, all of it checked
 //!   .ply .stl .pbrt
 //! ```
 //!
-//! **Owns** [`Scene`] and its tree of nodes, its bounds ([`Scene::bounds`]), the scene format ([`mod@format`]) and its JSON Schema,
-//! the model loaders, texture decoding, the rules for files that refer to files, and the guesses that are made where
-//! a file leaves something open: camera, lights, exposure.
-//! **Does not own** shapes, materials, lights or cameras themselves, and does not know how a scene is rendered.
+//! **Owns** [`Scene`] with its node tree and bounds ([`Scene::bounds`]), the scene format ([`mod@format`]) and its JSON Schema,
+//! the model loaders, texture decoding, the rules for references between files, and the defaults for what a file leaves open:
+//! camera, lights, exposure.
+//! **Does not own** shapes, materials, lights, cameras or rendering.
 //!
-//! Everything has a default but the geometry. Every mistake in a file is reported at once, each with its place, the
-//! value, the rule, and the nearest right name. References must stay below a root folder.
+//! Every field has a default but the geometry. All errors of a file are reported at once, each with its location, the value,
+//! the rule, and the nearest valid name. References must stay below a root folder.
 //!
 //! ```
 //! use rt_scene_io::{LoadOptions, format::parse_ron, resolve};
@@ -41,7 +41,7 @@
 //! # Ok::<(), rt_scene_io::LoadError>(())
 //! ```
 //!
-//! Without default features only [`Scene`] and its parts are left, for scenes that are built in code.
+//! Without default features, only [`Scene`] and its parts remain, for scenes built in code.
 
 #![forbid(unsafe_code)]
 

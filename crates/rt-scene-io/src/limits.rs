@@ -1,13 +1,13 @@
-//! Every limit that loading applies, in one place, and why it is there.
+//! Limits of loading, each with its reason.
 //!
-//! A limit is far from what real files reach, and near enough that a damaged or hostile file costs neither minutes nor the
-//! machine's memory. Memory itself is bounded by [`MemoryBudget`](crate::MemoryBudget), which looks at all of them together.
+//! A limit is far from the size of real files. It bounds the time and memory that a damaged or hostile file can cost.
+//! [`MemoryBudget`](crate::MemoryBudget) bounds the memory of all files together.
 
 use std::fmt;
 
 use bytesize::ByteSize;
 
-/// How much is allowed.
+/// Value of a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
     /// A number of things.
@@ -21,13 +21,13 @@ pub enum Amount {
 /// A limit, for people.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// What is limited.
+    /// Name of the limited quantity.
     pub what: &'static str,
-    /// How much of it is allowed.
-    pub most: Amount,
-    /// Which files the limit is for.
+    /// Maximum.
+    pub max: Amount,
+    /// Files that the limit applies to.
     pub applies_to: &'static str,
-    /// Why it is there: one or two sentences.
+    /// Reason: one or two sentences.
     pub why: &'static str,
     /// The option of the command line that changes it.
     pub flag: Option<&'static str>,
@@ -37,17 +37,17 @@ pub struct Limit {
 macro_rules! limits {
     ($(
         $(#[doc = $why:literal])+
-        $name:ident: $type:ty = $most:expr, $kind:ident $what:literal of $applies_to:literal $(changed by $flag:literal)?;
+        $name:ident: $type:ty = $max:expr, $kind:ident $what:literal of $applies_to:literal $(changed by $flag:literal)?;
     )*) => {
         $(
             $(#[doc = $why])+
-            pub const $name: $type = $most;
+            pub const $name: $type = $max;
         )*
 
-        /// All limits, in the order in which a file meets them.
+        /// All limits, in the order in which loading checks them.
         pub const ALL: &[Limit] = &[$(Limit {
             what: $what,
-            most: Amount::$kind($name as _),
+            max: Amount::$kind($name as _),
             applies_to: $applies_to,
             why: concat!($($why),+),
             flag: limits!(@flag $($flag)?),
@@ -64,9 +64,9 @@ limits! {
     NESTING: usize = 128, Count "nesting of brackets" of ".ron, .json, .gltf, .glb";
     /// Squares and cubes of coordinates stay far from overflow.
     NUMBER: f64 = 1e60, Quantity "magnitude of a number" of "every scene and model";
-    /// Files that include each other have an end.
+    /// Bounds files that include each other.
     INCLUDE_DEPTH: usize = 16, Count "files within files" of ".pbrt";
-    /// A short file that includes another many times, which does so as well, would take forever.
+    /// Nested repeated includes would take exponential time.
     INCLUDES: usize = 1024, Count "files included in all" of ".pbrt";
     /// Each scope keeps a copy of the graphics state.
     SCOPES: usize = 1024, Count "scopes within scopes" of ".pbrt";
@@ -74,7 +74,7 @@ limits! {
     PARAMETERS: usize = 256, Count "parameters of a directive" of ".pbrt";
     /// Each node inherits its transform from those above; no real tree comes near, and walks of it keep a stack.
     NODE_DEPTH: u64 = 1024, Count "depth of the tree, instances unfolded" of "every scene and model";
-    /// Objects are numbered with 32 bits, of which one is kept for other uses.
+    /// Object ids have 32 bits, of which one is reserved.
     OBJECTS: u64 = (1 << 31) - 1, Count "objects, instances unfolded" of ".ron, .json";
     /// Instances of this format become nodes of their own.
     PBRT_NODES: usize = 1 << 18, Count "shapes, instances unfolded" of ".pbrt";
@@ -108,20 +108,20 @@ limits! {
     /// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
     PNG_EXPANSION: u64 = 1032, Count "packed pixel bytes for each byte of the file" of ".png";
     /// A film of so many takes four gigabytes with coverage, and no screen or printer shows more.
-    FILM_PIXELS: u64 = rt_image::Image::MAX_PIXELS, Count "pixels of the picture" of "every scene and model";
+    FILM_PIXELS: u64 = rt_image::Image::MAX_PIXELS, Count "pixels of the image" of "every scene and model";
     /// Numbers of samples have 32 bits.
     SAMPLES: u64 = 1 << 31, Count "samples per pixel" of ".ron, .json";
-    /// Each pass costs some work for itself, and more tell no more about the error.
-    PASSES: u64 = 1 << 16, Count "passes over the picture" of ".ron, .json";
-    /// What is left of the light after so many bounces is far below what a picture can hold.
+    /// Each pass has a fixed cost, and more passes do not improve the error estimate.
+    PASSES: u64 = 1 << 16, Count "passes over the image" of ".ron, .json";
+    /// The light that remains after so many bounces is below the precision of an image.
     RAY_DEPTH: u64 = 10_000, Count "bounces of a ray" of ".ron, .json";
     /// The filter reaches three times as far around each pixel.
     FILTER_SIGMA: f64 = 100.0, Quantity "width of a Gaussian filter in pixels" of ".ron, .json";
     /// The highlight is narrower than a pixel by far.
     HIGHLIGHT_EXPONENT: f64 = 1e7, Quantity "exponent of a highlight" of "every scene and model";
-    /// Whoever has more mends these first.
+    /// More errors than these are rarely independent.
     PROBLEMS: usize = 20, Count "problems that one run lists" of "every scene and model";
-    /// A file of nothing but mistakes would take long.
+    /// Reading a file that consists of errors would take long.
     PBRT_ERRORS: usize = 1000, Count "problems after which reading ends" of ".pbrt";
 }
 
@@ -151,19 +151,19 @@ mod tests {
     fn each_limit_says_what_and_why() {
         let names: HashSet<_> = ALL.iter().map(|limit| (limit.what, limit.applies_to)).collect();
         assert_eq!(names.len(), ALL.len());
-        for Limit { what, why, most, .. } in ALL {
+        for Limit { what, why, max, .. } in ALL {
             assert!(why.trim().ends_with('.'), "{what}: {why}");
-            assert!(!matches!(most, Amount::Count(0) | Amount::Bytes(0)), "{what}");
+            assert!(!matches!(max, Amount::Count(0) | Amount::Bytes(0)), "{what}");
         }
     }
 
     #[test]
     fn amounts_are_told_as_people_write_them() {
-        let told = |amount: Amount| amount.to_string();
-        assert_eq!(told(Amount::Count(1024)), "1024");
-        assert_eq!(told(Amount::Count((1 << 31) - 1)), "2^31 - 1");
-        assert_eq!(told(Amount::Count(1 << 28)), "2^28");
-        assert_eq!(told(Amount::Bytes(1 << 30)), "1.0 GiB");
-        assert_eq!(told(Amount::Quantity(1e60)), "1e60");
+        let shown = |amount: Amount| amount.to_string();
+        assert_eq!(shown(Amount::Count(1024)), "1024");
+        assert_eq!(shown(Amount::Count((1 << 31) - 1)), "2^31 - 1");
+        assert_eq!(shown(Amount::Count(1 << 28)), "2^28");
+        assert_eq!(shown(Amount::Bytes(1 << 30)), "1.0 GiB");
+        assert_eq!(shown(Amount::Quantity(1e60)), "1e60");
     }
 }

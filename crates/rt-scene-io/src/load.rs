@@ -1,4 +1,4 @@
-//! Any file to a scene, by the ending of its name.
+//! Loading by file extension.
 
 use std::path::Path;
 
@@ -9,18 +9,17 @@ use crate::memory::reserve_scene;
 use crate::resolve::{resolve, resolve_with};
 use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, load_model, read_text};
 
-/// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.pbrt`,
-/// `.ply`, `.stl`).
+/// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.pbrt`, `.ply`, `.stl`).
 ///
-/// What the file leaves open is chosen, and said in [`Scene::notes`]: a camera that sees everything, a key and a fill
-/// light, an exposure that suits the lights of a model, a ground plane if `options.ground` asks for it.
+/// Fields that the file leaves open are filled in and listed in [`Scene::notes`]: a camera that sees everything, key and fill
+/// light, an exposure for the lights of a model, and a ground plane with `options.ground`.
 ///
 /// # Errors
-/// Everything that is wrong with the file and those that it refers to.
+/// Every error in the file and in those that it refers to.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let options = options.rooted_at(path);
     match read_scene_file(path, &options)? {
-        Some((file, _room)) => resolve(&file, path, &options),
+        Some((file, _reservation)) => resolve(&file, path, &options),
         None => load_standalone_model(path, &options).map(|(_, scene)| scene),
     }
 }
@@ -29,7 +28,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
 pub(crate) fn load_standalone_model(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
     let model = load_model(path, options)?;
     let reference = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    // What is chosen for a model suits it as it rests, so that it is the same at all moments of an animation.
+    // Choices are made for the pose at rest, so that they are constant over an animation.
     let at_rest = match options.at_time {
         Some(_) if needs_bounds(&model, options) => {
             Some(load_model(path, &LoadOptions { at_time: None, ..options.clone() })?)
@@ -44,7 +43,7 @@ pub(crate) fn load_standalone_model(path: &Path, options: &LoadOptions) -> Resul
     Ok((file, scene))
 }
 
-/// Parses a scene file, for which there is room as long as it is used; `None` if the name ends otherwise.
+/// Parses a scene file, with a reservation for its memory; `None` for other extensions.
 pub(crate) fn read_scene_file(
     path: &Path,
     options: &LoadOptions,
@@ -55,12 +54,12 @@ pub(crate) fn read_scene_file(
         _ => return Ok(None),
     };
     let fail = |reason: LoadErrorKind| reason.at(path, "");
-    let room = reserve_scene(path, options).map_err(fail)?;
+    let reservation = reserve_scene(path, options).map_err(fail)?;
     let text = read_text(path, options).map_err(fail)?;
-    parse(&text, path).map(|file| Some((file, room)))
+    parse(&text, path).map(|file| Some((file, reservation)))
 }
 
-/// The ending of a file's name in lower case.
+/// Lower-case extension of a file name.
 pub(crate) fn extension(path: &Path) -> String {
     path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }

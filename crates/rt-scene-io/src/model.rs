@@ -1,4 +1,4 @@
-//! What a model file brings: pieces of a scene, numbered among themselves.
+//! Content of a model file.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -10,10 +10,10 @@ use rt_shading::{Light, Material, Texture, TextureId};
 use crate::error::ErrorAt;
 use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Warning, format};
 
-/// The content of a file that another program wrote.
+/// Content of a file that another program wrote.
 ///
-/// Ids are local: [`MaterialId`](crate::MaterialId) counts in `materials`, [`MeshId`](crate::MeshId) in `meshes`,
-/// [`TextureId`](rt_shading::TextureId) in `textures`. Nodes hold meshes, shapes or nothing, never instances of groups.
+/// Ids are local: [`MaterialId`](crate::MaterialId) indexes `materials`, [`MeshId`](crate::MeshId) `meshes`,
+/// [`TextureId`](rt_shading::TextureId) `textures`. Nodes hold meshes or shapes, never instances of groups.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Meshes that nodes refer to.
@@ -24,19 +24,19 @@ pub struct Model {
     pub textures: Vec<Texture>,
     /// Lights in the model's world space.
     pub lights: Vec<Light>,
-    /// Whether their intensities are in candela and lux, without an exposure: a bare model is exposed to suit them.
+    /// True if intensities are in candela and lux, without an exposure. A bare model is exposed to suit them.
     pub is_photometric: bool,
-    /// What rays see that hit nothing, if the file says.
+    /// Radiance of rays that leave the scene, if specified.
     pub background: Option<format::Background>,
-    /// Width and height of the image in pixels, if the file says.
+    /// Width and height of the image in pixels, if specified.
     pub image_size: Option<[u32; 2]>,
     /// Cameras in the model's world space; names are unique.
     pub cameras: Vec<NamedCamera>,
     /// The tree.
     pub nodes: Vec<Node>,
-    /// What was mended or left out.
+    /// Repairs and omissions.
     pub warnings: Vec<Warning>,
-    /// What was chosen because the file leaves it open. One sentence each.
+    /// Choices that the file leaves open. One sentence each.
     pub notes: Vec<String>,
 }
 
@@ -82,15 +82,15 @@ impl Model {
     }
 }
 
-/// The endings of the names of models that can be read, for messages.
+/// Extensions of supported models, for messages.
 pub(crate) const KNOWN_EXTENSIONS: &str = ".obj, .gltf, .glb, .nff, .pbrt, .ply, .stl";
 
-/// Loads a model by the ending of its name.
+/// Loads a model by its file extension.
 ///
-/// `options.root` bounds what the model may refer to.
+/// `options.root` bounds the files that the model may refer to.
 ///
 /// # Errors
-/// If the file cannot be read, is no valid model, or needs a feature that is not supported or not built in.
+/// An unreadable file, an invalid model, or a feature that is unsupported or not compiled in.
 #[cfg_attr(
     not(any(feature = "obj", feature = "gltf", feature = "nff", feature = "pbrt", feature = "ply", feature = "stl")),
     expect(unused_variables, reason = "without a loader there are no references to follow")

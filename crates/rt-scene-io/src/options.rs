@@ -1,4 +1,4 @@
-//! How to load a file.
+//! Options of loading.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ pub enum StudioLights {
     Auto,
     /// Never added.
     None,
-    /// Added to all scenes, beside their own lights.
+    /// Added to all scenes, in addition to their own lights.
     Studio,
 }
 
@@ -35,55 +35,52 @@ impl StudioLights {
     }
 }
 
-/// What the caller decides about loading.
+/// Options of the caller.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
     /// The folder below which all files must lie that the scene refers to; by default the folder of the scene.
     pub root: Option<PathBuf>,
     /// Puts a ground plane under a bare model.
     pub ground: bool,
-    /// Width and height of the image in place of the file's. A camera that is put where it sees everything depends on
-    /// their ratio.
+    /// Width and height of the image in place of the file's. The default camera depends on their ratio.
     pub size: Option<[u32; 2]>,
     /// Condition for adding studio lights.
     pub studio_lights: StudioLights,
-    /// The integrator that the caller sets in place of the scene's. Defaults that depend on the integrator suit it.
+    /// Integrator of the caller, in place of the scene's. Other defaults depend on it.
     pub integrator: Option<Integrator>,
-    /// The background that the caller sets in place of the scene's. Studio lights and exposure suit it.
+    /// Background of the caller, in place of the scene's. Studio lights and exposure depend on it.
     pub background: Option<Rgb>,
-    /// Whether the caller puts an image around the scene. Studio lights, exposure and integrator suit it.
+    /// True if the caller adds an environment image. Studio lights, exposure and integrator depend on it.
     pub has_environment: bool,
-    /// The moment of an animation, in seconds, at which scenes and models are posed. Without it models rest as their nodes say,
-    /// and scene files are as at 0.
+    /// Time of an animation, in seconds, at which scenes and models are posed. Without it, models are at rest and scenes at
+    /// time 0.
     pub at_time: Option<f64>,
-    /// Seconds from one frame of an animation to the next, of which the shutters of cameras are open for a part; a 24th by
-    /// default.
+    /// Seconds between two frames of an animation; 1/24 by default. Camera shutters are open for a part of it.
     pub frame_time: Option<f64>,
-    /// When the shutters of all cameras open and close, from 0 to 1, in place of what the scene says.
+    /// Times at which all shutters open and close, from 0 to 1, in place of the scene's.
     pub shutter: Option<[f64; 2]>,
-    /// Which animation poses a model: its name, its index, or `all`; by default the first. It matters with
-    /// [`at_time`](Self::at_time) alone.
+    /// Animation that poses a model: name, index, or `all`; by default the first. Used with [`at_time`](Self::at_time) only.
     pub animation: Option<String>,
     /// The variant of the materials of a model that have several; by default none, which shows the model's own.
     pub variant: Option<String>,
-    /// Most bytes that a file may have; [`limits::FILE_BYTES`](crate::limits::FILE_BYTES) by default.
+    /// Maximum size of a file in bytes; [`limits::FILE_BYTES`](crate::limits::FILE_BYTES) by default.
     pub max_file_bytes: Option<u64>,
-    /// How much memory loading may take; by default, as much as it wants.
+    /// Memory budget of loading; unlimited by default.
     pub memory: MemoryBudget,
     /// A file that is not on the disk, such as the scene itself if it came through a pipe.
     pub in_memory: Option<InMemoryFile>,
-    /// Receives the time of the last key of all animations that loading meets.
+    /// Receives the time of the last key of all animations.
     pub animation_end: AnimationEnd,
-    /// Receives the files that loading meets beside the one that it is given.
+    /// Receives the files that the loaded file refers to.
     pub referenced: ReferencedFiles,
     /// Receives the hashes of all files that loading reads.
     pub input_hashes: InputHashes,
 }
 
-/// The content of a file that is not on the disk. What it refers to is looked for beside its path.
+/// Content of a file that is not on the disk. Its references are relative to the folder of its path.
 #[derive(Clone, Debug)]
 pub struct InMemoryFile {
-    /// The path that it is loaded by, whose ending tells the format.
+    /// Path for messages; its extension selects the format.
     pub path: PathBuf,
     /// Its content.
     pub bytes: Arc<[u8]>,
@@ -96,7 +93,7 @@ pub struct InMemoryFile {
 pub struct AnimationEnd(Arc<Mutex<Option<f64>>>);
 
 impl AnimationEnd {
-    /// The time; `None` if nothing was animated.
+    /// The time; `None` without animations.
     pub fn seconds(&self) -> Option<f64> {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -108,9 +105,9 @@ impl AnimationEnd {
     }
 }
 
-/// Files that other files refer to: textures, models, their material libraries and buffers. Clones share one list.
+/// Files that other files refer to: textures, models, material libraries and buffers. Clones share one list.
 ///
-/// Whoever writes a file after loading a scene can tell by it that nothing is overwritten which the scene needs.
+/// Programs use it to avoid overwriting the inputs of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct ReferencedFiles(Arc<Mutex<BTreeSet<PathBuf>>>);
 
@@ -156,11 +153,11 @@ impl InputHashes {
 }
 
 impl LoadOptions {
-    /// Frames of a second, unless the options say otherwise.
+    /// Default number of frames per second.
     pub const DEFAULT_FPS: f64 = 24.0;
 
-    /// The moments at which the shutter opens and closes, in seconds: of the shutter that is given, or else both
-    /// [`at_time`](Self::at_time). `None` if there is no such time.
+    /// Times at which the shutter opens and closes, in seconds; both equal to [`at_time`](Self::at_time) without a shutter.
+    /// `None` without a time.
     pub(crate) fn shutter_interval(&self) -> Option<[f64; 2]> {
         let frame_time = self.frame_time.unwrap_or(1.0 / Self::DEFAULT_FPS);
         let shutter = self.shutter.unwrap_or([0.0; 2]);

@@ -32,7 +32,7 @@ pub(crate) fn metal(reflectance: ColorTexture, roughness: f64) -> Phong {
     Phong { mirror: scaled(reflectance, smooth), ..diffuse(scaled(reflectance, 1.0 - smooth)) }
 }
 
-/// The surface of a dielectric body.
+/// Surface of a dielectric.
 pub(crate) fn dielectric(ior: f64, transmittance: ColorTexture, absorption: Rgb, priority: i32) -> Phong {
     let inside = Transmission { coefficient: transmittance, ior, fresnel: true, absorption, priority };
     Phong { mirror: ColorTexture::Constant(Rgb::WHITE), transmission: Some(inside), ..BLACK }

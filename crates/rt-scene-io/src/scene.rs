@@ -1,4 +1,4 @@
-//! The resolved scene: plain data, no paths, nothing left to look up.
+//! Resolved scene: plain data without paths or names to look up.
 
 use std::{collections::BTreeSet, fmt, sync::Arc};
 
@@ -170,11 +170,11 @@ impl Accel {
     }
 }
 
-/// How samples are shared out among pixels, if not evenly.
+/// Distribution of samples among pixels, if not uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Adaptive {
-    /// By what lies in the pyramid of a pixel (Genetti, Gordon and Williams 1998): few samples where no edge of an object or
-    /// of a shadow can be in it, and all of them elsewhere.
+    /// By the objects in the pyramid of a pixel (Genetti, Gordon and Williams 1998). Pixels without edges of objects or shadows
+    /// take fewer samples.
     ObjectSpace {
         /// Samples of a pixel without edges; a quarter of all if `None`. Patterns may round it up.
         least: Option<u32>,
@@ -182,7 +182,7 @@ pub enum Adaptive {
 }
 
 impl Adaptive {
-    /// Samples of a pixel without edges, of so many asked for.
+    /// Samples of a pixel without edges, of `spp` in other pixels.
     pub const fn least(self, spp: u32) -> u32 {
         match self {
             Self::ObjectSpace { least: Some(least) } => least,
@@ -191,18 +191,18 @@ impl Adaptive {
     }
 }
 
-/// How to render, as far as the scene has an opinion.
+/// Render settings of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Integrator.
     pub integrator: Integrator,
     /// Sample pattern.
     pub pattern: SamplerKind,
-    /// Samples per pixel asked for; patterns may round it up.
+    /// Samples per pixel; some patterns round it up.
     pub spp: u32,
-    /// Independent passes that the samples are split into, by which the error is estimated; the plan chooses if `None`.
+    /// Independent passes for the error estimate; chosen by the plan if `None`.
     pub passes: Option<u32>,
-    /// How samples are shared out among pixels; evenly if `None`.
+    /// Distribution of samples among pixels; uniform if `None`.
     pub adaptive: Option<Adaptive>,
     /// Bounces after the first hit.
     pub depth: u32,
@@ -212,13 +212,13 @@ pub struct Settings {
     pub accel: Accel,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// How one of many lights with extent is chosen.
+    /// Selection of one of many area lights.
     pub light_sampling: LightSampling,
     /// Bounces before Russian roulette may end a path.
     pub roulette_from: u32,
     /// Largest component of a contribution of indirect light, in units of radiance; unbounded and without bias if `None`.
     pub clamp: Option<f64>,
-    /// How far away surfaces still take light from a point, in world units, for ambient occlusion; infinite for all.
+    /// Maximum distance of occluders for ambient occlusion, in world units; may be infinite.
     pub occlusion_distance: f64,
 }
 
@@ -249,7 +249,7 @@ pub struct NamedCamera {
     pub name: String,
     /// The camera.
     pub settings: CameraSettings,
-    /// The transparent material that it stands inside of; without one, the plan looks at the bodies around it.
+    /// Dielectric around the camera; determined from the closed surfaces around it if `None`.
     pub medium: Option<MaterialId>,
 }
 
@@ -271,38 +271,38 @@ pub struct Group {
     pub nodes: Vec<Node>,
 }
 
-/// What stands at a node.
+/// Content of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// A single shape.
     Shape(Shape),
     /// A triangle mesh.
     Mesh(MeshId),
-    /// All of a group. Groups may contain instances of other groups, never of themselves.
+    /// A group. Groups may contain instances of other groups, never of themselves.
     Instance(GroupId),
 }
 
-/// A place in the tree.
+/// Node of the tree.
 #[derive(Clone, Debug)]
 pub struct Node {
     /// For messages; may be empty.
     pub name: String,
     /// Takes this node's space to its parent's; where it moves, at time 0.
     pub parent_from_local: Transform,
-    /// The same at time 1, if the node moves.
+    /// Transform at time 1, if the node moves.
     pub moves_to: Option<Transform>,
-    /// What stands here, if anything.
+    /// Shape, mesh or instance at this node.
     pub content: Option<Content>,
     /// Material of a shape or mesh here. Instances keep the materials of their group.
     pub material: MaterialId,
-    /// Whether it casts shadows. For an instance or a node with children, off switches off all below.
+    /// True if it casts shadows. `false` applies to all nodes below.
     pub casts_shadow: bool,
     /// Nodes below.
     pub children: Vec<Node>,
 }
 
 impl Node {
-    /// A node with this content, at its parent's place.
+    /// Node with this content, at its parent's place.
     pub fn new(content: Content, material: MaterialId) -> Self {
         Self { content: Some(content), material, ..Self::empty(String::new(), Transform::IDENTITY) }
     }
@@ -320,11 +320,10 @@ impl Node {
         }
     }
 
-    /// The motion from [`parent_from_local`](Self::parent_from_local) to [`moves_to`](Self::moves_to); `None` for a node that is
-    /// at the same place all the time.
+    /// Motion from [`parent_from_local`](Self::parent_from_local) to [`moves_to`](Self::moves_to); `None` for a static node.
     ///
     /// # Errors
-    /// [`AnimatedTransformError`] if there is no way from one to the other.
+    /// [`AnimatedTransformError`] if the two transforms cannot be interpolated.
     pub fn motion(&self) -> Result<Option<AnimatedTransform>, AnimatedTransformError> {
         let end = self.moves_to.as_ref().filter(|end| **end != self.parent_from_local);
         end.map(|end| AnimatedTransform::new(&self.parent_from_local, end)).transpose()
@@ -367,12 +366,12 @@ pub(crate) fn is_emissive(material: &Material) -> bool {
     }
 }
 
-/// Something that was mended, and where. Printed on one line.
+/// Repair or omission, with its location. Printed on one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// File and line, path in the document, or name of the object.
     pub place: String,
-    /// What was found and what was done about it.
+    /// Finding, and the action taken.
     pub message: String,
 }
 
@@ -382,12 +381,12 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The closed form of a scene's picture.
+/// Closed form of the image of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// Mean radiance over all pixels.
     pub mean: Rgb,
-    /// Where the value comes from.
+    /// Source of the value.
     pub note: String,
 }
 
@@ -400,7 +399,7 @@ pub struct Scene {
     pub cameras: Vec<NamedCamera>,
     /// The image.
     pub film: FilmSettings,
-    /// How to render.
+    /// Render settings.
     pub settings: Settings,
     /// Materials, textures, lights, background.
     pub appearance: Appearance,
@@ -410,16 +409,16 @@ pub struct Scene {
     pub groups: Vec<Group>,
     /// The tree.
     pub nodes: Vec<Node>,
-    /// What the picture should be, if it is known exactly.
+    /// Exact mean of the image, if known.
     pub truth: Option<Truth>,
-    /// What was mended on the way.
+    /// Repairs and omissions.
     pub warnings: Vec<Warning>,
-    /// What was chosen because the file leaves it open: camera, lights, exposure. One sentence each.
+    /// Choices that the file leaves open: camera, lights, exposure. One sentence each.
     pub notes: Vec<String>,
 }
 
 impl Scene {
-    /// A scene with nothing in it, not even a camera.
+    /// Scene without content or cameras.
     pub fn empty(name: &str) -> Self {
         Self {
             name: name.to_owned(),

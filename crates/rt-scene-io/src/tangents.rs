@@ -13,7 +13,7 @@ const NONE: [f32; 4] = [0.0; 4];
 /// disagree is split. Without normals the triangles are flat.
 pub(crate) fn generate(data: &mut MeshData, uvs: &[[f32; 2]]) {
     let mut corners = Corners { data, uvs, tangents: vec![[NONE; 3]; data.triangles.len()] };
-    // There is no way to fail: the error has no values.
+    // Infallible: the error type has no values.
     if generate_tangents(&mut corners).is_err() {
         return;
     }
@@ -104,7 +104,7 @@ impl Geometry<Portable> for Corners<'_> {
     }
 }
 
-/// The functions of which platforms have different ones.
+/// Functions that differ between platforms.
 enum Portable {}
 
 impl Ops for Portable {

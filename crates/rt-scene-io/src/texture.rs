@@ -9,7 +9,7 @@ use rt_shading::Bitmap;
 
 use crate::{LoadErrorKind, MemoryBudget, limits};
 
-/// Why an image cannot be used as a texture.
+/// Reason why an image cannot be used as a texture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {
@@ -30,27 +30,25 @@ pub enum TextureError {
     NonFinite(usize),
 }
 
-/// Decodes a PNG, JPEG, HDR or EXR image, told apart by content, to linear colour and alpha.
+/// Decodes a PNG, JPEG, HDR or EXR image, recognised by its content, to linear colour and alpha.
 ///
-/// Integer formats hold sRGB-encoded colour, floating-point formats linear light. Alpha is linear in any.
+/// Integer formats hold sRGB-encoded colour, floating-point formats linear colour. Alpha is always linear.
 ///
 /// # Errors
-/// If the image is damaged, of another format, empty, too large, or holds a NaN. Its size is checked before memory is
-/// taken.
+/// A damaged, unsupported, empty or too large image, or a NaN. The size is checked before memory is allocated.
 pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
     open(bytes)?.decode(PixelEncoding::Colors)
 }
 
-/// As [`decode_texture`], of an image that holds numbers and no colours, such as a normal map: integers are divided by the
-/// greatest one, and that is all.
+/// Version of [`decode_texture`] for data such as normal maps: integers are divided by their maximum.
 ///
 /// # Errors
-/// As [`decode_texture`].
+/// Errors of [`decode_texture`].
 pub fn decode_numbers(bytes: &[u8]) -> Result<Bitmap, TextureError> {
     open(bytes)?.decode(PixelEncoding::Numbers)
 }
 
-/// What the pixels of an image are.
+/// Encoding of the pixels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum PixelEncoding {
     /// Colours: integers are encoded as sRGB.
@@ -59,7 +57,7 @@ pub(crate) enum PixelEncoding {
     Numbers,
 }
 
-/// Decodes an image, if the budget has room for its pixels; what is left in the end is kept there.
+/// Decodes an image if the budget suffices, and charges the budget for the result.
 pub(crate) fn decode_within(
     bytes: &[u8],
     pixels: PixelEncoding,
@@ -106,7 +104,7 @@ fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
         let message = format!("{width} x {height} pixels cannot come from {} bytes", bytes.len());
         return Err(TextureError::Damaged(message));
     }
-    // Each tile of an EXR image is decoded to memory of its own, which its header alone decides on.
+    // Each tile of an EXR image is decoded to a buffer of its own, whose size is taken from the header.
     if let Some((width, height)) = largest_exr_tile(bytes)
         && u64::from(width) * u64::from(height) / limits::TEXTURE_EXPANSION > bytes.len() as u64
     {
@@ -189,7 +187,7 @@ fn linear_pixels(image: DynamicImage, linear: impl Fn(f64) -> f64) -> Vec<[f32; 
     }
 }
 
-/// How much of the surface each pixel covers; empty if all of them cover it.
+/// Alpha of each pixel; empty if all of them are opaque.
 fn alpha(image: &DynamicImage) -> Vec<f32> {
     if !image.color().has_alpha() {
         return Vec::new();

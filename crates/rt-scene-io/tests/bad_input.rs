@@ -9,7 +9,7 @@ use std::path::Path;
 use rt_scene_io::format::{parse_json, parse_ron};
 use rt_scene_io::{LoadOptions, load, resolve};
 
-/// What is wrong with a scene in RON.
+/// Error of a scene in RON.
 fn error(ron: &str) -> String {
     let path = Path::new("scene.ron");
     match parse_ron(ron, path) {
@@ -139,7 +139,7 @@ fn values() {
         "(nodes: [], film: (size: (1000000000000, 1000000000000)))",
         "(nodes: [], film: (sample_offset: (0.5, 2), filter: gaussian(0), exposure: NaN, encoding: gamma(0)))",
         "(nodes: [], settings: (spp: 0))",
-        "(nodes: [], settings: (spp: 4294967296, depth: 10001, min_contribution: -1))",
+        "(nodes: [], settings: (spp: 4294967296, max_depth: 10001, min_contribution: -1))",
         "(nodes: [], materials: {\"m\": phong(ior: 0)})",
         "(nodes: [], materials: {\"m\": phong(exponent: -1)})",
         "(nodes: [], materials: {\"m\": phong(exponent: 2e7)})",
@@ -148,7 +148,7 @@ fn values() {
         "(nodes: [], materials: {\"m\": phong(color: checker(even: gray(1), odd: gray(0), size: 0))})",
         "(nodes: [], materials: {\"m\": phong(color: checker(even: gray(1), odd: gray(0)), diffuse: checker(even: gray(1), odd: gray(0)))})",
         "(nodes: [], lights: [point(position: (0, 0, 0), intensity: gray(NaN))])",
-        "(nodes: [], lights: [point(position: (0, 0, 0), lamp_radius: -1)])",
+        "(nodes: [], lights: [point(position: (0, 0, 0), shadow_near: -1)])",
         "(nodes: [], lights: [directional(direction: (0, 0, 0))])",
         "(nodes: [], lights: [spot(position: (0, 0, 0), direction: (0, 0, 1), inner: 30, outer: 20)])",
         "(nodes: [], lights: [ambient(rgb(1, 1, inf))])",
@@ -219,7 +219,7 @@ fn instances_that_multiply_without_end_are_refused() {
     );
 }
 
-/// What is wrong with a file of this name and content.
+/// Error of a file with this name and content.
 fn file_error(name: &str, content: &[u8]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);

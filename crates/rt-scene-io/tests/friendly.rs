@@ -134,7 +134,7 @@ fn one_missing_texture_of_a_material_at_a_node_is_one_error() {
     assert!(error.to_string().starts_with("scene.ron: nodes[0].material.albedo: `none.png`"), "{error}");
 }
 
-/// What is said about a scene that is wrong.
+/// Error of a scene.
 fn said(name: &str, text: &str) -> String {
     let path = Path::new(name);
     let parsed = if name.ends_with("json") { parse_json(text, path) } else { parse_ron(text, path) };

@@ -1,4 +1,4 @@
-//! What scene files turn into.
+//! Resolved scene files.
 
 #![cfg(feature = "format")]
 #![allow(clippy::unwrap_used, reason = "all of this file is tests")]
@@ -16,10 +16,10 @@ const SCENE: &str = r##"
     camera: (look_from: (0, 1, 5), look_at: (0, 1, 0), fov: 30),
     cameras: [(name: "top", transform: [rotate_x(-90), translate(0, 9, 0)], orthographic: 4)],
     film: (size: (320, 240), filter: gaussian(0.5), encoding: gamma(2.2)),
-    settings: (sampler: half_jittered, spp: 4, depth: 2),
+    settings: (sampler: half_jittered, spp: 4, max_depth: 2),
     background: gradient(bottom: gray(0.1), top: hex("#ffffff")),
     lights: [
-        point(position: (1, 2, 3), intensity: gray(0.7), lamp_radius: 0.5),
+        point(position: (1, 2, 3), intensity: gray(0.7), shadow_near: 0.5),
         ambient(gray(0.25)),
         ambient(rgb(0.25, 0, 0)),
         spot(position: (0, 5, 0), direction: (0, -2, 0), falloff: inverse_square, casts_shadows: false),

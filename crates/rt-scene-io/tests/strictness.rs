@@ -1,4 +1,4 @@
-//! What a model file holds beyond what is understood is warned of, so that `--strict` can refuse it.
+//! Warnings about unsupported content of model files, so that `--strict` can refuse it.
 
 #![cfg(all(feature = "obj", feature = "gltf", feature = "ply", feature = "pbrt", feature = "nff", feature = "stl"))]
 #![allow(clippy::unwrap_used, reason = "all of this file is tests")]

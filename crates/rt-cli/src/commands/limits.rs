@@ -24,7 +24,7 @@ pub(super) fn run() -> Result<(), Failure> {
     ]);
     for limit in limits::ALL {
         let flag = limit.flag.unwrap_or_default();
-        table.add_row([limit.what, &limit.most.to_string(), limit.applies_to, flag]);
+        table.add_row([limit.what, &limit.max.to_string(), limit.applies_to, flag]);
     }
     let read = Amount::Count(MAX_READ_PIXELS).to_string();
     table.add_row(["pixels of a picture that is read", &read, "compare, develop", ""]);

@@ -198,7 +198,7 @@ pub(crate) fn no_or_too_many_samples() -> Vec<Input> {
 
 pub(crate) fn negative_depth() -> Vec<Input> {
     let mut inputs = refused(&["settings: (depth: -1)"], &["scene.ron:1:"]);
-    inputs.extend(refused(&["settings: (depth: 10001)"], &["scene.ron: settings.depth", "10001"]));
+    inputs.extend(refused(&["settings: (max_depth: 10001)"], &["scene.ron: settings.max_depth", "10001"]));
     inputs
 }
 

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 pub(crate) const SCENE: &str = r#"(
     camera: (look_from: (0, 1, 6), look_at: (0, 0.5, 0), fov: 40),
     film: (size: (48, 32)),
-    settings: (spp: 4, depth: 3),
+    settings: (spp: 4, max_depth: 3),
     background: gradient(bottom: gray(0.2), top: rgb(0.2, 0.4, 0.9)),
     lights: [
         ambient(gray(0.3)),

@@ -146,7 +146,8 @@ fn developing_later_equals_developing_at_once() {
 fn bad_samples_warn_and_are_an_error_under_strict() {
     let place = Workplace::new();
     // Two mirrors that brighten what they show, face to face: the radiance overflows.
-    let scene = "(film: (size: (16, 12)), camera: (look_from: (0, 1, 3)), settings: (integrator: whitted, depth: 8),
+    let scene =
+        "(film: (size: (16, 12)), camera: (look_from: (0, 1, 3)), settings: (integrator: whitted, max_depth: 8),
         materials: {\"glare\": phong(emission: gray(1), mirror: gray(1e60))},
         nodes: [
             (shape: plane(), material: \"glare\"),

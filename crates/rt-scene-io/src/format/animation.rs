@@ -1,4 +1,4 @@
-//! What changes over time in the file.
+//! Animations in the file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -33,11 +33,11 @@ pub struct NodeAnimation {
     pub keys: Vec<NodeKey>,
 }
 
-/// Place of a node at a moment.
+/// Transform of a node at a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NodeKey {
-    /// The moment in seconds.
+    /// Time of the key.
     ///
     /// Unit: seconds. Example: `time: 2.5`.
     pub time: f64,
@@ -57,18 +57,18 @@ pub struct CameraAnimation {
     /// Default: `linear`.
     #[serde(default, skip_serializing_if = "is_linear")]
     pub interpolation: Interpolation,
-    /// Keys in the order of their times: at least one. They place it by `look_from`,
-    /// `look_at` and `up`, or by `transform`, but not some by these and some by that.
+    /// Keys in the order of their times: at least one. All of them place the camera by `look_from`, `look_at` and `up`, or all
+    /// by `transform`.
     ///
     /// Example: `keys: [(time: 0), (time: 4, transform: [rotate_y(90)])]`.
     pub keys: Vec<CameraKey>,
 }
 
-/// Place of a camera at a moment. Fields that are left out are those of the camera itself.
+/// Place of a camera at a time. Fields that are left out are those of the camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraKey {
-    /// The moment in seconds.
+    /// Time of the key.
     ///
     /// Unit: seconds. Example: `time: 2.5`.
     pub time: f64,
@@ -87,8 +87,8 @@ pub struct CameraKey {
     /// Unit: none. Default: that of the camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// Instead of these: steps that take the camera on from where it stands by itself. `[rotate_y(90)]` takes it around the y
-    /// axis by a quarter. From one key to the next it turns by at most half a turn.
+    /// Instead of these: steps that follow the camera's own place. `[rotate_y(90)]` takes it around the y axis by a quarter.
+    /// From one key to the next it turns by at most half a turn.
     ///
     /// Example: `transform: [rotate_y(90)]`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -101,14 +101,14 @@ pub struct CameraKey {
 }
 
 impl CameraAnimation {
-    /// True if it says where the camera is.
+    /// True if the keys place the camera.
     pub(crate) fn places(&self) -> bool {
         self.keys.iter().any(|key| key.looks() || !key.transform.is_empty())
     }
 }
 
 impl CameraKey {
-    /// True if it says where the camera looks from, at, or which way is up.
+    /// True if the key has `look_from`, `look_at` or `up`.
     pub(crate) const fn looks(&self) -> bool {
         self.look_from.is_some() || self.look_at.is_some() || self.up.is_some()
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CameraAnimation, Step};
 
-/// A camera. It stands where `look_from` or `transform` says; without both it is put where it sees everything.
+/// A camera. `look_from` or `transform` places it; without both it is placed so that it sees everything.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
@@ -29,27 +29,27 @@ pub struct Camera {
     /// Unit: none. Default: `(0, 1, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// Instead of `look_from`: steps that place a camera which stands at the origin and looks along −z.
+    /// Instead of `look_from`: steps that place a camera at the origin that looks along −z.
     ///
     /// Example: `transform: [translate(0, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
-    /// Place of the camera at time 1, as steps like those of `transform`. At time 0 it is where `look_from` or `transform` says.
+    /// Place of the camera at time 1, as steps like those of `transform`. `look_from` or `transform` is its place at time 0.
     ///
     /// Example: `motion: [translate(0.5, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion: Vec<Step>,
-    /// Instead of `motion`: where the camera is at moments of an animation.
+    /// Instead of `motion`: places of the camera at times of an animation.
     ///
     /// Default: at rest. Example: `animation: (keys: [(time: 0), (time: 4, transform: [rotate_y(90)])])`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<CameraAnimation>,
-    /// Times at which the shutter opens and closes, from 0 to 1. Moving objects are blurred, unless both are the same. Motions
-    /// take all of the time from 0 to 1, which is the default for them. An animation is seen at the moment of a frame, which is 0, and 1 is the
-    /// moment of the next frame: `(0, 0.5)` blurs half of the way between two frames, and without `shutter` animations are
-    /// sharp.
+    /// Times at which the shutter opens and closes, from 0 to 1. Objects that move between them are blurred. For animations, 0
+    /// is the time of the frame and 1 that of the next frame. `(0, 0.5)` blurs half of the way between two frames. Without
+    /// `shutter`, motions are blurred over all of their time, and animations are sharp.
     ///
-    /// Unit: shares of the time of a frame. Default: `(0, 1)` for motions, `(0, 0)` for animations. Example: `shutter: (0, 0.5)`.
+    /// Unit: shares of the time of a frame. Default: `(0, 1)` for motions, `(0, 0)` for animations. Example: `shutter: (0,
+    /// 0.5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shutter: Option<(f64, f64)>,
     /// Full opening angle, above 0 and below 180.
@@ -77,16 +77,16 @@ pub struct Camera {
     /// Default: a pinhole. Example: `lens: (radius: 0.05)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens: Option<Lens>,
-    /// Name of the transparent material that the camera stands inside of. Without it, that is seen from the closed bodies
-    /// around it.
+    /// Name of the transparent material around the camera. Without it, the material is found from the closed surfaces around
+    /// the camera.
     ///
-    /// Default: told by the bodies around it. Example: `medium: "water"`.
+    /// Default: found from the surfaces around the camera. Example: `medium: "water"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<String>,
 }
 
 impl Camera {
-    /// True if nothing says where the camera itself stands.
+    /// True if no field places the camera itself.
     pub(crate) fn is_unplaced(&self) -> bool {
         let Self { look_from, look_at, up, transform, .. } = self;
         look_from.is_none() && look_at.is_none() && up.is_none() && transform.is_empty()
@@ -107,7 +107,7 @@ pub struct Lens {
     /// Unit: none. Default: given by `radius`. Example: `f_stop: 2.8`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub f_stop: Option<f64>,
-    /// Focal length, for `f_stop`: 0.05 for 50 mm in a scene in metres. What the image shows is said by `fov`.
+    /// Focal length, for `f_stop`: 0.05 for 50 mm in a scene in metres. It does not change the field of view, which is `fov`.
     ///
     /// Unit: units of the scene. Default: none; needed by `f_stop`. Example: `focal_length: 0.05`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -128,8 +128,7 @@ pub struct Lens {
     /// Unit: corners. Default: round. Example: `blades: 6`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blades: Option<u32>,
-    /// Degrees by which the aperture is turned counter-clockwise, seen from behind the camera. Its first corner points up
-    /// otherwise.
+    /// Rotation of the aperture, counter-clockwise seen from behind the camera. At 0 its first corner points up.
     ///
     /// Unit: degrees. Default: `0`. Example: `rotate: 15`.
     #[serde(skip_serializing_if = "is_zero")]

@@ -88,7 +88,7 @@ pub enum Wrap {
     Repeat,
     /// It repeats, mirrored every other time.
     Mirror,
-    /// The edge goes on.
+    /// The edge pixel is repeated.
     Clamp,
 }
 

@@ -1,7 +1,7 @@
-//! The path that leads to a place in the text of a scene: names of fields and choices, and places in lists.
+//! Path to a position in the text of a scene: names of fields and choices, and indices of lists.
 //!
-//! Parsers tell the place of a mistake as a line and a column alone. The text before it is read once more, loosely, since it
-//! is known to be sound: brackets, names before colons, and commas.
+//! Parsers report the position of an error as line and column only. This scanner reads the text before it once more: brackets,
+//! names before colons, and commas. That text is known to be valid.
 
 use std::ops::Range;
 
@@ -35,7 +35,7 @@ pub(super) struct OpenBracket<'t> {
     pub(super) index: usize,
 }
 
-/// The last token before a place.
+/// Last token before a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Token {
     Start,
@@ -45,19 +45,24 @@ pub(super) enum Token {
     Mark,
 }
 
-/// A place between two tokens of the text.
+/// Position between two tokens of the text.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor<'t> {
-    pub(super) frames: Vec<OpenBracket<'t>>,
-    /// The value that ended last, and where it stood among its brackets: their number, and the place in the innermost one.
+    pub(super) brackets: Vec<OpenBracket<'t>>,
+    /// The last complete value, the number of brackets around it, and its key and index in the innermost one.
     last: Option<(Range<usize>, usize, Option<&'t str>, usize)>,
     pub(super) last_token: Token,
 }
 
 impl<'t> Cursor<'t> {
-    /// The place behind all tokens that begin before a byte.
+    /// Position behind all tokens that begin before a byte.
     pub(super) fn before(text: &'t str, byte: usize) -> Self {
-        let mut cursor = Self { frames: Vec::new(), last: None, last_token: Token::Start };
+        Self::walk(text, byte, |_, _, _| {})
+    }
+
+    /// Version of [`before`](Self::before) that visits the name and position of each field and map entry.
+    pub(super) fn walk(text: &'t str, byte: usize, mut visit: impl FnMut(&Self, &'t str, usize)) -> Self {
+        let mut cursor = Self { brackets: Vec::new(), last: None, last_token: Token::Start };
         let mut word: Option<Range<usize>> = None;
         let mut at = 0;
         while let Some((token, is_text)) = token(text, at) {
@@ -70,7 +75,7 @@ impl<'t> Cursor<'t> {
                     let named = word.take().filter(|_| bracket == b'(');
                     let start = named.as_ref().map_or(token.start, |word| word.start);
                     let name = named.map(|word| &text[word]);
-                    cursor.frames.push(OpenBracket {
+                    cursor.brackets.push(OpenBracket {
                         start,
                         bracket,
                         bracket_at: token.start,
@@ -81,21 +86,23 @@ impl<'t> Cursor<'t> {
                     cursor.last_token = Token::Open;
                 }
                 b')' | b']' | b'}' => {
-                    if let Some(frame) = cursor.frames.pop() {
+                    if let Some(frame) = cursor.brackets.pop() {
                         cursor.ends(frame.start..token.end);
                     }
                     cursor.last_token = Token::Close;
                 }
                 b',' => {
-                    if let Some(frame) = cursor.frames.last_mut() {
+                    if let Some(frame) = cursor.brackets.last_mut() {
                         frame.key = None;
                         frame.index += 1;
                     }
                     cursor.last_token = Token::Mark;
                 }
                 b':' => {
-                    if let (Some(frame), Some((last, ..))) = (cursor.frames.last_mut(), &cursor.last) {
-                        frame.key = Some(text[last.clone()].trim_matches('"'));
+                    if let (Some(frame), Some((last, ..))) = (cursor.brackets.last_mut(), &cursor.last) {
+                        let (start, name) = (last.start, text[last.clone()].trim_matches('"'));
+                        frame.key = Some(name);
+                        visit(&cursor, name, start);
                     }
                     cursor.last_token = Token::Mark;
                 }
@@ -111,25 +118,25 @@ impl<'t> Cursor<'t> {
         cursor
     }
 
-    /// A value has ended. Its path is made when it is asked for: most texts have many values.
+    /// Records a complete value. Its path is built on demand: most texts have many values.
     fn ends(&mut self, range: Range<usize>) {
-        let (key, index) = self.frames.last().map_or((None, 0), |frame| (frame.key, frame.index));
-        self.last = Some((range, self.frames.len(), key, index));
+        let (key, index) = self.brackets.last().map_or((None, 0), |frame| (frame.key, frame.index));
+        self.last = Some((range, self.brackets.len(), key, index));
     }
 
     /// The value that ended last.
     pub(super) fn last(&self) -> Option<TextValue<'t>> {
         let (range, depth, key, index) = self.last.clone()?;
-        let mut frames = self.frames.get(..depth)?.to_vec();
-        if let Some(frame) = frames.last_mut() {
+        let mut brackets = self.brackets.get(..depth)?.to_vec();
+        if let Some(frame) = brackets.last_mut() {
             (frame.key, frame.index) = (key, index);
         }
-        Some(TextValue { range, path: path_of(&frames) })
+        Some(TextValue { range, path: path_of(&brackets) })
     }
 
     /// The path to the value that stands here or would stand here.
     pub(super) fn path(&self) -> Vec<Key<'t>> {
-        path_of(&self.frames)
+        path_of(&self.brackets)
     }
 
     /// The path to what the innermost bracket holds together.
@@ -142,14 +149,14 @@ impl<'t> Cursor<'t> {
     /// The value of the innermost bracket, up to its end in the text.
     pub(super) fn group(&self, text: &str) -> Option<TextValue<'t>> {
         let mut outer = self.clone();
-        let frame = outer.frames.pop()?;
+        let frame = outer.brackets.pop()?;
         Some(TextValue { range: frame.start..value_end(text, frame.bracket_at), path: outer.path() })
     }
 }
 
-fn path_of<'t>(frames: &[OpenBracket<'t>]) -> Vec<Key<'t>> {
+fn path_of<'t>(brackets: &[OpenBracket<'t>]) -> Vec<Key<'t>> {
     let mut path = Vec::new();
-    for frame in frames {
+    for frame in brackets {
         path.extend(frame.name.map(Key::Name));
         path.push(match (frame.key, frame.name) {
             (Some(key), _) => Key::Name(key),

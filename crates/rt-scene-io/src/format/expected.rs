@@ -1,6 +1,6 @@
-//! What may stand at a place of a scene file, in words for people.
+//! Values that the format expects at a position, in words.
 //!
-//! The JSON Schema knows it for every place. It is made when something is wrong, and not before.
+//! The JSON Schema lists them for every position. It is built when the first error is explained.
 
 use std::sync::LazyLock;
 
@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::SceneFile;
 use super::cursor::Key;
 
-/// How values are written.
+/// Notation of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Notation {
     Ron,
@@ -22,7 +22,7 @@ pub(super) struct Schema(&'static Value);
 /// Made when the first mistake is explained, once for all.
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| schemars::schema_for!(SceneFile).to_value());
 
-/// What may stand at a place: one of several.
+/// Alternatives at a position.
 #[derive(Clone, Debug)]
 pub(super) struct Slot<'s> {
     alternatives: Vec<&'s Value>,
@@ -37,7 +37,7 @@ impl Schema {
         Self(&SCHEMA)
     }
 
-    /// What may stand at the end of a path; `None` if the path leaves the format.
+    /// Alternatives at the end of a path; `None` if the path leaves the format.
     pub(super) fn slot(&self, path: &[Key<'_>]) -> Option<Slot<'_>> {
         let mut slot = self.expand(vec![self.0], "Scene");
         slot.definition = Some("Scene");
@@ -135,7 +135,7 @@ impl<'s> Slot<'s> {
         self.alternatives.iter().find_map(length).and_then(|length| usize::try_from(length).ok())
     }
 
-    /// What is expected here.
+    /// Description of the expected value.
     pub(super) fn words(&self, notation: Notation) -> String {
         let is_ron = notation == Notation::Ron;
         match (self.definition, is_ron) {

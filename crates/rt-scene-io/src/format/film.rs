@@ -27,7 +27,7 @@ pub struct Film {
     ///
     /// Example: `tone: aces`.
     pub tone: Tone,
-    /// Encoding of light in the bytes of the picture.
+    /// Encoding of light in the bytes of the image.
     ///
     /// Example: `encoding: gamma(2.2)`.
     pub encoding: Encoding,

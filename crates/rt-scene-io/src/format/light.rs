@@ -3,13 +3,13 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Color, Sides};
+use super::{Color, EmissionSides};
 
 /// A light. Without `falloff: inverse_square` its strength is the same at any distance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Light {
-    /// Shines from a point in all directions.
+    /// Emits from a point in all directions.
     Point {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -31,18 +31,18 @@ pub enum Light {
         /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
-        /// Surfaces nearer to the light than this do not shadow it: the lamp that it stands in.
+        /// Distance from the light up to which surfaces cast no shadow, such as the bulb around it.
         ///
-        /// Unit: units of the scene. Default: `0`. Example: `lamp_radius: 0.1`.
-        #[serde(default, skip_serializing_if = "is_zero")]
-        lamp_radius: f64,
+        /// Unit: units of the scene. Default: `0`. Example: `shadow_near: 0.1`.
+        #[serde(default, skip_serializing_if = "is_zero", alias = "lamp_radius")]
+        shadow_near: f64,
         /// True if objects cast shadows in its light.
         ///
         /// Default: `true`. Example: `casts_shadows: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
-    /// Shines in one direction from infinitely far away, like the sun.
+    /// Emits in one direction from infinitely far away, like the sun.
     Directional {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -67,7 +67,7 @@ pub enum Light {
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
-    /// Shines from a point in a cone.
+    /// Emits from a point into a cone.
     Spot {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -76,7 +76,7 @@ pub enum Light {
         ///
         /// Unit: units of the scene. Example: `position: (0, 4, 0)`.
         position: [f64; 3],
-        /// The direction in which it shines; any length but 0.
+        /// Axis of the cone; any length but 0.
         ///
         /// Unit: none. Example: `direction: (0, -1, 0)`.
         direction: [f64; 3],
@@ -85,7 +85,7 @@ pub enum Light {
         /// Unit: degrees.
         #[serde(default = "inner")]
         inner: f64,
-        /// Angle in degrees from the axis beyond which there is no light; at least `inner`, at most 90.
+        /// Angle from the axis beyond which there is no light; at least `inner`, at most 90.
         ///
         /// Unit: degrees.
         #[serde(default = "outer")]
@@ -109,7 +109,7 @@ pub enum Light {
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         casts_shadows: bool,
     },
-    /// A rectangle or parallelogram that shines.
+    /// An area light: a rectangle or parallelogram.
     Quad {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -118,7 +118,7 @@ pub enum Light {
         ///
         /// Unit: units of the scene. Example: `corner: (-1, 3, -1)`.
         corner: [f64; 3],
-        /// The two edges from there. It shines to the side from which the second is reached from the first counter-clockwise.
+        /// The two edges from there. The front is the side from which the second edge follows the first counter-clockwise.
         ///
         /// Unit: units of the scene. Example: `edges: ((2, 0, 0), (0, 0, 2))`.
         edges: ([f64; 3], [f64; 3]),
@@ -128,10 +128,10 @@ pub enum Light {
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
         /// Sides that emit.
-        #[serde(default)]
-        shines: Sides,
+        #[serde(default, alias = "shines")]
+        emission_sides: EmissionSides,
     },
-    /// A disk that shines.
+    /// An area light: a disk.
     Disk {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -155,10 +155,10 @@ pub enum Light {
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
         /// Sides that emit.
-        #[serde(default)]
-        shines: Sides,
+        #[serde(default, alias = "shines")]
+        emission_sides: EmissionSides,
     },
-    /// A ball that shines.
+    /// An area light: a sphere.
     Sphere {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -178,7 +178,7 @@ pub enum Light {
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
     },
-    /// A tube that shines.
+    /// An area light: a cylinder.
     Cylinder {
         /// Name for messages.
         #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -200,7 +200,7 @@ pub enum Light {
         /// Unit: radiance.
         #[serde(default = "white", alias = "color", alias = "colour")]
         radiance: Color,
-        /// True if its ends are closed, and emit as well.
+        /// True if its ends are closed, and emit too.
         ///
         /// Default: `true`. Example: `caps: false`.
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
@@ -234,11 +234,11 @@ pub enum Falloff {
     InverseSquare,
 }
 
-/// Light from the directions in which rays hit nothing.
+/// Radiance of rays that leave the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Background {
-    /// The same everywhere.
+    /// The same radiance in all directions.
     Constant(Color),
     /// From one colour straight down to another straight up.
     Gradient {
@@ -251,8 +251,7 @@ pub enum Background {
         /// Unit: radiance.
         top: Color,
     },
-    /// An equirectangular image all around, which lights the scene as well: its middle is seen along −z, its upper edge is
-    /// straight up.
+    /// An equirectangular image all around, which lights the scene. Its middle is seen along −z, its upper edge is straight up.
     Image {
         /// Path of a PNG, JPEG, HDR or EXR file, relative to the folder of the scene file.
         ///

@@ -69,14 +69,13 @@ pub enum Material {
         /// Default: `false`. Example: `fresnel: true`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         fresnel: Option<bool>,
-        /// Absorption inside per unit of way: light falls by exp(−absorption · length).
+        /// Absorption inside per unit of length: light falls by exp(−absorption · length).
         ///
         /// Unit: per unit of length. Default: `0`. Example: `absorption: (0.2, 0.05, 0.1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         absorption: Option<Color>,
-        /// Rank where transparent bodies overlap: the body of the greatest number is there, among equals the one that light
-        /// entered last. Bodies that touch, such as a glass and the water in it, must overlap. Used with
-        /// `transmission`.
+        /// Rank where dielectrics overlap: the one with the greatest number counts, and among equals the one that light entered
+        /// last. Touching dielectrics, such as a glass and the water in it, must overlap. Used with `transmission`.
         ///
         /// Unit: none. Default: `0`. Example: `priority: 1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -84,8 +83,8 @@ pub enum Material {
         /// Sides that emit, if it has `emission`.
         ///
         /// Default: `both`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        shines: Option<Sides>,
+        #[serde(default, skip_serializing_if = "Option::is_none", alias = "shines")]
+        emission_sides: Option<EmissionSides>,
     },
     /// A diffuse surface.
     Diffuse {
@@ -131,7 +130,7 @@ pub enum Material {
         #[serde(default = "white", alias = "color", alias = "colour")]
         reflectance: ColorTexture,
     },
-    /// A body of glass, water or anything clear.
+    /// A dielectric such as glass or water.
     Glass {
         /// Index of refraction of the inside, where that of air is 1.
         ///
@@ -148,12 +147,12 @@ pub enum Material {
         /// Unit: share of light.
         #[serde(default = "white")]
         transmittance: ColorTexture,
-        /// Absorption inside per unit of way: light falls by exp(−absorption · length).
+        /// Absorption inside per unit of length: light falls by exp(−absorption · length).
         ///
         /// Unit: per unit of length. Default: `0`. Example: `absorption: (0.2, 0.05, 0.1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         absorption: Option<Color>,
-        /// Rank where transparent bodies overlap, as for `phong`.
+        /// Rank where dielectrics overlap, as for `phong`.
         ///
         /// Unit: none.
         #[serde(default)]
@@ -218,7 +217,7 @@ pub enum Material {
         #[serde(default = "white")]
         transmittance: ColorTexture,
     },
-    /// A lamp: it shines and reflects nothing.
+    /// An emitter that reflects nothing.
     Light {
         /// Radiance.
         ///
@@ -226,8 +225,8 @@ pub enum Material {
         #[serde(default = "white", alias = "color", alias = "colour", alias = "emission")]
         radiance: ColorTexture,
         /// Sides that emit.
-        #[serde(default)]
-        shines: Sides,
+        #[serde(default, alias = "shines")]
+        emission_sides: EmissionSides,
     },
     /// Several materials at once, each with its weight. Weights of sum 1 blend them; weights of 1 lay them over each other. Glass
     /// cannot be part of it.
@@ -303,7 +302,7 @@ impl Material {
 /// Sides of a surface that emit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Sides {
+pub enum EmissionSides {
     /// The outside; of flat shapes, the side that they face.
     #[default]
     Front,

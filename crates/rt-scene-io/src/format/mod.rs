@@ -8,6 +8,7 @@ mod animation;
 mod camera;
 mod color;
 mod cursor;
+mod deprecated;
 mod expected;
 mod film;
 mod light;
@@ -27,13 +28,14 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
+use crate::Warning;
 pub use crate::{Accel, Integrator};
 pub use animation::{CameraAnimation, CameraKey, Interpolation, NodeAnimation, NodeKey};
 pub use camera::{Camera, FovAxis, Lens};
 pub use color::{Color, ColorTexture, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
 pub use light::{Background, Falloff, Light, LightUnits};
-pub use material::{Highlight, Material, Metal, NodeMaterial, Sides};
+pub use material::{EmissionSides, Highlight, Material, Metal, NodeMaterial};
 pub use node::{InsideRule, Node, Shape};
 pub use parse::{parse_json, parse_ron};
 pub use reference_page::reference_page;
@@ -44,7 +46,7 @@ pub use transform::Step;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct SceneFile {
-    /// Path or address of the JSON Schema, by which editors complete and check `.json` files. It has no effect here.
+    /// Path or address of the JSON Schema, for editors. It has no effect here.
     ///
     /// Example: `"$schema": "scene.schema.json"`.
     #[serde(default, rename = "$schema", skip_serializing)]
@@ -54,9 +56,9 @@ pub struct SceneFile {
     /// Default: stem of the file name. Example: `name: "still life"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The camera. Without one, or without a place, the camera is put where it sees everything.
+    /// The camera. Without one, or without a place, the camera is placed so that it sees everything.
     ///
-    /// Default: put where it sees everything. Example: `camera: (look_from: (0, 1, 5))`.
+    /// Default: placed so that it sees everything. Example: `camera: (look_from: (0, 1, 5))`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// More cameras to choose from by name. Without `camera`, the first of these is the default.
@@ -74,16 +76,16 @@ pub struct SceneFile {
     /// Example: `settings: (integrator: path, spp: 64)`.
     #[serde(default)]
     pub settings: Settings,
-    /// Light from the directions in which rays hit nothing.
+    /// Radiance of rays that leave the scene.
     ///
     /// Default: black. Example: `background: gradient(bottom: 1, top: "#80b0ff")`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
-    /// The lights. Without this field a scene that nothing else lights gets a key light, a fill light, some ambient light and a
-    /// backdrop: no emissive material, no image around it, and under path tracing no background. An empty list means no
-    /// lights.
+    /// The lights. Without this field, a scene without other light gets studio lights: a key light, a fill light, some ambient
+    /// light and a background. Other light is an emissive material, an environment image, and under path tracing a background.
+    /// An empty list means no lights.
     ///
-    /// Default: studio lights where nothing else lights the scene. Example: `lights: [point(position: (-3, 5, 4)), ambient(0.2)]`.
+    /// Default: studio lights if no other light exists. Example: `lights: [point(position: (-3, 5, 4)), ambient(0.2)]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<Vec<Light>>,
     /// Materials by name. One that is named like a material of a model changes that material: fields that are given
@@ -101,14 +103,17 @@ pub struct SceneFile {
     ///
     /// Example: `nodes: [(shape: sphere(), material: "red")]`.
     pub nodes: Vec<Node>,
-    /// Exact mean of the picture, if it is known.
+    /// Exact mean of the image, if it is known.
     ///
     /// Default: unknown. Example: `truth: (mean: 0.5)`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,
+    /// Deprecated spellings that the parser met.
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
 }
 
-/// The closed form of a scene's picture, to measure errors against.
+/// Closed form of the image, as a reference for errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Truth {
@@ -145,6 +150,7 @@ impl SceneFile {
             groups: IndexMap::new(),
             nodes,
             truth: None,
+            warnings: Vec::new(),
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Material, NodeAnimation, NodeMaterial, Step};
 
-/// A place in the tree, with at most one of `shape`, `model` and `instance`.
+/// A node of the tree, with at most one of `shape`, `model` and `instance`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Node {
@@ -20,14 +20,14 @@ pub struct Node {
     /// Example: `transform: [scale(2), translate(1, 0, 0)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
-    /// Place of the node at time 1, as steps like those of `transform`, which is its place at time 0. On the way it turns
-    /// by the shortest arc, at most half a turn. It is blurred as far as it moves while the camera's shutter is open.
+    /// Place of the node at time 1, as steps like those of `transform`, which is its place at time 0. It turns by the shortest
+    /// arc, at most half a turn. It is blurred by its motion while the shutter is open.
     ///
     /// Example: `motion: [translate(0.5, 0, 0)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion: Vec<Step>,
-    /// Instead of `motion`: where the node is at moments of an animation. It is blurred as far as it moves while the shutter
-    /// of a camera that has one is open.
+    /// Instead of `motion`: places of the node at times of an animation. It is blurred by its motion while a camera's `shutter`
+    /// is open.
     ///
     /// Default: at rest. Example: `animation: (keys: [(time: 0), (time: 1, transform: [translate(0, 2, 0)])])`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -116,11 +116,11 @@ pub enum Shape {
     },
     /// A box with faces along the axes.
     Box {
-        /// Least corner.
+        /// Minimum corner.
         ///
         /// Unit: units of the scene. Example: `min: (-1, 0, -1)`.
         min: [f64; 3],
-        /// Greatest corner.
+        /// Maximum corner.
         ///
         /// Unit: units of the scene. Example: `max: (1, 2, 1)`.
         max: [f64; 3],
@@ -273,7 +273,7 @@ pub enum Shape {
         /// Unit: units of the scene. Example: `holes: [[(1, 1, 0), (2, 1, 0), (1, 2, 0)]]`.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         holes: Vec<Vec<[f64; 3]>>,
-        /// Rule that tells the inside.
+        /// Inside of the polygon.
         #[serde(default)]
         rule: InsideRule,
     },
@@ -317,7 +317,7 @@ pub enum Shape {
     },
 }
 
-/// Rule that tells the inside of a polygon.
+/// Inside of a polygon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InsideRule {

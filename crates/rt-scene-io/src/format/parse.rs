@@ -4,9 +4,9 @@ use std::path::Path;
 
 use ron::extensions::Extensions;
 
-use super::SceneFile;
 use super::expected::Notation;
 use super::parse_error::{Explainer, ParseError};
+use super::{SceneFile, deprecated};
 use crate::excerpt::{Excerpt, Position};
 use crate::limits::NESTING;
 use crate::{Diagnostic, LoadError, Location};
@@ -24,22 +24,28 @@ pub(super) fn ron_options() -> ron::Options {
 /// # Errors
 /// If the text is no scene, with the line and column. Values are not checked yet: [`resolve`](crate::resolve) does.
 pub fn parse_ron(text: &str, name: &Path) -> Result<SceneFile, LoadError> {
-    ron_options()
+    let file = ron_options()
         .from_str(text)
-        .map_err(|error| located(text, name, Explainer::new(text, Notation::Ron).ron(error, text, 0)))
+        .map_err(|error| located(text, name, Explainer::new(text, Notation::Ron).ron(error, text, 0)))?;
+    Ok(with_warnings(file, text, name))
 }
 
 /// Parses a scene in JSON. `name` is the file named in messages.
 ///
 /// # Errors
-/// As [`parse_ron`].
+/// Errors of [`parse_ron`].
 pub fn parse_json(text: &str, name: &Path) -> Result<SceneFile, LoadError> {
-    serde_json::from_str(text).map_err(|error| {
+    let file = serde_json::from_str(text).map_err(|error| {
         let message = error.to_string();
-        // The place is told apart from the message here.
+        // The location is reported apart from the message.
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
         located(text, name, Explainer::new(text, Notation::Json).json(message, error.line(), error.column()))
-    })
+    })?;
+    Ok(with_warnings(file, text, name))
+}
+
+fn with_warnings(file: SceneFile, text: &str, name: &Path) -> SceneFile {
+    SceneFile { warnings: deprecated::warnings(text, &name.display().to_string()), ..file }
 }
 
 /// A mistake with its line.

@@ -98,7 +98,7 @@ impl<'t> Explainer<'t> {
         }
     }
 
-    /// An error of `serde_json`: its message without the place.
+    /// Translates an error of `serde_json`: its message without the location.
     pub(super) fn json(&self, message: &str, line: usize, column: usize) -> ParseError {
         // Columns of serde_json count the bytes of the line that have been read.
         let at = floor(self.text, line_start(self.text, line) + column);
@@ -109,7 +109,7 @@ impl<'t> Explainer<'t> {
         let found = || words().next().unwrap_or_default();
         let starts = |start: &str| message.starts_with(start);
         if message.contains("unit variant, expected") {
-            // It is met when the object around the value ends or goes on.
+            // The parser reports it after the object around the value.
             self.wrong_value(Cursor::before(self.text, at.saturating_sub(1)).last(), at)
         } else if message == NO_SPELLING || starts("invalid type") || starts("invalid value") {
             let value = match cursor.last_token {
@@ -197,7 +197,7 @@ impl<'t> Explainer<'t> {
         ParseError::new(at, format!("unknown choice `{found}`{place}{hint}"))
     }
 
-    /// What is probably meant, and what there is.
+    /// Most likely word, and the valid ones.
     fn hint(&self, context: &str, found: &str, known: &[&str]) -> String {
         let known: Vec<String> =
             known.iter().filter(|word| !word.starts_with('$')).map(|&word| word.to_owned()).collect();
@@ -235,7 +235,7 @@ impl<'t> Explainer<'t> {
     fn other_type(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
         let Some(start) = next(self.text, at) else { return self.early_end() };
         // A name in braces without quotes.
-        if let Some(frame) = cursor.frames.last().filter(|frame| frame.bracket == b'{')
+        if let Some(frame) = cursor.brackets.last().filter(|frame| frame.bracket == b'{')
             && matches!(cursor.last_token, Token::Open | Token::Mark)
             && self.text[frame.start..].starts_with('{')
             && self.schema.slot(&cursor.container()).is_some_and(|slot| slot.is_map())
@@ -256,13 +256,13 @@ impl<'t> Explainer<'t> {
         self.wrong_value(Some(value), at)
     }
 
-    /// True if the last token before the place is a value that nothing follows yet.
+    /// True if the last token before the position is a complete value.
     fn stands_behind_value(&self, cursor: &Cursor<'t>, at: usize) -> bool {
         let is_key = next(self.text, at).is_some_and(|next| self.text[next..].starts_with(':'));
         matches!(cursor.last_token, Token::Value | Token::Close) && !is_key
     }
 
-    /// A value that is not what its place expects.
+    /// Reports a value of the wrong type or form.
     fn wrong_value(&self, value: Option<TextValue<'t>>, at: usize) -> ParseError {
         let Some(TextValue { range, path }) = value else { return self.early_end() };
         let given = &self.text[range.clone()];
@@ -289,7 +289,7 @@ impl<'t> Explainer<'t> {
     }
 
     fn is_too_long(&self, cursor: &Cursor<'t>) -> bool {
-        let (Some(frame), Some(slot)) = (cursor.frames.last(), self.schema.slot(&cursor.container())) else {
+        let (Some(frame), Some(slot)) = (cursor.brackets.last(), self.schema.slot(&cursor.container())) else {
             return false;
         };
         frame.bracket == b'[' && slot.fixed_length().is_some_and(|length| frame.index >= length)
@@ -297,7 +297,7 @@ impl<'t> Explainer<'t> {
 
     /// A group should end here, or go on after a comma.
     fn end_of_group(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
-        let Some(frame) = cursor.frames.last() else {
+        let Some(frame) = cursor.brackets.last() else {
             return ParseError::new(at, "the scene has ended: remove what follows");
         };
         let Some(start) = next(self.text, at) else { return self.early_end() };
@@ -319,7 +319,7 @@ impl<'t> Explainer<'t> {
     fn early_end(&self) -> ParseError {
         let end = self.text.trim_end().len();
         let cursor = Cursor::before(self.text, self.text.len());
-        match cursor.frames.last() {
+        match cursor.brackets.last() {
             None if end == 0 => ParseError::new(0, "the file has no scene in it"),
             None => ParseError::new(end, "the file ends too early"),
             Some(frame) => {
@@ -357,7 +357,7 @@ fn called(context: &str) -> String {
     name
 }
 
-/// How vectors are written, for those who take the brackets of the other notation.
+/// Hint for vectors in the brackets of the other notation.
 fn hint_of_brackets(slot: &Slot<'_>, given: &str, notation: Notation) -> &'static str {
     match notation {
         Notation::Ron if slot.fixed_length().is_some() && given.starts_with('[') => "; vectors stand in parentheses",

@@ -20,7 +20,7 @@ const TYPES: [(&str, &str); 36] = [
     ("Material", "Materials"),
     ("Highlight", "Highlights"),
     ("Metal", "Metals"),
-    ("Sides", "Sides"),
+    ("EmissionSides", "Emission sides"),
     ("Color", "Colours"),
     ("ColorTexture", "Coefficients and textures"),
     ("Wrap", "Edges of images"),
@@ -237,7 +237,7 @@ impl<'s> Format<'s> {
         }
     }
 
-    /// How a choice is written.
+    /// Notation of a choice.
     fn form(&self, choice: &'s Value) -> String {
         if let Some(example) = Description::of(choice).example {
             return example;
@@ -386,7 +386,7 @@ fn reference(schema: &Value) -> Option<&str> {
     schema.get("$ref")?.as_str()?.rsplit('/').next()
 }
 
-/// What stands here, of something that may be left out.
+/// Schema of an optional value that is present.
 fn present(schema: &Value) -> Option<&Value> {
     let options = schema.get("anyOf")?.as_array()?;
     let is_null = |option: &&Value| option.get("type").and_then(Value::as_str) == Some("null");
@@ -455,7 +455,7 @@ mod tests {
         }
         types! {
             "Scene" SceneFile, "Node" Node, "Shape" Shape, "InsideRule" InsideRule, "Step" Step, "Material" Material,
-            "NodeMaterial" NodeMaterial, "Highlight" Highlight, "Metal" Metal, "Sides" Sides, "Color" Color,
+            "NodeMaterial" NodeMaterial, "Highlight" Highlight, "Metal" Metal, "EmissionSides" EmissionSides, "Color" Color,
             "ColorTexture" ColorTexture, "Wrap" Wrap, "Light" Light, "LightUnits" LightUnits, "Falloff" Falloff,
             "Background" Background, "Camera" Camera, "FovAxis" FovAxis, "Lens" Lens, "NodeAnimation" NodeAnimation, "NodeKey" NodeKey,
             "CameraAnimation" CameraAnimation, "CameraKey" CameraKey, "Interpolation" Interpolation, "Film" Film,

@@ -27,7 +27,7 @@ same_variants! {
     super::LightUnits, rt_shading::LightUnits: Classical Physical;
     super::Sampler, rt_camera::SamplerKind:
         Centre Grid Random Jittered HalfJittered MultiJittered Sobol Halton BlueNoise;
-    super::Sides, rt_shading::emitter::Sides: Front Both;
+    super::EmissionSides, rt_shading::emitter::Sides: Front Both;
     super::Tone, rt_image::ToneCurve: Clamp Reinhard Aces;
     super::Wrap, rt_shading::Wrap: Repeat Mirror Clamp;
 }

@@ -1,4 +1,4 @@
-//! How to render, in the file.
+//! Render settings in the file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,8 +9,8 @@ use crate::{Accel, Integrator};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// Method by which light is computed. By default `whitted`, and `path` for scenes that have lights with extent, an image around
-    /// them, or physical materials. Without `lights`, models of physical materials and emissive objects count as well.
+    /// Method by which light is computed. The default is `path` for scenes with area lights, an environment image, or physical
+    /// materials, else `whitted`. Without `lights`, physical materials of models and emissive objects count too.
     ///
     /// Default: `whitted` or `path`, as the scene needs. Example: `integrator: path`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -21,20 +21,21 @@ pub struct Settings {
     ///
     /// Unit: samples.
     pub spp: u64,
-    /// Independent passes that the samples are split into, by which the error is estimated.
+    /// Independent passes, whose differences estimate the error.
     ///
     /// Unit: passes. Default: chosen by the integrator. Example: `passes: 4`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub passes: Option<u64>,
     /// Distribution of samples among pixels.
     ///
-    /// Default: the same for all pixels. Example: `adaptive: object_space(least: 4)`.
+    /// Default: the same for all pixels. Example: `adaptive: object_space(min_spp: 4)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
     /// Bounces after the first hit: 0 for direct light alone.
     ///
     /// Unit: bounces.
-    pub depth: u64,
+    #[serde(alias = "depth")]
+    pub max_depth: u64,
     /// Rays that contribute less than this to the pixel are not followed.
     ///
     /// Unit: share of the pixel.
@@ -50,7 +51,8 @@ pub struct Settings {
     /// Bounces before Russian roulette may end a path.
     ///
     /// Unit: bounces.
-    pub roulette_from: u64,
+    #[serde(alias = "roulette_from")]
+    pub rr_start_depth: u64,
     /// Bound on each contribution of indirect light to a sample; brighter ones are scaled down to it.
     ///
     /// It takes away fireflies and some light: the image is biased. For `path`, `distributed` and `caustics`.
@@ -72,12 +74,12 @@ impl Default for Settings {
             spp: 16,
             passes: None,
             adaptive: None,
-            depth: 5,
+            max_depth: 5,
             min_contribution: 0.0,
             accel: Accel::Auto,
             seed: 0,
             light_sampling: LightSampling::Tree,
-            roulette_from: 3,
+            rr_start_depth: 3,
             clamp: None,
             occlusion_distance: None,
         }
@@ -92,9 +94,9 @@ pub enum Adaptive {
     ObjectSpace {
         /// Samples of a pixel without edges.
         ///
-        /// Unit: samples. Default: a quarter of `spp`. Example: `least: 4`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        least: Option<u64>,
+        /// Unit: samples. Default: a quarter of `spp`. Example: `min_spp: 4`.
+        #[serde(default, skip_serializing_if = "Option::is_none", alias = "least")]
+        min_spp: Option<u64>,
     },
 }
 
@@ -106,7 +108,7 @@ pub enum LightSampling {
     Uniform,
     /// In proportion to power.
     Power,
-    /// By a tree that knows how near lights are and where they shine.
+    /// By a light tree, which bounds position and emission.
     Tree,
 }
 

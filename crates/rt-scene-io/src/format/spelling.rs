@@ -1,7 +1,7 @@
-//! Values with a short spelling beside that of their type: `0.5` for `gray(0.5)`.
+//! Values with a short spelling: `0.5` for `gray(0.5)`.
 //!
-//! JSON tells what a value is before it is read. RON does so for plain values alone: of `gray(0.5)` it would keep the number
-//! and lose the name. There the text of the value is taken as it is, and read according to its first character.
+//! JSON values describe their type. RON does so for plain values only: from `gray(0.5)` it would keep the number and lose the
+//! name. RON values are therefore read as raw text, and parsed by their first character.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -11,7 +11,7 @@ use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAcce
 
 use super::parse::ron_options;
 
-/// Name by which `ron` is asked for the text of a value.
+/// Name that makes `ron` return the raw text of a value.
 const RAW: &str = "$ron::private::RawValue";
 
 /// Error of a value that has none of its spellings. It never leaves the parser, which finds better words.

@@ -1,6 +1,6 @@
 //! Words of other programs for what the format calls otherwise.
 
-/// What is meant by a word that does not exist.
+/// Meaning of an unknown word.
 pub(super) enum Meant {
     /// Another word.
     Word(&'static str),
@@ -16,7 +16,7 @@ const SCALE: Meant = Written("`transform: [scale(factor)]`");
 const SHADE: Meant = Written("`material: diffuse(albedo: ...)`");
 const SIZE: Meant = Written("`size: (width, height)`");
 
-/// What is meant by `found` among the fields or choices of a context: a type such as `Camera`, or a choice such as `sphere`.
+/// Meaning of `found` among the fields or choices of a context: a type such as `Camera`, or a choice such as `sphere`.
 pub(super) fn meant(context: &str, found: &str) -> Option<Meant> {
     let found = found.to_ascii_lowercase();
     let found = found.as_str();
@@ -31,7 +31,7 @@ pub(super) fn meant(context: &str, found: &str) -> Option<Meant> {
             "f_stop" | "fstop" => Written("`lens: (f_stop: ..., focal_length: ...)`"),
             "focus" | "focus_distance" | "focal_distance" => Written("`lens: (radius: ..., focus: ...)`"),
             "translate" => TRANSLATE,
-            "resolution" | "size" | "width" | "height" => Written("`film: (size: (width, height))` beside the camera"),
+            "resolution" | "size" | "width" | "height" => Written("`film: (size: (width, height))` next to the camera"),
             _ => return None,
         },
         "Lens" => match found {
@@ -54,16 +54,16 @@ pub(super) fn meant(context: &str, found: &str) -> Option<Meant> {
             "width" | "height" | "resolution" => SIZE,
             "tonemap" | "tone_mapping" | "tone_map" => Word("tone"),
             "gamma" => Written("`encoding: gamma(2.2)`"),
-            "samples" | "spp" => Written("`settings: (spp: ...)` beside the film"),
+            "samples" | "spp" => Written("`settings: (spp: ...)` next to the film"),
             _ => return None,
         },
         "Settings" => match found {
             "samples" | "samples_per_pixel" | "sample_count" => Word("spp"),
-            "bounces" | "max_bounces" | "max_depth" | "maxdepth" => Word("depth"),
+            "bounces" | "max_bounces" | "maxdepth" => Word("max_depth"),
             "accelerator" | "acceleration" => Word("accel"),
             "pattern" => Word("sampler"),
             "size" | "width" | "height" | "resolution" => {
-                Written("`film: (size: (width, height))` beside the settings")
+                Written("`film: (size: (width, height))` next to the settings")
             }
             _ => return None,
         },
@@ -109,13 +109,13 @@ pub(super) fn meant(context: &str, found: &str) -> Option<Meant> {
         "sphere" | "disk" | "cylinder" | "cone" | "torus" | "frustum" => match found {
             "position" | "origin" | "location" | "pos" if context == "sphere" => Word("center"),
             "position" | "origin" | "location" | "pos" | "center" | "centre" | "base" => {
-                Written("`transform: [translate(x, y, z)]` beside `shape`")
+                Written("`transform: [translate(x, y, z)]` next to `shape`")
             }
             "r" | "size" => Word("radius"),
             "height" if context == "cylinder" => Word("top"),
             "minor_radius" | "minor" | "tube" if context == "torus" => Word("tube_radius"),
             "major_radius" | "major" if context == "torus" => Word("radius"),
-            "color" | "colour" => Written("`material: diffuse(albedo: ...)` beside `shape`"),
+            "color" | "colour" => Written("`material: diffuse(albedo: ...)` next to `shape`"),
             _ => return None,
         },
         "box" => match found {
@@ -141,7 +141,7 @@ pub(super) fn meant(context: &str, found: &str) -> Option<Meant> {
             "omni" | "lamp" => Word("point"),
             "spotlight" => Word("spot"),
             "environment" | "envmap" | "sky" | "infinite" => {
-                Written("`background: image(file: ...)` beside the lights")
+                Written("`background: image(file: ...)` next to the lights")
             }
             _ => return None,
         },
@@ -152,7 +152,7 @@ pub(super) fn meant(context: &str, found: &str) -> Option<Meant> {
             "angle" | "cutoff" | "outer_angle" => Word("outer"),
             "inner_angle" => Word("inner"),
             "attenuation" => Word("falloff"),
-            "radius" if context == "point" => Word("lamp_radius"),
+            "radius" if context == "point" => Word("shadow_near"),
             _ => return None,
         },
         "quad" | "light" => match found {

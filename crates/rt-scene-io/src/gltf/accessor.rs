@@ -143,7 +143,7 @@ fn number(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
         DataType::I16 => f32::from(bits as u16 as i16),
         DataType::U8 | DataType::U16 | DataType::U32 => bits as f32,
     };
-    unit_integer(kind).filter(|_| normalized).map_or(value, |most| normalised(value, most))
+    unit_integer(kind).filter(|_| normalized).map_or(value, |unit| normalised(value, unit))
 }
 
 /// The integer that stands for 1 where integers are normalised; `None` for numbers that are none.

@@ -1,4 +1,4 @@
-//! Animations: channels of keys, and their values at a moment (glTF 2.0, section 3.11 and appendix C).
+//! Animations: channels of keys, and their values at a time (glTF 2.0, section 3.11 and appendix C).
 
 use gltf::Document;
 use rt_math::transcendental::{atan2, sin};
@@ -40,7 +40,7 @@ struct AnimationSampler {
     output: usize,
 }
 
-/// What holds between two keys.
+/// Interpolation between two keys.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "UPPERCASE")]
 enum CurveInterpolation {
@@ -50,8 +50,8 @@ enum CurveInterpolation {
     CubicSpline,
 }
 
-/// A model when the shutter opens and, if its animation runs meanwhile, when it closes, as the options say. `animations` is the
-/// list in the file.
+/// Poses of a model when the shutter opens and, if an animation runs meanwhile, when it closes. `animations` is the list in the
+/// file.
 pub(super) fn poses(
     document: &Document,
     animations: &Value,
@@ -83,7 +83,7 @@ pub(super) fn poses(
     Ok((opens, Some(closes)))
 }
 
-/// Poses a model at a moment, in seconds.
+/// Poses a model at a time, in seconds.
 fn animate(
     pose: &mut Pose,
     list: &[Value],
@@ -172,7 +172,7 @@ impl Curve {
         Ok(Self { times, values, width, interpolation, turns: property == Property::Rotation })
     }
 
-    /// The value at a moment; before the first and after the last key, that of the key.
+    /// Value at a time; before the first and after the last key, that of the key.
     fn at(&self, time: f64) -> Vec<f64> {
         let after = self.times.partition_point(|key| f64::from(*key) <= time);
         let (Some(before), true) = (after.checked_sub(1), after < self.times.len()) else {
@@ -266,7 +266,7 @@ mod tests {
     #[test]
     fn turns_run_along_the_shorter_arc() {
         let half = std::f32::consts::FRAC_1_SQRT_2;
-        // No turn, a quarter about z with the sign of the longer way, and the same again.
+        // Identity, a quarter turn about z with the sign of the longer arc, and that quarter turn again.
         let turn =
             curve(CurveInterpolation::Linear, 4, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, -half, 0.0, 0.0, -half, -half]);
         let third = turn.at(1.0 + 1.0 / 3.0);

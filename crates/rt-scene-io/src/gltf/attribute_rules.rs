@@ -1,4 +1,4 @@
-//! What the accessors of a primitive must be like, whether or not something shows it (glTF 2.0, section 3.7.2.1).
+//! Rules for the accessors of primitives (glTF 2.0, section 3.7.2.1).
 
 use gltf::json::{
     Index, Root,
@@ -10,7 +10,7 @@ use gltf::json::{
 use super::draco;
 use crate::{LoadErrorKind, Warning};
 
-/// Checks all primitives of a document whose references hold. Each problem comes with its place.
+/// Checks all primitives of a document with valid references. Each error comes with its place.
 pub(super) fn check(root: &Root, warnings: &mut Vec<Warning>) -> Vec<(String, LoadErrorKind)> {
     let mut problems = Vec::new();
     for (m, mesh) in root.meshes.iter().enumerate() {
@@ -123,7 +123,7 @@ fn broken_rule(semantic: &Semantic, accessor: &Accessor) -> Option<&'static str>
     }
 }
 
-/// What is wrong with the numbers of sets of joints and weights.
+/// Message about unequal numbers of joint and weight sets.
 fn unpaired_joints(primitive: &Primitive) -> Option<String> {
     let sets = |is: fn(&Semantic) -> bool| {
         primitive.attributes.keys().filter(|semantic| matches!(semantic, Checked::Valid(s) if is(s))).count()

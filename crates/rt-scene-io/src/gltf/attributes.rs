@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{LoadError, LoadErrorKind};
 
-/// Where the numbers of a primitive come from.
+/// Source of the attributes of a primitive.
 pub(super) struct Attributes<'a> {
     primitive: &'a Primitive<'a>,
     buffers: &'a Buffers<'a>,
@@ -18,7 +18,7 @@ pub(super) struct Attributes<'a> {
 }
 
 impl<'a> Attributes<'a> {
-    /// Decodes the stream of a compressed primitive, unless it has plain positions beside it.
+    /// Decodes the stream of a compressed primitive, unless it also has uncompressed positions.
     pub(super) fn of(
         primitive: &'a Primitive<'a>,
         buffers: &'a Buffers<'a>,
@@ -55,7 +55,7 @@ impl<'a> Attributes<'a> {
         Ok(self.vectors::<4>(&semantic)?.unwrap_or_default())
     }
 
-    /// The vertices of the primitive in turn, of which there are `count`.
+    /// Vertex indices of the primitive, which has `count` vertices.
     pub(super) fn order(&self, count: usize) -> Result<Vec<u32>, LoadError> {
         match (&self.stream, self.primitive.indices()) {
             (Some(stream), _) => Ok(stream.indices()),

@@ -1,4 +1,4 @@
-//! The bytes that a document refers to: in the file itself, in data URIs, or in files beside it.
+//! Bytes that a document refers to: in the file itself, in data URIs, or in other files.
 
 use std::{borrow::Cow, collections::HashMap, path::Path};
 
@@ -30,10 +30,10 @@ pub(super) struct Buffers<'a> {
     document: &'a Document,
     /// `None` for buffers without data, which some extensions use as placeholders.
     data: Vec<Option<Cow<'a, [u8]>>>,
-    /// What compressed views hold, by their index.
+    /// Content of compressed views, by index.
     decoded: HashMap<usize, Vec<u8>>,
     /// The memory that they take, but for what lies in the file itself.
-    _room: Vec<Reservation>,
+    _reservations: Vec<Reservation>,
 }
 
 impl<'a> Buffers<'a> {
@@ -44,14 +44,14 @@ impl<'a> Buffers<'a> {
         path: &'a Path,
         options: &LoadOptions,
     ) -> Result<Self, LoadError> {
-        let (mut data, mut room) = (Vec::new(), Vec::new());
+        let (mut data, mut reservations) = (Vec::new(), Vec::new());
         for (i, buffer) in document.as_json().buffers.iter().enumerate() {
             let content = match &buffer.uri {
                 Some(uri) => {
                     let fail = |reason: LoadErrorKind| reason.at(path, format!("buffers[{i}].uri"));
                     let content = fetch(uri, path, options).map_err(fail)?;
                     let what = format_args!("buffer {i} of {}", path.display());
-                    room.push(options.memory.reserve(what, content.len() as u64).map_err(fail)?);
+                    reservations.push(options.memory.reserve(what, content.len() as u64).map_err(fail)?);
                     Some(Cow::Owned(content))
                 }
                 None if meshopt::is_placeholder(buffer.extensions.as_ref()) => None,
@@ -73,8 +73,8 @@ impl<'a> Buffers<'a> {
                 None => None,
             });
         }
-        let decoded = decode_views(document, &data, path, options, &mut room)?;
-        Ok(Self { path, document, data, decoded, _room: room })
+        let decoded = decode_views(document, &data, path, options, &mut reservations)?;
+        Ok(Self { path, document, data, decoded, _reservations: reservations })
     }
 
     /// The bytes of a view.
@@ -119,7 +119,7 @@ fn decode_views(
     data: &[Option<Cow<'_, [u8]>>],
     path: &Path,
     options: &LoadOptions,
-    room: &mut Vec<Reservation>,
+    reservations: &mut Vec<Reservation>,
 ) -> Result<HashMap<usize, Vec<u8>>, LoadError> {
     let mut total = 0;
     let mut decoded = HashMap::new();
@@ -127,7 +127,7 @@ fn decode_views(
         let Some((name, object)) = meshopt::of_view(view) else { continue };
         let fail = |reason: LoadErrorKind| reason.at(path, format!("bufferViews[{index}].extensions.{name}"));
         let what = format_args!("view {index} of {}", path.display());
-        room.push(options.memory.reserve(what, meshopt::decoded_bytes(object)).map_err(fail)?);
+        reservations.push(options.memory.reserve(what, meshopt::decoded_bytes(object)).map_err(fail)?);
         let bytes = meshopt::decode(object, data).map_err(fail)?;
         total += bytes.len() as u64;
         if total > limits::GLTF_DECODED_BYTES {

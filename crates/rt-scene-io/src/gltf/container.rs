@@ -13,8 +13,7 @@ const JSON: &[u8] = b"JSON";
 const BIN: &[u8] = b"BIN\0";
 
 impl<'a> Container<'a> {
-    /// Tells the wrapping by the first bytes. Whatever follows the binary chunk is ignored, as the specification asks
-    /// (glTF 2.0, section 4).
+    /// Recognises the container by its first bytes. Bytes after the binary chunk are ignored (glTF 2.0, section 4).
     pub(super) fn split(bytes: &'a [u8]) -> Result<Self, String> {
         if !bytes.starts_with(MAGIC) {
             return Ok(Self { json: bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), blob: None });

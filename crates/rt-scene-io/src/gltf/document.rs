@@ -1,7 +1,7 @@
-//! From JSON to a document whose references hold.
+//! JSON to a document with valid references.
 //!
-//! The `gltf` crate indexes without a look in some places and panics; here the JSON is checked first, and what its
-//! own validation finds is turned into problems with their place and value.
+//! The `gltf` crate indexes unchecked in some places and panics. Here the JSON is checked first. Findings of the crate's own
+//! validation become errors with place and value.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use super::attribute_rules;
 use crate::error::ErrorAt;
 use crate::{Diagnostic, LoadError, LoadErrorKind, Location, Warning, limits};
 
-/// Extensions that are followed, at least as far as they concern what we draw.
+/// Supported extensions.
 const SUPPORTED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -58,7 +58,7 @@ pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Re
     check_depth(&value, path)?;
     let animations = value.as_object_mut().and_then(|root| root.remove("animations")).unwrap_or_default();
     let root = Root::deserialize(&value).map_err(|error| {
-        // Only a parse of the text knows the line, but it may stumble over whole numbers with a point.
+        // Only a parse of the text reports the line, but it may fail earlier, at whole numbers with a point.
         serde_json::from_slice::<Root>(json)
             .err()
             .filter(|located| located.to_string().starts_with(&error.to_string()))
@@ -76,8 +76,8 @@ fn syntax(error: &serde_json::Error, path: &Path) -> LoadError {
     LoadErrorKind::Syntax(message[..end].to_owned()).at(path, Location::Position(error.line(), error.column()))
 }
 
-/// Writes whole numbers as integers: JSON does not tell `1.0` from `1`, but the types of the `gltf` crate do. Values are at most
-/// as deep as the parser of JSON lets them be.
+/// Writes whole numbers as integers: JSON treats `1.0` and `1` alike, but the types of the `gltf` crate do not. The JSON parser
+/// bounds the depth of values.
 fn normalize_integers(value: &mut Value) {
     match value {
         Value::Array(list) => list.iter_mut().for_each(normalize_integers),
@@ -94,7 +94,7 @@ fn normalize_integers(value: &mut Value) {
     }
 }
 
-/// Gives scenes without nodes an empty list of them, which the format leaves out and the parser asks for.
+/// Adds an empty list of nodes to scenes without nodes: optional in the format, required by the crate.
 fn add_lists_of_nodes(value: &mut Value) {
     let scenes = value.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten();
     for scene in scenes.filter_map(Value::as_object_mut) {
@@ -114,10 +114,10 @@ fn check_version(value: &Value) -> Result<(), LoadErrorKind> {
         };
         return Err(reason);
     };
-    let least = field("minVersion").unwrap_or("2.0");
+    let min_version = field("minVersion").unwrap_or("2.0");
     match version.split_once('.') {
-        Some(("2", _)) if least == "2.0" => Ok(()),
-        Some(("2", _)) => Err(LoadErrorKind::Unsupported(format!("glTF of at least version {least}"))),
+        Some(("2", _)) if min_version == "2.0" => Ok(()),
+        Some(("2", _)) => Err(LoadErrorKind::Unsupported(format!("glTF of at least version {min_version}"))),
         Some(("1", _)) => Err(LoadErrorKind::Unsupported(format!("glTF version {version} (1.x)"))),
         _ => Err(LoadErrorKind::Unsupported(format!("glTF version {version}"))),
     }
@@ -140,8 +140,8 @@ fn check_extensions(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     Ok(())
 }
 
-/// Checks the position accessors of primitives, which the validation of the `gltf` crate takes for granted, and tells of
-/// morphed attributes that it does not know.
+/// Checks the position accessors of primitives, which the validation of the `gltf` crate assumes. Warns of unknown morphed
+/// attributes.
 fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> Result<(), LoadError> {
     let accessors = list(value, "accessors");
     let mut problems = Vec::new();
@@ -165,8 +165,7 @@ fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     refuse(problems)
 }
 
-/// Refuses a tree that is too deep, before memory is spent on its nodes. Whether it is a tree at all is not asked here: what goes
-/// in circles has no root.
+/// Refuses a tree that is too deep, before memory is allocated for its nodes. Cycles have no root and are refused later.
 fn check_depth(value: &Value, path: &Path) -> Result<(), LoadError> {
     let nodes = list(value, "nodes");
     let children = |node: usize| {
@@ -218,8 +217,8 @@ fn check_references(root: &Root, value: &Value, path: &Path) -> Result<(), LoadE
     refuse(problems)
 }
 
-/// What breaks a rule, or seems to, but does not matter here: bounds and unknown attributes are not used, accessors
-/// without a view hold zeros, and extensions have been checked already.
+/// True for findings without effect: bounds and unknown attributes are not used, accessors without a view hold zeros, and
+/// extensions are checked elsewhere.
 fn is_harmless(place: &str, error: Error) -> bool {
     place.starts_with("extensionsRequired")
         || place.ends_with(".min")

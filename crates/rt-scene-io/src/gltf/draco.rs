@@ -69,8 +69,8 @@ impl DecodedPrimitive {
             return Err(fail(format!("{semantic} has {components} components, where {N} are needed")));
         }
         let mut values = attribute.read_f32s(self.mesh.num_points(), N);
-        if let Some(most) = unit_integer_of(attribute.data_type()).filter(|_| normalized) {
-            values.iter_mut().for_each(|value| *value = normalised(*value, most));
+        if let Some(unit) = unit_integer_of(attribute.data_type()).filter(|_| normalized) {
+            values.iter_mut().for_each(|value| *value = normalised(*value, unit));
         }
         Ok(Some(values.as_chunks().0.to_vec()))
     }

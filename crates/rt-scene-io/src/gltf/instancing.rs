@@ -1,4 +1,4 @@
-//! Nodes that place their mesh many times (EXT_mesh_gpu_instancing).
+//! Instanced meshes (EXT_mesh_gpu_instancing).
 
 use gltf::{Document, Node, scene::Transform as Matrix};
 use rt_math::Transform;
@@ -16,7 +16,7 @@ struct Instancing {
     attributes: InstanceAttributes,
 }
 
-/// The accessors that place instances. Others are of no concern to a picture.
+/// Accessors with the transforms of instances; other attributes are ignored.
 #[derive(Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 struct InstanceAttributes {
@@ -25,8 +25,8 @@ struct InstanceAttributes {
     scale: Option<usize>,
 }
 
-/// Where the instances of a node's mesh stand, in the space of the node, and the number of those that are left out, as
-/// their transform is unusable; `None` if the mesh stands there once.
+/// Transforms of the instances of a node's mesh, in the space of the node, and the number of unusable ones. `None` for a mesh
+/// that is not instanced.
 pub(super) fn placements(node: &Node<'_>, buffers: &Buffers<'_>) -> Result<Option<(Vec<Transform>, usize)>, LoadError> {
     let Some(object) = node.extension_value(NAME) else { return Ok(None) };
     let fail = |message: String| {
@@ -52,8 +52,8 @@ pub(super) fn placements(node: &Node<'_>, buffers: &Buffers<'_>) -> Result<Optio
         })
     };
     let places: Vec<Transform> = (0..count).filter_map(|i| place(i).ok()).collect();
-    let lost = count - places.len();
-    Ok(Some((places, lost)))
+    let unusable = count - places.len();
+    Ok(Some((places, unusable)))
 }
 
 fn read<const N: usize>(

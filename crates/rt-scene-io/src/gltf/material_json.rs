@@ -1,4 +1,4 @@
-//! What a document says about a material: the object of the specification with its extensions, and nothing done about it.
+//! Material objects of the specification with their extensions, as parsed.
 
 use gltf::json;
 use serde::Deserialize;
@@ -41,10 +41,10 @@ pub(super) struct TextureInfo {
     pub(super) index: usize,
     #[serde(default)]
     pub(super) tex_coord: u32,
-    /// Of normal maps.
+    /// Used by normal maps.
     #[serde(default = "one")]
     pub(super) scale: f32,
-    /// Of occlusion.
+    /// Used by occlusion.
     #[serde(default = "one")]
     pub(super) strength: f32,
     #[serde(default)]

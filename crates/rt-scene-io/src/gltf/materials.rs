@@ -21,14 +21,14 @@ use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, Model};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UsedMaterial {
     pub(super) id: MaterialId,
-    /// What the meshes must have for it.
+    /// Attributes that its meshes must have.
     pub(super) required_attributes: RequiredAttributes,
 }
 
 /// The materials and textures of a document.
 pub(super) struct MaterialReader<'a> {
     textures: GltfTextures<'a>,
-    /// By index, and whether meshes bring colours.
+    /// By index, and whether meshes have vertex colours.
     materials: HashMap<(Option<usize>, bool), UsedMaterial>,
 }
 
@@ -84,7 +84,7 @@ impl<'a> MaterialReader<'a> {
     }
 }
 
-/// What meshes must have for a material: up to two sets of texture coordinates, in the order of its textures.
+/// Attributes that a material requires: up to two sets of texture coordinates, in the order of its textures.
 fn required_attributes(description: &MaterialJson, has_colors: bool) -> RequiredAttributes {
     let mut uv_sets: UvSets = [None; 2];
     for set in description.textures().map(|texture| Some(texture.uv_set())) {
@@ -166,7 +166,7 @@ impl MaterialBuilder<'_, '_> {
         Ok(surface)
     }
 
-    /// What lies over the base.
+    /// Reads the layers over the base: specular, clearcoat, sheen, anisotropy.
     fn read_layers(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
         let all = &description.extensions;
         if let Some(specular) = &all.specular {
@@ -195,7 +195,7 @@ impl MaterialBuilder<'_, '_> {
         Ok(())
     }
 
-    /// What lies behind the surface.
+    /// Reads transmission, volume and dispersion.
     fn read_body(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
         let all = &description.extensions;
         if let Some(transmission) = &all.transmission {
@@ -270,15 +270,15 @@ impl MaterialBuilder<'_, '_> {
         let texture = texture
             .filter(|id| self.model.textures[id.0 as usize].bitmap().is_some_and(|bitmap| !bitmap.alpha.is_empty()));
         let factor = f64::from(factor).clamp(0.0, 1.0);
-        // What nothing makes translucent is opaque, and traced faster.
+        // A blended surface without translucent parts is opaque, which is faster to trace.
         let is_whole = texture.is_none() && !self.has_colors && factor == 1.0;
         let alpha = if is_whole && alpha == Alpha::Blend { Alpha::Opaque } else { alpha };
-        // Light that comes through a body leaves it by the back of its surface.
+        // Light leaves a transmissive solid through the back of its surface.
         let has_front_only = !description.double_sided && surface.transmission.scalar.is_zero();
         Ok(Coverage { alpha, factor, texture, has_front_only })
     }
 
-    /// Occlusion is 1 + strength · (texture − 1): a texture of its own says that with one factor.
+    /// Reads occlusion, 1 + strength · (texture − 1). A strength below 1 is applied to a copy of the texture.
     fn occlusion(&mut self, info: &TextureInfo) -> Result<FloatTexture, LoadError> {
         let whole = FloatTexture::Constant(1.0);
         let Some(texture) = self.texture(Some(info), PixelEncoding::Numbers)? else { return Ok(whole) };
@@ -350,7 +350,7 @@ impl MaterialBuilder<'_, '_> {
     }
 }
 
-/// The mean colour, from at most some 8000 pixels.
+/// Mean colour of at most about 8000 pixels.
 fn mean(bitmap: &Bitmap) -> Rgb {
     let step = (bitmap.pixels.len() / 4096).max(1);
     let (mut sum, mut count) = (Rgb::BLACK, 0.0);

@@ -1,6 +1,6 @@
-//! Buffer views that meshoptimizer has compressed (EXT_meshopt_compression, KHR_meshopt_compression).
+//! Buffer views compressed by meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression).
 //!
-//! The bit streams are decoded by `draco-gltf`; what the file says of them is checked here.
+//! `draco-gltf` decodes the bit streams; the parameters in the file are checked here.
 
 use std::borrow::Cow;
 
@@ -14,7 +14,8 @@ use crate::LoadErrorKind;
 /// The names of the extension, before and after it was ratified.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Most bytes that a byte of a stream may stand for: a control byte of the vertex codec stands for four planes of at most 256.
+/// Maximum number of decoded bytes per byte of a stream: a control byte of the vertex codec stands for four planes of at most
+/// 256.
 const MAX_RATIO: usize = 1024;
 
 /// The object of the extension at a buffer view.
@@ -37,7 +38,7 @@ pub(super) fn of_view(view: &View) -> Option<(&'static str, &Value)> {
     NAMES.into_iter().find_map(|name| Some((name, extensions.get(name)?)))
 }
 
-/// Whether a buffer only says how much room its views take when they are decoded.
+/// True for a buffer that only states the decoded size of its views.
 pub(super) fn is_placeholder(extensions: Option<&Buffer>) -> bool {
     let fallback = |name: &str| extensions?.others.get(name)?.get("fallback")?.as_bool();
     NAMES.into_iter().any(|name| fallback(name) == Some(true))

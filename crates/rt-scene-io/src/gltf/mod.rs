@@ -6,8 +6,8 @@
 //!                           └── images ──> textures, materials
 //! ```
 //!
-//! The crate gives types and defaults; whatever comes from the file is checked before it is used (see `document` and
-//! `accessor`). Meshes are made as they are at one moment: morphed, and in the world if they follow bones.
+//! The crate provides types and defaults; all content of the file is checked before use (see `document` and `accessor`). Meshes
+//! are built for one time: morphed, and skinned meshes in world space.
 
 mod accessor;
 mod animation;
@@ -59,7 +59,7 @@ const OBJECT_BYTES: u64 = 1800;
 /// Bytes of memory that a corner of a triangle takes while its mesh is built.
 const CORNER_BYTES: u64 = 8;
 
-/// The same of an attribute of a vertex.
+/// Bytes of memory per attribute of a vertex.
 const ATTRIBUTE_BYTES: u64 = 16;
 
 /// A mesh of one material.
@@ -69,7 +69,7 @@ type MeshPart = (MeshId, MaterialId);
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| {
         refuse_utf16(&bytes).at(path, "")?;
-        // The last net, below the checks: the `gltf` crate may panic on documents that nobody thought of.
+        // Last resort: the `gltf` crate may panic on documents that pass the checks.
         catch_unwind(AssertUnwindSafe(|| load_bytes(&bytes, path, options))).unwrap_or_else(|_| {
             let message = "the document contradicts itself in a way that is not understood";
             Err(LoadErrorKind::Syntax(message.to_owned()).at(path, ""))
@@ -110,7 +110,7 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
         skins: HashMap::new(),
         known: HashMap::new(),
         bytes: 0,
-        loading: Vec::new(),
+        reservations: Vec::new(),
         options,
     };
     let poses = Poses { opens: &pose, closes: later.as_ref() };
@@ -150,7 +150,7 @@ struct Meshes<'a> {
     known: HashMap<(usize, Option<usize>), Vec<MeshPart>>,
     bytes: u64,
     /// The memory of the meshes so far.
-    loading: Vec<Reservation>,
+    reservations: Vec<Reservation>,
     options: &'a LoadOptions,
 }
 
@@ -198,21 +198,21 @@ impl Meshes<'_> {
         Ok(joints)
     }
 
-    /// Room for a primitive while it is read: what its accessors say, twice, as arrays and as a mesh.
+    /// Reserves memory for reading a primitive: its accessors, twice, as arrays and as a mesh.
     fn reserve(
         &self,
         mesh: &gltf::Mesh<'_>,
         primitive: &gltf::Primitive<'_>,
         place: &str,
     ) -> Result<Reservation, LoadError> {
-        // What claims more elements than there are bytes is refused for that when it is read.
-        let most = self.buffers.bytes().max(limits::GLTF_ZEROS as u64);
+        // Counts beyond the number of bytes are refused when they are read.
+        let max_elements = self.buffers.bytes().max(limits::GLTF_ZEROS as u64);
         let vertices =
-            primitive.get(&gltf::Semantic::Positions).map_or(0, |accessor| most.min(accessor.count() as u64));
-        // Not by the crate's iterator, which panics at names that the specification does not know.
+            primitive.get(&gltf::Semantic::Positions).map_or(0, |accessor| max_elements.min(accessor.count() as u64));
+        // The crate's iterator panics at names that the specification lacks.
         let json = &self.buffers.document().as_json().meshes[mesh.index()].primitives[primitive.index()];
         let attributes = json.attributes.len() as u64;
-        let corners = primitive.indices().map_or(vertices, |accessor| most.min(accessor.count() as u64));
+        let corners = primitive.indices().map_or(vertices, |accessor| max_elements.min(accessor.count() as u64));
         let bytes =
             CORNER_BYTES.saturating_mul(corners).saturating_add(vertices.saturating_mul(ATTRIBUTE_BYTES * attributes));
         let what = format_args!("{place} of {}", self.buffers.path().display());
@@ -232,7 +232,7 @@ impl Meshes<'_> {
         let material = variants::material(primitive, self.variant, self.buffers.document(), path, place)?;
         let has_colors = primitive.get(&gltf::Semantic::Colors(0)).is_some();
         let material = self.appearance.material(&material, has_colors, model)?;
-        let room = self.reserve(mesh, primitive, place)?;
+        let reservation = self.reserve(mesh, primitive, place)?;
         let data = match primitive::read(primitive, &material.required_attributes, deformation, self.buffers, place)? {
             PrimitiveContent::Triangles(data, notes) => {
                 model.warnings.extend(notes.into_iter().map(warning));
@@ -245,10 +245,10 @@ impl Meshes<'_> {
         };
         let built = build_mesh(data, place, &mut model.warnings).map_err(|e| LoadErrorKind::from(e).at(path, place))?;
         let Some(built) = built else { return Ok(None) };
-        drop(room);
+        drop(reservation);
         let what = format!("{place} of {}", path.display());
         let built_room = self.options.memory.reserve(what, built.memory() as u64);
-        self.loading.push(built_room.at(path, place)?);
+        self.reservations.push(built_room.at(path, place)?);
         self.bytes += built.memory() as u64;
         if self.bytes > limits::GLTF_MESH_BYTES {
             let (value, limit) = (self.bytes, limits::GLTF_MESH_BYTES);

@@ -1,11 +1,11 @@
-//! Where the nodes of a document are, and how far its meshes are morphed, at rest or at a moment of an animation.
+//! Transforms of the nodes of a document and morph weights of its meshes, at rest or at a time of an animation.
 
 use gltf::{Document, Mesh, Node, scene::Transform as Matrix};
 use rt_math::{DMat3, DQuat, DVec3};
 
 use crate::LoadErrorKind;
 
-/// What a channel of an animation changes at a node.
+/// Property of a node that a channel of an animation changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Property {
     Translation,
@@ -15,7 +15,7 @@ pub(super) enum Property {
 }
 
 impl Property {
-    /// By its name in files.
+    /// Property by its name in files.
     pub(super) fn of(path: &str) -> Option<Self> {
         match path {
             "translation" => Some(Self::Translation),
@@ -26,7 +26,7 @@ impl Property {
         }
     }
 
-    /// How many numbers it has; `None` where the number of morph targets says.
+    /// Number of components; `None` where it is the number of morph targets.
     pub(super) const fn width(self) -> Option<usize> {
         match self {
             Self::Translation | Self::Scale => Some(3),
@@ -44,18 +44,18 @@ pub(super) struct Pose {
 /// The states while the shutter is open.
 pub(super) struct Poses<'a> {
     pub(super) opens: &'a Pose,
-    /// If it differs.
+    /// Pose when the shutter closes, if different.
     pub(super) closes: Option<&'a Pose>,
 }
 
 struct Posed {
     matrix: Matrix,
-    /// Weights of morph targets in place of those of the mesh.
+    /// Morph weights that replace those of the mesh.
     weights: Option<Vec<f32>>,
 }
 
 impl Pose {
-    /// As the nodes of the file say.
+    /// Pose at rest.
     pub(super) fn rest(document: &Document) -> Self {
         let posed = |node: Node<'_>| Posed { matrix: node.transform(), weights: node.weights().map(<[f32]>::to_vec) };
         Self { nodes: document.nodes().map(posed).collect() }
@@ -98,7 +98,7 @@ impl Pose {
         let mut open: Vec<(Node<'_>, Affine)> =
             document.nodes().filter(|node| !has_parent[node.index()]).map(|node| (node, Affine::IDENTITY)).collect();
         while let Some((node, parent)) = open.pop() {
-            // A node with two parents is refused elsewhere; here its first place stands.
+            // A node with two parents is refused elsewhere; the first parent counts here.
             if worlds[node.index()].is_none() {
                 let world = parent.compose(&Affine::of(&self.nodes[node.index()].matrix));
                 worlds[node.index()] = Some(world);
@@ -109,7 +109,7 @@ impl Pose {
     }
 }
 
-/// An affine map that may be singular: bones may be scaled to nothing.
+/// Affine map, possibly singular: joints may be scaled to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Affine {
     pub(super) linear: DMat3,

@@ -93,7 +93,7 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model:
     Some(OpenNode { index: source.index(), world: parent.compose(&node), node, children })
 }
 
-/// Where a node goes while the shutter is open, if it goes anywhere.
+/// Transform of a node when the shutter closes; `None` for a static node.
 fn moves_to(source: &Source<'_>, poses: &Poses<'_>, start: &Transform, model: &mut Model) -> Option<Transform> {
     let end = transform(poses.closes?.matrix(source.index())?);
     if end.is_ok_and(|end| end == *start) {
@@ -106,8 +106,8 @@ fn moves_to(source: &Source<'_>, poses: &Poses<'_>, start: &Transform, model: &m
     end
 }
 
-/// The nodes to start from: those of the chosen scene, or all that have no parent. Each node must have at most one
-/// parent, and those of a scene none, so that the walk meets every node once and ends.
+/// Root nodes: those of the chosen scene, or all without a parent. Each node must have at most one parent, and roots none, so
+/// that the walk terminates.
 fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
     let mut parents = vec![None; document.nodes().len()];
     for node in document.nodes() {
@@ -177,7 +177,7 @@ fn place(
         model.nodes.push(bound);
         return Ok(());
     }
-    let Some((placements, lost)) = instancing::placements(source, buffers)? else {
+    let Some((placements, unusable)) = instancing::placements(source, buffers)? else {
         place_mesh(node, parts);
         return Ok(());
     };
@@ -186,11 +186,11 @@ fn place(
         let reason = LoadErrorKind::too_large("the number of instances", *instances, limits::GLTF_INSTANCES);
         return Err(reason.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME)));
     }
-    if lost > 0 {
-        warn(source, &format!("{lost} of its instances have an unusable transform; they are left out"), model);
+    if unusable > 0 {
+        warn(source, &format!("{unusable} of its instances have an unusable transform; they are left out"), model);
     }
     for parent_from_local in placements {
-        // Names of instances would take more room than they are worth.
+        // Names of instances are dropped to save memory.
         let mut instance = Node { name: String::new(), parent_from_local, ..empty(source) };
         place_mesh(&mut instance, parts);
         node.children.push(instance);
@@ -231,7 +231,7 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransform
         }
         _ => None,
     };
-    // Cameras have a place and a direction, but no scale.
+    // Cameras have a position and a direction, but no scale.
     let view = |world: &Transform| {
         let eye = world.point(DVec3::ZERO);
         Transform::look_at(eye, eye + world.vector(DVec3::NEG_Z).normalize_or_zero(), world.vector(DVec3::Y))

@@ -16,32 +16,32 @@ use super::{
 use crate::error::ErrorAt;
 use crate::{LoadError, LoadErrorKind, tangents};
 
-/// What the material of a primitive reads of it, beside positions and normals.
+/// Attributes that a material requires, apart from positions and normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct RequiredAttributes {
-    /// The sets of texture coordinates (TEXCOORD_n) for both slots of a mesh; `None` for a slot that nothing reads.
+    /// Sets of texture coordinates (TEXCOORD_n) for the two slots of a mesh; `None` for an unused slot.
     pub(super) uv_sets: [Option<u32>; 2],
     /// The slot of coordinates along which its normal map is laid.
     pub(super) along: usize,
     /// Vertex colours.
     pub(super) colors: bool,
-    /// Whether it has a map that is laid along tangents.
+    /// True if it has a map in tangent space.
     pub(super) tangents: bool,
 }
 
-/// How a mesh differs from what the file has.
+/// Deformation of a mesh.
 pub(super) struct Deformation<'a> {
-    /// How much of each morph target is added.
+    /// Weights of the morph targets.
     pub(super) weights: &'a [f32],
     /// The joints that take it to the world, if it follows some.
     pub(super) joints: Option<Arc<[Affine]>>,
-    /// Whether its node mirrors, where the node itself does not place it: the back is the front then.
+    /// True if a node mirrors a skinned mesh: its triangles are turned around.
     pub(super) mirrored: bool,
 }
 
-/// What a primitive holds.
+/// Content of a primitive.
 pub(super) enum PrimitiveContent {
-    /// Triangles, and what was left out of them or mended.
+    /// Triangles, and messages about omissions and repairs.
     Triangles(MeshData, Vec<String>),
     /// Points or lines, which have no surface.
     NoSurface,
@@ -162,7 +162,7 @@ fn morph(
     Ok(())
 }
 
-/// Why a mesh does not follow its bones.
+/// Error of skinning.
 enum SkinError {
     Read(LoadError),
     Deform(LoadErrorKind),

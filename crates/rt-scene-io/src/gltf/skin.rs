@@ -36,7 +36,7 @@ pub(super) fn joints(
     Ok(joints)
 }
 
-/// Up to four joints of each vertex, by their place in the skin, and their weights.
+/// Up to four joints of each vertex, as indices into the skin, and their weights.
 pub(super) struct Influences {
     pub(super) joints: Vec<[f32; 4]>,
     pub(super) weights: Vec<[f32; 4]>,

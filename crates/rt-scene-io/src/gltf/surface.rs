@@ -1,7 +1,7 @@
-//! The surfaces of glTF, and what comes nearest to them among Phong's.
+//! Surfaces of glTF, and the Phong surfaces that resemble them.
 //!
-//! The classical model has no blurred reflections, so the light that a metal reflects is split: the smoother it is, the
-//! more goes to the mirror, and the rest is shown as diffuse.
+//! Phong surfaces have no blurred reflection. The light that a metal reflects is therefore split: smooth metals mirror, and the
+//! rest is diffuse.
 //!
 //! ```text
 //! α        = roughness²            exponent = 2/α² − 2   (Blinn's half vector; Karis 2013, as Walter et al. 2007)
@@ -14,9 +14,9 @@
 //! ```
 //!
 //! (exponent + 8)/8 normalises the lobe for lights whose diffuse reflection is not divided by π (Akenine-Möller et al.,
-//! Real-Time Rendering, 4th ed., section 9.8), and the bound keeps a point light's highlight no brighter than the light.
-//! Where textures say how rough or metallic a surface is, their mean is taken: under `path`, each point has its own.
-//! Transmission becomes glass with Fresnel's equations; unlit surfaces emit their base colour.
+//! Real-Time Rendering, 4th ed., section 9.8). The bound keeps the highlight of a point light no brighter than the light.
+//! Textured roughness and metalness are replaced by their means; under `path` they vary. Transmission becomes a dielectric with
+//! Fresnel's equations; unlit surfaces emit their base colour.
 
 use rt_math::{Rgb, transcendental};
 use rt_shading::{
@@ -58,7 +58,7 @@ impl FloatFactor {
     }
 }
 
-/// How the base is described.
+/// Parameters of the base layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Base {
     MetallicRoughness {
@@ -67,7 +67,7 @@ pub(super) enum Base {
         roughness: FloatFactor,
     },
     SpecularGlossiness {
-        /// What shows the surface if there is but one colour.
+        /// Colour of the Phong surface.
         color: ColorFactor,
         diffuse: ColorFactor,
         specular: ColorFactor,
@@ -88,9 +88,9 @@ pub(super) struct GltfSurface {
     pub(super) specular_color: ColorFactor,
     /// Share of the light that enters the surface and passes.
     pub(super) transmission: FloatFactor,
-    /// Whether it passes a pane without thickness rather than a body.
+    /// True for a thin dielectric, false for a solid.
     pub(super) is_thin: bool,
-    /// White light that has gone so far in the body has this colour left.
+    /// Distance in the medium, and the colour that is left of white light after it.
     pub(super) attenuation: Option<(f64, Rgb)>,
     pub(super) dispersion: f64,
     pub(super) coat: FloatFactor,
@@ -105,7 +105,7 @@ pub(super) struct GltfSurface {
 }
 
 impl Default for GltfSurface {
-    /// What the specification says where a file says nothing: a white, rough metal.
+    /// Defaults of the specification: a white, rough metal.
     fn default() -> Self {
         let none = FloatFactor::constant(0.0);
         let (color, full) = (ColorFactor::plain(Rgb::WHITE), FloatFactor::constant(1.0));
@@ -190,7 +190,7 @@ impl GltfSurface {
         let Some((distance, color)) = self.attenuation.filter(|(distance, _)| *distance > 0.0) else {
             return Rgb::BLACK;
         };
-        // Of black, next to nothing is left.
+        // A black colour would make the absorption infinite.
         color.map(|part| (-transcendental::log(part.max(1e-6)) / distance).max(0.0))
     }
 

@@ -345,7 +345,7 @@ fn nodes_are_posed_at_a_moment() {
     assert!(error.contains("0 is a node with a matrix, which cannot be animated"), "{error}");
 }
 
-/// With the shutter open from this moment on, for a second.
+/// Options with the shutter open from a time on, for a second.
 fn open_at(time: f64) -> LoadOptions {
     LoadOptions { at_time: Some(time), frame_time: Some(1.0), shutter: Some([0.0, 1.0]), ..LoadOptions::default() }
 }
@@ -372,7 +372,7 @@ fn nodes_and_cameras_move_while_the_shutter_is_open() {
     assert_eq!((later.nodes[0].moves_to, later.cameras[0].settings.moves_to), (None, None));
     let sharp = arrays.at(1.0, &moved);
     assert_eq!((sharp.nodes[0].moves_to, sharp.nodes[0].parent_from_local), (None, translation(2.0, 0.0)));
-    // A bare model is seen by its camera on the same way.
+    // The camera of a bare model moves with its node.
     let (file, _) = crate::default_scene::scene_for_model(&model, &model, "m.glb", &open_at(1.0));
     let at_hand = Some(("m.glb".to_owned(), model));
     let scene = crate::resolve::resolve_with(&file, Path::new("m.glb"), &open_at(1.0), at_hand).expect("a scene").0;
@@ -381,7 +381,7 @@ fn nodes_and_cameras_move_while_the_shutter_is_open() {
         (seen.world_from_camera, seen.moves_to, seen.shutter),
         (camera.world_from_camera, camera.moves_to, [0.0, 1.0])
     );
-    // Scaled to nothing on its way, a node stands still.
+    // A node that is scaled to zero on its way stands still.
     let flat = arrays.load(&rest.replace("PATH", "scale"), &open_at(-1.0)).expect("a model");
     assert!(flat.nodes.is_empty() && flat.warnings[0].message.contains("left out"), "{:?}", flat.warnings);
 }

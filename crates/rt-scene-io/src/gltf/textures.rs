@@ -27,7 +27,7 @@ pub(super) struct GltfTextures<'a> {
     pub(super) document: &'a Document,
     buffers: &'a Buffers<'a>,
     options: &'a LoadOptions,
-    /// By number of the image; `None` for those that are not there.
+    /// By index of the image; `None` for missing ones.
     images: HashMap<(usize, PixelEncoding), Option<Arc<Bitmap>>>,
     known: HashMap<Key, TextureId>,
     bytes: u64,
@@ -38,7 +38,7 @@ impl<'a> GltfTextures<'a> {
         Self { document, buffers, options, images: HashMap::new(), known: HashMap::new(), bytes: 0 }
     }
 
-    /// The texture that a reference at `place` means; `None`, with a warning, if it has no image that can be read.
+    /// Texture of a reference at `place`; `None`, with a warning, without a readable image.
     pub(super) fn texture(
         &mut self,
         info: &TextureInfo,
@@ -144,7 +144,7 @@ fn texture_source(document: &Document, texture: usize) -> Option<usize> {
     (image < json.images.len()).then_some(image)
 }
 
-/// A texture that shows an image as a sampler says, or repeats it.
+/// Texture of an image with the modes of a sampler; it repeats without one.
 pub(super) fn image_texture(bitmap: Arc<Bitmap>, sampler: Option<&Sampler<'_>>) -> Texture {
     let wrap = sampler.map_or([WrappingMode::Repeat; 2], |s| [s.wrap_s(), s.wrap_t()]).map(|mode| match mode {
         WrappingMode::Repeat => Wrap::Repeat,

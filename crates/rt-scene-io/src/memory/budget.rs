@@ -1,8 +1,8 @@
-//! How much memory loading may take, asked before it is taken.
+//! Memory budget of loading, checked before memory is allocated.
 //!
 //! ```text
-//!   held + predicted ≤ budget ?   yes ──> a reservation, that counts until it is dropped or kept for good
-//!                                 no  ──> Reason::Memory: what would be needed, what is allowed, what needs most
+//!   held + predicted ≤ budget ?   yes ──> a reservation, which counts until it is dropped or kept
+//!                                 no  ──> LoadErrorKind::Memory: predicted sum, budget, largest part
 //! ```
 
 use std::collections::BTreeMap;
@@ -11,10 +11,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::{LoadErrorKind, MemoryError};
 
-/// Bytes of memory that loading may take: of what is loaded, and of what that needs on the way. The default is no limit.
+/// Maximum number of bytes for loading: loaded data and intermediate data. Unlimited by default.
 ///
-/// Clones share one account: what one of them keeps, the others miss. Loaders predict what a file will take from its size, its
-/// header and its counts, and reserve it before they read on; the predictions are upper estimates.
+/// Clones share one account. Loaders estimate the memory of a file from its size, header and counts, and reserve it before they
+/// read on. The estimates are upper bounds.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryBudget(Option<Arc<Account>>);
 
@@ -24,7 +24,7 @@ struct Account {
     entries: Mutex<AccountEntries>,
 }
 
-/// What is held now, by number.
+/// Reservations by number.
 #[derive(Debug, Default)]
 struct AccountEntries {
     held: u64,
@@ -55,7 +55,7 @@ impl MemoryBudget {
         self.0.as_ref().map_or(0, |account| account.entries().held)
     }
 
-    /// Sets bytes aside. `what` finishes the sentence "most of it is for ...".
+    /// Reserves bytes. `what` completes the sentence "most of it is for ...".
     pub(crate) fn reserve(&self, what: impl Display, bytes: u64) -> Result<Reservation, LoadErrorKind> {
         let Some(account) = &self.0 else { return Ok(Reservation { account: None }) };
         let mut entries = account.entries();
@@ -71,14 +71,14 @@ impl MemoryBudget {
         Ok(Reservation { account: Some((Arc::clone(account), number)) })
     }
 
-    /// Asks whether so many bytes are left, without setting them aside.
+    /// Checks that so many bytes are left, without a reservation.
     pub(crate) fn check(&self, what: impl Display, bytes: u64) -> Result<(), LoadErrorKind> {
         self.reserve(what, bytes).map(drop)
     }
 
     /// Sets bytes aside for as long as the budget lasts.
     pub(crate) fn keep(&self, what: impl Display, bytes: u64) -> Result<(), LoadErrorKind> {
-        // The entry stays, as nobody is left to take it out.
+        // The entry stays in the account.
         self.reserve(what, bytes).map(|mut reservation| reservation.account = None)
     }
 }
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(budget.held(), 60);
         assert!(budget.check("b", 40).is_ok() && budget.check("b", 41).is_err());
         drop(first);
-        // Clones draw from the same account.
+        // Clones share the account.
         budget.clone().keep("c", 90).expect("90 of 100");
         assert_eq!(budget.held(), 90);
         assert!(budget.check("d", 11).is_err());

@@ -1,4 +1,4 @@
-//! Too little memory, told before it is taken.
+//! Error of a memory budget that is too small.
 
 use std::error::Error;
 use std::fmt;
@@ -12,7 +12,7 @@ pub struct MemoryError {
     pub predicted: u64,
     /// Bytes that are allowed.
     pub budget: u64,
-    /// What needs most of them.
+    /// Name of the largest part.
     pub largest: String,
     /// Bytes that this needs.
     pub most: u64,

@@ -1,11 +1,10 @@
-//! How much memory a file will take while it is loaded, told from its size and from pieces of it.
+//! Estimate of the memory for loading a file, from its size and samples of its content.
 //!
 //! ```text
-//!   peak ≈ c · size + Σ cᵢ · nᵢ        nᵢ: vertices, corners, ... as the header says, or as often as in the pieces
+//!   peak ≈ c · size + Σ cᵢ · nᵢ        nᵢ: vertices, corners, ... from the header, or extrapolated from the samples
 //! ```
 //!
-//! The factors belong to the loaders, which know what they keep. They are upper estimates: `docs/MEMORY.md` has them beside
-//! measured peaks.
+//! The factors belong to the loaders. They are upper bounds: `docs/MEMORY.md` compares them with measured peaks.
 
 use std::fs::{self, File};
 use std::io::{Cursor, Read, Seek, SeekFrom};
@@ -16,7 +15,7 @@ use crate::error::ErrorAt;
 use crate::files::read_file;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Model, NamedMesh, Node};
 
-/// A text is looked at in so many places,
+/// Number of samples of a text.
 const PIECES: u64 = 32;
 /// and so much of it in each.
 const PIECE_BYTES: u64 = 1 << 15;
@@ -24,7 +23,7 @@ const PIECE_BYTES: u64 = 1 << 15;
 /// Bytes of memory that a node of a scene file takes while it is loaded.
 const NODE_BYTES: u64 = 1700;
 
-/// The same of a list at a node, such as that of its transforms.
+/// Bytes of memory per list at a node, such as its transforms.
 const LIST_BYTES: u64 = 1200;
 
 /// A file as far as it is looked at beforehand.
@@ -37,7 +36,7 @@ pub(crate) struct FileSample {
 }
 
 impl FileSample {
-    /// `None` for what is no regular file or cannot be read; whoever loads it says why.
+    /// `None` for unreadable or irregular files, which the loader refuses.
     fn of(path: &Path, options: &LoadOptions) -> Option<Self> {
         if let Some(bytes) = options.content_of(path) {
             return Self::read(Cursor::new(bytes), bytes.len() as u64);
@@ -68,7 +67,7 @@ impl FileSample {
         self.pieces.first().map_or(&[], Vec::as_slice)
     }
 
-    /// The sum over all lines of the file, as far as the pieces tell.
+    /// Sum over all lines of the file, extrapolated from the samples.
     pub(crate) fn over_lines<const N: usize>(&self, mut count: impl FnMut(&[u8]) -> [u64; N]) -> [u64; N] {
         let mut sums = [0; N];
         for line in self.pieces.iter().flat_map(|piece| piece.split(|&byte| matches!(byte, b'\n' | b'\r'))) {

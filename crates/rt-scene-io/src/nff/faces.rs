@@ -1,10 +1,9 @@
-//! Polygons and patches that share a fill.
+//! Polygons and patches of one fill.
 //!
-//! Few opaque polygons become shapes of their own, with corners in f64 as the file has them. More of them become one
-//! mesh: a shape of its own takes a node, some hundred bytes, where a triangle of a mesh takes a few dozen, and the
-//! picture is the same but for the rounding of coordinates to f32, which has a digit more than the six that NFF files
-//! are written with. Transparent polygons always become one mesh, because together they bound one body. Corners at one
-//! place become one vertex, so that closed surfaces stay closed.
+//! Few opaque polygons become shapes of their own, with corners in f64. More of them become one mesh, with a few dozen bytes
+//! per triangle instead of some hundred per node. Its coordinates are rounded to f32, with one digit more than the six of NFF
+//! files. Transparent polygons always become one mesh, because together they bound one solid. Corners at one position become
+//! one vertex, so that closed surfaces stay closed.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,7 +15,7 @@ use crate::error::LineError;
 use crate::text::tokenizer::{Tokenizer, Word};
 use crate::{LoadErrorKind, limits};
 
-/// Most polygons of a fill that become shapes of their own.
+/// Maximum number of polygons of a fill that become shapes of their own.
 pub(super) const MAX_SHAPES: usize = 16;
 
 /// The polygons, or the patches, of one fill.
@@ -25,7 +24,7 @@ pub(super) struct FaceList {
     corners: Vec<DVec3>,
     /// One for each corner of patches; empty for polygons.
     normals: Vec<DVec3>,
-    /// Where each face ends in `corners`, and the line that it began in.
+    /// End of each face in `corners`, and its first line.
     ends: Vec<(usize, usize)>,
 }
 
@@ -51,7 +50,7 @@ impl FaceList {
 
     fn read_corners(&mut self, tokens: &mut Tokenizer<'_>, with_normals: bool) -> Result<(), LineError> {
         let corners = corner_count(tokens)?;
-        // Nothing is reserved: the number may promise more than the file holds.
+        // No memory is reserved: the count may exceed the size of the file.
         for _ in 0..corners {
             self.corners.push(tokens.numbers("a coordinate of a corner")?.into());
             if with_normals {
@@ -117,7 +116,7 @@ struct Vertices {
 
 impl Vertices {
     fn index(&mut self, position: Vec3, normal: Vec3) -> u32 {
-        // 0 and −0 are the same place.
+        // 0 and −0 are equal.
         let [[x, y, z], [u, v, w]] = [position, normal].map(|v| v.to_array().map(|c| (c + 0.0).to_bits()));
         *self.known.entry([x, y, z, u, v, w]).or_insert_with(|| {
             self.positions.push(position);
@@ -133,7 +132,7 @@ fn corner_count(tokens: &mut Tokenizer<'_>) -> Result<usize, LineError> {
     if count.fract() != 0.0 || count < 3.0 {
         return Err(LineError::new(line, count, "is no number of corners: a polygon has 3 or more"));
     }
-    // Beyond the range of u64 the conversion gives its greatest number.
+    // The conversion saturates beyond the range of u64.
     let (value, limit) = (count as u64, limits::FACE_CORNERS as u64);
     if value > limit {
         return Err(LineError {

@@ -4,10 +4,10 @@
 //! diffuse      = Kd · colour
 //! specular     = Ks with exponent Shine, the highlight of Phong
 //! mirror       = Ks
-//! transmission = T, bent by the index of refraction, constant as in Whitted's model
+//! transmission = T, refracted, constant as in Whitted's model
 //! ```
 //!
-//! There is no ambient light in the format.
+//! The format has no ambient light.
 
 use rt_math::Rgb;
 use rt_shading::{ColorTexture, Highlight, Phong, Transmission};

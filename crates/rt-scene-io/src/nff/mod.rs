@@ -1,5 +1,5 @@
-//! NFF, the Neutral File Format (Eric Haines, version 3.9, 1996) of the Standard Procedural Databases (Haines, "A
-//! Proposal for Standard Graphics Environments", IEEE CG&A 7(11), 1987).
+//! NFF, the Neutral File Format (Eric Haines, version 3.9, 1996) of the Standard Procedural Databases (Haines, "A Proposal for
+//! Standard Graphics Environments", IEEE CG&A 7(11), 1987).
 //!
 //! ```text
 //! v b l          view, background, lights   ──> camera, image size, background, classical lights
@@ -8,8 +8,8 @@
 //! p pp           polygon, patch             ──> polygons or a mesh, a mesh with normals
 //! ```
 //!
-//! Surfaces are seen from both sides, though the format lets programs leave the backs out: no picture of a closed
-//! object differs. A light without a colour shines with 1/√n if there are n lights.
+//! Surfaces are two-sided, though the format allows backface culling; images of closed objects are the same. A light without a
+//! colour has the intensity 1/√n, where n is the number of lights.
 
 mod faces;
 mod fill;
@@ -76,7 +76,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path) -> Result<Model, LoadError> 
     reader.finish()
 }
 
-/// Whether a word may be the first of a statement after something is wrong in a line.
+/// True if a word may begin a statement after an error in a line.
 fn may_begin_statement(word: Word<'_>, bad_line: usize) -> bool {
     let is_part = view::PARTS.contains(&word.text) || word.text.parse::<f64>().is_ok();
     KEYWORDS.contains(&word.text) || (word.line > bad_line && !is_part)
@@ -89,21 +89,21 @@ struct FillFaces {
     patches: FaceList,
 }
 
-/// What has been read so far.
+/// State of the reader.
 struct NffReader<'p> {
     path: &'p Path,
     report: Diagnostics,
     model: Model,
     background: Option<Rgb>,
     has_view: bool,
-    /// Places of the lights and their colours, where they have one.
+    /// Positions of the lights, and their colours if specified.
     lights: Vec<(DVec3, Option<Rgb>)>,
     /// One for each material of the model.
     surfaces: Vec<FillFaces>,
     known_fills: HashMap<[u64; 8], MaterialId>,
     /// The material of what follows.
     fill: Option<MaterialId>,
-    /// How many solids show only their inside, and the line of the first.
+    /// Number of solids that show their inside only, and the line of the first.
     inside_out: (usize, usize),
 }
 
@@ -265,10 +265,10 @@ impl<'p> NffReader<'p> {
 
     fn add_lights(&mut self) {
         let plain = Rgb::gray(1.0 / (self.lights.len() as f64).sqrt());
-        let unsaid = self.lights.iter().filter(|(_, colour)| colour.is_none()).count();
-        if unsaid > 0 {
+        let unspecified = self.lights.iter().filter(|(_, colour)| colour.is_none()).count();
+        if unspecified > 0 {
             self.model.notes.push(format!(
-                "{unsaid} of {} lights have no colour in the file: each shines with one over the root of their number, {:.3}.",
+                "{unspecified} of {} lights have no colour in the file: each has the intensity 1/sqrt(number of lights) = {:.3}.",
                 self.lights.len(),
                 plain.r
             ));

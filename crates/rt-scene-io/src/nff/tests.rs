@@ -28,7 +28,7 @@ fn a_whole_file_becomes_a_model() {
     assert_eq!(lights, [Rgb::gray(root), Rgb::new(0.5, 0.25, 0.0)]);
     assert_eq!(
         model.notes,
-        ["1 of 2 lights have no colour in the file: each shines with one over the root of their number, 0.707."]
+        ["1 of 2 lights have no colour in the file: each has the intensity 1/sqrt(number of lights) = 0.707."]
     );
     let shapes: Vec<_> = model.nodes.iter().map(|node| (node.name.as_str(), node.content.as_ref())).collect();
     assert!(matches!(shapes[0], ("line 13", Some(Content::Shape(Shape::Sphere(_))))));

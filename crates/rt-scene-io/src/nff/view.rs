@@ -17,7 +17,7 @@ pub(super) struct NffView {
     pub(super) size: [u32; 2],
 }
 
-/// What a `v` statement has said so far. The hither plane, which only other algorithms need, is read and not kept.
+/// Fields of a `v` statement. The hither plane is read and dropped.
 #[derive(Default)]
 struct ViewFields {
     from: Option<DVec3>,

@@ -1,7 +1,7 @@
-//! Height maps as normal maps.
+//! Height maps to normal maps.
 //!
-//! MTL files do not say how high the greys of a bump map are. Here white is above black by [`HEIGHT`] of the image's width,
-//! whatever its resolution, and `-bm` multiplies that.
+//! MTL files do not specify the height of the greys of a bump map. Here white is above black by [`HEIGHT`] of the image's
+//! width, times `-bm`, at any resolution.
 
 use rt_shading::Bitmap;
 
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn a_ramp_leans_against_the_way_up() {
-        // An image that is 16 wide: the way from black to white is as high as a pixel is wide.
+        // In an image of width 16, the height from black to white equals the width of a pixel.
         let rising = normals(16, &[0.0, 1.0, 2.0].repeat(6)[..16], true);
         let steep = 0.5_f32.sqrt();
         assert!((rising[1][0] + steep).abs() < 1e-6 && (rising[1][2] - steep).abs() < 1e-6, "{rising:?}");

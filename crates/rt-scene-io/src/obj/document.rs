@@ -1,9 +1,9 @@
-//! An OBJ file, put in order for `tobj`.
+//! OBJ files, sorted for `tobj`.
 //!
-//! `tobj` reads numbers, shares vertices and splits meshes well, but it does not know line continuation or smoothing
-//! groups, tells no line numbers, and misaligns normals and texture coordinates where only some faces have them.
-//! So the statements are sorted first: all vertices, then the faces of each [`ObjPart`] as a group of its own, with
-//! absolute indices. Whatever cannot be read is refused here, where its line is known.
+//! `tobj` reads numbers, shares vertices and splits meshes. It lacks line continuation, smoothing groups and line numbers, and
+//! misaligns normals and texture coordinates where only some faces have them. The statements are therefore sorted first: all
+//! vertices, then the faces of each [`ObjPart`] as a group, with absolute indices. Unreadable statements are refused here, with
+//! their line.
 
 use std::{
     collections::{BTreeMap, HashMap},
@@ -23,7 +23,7 @@ pub(super) struct ObjPart {
     pub(super) material: Option<String>,
     /// The smoothing group in force.
     pub(super) smoothing: Smoothing,
-    /// Whether all corners have texture coordinates, and normals.
+    /// Presence of texture coordinates and normals at all corners.
     attributes: [bool; 2],
 }
 
@@ -36,11 +36,11 @@ pub(super) struct ObjDocument {
     pub(super) parts: Vec<ObjPart>,
     /// Names of material libraries with their lines: what follows `mtllib`.
     pub(super) libraries: Vec<(usize, String)>,
-    /// What was left out: how often, and where first.
+    /// Skipped statements: their number, and the first line.
     pub(super) skipped: BTreeMap<String, (usize, usize)>,
 }
 
-/// Statements without effect on a picture made of triangles, or for other programs only.
+/// Statements that do not change an image of triangles.
 const HARMLESS: [&str; 7] = ["mg", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"];
 
 impl ObjDocument {
@@ -71,7 +71,7 @@ impl ObjDocument {
         Ok(document)
     }
 
-    /// The statements with this keyword whose arguments are not numbers: `tobj` tells only that there is one.
+    /// Statements with this keyword whose arguments are not numbers: `tobj` reports only that there is one.
     pub(super) fn find_bad_numbers(source: &str, keyword: &str) -> Vec<LineError> {
         let lines = lines(source).filter(|line| line.split().0 == keyword);
         let bad = lines.filter_map(|line| {
@@ -154,14 +154,14 @@ impl StatementReader {
         Ok(())
     }
 
-    /// Copies the first `needed` numbers of a vertex statement. `w` has no meaning for us; a colour follows a place without
-    /// or with it.
+    /// Copies the first `needed` numbers of a vertex statement. `w` is ignored; a colour may follow the position with or
+    /// without it.
     fn vertex(&mut self, line: &Line<'_>, kind: usize, needed: usize) -> Result<(), String> {
         let keyword = line.split().0;
         if kind == 0 {
             self.colour(line)?;
         }
-        // It counts even if it is bad, lest every face after it is found to be bad as well.
+        // A bad vertex counts too, so that later faces keep their indices.
         self.counts[kind] += 1;
         let text = if kind == 0 { &mut self.positions } else { &mut self.document.text };
         text.push_str(keyword);
@@ -270,11 +270,11 @@ impl StatementReader {
     }
 }
 
-/// What a face says about one of its corners.
+/// Corner of a face.
 struct Corner {
-    /// Of `v`, `vt` and `vn`, counted from 1.
+    /// Indices of `v`, `vt` and `vn`, counted from 1.
     indices: [Option<usize>; 3],
-    /// Whether it names a `vt` or `vn` that is not there.
+    /// True if it names a missing `vt` or `vn`.
     dangling: bool,
 }
 

@@ -1,7 +1,7 @@
-//! Whether faces with many corners are what they claim to be: flat, and not crossing themselves.
+//! Checks that faces with many corners are flat and free of self-intersections.
 //!
-//! Cutting a face into triangles needs a plane. Programs write quadrilaterals that are bent on purpose, and two triangles are
-//! a fair picture of one; a bent or crossed face with more corners has no picture that everyone agrees on.
+//! Cutting a face into triangles needs a plane. Bent quadrilaterals are common, and two triangles represent them well. The
+//! triangles of a bent or self-intersecting face with more corners are ambiguous.
 
 use rt_math::{DVec3, Frame, Vec3};
 
@@ -14,8 +14,8 @@ const FLATNESS: f64 = 1e-3;
 #[derive(Debug, Default)]
 pub(super) struct FaceShapes {
     bent: usize,
-    /// Greatest distance of a corner from the plane, as a part of the diameter of the face.
-    greatest: f64,
+    /// Maximum distance of a corner from the plane, relative to the diameter of the face.
+    max_deviation: f64,
     crossed: usize,
 }
 
@@ -36,18 +36,18 @@ impl FaceShapes {
         let off = (high.z - low.z) / 2.0 / (high - low).length();
         if off > FLATNESS {
             self.bent += 1;
-            self.greatest = self.greatest.max(off);
+            self.max_deviation = self.max_deviation.max(off);
         }
         if local.len() <= limits::CROSSING_CORNERS && crosses_itself(&local) {
             self.crossed += 1;
         }
     }
 
-    /// What there is to warn of.
+    /// Warnings about the faces.
     pub(super) fn messages(&self) -> impl Iterator<Item = String> {
-        let Self { bent, greatest, crossed } = *self;
+        let Self { bent, max_deviation, crossed } = *self;
         let of_bent = (bent > 0).then(|| {
-            let percent = 100.0 * greatest;
+            let percent = 100.0 * max_deviation;
             format!(
                 "{bent} faces with more than four corners are not flat: corners lie up to {percent:.2} % of the face's \
                  diameter off its plane; cut them into flat parts"
@@ -66,7 +66,7 @@ fn area_vector(corners: &[DVec3]) -> DVec3 {
     (1..corners.len() - 1).map(|i| from_first(i).cross(from_first(i + 1))).sum()
 }
 
-/// Whether two edges that are not neighbours pass through each other; touching is not crossing.
+/// True if two edges that are not neighbours cross; touching does not count.
 fn crosses_itself(corners: &[DVec3]) -> bool {
     let n = corners.len();
     let edge = |i: usize| [corners[i], corners[(i + 1) % n]];

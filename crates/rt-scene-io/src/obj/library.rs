@@ -24,18 +24,18 @@ use crate::{
 /// Maps that have no effect here.
 pub(super) const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "disp", "decal", "refl"];
 
-/// The same of glass, which is the same everywhere.
+/// Maps without effect on glass, which is uniform.
 const UNUSED_BY_GLASS: [&str; 7] = ["map_Pr", "map_Pm", "map_Ps", "map_Pc", "Pc", "Ps", "aniso"];
 
 pub(super) struct MaterialLibrary<'a> {
     options: &'a LoadOptions,
     /// The OBJ file, for messages.
     path: &'a Path,
-    /// By name: the material, and the file that it comes from. Of materials of the same name the first counts.
+    /// Material and its file, by name. The first of several materials of a name counts.
     known: HashMap<String, (tobj::Material, PathBuf)>,
-    /// Whether names that are not known have been explained already by a missing library.
+    /// True if a missing library explains unknown names.
     incomplete: bool,
-    /// By name, and whether the colours of vertices tint it.
+    /// By name, and whether vertex colours multiply it.
     used: HashMap<(Option<String>, bool), MaterialId>,
     textures: ObjTextures<'a>,
 }
@@ -215,7 +215,7 @@ impl<'a> MaterialLibrary<'a> {
         name.and_then(|name| self.known.get(name)).is_some_and(|(mtl, _)| needs_tangents(mtl))
     }
 
-    /// Warns of what the material says and no surface here can show.
+    /// Warns of parameters that no surface here has.
     fn warn_about_unused(mtl: &tobj::Material, file: &Path, model: &mut Model) {
         let of_glass = if is_glass(mtl) { &UNUSED_BY_GLASS[..] } else { &[] };
         let present = |keyword: &&str| mtl.unknown_param.get(*keyword).is_some_and(|text| text != "0");

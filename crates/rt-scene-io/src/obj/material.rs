@@ -1,26 +1,26 @@
-//! MTL materials as Phong surfaces, and as physical ones where they have the parameters of those.
+//! MTL materials as Phong surfaces, and as physical surfaces if they have physical parameters.
 //!
 //! ```text
 //! diffuse      = d · Kd · map_Kd
-//! ambient      = 1/10 of it: most exporters write a Ka that no one has ever looked at
+//! ambient      = 1/10 of it: exporters rarely write a meaningful Ka
 //! specular     = Ks · map_Ks from illumination model 2 on, with the half vector of Blinn and exponent Ns
 //! emission     = Ke · map_Ke
 //! mirror       = Ks       for models 3, 4, 5, 8, 9 (reflection) and 6 (refraction); all for 7 (Fresnel)
-//! transmission = Tf       for models 6 and 7, bent by Ni; 7 shares the light by Fresnel's equations
-//!              = 1 − d    otherwise, without bending
+//! transmission = Tf       for models 6 and 7, refracted by Ni; 7 splits the light by Fresnel's equations
+//!              = 1 − d    otherwise, without refraction
 //! ```
 //!
-//! Materials with one of the physical parameters are meant for physical integrators as well, which then see the
-//! metallic-roughness model of glTF; models 6 and 7 make glass of it.
+//! Materials with a physical parameter have a second surface for the path tracer: the metallic-roughness model of glTF, or
+//! glass for models 6 and 7.
 //!
 //! ```text
 //! base colour = Kd · map_Kd        metalness  = Pm · map_Pm       roughness = Pr · map_Pr
-//! coat        = Pc · map_Pc, roughness Pcr                        fibres    = Ps · map_Ps
-//! anisotropy  = aniso, turned by anisor of a whole turn
+//! clearcoat   = Pc · map_Pc, roughness Pcr                        sheen     = Ps · map_Ps
+//! anisotropy  = aniso, rotated by anisor of a full turn
 //! ```
 //!
-//! Where there is a `map_d`, and on physical surfaces other than glass, what is not opaque is cut out: a ray meets the surface
-//! with the probability `d · map_d`, and passes it straight otherwise.
+//! With a `map_d`, and on physical surfaces other than glass, opacity is alpha: a ray hits the surface with the probability `d
+//! · map_d`, and passes straight otherwise.
 
 use std::f64::consts::TAU;
 
@@ -42,7 +42,7 @@ pub(super) struct MaterialMaps {
     pub(super) roughness: Option<(TextureId, Channel)>,
     pub(super) coat: Option<(TextureId, Channel)>,
     pub(super) sheen: Option<TextureId>,
-    /// How much of the surface is there.
+    /// Alpha map.
     pub(super) cover: Option<TextureId>,
     /// Normals, or heights that were made normals.
     pub(super) relief: Option<Relief>,
@@ -132,9 +132,9 @@ pub(super) fn physical(mtl: &tobj::Material, maps: MaterialMaps) -> Option<Physi
     })
 }
 
-/// What rays pass as if it were not there.
+/// Alpha of the surface.
 pub(super) fn coverage(mtl: &tobj::Material, maps: MaterialMaps) -> Coverage {
-    // As with colours, a factor of zero means the map alone.
+    // A factor of zero means the map alone, as for colours.
     let factor = match (opacity(mtl), maps.cover) {
         (0.0, Some(_)) => 1.0,
         (opacity, _) => opacity,
@@ -159,17 +159,17 @@ pub(super) fn needs_tangents(mtl: &tobj::Material) -> bool {
     bumps || number(mtl, "aniso").is_some_and(|aniso| aniso > 0.0)
 }
 
-/// A parameter that `tobj` does not know.
+/// A parameter that `tobj` leaves unparsed.
 fn number(mtl: &tobj::Material, name: &str) -> Option<f64> {
     mtl.unknown_param.get(name)?.parse().ok()
 }
 
-/// The colour that the texture is multiplied by, or that takes its place.
+/// Factor of the texture, or colour without one.
 fn base_colour(mtl: &tobj::Material, maps: MaterialMaps) -> Rgb {
     match (mtl.diffuse.map(rgb), maps.diffuse) {
         (Some(kd), None) => kd,
         (Some(kd), Some(_)) if !kd.is_black() => kd,
-        // Exporters that mean "the texture alone" write black, or nothing.
+        // Exporters write black, or no value, for "the texture alone".
         (_, Some(_)) => Rgb::WHITE,
         (None, None) => match Phong::default().diffuse {
             ColorTexture::Constant(rgb) | ColorTexture::Textured(_, rgb) => rgb,
@@ -200,7 +200,7 @@ fn transmission(mtl: &tobj::Material, model: u8, opacity: f64) -> Option<Transmi
     (!filter.is_black()).then_some(Transmission { coefficient, ior, fresnel, absorption, priority })
 }
 
-/// Tf, the share of each colour that passes; all of it if the file does not say.
+/// Tf, the transmitted share of each colour; 1 if unspecified.
 fn filter_colour(mtl: &tobj::Material) -> Rgb {
     let Some(tf) = mtl.unknown_param.get("Tf") else { return Rgb::WHITE };
     let mut numbers = tf.split_whitespace().map(|word| word.parse().unwrap_or(1.0));

@@ -130,7 +130,7 @@ fn refuse(lines: Vec<LineError>, path: &Path) -> LoadError {
     diagnostics.finish().err().unwrap_or_else(|| LoadErrorKind::Empty.at(path, ""))
 }
 
-/// `tobj` says which kind of statement it cannot read; those in the file are the culprits.
+/// Finds the bad statements: `tobj` reports only their keyword.
 fn explain(error: tobj::LoadError, source: &str, path: &Path) -> LoadError {
     let keyword = match error {
         tobj::LoadError::PositionParseError => "v",

@@ -14,10 +14,10 @@ pub(super) type Complaint = (usize, String);
 /// A statement that the format does not have, or that has no meaning here.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct UnknownStatement {
-    /// Where it stands first.
+    /// Line of the first.
     pub(super) line: usize,
     pub(super) keyword: String,
-    /// How often it stands in the file.
+    /// Number of occurrences.
     pub(super) count: usize,
 }
 
@@ -27,16 +27,16 @@ pub(super) struct MtlFile {
     /// All numbers are finite and not negative. Tf, Tr, map_Ke and the physical parameters (Pr, Pm, ...) are among the unknown
     /// parameters.
     pub(super) materials: Vec<tobj::Material>,
-    /// What was left out because it is wrong.
+    /// Invalid statements that were skipped.
     pub(super) warnings: Vec<Complaint>,
-    /// What was left out because it is unknown: each keyword once.
+    /// Unknown statements that were skipped: each keyword once.
     pub(super) unknown: Vec<UnknownStatement>,
 }
 
-/// Most keywords that are told of.
+/// Maximum number of unknown keywords in warnings.
 const MAX_UNKNOWN: usize = 100;
 
-/// Keywords whose case exporters do not agree on, in the spelling that `tobj` knows.
+/// Keywords, in the case that `tobj` knows; the case in files varies.
 const KEYWORDS: [&str; 33] = [
     "newmtl", "Ka", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",
     "anisor", "map_Ka", "map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Bump", "bump", "map_Pr", "map_Pm",

@@ -7,11 +7,10 @@ use rt_math::{DVec3, Vec3};
 
 use crate::limits;
 
-/// What a file says about the smoothness of a surface.
+/// Smoothness of a surface in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Smoothing {
-    /// Nothing. Edges are smoothed where the surface bends by less than some 41°, so that scanned and curved models
-    /// look round and boxes keep their edges.
+    /// Not specified. Edges are smoothed below an angle of 41°, so that curved models look smooth and boxes keep their edges.
     Unspecified,
     /// `s off` or `s 0`: flat faces.
     Off,
@@ -19,15 +18,14 @@ pub(super) enum Smoothing {
     Group(u32),
 }
 
-/// Cosine of the largest angle between the normals of two faces whose common edge is smoothed when nothing is said:
-/// below the 45° of chamfers and octagonal prisms, above the 30° of a twelve-sided cylinder.
+/// Cosine of the maximum angle between two faces whose edge is smoothed by default: below the 45° of chamfers and octagonal
+/// prisms, above the 30° of a twelve-sided cylinder.
 const CREASE_COSINE: f64 = 0.75;
 
-/// Adds normals to a mesh without any; those that a file gives count.
+/// Adds normals to a mesh without normals.
 ///
-/// A normal is the sum of those of the faces around the corner, weighted by area. Faces meet where their positions are
-/// equal: texture seams, and triangles that share no vertices at all, do not show. A vertex that needs several normals
-/// is repeated.
+/// A normal is the area-weighted sum over the faces around the corner. Faces are adjacent where their positions are equal, so
+/// that texture seams and unshared vertices do not show. A vertex with several normals is duplicated.
 pub(super) fn add_normals(mesh: MeshData, smoothing: Smoothing) -> MeshData {
     if !mesh.normals.is_empty() {
         return mesh;
@@ -56,7 +54,7 @@ pub(super) fn add_normals(mesh: MeshData, smoothing: Smoothing) -> MeshData {
     out
 }
 
-/// Faces, and which of them meet at each point.
+/// Faces around each point.
 struct FaceAdjacency {
     /// Unit normal and area of each; zero for faces without area.
     normals: Vec<(DVec3, f64)>,
@@ -141,7 +139,7 @@ fn normal_and_area(mesh: &MeshData, triangle: &[u32; 3]) -> (DVec3, f64) {
 mod tests {
     use super::*;
 
-    /// Two unit squares that meet along the y axis; the second is turned up by a slope.
+    /// Two unit squares that meet along the y axis; the second rises by a slope.
     fn roof(slope: f32) -> MeshData {
         MeshData {
             positions: [[0., 0., 0.], [-1., 0., 0.], [-1., 1., 0.], [0., 1., 0.], [1., 0., slope], [1., 1., slope]]

@@ -2,21 +2,21 @@
 
 use rt_shading::{Channel, UvMap};
 
-/// What follows `map_Kd` and its like.
+/// Arguments of `map_Kd` and similar statements.
 #[derive(Debug, PartialEq)]
 pub(super) struct TextureMap {
-    /// As written, with slashes.
+    /// Path as written, with slashes.
     pub(super) file: String,
-    /// Whether the image ends at its edge rather than to repeat.
+    /// True if the edge pixels are repeated instead of the image.
     pub(super) clamp: bool,
-    /// What is added to the texture coordinates after they are multiplied by `scale`.
+    /// Added to the texture coordinates after their multiplication by `scale`.
     offset: [f64; 2],
     scale: [f64; 2],
     /// Factor of the slopes of a bump map.
     pub(super) bump: f64,
-    /// The part of the image that counts, if the file says.
+    /// Channel of the image, if specified.
     pub(super) channel: Option<Channel>,
-    /// Options that would change the picture and are not followed.
+    /// Options that would change the image and are not supported.
     pub(super) ignored: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ enum Arguments {
 }
 
 impl TextureMap {
-    /// `None` if no file name is left beside the options. Some programs write options after the name.
+    /// `None` without a file name. Some programs write options after the name.
     pub(super) fn parse(statement: &str) -> Option<Self> {
         let (offset, scale, ignored) = ([0.0; 2], [1.0; 2], Vec::new());
         let mut map = Self { file: String::new(), clamp: false, offset, scale, bump: 1.0, channel: None, ignored };
@@ -95,19 +95,19 @@ impl TextureMap {
         Some(rest)
     }
 
-    /// Whether the texture coordinates are not those of the mesh.
+    /// True if the texture coordinates differ from those of the mesh.
     pub(super) fn has_own_coordinates(&self) -> bool {
         self.offset != [0.0; 2] || self.scale != [1.0; 2]
     }
 
-    /// The way from the coordinates of the mesh to those of the texture.
+    /// Map from the coordinates of the mesh to those of the texture.
     pub(super) fn coordinates(&self) -> UvMap {
         let ([s, t], [u, v]) = (self.scale, self.offset);
         UvMap { is_second: false, rows: [[s, 0.0, u], [0.0, t, v]] }
     }
 }
 
-/// Luminance (`l`) and depth (`z`) are what any part of a grey image says.
+/// Luminance (`l`) and depth (`z`) read any channel of a grey image.
 fn channel_of(name: &str) -> Option<Channel> {
     match name {
         "r" => Some(Channel::Red),
@@ -126,7 +126,7 @@ fn is_identity(option: &str, values: &[&str]) -> bool {
     values.iter().enumerate().all(|(i, value)| value.parse() == Ok(expected(i)))
 }
 
-/// Where the name of a file ends: at an option that follows a word with a dot, or at the end of the text.
+/// End of a file name: an option after a word with a dot, or the end of the text.
 fn end_of_name(text: &str) -> usize {
     let is_option = |word: &str| OPTIONS.iter().any(|(name, ..)| *name == word);
     let mut places = text.match_indices(' ').map(|(place, _)| place);
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(parsed("-mm 0 2 -blendu off a.png").2, ["-mm 0 2"]);
         assert_eq!(parsed(r#""maps\wood 1.png""#).0, "maps/wood 1.png");
         assert_eq!(parsed("-clamp a.png"), ("a.png".to_owned(), false, vec![]), "a name was taken for a value");
-        // Not an option that anyone knows: part of the name.
+        // An unknown option is part of the name.
         assert_eq!(parsed("-x.png").0, "-x.png");
     }
 

@@ -17,14 +17,14 @@ use crate::{
     texture::PixelEncoding,
 };
 
-/// What the pixels of an image say.
+/// Meaning of the pixels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum PixelMeaning {
     /// Colours.
     Colors,
     /// Numbers, such as how rough the surface is.
     Numbers,
-    /// How much of the surface is there: alpha if the image has it, else its red part, unless the file says.
+    /// Alpha: that of the image, or else its red channel, unless specified.
     Cover(Option<Channel>),
     /// Normals along the tangents, or heights if all of its pixels are grey.
     Relief,
@@ -32,7 +32,7 @@ pub(super) enum PixelMeaning {
 
 pub(super) struct ObjTextures<'a> {
     options: &'a LoadOptions,
-    /// By file, whether it ends at its edge, and what it says.
+    /// By file, clamping, and meaning.
     known: HashMap<(PathBuf, bool, PixelMeaning), TextureId>,
     bytes: u64,
 }
@@ -65,7 +65,7 @@ impl<'a> ObjTextures<'a> {
             PixelMeaning::Cover(_) => "the surface is whole",
             PixelMeaning::Relief => "the surface is smooth",
         };
-        // It was there on the machine of whoever made the model.
+        // Absolute paths are those of another machine.
         if is_absolute(&map.file) {
             warn(format!("the image `{}` is not looked for, as its path is absolute; {instead}", map.file));
             return Ok(None);
@@ -129,7 +129,7 @@ impl<'a> ObjTextures<'a> {
     }
 }
 
-/// Makes alpha of what the pixels say about how much of the surface is there.
+/// Computes alpha from the pixels.
 fn cover(bitmap: &mut Bitmap, channel: Option<Channel>) {
     let part = match channel {
         None if bitmap.alpha.is_empty() => 0,

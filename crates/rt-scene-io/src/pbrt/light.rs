@@ -1,4 +1,4 @@
-//! Lights without extent, and the sky. Their units are radiance and radiant intensity, of which the colour 1 is white.
+//! Delta lights and infinite lights. Their units are radiance and radiant intensity; colour 1 is white.
 //!
 //! `power` (lm) and `illuminance` (lx) scale a light so that its colour 1 emits or receives as much, as in pbrt-v4:
 //!
@@ -22,11 +22,11 @@ use super::spectrum::colour;
 use crate::error::LineError;
 use crate::{LoadErrorKind, read_texture, resolve_path};
 
-/// Something that shines on the scene.
+/// Light source.
 #[derive(Debug)]
 pub(super) enum PbrtLight {
     Light(Light),
-    /// The same radiance from everywhere.
+    /// Uniform radiance from all directions.
     Sky(Rgb),
     /// A light that only other programs have.
     Unsupported,
@@ -35,7 +35,7 @@ pub(super) enum PbrtLight {
 /// Known kinds of lights.
 const KINDS: [&str; 6] = ["point", "distant", "spot", "infinite", "goniometric", "projection"];
 
-/// Reads a light in the space of `place`, with what is lost of it.
+/// Reads a light in the space of `place`; returns warnings about approximations.
 pub(super) fn read(
     kind: &str,
     parameters: &Parameters,
@@ -96,7 +96,7 @@ fn level(parameters: &Parameters, name: &str, per_unit: f64) -> Result<f64, Line
     Ok(if given > 0.0 { given * per_unit } else { 1.0 })
 }
 
-/// The direction in which it shines.
+/// Direction of emission.
 fn aim(parameters: &Parameters, place: &Transform) -> Result<DVec3, LineError> {
     let (from, to) = (parameters.point("from", DVec3::ZERO)?, parameters.point("to", DVec3::Z)?);
     place.vector(to - from).try_normalize().ok_or_else(|| {

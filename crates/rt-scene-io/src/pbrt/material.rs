@@ -1,14 +1,14 @@
-//! Materials as physical surfaces, each with the classical surface that comes nearest to it.
+//! Materials as physical surfaces, each with a Phong surface that resembles it.
 //!
 //! ```text
 //! diffuse         Lambert
 //! coateddiffuse   metallic-roughness, metallic 0
 //! conductor       measured metal; with a reflectance metallic-roughness, metallic 1
-//! dielectric      glass                 thindielectric   a pane
-//! mix             a weighted sum        interface        nothing
+//! dielectric      glass                 thindielectric   thin glass
+//! mix             a weighted sum        interface        no surface
 //! ```
 //!
-//! The facets of the format have α = √roughness, or α = roughness without `remaproughness`; ours have α = roughness².
+//! Microfacets of the format have α = √roughness, or α = roughness without `remaproughness`; here α = roughness².
 
 use rt_math::Rgb;
 use rt_shading::bsdf::ComplexIor;
@@ -28,7 +28,7 @@ const UNSUPPORTED: [&str; 5] = ["coatedconductor", "diffusetransmission", "hair"
 const SUPPORTED: [&str; 9] =
     ["diffuse", "coateddiffuse", "conductor", "dielectric", "thindielectric", "mix", "interface", "none", ""];
 
-/// What a surface is made of; `None` for the border of a medium, which is not seen.
+/// Material; `None` for an invisible interface between media.
 pub(super) type OptionalMaterial = Option<Material>;
 
 /// Reads a material of this kind. `find` gives the parts of a mix by their names.
@@ -88,9 +88,9 @@ pub(super) fn unknown<'a>(
     LineError { line, kind: LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known } }
 }
 
-/// What shines with this radiance and scatters nothing.
+/// A material that emits and scatters no light.
 pub(super) fn black() -> Material {
-    Material { physical: Some(Physical::Black), ..Material::new("lamp".to_owned(), BLACK) }
+    Material { physical: Some(Physical::Black), ..Material::new("light".to_owned(), BLACK) }
 }
 
 struct MaterialParameters<'r> {

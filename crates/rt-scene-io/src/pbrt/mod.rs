@@ -1,5 +1,5 @@
-//! Scenes of pbrt-v4 (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, 2023, and the description of the
-//! file format that goes with it).
+//! Scenes of pbrt-v4 (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, 2023, and the description of its file
+//! format).
 //!
 //! ```text
 //! text ── tokens ── directives ──> options: Camera, Film               ──> camera, image size
@@ -8,9 +8,9 @@
 //!                                           LightSource                ──> lights, sky
 //! ```
 //!
-//! The world of the format is left-handed: all of it stands mirrored below one node, unless its camera is a mirror as well.
-//! Instances of objects share their meshes. Media, motion, curves and partial shapes are left out or made whole with a
-//! warning, as is every parameter that nothing asks for. The colour 1 of a light is white.
+//! The world of the format is left-handed: it is mirrored below one node, unless its camera is a mirror too. Instances of
+//! objects share their meshes. Media, motion, curves and partial shapes are skipped or approximated with a warning. Unused
+//! parameters are reported. The colour 1 of a light is white.
 
 mod light;
 mod material;
@@ -31,7 +31,7 @@ use crate::files::decode_text;
 use crate::memory::{FileSample, load_within_budget};
 use crate::{LoadError, LoadOptions, Model};
 
-/// Where references of a scene lead: they are relative to the first file, whichever they stand in.
+/// Resolution of references: relative to the first file.
 #[derive(Clone, Copy)]
 struct FileScope<'a> {
     root_file: &'a Path,
@@ -53,7 +53,7 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadErro
     load_within_budget(path, options, peak_bytes, |bytes| load_text(&decode_text(bytes).at(path, "")?, path, options))
 }
 
-/// Loads the scene that `text` holds; references are looked up beside `path`.
+/// Loads the scene in `text`; references are relative to `path`.
 fn load_text(text: &str, path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let mut reader = PbrtReader::new(FileScope { root_file: path, options });
     reader.read(text);

@@ -37,7 +37,7 @@ pub(super) enum Values {
     Words(Rc<[String]>),
 }
 
-/// A parameter, and whether anything has asked for it.
+/// Parameter, with a flag for its use.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
     pub(super) line: usize,
@@ -46,7 +46,7 @@ pub(super) struct Parameter {
     pub(super) values: Values,
     /// Shared by the copies of an attribute: it is enough that one of them is of use.
     used: Rc<Cell<bool>>,
-    /// Whether it comes from the attributes of a scope.
+    /// True if it comes from the attributes of a scope.
     is_attribute: bool,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameter {
-    /// True if something has asked for it, or for a copy of it.
+    /// True if it or a copy of it has been read.
     pub(super) fn is_used(&self) -> bool {
         self.used.get()
     }
@@ -132,7 +132,7 @@ impl Parameter {
         Ok(if words.is_empty() { Values::Numbers(numbers.into()) } else { Values::Words(words.into()) })
     }
 
-    /// What is wrong with its value.
+    /// Error about its value.
     pub(super) fn error(&self, value: impl Display, rule: impl Into<String>) -> LineError {
         LineError::new(self.line, format_args!("{value} as \"{}\"", self.name), rule)
     }
@@ -154,7 +154,7 @@ impl Parameters {
         Ok(Self { line, list })
     }
 
-    /// Adds parameters that hold where these say nothing.
+    /// Adds parameters of `defaults` that are missing here.
     pub(super) fn or(mut self, defaults: &Self) -> Self {
         for default in &defaults.list {
             if self.list.iter().all(|given| given.name != default.name) {
@@ -178,14 +178,14 @@ impl Parameters {
         Some(found)
     }
 
-    /// Says that these parameters make no difference here.
+    /// Marks parameters as used that have no effect here.
     pub(super) fn pass_over(&self, names: &[&str]) {
         for name in names {
             let _ = self.get(name);
         }
     }
 
-    /// Names of the parameters that nothing has asked for. Not every shape has a use for attributes that are meant for all.
+    /// Lines and names of unused parameters. Attributes are excluded: not every shape uses them.
     pub(super) fn unused(&self) -> Vec<(usize, &str)> {
         let unused = self.list.iter().filter(|p| !p.used.get() && !p.is_attribute);
         unused.map(|p| (p.line, p.name.as_str())).collect()

@@ -20,7 +20,7 @@ use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_ERRORS, SCOPES};
 use crate::text::tokenizer::{Token, TokenKind, Tokenizer, shown};
 use crate::{LoadError, LoadErrorKind, MaterialId, Model, Node, Warning, read_text, resolve_path};
 
-/// Directives before the world that choose among what this program decides itself.
+/// Directives before the world that choose an algorithm.
 const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
 
 /// Directives of the world.
@@ -52,13 +52,13 @@ const WORLD: [&str; 22] = [
 /// Directives that are read and left out.
 const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
 
-/// What attributes may be for.
+/// Targets of attributes.
 const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
 
 /// A surface by its index, the bits of what it emits from one side or both, and how much of it is there.
 type MaterialKey = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
 
-/// What has been read so far.
+/// State of the reader.
 pub(super) struct PbrtReader<'f> {
     pub(super) files: FileScope<'f>,
     /// The file that is read, for messages.
@@ -69,14 +69,14 @@ pub(super) struct PbrtReader<'f> {
     pub(super) report: Diagnostics,
     pub(super) error_count: usize,
     pub(super) model: Model,
-    /// Where each message stands in the warnings, and how often it came.
+    /// Index of each message in the warnings, and the number of its occurrences.
     pub(super) warned: HashMap<String, (usize, usize)>,
     pub(super) state: GraphicsState,
-    /// What `AttributeBegin` and `ObjectBegin` saved, and their lines.
+    /// States saved by `AttributeBegin` and `ObjectBegin`, and their lines.
     pub(super) saved: Vec<(GraphicsState, usize, bool)>,
     /// All attributes: the file, what they are for, and the parameter.
     pub(super) attributes: Vec<(PathBuf, String, Parameter)>,
-    /// Whether the matrix that changes is one of motion, which is not followed.
+    /// True while transforms apply to the end of a motion, which is not supported.
     pub(super) at_end_time: bool,
     pub(super) in_world: bool,
     pub(super) view: Option<PbrtCamera>,
@@ -90,7 +90,7 @@ pub(super) struct PbrtReader<'f> {
     pub(super) object: Option<(String, Vec<Node>)>,
     pub(super) objects: BTreeMap<String, Vec<Node>>,
     pub(super) nodes: Vec<Node>,
-    /// How many nodes there are, with those below instances.
+    /// Number of nodes, instances unfolded.
     pub(super) unfolded: usize,
     pub(super) sky: Option<Rgb>,
     pub(super) shines: bool,
@@ -100,7 +100,7 @@ impl<'f> PbrtReader<'f> {
     pub(super) fn new(files: FileScope<'f>) -> Self {
         let textures = PbrtTextures::default();
         let default = Parameters::default();
-        // Without parameters nothing can be wrong.
+        // The default material has no parameters, and is always valid.
         let grey = material::read("diffuse", &default, &textures, |_| Ok(None), &mut Vec::new()).ok().flatten();
         let grey = grey.map(|grey| crate::Material { name: "default".to_owned(), ..grey });
         Self {
@@ -232,7 +232,7 @@ impl<'f> PbrtReader<'f> {
             "MakeNamedMedium" | "MediumInterface" => self.medium(word, line, tokens)?,
             "LightSource" | "AreaLightSource" => self.light(word, line, tokens)?,
             "Shape" => self.shape(line, tokens)?,
-            // Of the third version, where it ended the file.
+            // Ended the file in version 3.
             "WorldEnd" => {}
             found => {
                 let known = TRANSFORMS.into_iter().chain(CHOICES).chain(WORLD).chain(LEFT_OUT);
@@ -310,7 +310,7 @@ impl<'f> PbrtReader<'f> {
                 tokens.text("the kind of the film")?;
                 let parameters = Parameters::read(tokens, line)?;
                 self.size = view::film(&parameters)?;
-                // They say what is done with the picture, not what is in it.
+                // These parameters do not change the scene.
                 parameters.pass_over(&["filename", "diagonal", "savefp16", "sensor"]);
                 self.warn_all(word, &parameters, Vec::new());
             }
@@ -365,8 +365,8 @@ impl<'f> PbrtReader<'f> {
             return Err(bad(rule));
         }
         let text = read_text(&path, self.files.options).map_err(|reason| bad(reason.to_string()))?;
-        let room = self.files.options.memory.keep(format_args!("the file {}", path.display()), 3 * text.len() as u64);
-        room.map_err(|reason| bad(reason.to_string()))?;
+        let memory = self.files.options.memory.keep(format_args!("the file {}", path.display()), 3 * text.len() as u64);
+        memory.map_err(|reason| bad(reason.to_string()))?;
         let (outer, state) = (std::mem::replace(&mut self.path, path), is_import.then(|| self.state.clone()));
         self.open.push(canonical);
         self.read(&text);
@@ -378,7 +378,7 @@ impl<'f> PbrtReader<'f> {
         Ok(())
     }
 
-    /// All that was read, or everything that is wrong with it.
+    /// Returns the model, or all errors.
     pub(super) fn finish(mut self) -> Result<Model, LoadError> {
         if let Some((_, line, _)) = self.saved.pop() {
             self.report(LineError::new(line, "what begins here", "has no end: add `AttributeEnd` or `ObjectEnd`"));

@@ -32,7 +32,7 @@ pub(super) enum PbrtShape {
     Unsupported,
 }
 
-/// Why a shape cannot be made: a line of the scene, or a file beside it.
+/// Error of a directive: in its line, or in a file that it refers to.
 #[derive(Debug)]
 pub(super) enum DirectiveError {
     Line(LineError),
@@ -104,7 +104,7 @@ fn exact(kind: &str, p: &Parameters, reversed: bool, warnings: &mut Vec<String>)
     }
 }
 
-/// Where our x, y and z point in the file: `u` of our spheres begins at −z and goes on to −x.
+/// Axes of shapes in the file: `u` of spheres begins at −z here and goes on to −x.
 const fn turn() -> DMat3 {
     DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X)
 }

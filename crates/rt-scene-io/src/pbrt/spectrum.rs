@@ -16,7 +16,7 @@ use rt_shading::bsdf::ComplexIor;
 use super::parameters::{Parameter, Parameters, Values};
 use crate::error::LineError;
 
-/// What of a spectrum cannot be kept, in a sentence.
+/// Warning about an approximated spectrum.
 pub(super) type Approximation = Option<String>;
 
 /// The colour of a parameter, none of whose numbers may be negative.
@@ -86,7 +86,7 @@ pub(super) fn glass(name: &str) -> Option<f64> {
     })
 }
 
-/// The colour of a black body, of luminance 1; what lies outside of sRGB is cut off.
+/// Colour of a black body, of luminance 1; colours outside of sRGB are clipped.
 fn blackbody(kelvin: f64) -> Rgb {
     /// Planck's constant times the speed of light over Boltzmann's constant, in nm·K.
     const C2: f64 = 1.438_776_877e7;

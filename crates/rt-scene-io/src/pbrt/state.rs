@@ -16,7 +16,7 @@ pub(super) struct Emission {
     pub(super) both_sides: bool,
 }
 
-/// What `AttributeBegin` saves.
+/// Graphics state, saved by `AttributeBegin`.
 #[derive(Clone, Debug)]
 pub(super) struct GraphicsState {
     /// From the space of shapes to the world; before the world begins, from the world to the camera.

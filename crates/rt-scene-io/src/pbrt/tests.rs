@@ -8,7 +8,7 @@ use rt_shading::bsdf::ComplexIor;
 use rt_shading::emitter::Sides;
 use rt_shading::{ColorTexture, LightKind, Physical, Texture};
 
-/// A scene with most of what is read.
+/// A scene with most of the supported directives.
 const SCENE: &str = r#"
 # A comment with "quotes" and [brackets].
 Scale 1 1 1
@@ -56,7 +56,7 @@ fn world(before: &str) -> String {
     format!("WorldBegin\n{before}\nShape \"sphere\"\n")
 }
 
-/// All nodes with their places in the world.
+/// All nodes with their transforms to the world.
 fn placed(nodes: &[Node], outer: &Transform) -> Vec<(Transform, Node)> {
     let mut all = Vec::new();
     for node in nodes {
@@ -73,7 +73,7 @@ fn shapes(model: &Model) -> Vec<(Transform, Node)> {
     placed(&model.nodes, &Transform::IDENTITY)
 }
 
-/// Where on the image a point of the world of the file is seen: to the right and upwards, −1 to 1 at 45°.
+/// Image position of a point of the file's world: to the right and upwards, −1 to 1 at 45°.
 fn seen(model: &Model, file_point: DVec3) -> [f64; 2] {
     let p = model.nodes[0].parent_from_local.point(file_point);
     let p = model.cameras[0].settings.world_from_camera.inverse_point(p);

@@ -1,4 +1,4 @@
-//! Textures: colours by name, most of which are a constant or an image; and what images say beside colours.
+//! Colour textures by name, normal maps, and alpha textures.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
@@ -26,7 +26,7 @@ pub(super) struct PbrtTextures {
     /// In the order of their names, for messages.
     named: BTreeMap<String, ColorTexture>,
     images: HashMap<(PathBuf, PixelEncoding), Arc<Bitmap>>,
-    /// The textures that say by alpha what others say by their colour.
+    /// Alpha textures made from the colours of other textures.
     covers: HashMap<TextureId, TextureId>,
     bytes: u64,
 }
@@ -204,7 +204,7 @@ impl PbrtTextures {
         Ok(Some(Relief { texture, scale: 1.0 }))
     }
 
-    /// How much of a shape is there: rays meet it with the probability `alpha`, a number or a texture of numbers.
+    /// Alpha of a shape: a number or a texture of numbers.
     pub(super) fn cover(
         &mut self,
         parameters: &Parameters,

@@ -80,7 +80,7 @@ fn mirror() -> Transform {
     turned.unwrap_or(Transform::IDENTITY)
 }
 
-/// What `LookAt` multiplies the matrix by.
+/// Matrix of `LookAt`.
 pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9]) -> Result<Transform, LineError> {
     let (eye, target, up) = (DVec3::new(ex, ey, ez), DVec3::new(tx, ty, tz), DVec3::new(ux, uy, uz));
     // Ours looks along −z with +x to the right in a right-handed world: a half turn around y gives the axes of the file.

@@ -1,4 +1,4 @@
-//! What stands and shines in the world: objects, materials, lights and shapes.
+//! Directives of the world: objects, materials, lights and shapes.
 
 use rt_math::Rgb;
 use rt_shading::emitter::Sides;
@@ -192,7 +192,7 @@ impl PbrtReader<'_> {
         self.surfaces.get(self.state.surface)?.as_ref()
     }
 
-    /// The material in force, with the light that it gives, as much as is there of it; `None` if nothing is seen of it.
+    /// The current material with its emission and alpha; `None` if it is invisible.
     fn material(&mut self, cover: Coverage) -> Option<MaterialId> {
         let emission = self.state.emission.filter(|emission| !emission.radiance.is_black());
         let surface = self.surface().cloned();

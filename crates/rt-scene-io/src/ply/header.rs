@@ -1,4 +1,4 @@
-//! What a header promises, checked before it is believed.
+//! Checks of the header.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), LoadErrorK
     let mut needed: u64 = 0;
     for element in &header.elem_defs {
         let row: u64 =
-            element.properties.iter().map(|property| least_bytes(header.format, &property.property_type)).sum();
+            element.properties.iter().map(|property| min_bytes(header.format, &property.property_type)).sum();
         if row == 0 && element.count > 0 {
             let value = format!("the element `{}` of {} rows", element.name, element.count);
             return Err(LoadErrorKind::invalid(value, "has no properties: a row must hold something"));
@@ -42,8 +42,8 @@ pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), LoadErrorK
     Ok(())
 }
 
-/// Least size of a value: a list may be empty, and a word of text takes a digit and what is after it.
-fn least_bytes(format: PlyFormat, property: &PropertyType) -> u64 {
+/// Minimum size of a value: a list may be empty, and a word of text takes a digit and a separator.
+fn min_bytes(format: PlyFormat, property: &PropertyType) -> u64 {
     let first = match property {
         PropertyType::Scalar(scalar) | PropertyType::List { count_type: scalar, .. } => scalar,
     };
@@ -55,7 +55,7 @@ fn least_bytes(format: PlyFormat, property: &PropertyType) -> u64 {
     }
 }
 
-/// Whether vertices have all of these columns.
+/// True if vertices have all of these columns.
 pub(super) fn has(header: &PlyHeader, columns: Range<usize>) -> bool {
     let has =
         |names: &&[&str]| header.get_element("vertex").is_some_and(|v| names.iter().any(|name| v.has_property(name)));
@@ -77,13 +77,13 @@ pub(super) fn whole(header: &PlyHeader, columns: Range<usize>) -> Option<f32> {
     }
 }
 
-/// What the file has beyond a mesh, in sentences.
+/// Messages about content other than a mesh.
 pub(super) fn left_out(header: &PlyHeader) -> Vec<String> {
     let mut sentences = Vec::new();
     for ElementDef { name, count, properties } in &header.elem_defs {
         let known: fn(&str) -> bool = match name.as_str() {
             "vertex" if has(header, COLOR) => |name| column(name.as_bytes()).is_some(),
-            // A share without colours says nothing.
+            // Alpha without colours is ignored.
             "vertex" => |name| column(name.as_bytes()).is_some_and(|column| column < COLOR.start),
             "face" | STRIPS => |name| CORNERS.contains(&name),
             _ => {

@@ -5,8 +5,8 @@
 //!                                            └──> faces: lists of corners, cut into triangles; triangle strips
 //! ```
 //!
-//! Colours of vertices colour the surface: whole numbers are shares of the greatest one, encoded as in sRGB, fractions are
-//! linear. Only the colours are shown, not what alpha leaves open. The numbers of rows that a header promises are compared with the size of the file before anything is read.
+//! Vertex colours are the surface colour: integers are shares of their maximum, encoded as in sRGB; fractions are linear. Alpha
+//! is ignored. The row counts of the header are compared with the size of the file before rows are read.
 
 mod header;
 mod rows;
@@ -40,7 +40,7 @@ fn peak_bytes(sample: &FileSample) -> u64 {
         let header = PlyReader::from_reader(&mut sample.head()).map(|reader| reader.header().clone()).ok();
         header.and_then(|header| header.get_element(name).map(|element| element.count as u64)).unwrap_or(0)
     };
-    // How long strips are is not known before they are read: at most all of the file, in numbers of four bytes.
+    // The length of strips is unknown before reading: at most all of the file, in numbers of four bytes.
     let strips = if count(STRIPS) > 0 { 12 * sample.size } else { 0 };
     sample.size + 56 * count("vertex") + 28 * count("face") + strips
 }
@@ -90,7 +90,7 @@ fn show_colors(model: &mut Model) {
     }
 }
 
-/// What a file holds of use.
+/// Relevant content of a file.
 #[derive(Default)]
 struct PlyContent {
     vertices: Vertices,
@@ -138,7 +138,7 @@ fn surplus(bytes: &[u8], rest: &[u8], format: PlyFormat) -> Option<String> {
     Some(format!("{count} {unit} beyond the rows that the header promises are left out{comma}{place}"))
 }
 
-/// The problem at the place up to which the file was read: a line of text, or a byte.
+/// Error at the position up to which the file was read: a line of text, or a byte.
 fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<PlyFormat>, path: &Path) -> LoadError {
     // The last byte is not the file's.
     let read = &bytes[..(bytes.len() - rest.len()).min(bytes.len() - 1)];
@@ -182,12 +182,12 @@ fn colors(header: &PlyHeader, vertices: &Vertices) -> Vec<[f32; 4]> {
         Some(_) => |share| Encoding::Srgb.decode_signal(f64::from(share)) as f32,
         None => |share| share,
     };
-    let greatest = header::whole(header, rows::COLOR).unwrap_or(1.0);
-    let greatest_alpha = header::whole(header, rows::ALPHA).unwrap_or(1.0);
+    let max = header::whole(header, rows::COLOR).unwrap_or(1.0);
+    let max_alpha = header::whole(header, rows::ALPHA).unwrap_or(1.0);
     let has_alpha = header::has(header, rows::ALPHA);
     let decoded = vertices.colors.iter().map(|[r, g, b, a]| {
-        let [r, g, b] = [r, g, b].map(|c| linear(c / greatest));
-        [r, g, b, if has_alpha { a / greatest_alpha } else { 1.0 }]
+        let [r, g, b] = [r, g, b].map(|c| linear(c / max));
+        [r, g, b, if has_alpha { a / max_alpha } else { 1.0 }]
     });
     decoded.collect()
 }

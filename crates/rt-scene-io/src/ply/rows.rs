@@ -22,7 +22,7 @@ pub(super) const COLUMNS: [&[&str]; 12] = [
     &["alpha", "a"],
 ];
 
-/// How many columns of a vertex are no colours.
+/// Number of columns before the colours.
 const PLACED: usize = 8;
 
 /// Columns of the position, the normal, the texture coordinates, and the three colours. After them comes alpha.
@@ -131,7 +131,7 @@ impl<'de, R: Row> Deserialize<'de> for Cells<R> {
 /// The name of a property.
 struct Name<T>(T);
 
-/// What a name stands for.
+/// Kind of a property, by its name.
 trait PropertyKind: Sized {
     fn of(name: &[u8]) -> Self;
 }
@@ -143,7 +143,7 @@ impl PropertyKind for Option<usize> {
     }
 }
 
-/// Whether it is the list of corners.
+/// True for the list of corners.
 impl PropertyKind for bool {
     fn of(name: &[u8]) -> Self {
         CORNERS.iter().any(|known| known.as_bytes() == name)
@@ -216,7 +216,7 @@ impl Row for Skipped {
     }
 }
 
-/// An array that rows are added to one by one. Nothing is reserved by what the file promises.
+/// Array that rows are appended to. The row count of the header reserves no memory.
 trait Collects: Default {
     type Row: Row;
     fn add(&mut self, row: Self::Row);

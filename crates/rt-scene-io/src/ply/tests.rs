@@ -132,7 +132,7 @@ fn strips_are_triangles_as_well() {
     assert_eq!(data(&model).triangles, [[0, 1, 3], [1, 2, 3], [1, 2, 3]]);
     assert!(model.warnings.iter().all(|warning| !warning.message.contains("tristrips")), "{:?}", model.warnings);
     assert!(refused(&strips.replace("4 0 1 2 3", "3 0 1 4")).contains("vertex 4"));
-    // Faces and strips may stand beside each other, in any order.
+    // Faces and strips may occur together, in any order.
     let both =
         SQUARE.replace("element face", "element tristrips 1\nproperty list int int vertex_indices\nelement face");
     let model = load_text(&both.replace("4 0 1 2 3\n", "3 0 1 2\n3 0 2 3\n")).expect("a model");

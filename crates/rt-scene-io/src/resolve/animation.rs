@@ -1,4 +1,4 @@
-//! Keys to places at a moment.
+//! Transforms from keyframes at a time.
 
 use std::borrow::Cow;
 
@@ -12,7 +12,7 @@ use crate::LoadErrorKind;
 use crate::diagnostics::Diagnostics;
 use crate::format::{Camera, CameraAnimation, CameraKey, Interpolation, Node, Step};
 
-/// Where a node is when the shutter opens and, if it moves, closes.
+/// Transforms of a node when the shutter opens and, if it moves, closes.
 pub(super) fn node_places(
     report: &mut Diagnostics,
     path: &str,
@@ -33,14 +33,14 @@ pub(super) fn node_places(
     shutter.places(report, path, |time| Ok(keys.at(time).compose(&rest)))
 }
 
-/// A camera at the moment at which the shutter opens.
+/// Camera at the time at which the shutter opens.
 pub(super) struct PosedCamera<'a> {
-    /// As the file might say it of a camera that is not animated.
+    /// Camera as a file would describe it without an animation.
     pub(super) camera: Cow<'a, Camera>,
-    /// Where it would be if its keys did not move it on.
+    /// Transform without keys.
     pub(super) rest: Transform,
     pub(super) world_from_camera: Transform,
-    /// Where it is when the shutter closes, if it moves.
+    /// Transform when the shutter closes, if it moves.
     pub(super) moves_to: Option<Transform>,
 }
 
@@ -68,7 +68,7 @@ pub(super) fn posed_camera<'a>(
     let looks = animation.keys.iter().any(CameraKey::looks);
     let first_move = animation.keys.iter().position(|key| !key.transform.is_empty());
     if let Some(index) = first_move.filter(|_| looks) {
-        let rule = "cannot stand beside `look_from`, `look_at` or `up` of this or another key: move by one of both";
+        let rule = "conflicts with `look_from`, `look_at` or `up` of this or another key: move by one of both";
         let reason = LoadErrorKind::invalid("the transform", rule);
         return report.check(format_args!("{keys_path}.keys[{index}].transform"), Err(reason));
     }
@@ -93,9 +93,9 @@ pub(super) fn posed_camera<'a>(
     Some(PosedCamera { camera: Cow::Owned(posed), rest, world_from_camera, moves_to })
 }
 
-/// A motion says the same as an animation, in another way.
+/// Refuses `motion` together with `animation`.
 fn refuse_motion(report: &mut Diagnostics, path: &str, motion: &[Step]) -> Option<()> {
-    let rule = "cannot stand beside `animation`, which says how it moves: remove one of them";
+    let rule = "conflicts with `animation`, which says how it moves: remove one of them";
     let absent = if motion.is_empty() { Ok(()) } else { Err(LoadErrorKind::invalid("the motion", rule)) };
     report.check(format_args!("{path}.motion"), absent)
 }
@@ -145,7 +145,7 @@ fn moves<'a>(
     }
 }
 
-/// The opening angle of a camera at a moment, in degrees.
+/// Field of view of a camera at a time, in degrees.
 fn field_of_view(
     report: &mut Diagnostics,
     path: &str,
@@ -163,7 +163,7 @@ fn field_of_view(
     Some(timeline.number(&angles, time))
 }
 
-/// Where a camera looks from, at, and what is up, at each key.
+/// Position, target and up vector of a camera at each key.
 struct Views {
     eyes: Vec<DVec3>,
     targets: Vec<DVec3>,
@@ -173,7 +173,7 @@ struct Views {
 impl Views {
     fn read(report: &mut Diagnostics, path: &str, camera: &Camera, animation: &CameraAnimation) -> Option<Self> {
         if !camera.transform.is_empty() {
-            let rule = "cannot stand beside `look_from`, `look_at` or `up` of its keys: remove one of them";
+            let rule = "conflicts with `look_from`, `look_at` or `up` of its keys: remove one of them";
             report
                 .check(format_args!("{path}.keys"), Err(LoadErrorKind::invalid("the transform of the camera", rule)))?;
         }

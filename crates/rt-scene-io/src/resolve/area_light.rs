@@ -1,4 +1,4 @@
-//! Lights with extent: shapes that shine, added to the objects.
+//! Area lights: emissive shapes, added to the objects.
 
 use std::sync::Arc;
 
@@ -36,8 +36,9 @@ pub(super) fn is_area_light(light: &format::Light) -> bool {
 /// Name, radiance and sides of a light with extent.
 fn surface(light: &format::Light) -> Option<(&str, &format::Color, Sides)> {
     match light {
-        format::Light::Quad { name, radiance, shines, .. } | format::Light::Disk { name, radiance, shines, .. } => {
-            Some((name, radiance, (*shines).into()))
+        format::Light::Quad { name, radiance, emission_sides, .. }
+        | format::Light::Disk { name, radiance, emission_sides, .. } => {
+            Some((name, radiance, (*emission_sides).into()))
         }
         format::Light::Sphere { name, radiance, .. } | format::Light::Cylinder { name, radiance, .. } => {
             Some((name, radiance, Sides::Front))
@@ -53,7 +54,7 @@ fn light_material(name: &str, radiance: Rgb, shines: Sides) -> Material {
     Material { physical: Some(Physical::Black), shines, ..Material::new(name.to_owned(), phong) }
 }
 
-/// Shape and place of a light. What is wrong is reported.
+/// Shape and transform of a light. Errors are reported.
 fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option<(Shape, Transform)> {
     let shape = |shape: Result<Shape, ShapeError>| shape.map_err(LoadErrorKind::from);
     match light {

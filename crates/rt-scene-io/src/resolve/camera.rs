@@ -14,7 +14,7 @@ use crate::diagnostics::Diagnostics;
 use crate::format;
 use crate::{LoadErrorKind, MaterialId, NamedCamera};
 
-/// Opening angle of a camera that does not say, in degrees.
+/// Default field of view, in degrees.
 pub(super) const DEFAULT_FOV_DEGREES: f64 = 40.0;
 
 /// The cameras of a file with their paths in the document, the default one first.
@@ -60,7 +60,7 @@ fn settings(
     let camera = posed.as_ref().map_or(camera, |posed| &posed.camera);
     let projection = match (camera.orthographic, camera.fov) {
         (Some(_), Some(fov)) => {
-            let rule = "has no meaning beside `orthographic`: remove one of them";
+            let rule = "conflicts with `orthographic`: remove one of them";
             report.check(format_args!("{path}.fov"), Err(LoadErrorKind::invalid(fov, rule)))
         }
         (Some(height), None) => report
@@ -106,12 +106,12 @@ pub(super) fn opening(degrees: f64) -> Result<f64, LoadErrorKind> {
     }
 }
 
-/// Where a camera stands by itself.
+/// Transform of a camera without animation.
 pub(super) fn place(report: &mut Diagnostics, path: &str, camera: &format::Camera) -> Option<Transform> {
     let looks = camera.look_from.is_some() || camera.look_at.is_some() || camera.up.is_some();
     if !camera.transform.is_empty() {
         if looks {
-            let rule = "cannot stand beside `look_from`, `look_at` or `up`: remove one of them";
+            let rule = "conflicts with `look_from`, `look_at` or `up`: remove one of them";
             report.check(format_args!("{path}.transform"), Err(LoadErrorKind::invalid("the transform", rule)))?;
         }
         return transform(report, path, &camera.transform);
@@ -126,7 +126,7 @@ pub(super) fn place(report: &mut Diagnostics, path: &str, camera: &format::Camer
     report.check(path, look_at(eye?, target?, up?))
 }
 
-/// The place of an eye that looks at a target.
+/// Transform of a camera at `eye` that looks at `target`.
 pub(super) fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Transform, LoadErrorKind> {
     Transform::look_at(eye, target, up).map_err(|error| match error {
         TransformError::DegenerateDirection if eye == target => {

@@ -7,10 +7,10 @@ use super::value::colour as resolve_color;
 use crate::format::{Background, Camera, CameraAnimation, Color, Film, FovAxis, Light, LightUnits, SceneFile};
 use crate::{Integrator, LoadOptions, StudioLights};
 
-/// Where the camera stands, seen from the middle of the scene: slightly above and to the side.
+/// Direction from the centre of the scene to the default camera: slightly above and to the side.
 const VIEW: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
-/// Room around the objects in the image.
+/// Margin around the objects in the image.
 const MARGIN: f64 = 1.1;
 
 /// Properties of a scene that decide whether it gets studio lights.
@@ -135,11 +135,11 @@ fn is_unplaced(camera: &Camera) -> bool {
     camera.is_unplaced() && !camera.animation.as_ref().is_some_and(CameraAnimation::places)
 }
 
-/// A key light from the upper left, a weaker fill light from the right that casts no shadows, and ambient light.
+/// A key light from the upper left, a weaker fill light from the right without shadows, and ambient light.
 ///
-/// The two irradiances add up to a vector of length 0.87 π between the default view and +z, and both ambient light (of which
-/// diffuse surfaces reflect a tenth under `whitted`) and [`default_background`] (0.2 in the mean, under `path`) bring a white surface
-/// that faces it near to 1: an albedo of 0.8 shows as about 0.8 under every integrator. No surface counts both.
+/// The two irradiances add up to a vector of length 0.87 π between the default view and +z. Ambient light (of which diffuse
+/// surfaces reflect a tenth under `whitted`) and [`default_background`] (0.2 in the mean, under `path`) bring a white surface
+/// that faces it close to 1. An albedo of 0.8 shows as about 0.8 under every integrator.
 fn studio_lights() -> Vec<Light> {
     let sun = |name: &str, direction, strength, casts_shadows| Light::Directional {
         name: name.to_owned(),
@@ -186,7 +186,7 @@ fn framed(camera: &Camera, bounds: &Aabb, aspect: f64) -> (DVec3, DVec3) {
     (round(target + back * distance), round(target))
 }
 
-/// The value with as few decimals as still tell a thousandth of `size`.
+/// The value with as few decimals as resolve a thousandth of `size`.
 pub(crate) fn rounded(value: f64, size: f64) -> f64 {
     let (mut decimals, mut reach) = (0, size);
     while reach < 1000.0 && decimals < 300 {

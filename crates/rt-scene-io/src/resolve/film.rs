@@ -57,14 +57,15 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), LoadErrorKind> {
 pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, default: Integrator) -> Settings {
     let spp = report.check("settings.spp", within(settings.spp, 1, limits::SAMPLES)).unwrap_or(1);
     let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, limits::PASSES)));
-    let adaptive = settings.adaptive.map(|format::Adaptive::ObjectSpace { least }| {
-        let least = least.and_then(|least| report.check("settings.adaptive.least", within(least, 1, limits::SAMPLES)));
-        Adaptive::ObjectSpace { least: least.map(|least| least as u32) }
+    let adaptive = settings.adaptive.map(|format::Adaptive::ObjectSpace { min_spp }| {
+        let min_spp =
+            min_spp.and_then(|spp| report.check("settings.adaptive.min_spp", within(spp, 1, limits::SAMPLES)));
+        Adaptive::ObjectSpace { least: min_spp.map(|spp| spp as u32) }
     });
-    let depth = report.check("settings.depth", within(settings.depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
+    let depth = report.check("settings.max_depth", within(settings.max_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
     let roulette_from =
-        report.check("settings.roulette_from", within(settings.roulette_from, 0, limits::RAY_DEPTH)).unwrap_or(0);
+        report.check("settings.rr_start_depth", within(settings.rr_start_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     let clamp = settings.clamp.and_then(|clamp| report.check("settings.clamp", positive(clamp)));
     let occlusion_distance = settings
         .occlusion_distance

@@ -34,8 +34,8 @@ impl Objects<'_> {
             self.models.trees.insert(reference.to_owned(), tree);
         }
         let tree = self.models.trees.get(reference)?.as_ref()?;
-        let room = self.options.memory.keep(format_args!("{reference} in all its places"), tree_bytes(tree));
-        self.report.check(format_args!("{path}.model"), room)?;
+        let memory = self.options.memory.keep(format_args!("{reference} in all its places"), tree_bytes(tree));
+        self.report.check(format_args!("{path}.model"), memory)?;
         let mut nodes = tree.clone();
         if let Some(material) = own {
             for_each_node(&mut nodes, &mut |node| node.material = material);

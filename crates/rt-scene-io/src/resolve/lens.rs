@@ -8,7 +8,7 @@ use crate::LoadErrorKind;
 use crate::diagnostics::Diagnostics;
 use crate::format;
 
-/// The lens of a camera that stands at a place.
+/// Lens of a camera with this transform.
 pub(super) fn lens(
     report: &mut Diagnostics,
     path: &str,
@@ -61,7 +61,7 @@ fn focus(
         }
         (Some(_), Some(point)) => {
             let [x, y, z] = point;
-            let rule = "has no meaning beside `focus`: remove one of them";
+            let rule = "conflicts with `focus`: remove one of them";
             let reason = LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), rule);
             return report.check(format_args!("{path}.focus_at"), Err(reason));
         }

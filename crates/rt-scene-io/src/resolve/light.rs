@@ -14,7 +14,7 @@ use crate::{LoadErrorKind, read_environment};
 /// Widest cone of a spot light: half a sphere.
 const MAX_CONE_DEGREES: f64 = 90.0;
 
-/// The lights with a place or a direction, and the sum of the ambient lights.
+/// The delta lights, and the sum of the ambient lights.
 pub(super) fn lights(report: &mut Diagnostics, lights: &[format::Light]) -> (Vec<Light>, Rgb) {
     let mut placed = Vec::new();
     let mut ambient = Rgb::BLACK;
@@ -40,8 +40,8 @@ fn single(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
     };
     let intensity = report.check(format_args!("{path}.intensity"), colour(intensity));
     let kind = match light {
-        format::Light::Point { position, falloff, lamp_radius, .. } => {
-            let lamp_radius = report.check(format_args!("{path}.lamp_radius"), not_negative(*lamp_radius));
+        format::Light::Point { position, falloff, shadow_near, .. } => {
+            let lamp_radius = report.check(format_args!("{path}.shadow_near"), not_negative(*shadow_near));
             let position = report.check(format_args!("{path}.position"), vector(*position))?;
             LightKind::Point { position, falloff: (*falloff).into(), lamp_radius: lamp_radius? }
         }

@@ -13,7 +13,7 @@ use crate::diagnostics::Diagnostics;
 use crate::format;
 use crate::{LoadErrorKind, Material, MaterialId, limits};
 
-/// Index of refraction of a transparent material that does not say: crown glass.
+/// Default index of refraction: crown glass.
 const DEFAULT_IOR: f64 = 1.5;
 
 /// Name of the material of shapes that have none.
@@ -117,7 +117,7 @@ impl<'a> Materials<'a> {
         self.add(changed.unwrap_or(material))
     }
 
-    /// Checks the materials that nothing refers to, without keeping them.
+    /// Checks unused materials, without keeping them.
     pub(super) fn check_unused(&self, mut scratch: Textures<'_>, report: &mut Diagnostics) {
         let used: HashSet<&str> = self.list.iter().map(|material| material.name.as_str()).collect();
         for (name, definition) in self.definitions.iter().filter(|(name, _)| !used.contains(name.as_str())) {
@@ -132,8 +132,9 @@ fn place_of(name: &str) -> String {
     format!("materials[\"{name}\"]")
 }
 
-/// The material that a definition makes of `base`: a classical one changes what it names, a physical one takes its place.
-/// `None` if something in it is wrong.
+/// Applies a definition to `base`: `phong` replaces the fields that it names, other materials replace all.
+///
+/// `None` if the definition has an error.
 fn changed(
     path: &str,
     definition: &format::Material,
@@ -141,20 +142,20 @@ fn changed(
     textures: &mut Textures<'_>,
     report: &mut Diagnostics,
 ) -> Option<Material> {
-    let format::Material::Phong { shines, .. } = definition else {
+    let format::Material::Phong { emission_sides, .. } = definition else {
         let read = PhysicalReader { textures, report }.material(path, &base.name, definition)?;
         let is_same = read.physical == base.physical
             && (read.shines == base.shines || base.phong.emission.is_zero())
             && read.phong.emission == base.phong.emission
             && read.body() == base.body();
-        // A definition that changes nothing keeps the classical surface of the model as well. Detail stays in any case.
+        // A definition without changes keeps the Phong surface of the model. Normal maps and alpha are always kept.
         return Some(if is_same {
             base
         } else {
             Material { phong: read.phong, physical: read.physical, shines: read.shines, ..base }
         });
     };
-    let shines = shines.map_or(base.shines, Into::into);
+    let shines = emission_sides.map_or(base.shines, Into::into);
     let phong = changed_phong(path, definition, base.phong, textures, report)?;
     // A change of the classical surface is meant for all integrators.
     let physical = if phong == base.phong { base.physical } else { None };
@@ -183,7 +184,7 @@ fn changed_phong(
         fresnel,
         absorption,
         priority,
-        shines: _,
+        emission_sides: _,
     } = definition
     else {
         return None;
@@ -198,11 +199,11 @@ fn changed_phong(
     let specular = read("specular", specular, base.specular);
     let emission = read("emission", emission, base.emission);
     let fresnel = fresnel.unwrap_or(base.transmission.is_some_and(|t| t.fresnel));
-    // Light that Fresnel's equations don't let pass is mirrored; it is not to be lost unless the file says so.
+    // Light that Fresnel's equations reflect is mirrored unless the file says otherwise.
     let passes = transmission.is_some() || base.transmission.is_some();
-    let unsaid =
+    let default_mirror =
         if fresnel && passes && base.mirror.is_zero() { ColorTexture::Constant(Rgb::WHITE) } else { base.mirror };
-    let mirror = read("mirror", mirror, unsaid);
+    let mirror = read("mirror", mirror, default_mirror);
     let before = base.transmission;
     let passing = read("transmission", transmission, before.map_or(ColorTexture::ZERO, |t| t.coefficient));
     let exponent =
@@ -229,7 +230,7 @@ fn changed_phong(
     })
 }
 
-/// The product of a colour and a coefficient, of which one may have a texture.
+/// Product of a colour and a coefficient, of which at most one is textured.
 fn product(color: ColorTexture, coefficient: ColorTexture) -> Result<ColorTexture, LoadErrorKind> {
     match (color, coefficient) {
         (ColorTexture::Constant(a), ColorTexture::Constant(b)) => Ok(ColorTexture::Constant(a * b)),

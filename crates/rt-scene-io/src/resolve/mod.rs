@@ -97,7 +97,8 @@ pub(crate) fn resolve_with(
     });
     let stem = || source.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let name = file.name.clone().unwrap_or_else(stem);
-    let warnings = report.finish()?;
+    let mut warnings = file.warnings.clone();
+    warnings.extend(report.finish()?);
     let appearance = Appearance { materials: materials.list, textures: textures.list, lights, ambient, background };
     let scene = Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, truth, warnings, notes };
     Ok((scene, fields))
@@ -116,18 +117,16 @@ fn bounds_at_rest(
     tree_bounds(&nodes, &groups, &meshes)
 }
 
-/// Path tracing for what the classical integrator has no light for: lights with extent, an image around the scene, physical
-/// materials. In a scene that says nothing of lights, models of physical materials and emissive objects count as well. `used`
-/// are the materials of all objects.
+/// Path tracing for light that `whitted` lacks: area lights, environment images, physical materials. Without `lights` in the
+/// scene, physical materials of models and emissive objects count too. `used` are the materials of all objects.
 fn default_integrator(file: &SceneFile, used: &[&Material], options: &LoadOptions) -> Integrator {
     let has_studio = options.studio_lights == StudioLights::Studio;
-    let asks_for_path =
-        |material: &&Material| material.has_physical_surface() || (is_emissive(material) && !has_studio);
-    let is_left_open = file.lights.is_none() && used.iter().any(asks_for_path);
+    let needs_path = |material: &&Material| material.has_physical_surface() || (is_emissive(material) && !has_studio);
+    let is_unspecified = file.lights.is_none() && used.iter().any(needs_path);
     let lights = file.lights.as_deref().unwrap_or_default();
     let is_physical = lights.iter().any(area_light::is_area_light)
         || matches!(file.background, Some(format::Background::Image { .. }))
         || file.materials().any(|material| !matches!(material, format::Material::Phong { .. }))
-        || is_left_open;
+        || is_unspecified;
     if is_physical { Integrator::Path } else { Integrator::Whitted }
 }

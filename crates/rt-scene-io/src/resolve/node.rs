@@ -33,12 +33,12 @@ pub(super) struct Objects<'a> {
     group_ids: HashMap<&'a str, GroupId>,
     pub(super) groups: Vec<Group>,
     pub(super) nodes: Vec<Node>,
-    /// What each camera of the file stands inside of.
+    /// Medium of each camera.
     pub(super) media: Vec<Option<MaterialId>>,
 }
 
 impl<'a> Objects<'a> {
-    /// Resolves everything that has a place in the tree. Mistakes are found in the report.
+    /// Resolves all nodes. Errors are collected in the report.
     pub(super) fn resolve(
         file: &'a SceneFile,
         cameras: &[(String, format::Camera)],
@@ -156,7 +156,7 @@ impl<'a> Objects<'a> {
             if self.materials.list[id.0 as usize].body().is_some() {
                 return Ok(id);
             }
-            let rule = "fills no body: name a material that has `transmission`, or glass";
+            let rule = "is not transparent: name a material with `transmission`, or glass";
             Err(LoadErrorKind::invalid(format_args!("the material \"{name}\""), rule))
         });
         self.report.check(format_args!("{path}.medium"), id)

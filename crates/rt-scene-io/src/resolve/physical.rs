@@ -35,7 +35,7 @@ impl PhysicalReader<'_, '_> {
     fn surface(&mut self, path: &str, definition: &format::Material) -> Option<SurfacePair> {
         let both = |phong, physical| SurfacePair { phong, physical, shines: Sides::Both };
         match definition {
-            // A classical surface within a mix is one that shines and scatters nothing, or is refused.
+            // A `phong` material cannot be part of a mix.
             format::Material::Phong { .. } => {
                 let rule = "cannot be part of a mix: use `diffuse`, `glossy`, `mirror` or another physical material";
                 self.report.check::<()>(path, Err(LoadErrorKind::invalid("a `phong` material", rule)));
@@ -84,12 +84,12 @@ impl PhysicalReader<'_, '_> {
                 let transmittance = self.reflectance(path, "transmittance", transmittance)?;
                 Some(both(phong_fallback::thin_dielectric(transmittance), Physical::ThinGlass { ior, transmittance }))
             }
-            format::Material::Light { radiance, shines } => {
+            format::Material::Light { radiance, emission_sides } => {
                 let emission = self.coefficient(path, "radiance", radiance)?;
                 Some(SurfacePair {
                     phong: Phong { emission, ..BLACK },
                     physical: Physical::Black,
-                    shines: (*shines).into(),
+                    shines: (*emission_sides).into(),
                 })
             }
             format::Material::Mix(parts) => self.mix(path, parts),
@@ -150,7 +150,7 @@ impl PhysicalReader<'_, '_> {
         Some(SurfacePair { physical: Physical::Mix(mixed), ..sum })
     }
 
-    /// A part of the light: a constant beyond 1 would make light of nothing.
+    /// Reads a reflectance. A constant above 1 would create energy.
     fn reflectance(&mut self, path: &str, field: &str, value: &format::ColorTexture) -> Option<ColorTexture> {
         let part = self.coefficient(path, field, value)?;
         let checked = match part {

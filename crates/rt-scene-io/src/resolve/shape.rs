@@ -12,14 +12,14 @@ use crate::build_mesh::build_mesh;
 use crate::format;
 use crate::{LoadErrorKind, Warning};
 
-/// What a shape of the file stands for.
+/// Shape or mesh of the scene.
 pub(super) enum ResolvedShape {
     Shape(Shape),
     /// `None` if no triangle was left.
     Mesh(Option<TriangleMesh>),
 }
 
-/// The shape or mesh; `place` is where warnings say that triangles were mended.
+/// Builds the shape or mesh; `place` locates warnings about repairs.
 pub(super) fn resolve_shape(
     shape: &format::Shape,
     place: &str,
@@ -88,7 +88,7 @@ fn checked_mesh(
     if data.triangles.is_empty() {
         return Err(LoadErrorKind::invalid("the mesh", "has no triangles: give at least one"));
     }
-    // Model files may be damaged and are mended; what was written by hand is a mistake to know of.
+    // Repairs are for model files; in a scene file, such values are errors.
     if let Some(bad) = data.positions.iter().flat_map(|p| p.to_array()).find(|c| !c.is_finite()) {
         return Err(LoadErrorKind::invalid(bad, "is not a finite number"));
     }

@@ -18,21 +18,21 @@ use crate::diagnostics::Diagnostics;
 use crate::format::{Camera, Node, SceneFile};
 use crate::{LoadErrorKind, LoadOptions};
 
-/// What is seen of an animation in one picture.
+/// Time interval of one image, as a part of an animation.
 ///
-/// Places of what moves are told for the opening and the closing of the shutter. Where cameras differ, that is the time in
-/// which any of them is open, and each takes its part of it.
+/// Transforms of moving objects are evaluated at both ends. Where the shutters of cameras differ, it encloses all of them, and
+/// each camera uses its part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShutterInterval {
     /// When the shutter opens and closes, in seconds.
-    moments: [f64; 2],
-    /// When it does, in parts of a frame; `None` if that has no meaning, as nothing is animated or no camera has a shutter.
-    /// Motions take all of their time then, and animations stand still.
+    times: [f64; 2],
+    /// Interval in parts of a frame; `None` if the scene is not animated or no camera has a shutter. Motions then take all of
+    /// their time, and animations stand still.
     part: Option<[f64; 2]>,
 }
 
 impl ShutterInterval {
-    /// How long the cameras of a file take in the scene.
+    /// Interval that encloses the shutters of all cameras.
     pub(super) fn new(file: &SceneFile, cameras: &[(String, Camera)], options: &LoadOptions) -> Self {
         let is_timed = options.at_time.is_some() || is_animated(file);
         let is_sound = |[opens, closes]: &[f64; 2]| 0.0 <= *opens && opens <= closes && *closes <= 1.0;
@@ -40,12 +40,12 @@ impl ShutterInterval {
         let all = shutters.filter(is_sound).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         let part = all.filter(|_| is_timed);
         let of_part = LoadOptions { at_time: options.at_time.or(Some(0.0)), shutter: part, ..options.clone() };
-        Self { moments: of_part.shutter_interval().unwrap_or_default(), part }
+        Self { times: of_part.shutter_interval().unwrap_or_default(), part }
     }
 
     /// When the shutter opens, in seconds.
     pub(super) const fn opens(&self) -> f64 {
-        self.moments[0]
+        self.times[0]
     }
 
     /// Options that pose models alike.
@@ -53,19 +53,19 @@ impl ShutterInterval {
         LoadOptions { shutter: self.part, ..options.clone() }
     }
 
-    /// The shutter of a camera as a part of this exposure. Without one of its own it takes what it sees first.
+    /// Shutter of a camera relative to this interval. A camera without a shutter is sharp at its start.
     pub(super) fn relative(&self, given: Option<(f64, f64)>) -> [f64; 2] {
         match (self.part, given) {
             (None, None) => [0.0, 1.0],
             (None, Some((opens, closes))) => [opens, closes],
             (Some([first, last]), Some(given)) if first < last => {
-                [given.0, given.1].map(|moment| (moment - first) / (last - first))
+                [given.0, given.1].map(|time| (time - first) / (last - first))
             }
             (Some(_), _) => [0.0; 2],
         }
     }
 
-    /// What remains of a motion: where it begins and, if it moves, ends.
+    /// Part of a motion in the interval: its start and, if it moves, its end.
     pub(super) fn cut(&self, start: Transform, end: Option<Transform>) -> (Transform, Option<Transform>) {
         let (Some([first, last]), Some(end)) = (self.part, end) else { return (start, end) };
         match AnimatedTransform::new(&start, &end) {
@@ -74,20 +74,20 @@ impl ShutterInterval {
         }
     }
 
-    /// Where something is when the shutter opens and, if that differs, closes, by its places at moments in seconds.
+    /// Transforms when the shutter opens and, if different, closes. `at` evaluates a time in seconds.
     pub(super) fn places(
         &self,
         report: &mut Diagnostics,
         path: impl Display,
         at: impl Fn(f64) -> Result<Transform, LoadErrorKind>,
     ) -> Option<(Transform, Option<Transform>)> {
-        let sound = |moment: f64| {
-            let place = at(moment)?;
-            // Ways may lead through places that keys do not have.
+        let sound = |time: f64| {
+            let place = at(time)?;
+            // Interpolated transforms may be invalid where keys are not.
             Transform::from_linear(place.linear(), place.translation())?;
             vector(place.translation().to_array()).map(|_| place)
         };
-        let [opens, closes] = self.moments;
+        let [opens, closes] = self.times;
         let start = report.check(&path, sound(opens))?;
         let end = if closes > opens { report.check(&path, sound(closes))? } else { start };
         if end == start {
@@ -97,7 +97,7 @@ impl ShutterInterval {
     }
 }
 
-/// True if the file says of anything where it is at some moment.
+/// True if a node or camera has an animation.
 pub(super) fn is_animated(file: &SceneFile) -> bool {
     key_times(file).next().is_some()
 }

@@ -42,7 +42,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Where a file lies that the scene refers to.
+    /// Path of a file that the scene refers to.
     pub(super) fn path(&self, reference: &str) -> Result<PathBuf, LoadErrorKind> {
         resolve_path(reference, self.source, self.options)
     }

@@ -14,7 +14,7 @@ pub(super) fn transform(report: &mut Diagnostics, path: impl Display, steps: &[S
     product(report, format_args!("{path}.transform"), steps)
 }
 
-/// Where the `motion` of what stands at a path leads, if it has one: a place that can be reached from the other.
+/// End transform of the `motion` at a path, if any. It must be possible to interpolate it from the start.
 pub(super) fn motion(
     report: &mut Diagnostics,
     path: impl Display,
@@ -29,7 +29,7 @@ pub(super) fn motion(
     report.check(&path, AnimatedTransform::new(start, &end).map_err(refused_motion)).map(|_| Some(end))
 }
 
-/// Why something cannot move as it should.
+/// Error of a motion that cannot be interpolated.
 pub(super) fn refused_motion(error: AnimatedTransformError) -> LoadErrorKind {
     match error {
         AnimatedTransformError::Mirrors => {

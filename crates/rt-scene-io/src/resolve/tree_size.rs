@@ -9,7 +9,7 @@ struct TreeSize {
     objects: u64,
 }
 
-/// Checks the limits for a tree and the groups that it places, each after those that it contains.
+/// Checks the limits for a tree and its groups, each after those that it contains.
 pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), LoadErrorKind> {
     let mut sizes = Vec::with_capacity(groups.len());
     for group in groups {

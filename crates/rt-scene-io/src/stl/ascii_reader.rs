@@ -2,10 +2,10 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
-/// What a solid begins with, in the one form that the reader takes.
+/// First line of a solid, in the only form that `stl_io` reads.
 const SOLID: &[u8] = b"solid \n";
 
-/// What a facet begins with whose normal is no number, as programs write it for slivers. Normals are not looked at.
+/// First line of a facet that replaces one with a NaN normal, as programs write it for slivers. Normals are ignored.
 const FACET: &[u8] = b"facet normal 0 0 0\n";
 
 fn has_no_normal(line: &[u8]) -> bool {
@@ -13,19 +13,19 @@ fn has_no_normal(line: &[u8]) -> bool {
     begins && line.windows(3).any(|word| word.eq_ignore_ascii_case(b"nan"))
 }
 
-/// Whether a line begins a solid, in letters of either case.
+/// True if a line begins a solid, in letters of either case.
 pub(super) fn begins_solid(line: &[u8]) -> bool {
     line.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-/// The lines of a file. Each read gives one line at most; the line that begins a solid is replaced by [`SOLID`].
+/// Lines of a file. Each read returns one line at most; the line that begins a solid is replaced by [`SOLID`].
 pub(super) struct AsciiReader<'a> {
     bytes: &'a [u8],
-    /// Where the next line begins.
+    /// Start of the next line.
     next: usize,
-    /// Where the lines of the solid begin.
+    /// Start of the lines of the solid.
     start: usize,
-    /// What is left of `SOLID` or `FACET`.
+    /// Remaining bytes of `SOLID` or `FACET`.
     head: &'static [u8],
 }
 
@@ -79,7 +79,7 @@ impl Read for AsciiReader<'_> {
             return self.head.read(buffer);
         }
         let count = line.read(buffer)?;
-        // The reader knows the words of the format in lower case alone.
+        // `stl_io` reads lower case only.
         buffer[..count].make_ascii_lowercase();
         self.next += count;
         Ok(count)
@@ -87,7 +87,7 @@ impl Read for AsciiReader<'_> {
 }
 
 impl Seek for AsciiReader<'_> {
-    /// Goes back to the beginning of the solid, the one place that the reader asks for.
+    /// Returns to the start of the solid, the only position that `stl_io` seeks.
     fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
         if place != SeekFrom::Start(0) {
             return Err(io::ErrorKind::Unsupported.into());

@@ -1,7 +1,7 @@
 //! STL (3D Systems, 1988), text and binary, through `stl_io`.
 //!
-//! Which of the two a file is tells its size, not its first word: many binary files begin with "solid". Corners at one place
-//! become one vertex. Facets are flat, whatever the normals in the file say.
+//! The size of a file distinguishes the two, as many binary files begin with "solid". Corners at one position become one
+//! vertex. Facets are flat; normals in the file are ignored.
 
 mod ascii_reader;
 
@@ -81,7 +81,7 @@ fn promised_size(bytes: &[u8]) -> Option<u64> {
     Some(HEADER as u64 + FACET * u64::from(u32::from_le_bytes(count)))
 }
 
-/// Triangles whose corners at one place are one vertex.
+/// Triangles whose equal corners share a vertex.
 #[derive(Default)]
 struct WeldedMesh {
     data: MeshData,
@@ -92,7 +92,7 @@ impl WeldedMesh {
     fn add(&mut self, corners: [stl_io::Vertex; 3]) {
         let triangle = corners.map(|corner| {
             let position = Vec3::new(corner[0], corner[1], corner[2]);
-            // 0 and −0 are the same place.
+            // 0 and −0 are equal.
             let place = position.to_array().map(|x| (x + 0.0).to_bits());
             *self.known.entry(place).or_insert_with(|| {
                 self.data.positions.push(position);

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use rt_scene_io::format::{
-    Background, Camera, Color, ColorTexture, Falloff, Film, Integrator, Light, LightUnits, Material, Node, Sampler,
-    SceneFile, Settings, Shape, Sides,
+    Background, Camera, Color, ColorTexture, EmissionSides, Falloff, Film, Integrator, Light, LightUnits, Material,
+    Node, Sampler, SceneFile, Settings, Shape,
 };
 
 use super::exchange_scene;
@@ -56,7 +56,7 @@ fn convert(scene: exchange_scene::Scene) -> SceneFile {
             integrator: Some(integrator),
             sampler: Sampler::Jittered,
             spp: scene.spp,
-            depth,
+            max_depth: depth,
             ..Settings::default()
         },
         background: Some(Background::Constant(Color::from_rgb(scene.background))),
@@ -79,7 +79,7 @@ fn light(light: &exchange_scene::Light) -> Option<Light> {
         intensity: Color::from_rgb(color),
         units: LightUnits::Classical,
         falloff: Falloff::None,
-        lamp_radius,
+        shadow_near: lamp_radius,
         casts_shadows: true,
     })
 }
@@ -87,7 +87,7 @@ fn light(light: &exchange_scene::Light) -> Option<Light> {
 fn material(of: &exchange_scene::Material) -> Material {
     if let Some(radiance) = of.radiance {
         let albedo = Color::from_rgb(of.color).into();
-        let lamp = Material::Light { radiance: Color::from_rgb(radiance).into(), shines: Sides::Front };
+        let lamp = Material::Light { radiance: Color::from_rgb(radiance).into(), emission_sides: EmissionSides::Front };
         return Material::Mix(vec![(1.0, Material::Diffuse { albedo, roughness: 0.0, emission: None }), (1.0, lamp)]);
     }
     let tint = |coefficient: f64| of.color.map(|channel| channel * coefficient);
@@ -113,7 +113,7 @@ fn material(of: &exchange_scene::Material) -> Material {
         fresnel: None,
         absorption: None,
         priority: None,
-        shines: None,
+        emission_sides: None,
     }
 }
 
@@ -181,10 +181,10 @@ mod tests {
             file,
             "it is a scene file"
         );
-        assert_eq!((file.film.size, file.settings.spp, file.settings.depth), ((8, 4), 16, 5));
+        assert_eq!((file.film.size, file.settings.spp, file.settings.max_depth), ((8, 4), 16, 5));
         let lights = file.lights.unwrap();
         let radius = |light: &Light| match light {
-            Light::Point { lamp_radius, .. } => Some(*lamp_radius),
+            Light::Point { shadow_near, .. } => Some(*shadow_near),
             _ => None,
         };
         assert_eq!(lights.iter().map(radius).collect::<Vec<_>>(), [None, Some(0.0), Some(2.0)]);

@@ -38,7 +38,7 @@ pub(super) fn shining(camera: &str, shape: &str, place: &str) -> Fallible<Pictur
             film: (size: (1, 1)),
             lights: [],
             background: constant(gray(0)),
-            materials: {{\"lamp\": light(radiance: gray(1), shines: both)}},
+            materials: {{\"lamp\": light(radiance: gray(1), emission_sides: both)}},
             nodes: [(shape: {shape}, transform: [{place}], material: \"lamp\")],
         )"
     ))

@@ -52,7 +52,7 @@ impl Room {
             "(
                 camera: (look_from: (0.3, -0.2, 0.1), look_at: (-0.3, 0.4, 1), fov: 60),
                 film: (size: (1, 1)),
-                settings: (depth: {depth}),
+                settings: (max_depth: {depth}),
                 lights: [{lights}],
                 background: constant(gray(0)),
                 materials: {{\"wall\": {wall}}},

@@ -66,7 +66,7 @@ fn coaxial_disks(conditions: &Conditions) -> Found {
             "(
                 camera: (look_from: (0, 0, {LIFT}), look_at: (0, 0, 0), orthographic: 2),
                 film: (size: (1, 1)),
-                settings: (depth: 3),
+                settings: (max_depth: 3),
                 lights: [],
                 background: constant(gray(0)),
                 materials: {{\"ground\": diffuse(albedo: gray(0.5)), \"lamp\": light(radiance: gray(1))}},

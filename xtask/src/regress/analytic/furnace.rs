@@ -81,7 +81,7 @@ fn plane(material: &str, degrees: f64) -> Fallible<Picture> {
         "(
             camera: (look_from: {}, look_at: (0, 0, 0), up: (0, 1, 0), orthographic: 1e-9),
             film: (size: (1, 1)),
-            settings: (depth: 4),
+            settings: (max_depth: 4),
             lights: [],
             background: constant(gray(1)),
             materials: {{\"it\": {material}}},
@@ -159,7 +159,7 @@ fn ball(conditions: &Conditions) -> Found {
             "(
                 camera: (look_from: ({aside:?}, 0, 2), look_at: ({aside:?}, 0, 0), orthographic: 1e-9),
                 film: (size: (1, 1)),
-                settings: (depth: 400, roulette_from: 400),
+                settings: (max_depth: 400, rr_start_depth: 400),
                 lights: [],
                 background: constant(gray(1)),
                 materials: {{\"it\": glass(ior: {GLASS:?})}},

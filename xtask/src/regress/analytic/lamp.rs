@@ -131,7 +131,7 @@ impl Lamp {
             "(
                 camera: (look_from: {}, look_at: {}, up: {}, orthographic: {height:?}),
                 film: (size: (1, 1)),
-                settings: (depth: 3),
+                settings: (max_depth: 3),
                 lights: [],
                 background: constant(gray(0)),
                 materials: {{

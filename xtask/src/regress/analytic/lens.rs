@@ -39,7 +39,7 @@ fn depth_of_field(conditions: &Conditions) -> Found {
                 film: (size: (1, 1)),
                 lights: [],
                 background: constant(gray(0)),
-                materials: {{\"lamp\": light(radiance: gray(1), shines: both)}},
+                materials: {{\"lamp\": light(radiance: gray(1), emission_sides: both)}},
                 nodes: [(
                     shape: polygon(points: [({edge:?}, -9, -{depth:?}), ({edge:?}, 9, -{depth:?}), (9, 0, -{depth:?})]),
                     material: \"lamp\",
