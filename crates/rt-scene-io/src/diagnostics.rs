@@ -1,11 +1,11 @@
-//! Collects what is wrong, so that one run names every mistake in a file.
+//! Collection of errors and warnings, so that one run reports all of them.
 
 use std::fmt::Display;
 use std::path::Path;
 
 use crate::{Diagnostic, LoadError, LoadErrorKind, Location, Warning, limits};
 
-/// The errors and warnings met while a file is resolved.
+/// Errors and warnings about a file.
 pub(crate) struct Diagnostics {
     file: String,
     errors: Vec<Diagnostic>,
@@ -18,7 +18,7 @@ impl Diagnostics {
         Self { file: file.display().to_string(), errors: Vec::new(), not_shown: 0, warnings: Vec::new() }
     }
 
-    /// The value, or `None` after noting the error at a path in the document such as `nodes[2].material`.
+    /// Returns the value, or `None` after recording the error at a path in the document such as `nodes[2].material`.
     pub(crate) fn check<T>(&mut self, path: impl Display, result: Result<T, impl Into<LoadErrorKind>>) -> Option<T> {
         match result {
             Ok(value) => Some(value),

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! **Owns** [`Scene`] with its node tree and bounds ([`Scene::bounds`]), the scene format ([`mod@format`]) and its JSON Schema,
-//! the model loaders, texture decoding, the rules for references between files, and the defaults for what a file leaves open:
-//! camera, lights, exposure.
+//! model loaders and texture decoding. Also owns the rules for references between files, and the defaults for camera, lights
+//! and exposure.
 //! **Does not own** shapes, materials, lights, cameras or rendering.
 //!
 //! Every field has a default but the geometry. All errors of a file are reported at once, each with its location, the value,

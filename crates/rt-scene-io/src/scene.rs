@@ -100,7 +100,7 @@ impl Integrator {
         matches!(self, Self::Path | Self::Caustics | Self::Direct)
     }
 
-    /// True if it draws from lights with extent.
+    /// True if it samples area lights.
     pub const fn samples_area_lights(self) -> bool {
         matches!(self, Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
     }

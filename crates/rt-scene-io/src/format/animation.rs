@@ -18,7 +18,7 @@ pub enum Interpolation {
     Smooth,
 }
 
-/// AnimatedTransform of a node by keys.
+/// Motion of a node by keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NodeAnimation {
@@ -48,7 +48,7 @@ pub struct NodeKey {
     pub transform: Vec<Step>,
 }
 
-/// AnimatedTransform of a camera by keys.
+/// Motion of a camera by keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraAnimation {

@@ -211,7 +211,7 @@ pub enum Light {
     Ambient(Color),
 }
 
-/// Meaning of the intensity of a light without extent.
+/// Unit of the intensity of a point, directional or spot light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LightUnits {
@@ -219,7 +219,7 @@ pub enum LightUnits {
     #[default]
     Classical,
     /// Radiant or luminous intensity, and irradiance: a diffuse surface of albedo 1, lit straight by 1, has the radiance 1/π.
-    /// Lights with extent, emissive materials and images around the scene are in the same units.
+    /// Area lights, emissive materials and environment images are in the same units.
     Physical,
 }
 
@@ -227,7 +227,7 @@ pub enum LightUnits {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
-    /// Not at all: the classical ray tracer's light.
+    /// None, as in classical ray tracing.
     #[default]
     None,
     /// With the square of the distance, as real light does.

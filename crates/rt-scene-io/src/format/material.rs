@@ -11,7 +11,7 @@ use super::{Color, ColorTexture};
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[allow(clippy::large_enum_variant, reason = "a file has few materials")]
 pub enum Material {
-    /// The classical surface of Phong and Whitted. Coefficients that are left out keep their defaults.
+    /// Phong's surface, with mirror and transmission as in Whitted's model. Missing coefficients keep their defaults.
     Phong {
         /// Colour of the surface: a factor for `ambient` and `diffuse`.
         ///

@@ -46,7 +46,7 @@ pub struct Settings {
     ///
     /// Unit: none.
     pub seed: u64,
-    /// Choice of one of many lights with extent.
+    /// Selection of one of many area lights.
     pub light_sampling: LightSampling,
     /// Bounces before Russian roulette may end a path.
     ///
@@ -100,7 +100,7 @@ pub enum Adaptive {
     },
 }
 
-/// Choice of one of many lights with extent.
+/// Selection of one of many area lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LightSampling {

@@ -211,7 +211,7 @@ impl MaterialBuilder<'_, '_> {
         Ok(())
     }
 
-    /// KHR_materials_pbrSpecularGlossiness. The classical surface has but one colour: metals have theirs in the specular
+    /// Reads KHR_materials_pbrSpecularGlossiness. The Phong surface has one colour: metals have theirs in the specular
     /// texture and a black diffuse one, so the sum of both serves.
     fn specular_glossiness(&mut self, other: &SpecularGlossiness) -> Result<Base, LoadError> {
         let (diffuse_factor, specular_factor) = (opaque(other.diffuse_factor), rgb(other.specular_factor));

@@ -149,7 +149,7 @@ impl GltfSurface {
         }
     }
 
-    /// The classical surface that resembles it.
+    /// Phong surface that resembles it.
     pub(super) fn phong(&self) -> Phong {
         let (base, metallic, roughness) = self.plain();
         if self.unlit {

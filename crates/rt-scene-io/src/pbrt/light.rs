@@ -108,7 +108,7 @@ fn aim(parameters: &Parameters, place: &Transform) -> Result<DVec3, LineError> {
     })
 }
 
-/// A cone whose edge fades, here by the squared ramp of our spot lights.
+/// Cone of a spot light, with the squared ramp of [`LightKind::Spot`] at its edge.
 fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<LightKind, LineError> {
     let outer = parameters.float("coneangle", 30.0)?;
     let inner = outer - parameters.float("conedeltaangle", 5.0)?;

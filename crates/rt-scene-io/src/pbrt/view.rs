@@ -1,6 +1,6 @@
 //! Camera and image.
 //!
-//! The format's cameras look along +z with +y up and +x to the right, ours along −z. What is in between is a mirror, and the
+//! The format's cameras look along +z with +y up and +x to the right; here they look along −z. The difference is a mirror, and the
 //! world is mirrored with it: so turns right stay right, and text can be read.
 
 use rt_camera::{CameraSettings, FovAxis, Projection};
@@ -52,7 +52,7 @@ impl PbrtCamera {
         Ok(Some(Self { camera_from_world, lens }))
     }
 
-    /// From the world of the file to ours: mirrored, unless the file's camera is a mirror itself.
+    /// Map from the world of the file to that of the scene: mirrored, unless the file's camera is a mirror itself.
     pub(super) fn ours_from_world(view: Option<&Self>) -> Transform {
         if view.is_some_and(|view| view.camera_from_world.flips_handedness()) { Transform::IDENTITY } else { mirror() }
     }
@@ -93,7 +93,7 @@ pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9
     })
 }
 
-/// Reads a `Image`: the size of the image.
+/// Reads the size of the image from a `Film`.
 pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], LineError> {
     let (width, height) = (parameters.float("xresolution", 1280.0)?, parameters.float("yresolution", 720.0)?);
     let shown = || format!("{width} x {height}");

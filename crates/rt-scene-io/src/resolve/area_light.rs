@@ -13,7 +13,7 @@ use crate::diagnostics::Diagnostics;
 use crate::format;
 use crate::{Content, LoadErrorKind, Material, Node};
 
-/// The nodes of all lights with extent; each has a material of its own.
+/// Nodes of all area lights; each has a material of its own.
 pub(super) fn nodes(report: &mut Diagnostics, lights: &[format::Light], materials: &mut Materials<'_>) -> Vec<Node> {
     let mut nodes = Vec::new();
     for (i, light) in lights.iter().enumerate() {
@@ -28,12 +28,12 @@ pub(super) fn nodes(report: &mut Diagnostics, lights: &[format::Light], material
     nodes
 }
 
-/// True for a light that has extent.
+/// True for an area light.
 pub(super) fn is_area_light(light: &format::Light) -> bool {
     surface(light).is_some()
 }
 
-/// Name, radiance and sides of a light with extent.
+/// Name, radiance and emission sides of an area light; `None` for other lights.
 fn surface(light: &format::Light) -> Option<(&str, &format::Color, Sides)> {
     match light {
         format::Light::Quad { name, radiance, emission_sides, .. }

@@ -137,9 +137,9 @@ fn is_unplaced(camera: &Camera) -> bool {
 
 /// A key light from the upper left, a weaker fill light from the right without shadows, and ambient light.
 ///
-/// The two irradiances add up to a vector of length 0.87 π between the default view and +z. Ambient light (of which diffuse
-/// surfaces reflect a tenth under `whitted`) and [`default_background`] (0.2 in the mean, under `path`) bring a white surface
-/// that faces it close to 1. An albedo of 0.8 shows as about 0.8 under every integrator.
+/// The two irradiances add up to a vector of length 0.87 π between the default view and +z. Diffuse surfaces reflect a tenth of
+/// the ambient light under `whitted`. Under `path`, [`default_background`] has a mean of 0.2. Either brings a white surface that
+/// faces the vector close to 1: an albedo of 0.8 shows as about 0.8 under every integrator.
 fn studio_lights() -> Vec<Light> {
     let sun = |name: &str, direction, strength, casts_shadows| Light::Directional {
         name: name.to_owned(),

@@ -157,7 +157,7 @@ fn changed(
     };
     let shines = emission_sides.map_or(base.shines, Into::into);
     let phong = changed_phong(path, definition, base.phong, textures, report)?;
-    // A change of the classical surface is meant for all integrators.
+    // A changed Phong surface applies to all integrators.
     let physical = if phong == base.phong { base.physical } else { None };
     Some(Material { phong, physical, shines, ..base })
 }

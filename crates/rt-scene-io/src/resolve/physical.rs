@@ -1,4 +1,4 @@
-//! Physical materials of the file, each with the classical surface that comes nearest to it.
+//! Physical materials of the file, each with a Phong surface that resembles it.
 
 use rt_math::Rgb;
 use rt_shading::bsdf::{ComplexIor, MAX_LOBES};
@@ -178,7 +178,7 @@ impl PhysicalReader<'_, '_> {
 }
 
 impl SurfacePair {
-    /// Lays the classical form of another surface over this one. Of textures, the first of each coefficient is seen.
+    /// Adds the Phong surface of `other`, times a weight. The first texture of each coefficient counts.
     fn add(&mut self, weight: f64, other: &Self) {
         let Phong { ambient, diffuse, specular, emission, mirror, .. } = &mut self.phong;
         let of_other = &other.phong;

@@ -1,4 +1,4 @@
-//! When the shutter is open, and what moves meanwhile.
+//! Time interval of the shutter.
 //!
 //! ```text
 //!   frame                 next frame
@@ -24,7 +24,7 @@ use crate::{LoadErrorKind, LoadOptions};
 /// each camera uses its part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShutterInterval {
-    /// When the shutter opens and closes, in seconds.
+    /// Start and end, in seconds.
     times: [f64; 2],
     /// Interval in parts of a frame; `None` if the scene is not animated or no camera has a shutter. Motions then take all of
     /// their time, and animations stand still.
@@ -43,12 +43,12 @@ impl ShutterInterval {
         Self { times: of_part.shutter_interval().unwrap_or_default(), part }
     }
 
-    /// When the shutter opens, in seconds.
+    /// Time at which the shutter opens, in seconds.
     pub(super) const fn opens(&self) -> f64 {
         self.times[0]
     }
 
-    /// Options that pose models alike.
+    /// Options that pose models at the same times.
     pub(super) fn for_models(&self, options: &LoadOptions) -> LoadOptions {
         LoadOptions { shutter: self.part, ..options.clone() }
     }
