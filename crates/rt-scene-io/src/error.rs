@@ -172,6 +172,11 @@ impl LoadErrorKind {
         Self::TooLarge { what, value, limit }
     }
 
+    /// A word that is not among the known ones.
+    pub(crate) fn unknown(kind: &'static str, found: &str, known: Vec<String>) -> Self {
+        Self::UnknownWord { kind, found: found.to_owned(), known }
+    }
+
     /// This error at a location of a file.
     pub fn at(self, file: &Path, location: impl Into<Location>) -> LoadError {
         let (file, location) = (file.display().to_string(), location.into());
@@ -312,7 +317,7 @@ mod tests {
     #[test]
     fn the_nearest_word_is_suggested() {
         let known = || ["radius", "center"].map(str::to_owned).to_vec();
-        let unknown = |found: &str, known| LoadErrorKind::UnknownWord { kind: "field", found: found.to_owned(), known };
+        let unknown = |found: &str, known| LoadErrorKind::unknown("field", found, known);
         assert_eq!(
             unknown("raduis", known()).to_string(),
             "unknown field `raduis`; did you mean `radius`? Known are `radius`, `center`"

@@ -27,6 +27,12 @@ impl Write for Escaped<'_, '_> {
     }
 }
 
+/// Text of at most 40 characters for messages.
+#[cfg(any(feature = "gltf", feature = "obj"))]
+pub(crate) fn shortened(text: &str) -> String {
+    if text.chars().count() <= 40 { text.to_owned() } else { text.chars().take(40).chain(['…']).collect() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

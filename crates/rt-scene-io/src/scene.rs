@@ -23,6 +23,32 @@ pub struct MeshId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct GroupId(pub u32);
 
+/// Lists all variants of an enum and their names.
+macro_rules! names {
+    ($type:ident, $count:literal: $($variant:ident $name:literal)+) => {
+        impl $type {
+            /// All variants.
+            pub const ALL: [Self; $count] = [$(Self::$variant),+];
+
+            /// Name on the command line.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)+
+                }
+            }
+        }
+    };
+}
+
+names! {
+    Integrator, 10: Whitted "whitted" Distributed "distributed" Path "path" Caustics "caustics" Direct "direct"
+        AmbientOcclusion "ambient-occlusion" Normals "normals" Depth "depth" Uv "uv" Cost "cost"
+}
+names! {
+    Accel, 11: Auto "auto" Linear "linear" Grid "grid" Bvh "bvh" Wide "wide" Spheres "spheres" Cylinders "cylinders" Kd "kd"
+        Bsp "bsp" Bih "bih" BihLazy "bih-lazy"
+}
+
 /// Method by which light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "format", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
@@ -52,41 +78,11 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// All integrators.
-    pub const ALL: [Self; 10] = [
-        Self::Whitted,
-        Self::Distributed,
-        Self::Path,
-        Self::Caustics,
-        Self::Direct,
-        Self::AmbientOcclusion,
-        Self::Normals,
-        Self::Depth,
-        Self::Uv,
-        Self::Cost,
-    ];
-
-    /// True if rays go in random directions, so that pictures are noisy everywhere and not at edges alone.
+    /// True if it samples directions at random: images are noisy everywhere, not only at edges.
     pub const fn is_stochastic(self) -> bool {
         match self {
             Self::Whitted | Self::Normals | Self::Depth | Self::Uv | Self::Cost => false,
             Self::Distributed | Self::Path | Self::Caustics | Self::Direct | Self::AmbientOcclusion => true,
-        }
-    }
-
-    /// The name in files and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Whitted => "whitted",
-            Self::Distributed => "distributed",
-            Self::Path => "path",
-            Self::Caustics => "caustics",
-            Self::Direct => "direct",
-            Self::AmbientOcclusion => "ambient-occlusion",
-            Self::Normals => "normals",
-            Self::Depth => "depth",
-            Self::Uv => "uv",
-            Self::Cost => "cost",
         }
     }
 
@@ -134,40 +130,6 @@ pub enum Accel {
     Bih,
     /// Bounding interval hierarchy, built during traversal.
     BihLazy,
-}
-
-impl Accel {
-    /// All choices.
-    pub const ALL: [Self; 11] = [
-        Self::Auto,
-        Self::Linear,
-        Self::Grid,
-        Self::Bvh,
-        Self::Wide,
-        Self::Spheres,
-        Self::Cylinders,
-        Self::Kd,
-        Self::Bsp,
-        Self::Bih,
-        Self::BihLazy,
-    ];
-
-    /// The name in files and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Linear => "linear",
-            Self::Grid => "grid",
-            Self::Bvh => "bvh",
-            Self::Wide => "wide",
-            Self::Spheres => "spheres",
-            Self::Cylinders => "cylinders",
-            Self::Kd => "kd",
-            Self::Bsp => "bsp",
-            Self::Bih => "bih",
-            Self::BihLazy => "bih-lazy",
-        }
-    }
 }
 
 /// Distribution of samples among pixels, if not uniform.

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::default_values::is_zero;
 use super::{CameraAnimation, Step};
 
 /// A camera. `look_from` or `transform` places it; without both it is placed so that it sees everything.
@@ -147,9 +148,4 @@ pub enum FovAxis {
 
 fn is_centred(shift: &[f64; 2]) -> bool {
     *shift == [0.0; 2]
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }

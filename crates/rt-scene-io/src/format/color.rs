@@ -3,6 +3,7 @@
 use schemars::{JsonSchema, Schema, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::default_values::{one, white, yes};
 use super::spelling::{self, Spelled};
 
 /// A colour.
@@ -189,16 +190,4 @@ impl From<Color> for ColorTexture {
             Color::Hex(digits) => Self::Hex(digits),
         }
     }
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn yes() -> bool {
-    true
-}
-
-fn white() -> Color {
-    Color::Gray(1.0)
 }

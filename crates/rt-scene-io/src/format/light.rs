@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::default_values::{is_yes, is_zero, white, yes};
 use super::{Color, EmissionSides};
 
 /// A light. Without `falloff: inverse_square` its strength is the same at any distance.
@@ -270,10 +271,6 @@ pub enum Background {
     },
 }
 
-fn white() -> Color {
-    Color::Gray(1.0)
-}
-
 fn inner() -> f64 {
     20.0
 }
@@ -282,22 +279,7 @@ fn outer() -> f64 {
     30.0
 }
 
-fn yes() -> bool {
-    true
-}
-
-// Serde hands the field by reference.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_yes(value: &bool) -> bool {
-    *value
-}
-
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
 fn is_classical(units: &LightUnits) -> bool {
     *units == LightUnits::Classical
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::default_values::{gray, is_zero, one};
 use super::spelling::{self, Spelled};
 use super::{Color, ColorTexture};
 
@@ -91,7 +92,7 @@ pub enum Material {
         /// Part of the light that is reflected.
         ///
         /// Unit: share of light. Example: `albedo: (0.8, 0.1, 0.1)`.
-        #[serde(default = "half", alias = "color", alias = "colour")]
+        #[serde(default = "gray::<50>", alias = "color", alias = "colour")]
         albedo: ColorTexture,
         /// 0 for paper, 1 for dust (Oren, Nayar 1994).
         ///
@@ -109,12 +110,12 @@ pub enum Material {
         /// Part of the light that is reflected diffusely.
         ///
         /// Unit: share of light.
-        #[serde(default = "black")]
+        #[serde(default = "gray::<0>")]
         diffuse: ColorTexture,
         /// Part of the light along the normal that the highlight reflects.
         ///
         /// Unit: share of light.
-        #[serde(default = "half")]
+        #[serde(default = "gray::<50>")]
         specular: ColorTexture,
         /// Exponent of the highlight, from 0 to 10⁷.
         ///
@@ -127,7 +128,7 @@ pub enum Material {
         /// Part of the light that is reflected.
         ///
         /// Unit: share of light.
-        #[serde(default = "white", alias = "color", alias = "colour")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         reflectance: ColorTexture,
     },
     /// A dielectric such as glass or water.
@@ -145,7 +146,7 @@ pub enum Material {
         /// Share of light that is left after it passes through the surface.
         ///
         /// Unit: share of light.
-        #[serde(default = "white")]
+        #[serde(default = "gray::<100>")]
         transmittance: ColorTexture,
         /// Absorption inside per unit of length: light falls by exp(−absorption · length).
         ///
@@ -186,7 +187,7 @@ pub enum Material {
         /// Colour of the diffuse part, or of the metal.
         ///
         /// Unit: share of light. Example: `base_color: image(file: "wood.png")`.
-        #[serde(default = "white", alias = "color", alias = "colour")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         base_color: ColorTexture,
         /// 0 for plastic, 1 for metal.
         ///
@@ -214,7 +215,7 @@ pub enum Material {
         /// Share of light that is left after it crosses the pane once along the normal.
         ///
         /// Unit: share of light.
-        #[serde(default = "white")]
+        #[serde(default = "gray::<100>")]
         transmittance: ColorTexture,
     },
     /// An emitter that reflects nothing.
@@ -222,7 +223,7 @@ pub enum Material {
         /// Radiance.
         ///
         /// Unit: radiance. Example: `radiance: (10, 8, 6)`.
-        #[serde(default = "white", alias = "color", alias = "colour", alias = "emission")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour", alias = "emission")]
         radiance: ColorTexture,
         /// Sides that emit.
         #[serde(default, alias = "shines")]
@@ -331,33 +332,12 @@ pub enum Metal {
     Titanium,
 }
 
-fn half() -> ColorTexture {
-    ColorTexture::Gray(0.5)
-}
-
-fn black() -> ColorTexture {
-    ColorTexture::Gray(0.0)
-}
-
-fn white() -> ColorTexture {
-    ColorTexture::Gray(1.0)
-}
-
 fn exponent() -> f64 {
     32.0
 }
 
 fn crown_glass() -> f64 {
     1.5
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// Shape of the highlight.

@@ -8,6 +8,7 @@ mod animation;
 mod camera;
 mod color;
 mod cursor;
+mod default_values;
 mod deprecated;
 mod expected;
 mod film;

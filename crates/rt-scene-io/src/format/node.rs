@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::default_values::{half, is_yes, one, up, yes};
 use super::{Material, NodeAnimation, NodeMaterial, Step};
 
 /// A node of the tree, with at most one of `shape`, `model` and `instance`.
@@ -331,27 +332,6 @@ pub enum InsideRule {
     EvenOdd,
 }
 
-fn one() -> f64 {
-    1.0
-}
-
-fn half() -> f64 {
-    0.5
-}
-
 fn quarter() -> f64 {
     0.25
-}
-
-fn yes() -> bool {
-    true
-}
-
-fn up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_yes(value: &bool) -> bool {
-    *value
 }

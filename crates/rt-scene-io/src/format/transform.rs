@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::default_values::up;
+
 /// One step of a transformation. Lists of steps are applied to the object in the order in which they are written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -103,8 +105,4 @@ pub enum Step {
         #[serde(default = "up")]
         up: [f64; 3],
     },
-}
-
-fn up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
 }

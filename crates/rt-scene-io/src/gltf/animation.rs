@@ -124,7 +124,7 @@ fn chosen(list: &[Value], wanted: Option<&str>) -> Result<Vec<usize>, LoadErrorK
         _ if wanted == "all" => Ok((0..list.len()).collect()),
         _ => {
             let known = names.iter().enumerate().map(|(i, name)| name.map_or_else(|| i.to_string(), str::to_owned));
-            Err(LoadErrorKind::UnknownWord { kind: "animation", found: wanted.to_owned(), known: known.collect() })
+            Err(LoadErrorKind::unknown("animation", wanted, known.collect()))
         }
     }
 }

@@ -13,8 +13,10 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::attribute_rules;
+use crate::diagnostics::Diagnostics;
 use crate::error::ErrorAt;
-use crate::{Diagnostic, LoadError, LoadErrorKind, Location, Warning, limits};
+use crate::sanitize::shortened;
+use crate::{LoadError, LoadErrorKind, Location, Warning, limits};
 
 /// Supported extensions.
 const SUPPORTED: [&str; 19] = [
@@ -65,8 +67,7 @@ pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Re
             .map_or_else(|| LoadErrorKind::Syntax(error.to_string()).at(path, ""), |located| syntax(&located, path))
     })?;
     check_references(&root, &value, path)?;
-    let problems = attribute_rules::check(&root, warnings).into_iter();
-    refuse(problems.map(|(place, reason)| problem(place, reason, path)).collect())?;
+    refuse(attribute_rules::check(&root, warnings), path)?;
     Ok(ParsedDocument { document: Document::from_json_without_validation(root), animations })
 }
 
@@ -129,10 +130,10 @@ fn check_extensions(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     let unknown = |name: &&str| !SUPPORTED.contains(name);
     let required = names("extensionsRequired");
     let problems = required.iter().copied().filter(unknown).map(|name| {
-        let reason = LoadErrorKind::Unsupported(format!("the required extension {name}"));
-        problem("extensionsRequired".to_owned(), reason, path)
+        let kind = LoadErrorKind::Unsupported(format!("the required extension {name}"));
+        ("extensionsRequired".to_owned(), kind)
     });
-    refuse(problems.collect())?;
+    refuse(problems.collect(), path)?;
     for name in names("extensionsUsed").into_iter().filter(unknown) {
         let message = format!("the optional extension {name} is not followed");
         warnings.push(Warning { place: "extensionsUsed".to_owned(), message });
@@ -158,11 +159,11 @@ fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
             let accessor = position.as_u64().and_then(|i| accessors.get(usize::try_from(i).ok()?));
             if accessor.is_none() {
                 let reason = LoadErrorKind::invalid(position, format!("is no accessor; there are {}", accessors.len()));
-                problems.push(problem(format!("{place}.attributes.POSITION"), reason, path));
+                problems.push((format!("{place}.attributes.POSITION"), reason));
             }
         }
     }
-    refuse(problems)
+    refuse(problems, path)
 }
 
 /// Refuses a tree that is too deep, before memory is allocated for its nodes. Cycles have no root and are refused later.
@@ -212,9 +213,9 @@ fn check_references(root: &Root, value: &Value, path: &Path) -> Result<(), LoadE
             (_, Some(found)) => LoadErrorKind::invalid(shortened(&found), "is not valid"),
             (_, None) => LoadErrorKind::Syntax("is not valid".to_owned()),
         };
-        problems.push(problem(place, reason, path));
+        problems.push((place, reason));
     });
-    refuse(problems)
+    refuse(problems, path)
 }
 
 /// True for findings without effect: bounds and unknown attributes are not used, accessors without a view hold zeros, and
@@ -236,17 +237,12 @@ fn lookup<'a>(value: &'a Value, place: &str) -> Option<&'a Value> {
     })
 }
 
-fn shortened(text: &str) -> String {
-    if text.chars().count() <= 40 { text.to_owned() } else { text.chars().take(40).chain(['…']).collect() }
-}
-
-fn problem(place: String, reason: LoadErrorKind, path: &Path) -> Diagnostic {
-    Diagnostic { file: path.display().to_string(), location: place.into(), kind: reason, excerpt: None }
-}
-
-fn refuse(mut problems: Vec<Diagnostic>) -> Result<(), LoadError> {
-    problems.truncate(limits::PROBLEMS);
-    LoadError::from_diagnostics(problems).map_or(Ok(()), Err)
+fn refuse(errors: Vec<(String, LoadErrorKind)>, path: &Path) -> Result<(), LoadError> {
+    let mut diagnostics = Diagnostics::new(path);
+    for (place, kind) in errors {
+        diagnostics.check::<()>(place, Err(kind));
+    }
+    diagnostics.finish().map(drop)
 }
 
 #[cfg(test)]

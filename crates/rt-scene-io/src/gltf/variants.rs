@@ -42,7 +42,7 @@ pub(super) fn find(name: &str, document: &Document, path: &Path) -> Result<usize
     };
     variants.iter().position(|variant| variant.name == name).ok_or_else(|| {
         let known = variants.into_iter().map(|variant| variant.name).collect();
-        LoadErrorKind::UnknownWord { kind: "variant", found: name.to_owned(), known }.at(path, place)
+        LoadErrorKind::unknown("variant", name, known).at(path, place)
     })
 }
 

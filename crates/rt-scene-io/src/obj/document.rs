@@ -11,6 +11,7 @@ use std::{
 };
 
 use super::smoothing::Smoothing;
+use crate::sanitize::shortened;
 use crate::text::lines::{Line, lines};
 use crate::{LoadErrorKind, error::LineError, limits::FACE_CORNERS};
 
@@ -308,11 +309,6 @@ fn corner(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
 fn absolute(index: i64, count: usize) -> Option<usize> {
     let position = if index < 0 { index.checked_add_unsigned(count as u64 + 1)? } else { index };
     usize::try_from(position).ok().filter(|p| (1..=count).contains(p))
-}
-
-/// A word from the file, short enough for a message.
-fn shortened(word: &str) -> String {
-    if word.chars().count() <= 40 { word.to_owned() } else { word.chars().take(40).chain(['…']).collect() }
 }
 
 #[cfg(test)]

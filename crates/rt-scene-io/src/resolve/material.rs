@@ -76,7 +76,7 @@ impl<'a> Materials<'a> {
         };
         let Some((name, definition)) = self.definitions.get_key_value(name) else {
             let known = self.definitions.keys().cloned().collect();
-            return Err(LoadErrorKind::UnknownWord { kind: "material", found: name.to_owned(), known });
+            return Err(LoadErrorKind::unknown("material", name, known));
         };
         if let Some(&id) = self.ids.get(name.as_str()) {
             return Ok(id);

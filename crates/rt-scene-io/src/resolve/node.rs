@@ -183,11 +183,7 @@ impl<'a> Objects<'a> {
             self.report.check::<()>(format_args!("{path}.material"), Err(LoadErrorKind::invalid("the material", rule)));
         }
         let known = || self.file.groups.keys().cloned().collect();
-        let id = self.group_ids.get(group).copied().ok_or_else(|| LoadErrorKind::UnknownWord {
-            kind: "group",
-            found: group.to_owned(),
-            known: known(),
-        });
+        let id = self.group_ids.get(group).copied().ok_or_else(|| LoadErrorKind::unknown("group", group, known()));
         self.report.check(format_args!("{path}.instance"), id)
     }
 }
