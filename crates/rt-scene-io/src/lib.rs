@@ -73,6 +73,8 @@ mod load;
 mod memory;
 #[cfg(feature = "format")]
 mod model;
+#[cfg(any(feature = "gltf", feature = "nff", feature = "obj", feature = "pbrt", feature = "ply", feature = "stl"))]
+mod model_builder;
 #[cfg(feature = "nff")]
 mod nff;
 #[cfg(feature = "obj")]

@@ -1,14 +1,10 @@
 //! Content of a model file.
 
-use std::fmt::Display;
 use std::path::Path;
-use std::sync::Arc;
 
-use rt_geometry::TriangleMesh;
-use rt_shading::{Light, Material, Texture, TextureId};
+use rt_shading::{Light, Material, Texture};
 
-use crate::error::ErrorAt;
-use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Warning, format};
+use crate::{LoadError, LoadErrorKind, LoadOptions, NamedCamera, NamedMesh, Node, Warning, format};
 
 /// Content of a file that another program wrote.
 ///
@@ -38,48 +34,6 @@ pub struct Model {
     pub warnings: Vec<Warning>,
     /// Choices that the file leaves open. One sentence each.
     pub notes: Vec<String>,
-}
-
-impl Model {
-    /// Adds a texture.
-    #[cfg(any(feature = "gltf", feature = "obj"))]
-    pub(crate) fn add_texture(&mut self, texture: Texture) -> TextureId {
-        self.textures.push(texture);
-        TextureId(self.textures.len() as u32 - 1)
-    }
-
-    /// Adds a material.
-    pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
-        self.materials.push(material);
-        MaterialId(self.materials.len() as u32 - 1)
-    }
-
-    /// Adds a mesh.
-    pub(crate) fn add_mesh(&mut self, name: String, mesh: TriangleMesh) -> MeshId {
-        self.meshes.push(NamedMesh { name, mesh: Arc::new(mesh) });
-        MeshId(self.meshes.len() as u32 - 1)
-    }
-
-    /// Adds a warning about a line, an object or a path in the document.
-    pub(crate) fn warn(&mut self, place: impl Display, message: impl Into<String>) {
-        self.warnings.push(Warning { place: place.to_string(), message: message.into() });
-    }
-
-    /// Adds a grey mesh with the name of its file.
-    #[cfg(any(feature = "ply", feature = "stl"))]
-    pub(crate) fn set_mesh(&mut self, data: rt_geometry::MeshData, path: &Path) -> Result<(), LoadError> {
-        let place = path.display().to_string();
-        let mesh = crate::build_mesh::build_mesh(data, &place, &mut self.warnings);
-        let Some(mesh) = mesh.at(path, "")? else {
-            let message = "no triangle is left: the file has no usable faces";
-            return Err(LoadErrorKind::Syntax(message.to_owned()).at(path, ""));
-        };
-        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let material = self.add_material(Material::new("default".to_owned(), rt_shading::Phong::default()));
-        let content = crate::Content::Mesh(self.add_mesh(name.clone(), mesh));
-        self.nodes.push(Node { name, ..Node::new(content, material) });
-        Ok(())
-    }
 }
 
 /// Extensions of supported models, for messages.

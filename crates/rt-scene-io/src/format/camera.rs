@@ -49,8 +49,7 @@ pub struct Camera {
     /// is the time of the frame and 1 that of the next frame. `(0, 0.5)` blurs half of the way between two frames. Without
     /// `shutter`, motions are blurred over all of their time, and animations are sharp.
     ///
-    /// Unit: shares of the time of a frame. Default: `(0, 1)` for motions, `(0, 0)` for animations. Example: `shutter: (0,
-    /// 0.5)`.
+    /// Unit: shares of a frame. Default: `(0, 1)` for motions, `(0, 0)` for animations. Example: `shutter: (0, 0.5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shutter: Option<(f64, f64)>,
     /// Full opening angle, above 0 and below 180.

@@ -11,5 +11,14 @@ pub use budget::MemoryBudget;
 #[cfg(feature = "format")]
 pub(crate) use budget::Reservation;
 pub use error::MemoryError;
+#[cfg(any(
+    feature = "gltf",
+    feature = "nff",
+    feature = "obj",
+    feature = "pbrt",
+    feature = "ply",
+    feature = "stl"
+))]
+pub(crate) use estimate::{FileSample, load_within_budget};
 #[cfg(feature = "format")]
-pub(crate) use estimate::{FileSample, load_within_budget, reserve_scene, tree_bytes};
+pub(crate) use estimate::{reserve_scene, tree_bytes};

@@ -59,6 +59,7 @@ impl<'a> Tokenizer<'a> {
     }
 
     /// Line of the next token; the last line at the end of the text.
+    #[cfg(feature = "pbrt")]
     pub(crate) const fn line(&self) -> usize {
         self.line
     }

@@ -1,0 +1,56 @@
+//! Appending parts to a [`Model`].
+
+use std::fmt::Display;
+use std::sync::Arc;
+
+use rt_geometry::TriangleMesh;
+use rt_shading::Material;
+
+use crate::{MaterialId, MeshId, Model, NamedMesh, Warning};
+
+impl Model {
+    /// Adds a texture.
+    #[cfg(any(feature = "gltf", feature = "obj"))]
+    pub(crate) fn add_texture(&mut self, texture: rt_shading::Texture) -> rt_shading::TextureId {
+        self.textures.push(texture);
+        rt_shading::TextureId(self.textures.len() as u32 - 1)
+    }
+
+    /// Adds a material.
+    pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a mesh.
+    pub(crate) fn add_mesh(&mut self, name: String, mesh: TriangleMesh) -> MeshId {
+        self.meshes.push(NamedMesh { name, mesh: Arc::new(mesh) });
+        MeshId(self.meshes.len() as u32 - 1)
+    }
+
+    /// Adds a warning about a line, an object or a path in the document.
+    pub(crate) fn warn(&mut self, place: impl Display, message: impl Into<String>) {
+        self.warnings.push(Warning { place: place.to_string(), message: message.into() });
+    }
+
+    /// Adds a grey mesh with the name of its file.
+    #[cfg(any(feature = "ply", feature = "stl"))]
+    pub(crate) fn set_mesh(
+        &mut self,
+        data: rt_geometry::MeshData,
+        path: &std::path::Path,
+    ) -> Result<(), crate::LoadError> {
+        use crate::error::ErrorAt;
+        let place = path.display().to_string();
+        let mesh = crate::build_mesh::build_mesh(data, &place, &mut self.warnings);
+        let Some(mesh) = mesh.at(path, "")? else {
+            let message = "no triangle is left: the file has no usable faces";
+            return Err(crate::LoadErrorKind::Syntax(message.to_owned()).at(path, ""));
+        };
+        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let material = self.add_material(Material::new("default".to_owned(), rt_shading::Phong::default()));
+        let content = crate::Content::Mesh(self.add_mesh(name.clone(), mesh));
+        self.nodes.push(crate::Node { name, ..crate::Node::new(content, material) });
+        Ok(())
+    }
+}
