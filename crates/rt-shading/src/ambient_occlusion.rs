@@ -1,4 +1,4 @@
-//! How open the surroundings of a surface are.
+//! Ambient occlusion.
 
 use crate::{
     Seen, Tracer,
@@ -16,7 +16,7 @@ pub struct AmbientOcclusion {
     pub reach: f64,
 }
 
-/// What the view keeps from wave to wave. Keep one per thread.
+/// Buffers reused between waves. Keep one per thread.
 #[derive(Clone, Debug, Default)]
 pub struct OcclusionWave {
     rays: Vec<(Ray, Interval)>,

@@ -22,7 +22,7 @@ pub enum AovIntegrator {
 }
 
 impl AovIntegrator {
-    /// What camera rays see: `seen[i]` answers `rays[i]`, which are camera rays with what counts of them.
+    /// Computes the result of camera rays: `seen[i]` answers `rays[i]`.
     pub fn radiance_of(&self, world: &mut impl Tracer, rays: &[(Ray, Interval)], seen: &mut [Seen]) {
         let needs = InteractionFlags {
             uv: matches!(self, Self::Uv | Self::Normals),

@@ -4,7 +4,7 @@ use crate::{Light, Material, Texture, emitter::EnvironmentLight};
 use rt_math::{DVec3, Rgb};
 use std::sync::Arc;
 
-/// What a ray sees that hits nothing.
+/// Radiance of rays that hit nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Background {
     /// The same radiance everywhere.
@@ -51,7 +51,7 @@ pub struct Appearance {
     pub lights: Vec<Light>,
     /// Light from everywhere, scaled by the ambient coefficient of materials.
     pub ambient: Rgb,
-    /// What rays see that hit nothing.
+    /// Radiance of rays that hit nothing.
     pub background: Background,
 }
 

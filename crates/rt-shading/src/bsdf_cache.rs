@@ -1,4 +1,4 @@
-//! What materials do to light, where that is the same at every point.
+//! BSDFs of uniform materials, computed once.
 
 use crate::{Appearance, PhysicalPoint, bsdf::Bsdf, path::Follows};
 use rt_geometry::SurfaceInteraction;
@@ -13,11 +13,11 @@ pub struct BsdfCache {
     n_used: usize,
 }
 
-/// What a surface does to light, and the part of it that some paths follow.
+/// BSDF of a material, and the part of it without diffuse lobes.
 #[derive(Clone, Debug)]
 pub(crate) struct CachedBsdf {
     pub(crate) bsdf: Bsdf,
-    /// As [`Bsdf::without_diffuse`] has it; `None` also where nobody asks for it.
+    /// Result of [`Bsdf::without_diffuse`]; `None` also if unused.
     pub(crate) without_diffuse: Option<Bsdf>,
 }
 
@@ -47,7 +47,7 @@ impl BsdfCache {
         (self.of.iter().flatten().count(), self.n_used)
     }
 
-    /// That of a material; `None` if it must be made at the hit.
+    /// BSDF of a material; `None` if it must be computed at the hit.
     pub(crate) fn get(&self, material: u32) -> Option<&CachedBsdf> {
         self.of.get(material as usize)?.as_deref()
     }

@@ -1,8 +1,8 @@
-//! Where a surface is there at all.
+//! Alpha test of surfaces.
 
 use crate::{Texture, TextureId, TexturePoint};
 
-/// How the covered part of a surface is told from the rest.
+/// Rule for the covered part of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
     /// All of it is there.
@@ -14,16 +14,16 @@ pub enum Alpha {
     Blend,
 }
 
-/// What rays pass as if there were nothing: the uncovered part of a surface, and the back of one that has none.
+/// Parts of a surface that rays pass: the uncovered part, and culled back faces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
-    /// What alpha means.
+    /// Meaning of alpha.
     pub alpha: Alpha,
     /// Factor of alpha.
     pub factor: f64,
     /// Texture whose alpha is multiplied to it.
     pub texture: Option<TextureId>,
-    /// Whether surfaces that enclose no space are seen from their front alone.
+    /// True if surfaces that enclose no space are visible from their front only.
     pub has_front_only: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What a surface is to a ray that meets it, with regard to the bodies on both sides.
+//! Context of a ray-surface hit: material, side and the media on both sides.
 
 use crate::{
     Material, Needs, SurfaceHit,
@@ -7,11 +7,11 @@ use crate::{
 };
 use rt_math::{DVec3, Ray};
 
-/// So many surfaces that do nothing to a ray may stand one behind the other in its way; each further one costs a bounce,
+/// Number of consecutive null interfaces that a ray may pass; each further one costs a bounce,
 /// so that paths end.
 pub(crate) const MAX_NULL_INTERFACES: u32 = 1024;
 
-/// A ray that has come to a surface.
+/// A hit of a ray with the properties of its material.
 pub(crate) struct HitContext<'m> {
     pub(crate) material: &'m Material,
     /// Unit direction of the ray.
@@ -23,7 +23,7 @@ pub(crate) struct HitContext<'m> {
     transmission: Transmission,
 }
 
-/// What is behind a surface.
+/// Transmission through a surface.
 #[derive(Clone, Copy, PartialEq)]
 enum Transmission {
     /// No light, or the plan leaves refraction out.
@@ -34,7 +34,7 @@ enum Transmission {
 }
 
 impl<'m> HitContext<'m> {
-    /// The meeting of a ray; `None` if the surface has no material.
+    /// Context of a hit; `None` if the surface has no material.
     #[inline]
     pub(crate) fn new(needs: &Needs, materials: &'m [Material], ray: &Ray, hit: &SurfaceHit) -> Option<Self> {
         let material = materials.get(hit.material as usize)?;
@@ -51,8 +51,8 @@ impl<'m> HitContext<'m> {
         Some(Self { material, direction, length, is_inside, transmission })
     }
 
-    /// The way through the surface for a ray that has come through the interior so far. `None` where light that is scattered
-    /// stays on its side, and of a body if the list of bodies is full. To be asked for once: a body that nobody saw being
+    /// Media on both sides of the surface, given the interior list of the ray. `None` where scattered light
+    /// stays on its side, and for a solid if the list is full. Call it once per hit: a solid that is left without having been
     /// entered is noted.
     #[inline]
     pub(crate) fn interface(

@@ -1,4 +1,4 @@
-//! Transparent bodies within each other.
+//! Nested dielectrics.
 
 use crate::{Material, SurfaceHit, Tracer, Transmission};
 use rt_geometry::{InteractionFlags, RayKind};
@@ -46,7 +46,7 @@ impl Clone for Interior {
     }
 }
 
-/// What a part of space is filled with.
+/// Optical properties of a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Medium {
     /// Index of refraction.
@@ -74,7 +74,7 @@ pub(crate) fn absorb(weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
     true
 }
 
-/// The way through a surface.
+/// Media on both sides of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MediumInterface {
     event: InterfaceEvent,
@@ -93,7 +93,7 @@ impl MediumInterface {
     }
 }
 
-/// How the list changes; a body that is left is known by its place.
+/// Change of the list; a medium that is left is given by its index.
 #[derive(Clone, Copy, Debug)]
 enum InterfaceEvent {
     Enter(MediumEntry),
@@ -138,7 +138,7 @@ impl Interior {
             } else if let Some(at) = find(&self.bodies[around..], body) {
                 self.bodies.remove(around + at);
             } else if self.bodies.len() < CAPACITY {
-                // What is left later was entered earlier.
+                // A solid that is left later was entered earlier.
                 self.bodies.insert(0, body);
                 around += 1;
             }
@@ -146,7 +146,7 @@ impl Interior {
         self.bodies.truncate(around);
     }
 
-    /// As [`find_enclosing_media`](Self::look_around), where all bodies are known to lie within a box.
+    /// Version of [`find_enclosing_media`](Self::find_enclosing_media) for solids that all lie within a box.
     pub fn find_enclosing_media_within(
         &mut self,
         reach: Aabb,
@@ -165,7 +165,7 @@ impl Interior {
         medium(self.top(materials), materials)
     }
 
-    /// What it means to go through the surface of a transparent body. `None` if the list is full: the surface is to be
+    /// Media on both sides of the surface of a solid. `None` if the list is full: the surface is to be
     /// ignored.
     pub(crate) fn interface(
         &mut self,
@@ -193,13 +193,13 @@ impl Interior {
         })
     }
 
-    /// What it means to go through a pane without thickness: it is seen, and the same medium is behind it.
+    /// Interface of a thin dielectric: visible, with the same medium on both sides.
     pub(crate) fn thin_interface(&self, materials: &[Material]) -> MediumInterface {
         let here = self.medium(materials);
         MediumInterface { event: InterfaceEvent::Stay, before: here, after: here, is_boundary: true }
     }
 
-    /// Goes through the surface that a crossing was found for.
+    /// Updates the list for a ray that passes an interface.
     pub(crate) fn cross(&mut self, interface: &MediumInterface) {
         match interface.event {
             InterfaceEvent::Enter(body) => self.push(body),
@@ -216,7 +216,7 @@ impl Interior {
         }
     }
 
-    /// A body that nobody saw being entered was there before all others; its place.
+    /// Adds a solid that was never entered as the outermost one; returns its index.
     fn push_outermost(&mut self, body: MediumEntry) -> Option<usize> {
         (self.bodies.len() < CAPACITY).then(|| {
             self.bodies.insert(0, body);

@@ -1,4 +1,4 @@
-//! The way that a path takes through transparent bodies.
+//! Media along a path, and absorption in them.
 
 use crate::{
     Interior, Material, ShadingCounts, SurfaceHit,
@@ -8,29 +8,29 @@ use crate::{
 };
 use rt_math::Rgb;
 
-/// What a path is inside of, and since when.
+/// Media that a path is inside of.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MediumTracker {
     pub(crate) interior: Interior,
-    /// Where on its ray the medium began.
+    /// Ray parameter where the current medium began.
     medium_start: f64,
-    /// Surfaces passed in a row that did nothing to it.
+    /// Consecutive null interfaces.
     passages: u32,
 }
 
 impl MediumTracker {
-    /// Back in air, at the start.
+    /// Resets to air, at the start of a path.
     pub(crate) fn reset(&mut self) {
         self.interior.clear();
         (self.medium_start, self.passages) = (0.0, 0);
     }
 
-    /// True if so many surfaces were passed that each further one costs a bounce.
+    /// True if each further null interface costs a bounce.
     pub(crate) const fn null_limit_exceeded(&self) -> bool {
         self.passages > MAX_NULL_INTERFACES
     }
 
-    /// Takes off what the medium before a surface that is seen has absorbed, `length` world units being one of the parameter.
+    /// Applies the absorption of the medium before a surface; `length` is world units per unit of the ray parameter.
     pub(crate) fn absorb(
         &self,
         materials: &[Material],
@@ -43,14 +43,14 @@ impl MediumTracker {
         absorb(light, medium.absorption, (t - self.medium_start) * length);
     }
 
-    /// Media on the near and on the far side of a surface.
+    /// Media on the near and the far side of a surface.
     pub(crate) fn media(&self, materials: &[Material], interface: Option<&MediumInterface>) -> [Medium; 2] {
         let around = || [self.interior.medium(materials); 2];
         interface.map_or_else(around, |interface| [interface.before, interface.after])
     }
 
-    /// Goes through a surface that does nothing to the ray, and takes off what the medium before it has absorbed if the next one
-    /// absorbs otherwise. Whether anything was taken.
+    /// Passes a null interface, and applies the absorption of the medium before it if the next one
+    /// absorbs differently. Returns true if it did.
     pub(crate) fn skip_interface(
         &mut self,
         interface: Option<&MediumInterface>,
@@ -74,7 +74,7 @@ impl MediumTracker {
         is_dimmed
     }
 
-    /// Goes on in another direction, through the surface if light is transmitted.
+    /// Continues in a scattered direction, through the surface if light is transmitted.
     pub(crate) fn scatter(&mut self, interface: Option<&MediumInterface>, kind: Scattering) {
         (self.medium_start, self.passages) = (0.0, 0);
         if let (Some(interface), Scattering::Transmission) = (interface, kind) {

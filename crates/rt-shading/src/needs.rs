@@ -1,4 +1,4 @@
-//! What the materials and lights of a scene make necessary.
+//! Features of shading that a scene uses.
 
 use crate::{Appearance, Phong};
 use rt_geometry::InteractionFlags;
@@ -11,7 +11,7 @@ pub struct Needs {
     pub shadows: bool,
     /// There is ambient light and a surface that reflects it.
     pub ambient: bool,
-    /// Some surface shines by itself.
+    /// Some surface is emissive.
     pub emission: bool,
     /// Some surface has a highlight.
     pub highlights: bool,
@@ -47,7 +47,7 @@ impl Needs {
         detail: true,
     };
 
-    /// What this appearance needs if the materials whose index is `used` are really there. Interpolated normals are a
+    /// Features of an appearance whose materials are in use if `used` is true for their index. Interpolated normals are a
     /// matter of the geometry and assumed needed.
     pub fn of(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
         let materials = || appearance.materials.iter().enumerate().filter(|(index, _)| used(*index));
@@ -68,7 +68,7 @@ impl Needs {
         }
     }
 
-    /// What is needed of a surface.
+    /// Required attributes of a surface.
     pub const fn surface(&self) -> InteractionFlags {
         InteractionFlags { uv: self.textures, shading_normal: self.shading_normals, detail: self.detail }
     }

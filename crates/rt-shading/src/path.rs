@@ -1,4 +1,4 @@
-//! Light transport along camera paths, by random choice, in waves.
+//! Path tracing in waves.
 
 mod clamp;
 mod scatter;
@@ -12,7 +12,7 @@ use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
 use wave::{Path, ShadowRayQueue};
 
-/// Which light is followed beyond the first surface.
+/// Light transport beyond the first surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Follows {
     /// All of it: the rendering equation (Kajiya 1986).
@@ -20,19 +20,19 @@ pub enum Follows {
     /// All but what [`LightTracingIntegrator`](crate::LightTracingIntegrator) finds: the light of lamps that comes to a surface which is seen by
     /// single directions at its end.
     AllButCaustics,
-    /// What is mirrored or refracted, sharply or not; diffuse surfaces show direct and ambient light alone ("Distributed Ray
+    /// Specular and glossy transport; diffuse surfaces show direct and ambient light alone ("Distributed Ray
     /// Tracing", Cook, Porter, Carpenter 1984).
     Reflections,
 }
 
-/// How paths are followed.
+/// Parameters of path tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSettings {
     /// Bounces after the first surface: 0 for emission and direct light.
     pub max_depth: u32,
     /// Bounces before Russian roulette may end a path.
     pub roulette_from: u32,
-    /// Which light is followed.
+    /// Light transport beyond the first surface.
     pub follows: Follows,
     /// Bound of what a path adds to its pixel where indirect light arrives; none by default.
     pub clamp: Clamp,
@@ -41,7 +41,7 @@ pub struct PathSettings {
 /// Unidirectional path tracing with next-event estimation (Kajiya 1986; Veach 1997, 10.2).
 ///
 /// At each surface a light with extent is drawn from, and a direction from the BSDF; where the two can find the same light,
-/// they are weighted by the power heuristic (Veach, Guibas 1995). All lights without extent are asked at each surface, since
+/// they are weighted by the power heuristic (Veach, Guibas 1995). All delta lights are sampled at each surface, since
 /// they are few. Paths end by Russian roulette, of which the chances follow what the path carries.
 ///
 /// ```text
@@ -60,26 +60,26 @@ pub struct PathSettings {
 pub struct PathTracer<S> {
     settings: PathSettings,
     needs: Needs,
-    /// What camera rays start inside of.
+    /// Media around the camera.
     surroundings: Interior,
     paths: Vec<Path<S>>,
-    /// What is traced after the camera rays, while the flow after it grows.
+    /// Rays of the current wave.
     ray_queues: RayQueues<u32>,
     next: RayQueues<u32>,
     shadows: ShadowRayQueue,
-    /// Whether a ray that ends at the next surface may find light.
+    /// True if a ray that ends at the next surface may find light.
     scene_emits: bool,
     counts: ShadingCounts,
 }
 
-/// What light depends on beside the geometry: what the plan hands to an integrator.
+/// Materials and lights for an integrator.
 #[derive(Clone, Copy, Debug)]
 pub struct Lighting<'a> {
     /// Materials, textures, lights without extent, and the background.
     pub appearance: &'a Appearance,
     /// Lights with extent.
     pub emitters: &'a EmitterSet,
-    /// What need not be made at each hit: of this very appearance, or `default()`.
+    /// BSDFs of uniform materials of this appearance, or `default()`.
     pub bsdfs: &'a BsdfCache,
 }
 
@@ -99,7 +99,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
     }
 
-    /// Says what camera rays start inside of, from now on; air unless something else is said.
+    /// Sets the media around the camera; air by default.
     pub fn set_surroundings(&mut self, surroundings: &Interior) {
         self.surroundings.clone_from(surroundings);
     }

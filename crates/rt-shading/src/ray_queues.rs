@@ -1,10 +1,10 @@
-//! Rays that are traced together, each for a path `P`: the path itself, or its number.
+//! Queues of rays that are traced together, each for a path `P`: the path itself, or its index.
 
 use crate::bsdf::{BsdfSample, Scattering};
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray};
 
-/// Rays of one kind, and the paths that they belong to.
+/// Rays of one kind, with their paths.
 #[derive(Clone, Debug)]
 pub(crate) struct RayQueue<P> {
     pub(crate) rays: Vec<(Ray, Interval)>,
@@ -30,7 +30,7 @@ impl<P> RayQueue<P> {
     }
 }
 
-/// The rays that paths go on with, each of which has one, by kind: rays of a kind run alike, and are counted as such.
+/// Continuation rays of paths, one per path, by kind: rays of a kind are coherent, and counted as such.
 #[derive(Clone, Debug)]
 pub(crate) struct RayQueues<P> {
     pub(crate) reflected: RayQueue<P>,
@@ -53,7 +53,7 @@ impl<P> RayQueues<P> {
         ]
     }
 
-    /// Puts in a ray that a light sends out, or a surface as the sample says.
+    /// Adds a ray emitted by a light, or scattered by a surface.
     #[inline(always)]
     pub(crate) fn push(&mut self, sample: Option<&BsdfSample>, ray: Ray, span: Interval, path: P) {
         let queue = match sample {

@@ -1,4 +1,4 @@
-//! The random end of paths.
+//! Russian roulette.
 
 use rt_math::{Rgb, Sampler};
 

@@ -1,10 +1,10 @@
-//! What an integrator may ask of the world.
+//! Ray queries of integrators.
 
 use crate::emitter::EmitterRef;
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{Interval, Ray, Rgb};
 
-/// The surface that a ray met first.
+/// Closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
     /// Ray parameter of the hit.
@@ -20,7 +20,7 @@ pub struct SurfaceHit {
 }
 
 impl SurfaceHit {
-    /// What lies on the ray beyond this hit, for a ray that goes on as if the surface were not there.
+    /// Interval beyond this hit, for a ray that continues as if the surface were absent.
     ///
     /// The ray stays what it is, so that everything behind is met at the same parameters to the bit. It goes as far as
     /// rounding may have displaced the surface, as a spawned ray would: two triangles that share the edge which was hit
@@ -34,7 +34,7 @@ impl SurfaceHit {
     }
 }
 
-/// The world as an integrator sees it: it answers rays and counts them.
+/// The world of an integrator: it answers ray queries and counts them.
 pub trait Tracer {
     /// The first surface along the ray within `span`, with what is needed of it; `None` if there is none. The ray counts
     /// as one of its `kind`.
@@ -65,7 +65,7 @@ pub trait Tracer {
     }
 }
 
-/// What a camera ray saw.
+/// Result of a camera ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Radiance towards the camera.
@@ -75,6 +75,6 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// No light, and nothing that was met.
+    /// Black, without a hit.
     pub const NOTHING: Self = Self { radiance: Rgb::BLACK, hit: false };
 }

@@ -1,4 +1,4 @@
-//! A surface where a path gathers and scatters light.
+//! Vertex of a path.
 
 use crate::{
     Appearance, Material, PhysicalPoint,
@@ -15,7 +15,7 @@ pub(crate) fn power_heuristic(drawn: f64, other: f64) -> f64 {
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// What the surface in view does to light. A body's surface has the media on both sides in its crossing.
+/// BSDF at a hit. The interface of a solid gives the media on both sides.
 pub(crate) fn bsdf_at(
     appearance: &Appearance,
     material: &Material,
@@ -29,11 +29,11 @@ pub(crate) fn bsdf_at(
     material.bsdf(&PhysicalPoint { textures: &appearance.textures, surface: view.surface, ior })
 }
 
-/// A surface where light is gathered and scattered.
+/// Vertex of a path: a surface with its BSDF and shading frame.
 pub(crate) struct Vertex<'a> {
     pub(crate) view: ViewedSurface<'a>,
     pub(crate) bsdf: &'a Bsdf,
-    /// What of it is followed.
+    /// Lobes that are sampled.
     sampled: SampledLobes<'a>,
     /// Shading coordinates: z is the shading normal, on the outside.
     pub(crate) frame: Frame,
@@ -44,7 +44,7 @@ pub(crate) struct Vertex<'a> {
     pub(crate) time: f64,
 }
 
-/// What of a BSDF paths follow.
+/// Sampled lobes of a BSDF.
 enum SampledLobes<'a> {
     All,
     Some(&'a Bsdf),
@@ -52,7 +52,7 @@ enum SampledLobes<'a> {
 }
 
 impl<'a> Vertex<'a> {
-    /// A surface of which all light is followed.
+    /// Vertex with all lobes sampled.
     #[inline]
     pub(crate) fn new(view: ViewedSurface<'a>, bsdf: &'a Bsdf, time: f64) -> Self {
         let (frame, wo) = view.shading_coordinates();
@@ -60,12 +60,12 @@ impl<'a> Vertex<'a> {
         Self { view, bsdf, sampled: SampledLobes::All, frame, wo, normal, time }
     }
 
-    /// The same, of which light is followed that this part of the BSDF scatters.
+    /// Restricts sampling to a part of the BSDF.
     pub(crate) fn with_sampled_lobes(self, sampled: Option<&'a Bsdf>) -> Self {
         Self { sampled: sampled.map_or(SampledLobes::Nothing, SampledLobes::Some), ..self }
     }
 
-    /// What of the BSDF is followed.
+    /// Lobes of the BSDF that are sampled.
     pub(crate) fn sampled_lobes(&self) -> Option<&Bsdf> {
         match self.sampled {
             SampledLobes::All => Some(self.bsdf),
@@ -89,13 +89,13 @@ impl<'a> Vertex<'a> {
         agree.then_some(local)
     }
 
-    /// The part of radiance from `wi` (world space) that goes to the viewer, with the cosine.
+    /// BSDF times cosine for light from `wi` (world space).
     #[inline]
     pub(crate) fn eval(&self, wi: DVec3) -> Rgb {
         self.local(wi).map_or(Rgb::BLACK, |local| self.bsdf.eval(self.wo, local) * local.z.abs())
     }
 
-    /// The same of light that was drawn with density `pdf`, weighted against the directions that are followed.
+    /// BSDF times cosine and MIS weight for light sampled with density `pdf`.
     #[inline]
     pub(crate) fn eval_mis(&self, wi: DVec3, pdf: f64) -> Rgb {
         let Some(local) = self.local(wi) else { return Rgb::BLACK };

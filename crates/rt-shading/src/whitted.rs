@@ -26,9 +26,9 @@ pub struct Whitted {
     max_depth: u32,
     min_contribution: f64,
     needs: Needs,
-    /// What camera rays start inside of.
+    /// Media around the camera.
     surroundings: Interior,
-    /// What is traced after the camera rays, while the wave after it grows.
+    /// Rays of the current wave.
     wave: RayQueues<Path>,
     next: RayQueues<Path>,
     samples: Vec<PixelTree>,
@@ -56,7 +56,7 @@ impl Whitted {
         }
     }
 
-    /// Says what camera rays start inside of, from now on; air unless something else is said.
+    /// Sets the media around the camera; air by default.
     pub fn set_surroundings(&mut self, surroundings: &Interior) {
         self.surroundings.clone_from(surroundings);
     }
@@ -71,7 +71,7 @@ impl Whitted {
         core::mem::take(&mut self.counts)
     }
 
-    /// As [`radiance_of`](Self::radiance_of), of one camera ray.
+    /// Version of [`radiance_of`](Self::radiance_of) for one camera ray.
     pub fn radiance(&mut self, world: &mut impl Tracer, appearance: &Appearance, ray: &Ray) -> Seen {
         let mut seen = [Seen::NOTHING];
         self.radiance_of(world, appearance, &[(*ray, Interval::FORWARD)], &mut seen);

@@ -1,4 +1,4 @@
-//! What happens where a path meets a surface.
+//! Shading of path vertices: emission, direct lighting and BSDF sampling.
 
 use super::{
     Clamp, Follows, Lighting, PathSettings, PathTracer,

@@ -1,9 +1,9 @@
-//! What paths keep between their surfaces, and the shadow rays that are traced together.
+//! State of paths between their surfaces, and the queue of shadow rays.
 
 use crate::{Seen, SurfaceHit, medium_tracker::MediumTracker};
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
-/// The surface that a path comes from, as far as it matters to lights that the path meets.
+/// Previous vertex of a path, for the MIS weights of lights that it hits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrevVertex {
     pub(super) point: DVec3,
@@ -13,21 +13,21 @@ pub(super) struct PrevVertex {
     pub(super) pdf: Option<f64>,
 }
 
-/// A path on its way.
+/// State of a path.
 #[derive(Clone, Debug)]
 pub(super) struct Path<S> {
     pub(super) sampler: S,
     pub(super) medium_tracker: MediumTracker,
-    /// By how much the radiance that it meets counts in the pixel.
+    /// Throughput (β): weight of radiance in the pixel.
     pub(super) throughput: Rgb,
-    /// By how much media squeeze radiance here, which is no loss: the weight is greater by it in air.
+    /// Accumulated η² from refraction (pbrt's `etaScale`); Russian roulette uses `throughput * eta_scale`.
     pub(super) eta_scale: f64,
     pub(super) prev: PrevVertex,
     /// Surfaces that have scattered it.
     pub(super) bounces: u32,
     /// True if the first of them chose the direction from several, and not a single one.
     pub(super) first_bounce_nonspecular: bool,
-    /// True if it only looks for the light of the next surface.
+    /// True if only the emission of the next surface counts.
     pub(super) emission_only: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What shading did.
+//! Counts of shading operations.
 
 /// Work of shading, for statistics and to prove that what is left out is really absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

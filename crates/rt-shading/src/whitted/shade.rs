@@ -1,4 +1,4 @@
-//! What happens where a ray meets a surface.
+//! Shading of hits: local illumination and secondary rays.
 
 use super::{Whitted, wave::Path};
 use crate::{
@@ -88,7 +88,7 @@ impl Whitted {
         true
     }
 
-    /// The surface's own light, and what it reflects of each lamp.
+    /// Emission of a surface, and the light of each source that it reflects.
     #[inline]
     fn shade_direct(
         &mut self,

@@ -17,7 +17,7 @@ use rt_math::{Interval, Ray, Rgb};
 /// A path from the camera, as far as the ray that is traced for it now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
-    /// Which of the wave's camera rays it began with.
+    /// Index of its camera ray.
     pub(super) sample: u32,
     /// Bounces so far.
     pub(super) depth: u32,
@@ -38,14 +38,14 @@ struct DeferredRay {
     bodies: u32,
 }
 
-/// What a camera ray's tree of rays keeps from wave to wave. It is walked depth first, and each wave holds one path of it,
+/// State of the ray tree of a camera ray between waves. The tree is traversed depth first, and each wave holds one path of it,
 /// so that what the camera ray sees adds up in the same order whatever else is in the wave.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PixelTree {
     deferred: Vec<DeferredRay>,
-    /// What the rays in `deferred` are inside of.
+    /// Media around the rays in `deferred`.
     interiors: InteriorListStack,
-    /// What the path at hand is inside of.
+    /// Media around the current path.
     pub(super) interior: Interior,
 }
 
@@ -74,7 +74,7 @@ struct ShadedHit {
     weight: Rgb,
     /// Radiance that needs no shadow ray.
     radiance: Rgb,
-    /// Where its lights end in [`DirectLighting::reflected`].
+    /// End of its lights in [`DirectLighting::reflected`].
     end: u32,
 }
 
@@ -89,7 +89,7 @@ struct ShadowBatch {
 #[derive(Clone, Debug, Default)]
 pub(super) struct DirectLighting {
     surfaces: Vec<ShadedHit>,
-    /// What surfaces reflect if nothing is in the way, and the light and number of the shadow ray that decides about it.
+    /// Unoccluded reflected radiance, with the light and index of its shadow ray.
     reflected: Vec<(Rgb, Option<(u32, u32)>)>,
     shadows: Vec<ShadowBatch>,
 }
@@ -112,7 +112,7 @@ impl DirectLighting {
         self.reflected.push((reflected, Some((light as u32, rays.len() as u32 - 1))));
     }
 
-    /// Ends the lights of a surface, which also shines by itself.
+    /// Ends the lights of a surface, and adds its emission.
     #[inline]
     pub(super) fn end_surface(&mut self, path: &Path, radiance: Rgb) {
         let end = self.reflected.len() as u32;
