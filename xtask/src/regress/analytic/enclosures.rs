@@ -65,8 +65,9 @@ impl Room {
     /// The room with walls of radiance 1 that reflect a part of the light.
     pub(super) fn shining(self, reflected: f64, depth: u32) -> Fallible<Picture> {
         let shines = if matches!(self, Self::Quads) { "front" } else { "both" };
-        let wall =
-            format!("mix([(1, diffuse(albedo: gray({reflected}))), (1, light(radiance: gray(1), emission_sides: {shines}))])");
+        let wall = format!(
+            "mix([(1, diffuse(albedo: gray({reflected}))), (1, light(radiance: gray(1), emission_sides: {shines}))])"
+        );
         self.picture(&wall, "", depth)
     }
 }
