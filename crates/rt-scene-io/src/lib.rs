@@ -118,7 +118,7 @@ pub use memory::MemoryError;
 #[cfg(feature = "format")]
 pub use model::{Model, load_model};
 #[cfg(feature = "format")]
-pub use options::{AnimationEnd, InMemoryFile, InputHashes, LoadOptions, ReferencedFiles, StudioLights};
+pub use options::{AnimationEnd, Hasher, InMemoryFile, InputHashes, LoadOptions, ReferencedFiles, StudioLights};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
 pub use rt_shading::emitter::LightSampling;

@@ -123,18 +123,21 @@ impl ReferencedFiles {
     }
 }
 
+/// Function that hashes the content of a file.
+pub type Hasher = fn(&[u8]) -> [u8; 32];
+
 /// Hashes of input files, computed from the bytes that loading reads, so that no file is read twice. Clones share one list.
 ///
 /// The default computes none.
 #[derive(Clone, Debug, Default)]
 pub struct InputHashes {
-    hasher: Option<fn(&[u8]) -> [u8; 32]>,
+    hasher: Option<Hasher>,
     hashes: Arc<Mutex<BTreeMap<PathBuf, [u8; 32]>>>,
 }
 
 impl InputHashes {
     /// An empty list that grows by the hash of each file that is read.
-    pub fn new(hasher: fn(&[u8]) -> [u8; 32]) -> Self {
+    pub fn new(hasher: Hasher) -> Self {
         Self { hasher: Some(hasher), ..Self::default() }
     }
 
