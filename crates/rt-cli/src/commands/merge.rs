@@ -8,11 +8,11 @@ use rt_render::{JoinError, Part, Rendering};
 
 use crate::aov_file::AovFile;
 use crate::args::MergeArgs;
+use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
 use crate::console::Console;
 use crate::error::Failure;
-use crate::kept_file::{self, KeptError, KeptKind, Label};
-use crate::output::{OutputFile, refuges, write_all};
-use crate::{memory, overrides, picture_file};
+use crate::output::{OutputFile, fallback_dirs, write_all};
+use crate::{memory, picture_file, settings};
 
 pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let console = Console { quiet: args.quiet };
@@ -30,11 +30,13 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
         aov.check(size, statistics.passes > 1)?;
     }
     let mut development = label.development();
-    overrides::apply_development(&args.development, &mut development);
-    let refuges = refuges(args.fallback.as_deref());
+    settings::apply_development(&args.development, &mut development);
+    let fallback_dirs = fallback_dirs(args.fallback.dir.as_deref());
     write_all(
-        core::iter::once(output.write_or_rescue(&refuges, |file| write_image(film, &development, format, file)))
-            .chain(aovs.iter().map(|aov| aov.write(&rendering, &refuges))),
+        core::iter::once(
+            output.write_with_fallback(&fallback_dirs, |file| write_image(film, &development, format, file)),
+        )
+        .chain(aovs.iter().map(|aov| aov.write(&rendering, &fallback_dirs))),
     )?;
     console.say(format_args!(
         "joined {count} parts: {} samples, {} rays, {} of rendering",
@@ -53,8 +55,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
 /// picture will take from the first.
 fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Failure> {
     let Some(first) = files.first() else { return Err(named(files, JoinError::Nothing)) };
-    let lengths = files.iter().map(|file| kept_file::length(file)).collect::<Result<Vec<_>, _>>()?;
-    let decoded = lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(kept_file::decoded_bytes(length)));
+    let lengths = files.iter().map(|file| checkpoint_file::length(file)).collect::<Result<Vec<_>, _>>()?;
+    let decoded = lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(checkpoint_file::decoded_bytes(length)));
     let reading = lengths.iter().copied().max().unwrap_or(0);
     let of_parts = [
         (format!("what the {} parts hold", files.len()), decoded),
@@ -64,11 +66,11 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Fa
     let mut parts = Vec::with_capacity(files.len());
     for file in files {
         // A file that is no part at all is told by its first bytes, which is the better message.
-        kept_file::label(file, KeptKind::Part)?;
+        checkpoint_file::label(file, ArtifactKind::Part)?;
         if label.is_none() {
             memory::check(memory, first, &of_parts)?;
         }
-        let (of_part, part) = kept_file::read::<Part>(file, KeptKind::Part, memory)?;
+        let (of_part, part) = checkpoint_file::read::<Part>(file, ArtifactKind::Part, memory)?;
         match &label {
             Some(label) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
             Some(_) => {}
@@ -86,7 +88,7 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Fa
 }
 
 fn foreign(file: &Path, scene: String) -> Failure {
-    KeptError::Foreign { file: file.to_owned(), scene, advice: " as those of the parts before it" }.into()
+    ArtifactError::Foreign { file: file.to_owned(), scene, advice: " as those of the parts before it" }.into()
 }
 
 /// Says of files what the library says of their places in the list.

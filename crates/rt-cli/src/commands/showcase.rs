@@ -1,4 +1,4 @@
-//! No command at all: a picture, and what to try next.
+//! No command: renders the built-in scene, and prints commands to try next.
 
 use std::env;
 use std::path::Path;
@@ -9,7 +9,7 @@ use rt_scene_io::{LoadOptions, Scene, resolve};
 
 use crate::console::Console;
 use crate::error::Failure;
-use crate::job::{Job, JobResult};
+use crate::job::{Job, JobOutput};
 use crate::output::OutputFile;
 use crate::picture_file;
 
@@ -27,21 +27,22 @@ pub(super) fn run() -> Result<(), Failure> {
         scene: &scene,
         load_seconds: started.elapsed().as_secs_f64(),
         options: rt_render::PlanOptions::default(),
-        result: JobResult::Picture {
+        output: JobOutput::Image {
             format: picture_file::format_of(Path::new(PICTURE))?,
-            output: OutputFile::prepare(Path::new(PICTURE), &[])?,
+            file: OutputFile::prepare(Path::new(PICTURE), &[])?,
             aovs: Vec::new(),
         },
         stats: None,
         rule: None,
-        keep: None,
+        checkpoint: None,
+        fallback_dir: None,
         threads: 0,
         strict: false,
         verbose: false,
         display_server: None,
         console,
     };
-    console.say("rendering a built-in scene; `--help` lists what else there is")?;
+    console.say("rendering a built-in scene; --help lists all commands")?;
     job.run()?;
     console.say(next_steps())
 }
@@ -52,7 +53,7 @@ fn scene() -> Result<Scene, Failure> {
 }
 
 fn next_steps() -> String {
-    // Cargo tells the programs that it runs.
+    // Cargo sets this variable for programs that it runs.
     let program = if env::var_os("CARGO").is_some() { "cargo run -p rt-cli --" } else { "rt-cli" };
     format!(
         "\ntry next\n  \

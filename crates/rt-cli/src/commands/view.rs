@@ -28,7 +28,7 @@ use crate::args::WindowArgs;
 use crate::console::Console;
 use crate::error::Failure;
 use crate::input::{self, Input};
-use crate::overrides;
+use crate::settings::{self, Overrides};
 
 use desk::Desk;
 use explorer::Explorer;
@@ -39,10 +39,15 @@ use window::{Subject, Viewer};
 pub(super) fn run(args: &WindowArgs) -> Result<(), Failure> {
     let console = Console { quiet: false };
     refuse_what_is_for_render(args)?;
-    let Input { mut scene, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
-    let mut options = overrides::apply(&args.picture, &loaded, &mut scene)?;
-    options.progressive = true;
-    overrides::apply_development(&args.development, &mut scene.film.development);
+    let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
+    let overrides = Overrides {
+        picture: &args.picture,
+        development: Some(&args.development),
+        environment: environment.as_ref(),
+        memory: loaded.memory.limit(),
+        progressive: true,
+    };
+    let (mut scene, options) = settings::resolve(scene, overrides)?;
     // The window samples all pixels alike, pass after pass.
     (scene.settings.adaptive, scene.settings.passes) = (None, None);
     let plan = RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
@@ -94,7 +99,7 @@ fn refuse_what_is_for_render(args: &WindowArgs) -> Result<(), Failure> {
         ("--crop", picture.crop.is_some()),
         ("--passes", picture.passes.is_some()),
         ("--adaptive", picture.adaptive.is_some()),
-        ("--least", picture.least.is_some()),
+        ("--min-spp", picture.min_spp.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => {

@@ -1,4 +1,4 @@
-//! The two images, as they are compared.
+//! The two images of a comparison.
 
 use std::path::Path;
 
@@ -9,29 +9,28 @@ use crate::error::Failure;
 use crate::stdin::is_dash;
 use crate::{memory, picture_file};
 
-/// An image that was read.
 #[derive(Debug)]
 pub(super) struct LoadedImage {
     pub(super) film: Image,
     pub(super) format: ImageFormat,
-    /// It was radiance, and became light of bytes.
+    /// True for radiance that was tone-mapped to match the other image.
     pub(super) developed: bool,
 }
 
-/// Both images, in the same kind of light.
+/// Both images, either linear or tone-mapped.
 #[derive(Debug)]
 pub(super) struct Images {
     pub(super) test: LoadedImage,
     pub(super) reference: LoadedImage,
-    /// What shows them to a viewer.
+    /// Tone mapping for display.
     pub(super) development: Development,
 }
 
 impl Images {
-    /// Reads both images. Where one holds bytes and the other one radiance, the latter is developed to bytes as well.
+    /// Reads both images. If only one holds bytes, the other one is tone-mapped as well.
     pub(super) fn read(args: &CompareArgs) -> Result<Self, Failure> {
         if is_dash(&args.test) && is_dash(&args.reference) {
-            return Err(Failure::Usage("standard input is one image, and two are compared: name the other".to_owned()));
+            return Err(Failure::Usage("standard input cannot be both images: name a file for one".to_owned()));
         }
         let standard = Development::default();
         let development = Development {
@@ -51,11 +50,10 @@ impl Images {
                 image.developed = true;
             }
         }
-        // Both are now as they are shown.
+        // Both are tone-mapped now.
         Ok(Self { test, reference, development: standard })
     }
 
-    /// True if both hold linear radiance, and neither was developed.
     pub(super) fn are_radiance(&self) -> bool {
         !self.test.holds_bytes() && !self.reference.holds_bytes()
     }
@@ -69,13 +67,13 @@ impl Images {
     }
 }
 
-/// Bytes per pixel of what is measured beside the images, and of a heat map (`docs/MEMORY.md`).
+/// Memory of the metrics, and of a heat map, in bytes per pixel (`docs/MEMORY.md`).
 const MEASURE_BYTES: u64 = 16;
 
-/// Refuses images that need too much memory, by their headers.
+/// Predicts the memory from the headers.
 fn check_memory(args: &CompareArgs) -> Result<(), Failure> {
     if is_dash(&args.test) || is_dash(&args.reference) {
-        // What comes from a pipe has no header to look at before it is read.
+        // The header of a pipe cannot be read in advance.
         return Ok(());
     }
     let headers = [image_header(&args.test)?, image_header(&args.reference)?];
@@ -100,11 +98,10 @@ impl LoadedImage {
         picture_file::is_developed(self.format)
     }
 
-    /// What kind of numbers the file holds.
     pub(super) fn description(&self) -> &'static str {
         match (self.holds_bytes(), self.developed) {
             (true, _) => "bytes for display",
-            (false, true) => "linear radiance, developed to bytes to match the other",
+            (false, true) => "linear radiance, tone-mapped to match the other image",
             (false, false) => "linear radiance",
         }
     }

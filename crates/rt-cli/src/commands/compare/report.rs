@@ -1,7 +1,8 @@
-//! What was measured, as a table for people and as JSON for programs.
+//! Report of a comparison, as a table and as JSON.
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
 use indexmap::IndexMap;
 use rt_image::metrics::ImagePair;
@@ -10,12 +11,11 @@ use serde::Serialize;
 use super::Verdict;
 use super::measures::Measures;
 use super::pair::{Images, LoadedImage};
-use crate::args::{CompareArgs, HeatMapOf, Metric};
+use crate::args::{CompareArgs, HeatMapOf, Metric, name_of};
 use crate::error::Failure;
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// A finished comparison.
 #[derive(Debug)]
 pub(super) struct Comparison<'a> {
     pub(super) args: &'a CompareArgs,
@@ -26,7 +26,6 @@ pub(super) struct Comparison<'a> {
     pub(super) verdict: Verdict,
 }
 
-/// A heat map that was written.
 #[derive(Debug)]
 pub(super) struct HeatMap {
     pub(super) file: PathBuf,
@@ -36,21 +35,20 @@ pub(super) struct HeatMap {
 }
 
 impl Comparison<'_> {
-    /// Why the images do not count as equal.
+    /// Error if the images differ.
     pub(super) fn failure(&self) -> Option<Failure> {
         let Verdict { metric, value, threshold } = self.verdict;
         let non_finite = self.pair.non_finite().different;
         (non_finite > 0 || metric.is_worse(value, threshold)).then(|| Failure::Different {
             test: self.args.test.clone(),
             reference: self.args.reference.clone(),
-            metric: metric.name(),
+            metric: name_of(metric),
             value,
             threshold,
             non_finite,
         })
     }
 
-    /// The report for people, ending with a line break.
     pub(super) fn text(&self) -> String {
         let CompareArgs { test, reference, .. } = self.args;
         let mut lines = vec![
@@ -60,7 +58,7 @@ impl Comparison<'_> {
         let non_finite = self.pair.non_finite();
         if non_finite.test + non_finite.reference > 0 {
             lines.push(format!(
-                "pixels that are NaN or infinite: {} of A, {} of B, {} of them not alike; metrics of radiance leave them out",
+                "NaN or infinite pixels: {} of A, {} of B, {} of them different; metrics of radiance leave them out",
                 non_finite.test, non_finite.reference, non_finite.different
             ));
         }
@@ -73,7 +71,7 @@ impl Comparison<'_> {
         let mut table = Table::new();
         table.load_style(presets::NOTHING);
         table.set_header(["", "all", CHANNELS[0], CHANNELS[1], CHANNELS[2]]);
-        for metric in Metric::ALL {
+        for &metric in Metric::value_variants() {
             if let Some(value) = self.measures.value(metric) {
                 table.add_row(row(self.title(metric), value, self.measures.channels(metric)));
             }
@@ -89,7 +87,6 @@ impl Comparison<'_> {
         table
     }
 
-    /// What a metric is called in the table.
     fn title(&self, metric: Metric) -> String {
         match (metric, &self.measures.hdr_flip) {
             (Metric::Rmse, _) => "RMSE".to_owned(),
@@ -121,10 +118,11 @@ impl Comparison<'_> {
         )
     }
 
-    /// The report for programs, ending with a line break. The text of `compare --help` describes it.
+    /// JSON report; `compare --help` documents it.
     pub(super) fn json(&self) -> Result<String, Failure> {
         let Self { args, images, pair, measures, verdict, .. } = self;
         let (largest, bias) = (&measures.largest, &measures.bias);
+        let metrics = Metric::value_variants().iter().copied();
         let file = ReportFile {
             program: env!("CARGO_PKG_NAME"),
             version: env!("CARGO_PKG_VERSION"),
@@ -133,11 +131,8 @@ impl Comparison<'_> {
             differently_finite: pair.non_finite().different,
             width: pair.width(),
             height: pair.height(),
-            metrics: Metric::ALL.map(|metric| (metric.name(), measures.value(metric))).into_iter().collect(),
-            channels: Metric::ALL
-                .into_iter()
-                .filter_map(|metric| Some((metric.name(), measures.channels(metric)?)))
-                .collect(),
+            metrics: metrics.clone().map(|metric| (name_of(metric), measures.value(metric))).collect(),
+            channels: metrics.filter_map(|metric| Some((name_of(metric), measures.channels(metric)?))).collect(),
             bias_standard_error: bias.all.standard_error,
             largest_difference: LargestEntry {
                 pixel: largest.pixel,
@@ -148,10 +143,10 @@ impl Comparison<'_> {
             exposures: measures.hdr_flip.as_ref().map(|(_, range)| range.exposures().collect()),
             heat_map: self.heat_map.as_ref().map(|map| HeatMapEntry {
                 file: map.file.display().to_string(),
-                shows: map.shows.name(),
+                shows: name_of(map.shows),
                 limit: map.limit,
             }),
-            metric: verdict.metric.name(),
+            metric: name_of(verdict.metric),
             threshold: verdict.threshold,
             different: self.failure().is_some(),
         };
@@ -161,7 +156,6 @@ impl Comparison<'_> {
 }
 
 impl HeatMap {
-    /// What its colours mean.
     fn legend(&self) -> String {
         let limit = digits(self.limit);
         let scale = match self.shows {
@@ -180,7 +174,7 @@ fn row(title: String, all: f64, channels: Option<[f64; 3]>) -> Vec<String> {
     [title, digits(all)].into_iter().chain(channels.into_iter().flatten().map(digits)).collect()
 }
 
-/// A number with six significant digits.
+/// Number with six significant digits.
 fn digits(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -193,7 +187,6 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// The report as JSON.
 #[derive(Debug, Serialize)]
 struct ReportFile {
     program: &'static str,
@@ -203,13 +196,13 @@ struct ReportFile {
     differently_finite: u64,
     width: u32,
     height: u32,
-    metrics: IndexMap<&'static str, Option<f64>>,
-    channels: IndexMap<&'static str, [f64; 3]>,
+    metrics: IndexMap<String, Option<f64>>,
+    channels: IndexMap<String, [f64; 3]>,
     bias_standard_error: f64,
     largest_difference: LargestEntry,
     exposures: Option<Vec<f64>>,
     heat_map: Option<HeatMapEntry>,
-    metric: &'static str,
+    metric: String,
     threshold: f64,
     different: bool,
 }
@@ -240,7 +233,7 @@ struct LargestEntry {
 #[derive(Debug, Serialize)]
 struct HeatMapEntry {
     file: String,
-    shows: &'static str,
+    shows: String,
     limit: f64,
 }
 
