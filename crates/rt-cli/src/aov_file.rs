@@ -6,7 +6,7 @@ use rt_image::{Development, Image, ImageFormat, write_image};
 use rt_render::Rendering;
 
 use crate::args::{Aov, AovArg};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::{OutputError, OutputFile};
 use crate::picture_file;
 
@@ -18,7 +18,7 @@ pub(crate) struct AovFile {
 }
 
 impl AovFile {
-    fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, Failure> {
+    fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, CliError> {
         let format = picture_file::format_of(&arg.file)?;
         Ok(Self { aov: arg.aov, format, output: OutputFile::prepare(&arg.file, inputs)? })
     }
@@ -28,13 +28,13 @@ impl AovFile {
         args: &[AovArg],
         inputs: &[PathBuf],
         others: &[&OutputFile],
-    ) -> Result<Vec<Self>, Failure> {
+    ) -> Result<Vec<Self>, CliError> {
         let mut aovs: Vec<Self> = Vec::with_capacity(args.len());
         for arg in args {
             let aov = Self::prepare(arg, inputs)?;
             if aovs.iter().map(Self::output).chain(others.iter().copied()).any(|other| other.is_same_file(&aov.output))
             {
-                return Err(Failure::Usage(format!("two outputs would go to {}", arg.file.display())));
+                return Err(CliError::Usage(format!("two outputs would go to {}", arg.file.display())));
             }
             aovs.push(aov);
         }
@@ -46,10 +46,10 @@ impl AovFile {
     }
 
     /// Refuses outputs that cannot be estimated or stored.
-    pub(crate) fn check(&self, size: [u32; 2], several_passes: bool) -> Result<(), Failure> {
+    pub(crate) fn check(&self, size: [u32; 2], several_passes: bool) -> Result<(), CliError> {
         if self.aov == Aov::Stderr && !several_passes {
             let message = "--aov stderr needs at least two passes: add --passes 4";
-            return Err(Failure::Usage(message.to_owned()));
+            return Err(CliError::Usage(message.to_owned()));
         }
         picture_file::check(self.format, size, false)
     }

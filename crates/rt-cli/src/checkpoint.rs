@@ -9,7 +9,7 @@ use rt_render::{Checkpoint, Kept, RenderSnapshot, Share};
 use crate::args::{CheckpointArgs, CheckpointInterval};
 use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::identity::Identity;
 use crate::output::{self, OutputFile};
 
@@ -66,13 +66,13 @@ impl Checkpointer {
     /// is moved aside with a note.
     ///
     /// # Errors
-    /// [`Failure`] if the file is not a checkpoint, if neither `--resume` nor `--restart` is given for a checkpoint of this image, or
+    /// [`CliError`] if the file is not a checkpoint, if neither `--resume` nor `--restart` is given for a checkpoint of this image, or
     /// if it cannot be continued.
     pub(crate) fn earlier(
         &self,
         options: &CheckpointOptions,
         memory: Option<u64>,
-    ) -> Result<Option<Checkpoint>, Failure> {
+    ) -> Result<Option<Checkpoint>, CliError> {
         let unusable = match checkpoint_file::label(&self.file, ArtifactKind::Checkpoint) {
             Ok(None) => return Ok(None),
             Ok(Some(label)) if label.identity == self.label.identity => None,
@@ -98,7 +98,7 @@ impl Checkpointer {
                 }
                 Ok(Some(checkpoint))
             }
-            None => Err(Failure::Usage(format!(
+            None => Err(CliError::Usage(format!(
                 "{} is the checkpoint of an unfinished render: continue with --resume, or start over with --restart",
                 self.file.display()
             ))),
@@ -107,7 +107,8 @@ impl Checkpointer {
                     Some(aside) => format!("it is kept as {}", aside.display()),
                     None => "it cannot be moved aside, and will be replaced".to_owned(),
                 };
-                self.console.say(format_args!("note: {error}; {fate}, and this render starts from the beginning"))?;
+                self.console
+                    .println(format_args!("note: {error}; {fate}, and this render starts from the beginning"))?;
                 Ok(None)
             }
         }

@@ -13,7 +13,7 @@ use crate::output::OutputError;
 use crate::signals;
 
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Failure {
+pub(crate) enum CliError {
     /// The arguments do not fit together, or do not fit the scene.
     #[error("{0}")]
     Usage(String),
@@ -86,7 +86,7 @@ pub(crate) enum Failure {
     Damaged { bad_samples: u64, samples: u64, file: PathBuf },
 }
 
-impl Failure {
+impl CliError {
     /// Error of the window system.
     #[cfg(feature = "view")]
     pub(crate) fn window(reason: &impl std::fmt::Display) -> Self {

@@ -18,7 +18,7 @@ use rt_render::Share;
 use crate::args::Frames;
 use crate::checkpoint_file::ArtifactError;
 use crate::done_frames::{self, DoneFrames, MAX_LOG_BYTES};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::identity::Identity;
 use crate::output::OutputFile;
 
@@ -35,8 +35,8 @@ impl FrameLog {
     /// Opens the log of an image name pattern. Without `resume`, the frames of this run count as unfinished.
     ///
     /// # Errors
-    /// [`Failure`] if the log cannot be written, or is not a log.
-    pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, Failure> {
+    /// [`CliError`] if the log cannot be written, or is not a log.
+    pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, CliError> {
         let output = OutputFile::prepare_over_link(&beside(pattern, shard), &[])?;
         let DoneFrames { frames } = read(output.path())?;
         let (stale, frames) = frames.into_iter().partition(|(frame, _)| !resume && own.contains(*frame));
@@ -46,8 +46,8 @@ impl FrameLog {
     /// True if a frame is finished.
     ///
     /// # Errors
-    /// [`Failure`] if the finished frame is of another scene, or of other options.
-    pub(crate) fn has(&self, frame: u32, identity: &Identity, scene: &Path) -> Result<bool, Failure> {
+    /// [`CliError`] if the finished frame is of another scene, or of other options.
+    pub(crate) fn has(&self, frame: u32, identity: &Identity, scene: &Path) -> Result<bool, CliError> {
         match self.done.frames.get(&frame) {
             Some(known) if *known == identity.to_string() => Ok(true),
             Some(_) => Err(ArtifactError::Foreign {
@@ -61,7 +61,7 @@ impl FrameLog {
     }
 
     /// Adds a finished frame.
-    pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), Failure> {
+    pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), CliError> {
         let _lock = lock(self.output.path());
         let mut done = read(self.output.path())?;
         // Keep entries that other runs added meanwhile.

@@ -9,7 +9,7 @@ use rt_scene_io::Reason;
 use serde::{Deserialize, Serialize};
 
 use crate::args::{InputArgs, PictureArgs};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::stdin::{self, is_dash};
 
 /// Size of the blocks that are hashed in parallel, in bytes.
@@ -22,11 +22,11 @@ pub(crate) struct Identity([u8; 32]);
 impl Identity {
     /// Identity of an image with these options and input files. Files are named relative to the scene, so that each machine may
     /// have its own directory.
-    pub(crate) fn new(input: &InputArgs, picture: &PictureArgs, files: &[PathBuf]) -> Result<Self, Failure> {
+    pub(crate) fn new(input: &InputArgs, picture: &PictureArgs, files: &[PathBuf]) -> Result<Self, CliError> {
         let folder = input.scene.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_default();
         let named = files.iter().map(|file| Ok((name_in(&folder, file), hash_of(file)?)));
-        let mut named = named.collect::<Result<Vec<_>, Failure>>()?;
+        let mut named = named.collect::<Result<Vec<_>, CliError>>()?;
         named.sort_unstable();
         named.dedup();
         let mut hasher = blake3::Hasher::new();
@@ -65,8 +65,8 @@ fn name_in(folder: &Path, file: &Path) -> String {
     file.strip_prefix(folder).unwrap_or(&file).to_string_lossy().into_owned()
 }
 
-fn hash_of(file: &Path) -> Result<[u8; 32], Failure> {
-    let failed = |error: std::io::Error| Failure::from(Reason::Io(error).at(file, ""));
+fn hash_of(file: &Path) -> Result<[u8; 32], CliError> {
+    let failed = |error: std::io::Error| CliError::from(Reason::Io(error).at(file, ""));
     let mut hasher = blake3::Hasher::new();
     if is_dash(file) {
         return Ok(*hasher.update_rayon(&stdin::content(None)?).finalize().as_bytes());

@@ -8,7 +8,7 @@ use rt_scene_io::{Background, InMemoryFile, LoadOptions, MemoryBudget, Scene, Wa
 
 use crate::args::{BackgroundChoice, InputArgs, PictureArgs};
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::stdin::{self, is_dash};
 
 /// Maximum number of warnings that are printed.
@@ -26,7 +26,7 @@ pub(crate) struct Input {
 }
 
 /// Loads a scene and prints the warnings. `picture` overrides what the defaults of the loader depend on.
-pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Console) -> Result<Input, Failure> {
+pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Console) -> Result<Input, CliError> {
     let mut options = load_options(args)?;
     if let Some(picture) = picture {
         options.size = picture.size;
@@ -48,9 +48,9 @@ pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Con
     Ok(Input { scene, environment, files, options })
 }
 
-fn environment(file: &Path, options: &LoadOptions) -> Result<Background, Failure> {
+fn environment(file: &Path, options: &LoadOptions) -> Result<Background, CliError> {
     if is_dash(file) && options.in_memory.is_some() {
-        return Err(Failure::Usage("standard input cannot be both the scene and --env".to_owned()));
+        return Err(CliError::Usage("standard input cannot be both the scene and --env".to_owned()));
     }
     let piped = if is_dash(file) { Some(stdin::content(options.max_file_bytes)?) } else { None };
     let in_memory = piped.map(|bytes| InMemoryFile { path: file.to_owned(), bytes });
@@ -60,7 +60,7 @@ fn environment(file: &Path, options: &LoadOptions) -> Result<Background, Failure
 
 impl InputArgs {
     /// Reads a scene from standard input, and names it by its format.
-    pub(crate) fn take_stdin(&mut self) -> Result<(), Failure> {
+    pub(crate) fn take_stdin(&mut self) -> Result<(), CliError> {
         if is_dash(&self.scene) {
             let file = stdin::scene(self.input_format.as_deref(), self.max_file_size)?;
             self.scene.clone_from(&file.path);
@@ -68,7 +68,7 @@ impl InputArgs {
             return Ok(());
         }
         match &self.input_format {
-            Some(_) => Err(Failure::Usage("--input-format requires standard input (-) as the scene".to_owned())),
+            Some(_) => Err(CliError::Usage("--input-format requires standard input (-) as the scene".to_owned())),
             None => Ok(()),
         }
     }
@@ -83,10 +83,10 @@ pub(crate) fn warn(warnings: &[Warning], console: Console) {
     }
 }
 
-pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
+pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, CliError> {
     match &args.asset_root {
         Some(root) if !root.is_dir() => {
-            Err(Failure::Usage(format!("--asset-root {} is not a directory", root.display())))
+            Err(CliError::Usage(format!("--asset-root {} is not a directory", root.display())))
         }
         root => Ok(LoadOptions {
             root: root.clone(),
@@ -106,13 +106,13 @@ pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, Failure> {
 }
 
 /// Prints defaults that the loader chose.
-pub(crate) fn say_notes(scene: &Scene, console: Console) -> Result<(), Failure> {
-    scene.notes.iter().try_for_each(|note| console.say(format_args!("note: {note}")))
+pub(crate) fn print_notes(scene: &Scene, console: Console) -> Result<(), CliError> {
+    scene.notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))
 }
 
-pub(crate) fn refuse_warnings(file: &Path, warnings: &[Warning]) -> Result<(), Failure> {
+pub(crate) fn refuse_warnings(file: &Path, warnings: &[Warning]) -> Result<(), CliError> {
     match warnings.len() {
         0 => Ok(()),
-        count => Err(Failure::Warnings { file: file.to_owned(), count }),
+        count => Err(CliError::Warnings { file: file.to_owned(), count }),
     }
 }

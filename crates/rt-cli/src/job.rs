@@ -14,7 +14,7 @@ use crate::checkpoint::{CheckpointOptions, Checkpointer};
 use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
 use crate::console::Console;
 use crate::display::Display;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::{OutputError, OutputFile, fallback_dirs, write_all};
 use crate::render_observer::RenderObserver;
 use crate::signals::SignalGuard;
@@ -77,25 +77,25 @@ impl JobOutput {
 
 impl Job<'_> {
     /// Renders, writes the picture and the statistics, and reports.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<(), CliError> {
         if self.is_done()? {
             let part = self.output.file().path().display();
-            return self.console.say(format_args!("{part} is there already, and finished"));
+            return self.console.println(format_args!("{part} is there already, and finished"));
         }
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
-        self.say_notes(&plan)?;
+        self.print_notes(&plan)?;
         if let Some(warning) = empty_picture::unlit(self.scene, &plan) {
             self.console.warn(&warning);
             if self.strict {
-                return Err(Failure::Warnings { file: self.scene_file.to_owned(), count: 1 });
+                return Err(CliError::Warnings { file: self.scene_file.to_owned(), count: 1 });
             }
         }
         let fallback_dirs = fallback_dirs(self.fallback_dir);
         // The guard lives until everything is written, so that a signal does not discard the image.
         let guard = signals::guard();
         if signals::is_interrupted() {
-            return Err(Failure::Interrupted { percent: 0.0, image: None, checkpoint: None });
+            return Err(CliError::Interrupted { percent: 0.0, image: None, checkpoint: None });
         }
         let (part, observer) = self.render(&plan, &fallback_dirs, display, &guard)?;
         let RenderObserver { checkpointer, kept, display, .. } = observer;
@@ -135,15 +135,15 @@ impl Job<'_> {
         let image = is_written.then(|| self.output.file().path().to_owned());
         if stopped == Stopped::Interrupted {
             let percent = self.percent(&plan, &rendering);
-            return Err(Failure::Interrupted { percent, image, checkpoint: kept });
+            return Err(CliError::Interrupted { percent, image, checkpoint: kept });
         }
         if self.verbose {
-            self.console.say(report::statistics(&outcome, self.stats.is_some()))?;
+            self.console.println(report::statistics(&outcome, self.stats.is_some()))?;
         }
         if !rendering.lost.is_empty() {
-            return Err(Failure::Lost { tiles: rendering.lost.len(), image, checkpoint: kept });
+            return Err(CliError::Lost { tiles: rendering.lost.len(), image, checkpoint: kept });
         }
-        self.say_written(&outcome)?;
+        self.print_written(&outcome)?;
         if let Some(checkpointer) = checkpointer {
             checkpointer.remove();
         }
@@ -152,14 +152,14 @@ impl Job<'_> {
     }
 
     /// Warns of an image that shows nothing.
-    fn judge_content(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Result<(), Failure> {
+    fn judge_content(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Result<(), CliError> {
         let JobOutput::Image { format, file, .. } = &self.output else { return Ok(()) };
         if self.options.crop.is_some() {
             return Ok(());
         }
         let (hits, is_developed) = (rendering.statistics.camera_hits, picture_file::is_developed(*format));
         match empty_picture::empty(self.scene, plan, &rendering.film, hits, is_developed) {
-            Some(warning) if self.strict => Err(Failure::Empty { warning, file: file.path().to_owned() }),
+            Some(warning) if self.strict => Err(CliError::Empty { warning, file: file.path().to_owned() }),
             Some(warning) => {
                 self.console.warn(warning);
                 Ok(())
@@ -188,7 +188,7 @@ impl Job<'_> {
     }
 
     /// True if the part exists already: finished, and of this image.
-    fn is_done(&self) -> Result<bool, Failure> {
+    fn is_done(&self) -> Result<bool, CliError> {
         let (JobOutput::Part(output), Some(options)) = (&self.output, &self.checkpoint) else {
             return Ok(false);
         };
@@ -225,7 +225,7 @@ impl Job<'_> {
     }
 
     /// Prints the output path, the cost, and the estimated error.
-    fn say_written(&self, outcome: &Outcome<'_>) -> Result<(), Failure> {
+    fn print_written(&self, outcome: &Outcome<'_>) -> Result<(), CliError> {
         let path = self.output.file().path().display();
         let rendering = outcome.rendering;
         let what = match &self.output {
@@ -243,25 +243,25 @@ impl Job<'_> {
                 format!("{path} (part {number} of {count}; `merge` joins them)")
             }
         };
-        self.console.say(format_args!("wrote {what} {}", report::effort(outcome)))?;
-        self.console.say(report::ending_and_error(outcome))
+        self.console.println(format_args!("wrote {what} {}", report::effort(outcome)))?;
+        self.console.println(report::ending_and_error(outcome))
     }
 
-    fn compile(&self) -> Result<RenderPlan<'_>, Failure> {
+    fn compile(&self) -> Result<RenderPlan<'_>, CliError> {
         let film = &self.scene.film;
         let size = self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height]);
         if let JobOutput::Image { format, file, .. } = &self.output {
             picture_file::check(*format, size, self.options.transparent)?;
-            file.check_space(picture_file::most_bytes(*format, size))?;
+            file.check_space(picture_file::max_bytes(*format, size))?;
         }
         let plan =
-            RenderPlan::compile(self.scene, &self.options).map_err(|error| Failure::plan(self.scene_file, error))?;
+            RenderPlan::compile(self.scene, &self.options).map_err(|error| CliError::plan(self.scene_file, error))?;
         if self.rule.is_some_and(|rule| rule.target.is_some()) && !plan.passes_differ() {
             let error = RenderError::SamePasses(self.scene.settings.pattern.name());
-            return Err(Failure::plan(self.scene_file, error));
+            return Err(CliError::plan(self.scene_file, error));
         }
         if self.rule.is_some() && plan.least_samples_per_pixel().is_some() {
-            return Err(Failure::plan(self.scene_file, RenderError::AdaptiveUntil));
+            return Err(CliError::plan(self.scene_file, RenderError::AdaptiveUntil));
         }
         for aov in self.output.aovs() {
             aov.check(size, self.rule.is_some() || plan.passes() > 1)?;
@@ -270,12 +270,12 @@ impl Job<'_> {
     }
 
     /// Prints chosen defaults and changed settings.
-    fn say_notes(&self, plan: &RenderPlan<'_>) -> Result<(), Failure> {
-        input::say_notes(self.scene, self.console)?;
+    fn print_notes(&self, plan: &RenderPlan<'_>) -> Result<(), CliError> {
+        input::print_notes(self.scene, self.console)?;
         if self.scene.settings.clamp.is_some() && plan.clamp().is_none() {
             let integrator = self.scene.settings.integrator.name();
             let which = if self.scene.settings.integrator.follows_light() { integrator } else { "this view" };
-            self.console.say(format_args!(
+            self.console.println(format_args!(
                 "note: --clamp has no effect: it bounds indirect light of random paths, and {which} traces none"
             ))?;
         }
@@ -287,10 +287,10 @@ impl Job<'_> {
             return Ok(());
         }
         let sampler = self.scene.settings.pattern.name();
-        self.console.say(format_args!("note: {sampler} takes {taken} samples per pixel rather than {asked}"))
+        self.console.println(format_args!("note: {sampler} takes {taken} samples per pixel rather than {asked}"))
     }
 
-    fn connect(&self, server: &str) -> Result<Display, Failure> {
+    fn connect(&self, server: &str) -> Result<Display, CliError> {
         let Scene { name, film: FilmSettings { width, height, .. }, .. } = self.scene;
         let part = self.options.crop.unwrap_or(Crop { x: 0, y: 0, width: *width, height: *height });
         Display::connect(server, name, part, self.options.transparent, self.console)
@@ -302,7 +302,7 @@ impl Job<'_> {
         fallback_dirs: &[PathBuf],
         display: Option<Display>,
         guard: &SignalGuard,
-    ) -> Result<(Part, RenderObserver), Failure> {
+    ) -> Result<(Part, RenderObserver), CliError> {
         let (mut earlier, mut checkpointer) = (None, None);
         if let (Some(options), Some(label)) = (&self.checkpoint, self.label(ArtifactKind::Checkpoint))
             && let Some(file) = &options.file
@@ -311,7 +311,7 @@ impl Job<'_> {
             earlier = writer.earlier(options, self.options.memory)?;
             if let Some(earlier) = &earlier {
                 let (samples, file) = (earlier.samples(), file.display());
-                self.console.say(format_args!("note: continues from {file}, with {samples} samples"))?;
+                self.console.println(format_args!("note: continues from {file}, with {samples} samples"))?;
             }
             checkpointer = Some(writer);
         }
@@ -330,17 +330,17 @@ impl Job<'_> {
             (RenderError::Checkpoint, Some(checkpointer)) => {
                 ArtifactError::OtherOptions(checkpointer.file().to_owned()).into()
             }
-            (error, _) => Failure::plan(self.scene_file, error),
+            (error, _) => CliError::plan(self.scene_file, error),
         })?;
         Ok((part, observer))
     }
 
     /// Warns of bad samples; an error with `--strict`.
-    fn judge(&self, bad_samples: u64, samples: u64) -> Result<(), Failure> {
+    fn judge(&self, bad_samples: u64, samples: u64) -> Result<(), CliError> {
         if bad_samples == 0 {
             return Ok(());
         }
-        let damaged = Failure::Damaged { bad_samples, samples, file: self.output.file().path().to_owned() };
+        let damaged = CliError::Damaged { bad_samples, samples, file: self.output.file().path().to_owned() };
         if self.strict {
             return Err(damaged);
         }

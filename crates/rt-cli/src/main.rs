@@ -58,7 +58,7 @@ fn main() -> ExitCode {
     match commands::run(args::Cli::parse_from(args::with_default_command(std::env::args_os()))) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            console::complain(&failure);
+            console::print_error(&failure);
             failure.exit_code()
         }
     }

@@ -14,7 +14,7 @@ use bytesize::ByteSize;
 use tempfile::NamedTempFile;
 
 use crate::console::reserve_stdout;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::stdin::is_dash;
 
 /// Output path that was checked to be writable.
@@ -179,16 +179,16 @@ pub(crate) fn fallback_dirs(fallback: Option<&Path>) -> Vec<PathBuf> {
 }
 
 /// Collects the errors of several files.
-pub(crate) fn write_all(results: impl IntoIterator<Item = Result<(), OutputError>>) -> Result<(), Failure> {
+pub(crate) fn write_all(results: impl IntoIterator<Item = Result<(), OutputError>>) -> Result<(), CliError> {
     let failed: Vec<_> = results.into_iter().filter_map(Result::err).collect();
-    if failed.is_empty() { Ok(()) } else { Err(Failure::Outputs(failed)) }
+    if failed.is_empty() { Ok(()) } else { Err(CliError::Outputs(failed)) }
 }
 
 /// Refuses binary output to a terminal.
-pub(crate) fn refuse_terminal(path: &Path) -> Result<(), Failure> {
+pub(crate) fn refuse_terminal(path: &Path) -> Result<(), CliError> {
     if is_dash(path) && io::stdout().is_terminal() {
         let message = "standard output is a terminal: redirect it, or name a file";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(CliError::Usage(message.to_owned()));
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use rt_render::PlanOptions;
 use rt_scene_io::{Adaptive, Background, Integrator, Reason, Scene};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
-use crate::error::Failure;
+use crate::error::CliError;
 
 /// Options that override a scene.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub(crate) struct Overrides<'a> {
 }
 
 /// Resolves scene and options to the scene and plan options that are rendered.
-pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Scene, PlanOptions), Failure> {
+pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Scene, PlanOptions), CliError> {
     let Overrides { picture: args, development, environment, memory, progressive } = overrides;
     let film = &mut scene.film;
     [film.width, film.height] = args.size.unwrap_or([film.width, film.height]);
@@ -105,7 +105,7 @@ fn simplification(scene: &Scene) -> Option<String> {
     is_simplified.then(|| format!("`{integrator}` {left_out}; `path` shows them in full."))
 }
 
-fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Adaptive>, Failure> {
+fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Adaptive>, CliError> {
     let adaptive = match args.adaptive {
         None => of_scene,
         Some(AdaptiveChoice::Off) => None,
@@ -114,7 +114,7 @@ fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Ada
     match (adaptive, args.min_spp) {
         (adaptive, None) => Ok(adaptive),
         (Some(Adaptive::ObjectSpace { .. }), least) => Ok(Some(Adaptive::ObjectSpace { least })),
-        (None, Some(_)) => Err(Failure::Usage("--min-spp requires --adaptive object-space".to_owned())),
+        (None, Some(_)) => Err(CliError::Usage("--min-spp requires --adaptive object-space".to_owned())),
     }
 }
 
@@ -133,21 +133,21 @@ fn replace<T>(value: &mut T, other: Option<T>) {
 }
 
 /// Index of the named camera; 0 by default.
-fn find_camera(name: Option<&str>, scene: &Scene) -> Result<usize, Failure> {
+fn find_camera(name: Option<&str>, scene: &Scene) -> Result<usize, CliError> {
     let Some(name) = name else { return Ok(0) };
     scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
         let known = scene.cameras.iter().map(|camera| camera.name.clone()).collect();
-        Failure::Usage(Reason::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
+        CliError::Usage(Reason::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
     })
 }
 
-fn move_camera(args: &ViewArgs, camera: &mut CameraSettings) -> Result<(), Failure> {
+fn move_camera(args: &ViewArgs, camera: &mut CameraSettings) -> Result<(), CliError> {
     if let Some(degrees) = args.fov {
         match &mut camera.projection {
             Projection::Perspective { fov, .. } => *fov = degrees.to_radians(),
             Projection::Orthographic { .. } => {
                 let message = "--fov does not apply to an orthographic camera; remove it, or choose another --camera";
-                return Err(Failure::Usage(message.to_owned()));
+                return Err(CliError::Usage(message.to_owned()));
             }
         }
     }
@@ -160,12 +160,12 @@ fn move_camera(args: &ViewArgs, camera: &mut CameraSettings) -> Result<(), Failu
 }
 
 /// Camera pose; position and direction are kept unless given.
-fn placed(args: &ViewArgs, world_from_camera: &Transform) -> Result<Transform, Failure> {
+fn placed(args: &ViewArgs, world_from_camera: &Transform) -> Result<Transform, CliError> {
     let eye = args.look_from.unwrap_or_else(|| world_from_camera.translation());
     let target = args.look_at.unwrap_or_else(|| eye + world_from_camera.vector(DVec3::NEG_Z));
     let up = args.up.unwrap_or(DVec3::Y);
     Transform::look_at(eye, target, up).map_err(|error| {
-        Failure::Usage(format!(
+        CliError::Usage(format!(
             "the camera cannot look from {eye} at {target} with {up} up: {error}; change --look-from, --look-at or --up"
         ))
     })

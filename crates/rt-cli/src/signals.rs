@@ -13,7 +13,7 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use crate::console::tell_terminal;
+use crate::console::print_to_terminal;
 
 /// Exit code of an interrupted command: 128 + SIGINT, as in shells.
 pub(crate) const EXIT_CODE: u8 = 130;
@@ -82,11 +82,11 @@ fn install() {
             let has_interrupt = signals.wait().fold(false, |has, signal| has | (signal == SIGINT));
             interrupt();
             if has_interrupt && had_interrupt {
-                tell_terminal("ended without saving");
+                print_to_terminal("ended without saving");
                 end();
             }
             if has_interrupt {
-                tell_terminal(
+                print_to_terminal(
                     "interrupted: finishing and saving the tiles that were started; Ctrl-C again ends without saving",
                 );
                 had_interrupt = true;

@@ -1,4 +1,4 @@
-//! What a render took, as a JSON file for other programs. The text of `--stats --help` describes it.
+//! Statistics of a render as a JSON file; `--stats` in `render --help` documents it.
 
 use std::path::Path;
 
@@ -12,11 +12,11 @@ use serde::Serialize;
 
 use crate::memory;
 
-/// What is known after a render.
+/// Inputs and result of a render.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outcome<'a> {
     pub(crate) scene_file: &'a Path,
-    /// With the options of the command line applied.
+    /// Scene with all options applied.
     pub(crate) scene: &'a Scene,
     pub(crate) options: &'a PlanOptions,
     pub(crate) plan: &'a RenderPlan<'a>,
@@ -26,7 +26,6 @@ pub(crate) struct Outcome<'a> {
     pub(crate) output_seconds: f64,
 }
 
-/// The file.
 #[derive(Debug, Serialize)]
 pub(crate) struct StatsFile<'a> {
     program: &'static str,
@@ -35,30 +34,29 @@ pub(crate) struct StatsFile<'a> {
     settings: SettingsStats<'a>,
     plan: PlanStats,
     samples: u64,
-    /// Camera samples that met a surface.
+    /// Camera samples that hit a surface.
     camera_hits: u64,
-    /// Those that pixels are made of.
     pixel_samples: PixelSamples,
-    /// Pixels that show no edge and took the least samples.
+    /// Pixels without edges, which took the minimum of samples.
     simple_pixels: u64,
     passes: u32,
     stopped: &'static str,
-    /// Pixels that have not reached the error that was asked for; `null` if none was.
+    /// Pixels that missed the target error; `null` without `--target-error-pixels`.
     unconverged_pixels: Option<u64>,
-    /// `null` if there is nothing to tell it by.
+    /// `null` after a single pass.
     estimated_error: Option<ErrorStats>,
-    /// `null` unless indirect light is bounded.
+    /// `null` without `--clamp`.
     clamping: Option<ClampingStats>,
     /// NaN, infinite or negative; they count as black.
     bad_samples: u64,
-    /// Not traced, because there is nothing in their part of the view.
+    /// Camera rays skipped because their part of the view is empty.
     primary_rays_spared: u64,
-    /// By kind, and their total.
+    /// Rays by kind, and their total.
     rays: IndexMap<&'static str, RayTotals>,
     shading: ShadingStats,
     seconds: Seconds,
     mega_rays_per_second: f64,
-    /// `null` where the system does not say.
+    /// `null` if unknown.
     peak_memory_bytes: Option<u64>,
 }
 
@@ -72,19 +70,18 @@ struct PixelSamples {
 #[derive(Debug, Serialize)]
 struct ErrorStats {
     rmse: f64,
-    /// With a confidence of 95 %.
+    /// 95 % confidence interval.
     rmse_interval: [f64; 2],
     relative: f64,
     largest: f64,
-    /// Mean radiance of the picture.
+    /// Mean radiance of the image.
     mean: f64,
     /// `rmse / mean`; `null` if it is infinite.
     relative_rmse: f64,
-    /// With a confidence of 95 %.
+    /// 95 % confidence interval.
     relative_rmse_interval: [f64; 2],
 }
 
-/// Effect of a bound on indirect light.
 #[derive(Debug, Serialize)]
 struct ClampingStats {
     bound: f64,
@@ -92,7 +89,7 @@ struct ClampingStats {
     lost_share: f64,
 }
 
-/// All that the picture depends on beside the scene; and the number of threads, which changes no bit.
+/// Settings of the image, and the number of threads, which does not change it.
 #[derive(Debug, Serialize)]
 struct SettingsStats<'a> {
     width: u32,
@@ -102,16 +99,15 @@ struct SettingsStats<'a> {
     camera: &'a str,
     integrator: &'static str,
     sampler: &'static str,
-    /// The most that are taken, if time or error decides.
+    /// Maximum with a stop rule.
     samples_per_pixel: u32,
-    /// Of pixels that show no edge; `null` if all take the same number.
+    /// Samples of pixels without edges; `null` if all pixels take the same number.
     least_samples_per_pixel: Option<u32>,
     seconds: Option<f64>,
     target_error: Option<f64>,
-    /// `null` where the error of the image decides.
+    /// `null` for the error of the whole image.
     target_error_pixels: Option<f64>,
     two_stage: bool,
-    /// `null` for none.
     clamp: Option<f64>,
     depth: u32,
     min_contribution: f64,
@@ -125,13 +121,12 @@ struct SettingsStats<'a> {
 #[derive(Debug, Serialize)]
 struct PlanStats {
     used: Vec<String>,
-    /// What is left out, and why.
+    /// Removed features with the reason.
     left_out: IndexMap<&'static str, String>,
-    /// Predicted.
+    /// Predicted memory.
     memory_bytes: IndexMap<&'static str, u64>,
 }
 
-/// The cost of the rays of one kind.
 #[derive(Debug, Serialize)]
 struct RayTotals {
     rays: u64,
@@ -142,18 +137,18 @@ struct RayTotals {
 
 #[derive(Debug, Serialize)]
 struct ShadingStats {
-    /// Not traced, because the light stands behind the surface, or the surface reflects none of it.
+    /// Shadow rays skipped because the light is behind the surface, or its contribution is zero.
     shadow_rays_spared: u64,
     highlights: u64,
     mirrors: u64,
     refractions: u64,
     fresnel: u64,
     absorption: u64,
-    /// Surfaces that did nothing to a ray: the same was on both sides of them.
+    /// Index-matched interfaces that were crossed.
     passages: u64,
-    /// Paths that ended at a mirror or at glass because there were as many bounces as allowed.
+    /// Paths that ended at a mirror or at glass by the maximum depth.
     depth_limited: u64,
-    /// Surfaces of transparent bodies that were ignored, because the ray was inside of too many others.
+    /// Surfaces of media that were ignored because the medium stack was full.
     interior_overflows: u64,
 }
 
@@ -167,7 +162,6 @@ struct Seconds {
 }
 
 impl<'a> StatsFile<'a> {
-    /// The file of a render that counted nodes, tests and hits.
     pub(crate) fn new(outcome: &Outcome<'a>) -> Self {
         let rendering = outcome.rendering;
         let statistics = &rendering.statistics;

@@ -11,7 +11,7 @@ use super::{PictureArgs, unknown_word};
 const MANAGED: [&str; 3] = ["spp", "time", "target-error"];
 
 /// Options that change the converged image, and so cannot vary.
-const FIXED: [&str; 9] = ["size", "crop", "camera", "look-from", "look-at", "up", "fov", "background", "seed"];
+const FIXED: [&str; 10] = ["size", "crop", "camera", "look-from", "look-at", "up", "fov", "background", "env", "seed"];
 
 /// Options of [`PictureArgs`] as typed, without the managed ones.
 #[derive(Clone, Debug, Default)]

@@ -1,4 +1,4 @@
-//! `check`: the numerical health of a scene, as text or JSON.
+//! `check`: numerical health of a scene, as text or JSON.
 
 use indexmap::IndexMap;
 use rt_render::check::{CameraMeasures, Finding, Measures, More, Report, Severity, check};
@@ -7,14 +7,14 @@ use serde::Serialize;
 
 use crate::args::{CheckArgs, ReportFormat};
 use crate::console::{Console, print, show};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input::{self, Input};
 
-pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
-    // What the loader warns of is part of the report.
+pub(super) fn run(args: &CheckArgs) -> Result<(), CliError> {
+    // The report includes the warnings of the loader.
     let Input { scene, options, .. } = input::read(&args.input, None, Console { quiet: true })?;
     if let Err(shortage @ RenderError::Memory(_)) = MemoryPrediction::of_scene(&scene, options.memory.limit()) {
-        return Err(Failure::plan(&args.input.scene, shortage));
+        return Err(CliError::plan(&args.input.scene, shortage));
     }
     let report = check(&scene);
     match args.format {
@@ -22,7 +22,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
         ReportFormat::Json => print(json(&ReportFile::new(&scene.name, &report))?)?,
     }
     match report.count(Severity::Error) + report.count(Severity::Warning) {
-        count if args.strict && count > 0 => Err(Failure::Warnings {
+        count if args.strict && count > 0 => Err(CliError::Warnings {
             file: args.input.scene.clone(),
             count: usize::try_from(count).unwrap_or(usize::MAX),
         }),
@@ -30,12 +30,12 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
     }
 }
 
-fn json(report: &ReportFile<'_>) -> Result<String, Failure> {
-    let text = serde_json::to_string_pretty(report).map_err(|error| Failure::Stdout(error.into()))?;
+fn json(report: &ReportFile<'_>) -> Result<String, CliError> {
+    let text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
     Ok(text + "\n")
 }
 
-/// The report for other programs. The text of `check --help` describes it.
+/// JSON report; `check --help` documents it.
 #[derive(Debug, Serialize)]
 struct ReportFile<'r> {
     program: &'static str,
@@ -54,7 +54,7 @@ struct MeasuresEntry<'r> {
     objects: u64,
     infinite_objects: u64,
     triangles: u64,
-    /// Least and greatest corner; `null` without anything finite.
+    /// Minimum and maximum corner; `null` without finite objects.
     bounds: Option<[[f64; 3]; 2]>,
     extent: f64,
     smallest: f64,

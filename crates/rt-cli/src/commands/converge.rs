@@ -23,20 +23,20 @@ use self::report::{Outputs, Report, Setting};
 use self::runner::{BenchRunner, Clock, Extent};
 use crate::args::{ConvergeArgs, PictureArgs, ReferenceKind};
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input;
 use crate::progress::ProgressDisplay;
 
-pub(super) fn run(args: &ConvergeArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     let clock = Clock::start(args.run.time);
     let console = Console { quiet: args.run.quiet };
-    let picture = args.fixed.with(&[]).map_err(Failure::Usage)?;
+    let picture = args.fixed.with(&[]).map_err(CliError::Usage)?;
     let input = input::read(&args.input, Some(&picture), console)?;
     let scene = &input.scene;
-    input::say_notes(scene, console)?;
+    input::print_notes(scene, console)?;
     let mut methods = methods::resolve(args, &input)?;
     let kind = reference_kind(args, scene, &picture)?;
-    let Some(first) = methods.first() else { return Err(Failure::Usage("there is no method".to_owned())) };
+    let Some(first) = methods.first() else { return Err(CliError::Usage("there is no method".to_owned())) };
     let development = first.scene.film.development;
     let given = given_reference(args, kind, first, scene)?;
     let outputs = Outputs::prepare(&folder(args), &input.files)?;
@@ -57,8 +57,8 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), Failure> {
     runner.close();
     let report = Report::new(setting, &experiment);
     report.write(&outputs)?;
-    console.say(report.text())?;
-    console.say(format_args!("wrote {}", outputs.folder.display()))?;
+    console.println(report.text())?;
+    console.println(format_args!("wrote {}", outputs.folder.display()))?;
     if experiment.bad_samples > 0 {
         let bad = experiment.bad_samples;
         console.warn(format_args!("{bad} samples were NaN, infinite or negative and count as black"));
@@ -67,7 +67,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), Failure> {
 }
 
 /// Kind of reference: the given one, or the best available.
-fn reference_kind(args: &ConvergeArgs, scene: &Scene, picture: &PictureArgs) -> Result<ReferenceKind, Failure> {
+fn reference_kind(args: &ConvergeArgs, scene: &Scene, picture: &PictureArgs) -> Result<ReferenceKind, CliError> {
     let view = &picture.view;
     let is_other_view = picture.crop.is_some()
         || picture.background.is_some()
@@ -76,7 +76,7 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, picture: &PictureArgs) -> 
         || view.look_at.is_some()
         || view.up.is_some()
         || view.fov.is_some();
-    let refuse = |message: &str| Err(Failure::Usage(format!("--reference-kind {message}")));
+    let refuse = |message: &str| Err(CliError::Usage(format!("--reference-kind {message}")));
     match args.reference_kind {
         Some(ReferenceKind::Truth) if scene.truth.is_none() => refuse("truth: the scene declares none"),
         Some(ReferenceKind::Truth) if is_other_view => {
@@ -96,7 +96,7 @@ fn given_reference(
     kind: ReferenceKind,
     first: &Method,
     scene: &Scene,
-) -> Result<Option<Reference>, Failure> {
+) -> Result<Option<Reference>, CliError> {
     match (kind, &scene.truth, &args.reference) {
         (ReferenceKind::Truth, Some(truth), _) => Ok(Some(Reference::Truth(truth.clone()))),
         (ReferenceKind::Reference, _, Some(path)) => {

@@ -4,11 +4,11 @@ use rt_render::RenderPlan;
 
 use crate::args::ExplainArgs;
 use crate::console::{Console, show};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input::{self, Input};
 use crate::settings::{self, Overrides};
 
-pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &ExplainArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
     let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
     if args.strict {
@@ -22,7 +22,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
         progressive: false,
     };
     let (scene, options) = settings::resolve(scene, overrides)?;
-    let plan = RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
-    input::say_notes(&scene, console)?;
+    let plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
+    input::print_notes(&scene, console)?;
     show(plan.explain())
 }

@@ -12,7 +12,7 @@ use crate::aov_file::AovFile;
 use crate::args::{CheckpointArgs, FrameChoice, RenderArgs};
 use crate::checkpoint::{self, CheckpointOptions};
 use crate::console::{Console, reserve_stdout};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::identity::Identity;
 use crate::input::{self, Input};
 use crate::job::{Job, JobOutput};
@@ -21,7 +21,7 @@ use crate::picture_file;
 use crate::settings::{self, Overrides};
 use crate::stdin::is_dash;
 
-pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &RenderArgs) -> Result<(), CliError> {
     if args.output.iter().chain(&args.run.stats).any(|path| is_dash(path)) {
         // Before anything is printed.
         reserve_stdout();
@@ -34,7 +34,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// Renders a single image.
-fn image(args: &RenderArgs) -> Result<(), Failure> {
+fn image(args: &RenderArgs) -> Result<(), CliError> {
     refuse_for_parts(args)?;
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();
@@ -43,7 +43,7 @@ fn image(args: &RenderArgs) -> Result<(), Failure> {
     let kind = OutputKind::of(&path, shard, args.output_format)?;
     if is_dash(&path) && args.checkpoint.resume && args.checkpoint.checkpoint.is_none() {
         let message = "--resume requires --checkpoint FILE for an image on standard output";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(CliError::Usage(message.to_owned()));
     }
 
     let started = Instant::now();
@@ -68,7 +68,7 @@ fn image(args: &RenderArgs) -> Result<(), Failure> {
     };
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
-        return Err(Failure::Usage("the image and the statistics cannot go to the same file".to_owned()));
+        return Err(CliError::Usage("the image and the statistics cannot go to the same file".to_owned()));
     }
     let checkpoint = prepare_checkpoint(&args.checkpoint, &file, stats.as_ref(), &files)?;
     let others: Vec<_> = stats.iter().chain([&file]).chain(&checkpoint).collect();
@@ -103,11 +103,11 @@ fn prepare_checkpoint(
     output: &OutputFile,
     stats: Option<&OutputFile>,
     inputs: &[PathBuf],
-) -> Result<Option<OutputFile>, Failure> {
+) -> Result<Option<OutputFile>, CliError> {
     let Some(path) = checkpoint::default_path(args, output) else { return Ok(None) };
     match OutputFile::prepare_over_link(&path, inputs) {
         Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => {
-            Err(Failure::Usage(format!(
+            Err(CliError::Usage(format!(
                 "the checkpoint and another output would both go to {}",
                 checkpoint.path().display()
             )))
@@ -119,7 +119,7 @@ fn prepare_checkpoint(
 }
 
 /// Refuses options that need the whole image for a part.
-fn refuse_for_parts(args: &RenderArgs) -> Result<(), Failure> {
+fn refuse_for_parts(args: &RenderArgs) -> Result<(), CliError> {
     let whole = [
         ("--time", args.stop.time.is_some()),
         ("--target-error", args.stop.target_error.is_some()),
@@ -127,8 +127,8 @@ fn refuse_for_parts(args: &RenderArgs) -> Result<(), Failure> {
     ];
     match whole.into_iter().find(|(_, is_given)| *is_given && args.checkpoint.shard.is_some()) {
         None => Ok(()),
-        Some(("--aov", _)) => Err(Failure::Usage("--aov cannot be used with --shard: give it to `merge`".to_owned())),
-        Some((option, _)) => Err(Failure::Usage(format!(
+        Some(("--aov", _)) => Err(CliError::Usage("--aov cannot be used with --shard: give it to `merge`".to_owned())),
+        Some((option, _)) => Err(CliError::Usage(format!(
             "{option} cannot be used with --shard, except with --frames, which shares out whole frames"
         ))),
     }
@@ -140,16 +140,16 @@ enum OutputKind {
 }
 
 impl OutputKind {
-    fn of(path: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> Result<Self, Failure> {
+    fn of(path: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> Result<Self, CliError> {
         let is_part = path.extension().is_some_and(|extension| extension == PART) || (shard.is_some() && is_dash(path));
         match (shard, is_part) {
             (Some(_), true) => refuse_terminal(path).map(|()| Self::Part),
             (None, false) => Ok(Self::Image(picture_file::chosen_format(path, format)?)),
-            (Some(_), false) => Err(Failure::Usage(format!(
+            (Some(_), false) => Err(CliError::Usage(format!(
                 "{} is not a .part file, which --shard writes; `merge` joins all parts to an image",
                 path.display()
             ))),
-            (None, true) => Err(Failure::Usage(format!("{} is a part of an image: add --shard I/N", path.display()))),
+            (None, true) => Err(CliError::Usage(format!("{} is a part of an image: add --shard I/N", path.display()))),
         }
     }
 }

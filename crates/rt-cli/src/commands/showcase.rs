@@ -8,7 +8,7 @@ use rt_scene_io::format::parse_ron;
 use rt_scene_io::{LoadOptions, Scene, resolve};
 
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::job::{Job, JobOutput};
 use crate::output::OutputFile;
 use crate::picture_file;
@@ -18,7 +18,7 @@ const SCENE: &str = include_str!("../../../../scenes/gallery/showcase.ron");
 const SCENE_NAME: &str = "showcase.ron";
 const PICTURE: &str = "showcase.png";
 
-pub(super) fn run() -> Result<(), Failure> {
+pub(super) fn run() -> Result<(), CliError> {
     let console = Console { quiet: false };
     let started = Instant::now();
     let scene = scene()?;
@@ -42,12 +42,12 @@ pub(super) fn run() -> Result<(), Failure> {
         display_server: None,
         console,
     };
-    console.say("rendering a built-in scene; --help lists all commands")?;
+    console.println("rendering a built-in scene; --help lists all commands")?;
     job.run()?;
-    console.say(next_steps())
+    console.println(next_steps())
 }
 
-fn scene() -> Result<Scene, Failure> {
+fn scene() -> Result<Scene, CliError> {
     let name = Path::new(SCENE_NAME);
     Ok(resolve(&parse_ron(SCENE, name)?, name, &LoadOptions::default())?)
 }

@@ -26,7 +26,7 @@ use winit::event_loop::{EventLoop, EventLoopProxy};
 
 use crate::args::WindowArgs;
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input::{self, Input};
 use crate::settings::{self, Overrides};
 
@@ -36,7 +36,7 @@ use pace::Pace;
 use painter::{News, Painter};
 use window::{Subject, Viewer};
 
-pub(super) fn run(args: &WindowArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &WindowArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
     refuse_what_is_for_render(args)?;
     let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
@@ -50,12 +50,12 @@ pub(super) fn run(args: &WindowArgs) -> Result<(), Failure> {
     let (mut scene, options) = settings::resolve(scene, overrides)?;
     // The window samples all pixels alike, pass after pass.
     (scene.settings.adaptive, scene.settings.passes) = (None, None);
-    let plan = RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
-    input::say_notes(&scene, console)?;
+    let plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
+    input::print_notes(&scene, console)?;
 
     let named = &scene.cameras[options.camera];
     let explorer = Explorer::new(named.settings, distance_of_interest(&scene, &named.settings, &plan))
-        .ok_or_else(|| Failure::Usage(format!("nobody can be led around with camera '{}'", named.name)))?;
+        .ok_or_else(|| CliError::Usage(format!("nobody can be led around with camera '{}'", named.name)))?;
     let medium = named.medium.and_then(|medium| scene.appearance.materials.get(medium.0 as usize));
     let event_loop = event_loop()?;
     let desk = Desk::default();
@@ -66,7 +66,7 @@ pub(super) fn run(args: &WindowArgs) -> Result<(), Failure> {
         spp: scene.settings.spp,
     };
     let mut viewer = Viewer::new(&desk, console, subject, explorer);
-    console.say("press H in the window for the keys")?;
+    console.println("press H in the window for the keys")?;
     let proxy = event_loop.create_proxy();
     let mut painter = Painter {
         plan,
@@ -88,12 +88,12 @@ pub(super) fn run(args: &WindowArgs) -> Result<(), Failure> {
         desk.close();
         shown
     });
-    shown.map_err(|error| Failure::window(&error))?;
+    shown.map_err(|error| CliError::window(&error))?;
     viewer.into_result()
 }
 
 /// Options of `render` that a window has no use for.
-fn refuse_what_is_for_render(args: &WindowArgs) -> Result<(), Failure> {
+fn refuse_what_is_for_render(args: &WindowArgs) -> Result<(), CliError> {
     let picture = &args.picture;
     let given = [
         ("--crop", picture.crop.is_some()),
@@ -103,7 +103,7 @@ fn refuse_what_is_for_render(args: &WindowArgs) -> Result<(), Failure> {
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => {
-            Err(Failure::Usage(format!("{option} is for `render`: a window shows the whole image, all pixels alike")))
+            Err(CliError::Usage(format!("{option} is for `render`: a window shows the whole image, all pixels alike")))
         }
         None => Ok(()),
     }
@@ -122,18 +122,18 @@ fn distance_of_interest(scene: &Scene, settings: &CameraSettings, plan: &RenderP
 }
 
 /// Connects to the window system. Without one, and without its libraries, that fails.
-fn event_loop() -> Result<EventLoop<News>, Failure> {
+fn event_loop() -> Result<EventLoop<News>, CliError> {
     // The window library panics where it misses a library of the system.
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
     let built = panic::catch_unwind(|| EventLoop::with_user_event().build());
     panic::set_hook(hook);
     match built {
-        Ok(built) => built.map_err(|error| Failure::window(&error)),
+        Ok(built) => built.map_err(|error| CliError::window(&error)),
         Err(panicked) => {
             let text = panicked.downcast_ref::<String>().map(String::as_str);
             let text = text.or(panicked.downcast_ref::<&str>().copied());
-            Err(Failure::window(&text.unwrap_or("the window system cannot be used")))
+            Err(CliError::window(&text.unwrap_or("the window system cannot be used")))
         }
     }
 }

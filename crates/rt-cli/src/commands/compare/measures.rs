@@ -7,7 +7,7 @@ use rt_image::metrics::{
 
 use super::pair::Images;
 use crate::args::{CompareArgs, Metric};
-use crate::error::Failure;
+use crate::error::CliError;
 
 #[derive(Debug)]
 pub(super) struct Measures {
@@ -28,9 +28,9 @@ pub(super) struct Measures {
 }
 
 impl Measures {
-    pub(super) fn new(pair: &ImagePair<'_>, images: &Images, args: &CompareArgs) -> Result<Self, Failure> {
+    pub(super) fn new(pair: &ImagePair<'_>, images: &Images, args: &CompareArgs) -> Result<Self, CliError> {
         let flip = match args.pixels_per_degree {
-            Some(number) => Flip::new(number).map_err(|error| Failure::Usage(error.to_string()))?,
+            Some(number) => Flip::new(number).map_err(|error| CliError::Usage(error.to_string()))?,
             None => Flip::default(),
         };
         let development = &images.development;

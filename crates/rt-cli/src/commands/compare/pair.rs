@@ -5,7 +5,7 @@ use std::path::Path;
 use rt_image::{Development, Dither, Encoding, Image, ImageFormat, image_header, metrics::ImagePair};
 
 use crate::args::CompareArgs;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::stdin::is_dash;
 use crate::{memory, picture_file};
 
@@ -28,9 +28,9 @@ pub(super) struct Images {
 
 impl Images {
     /// Reads both images. If only one holds bytes, the other one is tone-mapped as well.
-    pub(super) fn read(args: &CompareArgs) -> Result<Self, Failure> {
+    pub(super) fn read(args: &CompareArgs) -> Result<Self, CliError> {
         if is_dash(&args.test) && is_dash(&args.reference) {
-            return Err(Failure::Usage("standard input cannot be both images: name a file for one".to_owned()));
+            return Err(CliError::Usage("standard input cannot be both images: name a file for one".to_owned()));
         }
         let standard = Development::default();
         let development = Development {
@@ -58,8 +58,8 @@ impl Images {
         !self.test.holds_bytes() && !self.reference.holds_bytes()
     }
 
-    pub(super) fn pair(&self, args: &CompareArgs) -> Result<ImagePair<'_>, Failure> {
-        ImagePair::new(&self.test.film, &self.reference.film).map_err(|source| Failure::Pair {
+    pub(super) fn pair(&self, args: &CompareArgs) -> Result<ImagePair<'_>, CliError> {
+        ImagePair::new(&self.test.film, &self.reference.film).map_err(|source| CliError::Pair {
             test: args.test.clone(),
             reference: args.reference.clone(),
             source,
@@ -71,7 +71,7 @@ impl Images {
 const MEASURE_BYTES: u64 = 16;
 
 /// Predicts the memory from the headers.
-fn check_memory(args: &CompareArgs) -> Result<(), Failure> {
+fn check_memory(args: &CompareArgs) -> Result<(), CliError> {
     if is_dash(&args.test) || is_dash(&args.reference) {
         // The header of a pipe cannot be read in advance.
         return Ok(());
@@ -90,7 +90,7 @@ fn check_memory(args: &CompareArgs) -> Result<(), Failure> {
 }
 
 impl LoadedImage {
-    fn read(path: &Path) -> Result<Self, Failure> {
+    fn read(path: &Path) -> Result<Self, CliError> {
         Ok(Self { film: picture_file::read(path)?, format: picture_file::format_by_content(path)?, developed: false })
     }
 

@@ -12,7 +12,7 @@ use super::Verdict;
 use super::measures::Measures;
 use super::pair::{Images, LoadedImage};
 use crate::args::{CompareArgs, HeatMapOf, Metric, name_of};
-use crate::error::Failure;
+use crate::error::CliError;
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
@@ -36,10 +36,10 @@ pub(super) struct HeatMap {
 
 impl Comparison<'_> {
     /// Error if the images differ.
-    pub(super) fn failure(&self) -> Option<Failure> {
+    pub(super) fn failure(&self) -> Option<CliError> {
         let Verdict { metric, value, threshold } = self.verdict;
         let non_finite = self.pair.non_finite().different;
-        (non_finite > 0 || metric.is_worse(value, threshold)).then(|| Failure::Different {
+        (non_finite > 0 || metric.is_worse(value, threshold)).then(|| CliError::Different {
             test: self.args.test.clone(),
             reference: self.args.reference.clone(),
             metric: name_of(metric),
@@ -119,7 +119,7 @@ impl Comparison<'_> {
     }
 
     /// JSON report; `compare --help` documents it.
-    pub(super) fn json(&self) -> Result<String, Failure> {
+    pub(super) fn json(&self) -> Result<String, CliError> {
         let Self { args, images, pair, measures, verdict, .. } = self;
         let (largest, bias) = (&measures.largest, &measures.bias);
         let metrics = Metric::value_variants().iter().copied();
@@ -150,7 +150,7 @@ impl Comparison<'_> {
             threshold: verdict.threshold,
             different: self.failure().is_some(),
         };
-        let text = serde_json::to_string_pretty(&file).map_err(|error| Failure::Stdout(error.into()))?;
+        let text = serde_json::to_string_pretty(&file).map_err(|error| CliError::Stdout(error.into()))?;
         Ok(text + "\n")
     }
 }

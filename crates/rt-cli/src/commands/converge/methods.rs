@@ -6,7 +6,7 @@ use rt_scene_io::Scene;
 use serde::Serialize;
 
 use crate::args::{ConvergeArgs, Variation};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input::Input;
 use crate::settings::{self, Overrides};
 
@@ -34,15 +34,15 @@ pub(super) struct MethodName {
 }
 
 /// Resolves all methods, and checks that each can be rendered.
-pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>, Failure> {
+pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>, CliError> {
     let keys: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
     if let Some(twice) = keys.iter().enumerate().find(|(index, key)| keys[..*index].contains(key)) {
         let message = format!("--vary {} is given twice; list all values at once, as {0}=A,B,C", twice.1);
-        return Err(Failure::Usage(message));
+        return Err(CliError::Usage(message));
     }
     let count = args.vary.iter().try_fold(1usize, |count, vary| count.checked_mul(vary.values.len()));
     if count.is_none_or(|count| count > MAX_METHODS) {
-        return Err(Failure::Usage(format!("--vary has more than {MAX_METHODS} combinations")));
+        return Err(CliError::Usage(format!("--vary has more than {MAX_METHODS} combinations")));
     }
     combinations(&args.vary).iter().map(|choices| Method::new(args, input, choices)).collect()
 }
@@ -58,8 +58,8 @@ fn combinations(vary: &[Variation]) -> Vec<Vec<(&str, &str)>> {
 }
 
 impl Method {
-    fn new(args: &ConvergeArgs, input: &Input, choices: &[(&str, &str)]) -> Result<Self, Failure> {
-        let picture = args.fixed.with(choices).map_err(|message| Failure::Usage(format!("--vary: {message}")))?;
+    fn new(args: &ConvergeArgs, input: &Input, choices: &[(&str, &str)]) -> Result<Self, CliError> {
+        let picture = args.fixed.with(choices).map_err(|message| CliError::Usage(format!("--vary: {message}")))?;
         let overrides = Overrides {
             picture: &picture,
             development: Some(&args.development),
@@ -77,7 +77,7 @@ impl Method {
         let label = if choices.is_empty() { format!("{integrator}, {sampler}") } else { label(&choices) };
         let (accel, depth) = (settings.accel.name(), settings.depth);
         let name = MethodName { label, choices, integrator, sampler, accel, depth };
-        RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
+        RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
         Ok(Self { name, scene, options })
     }
 

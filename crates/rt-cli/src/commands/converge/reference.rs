@@ -11,7 +11,7 @@ use rt_scene_io::Truth;
 use serde::Serialize;
 
 use super::statistics::Repetitions;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::picture_file;
 
 #[derive(Debug)]
@@ -56,12 +56,12 @@ pub(super) struct Errors {
 
 impl Reference {
     /// Reference from a file, with unknown error.
-    pub(super) fn of_file(path: &Path, size: [u32; 2], development: &Development) -> Result<Self, Failure> {
+    pub(super) fn of_file(path: &Path, size: [u32; 2], development: &Development) -> Result<Self, CliError> {
         let film = read_image(path)?;
         let found = [film.width(), film.height()];
         if found != size {
             let source = PairError::Size { test: size, reference: found };
-            return Err(Failure::Pair { test: "the render".into(), reference: path.to_owned(), source });
+            return Err(CliError::Pair { test: "the render".into(), reference: path.to_owned(), source });
         }
         if !film.pixels().as_flattened().iter().all(|value| value.is_finite()) {
             let reason = "the reference has NaN or infinite pixels".to_owned();

@@ -16,7 +16,7 @@ use super::runner::Experiment;
 use super::summary::{Precision, Summary, TRUSTED};
 use super::table;
 use crate::args::{ConvergeArgs, ReferenceKind, name_of};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::{OutputError, OutputFile};
 
 /// Output directory and files.
@@ -32,7 +32,7 @@ pub(super) struct Outputs {
 
 impl Outputs {
     /// Creates the directory if it is missing, and checks that the files are writable.
-    pub(super) fn prepare(folder: &Path, inputs: &[PathBuf]) -> Result<Self, Failure> {
+    pub(super) fn prepare(folder: &Path, inputs: &[PathBuf]) -> Result<Self, CliError> {
         if !folder.is_dir() {
             fs::create_dir(folder).map_err(|error| OutputError::Write {
                 path: folder.to_owned(),
@@ -128,7 +128,7 @@ impl<'a> Report<'a> {
         notes
     }
 
-    pub(super) fn write(&self, outputs: &Outputs) -> Result<(), Failure> {
+    pub(super) fn write(&self, outputs: &Outputs) -> Result<(), CliError> {
         let title = format!("{}: error against run time", self.info.scene);
         let plot = Plot::new(title, &self.summary, self.info.floor);
         let failed = |reason| OutputError::Write { path: outputs.folder.clone(), reason };

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::methods::{Method, MethodName};
 use super::reference::{Errors, Reference};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::progress::ProgressDisplay;
 
 /// Renders methods one after the other, with progress over all of them.
@@ -80,8 +80,8 @@ impl<'a> BenchRunner<'a> {
         Self { scene_file, threads, clock, progress, samples: 0, rays: 0, total_samples }
     }
 
-    pub(super) fn render(&mut self, method: &mut Method, spp: u32, seed: u64) -> Result<TimedRender, Failure> {
-        let failed = |error| Failure::plan(self.scene_file, error);
+    pub(super) fn render(&mut self, method: &mut Method, spp: u32, seed: u64) -> Result<TimedRender, CliError> {
+        let failed = |error| CliError::plan(self.scene_file, error);
         (method.scene.settings.spp, method.scene.settings.seed) = (spp, seed);
         let plan = RenderPlan::compile(&method.scene, &method.options).map_err(failed)?;
         let run = RunOptions { threads: self.threads, ..RunOptions::default() };
@@ -204,8 +204,8 @@ pub(super) fn run(
     methods: &mut [Method],
     extent: Extent<'_>,
     reference: &Reference,
-    mut after: impl FnMut(&Experiment) -> Result<(), Failure>,
-) -> Result<Experiment, Failure> {
+    mut after: impl FnMut(&Experiment) -> Result<(), CliError>,
+) -> Result<Experiment, CliError> {
     let empty = |method: &Method| Measured { name: method.name.clone(), points: Vec::new(), pictures: [None, None] };
     let mut experiment =
         Experiment { methods: methods.iter().map(empty).collect(), left_out: Vec::new(), bad_samples: 0, threads: 0 };
@@ -270,8 +270,8 @@ impl Measured {
 }
 
 impl Point {
-    fn add(&mut self, timed: &TimedRender, seed: u64, reference: &Reference, method: &Method) -> Result<(), Failure> {
-        let unlike = |source| Failure::Pair { test: "the render".into(), reference: "the reference".into(), source };
+    fn add(&mut self, timed: &TimedRender, seed: u64, reference: &Reference, method: &Method) -> Result<(), CliError> {
+        let unlike = |source| CliError::Pair { test: "the render".into(), reference: "the reference".into(), source };
         let errors = reference.measure(&timed.film).map_err(unlike)?;
         if self.runs.is_empty() {
             let development = &method.scene.film.development;

@@ -5,7 +5,7 @@ use rt_camera::SamplerKind;
 use super::methods::Method;
 use super::reference::Reference;
 use super::runner::BenchRunner;
-use crate::error::Failure;
+use crate::error::CliError;
 
 /// Samples of the reference relative to the largest sample count: an eighth of the noise, a seventieth of the squared error.
 const TIMES_SAMPLES: u32 = 64;
@@ -32,8 +32,8 @@ pub(super) fn render(
     methods: &[Method],
     max_spp: u32,
     planned: u64,
-) -> Result<Reference, Failure> {
-    let Some(first) = methods.first() else { return Err(Failure::Usage("there is no method".to_owned())) };
+) -> Result<Reference, CliError> {
+    let Some(first) = methods.first() else { return Err(CliError::Usage("there is no method".to_owned())) };
     let mut method = first.with_sampler(other_sampler(methods));
     let seed = first.scene.settings.seed.wrapping_add(SEED_DISTANCE);
     let wanted = max_spp.saturating_mul(TIMES_SAMPLES / 2).min(1 << 31);
@@ -57,7 +57,7 @@ pub(super) fn render(
         method.name.sampler,
         samples as f64 / f64::from(max_spp),
     );
-    Reference::of_halves(&a.film, &b.film, note).map_err(|source| Failure::Pair {
+    Reference::of_halves(&a.film, &b.film, note).map_err(|source| CliError::Pair {
         test: "one half of the reference".into(),
         reference: "the other".into(),
         source,
@@ -71,7 +71,7 @@ fn seconds_per_sample(
     seed: u64,
     max_spp: u32,
     limit: f64,
-) -> Result<f64, Failure> {
+) -> Result<f64, CliError> {
     let mut spp = 1;
     loop {
         let pilot = runner.render(method, spp, seed)?;

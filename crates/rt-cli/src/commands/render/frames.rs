@@ -6,7 +6,7 @@ use rt_render::Share;
 
 use crate::args::{AovArg, CheckpointArgs, Frames, InputArgs, RenderArgs, RunArgs};
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::frame_log::FrameLog;
 use crate::identity::Identity;
 use crate::{input, signals};
@@ -15,10 +15,10 @@ use crate::{input, signals};
 pub(super) fn each(
     args: &RenderArgs,
     frames: Frames,
-    render: impl Fn(&RenderArgs) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+    render: impl Fn(&RenderArgs) -> Result<(), CliError>,
+) -> Result<(), CliError> {
     let console = Console { quiet: args.run.quiet };
-    let say = |frame: u32, what: String| console.say(format_args!("frame {frame} of {frames}{what}"));
+    let say = |frame: u32, what: String| console.println(format_args!("frame {frame} of {frames}{what}"));
     let at = |frame: u32| format!(", at {:.3} s", args.input.pace.time_of(frame));
     let share = args.checkpoint.shard.unwrap_or(Share::ALL);
     if frames.is_single() {
@@ -34,7 +34,7 @@ pub(super) fn each(
     for frame in frames.indices().filter(|frame| share.holds(*frame as usize)) {
         if signals::is_interrupted() {
             // The signal came after the previous frame was finished.
-            return Err(failed(frame, Failure::Interrupted { percent: 0.0, image: None, checkpoint: None }));
+            return Err(failed(frame, CliError::Interrupted { percent: 0.0, image: None, checkpoint: None }));
         }
         let args = of_frame(args, frame);
         if files.is_none() {
@@ -56,17 +56,17 @@ pub(super) fn each(
 }
 
 /// All frames of the animations of the scene and its models.
-pub(super) fn all(args: &RenderArgs) -> Result<Frames, Failure> {
+pub(super) fn all(args: &RenderArgs) -> Result<Frames, CliError> {
     let input = InputArgs { at_time: Some(0.0), ..args.input.clone() };
     let loaded = input::read(&input, Some(&args.picture), Console { quiet: true })?;
     let (scene, fps) = (args.input.scene.display(), args.input.pace.fps);
     let Some(end) = loaded.options.animation_end.seconds() else {
-        return Err(Failure::Usage(format!(
+        return Err(CliError::Usage(format!(
             "--frames all: nothing in {scene} is animated; remove it to render a single image"
         )));
     };
     Frames::of_animation(end, fps).ok_or_else(|| {
-        Failure::Usage(format!(
+        CliError::Usage(format!(
             "--frames all: {end} s at {fps} frames a second are too many; give a range such as 0..47"
         ))
     })
@@ -78,12 +78,12 @@ fn results(args: &RenderArgs) -> impl Iterator<Item = &Path> {
     args.output.as_deref().into_iter().chain(args.run.stats.as_deref()).chain(aovs)
 }
 
-fn failed(frame: u32, source: Failure) -> Failure {
-    Failure::Frame { frame, source: Box::new(source) }
+fn failed(frame: u32, source: CliError) -> CliError {
+    CliError::Frame { frame, source: Box::new(source) }
 }
 
 /// Input files, which are the same for all frames.
-fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
+fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, CliError> {
     Ok(input::read(&args.input, Some(&args.picture), Console { quiet: true })?.files)
 }
 
@@ -105,13 +105,13 @@ fn of_frame(args: &RenderArgs, frame: u32) -> RenderArgs {
 }
 
 /// Refuses output names without a place for the frame number.
-fn refuse_shared_files(args: &RenderArgs) -> Result<(), Failure> {
+fn refuse_shared_files(args: &RenderArgs) -> Result<(), CliError> {
     let output = output(args);
     let others = [args.run.stats.as_deref(), args.checkpoint.checkpoint.as_deref(), Some(output.as_path())];
     let mut all = args.aov.iter().map(|arg| arg.file.as_path()).chain(others.into_iter().flatten());
     match all.find(|path| numbered(path, 0).is_none()) {
         None => Ok(()),
-        Some(path) => Err(Failure::Usage(format!(
+        Some(path) => Err(CliError::Usage(format!(
             "all frames would be written to {}: put #### in place of the frame number, such as out-####.png",
             path.display()
         ))),

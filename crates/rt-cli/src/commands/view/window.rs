@@ -22,7 +22,7 @@ use super::keys::{HELP, Press, flight, press};
 use super::painter::News;
 use super::report::picked_text;
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 
 /// Time between two steps of flight.
 const TICK: Duration = Duration::from_millis(16);
@@ -60,7 +60,7 @@ pub(super) struct Viewer<'a> {
     screen: Option<Screen>,
     picture: Option<Picture>,
     /// Why the window was closed, if not by the user.
-    failure: Option<Failure>,
+    failure: Option<CliError>,
 }
 
 /// What the user holds.
@@ -104,17 +104,17 @@ impl<'a> Viewer<'a> {
     }
 
     /// How it ended.
-    pub(super) fn into_result(self) -> Result<(), Failure> {
+    pub(super) fn into_result(self) -> Result<(), CliError> {
         self.failure.map_or(Ok(()), Err)
     }
 
-    fn end(&mut self, event_loop: &ActiveEventLoop, failure: Failure) {
+    fn end(&mut self, event_loop: &ActiveEventLoop, failure: CliError) {
         self.failure.get_or_insert(failure);
         event_loop.exit();
     }
 
-    fn say(&mut self, event_loop: &ActiveEventLoop, text: &str) {
-        if let Err(failure) = self.console.say(text) {
+    fn println(&mut self, event_loop: &ActiveEventLoop, text: &str) {
+        if let Err(failure) = self.console.println(text) {
             self.end(event_loop, failure);
         }
     }
@@ -128,15 +128,15 @@ impl<'a> Viewer<'a> {
         }
     }
 
-    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Screen, Failure> {
+    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Screen, CliError> {
         let [width, height] = self.subject.size;
         let attributes = Window::default_attributes()
             .with_title(self.subject.name)
             .with_inner_size(PhysicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(SMALLEST, SMALLEST));
-        let window = Rc::new(event_loop.create_window(attributes).map_err(|error| Failure::window(&error))?);
-        let context = Context::new(event_loop.owned_display_handle()).map_err(|error| Failure::window(&error))?;
-        let surface = Surface::new(&context, Rc::clone(&window)).map_err(|error| Failure::window(&error))?;
+        let window = Rc::new(event_loop.create_window(attributes).map_err(|error| CliError::window(&error))?);
+        let context = Context::new(event_loop.owned_display_handle()).map_err(|error| CliError::window(&error))?;
+        let surface = Surface::new(&context, Rc::clone(&window)).map_err(|error| CliError::window(&error))?;
         Ok(Screen { window, surface })
     }
 
@@ -153,10 +153,10 @@ impl<'a> Viewer<'a> {
         let Some(meaning) = press(&event.logical_key).filter(|_| event.state.is_pressed()) else { return };
         match meaning {
             Press::Quit => event_loop.exit(),
-            Press::Help if !event.repeat => self.say(event_loop, HELP),
+            Press::Help if !event.repeat => self.println(event_loop, HELP),
             Press::PrintCamera if !event.repeat => {
                 let text = camera_text(self.explorer.pose(), self.explorer.camera(), self.subject.medium);
-                self.say(event_loop, &text);
+                self.println(event_loop, &text);
             }
             Press::Help | Press::PrintCamera => {}
             Press::Reset => {
@@ -242,11 +242,11 @@ impl<'a> Viewer<'a> {
     fn draw(&mut self, event_loop: &ActiveEventLoop) {
         let (Some(picture), Some(screen)) = (&mut self.picture, &mut self.screen) else { return };
         if let Err(error) = screen.draw(picture) {
-            return self.end(event_loop, Failure::window(&error));
+            return self.end(event_loop, CliError::window(&error));
         }
         if core::mem::take(&mut picture.is_refined) {
             let text = format!("refined: {} samples per pixel", picture.spp);
-            self.say(event_loop, &text);
+            self.println(event_loop, &text);
         }
     }
 }
@@ -290,7 +290,7 @@ impl ApplicationHandler<News> for Viewer<'_> {
         match news {
             News::Painted => self.take(),
             News::PickResult(picked) => {
-                self.say(event_loop, &picked_text(picked.as_deref()));
+                self.println(event_loop, &picked_text(picked.as_deref()));
                 self.picked = picked.map(|picked| *picked);
             }
             News::Refused(error) => self.console.warn(error),
