@@ -160,7 +160,7 @@ fn pixels_that_are_not_finite_are_told_and_differ() {
         save(&place, name, &broken(value));
     }
     let alike = place.succeed("compare nan.exr nan.exr");
-    assert!(alike.stdout.contains("NaN or infinite: 12 of A, 12 of B, 0 of them not alike"), "{alike:?}");
+    assert!(alike.stdout.contains("NaN or infinite pixels: 12 of A, 12 of B, 0 of them different"), "{alike:?}");
     for pair in ["nan.exr inf.exr", "nan.exr sound.exr", "sound.exr inf.exr"] {
         let run = place.run(&format!("compare {pair} --threshold 1000"));
         assert_eq!(run.code, Some(1), "{run:?}");

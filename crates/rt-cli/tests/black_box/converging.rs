@@ -122,7 +122,7 @@ fn a_truth_is_measured_against() {
     // Another view is not that of the truth.
     let report = json(&place, "half.ron --spp 1 --seeds 2 --crop 0,0,2,2 --quiet");
     assert_eq!(report["against"], "split");
-    let report = json(&place, "half.ron --spp 1 --seeds 2 --against split --quiet");
+    let report = json(&place, "half.ron --spp 1 --seeds 2 --reference-kind split --quiet");
     assert_eq!(report["against"], "split");
 }
 
@@ -172,7 +172,7 @@ fn the_time_ends_between_renders_and_says_what_is_left_out() {
     let run = place.succeed("converge edge.ron --spp 1..1073741824 --seeds 2 --time 3s -o out");
     assert!(started.elapsed().as_secs_f64() < 30.0, "{run:?}");
     assert!(
-        run.stdout.contains("the time did not suffice for ") && run.stdout.contains("1073741824 samples"),
+        run.stdout.contains("the time limit left out ") && run.stdout.contains("1073741824 samples"),
         "{run:?}"
     );
     let report: Value = serde_json::from_slice(&place.read("out/converge.json")).expect("JSON");
@@ -226,9 +226,9 @@ fn what_cannot_be_measured_is_refused_before_anything_is_rendered() {
         (2, "edge.ron --vary sampler=random --sampler sobol"),
         (2, "edge.ron --spp 8..4"),
         (2, "edge.ron --seeds 1"),
-        (2, "edge.ron --against truth"),
-        (2, "edge.ron --against reference"),
-        (2, "edge.ron --error-goal 0"),
+        (2, "edge.ron --reference-kind truth"),
+        (2, "edge.ron --reference-kind reference"),
+        (2, "edge.ron --target-rmse 0"),
         (2, "edge.ron --time soon"),
         (2, "edge.ron --crop 10,10,10,10"),
         (3, "missing.ron"),

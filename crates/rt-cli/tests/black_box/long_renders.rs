@@ -51,17 +51,17 @@ fn interrupted(place: &Workplace, options: &str) -> Run {
 fn the_first_signal_saves_what_there_is_and_resume_goes_on_to_the_same_bits() {
     let whole = Workplace::with_scene();
     whole.succeed(LONG);
-    for options in ["", "--passes 7", "--aov samples=samples.pfm --aov variance=variance.exr --passes 3"] {
+    for options in ["", "--passes 7", "--aov samples=samples.pfm --aov stderr=variance.exr --passes 3"] {
         let place = Workplace::with_scene();
         let run = interrupted(&place, options);
         assert_eq!(run.code, Some(130), "{run:?}");
         assert!(run.stderr.contains("interrupted after"), "{run:?}");
         assert!(
-            run.stderr.contains("the picture was written to scene.exr; --resume goes on from scene.exr.checkpoint")
+            run.stderr.contains("the image was written to scene.exr; --resume continues from scene.exr.checkpoint")
         );
         assert_eq!(place.film("scene.exr").width(), 160);
         let resumed = place.succeed(&format!("{LONG} --resume {options}"));
-        assert!(resumed.stdout.contains("note: goes on from scene.exr.checkpoint, with"), "{resumed:?}");
+        assert!(resumed.stdout.contains("note: continues from scene.exr.checkpoint, with"), "{resumed:?}");
         assert!(!place.path("scene.exr.checkpoint").exists());
         let reference = Workplace::with_scene();
         reference.succeed(&format!("{LONG} {options}"));
@@ -134,7 +134,7 @@ fn a_signal_that_came_twice_cost_the_picture() {
     ] {
         let (place, run) = signalled(words);
         assert_eq!(run.code, Some(130), "{words}: {run:?}");
-        assert!(run.stderr.contains("the picture was written to scene.exr; --resume goes on"), "{words}: {run:?}");
+        assert!(run.stderr.contains("the image was written to scene.exr; --resume continues"), "{words}: {run:?}");
         assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint", "scene.ron"], "{words}");
         assert_eq!(place.film("scene.exr").width(), 48, "{words}");
     }
@@ -193,10 +193,10 @@ fn checkpoints_of_another_picture_are_refused_and_none_is_overwritten_unasked() 
     let kept = place.read("scene.exr.checkpoint");
     let plain = place.run(LONG);
     assert_eq!(plain.code, Some(2));
-    assert!(plain.stderr.contains("go on with --resume, or begin anew with --restart"), "{plain:?}");
+    assert!(plain.stderr.contains("continue with --resume, or start over with --restart"), "{plain:?}");
     let other = place.run(&format!("{LONG} --resume --seed 7"));
     assert_eq!(other.code, Some(3));
-    assert!(other.stderr.contains("scene.exr.checkpoint: is of another picture"), "{other:?}");
+    assert!(other.stderr.contains("scene.exr.checkpoint: is of another image"), "{other:?}");
     place.write("scene.ron", crate::program::SCENE.replace("0.7", "0.71"));
     assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3));
     assert_eq!(place.read("scene.exr.checkpoint"), kept);
@@ -206,43 +206,42 @@ fn checkpoints_of_another_picture_are_refused_and_none_is_overwritten_unasked() 
 
 #[test]
 #[cfg(unix)]
-fn a_checkpoint_of_another_picture_stood_in_the_way() {
+fn a_checkpoint_of_another_image_is_kept_aside() {
     let place = Workplace::with_scene();
     assert_eq!(interrupted(&place, "").code, Some(130));
     let kept = place.read("scene.exr.checkpoint");
     let other = Workplace::with_scene();
     other.succeed(&format!("{LONG} --seed 7"));
-    // Killed before it has a checkpoint of its own, it leaves that of the other picture.
-    let mut child = spawn(&place, &format!("{LONG} --seed 7 --checkpoint-every never"));
-    std::thread::sleep(Duration::from_millis(200));
-    child.kill().expect("it is there");
-    child.wait().expect("it ended");
-    assert_eq!(place.read("scene.exr.checkpoint"), kept);
-    let mut damaged = kept.clone();
-    damaged.truncate(20);
-    for content in [&kept[..], &damaged, b""] {
+    for (content, aside) in [(&kept[..], "scene.exr.checkpoint.old"), (&kept[..20], "scene.exr.checkpoint.old.2")] {
         place.write("scene.exr.checkpoint", content);
         let run = place.succeed(&format!("{LONG} --seed 7"));
         let notes: Vec<_> = run.stdout.lines().filter(|line| line.contains("scene.exr.checkpoint")).collect();
         assert!(notes.len() == 1 && notes[0].starts_with("note: scene.exr.checkpoint: is "), "{run:?}");
-        assert!(notes[0].contains("; this render begins anew, and replaces that checkpoint"), "{run:?}");
-        assert_eq!(place.read("scene.exr"), other.read("scene.exr"));
-        assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
+        let fate = format!("; it is kept as {aside}, and this render starts from the beginning");
+        assert!(notes[0].ends_with(&fate), "{run:?}");
+        assert_eq!((place.read(aside), place.read("scene.exr")), (content.to_vec(), other.read("scene.exr")));
+        assert!(!place.path("scene.exr.checkpoint").exists());
     }
-    // Interrupted, it replaces the older one by its own.
+    // The longer render continues from the file that was moved aside.
+    place.succeed(&format!("{LONG} --resume --checkpoint scene.exr.checkpoint.old"));
+    assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint.old.2", "scene.ron"]);
+    // An interrupted render has a checkpoint of its own.
     place.write("scene.exr.checkpoint", &kept);
     let child = spawn(&place, &format!("{LONG} --seed 7 --checkpoint-every 1ms"));
-    wait_until("its checkpoint", || place.read("scene.exr.checkpoint") != kept);
+    wait_until("its checkpoint", || {
+        fs::read(place.path("scene.exr.checkpoint")).is_ok_and(|content| content != kept)
+    });
     signal(&child, "INT");
     assert_eq!(end(child).code, Some(130));
+    assert_eq!(place.read("scene.exr.checkpoint.old"), kept);
     place.succeed(&format!("{LONG} --seed 7 --resume"));
     assert_eq!(place.read("scene.exr"), other.read("scene.exr"));
-    // A part is no checkpoint, whatever is asked for.
+    // A part is not a checkpoint, whatever is asked for.
     place.succeed("render scene.ron --shard 1/2 -o scene.part");
     let part = place.read("scene.part");
     for options in ["", "--resume", "--restart"] {
         let run = place.run(&format!("{LONG} --checkpoint scene.part {options}"));
-        assert!(run.code == Some(3) && run.stderr.contains("scene.part: is no checkpoint"), "{run:?}");
+        assert!(run.code == Some(3) && run.stderr.contains("scene.part: is not a checkpoint"), "{run:?}");
     }
     assert_eq!(place.read("scene.part"), part);
 }
@@ -260,7 +259,7 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
         place.write("scene.exr.checkpoint", &damaged);
         let run = place.run(&format!("{LONG} --resume"));
         assert_eq!(run.code, Some(3), "byte {at}: {run:?}");
-        let is_told = run.stderr.contains("is damaged") || run.stderr.contains("is no checkpoint");
+        let is_told = run.stderr.contains("is damaged") || run.stderr.contains("is not a checkpoint");
         assert!(is_told && run.stderr.lines().count() == 1, "byte {at}: {run:?}");
     }
     for length in [0, 5, 20, kept.len() / 2, kept.len() - 1] {
@@ -286,11 +285,11 @@ fn a_checkpoint_took_the_place_of_the_scene_or_of_the_picture() {
     let files = place.files();
     for (options, code, message) in [
         ("--checkpoint scene.ron --restart", 4, "it is an input"),
-        ("--checkpoint scene.png", 2, "the checkpoint and something else would go to scene.png"),
-        ("--stats s.json --checkpoint s.json", 2, "the checkpoint and something else would go to s.json"),
-        ("--stats scene.png.checkpoint", 2, "the checkpoint and something else would go to scene.png.checkpoint"),
-        ("--aov samples=c.pfm --checkpoint c.pfm", 2, "something else goes to c.pfm already"),
-        ("--checkpoint notes.txt --restart", 3, "notes.txt: is no checkpoint"),
+        ("--checkpoint scene.png", 2, "the checkpoint and another output would both go to scene.png"),
+        ("--stats s.json --checkpoint s.json", 2, "the checkpoint and another output would both go to s.json"),
+        ("--stats scene.png.checkpoint", 2, "the checkpoint and another output would both go to scene.png.checkpoint"),
+        ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs would go to c.pfm"),
+        ("--checkpoint notes.txt --restart", 3, "notes.txt: is not a checkpoint"),
     ] {
         let run = place.run(&format!("render scene.ron {options}"));
         assert!(run.code == Some(code) && run.stderr.contains(message), "{options}: {run:?}");
@@ -320,7 +319,7 @@ fn after_the_folder_is_gone(place: &Workplace, options: &str, gone: impl FnOnce(
 fn a_picture_whose_folder_is_gone_goes_to_the_fallback() {
     let place = Workplace::with_scene();
     fs::create_dir(place.path("refuge")).expect("created");
-    let options = "--fallback refuge --aov samples=pictures/samples.exr --stats pictures/stats.json";
+    let options = "--fallback-dir refuge --aov samples=pictures/samples.exr --stats pictures/stats.json";
     let run = after_the_folder_is_gone(&place, options, |folder| fs::remove_dir_all(folder).expect("removed"));
     assert_eq!(run.code, Some(4), "{run:?}");
     // The picture, the samples and the statistics: each is named, with where it is.
@@ -371,7 +370,7 @@ fn spoil_the_disk(command: &str, reason: &str) {
         cat full/scene.exr; exit $code"
     );
     let options =
-        LONG.replace("-o scene.exr", "-o full/scene.exr --fallback refuge --checkpoint kept --checkpoint-every 1ms");
+        LONG.replace("-o scene.exr", "-o full/scene.exr --fallback-dir refuge --checkpoint kept --checkpoint-every 1ms");
     let mut command = Command::new("unshare");
     command.current_dir(place.path("")).args(["--user", "--map-root-user", "--mount", "sh", "-c", &script]);
     command.arg(env!("CARGO_BIN_EXE_rt-cli")).args(options.split_whitespace());
@@ -398,7 +397,7 @@ fn checkpoints_that_cannot_be_written_cost_a_warning_and_no_picture() {
     let place = Workplace::with_scene();
     let run = place.succeed(&format!("{LONG} --checkpoint-every 1ms --checkpoint nowhere/kept"));
     let warnings =
-        run.stderr.lines().filter(|line| line.contains("no checkpoint can be written to nowhere/kept")).count();
+        run.stderr.lines().filter(|line| line.contains("cannot write the checkpoint nowhere/kept")).count();
     assert_eq!(warnings, 1, "{run:?}");
     assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
 }

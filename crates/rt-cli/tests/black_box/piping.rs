@@ -54,17 +54,17 @@ fn what_comes_from_standard_input_refers_to_the_current_folder() {
 fn standard_input_that_is_no_scene_is_refused_with_advice() {
     let place = Workplace::with_scene();
     for (input, arguments, code, message) in [
-        ("v 0 0 0\n", "render -", 2, "cannot be told: add --input-format with one of ron, json"),
+        ("v 0 0 0\n", "render -", 2, "is unknown: add --input-format with one of ron, json"),
         ("", "render -", 3, "standard input: is empty"),
         ("(nodes: [(shape: spere())])", "render -", 3, "stdin.ron:1:18: unknown"),
         (SCENE, "render - --max-file-size 10", 3, "standard input: the size in bytes is 11, the limit is 10"),
-        (SCENE, "render scene.ron --input-format ron", 2, "--input-format is for standard input"),
-        (SCENE, "render - --env -", 2, "cannot both come from it"),
+        (SCENE, "render scene.ron --input-format ron", 2, "--input-format requires standard input"),
+        (SCENE, "render - --env -", 2, "cannot be both the scene and --env"),
         ("v 0 0 0\n", "convert - --input-format obj -o -", 2, "write the model to a file, and convert that"),
-        ("", "compare - -", 2, "standard input is one image"),
+        ("", "compare - -", 2, "standard input cannot be both images"),
         (SCENE, "render scene.ron -o - --stats -", 2, "cannot go to the same file"),
         (SCENE, "render scene.ron -o - --frames 0..1", 2, "all frames would be written to -"),
-        (SCENE, "render scene.ron -o - --resume", 2, "--resume needs --checkpoint FILE"),
+        (SCENE, "render scene.ron -o - --resume", 2, "--resume requires --checkpoint FILE"),
     ] {
         let output = place.pipe(input.as_bytes(), arguments);
         let said = stderr(&output);

@@ -85,7 +85,7 @@ fn statistics_are_two_lines_unless_more_is_asked_for() {
     for option in ["-v", "--verbose"] {
         let all = lines(option);
         let has = |text: &str| all.iter().any(|line| line.contains(text));
-        assert!(has("primary") && has("load ") && has(" Mrays/s on ") && has("left out: "), "{all:?}");
+        assert!(has("primary") && has("load ") && has(" Mrays/s on ") && has("removed from the plan: "), "{all:?}");
         assert!(all[all.len() - 2].starts_with("wrote scene.png (48x32, "), "{all:?}");
     }
 }
@@ -105,7 +105,7 @@ fn clamping_is_said_to_be_biased_and_counted() {
     assert!(!run.stdout.contains("biased"), "{run:?}");
     assert_eq!(stats(&place)["clamping"], Value::Null);
     let run = place.succeed("render room.ron --integrator direct --clamp 0.02");
-    assert!(run.stdout.contains("note: clamp does nothing: "), "{run:?}");
+    assert!(run.stdout.contains("note: --clamp has no effect: "), "{run:?}");
 }
 
 /// A closed room with a small lamp.
@@ -134,7 +134,7 @@ fn shares_of_pixels_need_an_error() {
 fn the_error_is_estimated_where_there_are_passes() {
     let place = Workplace::with_scene();
     let run = place.succeed("render scene.ron");
-    assert!(run.stdout.contains("error not estimated: one pass"), "{run:?}");
+    assert!(run.stdout.contains("no error estimate: needs at least two passes (try --passes 4)"), "{run:?}");
     let run = place.succeed("render scene.ron --spp 16 --passes 4 --stats stats.json");
     assert!(run.stdout.contains("relative RMSE "), "{run:?}");
     let error = &stats(&place)["estimated_error"];
@@ -150,14 +150,14 @@ fn the_error_is_estimated_where_there_are_passes() {
 #[test]
 fn standard_errors_and_sample_counts_are_written() {
     let place = Workplace::with_scene();
-    place.succeed("render scene.ron --spp 16 --passes 4 --aov variance=error.exr --aov samples=count.pfm");
+    place.succeed("render scene.ron --spp 16 --passes 4 --aov stderr=error.exr --aov samples=count.pfm");
     assert!(place.film("count.pfm").pixels().iter().all(|count| *count == [16.0; 3]));
     let error = place.film("error.exr");
     assert_eq!((error.width(), error.height()), (48, 32));
     let largest = error.pixels().as_flattened().iter().copied().fold(0.0, f32::max);
     assert!(largest > 0.01 && largest < 1.0, "{largest}");
     let run = place.succeed(
-        "render scene.ron --adaptive object-space --least 2 --spp 16 --aov samples=count.pfm --stats stats.json -v",
+        "render scene.ron --adaptive object-space --min-spp 2 --spp 16 --aov samples=count.pfm --stats stats.json -v",
     );
     let counts = place.film("count.pfm");
     let few = counts.pixels().iter().filter(|count| **count == [2.0; 3]).count();

@@ -231,7 +231,7 @@ fn without_a_screen_there_is_a_message_and_no_panic() {
 #[test]
 fn options_that_mean_nothing_to_a_window_are_refused() {
     let place = Workplace::with_scene();
-    for option in ["--crop 0,0,8,8", "--passes 2", "--adaptive object-space", "--least 1"] {
+    for option in ["--crop 0,0,8,8", "--passes 2", "--adaptive object-space", "--min-spp 1"] {
         let run = place.run(&format!("view scene.ron {option}"));
         assert_eq!(run.code, Some(2), "{run:?}");
         assert!(run.stderr.contains("is for `render`"), "{run:?}");

@@ -221,7 +221,7 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
     assert!(said.contains("for what the 2 parts hold"), "{said}");
     let resumed = "render scene.ron --size 1000x800 --spp 1 --shard 1/2 --resume --memory 1GiB";
     let said = refused(&place, &format!("{resumed} -o long.part"));
-    assert!(said.contains("for the part of a picture long.part"), "{said}");
+    assert!(said.contains("for the part of an image long.part"), "{said}");
 }
 
 /// A black Radiance picture that claims this size, with so many bytes of pixels.
