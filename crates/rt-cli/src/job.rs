@@ -18,7 +18,7 @@ use crate::error::CliError;
 use crate::output::{OutputError, OutputFile, fallback_dirs, write_all};
 use crate::render_observer::RenderObserver;
 use crate::signals::SignalGuard;
-use crate::stats::{Outcome, StatsFile};
+use crate::stats::{self, Outcome};
 use crate::{empty_picture, input, picture_file, report, signals};
 
 /// A render with all settings resolved.
@@ -119,11 +119,8 @@ impl Job<'_> {
             output_seconds: written.elapsed().as_secs_f64(),
         };
         if let Some(stats) = &self.stats {
-            let stats_file = StatsFile::new(&outcome);
-            results.push(stats.write_with_fallback(&fallback_dirs, |file| -> std::io::Result<()> {
-                serde_json::to_writer_pretty(&mut *file, &stats_file)?;
-                file.write_all(b"\n")
-            }));
+            let json = stats::json(&outcome);
+            results.push(stats.write_with_fallback(&fallback_dirs, |file| writeln!(file, "{json:#}")));
         }
         let written_all = write_all(results);
         if let (Err(_), Some(Ok(checkpoint))) = (&written_all, &kept) {

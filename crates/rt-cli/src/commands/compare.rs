@@ -47,7 +47,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), CliError> {
         verdict: verdict(args, &measures)?,
     };
     if args.json {
-        print(comparison.json()?)?;
+        print(comparison.json())?;
     } else {
         show(comparison.text())?;
     }

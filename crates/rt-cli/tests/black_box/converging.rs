@@ -171,10 +171,7 @@ fn the_time_ends_between_renders_and_says_what_is_left_out() {
     let started = std::time::Instant::now();
     let run = place.succeed("converge edge.ron --spp 1..1073741824 --seeds 2 --time 3s -o out");
     assert!(started.elapsed().as_secs_f64() < 30.0, "{run:?}");
-    assert!(
-        run.stdout.contains("the time limit left out ") && run.stdout.contains("1073741824 samples"),
-        "{run:?}"
-    );
+    assert!(run.stdout.contains("the time limit left out ") && run.stdout.contains("1073741824 samples"), "{run:?}");
     let report: Value = serde_json::from_slice(&place.read("out/converge.json")).expect("JSON");
     let points = report["methods"][0]["points"].as_array().expect("a list").len();
     let left_out = report["left_out"].as_array().expect("a list").len();

@@ -228,9 +228,7 @@ fn a_checkpoint_of_another_image_is_kept_aside() {
     // An interrupted render has a checkpoint of its own.
     place.write("scene.exr.checkpoint", &kept);
     let child = spawn(&place, &format!("{LONG} --seed 7 --checkpoint-every 1ms"));
-    wait_until("its checkpoint", || {
-        fs::read(place.path("scene.exr.checkpoint")).is_ok_and(|content| content != kept)
-    });
+    wait_until("its checkpoint", || fs::read(place.path("scene.exr.checkpoint")).is_ok_and(|content| content != kept));
     signal(&child, "INT");
     assert_eq!(end(child).code, Some(130));
     assert_eq!(place.read("scene.exr.checkpoint.old"), kept);
@@ -369,8 +367,8 @@ fn spoil_the_disk(command: &str, reason: &str) {
         wait $!; code=$?
         cat full/scene.exr; exit $code"
     );
-    let options =
-        LONG.replace("-o scene.exr", "-o full/scene.exr --fallback-dir refuge --checkpoint kept --checkpoint-every 1ms");
+    let options = LONG
+        .replace("-o scene.exr", "-o full/scene.exr --fallback-dir refuge --checkpoint kept --checkpoint-every 1ms");
     let mut command = Command::new("unshare");
     command.current_dir(place.path("")).args(["--user", "--map-root-user", "--mount", "sh", "-c", &script]);
     command.arg(env!("CARGO_BIN_EXE_rt-cli")).args(options.split_whitespace());
@@ -396,8 +394,7 @@ fn spoil_the_disk(command: &str, reason: &str) {
 fn checkpoints_that_cannot_be_written_cost_a_warning_and_no_picture() {
     let place = Workplace::with_scene();
     let run = place.succeed(&format!("{LONG} --checkpoint-every 1ms --checkpoint nowhere/kept"));
-    let warnings =
-        run.stderr.lines().filter(|line| line.contains("cannot write the checkpoint nowhere/kept")).count();
+    let warnings = run.stderr.lines().filter(|line| line.contains("cannot write the checkpoint nowhere/kept")).count();
     assert_eq!(warnings, 1, "{run:?}");
     assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
 }

@@ -194,9 +194,18 @@ fn older_spellings_of_options_and_values_are_accepted() {
     }
     let plain = image("");
     for same in [
-        "--accel bvh8", "--accel wide", "--accel sphere-tree", "--accel spheres", "--accel cylinder-tree",
-        "--accel cylinders", "--build-quality high", "--quality high", "--asset-root .", "--root .",
-        "--fallback-dir dir", "--fallback dir",
+        "--accel bvh8",
+        "--accel wide",
+        "--accel sphere-tree",
+        "--accel spheres",
+        "--accel cylinder-tree",
+        "--accel cylinders",
+        "--build-quality high",
+        "--quality high",
+        "--asset-root .",
+        "--root .",
+        "--fallback-dir dir",
+        "--fallback dir",
     ] {
         assert!(image(same) == plain, "{same}");
     }

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
-use indexmap::IndexMap;
 use rt_image::metrics::ImagePair;
-use serde::Serialize;
+use serde_json::{Map, Value, json};
 
 use super::Verdict;
 use super::measures::Measures;
@@ -119,40 +118,50 @@ impl Comparison<'_> {
     }
 
     /// JSON report; `compare --help` documents it.
-    pub(super) fn json(&self) -> Result<String, CliError> {
+    pub(super) fn json(&self) -> String {
         let Self { args, images, pair, measures, verdict, .. } = self;
-        let (largest, bias) = (&measures.largest, &measures.bias);
+        let (largest, non_finite) = (&measures.largest, pair.non_finite());
         let metrics = Metric::value_variants().iter().copied();
-        let file = ReportFile {
-            program: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
-            test: ImageEntry::new(&args.test, &images.test, pair.non_finite().test),
-            reference: ImageEntry::new(&args.reference, &images.reference, pair.non_finite().reference),
-            differently_finite: pair.non_finite().different,
-            width: pair.width(),
-            height: pair.height(),
-            metrics: metrics.clone().map(|metric| (name_of(metric), measures.value(metric))).collect(),
-            channels: metrics.filter_map(|metric| Some((name_of(metric), measures.channels(metric)?))).collect(),
-            bias_standard_error: bias.all.standard_error,
-            largest_difference: LargestEntry {
-                pixel: largest.pixel,
-                channel: CHANNELS[largest.channel],
-                test: largest.test,
-                reference: largest.reference,
+        let values: Map<_, _> =
+            metrics.clone().map(|metric| (name_of(metric), measures.value(metric).into())).collect();
+        let channels: Map<_, _> =
+            metrics.filter_map(|metric| Some((name_of(metric), measures.channels(metric)?.to_vec().into()))).collect();
+        let report = json!({
+            "program": env!("CARGO_PKG_NAME"),
+            "version": env!("CARGO_PKG_VERSION"),
+            "test": image_json(&args.test, &images.test, non_finite.test),
+            "reference": image_json(&args.reference, &images.reference, non_finite.reference),
+            "differently_finite": non_finite.different,
+            "width": pair.width(),
+            "height": pair.height(),
+            "metrics": values,
+            "channels": channels,
+            "bias_standard_error": measures.bias.all.standard_error,
+            "largest_difference": {
+                "pixel": largest.pixel,
+                "channel": CHANNELS[largest.channel],
+                "test": largest.test,
+                "reference": largest.reference,
             },
-            exposures: measures.hdr_flip.as_ref().map(|(_, range)| range.exposures().collect()),
-            heat_map: self.heat_map.as_ref().map(|map| HeatMapEntry {
-                file: map.file.display().to_string(),
-                shows: name_of(map.shows),
-                limit: map.limit,
+            "exposures": measures.hdr_flip.as_ref().map(|(_, range)| range.exposures().collect::<Vec<_>>()),
+            "heat_map": self.heat_map.as_ref().map(|map| {
+                json!({ "file": map.file.display().to_string(), "shows": name_of(map.shows), "limit": map.limit })
             }),
-            metric: name_of(verdict.metric),
-            threshold: verdict.threshold,
-            different: self.failure().is_some(),
-        };
-        let text = serde_json::to_string_pretty(&file).map_err(|error| CliError::Stdout(error.into()))?;
-        Ok(text + "\n")
+            "metric": name_of(verdict.metric),
+            "threshold": verdict.threshold,
+            "different": self.failure().is_some(),
+        });
+        format!("{report:#}\n")
     }
+}
+
+fn image_json(path: &Path, image: &LoadedImage, non_finite: u64) -> Value {
+    json!({
+        "file": path.display().to_string(),
+        "format": image.format.extensions().first(),
+        "developed": image.developed,
+        "non_finite": non_finite,
+    })
 }
 
 impl HeatMap {
@@ -185,56 +194,6 @@ fn digits(value: f64) -> String {
             format!("{value:.*}", 6 - whole as usize)
         }
     }
-}
-
-#[derive(Debug, Serialize)]
-struct ReportFile {
-    program: &'static str,
-    version: &'static str,
-    test: ImageEntry,
-    reference: ImageEntry,
-    differently_finite: u64,
-    width: u32,
-    height: u32,
-    metrics: IndexMap<String, Option<f64>>,
-    channels: IndexMap<String, [f64; 3]>,
-    bias_standard_error: f64,
-    largest_difference: LargestEntry,
-    exposures: Option<Vec<f64>>,
-    heat_map: Option<HeatMapEntry>,
-    metric: String,
-    threshold: f64,
-    different: bool,
-}
-
-#[derive(Debug, Serialize)]
-struct ImageEntry {
-    file: String,
-    format: &'static str,
-    developed: bool,
-    non_finite: u64,
-}
-
-impl ImageEntry {
-    fn new(path: &Path, image: &LoadedImage, non_finite: u64) -> Self {
-        let format = image.format.extensions().first().copied().unwrap_or_default();
-        Self { file: path.display().to_string(), format, developed: image.developed, non_finite }
-    }
-}
-
-#[derive(Debug, Serialize)]
-struct LargestEntry {
-    pixel: [u32; 2],
-    channel: &'static str,
-    test: [f64; 3],
-    reference: [f64; 3],
-}
-
-#[derive(Debug, Serialize)]
-struct HeatMapEntry {
-    file: String,
-    shows: String,
-    limit: f64,
 }
 
 #[cfg(test)]

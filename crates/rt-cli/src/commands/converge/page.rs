@@ -165,14 +165,14 @@ fn figure(film: &Image, development: &Development, caption: &str, class: &str) -
 }
 
 /// A table.
-fn html_table(sheet: &TextTable) -> String {
+fn html_table(table: &TextTable) -> String {
     let row = |cells: &[&str], tag: &str| {
         let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
         format!("<tr>{cells}</tr>\n")
     };
     let text = |cells: &Vec<String>| row(&cells.iter().map(String::as_str).collect::<Vec<_>>(), "td");
-    let rows: String = sheet.rows.iter().map(text).collect();
-    format!("<div class=\"wide\"><table>\n{}{rows}</table></div>\n", row(&sheet.header, "th"))
+    let rows: String = table.rows.iter().map(text).collect();
+    format!("<div class=\"wide\"><table>\n{}{rows}</table></div>\n", row(&table.header, "th"))
 }
 
 /// Text as HTML shows it literally.
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn text_is_escaped() {
-        let sheet = sheet(&TextTable { header: vec!["a<b"], rows: vec![vec!["\"x\" & y".to_owned()]] });
+        let sheet = html_table(&TextTable { header: vec!["a<b"], rows: vec![vec!["\"x\" & y".to_owned()]] });
         assert!(sheet.contains("<th>a&lt;b</th>") && sheet.contains("<td>&quot;x&quot; &amp; y</td>"), "{sheet}");
     }
 
