@@ -110,11 +110,11 @@ pub(crate) struct RenderArgs {
     /// With --shard, a .part file is written [default: SCENE.I-of-N.part]. An older file is replaced when the new one is complete,
     /// and survives any failure. Standard output gets a PNG unless --output-format is given, and has no checkpoint unless
     /// --checkpoint is given.
-    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
 
     /// Set the image format [default: by file extension, png for -]
-    #[arg(long, value_name = "FORMAT", value_parser = values::image_format())]
+    #[arg(long, value_name = "FORMAT", value_parser = values::image_format(), help_heading = "Output")]
     pub(crate) output_format: Option<ImageFormat>,
 
     #[command(flatten)]
@@ -130,7 +130,7 @@ pub(crate) struct RenderArgs {
     pub(crate) development: DevelopmentArgs,
 
     /// Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
-    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov, long_help = stop::AOV_HELP)]
+    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov, long_help = stop::AOV_HELP, help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]
@@ -167,7 +167,7 @@ pub(crate) struct ExplainArgs {
     pub(crate) picture: PictureArgs,
 
     /// Treat warnings as errors (exit code 3)
-    #[arg(long)]
+    #[arg(long, help_heading = "Running")]
     pub(crate) strict: bool,
 }
 

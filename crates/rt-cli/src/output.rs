@@ -320,11 +320,11 @@ fn clear_away(folder: &Path, target: &Path) {
         name.starts_with(prefix.as_encoded_bytes()) && name.ends_with(UNFINISHED.as_bytes())
     };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        // Whoever opens a pipe waits for its other end.
+        // Opening a pipe would block.
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         let is_free = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
         if is_unfinished(&entry.file_name()) && is_file && is_free() {
-            // If it stays, it is in nobody's way.
+            // A leftover is harmless.
             let _ = fs::remove_file(entry.path());
         }
     }

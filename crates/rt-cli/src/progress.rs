@@ -78,7 +78,7 @@ fn capped(progress: Progress) -> Progress {
         Some(Towards::Image { error, target }) => error <= target,
         Some(Towards::Pixels { share, target }) => share >= target,
     };
-    let min_total = progress.samples.saturating_add(progress.samples.div_ceil(99));
+    let min_total = progress.samples.saturating_add((progress.samples / 99).max(1));
     let total_samples = if is_reached { progress.total_samples } else { progress.total_samples.max(min_total) };
     Progress { total_samples, ..progress }
 }

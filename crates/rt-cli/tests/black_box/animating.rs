@@ -144,7 +144,7 @@ fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
     assert!(place.read("out-1.pfm") == first, "nothing was touched");
     assert_eq!(done(&render("--frames 0..3 --seed 7 --restart")), [false; 4]);
     assert!(place.read("out-1.pfm") != first);
-    // Files that were not asked for before are made now; frames of other runs stay known.
+    // New outputs are written; frames of other runs stay in the log.
     assert_eq!(done(&render("--frames 2..3 --seed 7 --resume --aov samples=n-#.pfm")), [false; 2]);
     assert_eq!(done(&render("--frames 2..3 --seed 7 --resume --aov samples=n-#.pfm")), [true; 2]);
     assert_eq!(done(&render("--frames 4..5 --seed 7")), [false; 2]);

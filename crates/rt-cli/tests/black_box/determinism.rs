@@ -1,4 +1,4 @@
-//! What must not change a bit of the picture.
+//! Options that must not change a bit of the image.
 
 use rt_image::Image;
 

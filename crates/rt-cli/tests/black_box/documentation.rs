@@ -17,11 +17,11 @@ fn help() {
 #[test]
 fn help_is_a_command_as_well() {
     let place = Workplace::new();
-    for command in ["render", "compare"] {
+    for command in ["render", "explain"] {
         let help = place.succeed(&format!("{command} --help")).stdout;
         assert_eq!(place.succeed(&format!("help {command}")).stdout, help);
         // Hidden older spellings are not shown.
-        for old in ["--least", "--quality", "--root", "--fallback <", "variance", "caustics,", "wide"] {
+        for old in ["--least", "--quality", "--root", "--fallback <", "variance=", "caustics,", "wide,"] {
             assert!(!help.contains(&format!(" {old}")), "{old}");
         }
     }

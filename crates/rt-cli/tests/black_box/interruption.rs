@@ -1,6 +1,5 @@
-//! Ends that nobody planned.
+//! Killed runs and broken pipes.
 
-use std::process::Stdio;
 use std::time::Duration;
 
 use crate::program::Workplace;
@@ -22,7 +21,7 @@ fn a_kill_leaves_the_older_picture_and_nothing_else() {
 #[test]
 fn a_reader_that_leaves_costs_no_picture() {
     let place = Workplace::with_scene();
-    let mut child = place.command("render scene.ron").stdout(Stdio::piped()).spawn().expect("it starts");
+    let mut child = place.spawn("render scene.ron");
     drop(child.stdout.take());
     assert_eq!(child.wait().expect("it ended").code(), Some(0));
     assert_eq!(place.files(), ["scene.png", "scene.ron"]);
@@ -31,7 +30,7 @@ fn a_reader_that_leaves_costs_no_picture() {
 #[test]
 fn long_text_stops_quietly_when_its_reader_leaves() {
     let place = Workplace::new();
-    let mut child = place.command("schema").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut child = place.spawn("schema");
     drop(child.stdout.take());
     let output = child.wait_with_output().expect("it ended");
     assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), [].as_slice()));

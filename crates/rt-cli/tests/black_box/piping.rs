@@ -1,6 +1,5 @@
-//! Standard input and output in place of files, by the name `-`.
+//! Standard input and output as files, by the name `-`.
 
-use std::io::{Write as _, stdout};
 use std::process::{Command, Output, Stdio};
 
 use crate::program::{SCENE, Workplace};
@@ -35,7 +34,7 @@ fn a_scene_comes_from_standard_input() {
 }
 
 #[test]
-fn what_comes_from_standard_input_refers_to_the_current_folder() {
+fn scenes_from_standard_input_refer_to_the_current_directory() {
     let place = Workplace::new();
     let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nusemtl red\nf 1 2 3\n";
     place.write("m.obj", obj);
@@ -76,7 +75,7 @@ fn standard_input_that_is_no_scene_is_refused_with_advice() {
 }
 
 #[test]
-fn a_picture_goes_to_standard_output_and_reports_keep_clear_of_it() {
+fn images_go_to_standard_output_without_reports() {
     let place = Workplace::with_scene();
     for (format, options) in
         [("png", ""), ("png", "--output-format png"), ("exr", "--output-format exr"), ("jpg", "--output-format jpeg")]
@@ -87,7 +86,7 @@ fn a_picture_goes_to_standard_output_and_reports_keep_clear_of_it() {
         assert!(stderr(&piped).contains("wrote standard output (48x32, "), "{}", stderr(&piped));
     }
     assert_eq!(place.files(), ["file.exr", "file.jpg", "file.png", "scene.ron"]);
-    // A name with another ending holds the format that is asked for.
+    // --output-format overrides the extension.
     place.succeed("render scene.ron -o odd.name --output-format exr");
     assert!(place.read("odd.name") == place.read("file.exr"));
 }
@@ -152,15 +151,13 @@ fn a_reader_that_has_left_is_no_failure() {
 }
 
 #[test]
-#[allow(clippy::print_stdout, reason = "a skipped test says so")]
 fn pictures_are_not_written_to_a_terminal() {
     let place = Workplace::with_scene();
     let program = env!("CARGO_BIN_EXE_rt-cli");
     let script = format!("{program} render scene.ron -o -");
     let run = Command::new("script").args(["-qec", &script, "/dev/null"]).current_dir(place.path("")).output();
     let Ok(run) = run else {
-        let _ = writeln!(stdout(), "skipped: there is no `script` to make a terminal with");
-        return;
+        return rt_tests::skip("there is no `script` to make a terminal with");
     };
     assert_eq!(run.status.code(), Some(2), "{run:?}");
     assert!(String::from_utf8_lossy(&run.stdout).contains("standard output is a terminal"), "{run:?}");
@@ -168,7 +165,7 @@ fn pictures_are_not_written_to_a_terminal() {
 
 #[cfg(unix)]
 #[test]
-fn links_to_pipes_were_replaced_by_files() {
+fn links_to_pipes_are_not_replaced() {
     use std::os::unix::fs::symlink;
 
     let place = Workplace::with_scene();

@@ -18,7 +18,7 @@ const PARTS: usize = 8;
 fn wait_for(cluster: &Cluster, queued_again: &str, file: &str) {
     let mut hurried = Instant::now();
     let is_there = || {
-        // Refused as long as the job is not waiting; asked too often, the scheduler never comes to it.
+        // Fails until the job waits; frequent requests starve the scheduler.
         if hurried.elapsed() > Duration::from_secs(8) {
             let _ = cluster.slurm("scontrol", &["update", &format!("JobId={queued_again}"), "StartTime=now"]);
             hurried = Instant::now();
