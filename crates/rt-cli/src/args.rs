@@ -22,7 +22,7 @@ pub(crate) use checkpoint::{CheckpointArgs, CheckpointInterval};
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{ConvergeArgs, ReferenceKind, Variation};
 pub(crate) use default_command::with_default_command;
-pub(crate) use frames::{FrameChoice, Frames, FramesArgs, PaceArgs};
+pub(crate) use frames::{FrameChoice, Frames, FramesArgs, TimingArgs};
 pub(crate) use memory::{Amount, MemoryArgs};
 pub(crate) use merge::MergeArgs;
 pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
@@ -280,7 +280,7 @@ pub(crate) struct InputArgs {
     pub(crate) at_time: Option<f64>,
 
     #[command(flatten)]
-    pub(crate) pace: PaceArgs,
+    pub(crate) timing: TimingArgs,
 
     /// Choose the animation of models by name or index, or `all` [default: the first]
     #[arg(long, value_name = "NAME|INDEX", requires = "time_of_animation")]

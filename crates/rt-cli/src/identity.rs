@@ -90,7 +90,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         ground,
         lights,
         at_time,
-        pace,
+        timing,
         animation,
         variant,
         memory: _,
@@ -117,7 +117,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         background,
         env: _,
     } = picture;
-    let of_input = (ground, lights, at_time, pace, animation, variant);
+    let of_input = (ground, lights, at_time, timing, animation, variant);
     let how_much = (size, spp, passes, adaptive, min_spp, max_depth, seed, clamp);
     format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, view, crop, background))
 }

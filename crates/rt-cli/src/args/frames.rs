@@ -83,7 +83,7 @@ fn frames(text: &str) -> Result<Frames, String> {
 }
 
 #[derive(Clone, Debug, Args)]
-pub(crate) struct PaceArgs {
+pub(crate) struct TimingArgs {
     /// Set the frames per second of --frames and of motion blur
     #[arg(long, value_name = "F", value_parser = values::positive, default_value = "24")]
     pub(crate) fps: f64,
@@ -95,7 +95,7 @@ pub(crate) struct PaceArgs {
     pub(crate) shutter: Option<[f64; 2]>,
 }
 
-impl PaceArgs {
+impl TimingArgs {
     /// Time of a frame in seconds.
     pub(crate) fn time_of(&self, frame: u32) -> f64 {
         f64::from(frame) / self.fps

@@ -168,6 +168,20 @@ fn kills_at_random_times_change_no_bit() {
 }
 
 #[test]
+fn a_kill_leaves_the_older_image_and_nothing_else() {
+    let place = Workplace::with_scene();
+    place.write("scene.png", "older");
+    for milliseconds in [20, 100, 400] {
+        let mut child = place.command("render scene.ron --size 4000x4000 --spp 64 --quiet").spawn().expect("it starts");
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        child.kill().expect("it runs");
+        child.wait().expect("it ended");
+        assert_eq!(place.files(), ["scene.png", "scene.ron"]);
+        assert_eq!(place.read("scene.png"), b"older");
+    }
+}
+
+#[test]
 fn unfinished_checkpoints_of_killed_runs_are_removed() {
     let place = Workplace::with_scene();
     place.write(".scene.exr.checkpoint-K1ll3d.unfinished", "half of it");

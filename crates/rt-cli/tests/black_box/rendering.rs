@@ -66,9 +66,6 @@ fn options_override_the_scene() {
     ] {
         assert_ne!(picture(changed).pixels(), plain.pixels(), "{changed}");
     }
-    for same in ["--spp 4", "--max-depth 3", "--sampler sobol", "--fov 40", "--look-from 0,1,6 --look-at 0,0.5,0"] {
-        assert_eq!(picture(same).pixels(), plain.pixels(), "{same}");
-    }
 }
 
 #[test]
@@ -177,7 +174,6 @@ fn views_of_geometry_do_not_depend_on_the_exposure_of_the_scene() {
 #[test]
 fn older_spellings_of_options_and_values_are_accepted() {
     let place = Workplace::with_scene();
-    std::fs::create_dir(place.path("dir")).expect("created");
     let image = |options: &str| {
         place.succeed(&format!("render scene.ron -o a.pfm {options}"));
         place.read("a.pfm")
@@ -191,23 +187,6 @@ fn older_spellings_of_options_and_values_are_accepted() {
     ] {
         let [plain, new_image, old_image] = [base, &format!("{base} {new}"), &format!("{base} {old}")].map(image);
         assert!(new_image == old_image && new_image != plain, "{new} and {old}");
-    }
-    let plain = image("");
-    for same in [
-        "--accel bvh8",
-        "--accel wide",
-        "--accel sphere-tree",
-        "--accel spheres",
-        "--accel cylinder-tree",
-        "--accel cylinders",
-        "--build-quality high",
-        "--quality high",
-        "--asset-root .",
-        "--root .",
-        "--fallback-dir dir",
-        "--fallback dir",
-    ] {
-        assert!(image(same) == plain, "{same}");
     }
     for name in ["stderr", "variance"] {
         place.succeed(&format!("render scene.ron --spp 16 --passes 4 --aov {name}={name}.pfm"));

@@ -19,7 +19,7 @@ pub(super) fn each(
 ) -> Result<(), CliError> {
     let console = Console { quiet: args.run.quiet };
     let say = |frame: u32, what: String| console.println(format_args!("frame {frame} of {frames}{what}"));
-    let at = |frame: u32| format!(", at {:.3} s", args.input.pace.time_of(frame));
+    let at = |frame: u32| format!(", at {:.3} s", args.input.timing.time_of(frame));
     let share = args.checkpoint.shard.unwrap_or(Share::ALL);
     if frames.is_single() {
         // A single frame has no frame log.
@@ -59,7 +59,7 @@ pub(super) fn each(
 pub(super) fn all(args: &RenderArgs) -> Result<Frames, CliError> {
     let input = InputArgs { at_time: Some(0.0), ..args.input.clone() };
     let loaded = input::read(&input, Some(&args.picture), Console { quiet: true })?;
-    let (scene, fps) = (args.input.scene.display(), args.input.pace.fps);
+    let (scene, fps) = (args.input.scene.display(), args.input.timing.fps);
     let Some(end) = loaded.options.animation_end.seconds() else {
         return Err(CliError::Usage(format!(
             "--frames all: nothing in {scene} is animated; remove it to render a single image"
@@ -91,7 +91,7 @@ fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, CliError> {
 fn of_frame(args: &RenderArgs, frame: u32) -> RenderArgs {
     let name = |path: &Path| numbered(path, frame).unwrap_or_else(|| path.to_owned());
     RenderArgs {
-        input: InputArgs { at_time: Some(args.input.pace.time_of(frame)), ..args.input.clone() },
+        input: InputArgs { at_time: Some(args.input.timing.time_of(frame)), ..args.input.clone() },
         output: Some(name(&output(args))),
         aov: args.aov.iter().map(|arg| AovArg { aov: arg.aov, file: name(&arg.file) }).collect(),
         checkpoint: CheckpointArgs {
