@@ -66,8 +66,8 @@ impl Checkpointer {
     /// is moved aside with a note.
     ///
     /// # Errors
-    /// [`CliError`] if the file is not a checkpoint, if neither `--resume` nor `--restart` is given for a checkpoint of this image, or
-    /// if it cannot be continued.
+    /// [`CliError`] if the file is not a checkpoint, or cannot be continued. Also if it is of this image, and neither `--resume`
+    /// nor `--restart` is given.
     pub(crate) fn earlier(
         &self,
         options: &CheckpointOptions,

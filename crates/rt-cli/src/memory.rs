@@ -59,19 +59,19 @@ fn group_files(groups: &str) -> Vec<String> {
     files
 }
 
-/// Bytes of physical memory that the process occupied at its peak; `None` where the system does not say.
+/// Peak physical memory of the process in bytes; `None` if unknown.
 #[cfg(target_os = "linux")]
 pub(crate) fn peak_bytes() -> Option<u64> {
     kibibytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes of physical memory that the process occupied at its peak; `None` where the system does not say.
+/// Peak physical memory of the process in bytes; `None` if unknown.
 #[cfg(not(target_os = "linux"))]
 pub(crate) const fn peak_bytes() -> Option<u64> {
     None
 }
 
-/// The value of a line in the texts of proc(5), which count in units of 1024 bytes.
+/// Value of a line of a proc(5) file, which has units of 1024 bytes.
 #[cfg(any(target_os = "linux", test))]
 fn kibibytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;

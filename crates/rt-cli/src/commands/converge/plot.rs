@@ -150,7 +150,7 @@ impl Plot {
             let dot = |mark: &PlotPoint| Circle::new((mark.seconds, mark.mean), 4, colour.filled());
             chart.draw_series(line.marks.iter().map(dot))?;
             let path = line.marks.iter().map(|mark| (mark.seconds, mark.mean));
-            // Where colours come back, lines are dashed, in another way each time.
+            // Lines of a repeated color have different dashes.
             let series = match i32::try_from(index / COLOURS.len()).unwrap_or(i32::MAX) {
                 0 => chart.draw_series(LineSeries::new(path, colour.stroke_width(2)))?,
                 turn => chart.draw_series(DashedLineSeries::new(path, 16 / turn, 6, colour.stroke_width(2)))?,
@@ -168,7 +168,7 @@ impl Plot {
         area.present()
     }
 
-    /// Both ends of a line of this slope, from the upper left corner down to a border.
+    /// End points of a line of this slope through the upper left corner.
     fn guide(&self, slope: f64) -> [(f64, f64); 2] {
         let (left, top) = (self.seconds.low, self.errors.high);
         let right = (left + (self.errors.low - top) / slope).min(self.seconds.high);
