@@ -3,8 +3,8 @@
 use rt_math::DVec3;
 use std::collections::HashMap;
 
-/// Vertices and triangles of an icosahedron whose faces were cut in four `levels` times, pushed out to the unit sphere:
-/// 20·4ˡ triangles that share their vertices and close without gaps.
+/// Vertices and triangles of an icosahedron whose faces were cut in four `levels` times, pushed out to the unit sphere.
+/// Its 20·4ˡ triangles share their vertices and close without gaps.
 pub fn icosphere(levels: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
     let mut vertices = icosahedron_vertices();
     let mut triangles = icosahedron_triangles(&vertices);

@@ -6,8 +6,9 @@
 //!   xtask ────────┘
 //! ```
 //!
-//! **Owns** generators of shapes, meshes, scenes and rays that more than one crate's tests or tasks need, and the reports of tests
-//! that cannot run; the tests of the whole workspace live beside it in the `tests` folder. **Does not own** any expectation: those stand in the tests.
+//! **Owns** generators of shapes, meshes, scenes and rays for the tests or tasks of more than one crate, and the
+//! reports of tests that cannot run. Tests of the whole workspace are in the folder `tests`. **Does not own** expected
+//! values: those are in the tests.
 //!
 //! ```
 //! use rt_tests::{Draw, icosphere};

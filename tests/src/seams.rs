@@ -71,8 +71,8 @@ impl Seams {
         Ray::new(origin, centre + draw.point() * extent * 0.5 - origin)
     }
 
-    /// A ray from and to places where rounding matters; along the axes; with components that are zero of either sign,
-    /// tiny, or one step away from something special.
+    /// A ray between positions where rounding matters, or along an axis. Components may be zero of either sign, tiny,
+    /// or one step away from a special number.
     pub fn adversarial(&self, draw: &mut Draw) -> Ray {
         let [origin, aim] = if !self.grazing.is_empty() && draw.one_in(3) {
             self.grazing[draw.below(self.grazing.len())]
@@ -121,8 +121,8 @@ impl Seams {
     }
 }
 
-/// A span for a ray whose first hit ahead is at `t`: mostly everything in front; sometimes a piece, the hit itself, or a
-/// span that ends at the hit or next to it.
+/// A span for a ray whose closest hit is at `t`. Mostly it is everything in front; sometimes a piece, the hit itself,
+/// or a span that ends at the hit or next to it.
 pub fn span_at(t: f64, draw: &mut Draw) -> Interval {
     match draw.below(12) {
         0 => Interval::new(draw.between(0.0, 1.0), draw.between(0.5, 2.0)),

@@ -14,7 +14,7 @@ use std::{
 pub const REQUIRE_ALL: &str = "RT_REQUIRE_ALL";
 /// Variable with the file that skipped tests are appended to, by default `skipped.txt` in the target folder.
 pub const SKIPPED: &str = "RT_SKIPPED";
-/// Variable with the folder of shared test data, by default `shared` beside the workspace.
+/// Variable with the folder of shared test data, by default `shared` next to the workspace.
 pub const SHARED: &str = "RT_SHARED";
 
 /// True if what cannot be tested must fail: if `RT_REQUIRE_ALL` is `1`.
@@ -56,7 +56,7 @@ pub fn report_skipped(name: impl Display, reason: impl Display) {
     }
 }
 
-/// File that skipped tests are appended to; `None` if the target folder cannot be told.
+/// File that skipped tests are appended to; `None` without a target folder.
 pub fn skipped_file() -> Option<PathBuf> {
     if let Some(path) = env::var_os(SKIPPED) {
         return Some(path.into());
@@ -67,19 +67,19 @@ pub fn skipped_file() -> Option<PathBuf> {
     Some(target.join("skipped.txt"))
 }
 
-/// File or folder of test data that is not part of the workspace, in the folder that `RT_SHARED` names, by default `shared`
-/// beside the workspace; `None` if it is not there.
+/// File or folder of test data outside of the workspace, in the folder `RT_SHARED`; `None` if it is missing. The
+/// default folder is `shared` next to the workspace.
 pub fn shared(name: impl AsRef<Path>) -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let folder = env::var_os(SHARED).map_or_else(beside, PathBuf::from);
     Some(folder.join(name)).filter(|path| path.exists())
 }
 
-/// As [`shared`]; [skips](skip) the test if it is not there.
+/// Path of a file of the [`shared`] folder; [skips](skip) the test if it is missing.
 ///
 /// # Panics
 ///
-/// As [`skip`].
+/// Skips a test like [`skip`].
 #[track_caller]
 pub fn shared_or_skip(name: impl AsRef<Path>) -> Option<PathBuf> {
     let found = shared(&name);

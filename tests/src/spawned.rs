@@ -12,12 +12,12 @@ pub struct SpawnSetup {
     pub scale: f64,
     /// Distance from the origin along each axis.
     pub offset: f64,
-    /// Nearly parallel to the plane z = 0: where coordinates are 0, so is the rounding error of a sum of them, but not
-    /// that of a sheared vertex.
+    /// Nearly parallel to the plane z = 0. The rounding error of a sum of zero coordinates is 0, but not that of a
+    /// sheared vertex.
     pub is_level: bool,
 }
 
-/// What became of spawned rays.
+/// Results of spawned rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spawned {
     /// Rays that hit the triangle, from each of which another was spawned.
@@ -91,7 +91,7 @@ impl SpawnSetup {
         Ok(result)
     }
 
-    /// A triangle so large that rays which leave at a cosine of at least 1e-3 cannot pass beside it.
+    /// A triangle so large that rays which leave at a cosine of at least 1e-3 hit it.
     fn sheet(&self, frame: &Frame, centre: DVec3, on_plane: DVec3) -> Result<Triangle, ShapeError> {
         let height = frame.z * ((on_plane - centre).dot(frame.z) + 1e-3 * self.scale);
         let corner = |x: f64, y: f64| centre + frame.from_local(DVec3::new(x, y, 0.0)) * self.scale + height;

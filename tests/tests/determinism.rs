@@ -6,7 +6,7 @@ use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Integrator, LoadOptions, Scene, format::parse_ron, resolve};
 
-/// Lights with extent and one without, and surfaces of all kinds, in more tiles than one.
+/// Area lights and a delta light, and surfaces of all kinds, in more than one tile.
 const SCENE: &str = r#"(
     camera: (look_from: (0, 2, 6), look_at: (0, 0.7, 0)),
     film: (size: (40, 30)),
@@ -45,7 +45,7 @@ fn scene() -> Scene {
     resolve(&file, name, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The bits of the film and of what it is unsure of.
+/// Bits of the film and of its error estimates.
 fn bits(scene: &Scene, threads: usize) -> Vec<u32> {
     bits_by(PlanOptions::default(), scene, threads)
 }

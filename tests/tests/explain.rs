@@ -1,4 +1,4 @@
-//! What the plan of each scene file uses and leaves out, as text.
+//! Plans of all scene files: parts that they use and leave out, as text.
 
 use std::path::{Path, PathBuf};
 

@@ -1,12 +1,12 @@
-//! What `check` says about the scene files that come along.
+//! Diagnostics of `check` for the scene files of the project.
 
 use std::path::Path;
 
 use rt_render::check::{Kind, Severity, check};
 use rt_scene_io::LoadOptions;
 
-/// The links of the chain in `transformations.ron` had their fronts in one plane, turned against each other, so that
-/// rounding chose for each sample which of two colours was seen.
+/// Regression: the links of the chain in `transformations.ron` had their fronts in one plane, turned against each
+/// other. Rounding chose one of two colours for each sample.
 #[test]
 fn no_scene_leaves_it_to_rounding_which_of_two_surfaces_is_seen() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");

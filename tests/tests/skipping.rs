@@ -22,7 +22,7 @@ fn it_cannot_run() {
     skip("there is\nno moon");
 }
 
-/// Such tests passed, and what they printed was captured, so that nobody could count them.
+/// Regression: such tests passed, and their output was captured and not counted.
 #[test]
 fn a_skipped_test_is_listed_and_fails_where_all_must_run() {
     let list = env::temp_dir().join(format!("rt-skipped-{}.txt", std::process::id()));

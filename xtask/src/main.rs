@@ -11,8 +11,8 @@
 //!   cargo xtask terarays   how long the lecture's trillion rays of a Cornell box take here
 //! ```
 //!
-//! **Owns** what developers run beside `cargo test`. **Does not own** anything that users run, nor the tests of the
-//! crates themselves.
+//! **Owns** tasks that developers run in addition to `cargo test`. **Does not own** programs for users, nor the tests
+//! of the crates.
 //!
 //! Exit codes: 0 all well, 1 something differs or breaks a rule, 2 the task could not run.
 
@@ -36,6 +36,7 @@ mod renderer;
 mod scenes;
 mod spd;
 mod statistics;
+mod table;
 mod table1;
 mod terarays;
 mod tidy;
@@ -55,24 +56,27 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Task {
     /// Render the golden cases and run the checks.
-    Regress(regress::Options),
+    Regress(regress::RegressOptions),
     /// Check crate edges, documentation, file lengths and stray paths.
-    Tidy,
+    Tidy(tidy::TidyOptions),
     /// Measure rays per second and build times.
-    Bench(Box<bench::Options>),
+    Bench(Box<bench::BenchOptions>),
     /// Measure what each structure costs on scenes of growing size.
-    Costs(costs::Options),
+    Costs(costs::CostsOptions),
     /// Render the pictures in the guide of rt-accel, or measure the plot in the README.
-    Figures(figures::Options),
+    Figures(figures::FiguresOptions),
     /// Write the Standard Procedural Databases as NFF files.
-    Spd(spd::Options),
-    /// Make the report's Table 1 again, its figures beside ours.
-    Table1(table1::Options),
+    Spd(spd::SpdOptions),
+    /// Measure the report's Table 1 again.
+    Table1(table1::Table1Options),
     /// Tell how long the lecture's trillion rays of a Cornell box take here, from a part of them.
-    Terarays(terarays::Options),
+    Terarays(terarays::TeraraysOptions),
 }
 
 fn main() -> ExitCode {
+    if let Some(code) = bench::wrapped_rustc() {
+        return code;
+    }
     match run(Arguments::parse().task) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
@@ -88,7 +92,7 @@ fn run(task: Task) -> Result<bool, TaskError> {
     let workspace = Workspace::load()?;
     match task {
         Task::Regress(options) => regress::run(workspace, &options),
-        Task::Tidy => tidy::run(&workspace),
+        Task::Tidy(options) => tidy::run(&workspace, &options),
         Task::Bench(options) => bench::run(&workspace, &options).map(|()| true),
         Task::Costs(options) => costs::run(&workspace, &options).map(|()| true),
         Task::Figures(options) => figures::run(&workspace, &options).map(|()| true),

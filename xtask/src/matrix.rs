@@ -1,53 +1,41 @@
-//! A table of scenes by structures.
+//! Table of one quantity: a row for each scene, a column for each accelerator.
 
-use comfy_table::{Table, presets};
+use std::fmt;
+
 use rt_accel::AcceleratorKind;
 
-/// One quantity: a row for each scene, a column for each structure.
+use crate::table::Table;
+
+/// A table under a title; displayed as a section of a page.
 #[derive(Debug)]
 pub(crate) struct Matrix {
-    pub title: String,
-    rows: Vec<(String, Vec<String>)>,
+    title: String,
+    table: Table,
 }
 
-/// A cell that nothing was measured for.
-const NOTHING: &str = "–";
+/// Cell without a measurement.
+const NO_VALUE: &str = "–";
 
 impl Matrix {
-    /// Fills each cell with what `cell` says of its row and its structure.
+    /// Fills the cells of each row with `cell(row, accelerator)`.
     pub(crate) fn new<R>(
         title: &str,
         rows: impl IntoIterator<Item = (String, R)>,
         cell: impl Fn(&R, &str) -> Option<String>,
     ) -> Self {
-        let cells = |row: &R| {
-            let cell = |kind: &AcceleratorKind| cell(row, kind.name()).unwrap_or_else(|| NOTHING.to_owned());
-            AcceleratorKind::ALL.iter().map(cell).collect()
-        };
-        Self { title: title.to_owned(), rows: rows.into_iter().map(|(name, row)| (name, cells(&row))).collect() }
-    }
-
-    fn header() -> impl Iterator<Item = &'static str> {
-        std::iter::once("").chain(AcceleratorKind::ALL.iter().map(|kind| kind.name()))
-    }
-
-    pub(crate) fn markdown(&self) -> String {
-        let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
-        let mut text = line(Self::header().collect());
-        text.push_str(&format!("|:--|{}\n", "--:|".repeat(AcceleratorKind::ALL.len())));
-        for (name, cells) in &self.rows {
-            text.push_str(&line(std::iter::once(name).chain(cells).map(String::as_str).collect()));
+        let names = || AcceleratorKind::ALL.iter().map(|kind| kind.name());
+        let mut table = Table::new(1, std::iter::once("").chain(names()));
+        for (name, row) in rows {
+            let cells = names().map(|kind| cell(&row, kind).unwrap_or_else(|| NO_VALUE.to_owned()));
+            table.push(std::iter::once(name).chain(cells));
         }
-        text
+        Self { title: title.to_owned(), table }
     }
+}
 
-    pub(crate) fn terminal(&self) -> String {
-        let mut table = Table::new();
-        table.load_style(presets::NOTHING).set_header(Self::header());
-        for (name, cells) in &self.rows {
-            table.add_row(std::iter::once(name).chain(cells));
-        }
-        table.to_string()
+impl fmt::Display for Matrix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "## {}\n\n{}", self.title, self.table)
     }
 }
 
@@ -58,11 +46,9 @@ mod tests {
     #[test]
     fn rows_and_columns_are_in_their_places() {
         let matrix = Matrix::new("t", [("a".to_owned(), 7)], |row, kind| (kind == "grid").then(|| format!("{row}")));
-        let text = matrix.markdown();
-        let lines: Vec<&str> = text.lines().collect();
-        assert!(lines[0].starts_with("|  | linear | grid | bvh"), "{text}");
-        assert!(lines[2].starts_with("| a | – | 7 | –"), "{text}");
-        assert!(lines.iter().all(|line| line.matches('|').count() == AcceleratorKind::ALL.len() + 2), "{text}");
-        assert!(matrix.terminal().contains("grid"));
+        let text = matrix.to_string();
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split('|').map(str::trim).collect()).collect();
+        assert_eq!((lines[0][0], &lines[2][1..5]), ("## t", &["", "linear", "grid", "bvh"][..]), "{text}");
+        assert_eq!(lines[4][1..5], ["a", "–", "7", "–"], "{text}");
     }
 }

@@ -1,4 +1,4 @@
-//! What a whole process takes.
+//! CPU time, wall time and memory of a whole process.
 
 use std::{
     fs::File,
@@ -18,7 +18,7 @@ pub(crate) struct Program {
     pub folder: PathBuf,
 }
 
-/// What one run took.
+/// Resources of one run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Usage {
     pub wall_seconds: f64,
@@ -51,7 +51,7 @@ impl Program {
         Ok(Usage { wall_seconds, cpu_seconds, bytes: used.rusage.maxrss })
     }
 
-    /// What a run takes that does nothing.
+    /// Resources of a run that does nothing.
     pub(crate) fn empty(&self) -> Result<Usage, TaskError> {
         self.run(&["--version"])
     }

@@ -18,7 +18,7 @@ pub(crate) struct Renderer {
     timeout: Duration,
 }
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Exit {
     /// By itself, with this code.
@@ -29,7 +29,7 @@ pub(crate) enum Exit {
     TimedOut(Duration),
 }
 
-/// What a run did.
+/// A run that has ended.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub exit: Exit,
@@ -58,7 +58,7 @@ impl Renderer {
         args: impl IntoIterator<Item = A>,
         time: Duration,
     ) -> Result<Run, TaskError> {
-        // A file rather than a pipe: a full pipe would block the program until somebody reads it.
+        // A file rather than a pipe: a full pipe would block the program.
         let log_path = folder.join("log.txt");
         let log_file = File::create(&log_path).map_err(TaskError::file(&log_path))?;
         let log_twin = log_file.try_clone().map_err(TaskError::file(&log_path))?;

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::{error::TaskError, renderer::Renderer};
 
-/// What `--stats` writes.
+/// Contents of the file that `--stats` writes.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 pub(crate) struct Statistics {
     pub rays: Rays,
@@ -21,7 +21,7 @@ pub(crate) struct Rays {
     pub total: Cost,
 }
 
-/// What the rays of one kind cost.
+/// Counters of the rays of one kind.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 pub(crate) struct Cost {
     pub rays: u64,
@@ -46,7 +46,7 @@ impl Statistics {
 pub(crate) struct ReportRow {
     pub scene: &'static str,
     pub spheres: u64,
-    /// As printed, in millions.
+    /// Printed value, times 10⁶.
     pub shadow_rays: f64,
     pub seconds: f64,
 }

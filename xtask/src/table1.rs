@@ -1,9 +1,8 @@
-//! `table1`: the table of the report that this ray tracer began with, its figures beside ours.
+//! `table1`: Table 1 of the report that this ray tracer began with, compared with our measurements.
 //!
 //! Counts come from a render that counts, times from one that does not.
 
 use std::{
-    fmt::Write,
     fs,
     path::Path,
     time::{Duration, Instant},
@@ -15,14 +14,15 @@ use crate::{
     number::grouped,
     renderer::Renderer,
     statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},
+    table::Table,
     workspace::Workspace,
 };
 
 const TIMEOUT: Duration = Duration::from_secs(3600);
 
-/// What the command line asks for.
+/// Options of `table1`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct Table1Options {
     /// Replace the table between the markers in README.md.
     #[arg(long)]
     write: bool,
@@ -37,8 +37,8 @@ struct Row {
     auto_seconds: f64,
 }
 
-/// Renders, prints the table, and writes it if asked to.
-pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+/// Renders, prints the table, and with `--write` writes it.
+pub(crate) fn run(workspace: &Workspace, options: &Table1Options) -> Result<(), TaskError> {
     let renderer = Renderer::new(workspace.build_release_renderer()?, TIMEOUT);
     let folder = workspace.fresh_folder("table1")?;
     let mut rows = Vec::new();
@@ -49,7 +49,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         let auto_seconds = time(&renderer, &folder, &scene, "auto")?;
         rows.push(Row { report, counts, linear_seconds, auto_seconds });
     }
-    let table = markdown(&rows);
+    let table = table(&rows).to_string();
     print!("{table}");
     if options.write {
         let path = workspace.root.join("README.md");
@@ -70,32 +70,36 @@ fn time(renderer: &Renderer, folder: &Path, scene: &Path, accel: &str) -> Result
     Ok(seconds)
 }
 
-fn markdown(rows: &[Row]) -> String {
-    let mut table = String::from(
-        "| spheres | | primary rays | shadow rays | sphere tests | hits | time, brute force | per test | time, automatic |\n\
-         |--:|:--|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
+fn table(rows: &[Row]) -> Table {
+    let header = [
+        "spheres",
+        "",
+        "primary rays",
+        "shadow rays",
+        "sphere tests",
+        "hits",
+        "time, brute force",
+        "per test",
+        "time, automatic",
+    ];
+    let mut table = Table::new(2, header);
     for Row { report, counts, linear_seconds, auto_seconds } in rows {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            table,
-            "| {} | report | {} | {:.2} million | | | {} s | 20 ns | |",
-            report.spheres,
-            grouped(REPORT_PRIMARY),
-            report.shadow_rays * 1e-6,
-            report.seconds,
-        );
+        let shadow = format!("{:.2} million", report.shadow_rays * 1e-6);
+        let (spheres, primary) = (report.spheres.to_string(), grouped(REPORT_PRIMARY));
+        let seconds = format!("{} s", report.seconds);
+        table.push([&spheres, "report", &primary, &shadow, "", "", &seconds, "20 ns", ""]);
         let total = counts.rays.total;
-        let _ = writeln!(
-            table,
-            "| | ours | {} | {} ({} traced) | {} | {} | {linear_seconds:.2} s | {:.2} ns | {auto_seconds:.2} s |",
+        table.push([
+            String::new(),
+            "ours".to_owned(),
             grouped(counts.rays.primary.rays),
-            grouped(counts.shadow_rays()),
-            grouped(counts.rays.shadow.rays),
+            format!("{} ({} traced)", grouped(counts.shadow_rays()), grouped(counts.rays.shadow.rays)),
             grouped(total.primitive_tests),
             grouped(total.hits),
-            linear_seconds * 1e9 / total.primitive_tests.max(1) as f64,
-        );
+            format!("{linear_seconds:.2} s"),
+            format!("{:.2} ns", linear_seconds * 1e9 / total.primitive_tests.max(1) as f64),
+            format!("{auto_seconds:.2} s"),
+        ]);
     }
     table
 }

@@ -1,4 +1,4 @@
-//! Where things are, as cargo tells it.
+//! Paths and packages of the workspace, from `cargo metadata`.
 
 use std::{
     fs,
@@ -55,7 +55,7 @@ pub(crate) fn output_of(command: &mut Command) -> Result<String, TaskError> {
     String::from_utf8(output.stdout).map_err(|error| failed(error.to_string()))
 }
 
-/// What lies in a folder, sorted.
+/// Entries of a folder, sorted.
 pub(crate) fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, TaskError> {
     let entries = fs::read_dir(folder).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
     let mut paths: Vec<PathBuf> = entries.map_err(TaskError::file(folder))?;
@@ -64,7 +64,7 @@ pub(crate) fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, TaskError> {
 }
 
 impl Workspace {
-    /// Asks cargo.
+    /// Runs `cargo metadata`.
     pub(crate) fn load() -> Result<Self, TaskError> {
         let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
         let mut command = cargo();

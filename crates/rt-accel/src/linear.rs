@@ -9,12 +9,12 @@ use rt_geometry::{Hit, Primitives, Probe};
 use rt_math::{Aabb, Interval, Ray};
 
 use crate::own_boxes::{checked_own_box, count};
-use crate::wide::{Handful, SimdLevel, SphereList};
+use crate::wide::{SimdLevel, SmallSet, SphereList};
 
 /// Tests every primitive in turn. O(n) per ray; 16 bytes for each of more than a few spheres, and no memory otherwise.
 ///
 /// Where all of more than 16 are spheres, eight at a time are tested in `f32`, and in `f64` those that a ray may meet. Batches
-/// ask up to 16 as a [`Handful`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
+/// ask up to 16 as a [`SmallSet`], for eight rays at a time. Answers and [`Counters`](crate::Counters) are those of
 /// [`brute_force`], to the last bit and the last test; what structures among the primitives count by themselves is less in batches.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
@@ -55,9 +55,9 @@ impl Linear {
     }
 
     /// All primitives, where they are few and no list of spheres.
-    fn handful(&self) -> Option<Handful> {
-        let are_few = self.spheres.is_none() && self.primitives as usize <= Handful::MOST;
-        are_few.then(|| Handful::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
+    fn small_set(&self) -> Option<SmallSet> {
+        let are_few = self.spheres.is_none() && self.primitives as usize <= SmallSet::CAPACITY;
+        are_few.then(|| SmallSet::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
     }
 }
 
@@ -87,7 +87,7 @@ impl Accelerator for Linear {
         probe: &mut S,
     ) -> Option<Hit> {
         match &self.spheres {
-            Some(spheres) => spheres.closest(primitives, ray, span, probe),
+            Some(spheres) => spheres.trace(primitives, ray, span, probe),
             None => brute_force::closest(primitives, ray, span, probe),
         }
     }
@@ -95,7 +95,7 @@ impl Accelerator for Linear {
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match &self.spheres {
-            Some(spheres) => spheres.occluded(primitives, ray, span, probe),
+            Some(spheres) => spheres.trace(primitives, ray, span, probe),
             None => brute_force::occluded(primitives, ray, span, probe),
         }
     }
@@ -107,8 +107,8 @@ impl Accelerator for Linear {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        if let Some(handful) = self.handful() {
-            return handful.closest_batch(primitives, rays, hits, probe);
+        if let Some(small_set) = self.small_set() {
+            return small_set.closest_batch(primitives, rays, hits, probe);
         }
         for ((ray, span), hit) in rays.iter().zip(hits) {
             *hit = self.closest(primitives, ray, *span, probe);
@@ -122,8 +122,8 @@ impl Accelerator for Linear {
         blocked: &mut [bool],
         probe: &mut S,
     ) {
-        if let Some(handful) = self.handful() {
-            return handful.occluded_batch(primitives, rays, blocked, probe);
+        if let Some(small_set) = self.small_set() {
+            return small_set.occluded_batch(primitives, rays, blocked, probe);
         }
         for ((ray, span), blocked) in rays.iter().zip(blocked) {
             *blocked = self.occluded(primitives, ray, *span, probe);
@@ -169,7 +169,7 @@ impl AcceleratorQueries for Linear {
             return Err(ValidationError::Count { built: self.primitives, given: primitives.len() });
         }
         match &self.spheres {
-            Some(spheres) => spheres.check(primitives),
+            Some(spheres) => spheres.validate(primitives),
             None => Ok(()),
         }
     }

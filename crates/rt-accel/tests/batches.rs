@@ -7,7 +7,7 @@ mod soup;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use rt_accel::wide::{Handful, SimdLevel};
+use rt_accel::wide::{SimdLevel, SmallSet};
 use rt_accel::{
     Aabb, Accelerator, AcceleratorQueries, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, Linear, NoProbe,
     PrimitiveGeometry, Primitives, Probe, Ray, SphereKernel, WideBvh, brute_force,
@@ -269,7 +269,7 @@ fn handfuls_answer_and_count_as_brute_force() {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
     for round in 0..60 {
-        let n = 1 + draw.below(Handful::MOST);
+        let n = 1 + draw.below(SmallSet::CAPACITY);
         let pool = match round % 4 {
             0 => Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect(),
             1 => Soup::facets(draw).0,
@@ -288,8 +288,8 @@ fn handfuls_answer_and_count_as_brute_force() {
         let smaller = Soup(chosen.iter().map(|&index| soup.0[index as usize]).collect());
         let rays = with_odd_ones(bundles(&soup, 1000, draw), draw);
         for level in levels() {
-            let all = Handful::new(0..n as u32).unwrap().with_level(level);
-            let some = Handful::new(chosen.iter().rev().copied()).unwrap().with_level(level);
+            let all = SmallSet::new(0..n as u32).unwrap().with_level(level);
+            let some = SmallSet::new(chosen.iter().rev().copied()).unwrap().with_level(level);
             let linear = Linear::build(&soup).unwrap().with_level(level);
             let mut counted = [Counters::default(); 3];
             let (mut expected, mut expected_of_some) = (Counters::default(), Counters::default());
@@ -331,7 +331,7 @@ fn handfuls_answer_and_count_as_brute_force() {
         }
     }
     assert!(n_hits > 10_000, "{n_hits} hits");
-    assert!(Handful::new(0..=Handful::MOST as u32).is_none());
+    assert!(SmallSet::new(0..=SmallSet::CAPACITY as u32).is_none());
 }
 
 /// A set of which some are structures themselves, some block nothing, and hits are named by instances.
@@ -417,7 +417,7 @@ fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts
         let scale = draw.pick(&[1.0, 1e-3, 1e12]);
         let offset = DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]);
         let pool = Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect::<Vec<_>>();
-        let soups: Vec<Soup> = (0..1 + draw.below(Handful::MOST))
+        let soups: Vec<Soup> = (0..1 + draw.below(SmallSet::CAPACITY))
             .map(|_| {
                 let n = draw.pick(&[1, 1, 30]);
                 Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded().scaled(scale).moved(offset)
@@ -437,7 +437,7 @@ fn compare_yards<T: AcceleratorQueries>(seed: u64, build: fn(&Soup) -> T, counts
         let everything = Soup(soups.iter().flat_map(|soup| soup.0.clone()).collect());
         let rays = with_odd_ones(bundles(&everything, 600, draw), draw);
         for level in levels() {
-            let handful = Handful::new(0..yard.len() as u32).unwrap().with_level(level);
+            let handful = SmallSet::new(0..yard.len() as u32).unwrap().with_level(level);
             let wide = WideBvh::build(&yard).unwrap().with_level(level);
             let [mut counted, mut expected] = [Counters::default(); 2];
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
@@ -493,7 +493,7 @@ fn packets_go_into_structures_together() {
         .collect();
     for level in levels() {
         let tree = WideBvh::build(&yard).unwrap().with_level(level);
-        let handful = Handful::new(0..12).unwrap().with_level(level);
+        let handful = SmallSet::new(0..12).unwrap().with_level(level);
         // A batch of four is a packet of four.
         for (wide, together) in [(true, rays.len()), (true, 4), (false, rays.len())] {
             yard.n_asked.store(0, Ordering::Relaxed);
@@ -554,7 +554,7 @@ fn lanes_without_a_ray_do_nothing() {
 fn rays_beyond_the_answers_are_left_alone() {
     let soup = Soup::spheres(5, &mut Draw::new(3)).rounded();
     let rays = bundles(&soup, 20, &mut Draw::new(4));
-    let handful = Handful::new(0..5).unwrap();
+    let handful = SmallSet::new(0..5).unwrap();
     for n in 0..20 {
         let mut hits = vec![None; n];
         handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
@@ -585,7 +585,7 @@ fn hits_on_a_sliver_do_not_depend_on_the_rays_beside() {
     let beside =
         Ray::new(DVec3::new(2.694728059667251, 2.121473740525947, -0.0030527670320567414), DVec3::new(-0.5, 1.0, -0.6));
     for level in levels() {
-        let handful = Handful::new([0]).unwrap().with_level(level);
+        let handful = SmallSet::new([0]).unwrap().with_level(level);
         let rays: Vec<_> = (0..8).map(|i| (if i == 3 { sliver } else { beside }, Interval::FORWARD)).collect();
         let mut hits = vec![None; 8];
         handful.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
@@ -651,7 +651,7 @@ fn lanes_leave_little_to_be_decided_ray_by_ray() {
         rays.push((Ray::new(other.centre + draw.point() * 0.4, draw.point()), Interval::SPAWNED));
     }
     for level in levels() {
-        let handful = Handful::new(0..4).unwrap().with_level(level);
+        let handful = SmallSet::new(0..4).unwrap().with_level(level);
         let busy = Busy(&soup, AtomicU32::new(0));
         let mut hits = vec![None; rays.len()];
         handful.closest_batch(&busy, &rays, &mut hits, &mut NoProbe);

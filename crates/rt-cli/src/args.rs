@@ -12,11 +12,13 @@ mod raw_options;
 mod stop;
 mod values;
 
+#[cfg(feature = "view")]
+use std::net::IpAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use rt_image::ImageFormat;
-use rt_scene_io::{InMemoryFile, Reason, StudioLights};
+use rt_scene_io::{InMemoryFile, LoadErrorKind, StudioLights};
 
 pub(crate) use checkpoint::{CheckpointArgs, CheckpointInterval};
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
@@ -27,6 +29,8 @@ pub(crate) use memory::{Amount, MemoryArgs};
 pub(crate) use merge::MergeArgs;
 pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 pub(crate) use stop::{Aov, AovArg, StopArgs};
+#[cfg(feature = "view")]
+pub(crate) use values::TONE_CURVES;
 pub(crate) use values::{tone_name, tone_of_name};
 
 /// Name of an enum value on the command line.
@@ -61,9 +65,9 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Render a scene or model to an image
     Render(Box<RenderArgs>),
-    /// Look at a scene in a window, move around in it, and ask what is where
+    /// View a scene in the browser: move the camera, pick objects, watch the error fall
     #[cfg(feature = "view")]
-    View(Box<WindowArgs>),
+    View(Box<BrowserArgs>),
     /// Print the render plan: used and removed features with reasons, predicted memory
     Explain(ExplainArgs),
     /// Check the numerical health of a scene: sizes, transforms, meshes, glass, precision
@@ -143,7 +147,7 @@ pub(crate) struct RenderArgs {
 /// Arguments of `view`.
 #[cfg(feature = "view")]
 #[derive(Debug, Args)]
-pub(crate) struct WindowArgs {
+pub(crate) struct BrowserArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
@@ -156,6 +160,21 @@ pub(crate) struct WindowArgs {
     /// Set the number of threads [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Running")]
     pub(crate) threads: Option<u16>,
+
+    /// Serve the page at this port; 0 for any free one
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Server")]
+    pub(crate) port: u16,
+
+    /// Listen on this address; all but loopback addresses open the view to the network
+    ///
+    /// Whoever knows the printed address, token included, sees the scene and steers the render, and the connection is not
+    /// encrypted. From another machine, a forwarded port is safer: `ssh -t -L 8080:localhost:8080 HOST` and `--port 8080`.
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Server")]
+    pub(crate) bind: IpAddr,
+
+    /// Print the address, and do not open it in the browser
+    #[arg(long, help_heading = "Server")]
+    pub(crate) no_open: bool,
 }
 
 #[derive(Debug, Args)]
@@ -353,5 +372,5 @@ pass. `shading` counts the work of materials. `seconds` are wall-clock times. Co
 
 /// Message for an unknown word, with the nearest known one.
 fn unknown_word(kind: &'static str, found: &str, known: Vec<String>) -> String {
-    Reason::UnknownWord { kind, found: found.to_owned(), known }.to_string()
+    LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known }.to_string()
 }

@@ -1,6 +1,8 @@
 //! Errors of the commands, and their exit codes.
 
 use std::io;
+#[cfg(feature = "view")]
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -69,10 +71,10 @@ pub(crate) enum CliError {
         saved(.image.as_deref()), retry(.checkpoint)
     )]
     Lost { tiles: usize, image: Option<PathBuf>, checkpoint: Option<Result<PathBuf, String>> },
-    /// No window system, or one that refuses.
+    /// The server of `view` cannot listen.
     #[cfg(feature = "view")]
-    #[error("no window can be opened: {0}; `render` needs none")]
-    Window(String),
+    #[error("cannot listen on {0}: {1}; choose another --port or --bind")]
+    Server(SocketAddr, io::Error),
     #[error("standard output cannot be written: {0}")]
     Stdout(io::Error),
     /// An image that shows nothing, with `--strict`.
@@ -87,15 +89,6 @@ pub(crate) enum CliError {
 }
 
 impl CliError {
-    /// Error of the window system.
-    #[cfg(feature = "view")]
-    pub(crate) fn window(reason: &impl std::fmt::Display) -> Self {
-        // Drop the source line of the window library.
-        let reason = reason.to_string();
-        let said = reason.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map(|(_, said)| said);
-        Self::Window(said.unwrap_or(&reason).trim_end_matches('.').to_owned())
-    }
-
     /// Error of the plan, or a usage error if only an option can cause it.
     pub(crate) fn plan(file: &Path, source: RenderError) -> Self {
         match source {
@@ -121,7 +114,7 @@ impl CliError {
             Self::Artifact(_) | Self::Join(_) | Self::Memory { .. } => 3,
             Self::Output(_) | Self::Outputs(_) | Self::Stdout(_) => 4,
             #[cfg(feature = "view")]
-            Self::Window(_) => 4,
+            Self::Server(..) => 4,
             Self::Damaged { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
             Self::Interrupted { .. } => signals::EXIT_CODE,
         })

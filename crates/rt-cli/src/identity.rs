@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use rt_scene_io::Reason;
+use rt_scene_io::{InputHashes, LoadErrorKind};
 use serde::{Deserialize, Serialize};
 
 use crate::args::{InputArgs, PictureArgs};
@@ -20,12 +20,17 @@ const BLOCK: usize = 1 << 24;
 pub(crate) struct Identity([u8; 32]);
 
 impl Identity {
-    /// Identity of an image with these options and input files. Files are named relative to the scene, so that each machine may
-    /// have its own directory.
-    pub(crate) fn new(input: &InputArgs, picture: &PictureArgs, files: &[PathBuf]) -> Result<Self, CliError> {
+    /// Identity of an image with these options and input files, some with `known` hashes. Files are named relative to the scene, so
+    /// that each machine may have its own directory.
+    pub(crate) fn new(
+        input: &InputArgs,
+        picture: &PictureArgs,
+        files: &[PathBuf],
+        known: &InputHashes,
+    ) -> Result<Self, CliError> {
         let folder = input.scene.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_default();
-        let named = files.iter().map(|file| Ok((name_in(&folder, file), hash_of(file)?)));
+        let named = files.iter().map(|file| Ok((name_in(&folder, file), hash_of(file, known)?)));
         let mut named = named.collect::<Result<Vec<_>, CliError>>()?;
         named.sort_unstable();
         named.dedup();
@@ -38,7 +43,7 @@ impl Identity {
         add(choices(input, picture).as_bytes());
         // The environment image may also be a texture of the scene.
         add(input.piped.as_ref().map_or(&[][..], |piped| &piped.bytes));
-        add(&picture.env.as_deref().map_or(Ok(Vec::new()), |file| hash_of(file).map(Vec::from))?);
+        add(&picture.env.as_deref().map_or(Ok(Vec::new()), |file| hash_of(file, known).map(Vec::from))?);
         for (name, hash) in &named {
             add(name.as_bytes());
             add(hash);
@@ -65,12 +70,21 @@ fn name_in(folder: &Path, file: &Path) -> String {
     file.strip_prefix(folder).unwrap_or(&file).to_string_lossy().into_owned()
 }
 
-fn hash_of(file: &Path) -> Result<[u8; 32], CliError> {
-    let failed = |error: std::io::Error| CliError::from(Reason::Io(error).at(file, ""));
-    let mut hasher = blake3::Hasher::new();
-    if is_dash(file) {
-        return Ok(*hasher.update_rayon(&stdin::content(None)?).finalize().as_bytes());
+/// Hash of the content of a file that has been read.
+pub(crate) fn hash_bytes(bytes: &[u8]) -> [u8; 32] {
+    *blake3::Hasher::new().update_rayon(bytes).finalize().as_bytes()
+}
+
+/// Hash of a file: the known one, or else that of its present content.
+fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], CliError> {
+    if let Some(hash) = known.get(file) {
+        return Ok(hash);
     }
+    let failed = |error: std::io::Error| CliError::from(LoadErrorKind::Io(error).at(file, ""));
+    if is_dash(file) {
+        return Ok(hash_bytes(&stdin::content(None)?));
+    }
+    let mut hasher = blake3::Hasher::new();
     let mut reader = File::open(file).map_err(failed)?;
     let mut block = Vec::new();
     while reader.by_ref().take(BLOCK as u64).read_to_end(&mut block).map_err(failed)? > 0 {
@@ -139,7 +153,7 @@ mod tests {
             panic!("a render")
         };
         let files = [scene, folder.join("model.obj")];
-        Identity::new(&args.input, &args.picture, &files).expect("readable")
+        Identity::new(&args.input, &args.picture, &files, &InputHashes::default()).expect("readable")
     }
 
     #[test]

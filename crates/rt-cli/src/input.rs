@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rt_math::Rgb;
-use rt_scene_io::{Background, InMemoryFile, LoadOptions, MemoryBudget, Scene, Warning, load, read_environment};
+use rt_scene_io::{
+    Background, InMemoryFile, InputHashes, LoadOptions, MemoryBudget, Scene, Warning, load, read_environment,
+};
 
 use crate::args::{BackgroundChoice, InputArgs, PictureArgs};
 use crate::console::Console;
 use crate::error::CliError;
+use crate::identity::hash_bytes;
 use crate::stdin::{self, is_dash};
 
 /// Maximum number of warnings that are printed.
@@ -32,6 +35,7 @@ pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Con
         options.size = picture.size;
         options.integrator = picture.integrator;
         options.has_environment = picture.env.is_some();
+        options.input_hashes = InputHashes::new(hash_bytes);
         if let Some(BackgroundChoice::Color(color)) = picture.background {
             options.background = Some(color);
         }

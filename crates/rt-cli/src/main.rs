@@ -10,7 +10,7 @@
 //! rt-cli                                  renders the built-in scene to showcase.png
 //! rt-cli scene.ron                        same as rt-cli render scene.ron
 //! rt-cli render scene.ron -o image.exr    also reads .json, .gltf, .glb, .obj, .nff, .pbrt, .ply, .stl; writes .png, .jpg, .hdr, .pfm
-//! rt-cli view scene.ron                   interactive view
+//! rt-cli view scene.ron                   interactive view in the browser
 //! rt-cli explain scene.ron                prints the render plan: used and removed features, with reasons
 //! rt-cli check scene.ron                  checks the numerical health of a scene
 //! rt-cli merge *.part -o image.exr        joins the parts of a distributed render

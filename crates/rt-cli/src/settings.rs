@@ -4,7 +4,7 @@ use rt_camera::{CameraSettings, Projection};
 use rt_image::Development;
 use rt_math::{DVec3, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::{Adaptive, Background, Integrator, Reason, Scene};
+use rt_scene_io::{Adaptive, Background, Integrator, LoadErrorKind, Scene};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 use crate::error::CliError;
@@ -137,7 +137,7 @@ fn find_camera(name: Option<&str>, scene: &Scene) -> Result<usize, CliError> {
     let Some(name) = name else { return Ok(0) };
     scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
         let known = scene.cameras.iter().map(|camera| camera.name.clone()).collect();
-        CliError::Usage(Reason::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
+        CliError::Usage(LoadErrorKind::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
     })
 }
 

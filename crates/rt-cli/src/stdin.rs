@@ -5,7 +5,7 @@ use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use rt_scene_io::{InMemoryFile, Reason, limits};
+use rt_scene_io::{InMemoryFile, LoadErrorKind, limits};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -31,17 +31,17 @@ pub(crate) fn content(max_bytes: Option<u64>) -> Result<Arc<[u8]>, CliError> {
     if io::stdin().is_terminal() {
         return Err(CliError::Usage("standard input is a terminal: pipe a file into it, or name one".to_owned()));
     }
-    let failed = |reason: Reason| CliError::from(reason.at(Path::new("standard input"), ""));
+    let failed = |reason: LoadErrorKind| CliError::from(reason.at(Path::new("standard input"), ""));
     let limit = max_bytes.unwrap_or(limits::FILE_BYTES);
     let mut bytes = Vec::new();
     let read = io::stdin().lock().take(limit.saturating_add(1)).read_to_end(&mut bytes);
     read.map_err(|error| failed(error.into()))?;
     let value = bytes.len() as u64;
     if value == 0 {
-        return Err(failed(Reason::Empty));
+        return Err(failed(LoadErrorKind::Empty));
     }
     if value > limit {
-        return Err(failed(Reason::TooLarge { what: "the size in bytes", value, limit }));
+        return Err(failed(LoadErrorKind::TooLarge { what: "the size in bytes", value, limit }));
     }
     Ok(CONTENT.get_or_init(|| bytes.into()).clone())
 }

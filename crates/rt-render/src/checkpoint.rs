@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, RenderError, Statistics, StopRule,
+    ContentError, RenderError, Statistics, StopRule, observer,
     part::{Frame, Part, Share, decode_unchecked},
     progressive::PassState,
 };
@@ -52,6 +52,14 @@ impl<'de> Deserialize<'de> for Checkpoint {
 }
 
 impl Checkpoint {
+    /// Copy of the state of a render.
+    pub(crate) fn of(state: observer::State<'_>) -> Self {
+        Self(match state {
+            observer::State::Tiles(part) => State::Tiles(part.clone()),
+            observer::State::Passes(passes) => State::Passes(passes.clone()),
+        })
+    }
+
     /// Checks every number that a file may have got wrong. Whether it is of the same picture is checked when a render goes on.
     ///
     /// # Errors

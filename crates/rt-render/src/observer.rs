@@ -4,7 +4,7 @@ use rt_image::Image;
 use serde::Serialize;
 
 use crate::{
-    Crop, Progress,
+    Checkpoint, Crop, ErrorEstimate, Progress,
     part::{Frame, Part, TilePixels},
     progressive::PassState,
     tiles::Tile,
@@ -35,6 +35,13 @@ pub struct RenderSnapshot<'a> {
 /// What a render can go on from, to be written down; it is read as a [`Checkpoint`](crate::Checkpoint).
 #[derive(Clone, Copy, Serialize)]
 pub struct Kept<'a>(pub(crate) State<'a>);
+
+impl Kept<'_> {
+    /// Copy that a render can go on from.
+    pub fn to_checkpoint(&self) -> Checkpoint {
+        Checkpoint::of(self.0)
+    }
+}
 
 /// What there is of the picture.
 #[derive(Clone, Copy, Serialize)]
@@ -72,6 +79,15 @@ impl RenderSnapshot<'_> {
         match self.state {
             State::Tiles(part) => part.film(),
             State::Passes(passes) => passes.film(),
+        }
+    }
+
+    /// Estimated error of the picture after the last pass over all of it; `None` before the second pass, for a render tile by tile,
+    /// and where all passes are the same.
+    pub fn error(&self) -> Option<ErrorEstimate> {
+        match self.state {
+            State::Passes(passes) if passes.frame.passes_differ => passes.error.estimate(),
+            State::Passes(_) | State::Tiles(_) => None,
         }
     }
 

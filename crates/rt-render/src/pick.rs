@@ -14,6 +14,8 @@ pub struct PickResult {
     pub object: Vec<String>,
     /// Name of the material.
     pub material: String,
+    /// Ray parameter of the point; for camera rays, its depth along the view axis.
+    pub t: f64,
     /// Distance of the point from where the ray starts: the pinhole, the centre of the lens, or the camera plane of parallel
     /// rays; in world units.
     pub distance: f64,
@@ -56,6 +58,7 @@ impl RenderPlan<'_> {
         Some(PickResult {
             object: names(&hit)?,
             material: material.map_or_else(String::new, |material| material.name.clone()),
+            t: surface.t,
             distance: surface.t * ray.direction.length(),
             point: surface.interaction.point + self.origin,
             normal: surface.interaction.shading_normal,

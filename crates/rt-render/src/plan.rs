@@ -219,7 +219,7 @@ impl<'s> RenderPlan<'s> {
         if let (Integrator::Distributed, Some(lamp)) = (settings.integrator, moving_lamp(scene, &top, &levels)) {
             return Err(RenderError::MovingLamp(lamp));
         }
-        let emitters = if settings.integrator.draws_lights() {
+        let emitters = if settings.integrator.samples_area_lights() {
             emitters(scene, &mut top, &mut levels)
         } else {
             EmitterSet::default()

@@ -83,7 +83,7 @@ pub(crate) struct PassState {
     /// Wall-clock seconds that the last pass took for a sample.
     seconds_per_sample: f64,
     /// Error of the picture after the last pass.
-    error: ErrorSums,
+    pub(crate) error: ErrorSums,
     /// Numbers of the tiles in which a worker failed.
     lost: Vec<u32>,
 }

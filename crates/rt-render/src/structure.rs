@@ -1,6 +1,6 @@
 //! Which acceleration structure, and why.
 
-use rt_accel::wide::{Handful, Quality, SimdLevel};
+use rt_accel::wide::{Quality, SimdLevel, SmallSet};
 use rt_accel::{AcceleratorKind, AnyAccelerator, BuildError};
 use rt_geometry::{PrimitiveGeometry, Primitives};
 use rt_scene_io::Accel;
@@ -9,7 +9,7 @@ use rt_scene_io::Accel;
 pub(crate) const FEW: usize = 8;
 
 /// The same of primitives that are all spheres, which are asked for many rays at once.
-pub(crate) const FEW_SPHERES: usize = Handful::MOST;
+pub(crate) const FEW_SPHERES: usize = SmallSet::CAPACITY;
 
 /// True for primitives of which asking each is faster than walking a tree.
 pub(crate) fn are_few<P: Primitives>(primitives: &P, mut indices: impl ExactSizeIterator<Item = u32>) -> bool {

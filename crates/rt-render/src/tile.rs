@@ -1,6 +1,6 @@
 //! A tile of the image, from samples to pixels.
 
-use rt_accel::{AnyAccelerator, wide::Handful};
+use rt_accel::{AnyAccelerator, wide::SmallSet};
 use rt_camera::SampleStream;
 use rt_geometry::{Counters, Hit, NoProbe, Probe, RayCounts};
 use rt_math::{Ray, Rgb};
@@ -255,7 +255,7 @@ impl RenderPlan<'_> {
     }
 
     /// What the camera rays of the tile can meet, if that is little.
-    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> Option<Handful> {
+    fn few_in<W: Surfaces>(&self, tile: Tile, world: &W, structure: &AnyAccelerator) -> Option<SmallSet> {
         let Tile { x, y, width, height } = tile;
         let volume = self.narrows.then(|| self.view_volume(Crop { x, y, width, height }))?;
         let few = visible::few(world, structure, self.visible.as_ref(), &volume)?;

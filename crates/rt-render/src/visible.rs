@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use rt_accel::{Accelerator, AcceleratorQueries as _, AnyAccelerator, BuildError, Region, wide::Handful};
+use rt_accel::{Accelerator, AcceleratorQueries as _, AnyAccelerator, BuildError, Region, wide::SmallSet};
 use rt_camera::ViewVolume;
 use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, padded_bounds};
 use rt_math::{Aabb, DVec3, Interval, Ray};
@@ -85,7 +85,7 @@ pub(crate) fn few<P: Primitives>(
     structure: &AnyAccelerator,
     wider: Option<&Visible>,
     volume: &ViewVolume,
-) -> Option<Handful> {
+) -> Option<SmallSet> {
     let mut indices = [0; FEW_SPHERES];
     let mut len = 0;
     let mut note = |index: u32| match indices.get_mut(len) {
@@ -108,7 +108,7 @@ pub(crate) fn few<P: Primitives>(
         }
     }
     let indices = indices.get(..len)?.iter().copied();
-    if are_few(primitives, indices.clone()) { Handful::new(indices) } else { None }
+    if are_few(primitives, indices.clone()) { SmallSet::new(indices) } else { None }
 }
 
 /// What camera rays are asked of.
@@ -119,7 +119,7 @@ pub(crate) enum InView<'v> {
     /// What the picture shows of it.
     Part(&'v Visible),
     /// What a tile shows of it.
-    Few(&'v Handful),
+    Few(&'v SmallSet),
 }
 
 impl InView<'_> {

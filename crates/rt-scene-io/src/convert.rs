@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 
-use crate::bare::{material, physical_material};
+use crate::default_scene::{material, physical_material};
+use crate::error::ErrorAt;
 use crate::format::{Background, ColorTexture, Material, Node, NodeMaterial, SceneFile};
-use crate::load::{ending, load_bare, read_scene_file};
+use crate::load::{extension, load_standalone_model, read_scene_file};
 use crate::options::folder_of;
-use crate::{LoadError, LoadOptions, Reason, Scene, Warning, resolve, resolve_path};
+use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, Warning, resolve, resolve_path};
 
 /// What [`convert`] makes.
 #[derive(Clone, Debug, Default)]
@@ -30,10 +31,10 @@ pub struct Converted {
 /// # Errors
 /// Everything that is wrong with the input, or an output of another format or in a folder that does not exist.
 pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Converted, LoadError> {
-    let is_json = match ending(output).as_str() {
+    let is_json = match extension(output).as_str() {
         "ron" => false,
         "json" => true,
-        _ => return Err(Reason::UnknownFormat { known: ".ron, .json" }.at(output, "")),
+        _ => return Err(LoadErrorKind::UnknownFormat { known: ".ron, .json" }.at(output, "")),
     };
     let options = options.rooted_at(input);
     let (mut file, mut comments, warnings) = match read_scene_file(input, &options)? {
@@ -56,7 +57,7 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Con
 
 /// A scene around a model with everything written out that one may want to edit, what to say about it, and to warn of.
 fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<String>, Vec<Warning>), LoadError> {
-    let (mut file, scene) = load_bare(input, options)?;
+    let (mut file, scene) = load_standalone_model(input, options)?;
     file.name = Some(scene.name.clone());
     let left = write_materials(&mut file, &scene);
     let mut notes = scene.notes;
@@ -107,7 +108,8 @@ fn move_references(
     output: &Path,
     options: &LoadOptions,
 ) -> Result<bool, LoadError> {
-    let absolute = |path: &Path| folder_of(path).canonicalize().map_err(|error| Reason::from(error).at(path, ""));
+    let absolute =
+        |path: &Path| folder_of(path).canonicalize().map_err(|error| LoadErrorKind::from(error).at(path, ""));
     let (from, to) = (absolute(input)?, absolute(output)?);
     if from == to {
         return Ok(false);
@@ -115,7 +117,7 @@ fn move_references(
     let mut left = false;
     for reference in references(file) {
         let found = resolve_path(reference, input, options).and_then(|path| Ok(path.canonicalize()?));
-        let path = relative(&to, &found.map_err(|reason| reason.at(input, reference.as_str()))?);
+        let path = relative(&to, &found.at(input, reference.as_str())?);
         left |= path.starts_with("..");
         *reference = path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/");
     }

@@ -10,34 +10,34 @@ use rt_math::TransformError;
 
 use crate::MemoryError;
 use crate::excerpt::Excerpt;
-use crate::one_line::OneLine;
+use crate::sanitize::SingleLine;
 use crate::texture::TextureError;
 
-/// Everything that is wrong with a scene or model: at least one [`Problem`]. Each is printed on a line of its own, with the
+/// Everything that is wrong with a scene or model: at least one [`Diagnostic`]. Each is printed on a line of its own, with the
 /// line of the file below it where that is known.
 #[derive(Debug)]
 pub struct LoadError {
-    problems: Vec<Problem>,
+    diagnostics: Vec<Diagnostic>,
 }
 
 /// One thing that is wrong, and where.
 #[derive(Debug, thiserror::Error)]
-#[error("{}{}", OneLine(format_args!("{file}{place}: {reason}")), excerpt.as_ref().map_or_else(String::new, |excerpt| format!("\n{excerpt}")))]
-pub struct Problem {
+#[error("{}{}", SingleLine(format_args!("{file}{location}: {kind}")), excerpt.as_ref().map_or_else(String::new, |excerpt| format!("\n{excerpt}")))]
+pub struct Diagnostic {
     /// The file, as the user named it.
     pub file: String,
     /// Where in the file.
-    pub place: Place,
+    pub location: Location,
     /// What is wrong and what to do about it.
     #[source]
-    pub reason: Reason,
+    pub kind: LoadErrorKind,
     /// The line of the file, if its text is at hand.
     pub excerpt: Option<Excerpt>,
 }
 
 /// A place in a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// The file as a whole.
     #[default]
     File,
@@ -52,7 +52,7 @@ pub enum Place {
 /// What is wrong. Each message holds the offending value, the rule, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Reason {
+pub enum LoadErrorKind {
     /// The operating system refuses.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
@@ -135,8 +135,8 @@ pub enum Reason {
     /// Groups that contain each other.
     #[error("groups contain each other: {}; remove one of the instances", .0.join(" -> "))]
     Cycle(Vec<String>),
-    /// More problems than are shown.
-    #[error("{0} more problems; mend these first")]
+    /// Errors beyond the number that is shown.
+    #[error("{0} more errors; fix these first")]
     More(usize),
     /// Something valid that this program does not do.
     #[error("{0} is not supported")]
@@ -161,47 +161,52 @@ pub enum Reason {
     Texture(#[from] TextureError),
 }
 
-impl Reason {
+impl LoadErrorKind {
     /// A value that breaks a rule; the message reads "value rule".
     pub fn invalid(value: impl fmt::Display, rule: impl Into<String>) -> Self {
         Self::Invalid { value: value.to_string(), rule: rule.into() }
     }
 
-    /// This reason at a place in a file.
-    pub fn at(self, file: &Path, place: impl Into<Place>) -> LoadError {
-        let problem = Problem { file: file.display().to_string(), place: place.into(), reason: self, excerpt: None };
-        LoadError { problems: vec![problem] }
+    /// A quantity beyond one of the [`limits`](crate::limits).
+    pub(crate) const fn too_large(what: &'static str, value: u64, limit: u64) -> Self {
+        Self::TooLarge { what, value, limit }
+    }
+
+    /// This error at a location of a file.
+    pub fn at(self, file: &Path, location: impl Into<Location>) -> LoadError {
+        let (file, location) = (file.display().to_string(), location.into());
+        LoadError { diagnostics: vec![Diagnostic { file, location, kind: self, excerpt: None }] }
     }
 }
 
 impl LoadError {
-    /// All of the problems as one error; `None` if there is none.
-    pub fn from_problems(problems: Vec<Problem>) -> Option<Self> {
-        (!problems.is_empty()).then_some(Self { problems })
+    /// All of the diagnostics as one error; `None` if there is none.
+    pub fn from_diagnostics(diagnostics: Vec<Diagnostic>) -> Option<Self> {
+        (!diagnostics.is_empty()).then_some(Self { diagnostics })
     }
 
-    /// The problems, in the order in which they were met; at least one.
-    pub fn problems(&self) -> &[Problem] {
-        &self.problems
+    /// The diagnostics, in the order in which they were met; at least one.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
     }
 
-    /// The problems, to add to others.
-    pub fn into_problems(self) -> Vec<Problem> {
-        self.problems
+    /// The diagnostics, to add to others.
+    pub fn into_diagnostics(self) -> Vec<Diagnostic> {
+        self.diagnostics
     }
 }
 
-impl From<Problem> for LoadError {
-    fn from(problem: Problem) -> Self {
-        Self { problems: vec![problem] }
+impl From<Diagnostic> for LoadError {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self { diagnostics: vec![diagnostic] }
     }
 }
 
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, problem) in self.problems.iter().enumerate() {
+        for (i, diagnostic) in self.diagnostics.iter().enumerate() {
             let line_break = if i == 0 { "" } else { "\n" };
-            write!(f, "{line_break}{problem}")?;
+            write!(f, "{line_break}{diagnostic}")?;
         }
         Ok(())
     }
@@ -209,7 +214,7 @@ impl fmt::Display for LoadError {
 
 impl std::error::Error for LoadError {}
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -220,15 +225,49 @@ impl fmt::Display for Place {
     }
 }
 
-impl From<String> for Place {
+impl From<String> for Location {
     fn from(path: String) -> Self {
         if path.is_empty() { Self::File } else { Self::Path(path) }
     }
 }
 
-impl From<&str> for Place {
+impl From<&str> for Location {
     fn from(path: &str) -> Self {
         path.to_owned().into()
+    }
+}
+
+/// Adds the location to an error.
+pub(crate) trait ErrorAt<T> {
+    fn at(self, file: &Path, location: impl Into<Location>) -> Result<T, LoadError>;
+}
+
+impl<T, E: Into<LoadErrorKind>> ErrorAt<T> for Result<T, E> {
+    fn at(self, file: &Path, location: impl Into<Location>) -> Result<T, LoadError> {
+        self.map_err(|error| error.into().at(file, location))
+    }
+}
+
+/// An error in a line of a text whose file name is not known yet.
+#[cfg(any(feature = "nff", feature = "obj", feature = "pbrt"))]
+#[derive(Debug)]
+pub(crate) struct LineError {
+    /// Counted from 1.
+    pub(crate) line: usize,
+    pub(crate) kind: LoadErrorKind,
+}
+
+#[cfg(any(feature = "nff", feature = "obj", feature = "pbrt"))]
+impl LineError {
+    /// A value that breaks a rule.
+    pub(crate) fn new(line: usize, value: impl fmt::Display, rule: impl Into<String>) -> Self {
+        Self { line, kind: LoadErrorKind::invalid(value, rule) }
+    }
+
+    /// This error in a file.
+    pub(crate) fn in_file(self, file: &Path) -> Diagnostic {
+        let Self { line, kind } = self;
+        Diagnostic { file: file.display().to_string(), location: Location::Line(line), kind, excerpt: None }
     }
 }
 
@@ -263,17 +302,17 @@ mod tests {
 
     #[test]
     fn a_problem_names_file_place_value_and_rule() {
-        let error = Reason::invalid(-1.0, "is not a positive radius").at(Path::new("a/b.ron"), "nodes[2].shape");
+        let error = LoadErrorKind::invalid(-1.0, "is not a positive radius").at(Path::new("a/b.ron"), "nodes[2].shape");
         assert_eq!(error.to_string(), "a/b.ron: nodes[2].shape: -1 is not a positive radius");
-        let error = Reason::Syntax("expected `)`".to_owned()).at(Path::new("b.ron"), Place::Position(3, 7));
+        let error = LoadErrorKind::Syntax("expected `)`".to_owned()).at(Path::new("b.ron"), Location::Position(3, 7));
         assert_eq!(error.to_string(), "b.ron:3:7: expected `)`");
-        assert_eq!(Reason::Empty.at(Path::new("b.ron"), "").to_string(), "b.ron: is empty");
+        assert_eq!(LoadErrorKind::Empty.at(Path::new("b.ron"), "").to_string(), "b.ron: is empty");
     }
 
     #[test]
     fn the_nearest_word_is_suggested() {
         let known = || ["radius", "center"].map(str::to_owned).to_vec();
-        let unknown = |found: &str, known| Reason::UnknownWord { kind: "field", found: found.to_owned(), known };
+        let unknown = |found: &str, known| LoadErrorKind::UnknownWord { kind: "field", found: found.to_owned(), known };
         assert_eq!(
             unknown("raduis", known()).to_string(),
             "unknown field `raduis`; did you mean `radius`? Known are `radius`, `center`"

@@ -7,26 +7,26 @@ use std::path::{Path, PathBuf};
 use rt_shading::Bitmap;
 
 use crate::options::folder_of;
-use crate::texture::{Pixels, decode_within};
-use crate::{LoadOptions, Reason, limits};
+use crate::texture::{PixelEncoding, decode_within};
+use crate::{LoadErrorKind, LoadOptions, limits};
 
 /// Reads a regular file, or the one of `options` that is in memory. Whoever asks for it has foreseen the memory that it takes.
 ///
 /// # Errors
 /// If there is no such file, it is empty, a folder, a pipe or a device, larger than `options` allow, or cannot be read.
-pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
+pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
     let limit = options.max_file_bytes.unwrap_or(limits::FILE_BYTES);
-    let too_large = |value| Reason::TooLarge { what: "the size in bytes", value, limit };
+    let too_large = |value| LoadErrorKind::too_large("the size in bytes", value, limit);
     if let Some(bytes) = options.content_of(path) {
         return match bytes.len() as u64 {
-            0 => Err(Reason::Empty),
+            0 => Err(LoadErrorKind::Empty),
             size if size > limit => Err(too_large(size)),
             _ => Ok(bytes.to_vec()),
         };
     }
     // The kind is checked before opening: opening a pipe would wait for its writer.
     if !fs::metadata(path)?.is_file() {
-        return Err(Reason::NotAFile);
+        return Err(LoadErrorKind::NotAFile);
     }
     let file = File::open(path)?;
     let size = file.metadata()?.len();
@@ -36,11 +36,12 @@ pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> 
     let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0));
     // The limit holds even if the file grows meanwhile.
     file.take(limit).read_to_end(&mut bytes)?;
-    if bytes.is_empty() { Err(Reason::Empty) } else { Ok(bytes) }
+    options.input_hashes.record(path, &bytes);
+    if bytes.is_empty() { Err(LoadErrorKind::Empty) } else { Ok(bytes) }
 }
 
 /// Reads a file that another refers to, if the budget has room for it.
-pub(crate) fn read_beside(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
+pub(crate) fn read_referenced(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
     let size = match options.content_of(path) {
         Some(bytes) => bytes.len() as u64,
         None => fs::metadata(path).map_or(0, |metadata| metadata.len()),
@@ -53,10 +54,10 @@ pub(crate) fn read_beside(path: &Path, options: &LoadOptions) -> Result<Vec<u8>,
 ///
 /// # Errors
 /// If the bytes are such text.
-pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), Reason> {
+pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), LoadErrorKind> {
     match bytes {
-        [0xFF, 0xFE, ..] => Err(Reason::OtherEncoding("UTF-16 (little-endian)")),
-        [0xFE, 0xFF, ..] => Err(Reason::OtherEncoding("UTF-16 (big-endian)")),
+        [0xFF, 0xFE, ..] => Err(LoadErrorKind::OtherEncoding("UTF-16 (little-endian)")),
+        [0xFE, 0xFF, ..] => Err(LoadErrorKind::OtherEncoding("UTF-16 (big-endian)")),
         _ => Ok(()),
     }
 }
@@ -65,12 +66,16 @@ pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), Reason> {
 ///
 /// # Errors
 /// As [`read_file`], or if the bytes are not UTF-8.
-pub fn read_text(path: &Path, options: &LoadOptions) -> Result<String, Reason> {
-    let bytes = read_file(path, options)?;
+pub fn read_text(path: &Path, options: &LoadOptions) -> Result<String, LoadErrorKind> {
+    decode_text(read_file(path, options)?)
+}
+
+/// Decodes UTF-8 text, without its byte order mark.
+pub(crate) fn decode_text(bytes: Vec<u8>) -> Result<String, LoadErrorKind> {
     refuse_utf16(&bytes)?;
-    let text = String::from_utf8(bytes).map_err(|e| Reason::NotUtf8(e.utf8_error().valid_up_to()))?;
+    let text = String::from_utf8(bytes).map_err(|e| LoadErrorKind::NotUtf8(e.utf8_error().valid_up_to()))?;
     match text.strip_prefix('\u{feff}') {
-        Some("") => Err(Reason::Empty),
+        Some("") => Err(LoadErrorKind::Empty),
         Some(rest) => Ok(rest.to_owned()),
         None => Ok(text),
     }
@@ -80,13 +85,17 @@ pub fn read_text(path: &Path, options: &LoadOptions) -> Result<String, Reason> {
 ///
 /// # Errors
 /// As [`read_file`] and [`decode_texture`](crate::decode_texture), or if the budget has no room for it.
-pub fn read_texture(path: &Path, options: &LoadOptions) -> Result<Bitmap, Reason> {
-    read_texture_as(path, Pixels::Colours, options)
+pub fn read_texture(path: &Path, options: &LoadOptions) -> Result<Bitmap, LoadErrorKind> {
+    read_texture_as(path, PixelEncoding::Colors, options)
 }
 
 /// As [`read_texture`], of an image whose pixels may be numbers.
-pub(crate) fn read_texture_as(path: &Path, pixels: Pixels, options: &LoadOptions) -> Result<Bitmap, Reason> {
-    let bytes = read_beside(path, options)?;
+pub(crate) fn read_texture_as(
+    path: &Path,
+    pixels: PixelEncoding,
+    options: &LoadOptions,
+) -> Result<Bitmap, LoadErrorKind> {
+    let bytes = read_referenced(path, options)?;
     let what = format_args!("the texture {}", path.display());
     let _file = options.memory.reserve(what, bytes.len() as u64)?;
     decode_within(&bytes, pixels, what, &options.memory)
@@ -105,8 +114,8 @@ pub(crate) fn is_absolute(reference: &str) -> bool {
 ///
 /// # Errors
 /// If the reference is absolute, a URL, leaves the root, or names nothing.
-pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> Result<PathBuf, Reason> {
-    let bad = |rule: &str| Reason::BadReference { reference: reference.to_owned(), rule: rule.to_owned() };
+pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> Result<PathBuf, LoadErrorKind> {
+    let bad = |rule: &str| LoadErrorKind::BadReference { reference: reference.to_owned(), rule: rule.to_owned() };
     if reference.is_empty() {
         return Err(bad("is empty: name a file"));
     }
@@ -124,7 +133,7 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
     let path = folder.join(&relative);
     let found = path.canonicalize().map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => {
-            Reason::MissingReference { reference: reference.to_owned(), looked_for: path.clone() }
+            LoadErrorKind::MissingReference { reference: reference.to_owned(), looked_for: path.clone() }
         }
         _ => bad(&format!("cannot be read: {error} (looked for {})", path.display())),
     })?;

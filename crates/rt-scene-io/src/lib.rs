@@ -7,7 +7,7 @@
 //!   .ply .stl .pbrt
 //! ```
 //!
-//! **Owns** [`Scene`] and its tree of nodes, its bounds ([`Scene::bounds`], [`SceneBounds`]), the scene format ([`mod@format`]) and its JSON Schema,
+//! **Owns** [`Scene`] and its tree of nodes, its bounds ([`Scene::bounds`]), the scene format ([`mod@format`]) and its JSON Schema,
 //! the model loaders, texture decoding, the rules for files that refer to files, and the guesses that are made where
 //! a file leaves something open: camera, lights, exposure.
 //! **Does not own** shapes, materials, lights or cameras themselves, and does not know how a scene is rendered.
@@ -45,15 +45,15 @@
 
 #![forbid(unsafe_code)]
 
-#[cfg(feature = "format")]
-mod bare;
 mod bounds;
 #[cfg(feature = "format")]
-mod budget;
-#[cfg(feature = "format")]
-mod classical;
+mod build_mesh;
 #[cfg(feature = "format")]
 mod convert;
+#[cfg(feature = "format")]
+mod default_scene;
+#[cfg(feature = "format")]
+mod diagnostics;
 #[cfg(feature = "format")]
 mod environment;
 #[cfg(feature = "format")]
@@ -62,10 +62,6 @@ mod error;
 mod excerpt;
 #[cfg(feature = "format")]
 mod files;
-#[cfg(any(feature = "nff", feature = "pbrt"))]
-mod flaw;
-#[cfg(feature = "format")]
-mod forecast;
 #[cfg(feature = "format")]
 pub mod format;
 #[cfg(feature = "gltf")]
@@ -74,41 +70,40 @@ mod gltf;
 pub mod limits;
 #[cfg(feature = "format")]
 mod load;
-#[cfg(feature = "format")]
-mod mesh_build;
+mod memory;
 #[cfg(feature = "format")]
 mod model;
 #[cfg(feature = "nff")]
 mod nff;
 #[cfg(feature = "obj")]
 mod obj;
-mod one_line;
 #[cfg(feature = "format")]
 mod options;
 #[cfg(feature = "pbrt")]
 mod pbrt;
+#[cfg(feature = "format")]
+mod phong_fallback;
 #[cfg(feature = "ply")]
 mod ply;
 #[cfg(feature = "format")]
 mod resolve;
+mod sanitize;
 mod scene;
-mod scene_bounds;
-mod shortage;
 #[cfg(feature = "stl")]
 mod stl;
 #[cfg(any(feature = "gltf", feature = "obj", feature = "pbrt"))]
 mod tangents;
+#[cfg(any(feature = "nff", feature = "obj", feature = "pbrt"))]
+mod text;
 #[cfg(feature = "format")]
 mod texture;
 
-#[cfg(feature = "format")]
-pub use budget::MemoryBudget;
 #[cfg(feature = "format")]
 pub use convert::{Converted, convert};
 #[cfg(feature = "format")]
 pub use environment::read_environment;
 #[cfg(feature = "format")]
-pub use error::{LoadError, Place, Problem, Reason};
+pub use error::{Diagnostic, LoadError, LoadErrorKind, Location};
 #[cfg(feature = "format")]
 pub use excerpt::Excerpt;
 #[cfg(feature = "format")]
@@ -116,9 +111,12 @@ pub use files::{read_file, read_text, read_texture, resolve_path};
 #[cfg(feature = "format")]
 pub use load::load;
 #[cfg(feature = "format")]
+pub use memory::MemoryBudget;
+pub use memory::MemoryError;
+#[cfg(feature = "format")]
 pub use model::{Model, load_model};
 #[cfg(feature = "format")]
-pub use options::{AnimationEnd, InMemoryFile, LoadOptions, ReferencedFiles, StudioLights};
+pub use options::{AnimationEnd, InMemoryFile, InputHashes, LoadOptions, ReferencedFiles, StudioLights};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
 pub use rt_shading::emitter::LightSampling;
@@ -126,7 +124,5 @@ pub use scene::{
     Accel, Adaptive, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera,
     NamedMesh, Node, Scene, Settings, Truth, Warning,
 };
-pub use scene_bounds::{Extent, NodeBounds, SceneBounds, Tree};
-pub use shortage::MemoryError;
 #[cfg(feature = "format")]
 pub use texture::{TextureError, decode_numbers, decode_texture};

@@ -122,7 +122,7 @@ limits! {
     /// Whoever has more mends these first.
     PROBLEMS: usize = 20, Count "problems that one run lists" of "every scene and model";
     /// A file of nothing but mistakes would take long.
-    PBRT_COMPLAINTS: usize = 1000, Count "problems after which reading ends" of ".pbrt";
+    PBRT_ERRORS: usize = 1000, Count "problems after which reading ends" of ".pbrt";
 }
 
 impl fmt::Display for Amount {

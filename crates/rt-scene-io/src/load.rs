@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crate::bare::{asks_for_bounds, scene_around};
-use crate::budget::Reservation;
-use crate::forecast::reserve_scene;
+use crate::default_scene::{needs_bounds, scene_for_model};
 use crate::format::{SceneFile, parse_json, parse_ron};
+use crate::memory::Reservation;
+use crate::memory::reserve_scene;
 use crate::resolve::{resolve, resolve_with};
-use crate::{LoadError, LoadOptions, Reason, Scene, load_model, read_text};
+use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, load_model, read_text};
 
 /// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.pbrt`,
 /// `.ply`, `.stl`).
@@ -21,23 +21,24 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let options = options.rooted_at(path);
     match read_scene_file(path, &options)? {
         Some((file, _room)) => resolve(&file, path, &options),
-        None => load_bare(path, &options).map(|(_, scene)| scene),
+        None => load_standalone_model(path, &options).map(|(_, scene)| scene),
     }
 }
 
 /// A model as a scene, and the scene file that would give the same.
-pub(crate) fn load_bare(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
+pub(crate) fn load_standalone_model(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
     let model = load_model(path, options)?;
     let reference = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     // What is chosen for a model suits it as it rests, so that it is the same at all moments of an animation.
     let at_rest = match options.at_time {
-        Some(_) if asks_for_bounds(&model, options) => {
+        Some(_) if needs_bounds(&model, options) => {
             Some(load_model(path, &LoadOptions { at_time: None, ..options.clone() })?)
         }
         _ => None,
     };
-    let (mut file, mut notes) = scene_around(&model, at_rest.as_ref().unwrap_or(&model), &reference, options);
-    let mut scene = resolve_with(&mut file, path, options, Some((reference, model)))?;
+    let (mut file, mut notes) = scene_for_model(&model, at_rest.as_ref().unwrap_or(&model), &reference, options);
+    let (mut scene, fields) = resolve_with(&file, path, options, Some((reference, model)))?;
+    fields.write_to(&mut file);
     notes.append(&mut scene.notes);
     scene.notes = notes;
     Ok((file, scene))
@@ -48,18 +49,18 @@ pub(crate) fn read_scene_file(
     path: &Path,
     options: &LoadOptions,
 ) -> Result<Option<(SceneFile, Reservation)>, LoadError> {
-    let parse = match ending(path).as_str() {
+    let parse = match extension(path).as_str() {
         "ron" => parse_ron,
         "json" => parse_json,
         _ => return Ok(None),
     };
-    let fail = |reason: Reason| reason.at(path, "");
+    let fail = |reason: LoadErrorKind| reason.at(path, "");
     let room = reserve_scene(path, options).map_err(fail)?;
     let text = read_text(path, options).map_err(fail)?;
     parse(&text, path).map(|file| Some((file, room)))
 }
 
 /// The ending of a file's name in lower case.
-pub(crate) fn ending(path: &Path) -> String {
-    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }

@@ -1,10 +1,14 @@
 //! What a model file brings: pieces of a scene, numbered among themselves.
 
+use std::fmt::Display;
 use std::path::Path;
+use std::sync::Arc;
 
-use rt_shading::{Light, Material, Texture};
+use rt_geometry::TriangleMesh;
+use rt_shading::{Light, Material, Texture, TextureId};
 
-use crate::{LoadError, LoadOptions, NamedCamera, NamedMesh, Node, Reason, Warning, format};
+use crate::error::ErrorAt;
+use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Warning, format};
 
 /// The content of a file that another program wrote.
 ///
@@ -36,27 +40,50 @@ pub struct Model {
     pub notes: Vec<String>,
 }
 
-#[cfg(any(feature = "ply", feature = "stl"))]
 impl Model {
-    /// Adds a mesh in plain grey, named like the file that it makes up.
+    /// Adds a texture.
+    #[cfg(any(feature = "gltf", feature = "obj"))]
+    pub(crate) fn add_texture(&mut self, texture: Texture) -> TextureId {
+        self.textures.push(texture);
+        TextureId(self.textures.len() as u32 - 1)
+    }
+
+    /// Adds a material.
+    pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a mesh.
+    pub(crate) fn add_mesh(&mut self, name: String, mesh: TriangleMesh) -> MeshId {
+        self.meshes.push(NamedMesh { name, mesh: Arc::new(mesh) });
+        MeshId(self.meshes.len() as u32 - 1)
+    }
+
+    /// Adds a warning about a line, an object or a path in the document.
+    pub(crate) fn warn(&mut self, place: impl Display, message: impl Into<String>) {
+        self.warnings.push(Warning { place: place.to_string(), message: message.into() });
+    }
+
+    /// Adds a grey mesh with the name of its file.
+    #[cfg(any(feature = "ply", feature = "stl"))]
     pub(crate) fn set_mesh(&mut self, data: rt_geometry::MeshData, path: &Path) -> Result<(), LoadError> {
         let place = path.display().to_string();
-        let mesh = crate::mesh_build::build_mesh(data, &place, &mut self.warnings);
-        let Some(mesh) = mesh.map_err(|error| Reason::from(error).at(path, ""))? else {
-            return Err(Reason::Syntax("no triangle is left: the file has no usable faces".to_owned()).at(path, ""));
+        let mesh = crate::build_mesh::build_mesh(data, &place, &mut self.warnings);
+        let Some(mesh) = mesh.at(path, "")? else {
+            let message = "no triangle is left: the file has no usable faces";
+            return Err(LoadErrorKind::Syntax(message.to_owned()).at(path, ""));
         };
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let material = crate::MaterialId(self.materials.len() as u32);
-        self.materials.push(Material::new("default".to_owned(), rt_shading::Phong::default()));
-        let content = crate::Content::Mesh(crate::MeshId(self.meshes.len() as u32));
-        self.nodes.push(Node { name: name.clone(), ..Node::new(content, material) });
-        self.meshes.push(NamedMesh { name, mesh: std::sync::Arc::new(mesh) });
+        let material = self.add_material(Material::new("default".to_owned(), rt_shading::Phong::default()));
+        let content = crate::Content::Mesh(self.add_mesh(name.clone(), mesh));
+        self.nodes.push(Node { name, ..Node::new(content, material) });
         Ok(())
     }
 }
 
 /// The endings of the names of models that can be read, for messages.
-pub(crate) const KNOWN_ENDINGS: &str = ".obj, .gltf, .glb, .nff, .pbrt, .ply, .stl";
+pub(crate) const KNOWN_EXTENSIONS: &str = ".obj, .gltf, .glb, .nff, .pbrt, .ply, .stl";
 
 /// Loads a model by the ending of its name.
 ///
@@ -84,6 +111,6 @@ pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError
         "ply" => crate::ply::load(path, &options),
         #[cfg(feature = "stl")]
         "stl" => crate::stl::load(path, &options),
-        _ => Err(Reason::UnknownFormat { known: KNOWN_ENDINGS }.at(path, "")),
+        _ => Err(LoadErrorKind::UnknownFormat { known: KNOWN_EXTENSIONS }.at(path, "")),
     }
 }

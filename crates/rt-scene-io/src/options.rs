@@ -1,6 +1,6 @@
 //! How to load a file.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -76,6 +76,8 @@ pub struct LoadOptions {
     pub animation_end: AnimationEnd,
     /// Receives the files that loading meets beside the one that it is given.
     pub referenced: ReferencedFiles,
+    /// Receives the hashes of all files that loading reads.
+    pub input_hashes: InputHashes,
 }
 
 /// The content of a file that is not on the disk. What it refers to is looked for beside its path.
@@ -124,13 +126,42 @@ impl ReferencedFiles {
     }
 }
 
+/// Hashes of input files, computed from the bytes that loading reads, so that no file is read twice. Clones share one list.
+///
+/// The default computes none.
+#[derive(Clone, Debug, Default)]
+pub struct InputHashes {
+    hasher: Option<fn(&[u8]) -> [u8; 32]>,
+    hashes: Arc<Mutex<BTreeMap<PathBuf, [u8; 32]>>>,
+}
+
+impl InputHashes {
+    /// An empty list that grows by the hash of each file that is read.
+    pub fn new(hasher: fn(&[u8]) -> [u8; 32]) -> Self {
+        Self { hasher: Some(hasher), ..Self::default() }
+    }
+
+    /// Hash of a file; `None` if it was not read.
+    pub fn get(&self, path: &Path) -> Option<[u8; 32]> {
+        let path = path.canonicalize().ok()?;
+        self.hashes.lock().unwrap_or_else(PoisonError::into_inner).get(&path).copied()
+    }
+
+    pub(crate) fn record(&self, path: &Path, bytes: &[u8]) {
+        if let (Some(hasher), Ok(path)) = (self.hasher, path.canonicalize()) {
+            let hash = hasher(bytes);
+            self.hashes.lock().unwrap_or_else(PoisonError::into_inner).insert(path, hash);
+        }
+    }
+}
+
 impl LoadOptions {
     /// Frames of a second, unless the options say otherwise.
     pub const DEFAULT_FPS: f64 = 24.0;
 
     /// The moments at which the shutter opens and closes, in seconds: of the shutter that is given, or else both
     /// [`at_time`](Self::at_time). `None` if there is no such time.
-    pub(crate) fn exposure(&self) -> Option<[f64; 2]> {
+    pub(crate) fn shutter_interval(&self) -> Option<[f64; 2]> {
         let frame_time = self.frame_time.unwrap_or(1.0 / Self::DEFAULT_FPS);
         let shutter = self.shutter.unwrap_or([0.0; 2]);
         self.at_time.map(|time| shutter.map(|part| time + part * frame_time))

@@ -7,7 +7,7 @@ use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{AnimatedTransform, AnimatedTransformChain, AnimatedTransformError, Rgb, Transform};
 use rt_shading::{Appearance, ColorTexture, emitter::LightSampling};
 
-use crate::one_line::OneLine;
+use crate::sanitize::SingleLine;
 
 pub use rt_shading::{Background, Material};
 
@@ -23,24 +23,27 @@ pub struct MeshId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct GroupId(pub u32);
 
-/// How the light is computed.
+/// Method by which light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "format", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "format", serde(rename_all = "snake_case"))]
 pub enum Integrator {
-    /// Classical recursive ray tracing (Whitted 1980).
+    /// Recursive ray tracing (Whitted 1980).
     Whitted,
-    /// As Whitted's, with soft shadows, glossy reflection and all that distribution brings (Cook et al. 1984).
+    /// Distribution ray tracing: soft shadows, glossy reflection, rough glass (Cook et al. 1984).
     Distributed,
-    /// Path tracing: all light there is (Kajiya 1986).
+    /// Path tracing: all light (Kajiya 1986).
     Path,
-    /// Path tracing, and light tracing for what comes by mirrors and glass from lamps (Arvo 1986).
+    /// Path tracing, with light tracing for caustics (Arvo 1986).
     Caustics,
-    /// Emission and direct light: paths without a further bounce.
+    /// Emission and direct light.
     Direct,
-    /// How much of the sky each point would see.
+    /// Share of the sky that is visible from each point.
+    #[cfg_attr(feature = "format", serde(alias = "ao"))]
     AmbientOcclusion,
     /// Shading normals as colours: (n + 1) / 2.
     Normals,
-    /// Distance along the view axis; the nearest white, the farthest black.
+    /// Distance along the view axis: nearest white, farthest black.
     Depth,
     /// Texture coordinates as red and green.
     Uv,
@@ -86,9 +89,7 @@ impl Integrator {
             Self::Cost => "cost",
         }
     }
-}
 
-impl Integrator {
     /// True if it shows light, and not a view of the geometry.
     pub const fn follows_light(self) -> bool {
         matches!(self, Self::Whitted | Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
@@ -100,36 +101,38 @@ impl Integrator {
     }
 
     /// True if it draws from lights with extent.
-    pub const fn draws_lights(self) -> bool {
+    pub const fn samples_area_lights(self) -> bool {
         matches!(self, Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
     }
 }
 
-/// Which acceleration structure to use.
+/// Acceleration structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "format", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "format", serde(rename_all = "snake_case"))]
 pub enum Accel {
-    /// The plan chooses.
+    /// Chosen by the scene.
     #[default]
     Auto,
-    /// Brute force.
+    /// None: all objects are tested.
     Linear,
     /// Uniform grid.
     Grid,
     /// Binary bounding volume hierarchy.
     Bvh,
-    /// Bounding volume hierarchy with eight children to a node.
+    /// Bounding volume hierarchy with eight children per node.
     Wide,
     /// Tree of bounding spheres.
     Spheres,
     /// Tree of bounding cylinders.
     Cylinders,
-    /// Tree of planes at right angles to the axes.
+    /// k-d tree.
     Kd,
-    /// Tree of planes of any direction.
+    /// Binary space partition: planes of any direction.
     Bsp,
     /// Bounding interval hierarchy.
     Bih,
-    /// Bounding interval hierarchy, built where rays go.
+    /// Bounding interval hierarchy, built during traversal.
     BihLazy,
 }
 
@@ -299,14 +302,19 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node with this content, where its parent is.
-    pub const fn new(content: Content, material: MaterialId) -> Self {
+    /// A node with this content, at its parent's place.
+    pub fn new(content: Content, material: MaterialId) -> Self {
+        Self { content: Some(content), material, ..Self::empty(String::new(), Transform::IDENTITY) }
+    }
+
+    /// A node without content.
+    pub const fn empty(name: String, parent_from_local: Transform) -> Self {
         Self {
-            name: String::new(),
-            parent_from_local: Transform::IDENTITY,
+            name,
+            parent_from_local,
             moves_to: None,
-            content: Some(content),
-            material,
+            content: None,
+            material: MaterialId(0),
             casts_shadow: true,
             children: Vec::new(),
         }
@@ -370,7 +378,7 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", OneLine(format_args!("{}: {}", self.place, self.message)))
+        write!(f, "{}", SingleLine(format_args!("{}: {}", self.place, self.message)))
     }
 }
 

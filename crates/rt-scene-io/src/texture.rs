@@ -7,7 +7,7 @@ use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 use rt_image::Encoding;
 use rt_shading::Bitmap;
 
-use crate::{MemoryBudget, Reason, limits};
+use crate::{LoadErrorKind, MemoryBudget, limits};
 
 /// Why an image cannot be used as a texture.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +38,7 @@ pub enum TextureError {
 /// If the image is damaged, of another format, empty, too large, or holds a NaN. Its size is checked before memory is
 /// taken.
 pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
-    open(bytes)?.decode(Pixels::Colours)
+    open(bytes)?.decode(PixelEncoding::Colors)
 }
 
 /// As [`decode_texture`], of an image that holds numbers and no colours, such as a normal map: integers are divided by the
@@ -47,14 +47,14 @@ pub fn decode_texture(bytes: &[u8]) -> Result<Bitmap, TextureError> {
 /// # Errors
 /// As [`decode_texture`].
 pub fn decode_numbers(bytes: &[u8]) -> Result<Bitmap, TextureError> {
-    open(bytes)?.decode(Pixels::Numbers)
+    open(bytes)?.decode(PixelEncoding::Numbers)
 }
 
 /// What the pixels of an image are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Pixels {
+pub(crate) enum PixelEncoding {
     /// Colours: integers are encoded as sRGB.
-    Colours,
+    Colors,
     /// Numbers as they are.
     Numbers,
 }
@@ -62,10 +62,10 @@ pub(crate) enum Pixels {
 /// Decodes an image, if the budget has room for its pixels; what is left in the end is kept there.
 pub(crate) fn decode_within(
     bytes: &[u8],
-    pixels: Pixels,
+    pixels: PixelEncoding,
     what: impl Display + Copy,
     memory: &MemoryBudget,
-) -> Result<Bitmap, Reason> {
+) -> Result<Bitmap, LoadErrorKind> {
     let image = open(bytes)?;
     let decoding = memory.reserve(what, image.peak_bytes())?;
     let bitmap = image.decode(pixels)?;
@@ -75,11 +75,11 @@ pub(crate) fn decode_within(
 }
 
 /// An image whose header is read and sound.
-struct Opened<'a> {
+struct OpenedImage<'a> {
     decoder: Box<dyn ImageDecoder + 'a>,
 }
 
-fn open(bytes: &[u8]) -> Result<Opened<'_>, TextureError> {
+fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
     let damaged = |error: image::ImageError| TextureError::Damaged(error.to_string());
     let format = image::guess_format(bytes).map_err(|_| TextureError::UnknownFormat)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -113,10 +113,10 @@ fn open(bytes: &[u8]) -> Result<Opened<'_>, TextureError> {
         let message = format!("a tile of {width} x {height} pixels cannot come from {} bytes", bytes.len());
         return Err(TextureError::Damaged(message));
     }
-    Ok(Opened { decoder: Box::new(decoder) })
+    Ok(OpenedImage { decoder: Box::new(decoder) })
 }
 
-impl Opened<'_> {
+impl OpenedImage<'_> {
     /// Bytes that are in memory at once while it is decoded: the pixels as they are in the file, those of three channels, and
     /// the linear ones with alpha.
     fn peak_bytes(&self) -> u64 {
@@ -129,14 +129,14 @@ impl Opened<'_> {
         pixels.saturating_mul(file.max(three_channels) + three_channels + size_of::<[f32; 3]>() as u64 + alpha)
     }
 
-    fn decode(self, pixels: Pixels) -> Result<Bitmap, TextureError> {
+    fn decode(self, pixels: PixelEncoding) -> Result<Bitmap, TextureError> {
         let (width, height) = self.decoder.dimensions();
         let image =
             DynamicImage::from_decoder(self.decoder).map_err(|error| TextureError::Damaged(error.to_string()))?;
         let alpha = alpha(&image);
         let pixels = match pixels {
-            Pixels::Colours => linear_pixels(image, |signal| Encoding::Srgb.decode_signal(signal)),
-            Pixels::Numbers => linear_pixels(image, |signal| signal),
+            PixelEncoding::Colors => linear_pixels(image, |signal| Encoding::Srgb.decode_signal(signal)),
+            PixelEncoding::Numbers => linear_pixels(image, |signal| signal),
         };
         match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
             0 => Ok(Bitmap { width, height, pixels, alpha }),

@@ -187,7 +187,7 @@ fn all_problems_are_named_at_once() {
     let many = format!("(nodes: [{}])", "(shape: sphere(radius: 0)),".repeat(1000));
     let text = error(&many);
     assert_eq!(text.lines().count(), 21);
-    assert!(text.ends_with("scene.ron: 980 more problems; mend these first"), "{text}");
+    assert!(text.ends_with("scene.ron: 980 more errors; fix these first"), "{text}");
 }
 
 #[test]
@@ -277,7 +277,7 @@ fn a_scene_with_any_character_changed_is_read_or_refused() {
             if let Ok(file) = parse_ron(&changed, path) {
                 // Neither outcome is wrong; both must come without a panic, and errors with a place.
                 if let Err(error) = resolve(&file, path, &LoadOptions::default()) {
-                    assert!(error.problems().iter().all(|problem| problem.file == "scene.ron"), "{error}");
+                    assert!(error.diagnostics().iter().all(|diagnostic| diagnostic.file == "scene.ron"), "{error}");
                 }
             }
         }

@@ -130,7 +130,7 @@ fn one_missing_texture_of_a_material_at_a_node_is_one_error() {
     let text = "(nodes: [(material: diffuse(albedo: image(file: \"none.png\")), children: [(shape: sphere()), (shape: sphere())])])";
     let file = parse_ron(text, Path::new("scene.ron")).unwrap();
     let error = resolve(&file, Path::new("scene.ron"), &LoadOptions::default()).unwrap_err();
-    assert_eq!(error.problems().len(), 1, "{error}");
+    assert_eq!(error.diagnostics().len(), 1, "{error}");
     assert!(error.to_string().starts_with("scene.ron: nodes[0].material.albedo: `none.png`"), "{error}");
 }
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use rt_accel::{
     Aabb, Accelerator, AnyAccelerator, Ball, Bvh, Counters, DVec3, Hit, Interval, ClosestPoint, NoProbe, Primitives, Ray,
-    Refit, Structure, AcceleratorKind,
+    Refit, AcceleratorQueries, AcceleratorKind,
 };
 
 /// An upright trunk: where it stands, how thick and how high it is.

@@ -1,6 +1,7 @@
-//! How long a mesh takes to load, and how much memory: the same rock in each format, read by the release binary.
+//! Load time and memory of a mesh: the same rock in each format, read by the release binary.
 
 use std::{
+    fmt::{self, Display, Formatter},
     fs::{self, File},
     io::{BufWriter, Write},
     path::{Path, PathBuf},
@@ -10,12 +11,14 @@ use rt_geometry::MeshData;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{print, spread::Spread};
-use crate::{error::TaskError, number::three_digits, process::Program, scenes::rock_data, workspace::Workspace};
+use super::{common::print, timing_stats::Spread};
+use crate::{
+    error::TaskError, number::three_digits, process::Program, scenes::rock_data, table::Table, workspace::Workspace,
+};
 
-/// What the command line asks for.
+/// Options of `bench load`.
 #[derive(Debug, clap::Args)]
-pub(super) struct Options {
+pub(super) struct LoadOptions {
     /// About as many triangles; each step down makes a fourth.
     #[arg(long, default_value_t = 1_310_720)]
     triangles: usize,
@@ -29,7 +32,7 @@ pub(super) struct Options {
 
 /// One file.
 #[derive(Debug, Serialize)]
-struct Figure {
+struct LoadResult {
     file: String,
     bytes: u64,
     /// From the first byte to the arrays of the mesh.
@@ -41,12 +44,12 @@ struct Figure {
 }
 
 #[derive(Debug, Serialize)]
-struct Figures {
+struct LoadResults {
     triangles: usize,
-    files: Vec<Figure>,
+    files: Vec<LoadResult>,
 }
 
-/// What the renderer's statistics say about time.
+/// Times in the renderer's statistics.
 #[derive(Debug, Deserialize)]
 struct Timed {
     seconds: Seconds,
@@ -59,7 +62,7 @@ struct Seconds {
 }
 
 /// Measures and prints.
-pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+pub(super) fn run(workspace: &Workspace, options: &LoadOptions) -> Result<(), TaskError> {
     let program = workspace.build_release_renderer()?;
     let folder = workspace.fresh_folder("bench-load")?;
     let keep = options.keep.clone().unwrap_or_else(|| folder.clone());
@@ -67,8 +70,8 @@ pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
     let (triangles, files) = write_files(&keep, options.triangles)?;
     let program = Program { path: program, folder };
     let files = files.iter().map(|path| measure(&program, path, options.reps)).collect::<Result<Vec<_>, _>>()?;
-    let figures = Figures { triangles, files };
-    print(&figures, &markdown(&figures))
+    let results = LoadResults { triangles, files };
+    print(&results, &results)
 }
 
 /// The rock as OBJ and as GLB, and how many triangles it has.
@@ -136,7 +139,7 @@ fn write_glb(mesh: &MeshData, mut file: impl Write) -> std::io::Result<()> {
     file.flush()
 }
 
-fn measure(program: &Program, path: &Path, reps: u32) -> Result<Figure, TaskError> {
+fn measure(program: &Program, path: &Path, reps: u32) -> Result<LoadResult, TaskError> {
     let scene = path.to_string_lossy();
     let stats = program.folder.join("stats.json");
     let args = ["render", &scene, "-o", "rock.png", "--size", "8x8", "--spp", "1", "--threads", "1", "--quiet"];
@@ -150,7 +153,7 @@ fn measure(program: &Program, path: &Path, reps: u32) -> Result<Figure, TaskErro
         load.push(seconds.load);
         build.push(seconds.build);
     }
-    Ok(Figure {
+    Ok(LoadResult {
         file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         bytes: fs::metadata(path).map_err(TaskError::file(path))?.len(),
         load_seconds: Spread::of(load),
@@ -159,28 +162,24 @@ fn measure(program: &Program, path: &Path, reps: u32) -> Result<Figure, TaskErro
     })
 }
 
-fn markdown(figures: &Figures) -> String {
-    let millions = figures.triangles as f64 / 1e6;
-    let mebibytes = |bytes: u64| bytes as f64 / f64::from(1 << 20);
-    let mut text = format!(
-        "A mesh of {} triangles, on one thread. Per million triangles:\n\n\
-         | file | MiB in the file | load s (least..greatest) | structure s | peak MiB of the process |\n|---|---|---|---|---|\n",
-        figures.triangles
-    );
-    for figure in &figures.files {
-        let Spread { median, min, max } = figure.load_seconds;
-        text.push_str(&format!(
-            "| {} | {} | {} ({}..{}) | {} | {} |\n",
-            figure.file,
-            three_digits(mebibytes(figure.bytes) / millions),
-            three_digits(median / millions),
-            three_digits(min / millions),
-            three_digits(max / millions),
-            three_digits(figure.build_seconds.median / millions),
-            three_digits(mebibytes(figure.peak_bytes) / millions),
-        ));
+impl Display for LoadResults {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let per_million = |number: f64| three_digits(number * 1e6 / self.triangles as f64);
+        let mebibytes = |bytes: u64| per_million(bytes as f64 / f64::from(1 << 20));
+        let header = ["file", "MiB in the file", "load s (min..max)", "build s", "peak MiB of the process"];
+        let mut table = Table::new(1, header);
+        for file in &self.files {
+            let Spread { median, min, max } = file.load_seconds;
+            table.push([
+                file.file.clone(),
+                mebibytes(file.bytes),
+                format!("{} ({}..{})", per_million(median), per_million(min), per_million(max)),
+                per_million(file.build_seconds.median),
+                mebibytes(file.peak_bytes),
+            ]);
+        }
+        write!(f, "A mesh of {} triangles, on one thread. Per million triangles:\n\n{table}", self.triangles)
     }
-    text
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
-//! What reports and lectures say about structures, beside what was measured. Every verdict is computed.
+//! Claims of reports and lectures about accelerators, with computed verdicts.
 
-use super::{Costs, Figure, RayFigure, growth::Growth};
+use super::{
+    figure::{Figure, RayFigure},
+    growth::{Costs, Growth},
+};
 use crate::number::{grouped, three_digits};
 
 /// One line for each claim that the figures can answer.

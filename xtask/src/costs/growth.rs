@@ -1,9 +1,9 @@
-//! How costs grow with the number of primitives: slopes in log–log diagrams.
+//! Growth of costs with the number of primitives: slopes in log–log diagrams.
 
 use rt_math::transcendental::log;
 use serde::Serialize;
 
-use super::Figure;
+use super::figure::Figure;
 
 /// The exponent k of cost ~ nᵏ, with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -12,7 +12,7 @@ pub(super) struct Slope {
     pub error: f64,
 }
 
-/// How the costs of a structure grow with a scene.
+/// Growth of the costs of an accelerator with the size of a scene.
 #[derive(Debug, Serialize)]
 pub(super) struct Growth {
     pub scene: &'static str,
@@ -23,6 +23,13 @@ pub(super) struct Growth {
     pub work: Slope,
     /// Time of a ray.
     pub time: Slope,
+}
+
+/// All that was measured and what follows from it.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Costs {
+    pub figures: Vec<Figure>,
+    pub growth: Vec<Growth>,
 }
 
 /// Growth of every structure on every scene with three sizes or more.

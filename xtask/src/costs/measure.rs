@@ -6,7 +6,7 @@ use rt_accel::{AcceleratorKind, AcceleratorQueries as _, AnyAccelerator, Bvh};
 use rt_geometry::Primitives;
 
 use super::{
-    Figure, Options, RayFigure,
+    figure::{Figure, RayFigure},
     query::{Answer, Sample, count, time},
 };
 use crate::{
@@ -25,8 +25,18 @@ const PILOT: usize = 50;
 const PATIENCE: f64 = 2.0;
 
 /// Measures every structure on one scene.
-pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options) -> Result<Vec<Figure>, TaskError> {
-    let sets = ray_sets(scene, options.rays)?;
+///
+/// Traces `rays` rays of each kind, at most; random rays are one of the kinds if `with_random`.
+pub(crate) fn scene<P: Surfaces>(
+    scene: &Scene<P>,
+    rays: u32,
+    repeats: u32,
+    with_random: bool,
+) -> Result<Vec<Figure>, TaskError> {
+    let mut sets = Vec::from(ray_sets(scene, rays)?);
+    if with_random {
+        sets.push(rays::random(&scene.view, rays));
+    }
     let mut answers = vec![Vec::new(); sets.len()];
     let mut structures = Vec::new();
     let mut figures = Vec::new();
@@ -34,7 +44,7 @@ pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options) -> Result<
     let mut kinds = AcceleratorKind::ALL.to_vec();
     kinds.sort_by_key(|kind| *kind != AcceleratorKind::Bvh);
     for kind in kinds {
-        let (structure, build_seconds) = build(kind, &scene.primitives, options.repeats)?;
+        let (structure, build_seconds) = build(kind, &scene.primitives, repeats)?;
         let mut rays = Vec::new();
         for (set, expected) in sets.iter().zip(&mut answers) {
             rays.push(first_pass(&structure, scene, set, expected)?);
@@ -43,7 +53,7 @@ pub(super) fn scene<P: Surfaces>(scene: &Scene<P>, options: &Options) -> Result<
         structures.push(structure);
     }
     // Structures take turns, so that a machine that slows down meanwhile slows them all.
-    for _ in 0..options.repeats {
+    for _ in 0..repeats {
         for (structure, figure) in structures.iter().zip(&mut figures) {
             for (set, figure) in sets.iter().zip(&mut figure.rays) {
                 let seconds = time(structure, &scene.primitives, Sample { set, rays: figure.rays });
@@ -140,11 +150,9 @@ mod tests {
     use super::*;
     use crate::scenes;
 
-    const OPTIONS: Options = Options { full: false, write: false, rays: 400, repeats: 1, model: None };
-
     #[test]
     fn every_structure_is_measured_and_brute_force_tests_everything() {
-        let figures = scene(&scenes::mound(700).unwrap(), &OPTIONS).unwrap();
+        let figures = scene(&scenes::mound(700).unwrap(), 400, 1, true).unwrap();
         assert_eq!(figures.len(), AcceleratorKind::ALL.len());
         for figure in &figures {
             assert!(figure.build_seconds > 0.0 && figure.bytes > 0);

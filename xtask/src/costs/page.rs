@@ -2,12 +2,16 @@
 
 use std::fmt::Display;
 
-use super::{Costs, Figure, claims, growth::Growth, growth::Slope};
+use super::{
+    claims,
+    figure::Figure,
+    growth::{Costs, Growth, Slope},
+};
 use crate::{matrix::Matrix, number::three_digits};
 
 /// All tables for the terminal.
 pub(super) fn terminal(costs: &Costs) -> String {
-    let tables = matrices(costs).into_iter().map(|matrix| format!("{}\n{}\n\n", matrix.title, matrix.terminal()));
+    let tables = matrices(costs).into_iter().map(|matrix| format!("{matrix}\n"));
     tables.chain(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n"))).collect()
 }
 
@@ -32,26 +36,26 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display, provenanc
     );
     text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));
     for matrix in matrices(costs) {
-        text.push_str(&format!("\n## {}\n\n{}", matrix.title, matrix.markdown()));
+        text.push_str(&format!("\n{matrix}"));
     }
     text
 }
 
 fn matrices(costs: &Costs) -> Vec<Matrix> {
     let mut all = vec![
-        each(costs, "Build, milliseconds", |figure| Some(three_digits(figure.build_seconds * 1e3))),
-        each(costs, "Memory, bytes per primitive", |figure| Some(three_digits(figure.bytes_per_primitive()))),
+        each(&costs.figures, "Build, milliseconds", |figure| Some(three_digits(figure.build_seconds * 1e3))),
+        each(&costs.figures, "Memory, bytes per primitive", |figure| Some(three_digits(figure.bytes_per_primitive()))),
     ];
     for kind in ["primary", "shadow", "diffuse"] {
         let title = format!("Nodes + tests of a {kind} ray");
-        all.push(each(costs, &title, |figure| {
+        all.push(each(&costs.figures, &title, |figure| {
             let rays = figure.of(kind)?;
             Some(format!("{} + {}", three_digits(rays.nodes_per_ray()), three_digits(rays.tests_per_ray())))
         }));
     }
     for kind in ["primary", "shadow", "diffuse"] {
         let title = format!("Millions of {kind} rays per second");
-        all.push(each(costs, &title, |figure| Some(three_digits(figure.of(kind)?.mega_rays()))));
+        all.push(each(&costs.figures, &title, |figure| Some(three_digits(figure.of(kind)?.mega_rays()))));
     }
     all.push(growth(costs, "Growth of the build: k in time ~ nᵏ, ± standard error", |growth| growth.build));
     all.push(growth(costs, "Growth of memory: k in bytes ~ nᵏ", |growth| growth.memory));
@@ -63,16 +67,16 @@ fn matrices(costs: &Costs) -> Vec<Matrix> {
 }
 
 /// A row for each scene and size.
-fn each(costs: &Costs, title: &str, cell: impl Fn(&Figure) -> Option<String>) -> Matrix {
-    let mut rows: Vec<(&str, usize)> = costs.figures.iter().map(|figure| (figure.scene, figure.primitives)).collect();
+pub(crate) fn each(figures: &[Figure], title: &str, cell: impl Fn(&Figure) -> Option<String>) -> Matrix {
+    let mut rows: Vec<(&str, usize)> = figures.iter().map(|figure| (figure.scene, figure.primitives)).collect();
     rows.dedup();
     // A stable sort by first appearance puts the sizes of a scene together.
-    let first = |scene: &str| costs.figures.iter().position(|figure| figure.scene == scene);
+    let first = |scene: &str| figures.iter().position(|figure| figure.scene == scene);
     rows.sort_by_key(|(scene, _)| first(scene));
     let rows = rows.into_iter().map(|row| (format!("{} {}", row.0, crate::number::grouped(row.1 as u64)), row));
     Matrix::new(title, rows, |&(scene, primitives), structure| {
         let key = (scene, primitives, structure);
-        cell(costs.figures.iter().find(|figure| (figure.scene, figure.primitives, figure.structure) == key)?)
+        cell(figures.iter().find(|figure| (figure.scene, figure.primitives, figure.structure) == key)?)
     })
 }
 

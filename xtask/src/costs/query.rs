@@ -1,7 +1,6 @@
 //! Tracing a part of a set of rays, to count or to time.
 
-use std::time::Instant;
-
+use cpu_time::ThreadTime;
 use rt_accel::{AcceleratorQueries, AcceleratorVisitor, AnyAccelerator};
 use rt_geometry::RayStats;
 use rt_geometry::{Counters, Hit, NoProbe, Primitives, Probe, RayKind};
@@ -22,7 +21,7 @@ impl Sample<'_> {
     }
 }
 
-/// What a ray finds, to the bit: the first hit, or for shadow rays whether there is one.
+/// Exact answer to a ray: the closest hit, or for shadow rays the presence of a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
     Miss,
@@ -53,11 +52,11 @@ pub(super) fn count<P: Primitives>(
     (answers, counters.total())
 }
 
-/// Seconds for all answers.
+/// Seconds for all answers, by the clock of the thread: other processes do not count.
 pub(super) fn time<P: Primitives>(structure: &AnyAccelerator, primitives: &P, sample: Sample<'_>) -> f64 {
     let mut hits = 0;
     let answered = |answer| hits += usize::from(answer != Answer::Miss);
-    let started = Instant::now();
+    let started = ThreadTime::now();
     structure.accept(Trace { primitives, sample, probe: &mut NoProbe, answered });
     std::hint::black_box(hits);
     started.elapsed().as_secs_f64()

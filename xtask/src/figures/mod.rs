@@ -1,8 +1,7 @@
 //! `figures`: the pictures in the guide of rt-accel, rendered by the real binary, and the plot in the README.
 //!
-//! Each structure gets two: what it is made of, over a still life of a few spheres, and what a ray through it costs, on
-//! spheres on spheres. Both go into an HTML fragment with the bytes of the pictures in it, so that they are part of the
-//! crate and shown without a network.
+//! Each accelerator has two images: its nodes over a still life of a few spheres, and the cost of rays on the
+//! sphereflake. An HTML fragment holds both with their bytes: they are part of the crate and shown without a network.
 
 use std::{fs, path::Path, time::Duration};
 
@@ -23,9 +22,9 @@ const LARGEST: usize = 25_000;
 /// Spheres of the scene for costs.
 const BALLS: usize = 820;
 
-/// What the command line asks for.
+/// Options of `figures`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct FiguresOptions {
     #[arg(value_enum, default_value = "guide")]
     what: What,
 }
@@ -39,7 +38,7 @@ enum What {
 }
 
 /// Renders figures and replaces the old ones.
-pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+pub(crate) fn run(workspace: &Workspace, options: &FiguresOptions) -> Result<(), TaskError> {
     match options.what {
         What::Guide => guide(workspace),
         What::Cornell => cornell::run(workspace),

@@ -20,7 +20,7 @@ const COLOURS: [&str; 6] = [
     "rgb(0.75, 0.01, 0.02)",
     "rgb(0.5, 0, 0.5)",
 ];
-/// Half the thickness of the outermost lines; deeper ones are thinner, so that they can be told apart where they meet.
+/// Half the thickness of the outermost lines. Deeper ones are thinner, to be distinct where they meet.
 const HALF: f64 = 0.045;
 
 /// The still life, with lines around parts of it.

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use super::{Context, Findings, Unit};
+use super::unit::{Context, Findings, Unit};
 use crate::{error::TaskError, renderer::Exit};
 
 const USAGE: i32 = 2;
@@ -16,7 +16,7 @@ struct BadInput {
     scene: Option<&'static str>,
     args: &'static [&'static str],
     code: i32,
-    /// What the message must contain.
+    /// Text that the message must contain.
     message: &'static str,
 }
 

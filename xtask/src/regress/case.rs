@@ -1,4 +1,4 @@
-//! What a golden case says about itself: `case.toml`.
+//! Description of a golden case: `case.toml`.
 
 use std::{
     fs,
@@ -37,7 +37,7 @@ pub(crate) struct Truth {
     pub mean: [f64; 3],
     /// Greatest absolute deviation of a component.
     pub tolerance: f64,
-    /// Where the value comes from.
+    /// Source of the value.
     pub note: String,
 }
 

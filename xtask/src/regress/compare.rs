@@ -1,4 +1,4 @@
-//! How much two pictures differ.
+//! Difference of two images.
 
 use image::{Rgba, RgbaImage};
 

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use image::RgbaImage;
 
 use super::{
-    Context, Findings, Unit,
     case::{Case, Reference, Truth, locate},
     compare::Difference,
     panels::three_panels,
+    unit::{Context, Findings, Unit},
 };
 use crate::{error::TaskError, workspace::Workspace};
 
@@ -102,7 +102,7 @@ fn render(
     }
 }
 
-/// What is wrong with `actual`, by the case's bounds.
+/// Compares within the bounds of the case.
 fn judge(expected: &RgbaImage, actual: &RgbaImage, case: &Case) -> Result<(), String> {
     let difference = Difference::of(expected, actual, case.tolerance).map_err(|error| error.to_string())?;
     if difference.outliers <= case.max_outliers { Ok(()) } else { Err(difference.to_string()) }

@@ -8,7 +8,7 @@ use std::{
 
 use rt_math::random::{hash, unit};
 
-use super::{Context, Findings, Trial, Unit};
+use super::unit::{Context, Findings, Trial, Unit};
 use crate::{
     error::TaskError,
     renderer::{Exit, Renderer},
@@ -136,7 +136,7 @@ impl Unit for Kills {
 }
 
 impl Kills {
-    /// Renders one picture, killed again and again at random moments; tells how often.
+    /// Renders one image, killed repeatedly at random times; returns the number of kills.
     fn finish(
         &self,
         renderer: &Renderer,

@@ -4,7 +4,14 @@ use std::path::Path;
 
 use image::RgbaImage;
 
-use super::{Context, Findings, Unit, compare::Difference, compare::greatest, golden::open, golden::save, panels};
+use super::{
+    compare::Difference,
+    compare::greatest,
+    golden::open,
+    golden::save,
+    panels,
+    unit::{Context, Findings, Unit},
+};
 use crate::error::TaskError;
 
 /// In the folder of shared test data, as it is no part of the workspace.

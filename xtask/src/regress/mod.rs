@@ -11,6 +11,7 @@ use std::{
 
 use rayon::prelude::*;
 
+use self::unit::{Context, Findings, Outcome, Unit, Verdict, count, summary};
 use crate::{error::TaskError, renderer::Renderer, workspace::Workspace};
 
 mod analytic;
@@ -20,24 +21,25 @@ mod compare;
 mod golden;
 mod kills;
 mod minray;
+mod numerics;
 mod one_picture;
 mod panels;
 mod physics;
 mod report;
-mod stiff;
 mod suite;
 mod table1_counts;
 mod tally;
 mod trials;
+mod unit;
 
 /// A render that takes longer than this hangs.
 const TIMEOUT: Duration = Duration::from_secs(120);
 /// Full-size brute force takes its time.
 const FULL_TIMEOUT: Duration = Duration::from_secs(2 * 3600);
 
-/// What the command line asks for.
+/// Options of `regress`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct RegressOptions {
     /// Run only what has this in its name.
     filter: Option<String>,
     /// Replace the expected pictures that differ, list them, and still fail.
@@ -60,141 +62,12 @@ pub(crate) struct Options {
     jobs: usize,
 }
 
-/// What every unit may use.
-#[derive(Debug)]
-struct Context {
-    workspace: Workspace,
-    renderer: Renderer,
-    bless: bool,
-    full: bool,
-}
-
-/// Something to run that passes or fails by itself.
-trait Unit: Sync {
-    /// Unique; slashes make folders.
-    fn name(&self) -> String;
-
-    /// True if it calls the crates on all processors rather than the program: it then runs alone, so that its seconds
-    /// are its own.
-    fn runs_in_process(&self) -> bool {
-        false
-    }
-
-    /// Runs in `folder`, which is empty and its own.
-    fn run(&self, context: &Context, folder: &Path) -> Result<Findings, TaskError>;
-}
-
-/// What a unit found.
-#[derive(Debug, Default)]
-struct Findings {
-    /// What is wrong; the unit passes if nothing is.
-    problems: Vec<String>,
-    /// What else is worth a line.
-    notes: Vec<String>,
-    /// A picture that shows it.
-    picture: Option<PathBuf>,
-    /// How often something was tried, for the table at the end.
-    trial: Option<Trial>,
-    /// Reason for which the unit could not run, or not all of it.
-    skipped: Option<String>,
-    /// Comparison of an image with an independent reference, for the table of pairs.
-    pair: Option<physics::Row>,
-}
-
-/// Something that was tried many times.
-#[derive(Debug)]
-struct Trial {
-    title: &'static str,
-    /// What theory says, and how near to it is near enough.
-    expected: &'static str,
-    tolerance: &'static str,
-    tried: u64,
-    failed: u64,
-    /// Greatest error, in the measure of the tolerance; `None` where there is nothing to measure.
-    worst: Option<f64>,
-}
-
-impl Findings {
-    fn problem(&mut self, problem: impl Into<String>) {
-        self.problems.push(problem.into());
-    }
-
-    /// All that is worth a line, problems first.
-    fn lines(&self) -> impl Iterator<Item = &str> {
-        self.problems.iter().chain(&self.skipped).chain(&self.notes).map(String::as_str)
-    }
-
-    fn note(&mut self, note: impl Into<String>) {
-        self.notes.push(note.into());
-    }
-
-    /// States that the unit cannot run here, and why: something that not everybody has is not there.
-    fn skip(&mut self, reason: impl Into<String>) {
-        self.skipped = Some(reason.into());
-    }
-
-    /// Makes a problem of a skip where everything must run, which is for `RT_REQUIRE_ALL=1` to say.
-    fn require(&mut self, all: bool) {
-        if all && let Some(reason) = self.skipped.take() {
-            self.problem(format!("must not be skipped, as {} is 1: {reason}", rt_tests::REQUIRE_ALL));
-        }
-    }
-}
-
-/// A unit that has run.
-#[derive(Debug)]
-struct Outcome {
-    name: String,
-    findings: Findings,
-    seconds: f64,
-}
-
-impl Outcome {
-    fn verdict(&self) -> Verdict {
-        match &self.findings {
-            findings if !findings.problems.is_empty() => Verdict::Failed,
-            findings if findings.skipped.is_some() => Verdict::Skipped,
-            _ => Verdict::Passed,
-        }
-    }
-}
-
-/// What became of a unit, the worst first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Verdict {
-    Failed,
-    Skipped,
-    Passed,
-}
-
-impl Verdict {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Failed => "failed",
-            Self::Skipped => "skipped",
-            Self::Passed => "passed",
-        }
-    }
-}
-
-/// Number of units with this verdict.
-fn count(outcomes: &[Outcome], verdict: Verdict) -> usize {
-    outcomes.iter().filter(|outcome| outcome.verdict() == verdict).count()
-}
-
-/// Units that passed, and those that were skipped if there are any.
-fn summary(outcomes: &[Outcome]) -> String {
-    let passed = format!("{} of {} passed", count(outcomes, Verdict::Passed), outcomes.len());
-    match count(outcomes, Verdict::Skipped) {
-        0 => passed,
-        skipped => format!("{passed}, {skipped} skipped"),
-    }
-}
-
 /// Runs everything that matches the filter. True if none of it failed.
-pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskError> {
+pub(crate) fn run(workspace: Workspace, options: &RegressOptions) -> Result<bool, TaskError> {
     let mut units = units(&workspace, options)?;
     if let Some(filter) = &options.filter {
+        // Earlier name of the suite.
+        let filter = &filter.replace("stiff", "numerics");
         if options.write && filter != "physics" {
             return Err(TaskError::Other("--write needs all pairs: `regress physics --full --write`".to_owned()));
         }
@@ -220,17 +93,17 @@ pub(crate) fn run(workspace: Workspace, options: &Options) -> Result<bool, TaskE
 
     let page = folder.join("index.html");
     fs::write(&page, report::html(&outcomes)?).map_err(TaskError::file(&page))?;
-    if let Some(table) = trials::markdown(&outcomes) {
+    if let Some(table) = trials::table(&outcomes) {
         println!("\n{table}");
         let path = folder.join("trials.md");
-        fs::write(&path, table).map_err(TaskError::file(&path))?;
+        fs::write(&path, table.to_string()).map_err(TaskError::file(&path))?;
     }
     physics::finish(&context.workspace, &outcomes, &folder, options.full, options.write)?;
     println!("{}; see {}", summary(&outcomes), context.workspace.relative(&page));
     Ok(count(&outcomes, Verdict::Failed) == 0)
 }
 
-fn units(workspace: &Workspace, options: &Options) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut units: Vec<Box<dyn Unit>> = Vec::new();
     // The long ones come first, so that they do not run alone at the end.
     units.push(Box::new(minray::Minray));
@@ -240,7 +113,7 @@ fn units(workspace: &Workspace, options: &Options) -> Result<Vec<Box<dyn Unit>>,
     units.extend(bad_inputs::units());
     units.extend(physics::units(workspace, options.pairs.as_deref())?);
     units.extend(golden::units(workspace)?);
-    units.extend(stiff::units());
+    units.extend(numerics::units());
     units.extend(analytic::units());
     Ok(units)
 }
@@ -274,30 +147,4 @@ fn print(outcome: &Outcome) {
         lines.push_str(&line.replace('\n', "\n       "));
     }
     println!("{lines}");
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn outcome(findings: Findings) -> Outcome {
-        Outcome { name: "unit".to_owned(), findings, seconds: 0.0 }
-    }
-
-    /// Such a unit passed, and nobody could tell it from one that had run.
-    #[test]
-    fn a_unit_that_cannot_run_is_skipped_and_fails_where_all_must_run() {
-        let mut findings = Findings::default();
-        findings.skip("there is no moon");
-        let outcomes = [outcome(Findings::default()), outcome(findings)];
-        assert_eq!(outcomes.each_ref().map(Outcome::verdict), [Verdict::Passed, Verdict::Skipped]);
-        assert_eq!(summary(&outcomes), "1 of 2 passed, 1 skipped");
-        assert_eq!(summary(&outcomes[..1]), "1 of 1 passed");
-        let [_, Outcome { mut findings, .. }] = outcomes;
-        findings.require(false);
-        assert!(findings.problems.is_empty());
-        findings.require(true);
-        assert_eq!(findings.problems, ["must not be skipped, as RT_REQUIRE_ALL is 1: there is no moon"]);
-        assert_eq!(outcome(findings).verdict(), Verdict::Failed);
-    }
 }

@@ -1,8 +1,8 @@
 //! One picture: nothing about how it is computed changes a bit of the image.
 //!
-//! Each scene file is rendered by its own integrator with other thread counts, accelerators, instruction sets, build qualities,
-//! orders of tiles (those of two shards), and with the full plan; then by other integrators with two ways to compute it each.
-//! Without `--full` a scene takes three of the other integrators, in turn, so that each is tried on a third of all scenes.
+//! Each scene file is rendered by its own integrator with other thread counts, accelerators, instruction sets and build
+//! qualities, as two shards, and with the full plan. Other integrators follow, each with two ways to compute it.
+//! Without `--full` a scene takes three of the other integrators, in turn: each runs on a third of all scenes.
 
 use std::{
     fs,
@@ -14,13 +14,13 @@ use rt_accel::{
     wide::{Quality, SimdLevel},
 };
 
-use super::{Context, Findings, Unit};
+use super::unit::{Context, Findings, Unit};
 use crate::{error::TaskError, workspace::Workspace};
 
 /// Integrators and views whose image does not depend on how it is computed: all but that of the cost.
 const INTEGRATORS: [&str; 9] =
     ["whitted", "distributed", "path", "caustics", "direct", "ambient-occlusion", "normals", "depth", "uv"];
-/// Of these, a scene takes so many without `--full`.
+/// Integrators per scene without `--full`.
 const INTEGRATORS_AT_A_TIME: usize = 3;
 
 /// Enough for several tiles, and for every kind of ray that the scene has.
@@ -28,7 +28,7 @@ const REDUCED: &[&str] = &["--size", "48x36", "--spp", "4"];
 /// The same for integrators that the scene did not ask for.
 const REDUCED_OTHERS: &[&str] = &["--size", "32x24", "--spp", "2"];
 
-/// Options of a render.
+/// RegressOptions of a render.
 type Variant = Vec<&'static str>;
 
 struct OnePicture {

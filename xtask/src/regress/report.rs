@@ -4,7 +4,10 @@ use std::fs;
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 
-use super::{Outcome, Verdict, count, summary, trials};
+use super::{
+    trials,
+    unit::{Outcome, Verdict, count, summary},
+};
 use crate::error::TaskError;
 
 const HEAD: &str = "<!DOCTYPE html>
@@ -18,8 +21,6 @@ const HEAD: &str = "<!DOCTYPE html>
   section.skipped { border-color: #ca2; }
   h2 { font-size: 1.1em; margin: 0; }
   pre { white-space: pre-wrap; margin: .3em 0; }
-  table { border-collapse: collapse; }
-  td, th { border: 1px solid #ccc; padding: .2em .5em; text-align: left; }
   img { image-rendering: pixelated; min-width: 300px; background: repeating-conic-gradient(#ddd 0 25%, #fff 0 50%) 0 / 16px 16px; }
 </style>
 ";
@@ -34,21 +35,10 @@ pub(super) fn html(outcomes: &[Outcome]) -> Result<String, TaskError> {
     for outcome in in_order {
         page.push_str(&section(outcome)?);
     }
-    page.push_str(&trial_table(outcomes));
-    Ok(page)
-}
-
-/// What was tried and what failed; nothing without trials.
-fn trial_table(outcomes: &[Outcome]) -> String {
-    let row = |cells: &[String], tag: &str| {
-        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
-        format!("<tr>{cells}</tr>\n")
-    };
-    let rows: String = trials::rows(outcomes).iter().map(|cells| row(cells, "td")).collect();
-    if rows.is_empty() {
-        return rows;
+    if let Some(table) = trials::table(outcomes) {
+        page.push_str(&format!("<pre>{}</pre>\n", escape(&table.to_string())));
     }
-    format!("<table>\n{}{rows}</table>\n", row(&trials::HEAD.map(str::to_owned), "th"))
+    Ok(page)
 }
 
 fn section(outcome: &Outcome) -> Result<String, TaskError> {
@@ -76,7 +66,7 @@ fn escape(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::Findings, *};
+    use super::{super::unit::Findings, *};
 
     fn outcome(name: &str, problems: &[&str]) -> Outcome {
         let problems = problems.iter().map(ToString::to_string).collect();

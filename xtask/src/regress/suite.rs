@@ -2,13 +2,16 @@
 
 use std::{error::Error, path::Path};
 
-use super::{Context, Findings, Trial, Unit, tally::Tally};
+use super::{
+    tally::Tally,
+    unit::{Context, Findings, Trial, Unit},
+};
 use crate::{error::TaskError, workspace::Workspace};
 
-/// What keeps a case from being tried.
+/// Result of a step that can fail for want of a scene or a shape.
 pub(super) type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
-/// What a case found.
+/// Checks of a case.
 pub(super) type Found = Fallible<Tally>;
 
 /// A named case.
@@ -21,7 +24,16 @@ pub(super) struct Case {
     pub run: fn(&Conditions) -> Found,
 }
 
-/// What cases may use.
+/// Declares the cases of a chapter: id, title, expected value, tolerance, function.
+macro_rules! cases {
+    ($($id:literal, $title:literal, $expected:literal, $tolerance:literal, $run:expr;)*) => {
+        pub(super) const CASES: &[Case] =
+            &[$(Case { id: $id, title: $title, expected: $expected, tolerance: $tolerance, run: $run }),*];
+    };
+}
+pub(super) use cases;
+
+/// Inputs of a case.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<'c> {
     /// Full size rather than a sample of it.
@@ -31,7 +43,7 @@ pub(super) struct Conditions<'c> {
 }
 
 impl Conditions<'_> {
-    /// How often to try.
+    /// Number of trials.
     pub(super) const fn count(&self, reduced: u64, full: u64) -> u64 {
         if self.full { full } else { reduced }
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Context, Findings, Unit};
+use super::unit::{Context, Findings, Unit};
 use crate::{
     error::TaskError,
     statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},

@@ -10,7 +10,7 @@ const DESCRIBED: usize = 5;
 /// Checks that a thread makes in one go.
 const BLOCK: u64 = 512;
 
-/// How near is near enough.
+/// Tolerance of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Tolerance {
     /// The same number to the last bit; 0 and −0 are the same.
@@ -23,7 +23,7 @@ pub(super) enum Tolerance {
 /// Four times the unit roundoff: two steps from number to number.
 pub(super) const FOUR_U: Tolerance = Tolerance::Relative(4.0 * UNIT_ROUNDOFF);
 
-/// What was tried and what failed.
+/// Counts of trials and failures.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     pub tried: u64,
@@ -54,7 +54,7 @@ impl Tally {
         self.check(size <= limit, || format!("{what}: off by {error:e}"));
     }
 
-    /// A number beside the one that it should be.
+    /// Compares a number with the expected one.
     pub(super) fn near(&mut self, computed: f64, expected: f64, tolerance: Tolerance, what: impl Display) {
         let what = format_args!("{what}: {computed:?} instead of {expected:?}");
         match tolerance {
@@ -66,7 +66,7 @@ impl Tally {
         }
     }
 
-    /// As [`near`](Self::near), where a miss is a failure as well.
+    /// Compares like [`near`](Self::near); a miss is a failure.
     pub(super) fn hit(&mut self, computed: Option<f64>, expected: f64, tolerance: Tolerance, what: impl Display) {
         match computed {
             Some(computed) => self.near(computed, expected, tolerance, what),

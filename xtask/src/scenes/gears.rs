@@ -19,8 +19,8 @@ const END: f64 = 1.03;
 const THICKNESS: f64 = 0.4;
 const LAYER: f64 = 0.6;
 
-/// A cube of gear wheels in the manner of Haines, "A Proposal for Standard Graphics Environments", 1987: long thin
-/// triangles from polygons with many sides, evenly spread and aligned with the axes.
+/// A cube of gear wheels after Haines, "A Proposal for Standard Graphics Environments", 1987. Polygons with many sides
+/// give long thin triangles, evenly spread and aligned with the axes.
 pub(crate) fn gears(wanted: usize) -> Result<Scene<TriangleMesh>, TaskError> {
     let side = nearest(wanted, 1..20, |side| TRIANGLES * (side as usize * side as usize * side as usize));
     let mut data = MeshData::default();

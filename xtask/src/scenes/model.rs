@@ -1,4 +1,4 @@
-//! A mesh that somebody made.
+//! A mesh from a file.
 
 use std::path::Path;
 

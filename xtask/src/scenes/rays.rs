@@ -54,7 +54,7 @@ pub(crate) fn primary(bounds: &Aabb, count: u32) -> RaySet {
     RaySet { kind: "primary", any: false, rays: (0..side * side).map(ray).collect() }
 }
 
-/// Rays from where the primary rays hit to a lamp above the camera.
+/// Rays from the hits of the primary rays to a light above the camera.
 pub(crate) fn shadow(bounds: &Aabb, surfaces: &[SurfaceInteraction], count: u32) -> RaySet {
     let view = View::of(bounds);
     let lamp = view.eye + view.up + view.right;
@@ -62,8 +62,8 @@ pub(crate) fn shadow(bounds: &Aabb, surfaces: &[SurfaceInteraction], count: u32)
     RaySet { kind: "shadow", any: true, rays: cycled(surfaces, count).map(|(_, surface)| ray(surface)).collect() }
 }
 
-/// Rays from where the primary rays hit, scattered by the cosine: a random point of the unit ball around the tip of
-/// the normal's unit sphere (Shirley).
+/// Cosine-distributed rays from the hits of the primary rays, towards a random point of the unit sphere around the tip
+/// of the normal (Shirley).
 pub(crate) fn diffuse(surfaces: &[SurfaceInteraction], eye_rays: &RaySet, count: u32) -> RaySet {
     let Some((first, _)) = eye_rays.rays.first() else {
         return RaySet { kind: "diffuse", any: false, rays: Vec::new() };

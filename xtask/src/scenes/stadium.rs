@@ -15,9 +15,9 @@ const SECTORS: u32 = 16;
 const RINGS: u32 = 12;
 const TIER: f64 = 60.0;
 
-/// A rock on the centre spot of a stadium a thousand times its size: "the teapot in the stadium", which is too small for
-/// the cells of a uniform grid (Haines, "Spline surface rendering, and what's wrong with octrees", 1988). The camera
-/// looks at the rock; only its triangles become more.
+/// A rock in the centre of a stadium a thousand times its size, too small for the cells of a uniform grid. It is "the
+/// teapot in the stadium" of Haines, "Spline surface rendering, and what's wrong with octrees", 1988. The camera looks
+/// at the rock; only the number of its triangles grows.
 pub(crate) fn stadium(wanted: usize) -> Result<Scene<TriangleMesh>, TaskError> {
     let mut data = rock::data(wanted);
     let view = Aabb::from_points(data.positions.iter().map(|point| point.as_dvec3()));

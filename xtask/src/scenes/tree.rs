@@ -6,15 +6,15 @@ use rt_math::{DMat3, DVec3, Frame, Transform, transcendental::sincos};
 use super::{Scene, Solids, nearest, other};
 use crate::error::TaskError;
 
-/// How much shorter and thinner a branch is than the one it grows from.
+/// Length and thickness of a branch relative to its parent.
 const SHRINK: f64 = 0.8;
-/// How far a branch leans away from the one it grows from, in radians.
+/// Angle between a branch and its parent, in radians.
 const LEAN: f64 = 0.5;
-/// How far the forks of a branch are turned against its own, in radians.
+/// Turn of the forks of a branch against its own fork, in radians.
 const TURN: f64 = 1.9;
 
-/// A tree like that of Haines, "A Proposal for Standard Graphics Environments", 1987: branches are frusta with a sphere
-/// at the joint, and fork in two. Primitives are long, thin, oblique, of all sizes, and leave most of space empty.
+/// A tree after Haines, "A Proposal for Standard Graphics Environments", 1987. Branches are frusta with a sphere at the
+/// joint, and fork in two. Primitives are long, thin, oblique, of all sizes, and leave most of space empty.
 pub(crate) fn tree(wanted: usize) -> Result<Scene<Solids>, TaskError> {
     let generations = nearest(wanted, 0..24, |generations| 2 * ((1 << (generations + 1)) - 1));
     let trunk = Branch { foot: DVec3::ZERO, frame: Frame::from_z(DVec3::Y), length: 1.0, radius: 0.1 };

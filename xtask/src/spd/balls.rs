@@ -9,8 +9,8 @@ use super::nff::{Fill, Nff, View};
 /// Places of the lights.
 const LIGHTS: [DVec3; 3] = [DVec3::new(4.0, 3.0, 2.0), DVec3::new(1.0, -4.0, 4.0), DVec3::new(-3.0, 1.0, 5.0)];
 
-/// A ball of radius ½ with nine balls of a third of its size around it, each with nine more, and so on `size` times, on a
-/// square: (9^(size + 1) − 1) / 8 spheres and a polygon.
+/// A sphere of radius ½ with nine spheres of a third of its size around it, each with nine more, and so on `size`
+/// times. With the square below them: (9^(size + 1) − 1) / 8 spheres and a polygon.
 pub(super) fn balls(size: u32) -> Nff {
     let view = View { from: DVec3::new(2.1, 1.3, 1.7), at: DVec3::ZERO, up: DVec3::Z };
     let mut file = Nff::new(&format!("balls, size {size}"), &view, &LIGHTS);

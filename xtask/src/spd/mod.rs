@@ -6,8 +6,8 @@
 //!   cargo xtask spd balls --size 4 -o b.nff   one, of the size that the paper measures
 //! ```
 //!
-//! Balls, tetra and rings have the coordinates of the original databases; of gears, tree and mountain the paper tells what they
-//! are made of and how many objects there are.
+//! Balls, tetra and rings have the coordinates of the original databases. Gears, tree and mountain follow the paper,
+//! which gives their parts and the number of objects.
 
 use std::fs;
 use std::ops::RangeInclusive;
@@ -25,10 +25,10 @@ mod tree;
 
 use nff::Nff;
 
-/// What the command line asks for.
+/// Options of `spd`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Options {
-    /// Which one; without it, all of them are written to scenes/spd in a small size
+pub(crate) struct SpdOptions {
+    /// Database to write; by default all of them, in a small size, to scenes/spd
     #[arg(value_enum)]
     database: Option<Database>,
     /// Size factor; that of the paper by default
@@ -115,7 +115,7 @@ impl Database {
 }
 
 /// Writes one database, or the small ones that come along.
-pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+pub(crate) fn run(workspace: &Workspace, options: &SpdOptions) -> Result<(), TaskError> {
     let Some(database) = options.database else {
         let folder = workspace.root.join("scenes/spd");
         fs::create_dir_all(&folder).map_err(TaskError::file(&folder))?;

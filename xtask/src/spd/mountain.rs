@@ -7,11 +7,12 @@ use rt_math::{
 
 use super::nff::{Fill, Nff, View};
 
-/// How much a height is displaced, as a part of the distance of the two between which it lies.
+/// Displacement of a height relative to the distance of its two neighbours.
 const ROUGHNESS: f64 = 0.42;
 
-/// A square of 4^size cells whose heights are midpoints displaced at random (Fournier, Fussell and Carpenter, "Computer Rendering
-/// of Stochastic Models", CACM 25(6), 1982), each cut in two triangles, and four balls of glass: 2 · 4^size + 4 objects.
+/// A square of 4^size cells, each cut in two triangles, and four spheres of glass: 2 · 4^size + 4 objects. Heights are
+/// by random midpoint displacement (Fournier, Fussell and Carpenter, "Computer Rendering of Stochastic Models", CACM
+/// 25(6), 1982).
 ///
 /// The paper gives the numbers of objects; the heights are ours.
 pub(super) fn mountain(size: u32) -> Nff {
@@ -36,8 +37,8 @@ pub(super) fn mountain(size: u32) -> Nff {
     file
 }
 
-/// The heights of the corners of 2^size by 2^size cells, row by row: squares are halved from the whole down, the middles of
-/// their edges first, then their own.
+/// Heights of the corners of 2^size by 2^size cells, row by row. Squares are halved from the whole down: first the
+/// midpoints of their edges, then their centres.
 fn heights(size: u32) -> Vec<f64> {
     let cells = 1usize << size;
     let row = cells + 1;

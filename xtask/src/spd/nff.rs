@@ -32,7 +32,7 @@ impl Fill {
     }
 }
 
-/// Who looks where: the image is square, 45 degrees wide, and the sky behind it blue.
+/// Camera of a square image, 45 degrees wide, before a blue sky.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
     pub(super) from: DVec3,

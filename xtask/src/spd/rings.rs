@@ -13,8 +13,8 @@ const TUBE: f64 = 0.07412;
 const COLOURS: [[f64; 3]; 6] =
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
 
-/// Sets of six pentagonal rings with a common middle, one for each axis of an icosahedron, in `size` layers of 1, 4, 9, ... sets
-/// before a wall. A ring is of five cylinders and five spheres.
+/// Sets of six pentagonal rings before a wall, in `size` layers of 1, 4, 9, ... sets. The rings of a set share a
+/// centre, one for each axis of an icosahedron. A ring is made of five cylinders and five spheres.
 ///
 /// The view, the lights and the wall are those of size 2, and grow with the size.
 pub(super) fn rings(size: u32) -> Nff {

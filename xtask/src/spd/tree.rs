@@ -8,14 +8,15 @@ use super::nff::{Fill, Nff, View};
 
 /// Between a branch and those that grow from it.
 const FORK_DEGREES: [f64; 2] = [22.0, 34.0];
-/// What part of its length and of its thickness a branch hands on.
+/// Length and thickness of a branch relative to its parent.
 const LENGTHS: [f64; 2] = [0.85, 0.72];
 const THICKNESS: f64 = 0.72;
 /// Around its branch, the plane of a fork is turned so far from that before it: the golden angle.
 const TURN: f64 = 0.381_966;
 
-/// A tree after Aono and Kunii ("Botanical Tree Image Generation", IEEE CG&A 4(5), 1984): every branch is a cone that ends in
-/// a ball and forks in two, `size` times, above a square: 2^(size + 1) − 1 cones, as many spheres, and a polygon.
+/// A tree after Aono and Kunii, "Botanical Tree Image Generation", IEEE CG&A 4(5), 1984. Every branch is a cone that
+/// ends in a sphere and forks in two, `size` times. With the square below: 2^(size + 1) − 1 cones, as many spheres, and
+/// a polygon.
 ///
 /// The paper gives the numbers of objects; angles and lengths are ours.
 pub(super) fn tree(size: u32) -> Nff {

@@ -1,4 +1,4 @@
-//! What the lecture tells of its Cornell box.
+//! Numbers that the lecture gives for its Cornell box.
 
 use rt_math::random::Permutation;
 use serde::{Deserialize, Serialize};
@@ -41,7 +41,7 @@ impl Tile {
         Some(Self { x: SIDE * (place % (SIZE / SIDE)), y: SIDE * (place / (SIZE / SIDE)) })
     }
 
-    /// As the renderer's `--crop` has it.
+    /// Value of the renderer's `--crop`.
     pub(super) fn crop(self) -> String {
         format!("{},{},{SIDE},{SIDE}", self.x, self.y)
     }

@@ -1,12 +1,12 @@
-//! What a sample of tiles says about the whole image.
+//! Estimates for the whole image from a sample of tiles.
 //!
 //! ```text
 //!   whole = tiles · mean of a tile        error(N) ~ Nᵏ, fitted to log variance against log N
 //! ```
 //!
-//! All that is told is a function of means over tiles. Its interval is by the jackknife (Quenouille 1956, Tukey 1958): the
-//! function of all tiles but one, each in turn, tells how much it varies between tiles. All tiles together are the image and
-//! vary no more, so variance is lessened by the part of the image that is done (Cochran, Sampling Techniques, 1977, 2.6).
+//! All results are functions of means over tiles. Their intervals are by the jackknife (Quenouille 1956, Tukey 1958),
+//! from the values without each tile in turn. All tiles together are the image, without further variance. The variance
+//! is therefore reduced by the finished part of the image (Cochran, Sampling Techniques, 1977, 2.6).
 
 use rt_math::transcendental::{exp, log};
 use rt_render::student_t;
@@ -26,7 +26,7 @@ pub(super) struct Estimate {
     pub interval: Option<[f64; 2]>,
 }
 
-/// What is told of the whole image.
+/// Estimates for the whole image.
 #[derive(Debug)]
 pub(super) struct Whole {
     pub tiles: usize,
@@ -41,7 +41,7 @@ pub(super) struct Whole {
     pub rmse: Estimate,
     /// RMSE of the best method at each of [`BEST_SPP`].
     pub best_rmse: [Estimate; METHODS],
-    /// How fast that falls: k of `error ~ N⁻ᵏ`; `None` if it does not.
+    /// Convergence rate: k of `error ~ N⁻ᵏ`; `None` if the error does not fall.
     pub exponent: Option<Estimate>,
     /// Samples per pixel with which the best method reaches `rmse`; `None` if its error does not fall.
     pub best_spp: Option<Estimate>,
@@ -60,7 +60,7 @@ struct Means {
 }
 
 impl Estimate {
-    /// Of `numerator` by what this estimates.
+    /// Quotient of `numerator` and the estimated quantity.
     pub(super) fn inverse(self, numerator: f64) -> Self {
         let interval = self.interval.map(|[low, high]| [numerator / high, numerator / low]);
         Self { value: numerator / self.value, interval }
@@ -102,7 +102,7 @@ impl Means {
         }
     }
 
-    /// Of each number with that of another.
+    /// Combines each number with the same number of `other`.
     fn zip(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
         let each = |a: [f64; METHODS], b: [f64; METHODS]| std::array::from_fn(|index| of(a[index], b[index]));
         Self {
@@ -152,8 +152,7 @@ impl Line {
     }
 }
 
-/// What `of` says of the means over all tiles, and its interval, which is of the logarithm. `None` if it says nothing, or
-/// nothing positive.
+/// Value of `of` for the means over all tiles, with an interval of its logarithm. `None` unless the value is positive.
 fn jackknife(tiles: &[Means], of: &dyn Fn(&Means) -> Option<f64>) -> Option<Estimate> {
     let count = tiles.len() as f64;
     let sum = tiles.iter().copied().reduce(|sum, tile| sum.zip(tile, |a, b| a + b))?;

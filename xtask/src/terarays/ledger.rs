@@ -1,4 +1,4 @@
-//! What has been measured so far, in a file: a run goes on where the one before it stopped, or was killed.
+//! Progress file: a run continues where an earlier run stopped or was killed.
 
 use std::{
     fs,
@@ -16,7 +16,7 @@ use crate::error::TaskError;
 /// Changes with the meaning of the file.
 const FORMAT: u32 = 1;
 
-/// What measurements depend on: only those under the same conditions make one sample.
+/// Conditions of the measurements. Only measurements under equal conditions make one sample.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Conditions {
@@ -43,7 +43,7 @@ struct State {
 }
 
 impl Conditions {
-    /// Of this renderer and this scene on this machine.
+    /// Conditions of this renderer and this scene on this machine.
     pub(super) fn here(program: &Path, scene: &Path) -> Result<Self, TaskError> {
         let fingerprint = |path: &Path| {
             let bytes = fs::read(path).map_err(TaskError::file(path))?;

@@ -1,7 +1,7 @@
 //! `terarays`: how long the lecture's trillion rays take here.
 //!
-//! Owns `target/terarays`, where the measured tiles are kept, and `docs/TERARAYS.md`. The image would take days, so a random
-//! sample of its tiles is rendered, each as the whole image would have it, and more of them with each run.
+//! Owns `target/terarays`, with the measured tiles, and `docs/TERARAYS.md`. The image would take days. A random sample
+//! of its tiles is rendered instead, each as in the whole image, and more of them with each run.
 
 use std::{
     fs,
@@ -23,13 +23,13 @@ use unit::{Laboratory, Unit};
 
 const SCENE: &str = "scenes/lecture/cornell.ron";
 
-/// What the command line asks for.
+/// Options of `terarays`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Options {
-    /// How long to go on measuring, as 60s, 10m or 8h; a tile that was begun is finished. 0s tells what is known.
+pub(crate) struct TeraraysOptions {
+    /// Measure for this time, as 60s, 10m or 8h; a started tile is finished. 0s prints earlier results.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "60s")]
     budget: Duration,
-    /// Forget what was measured before.
+    /// Discard earlier measurements.
     #[arg(long)]
     fresh: bool,
     /// Replace docs/TERARAYS.md.
@@ -37,8 +37,8 @@ pub(crate) struct Options {
     write: bool,
 }
 
-/// Measures more tiles, prints the table, and writes the page if asked to.
-pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+/// Measures more tiles, prints the table, and with `--write` writes the page.
+pub(crate) fn run(workspace: &Workspace, options: &TeraraysOptions) -> Result<(), TaskError> {
     let path = workspace.build_release_renderer()?;
     let scene = workspace.root.join(SCENE);
     let conditions = Conditions::here(&path, &scene)?;

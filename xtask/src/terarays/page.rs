@@ -1,31 +1,28 @@
-//! What is told, as Markdown.
+//! Results as a Markdown page.
 
 use super::{
     claim::{PRIMARY_RAYS, RAYS, SECONDS, SIZE, STRATA, TILE_PIXELS, TILES},
     estimate::{Estimate, Whole},
     unit::{BEST, BEST_SPP},
 };
-use crate::number::{grouped, three_digits};
+use crate::{
+    number::{grouped, three_digits},
+    table::Table,
+};
 
 /// The table.
-pub(super) fn table(whole: &Whole) -> String {
+pub(super) fn table(whole: &Whole) -> Table {
     let done = whole.tiles as f64 / f64::from(TILES);
     let pixels = whole.tiles as u64 * u64::from(TILE_PIXELS);
-    let mut text = format!(
-        "| quantity | estimate | 95 % interval |\n|:--|--:|:--|\n\
-         | part of the image that was rendered | {} %: {} of {} pixels | |\n",
-        three_digits(100.0 * done),
-        grouped(pixels),
-        grouped(u64::from(SIZE) * u64::from(SIZE)),
-    );
-    let mut row = |what: &str, estimate: Option<Estimate>, show: fn(f64) -> String| {
-        text.push_str(&match estimate {
-            None => format!("| {what} | the error does not fall | |\n"),
-            Some(Estimate { value, interval: None }) => format!("| {what} | {} | |\n", show(value)),
-            Some(Estimate { value, interval: Some([low, high]) }) => {
-                format!("| {what} | {} | {} to {} |\n", show(value), show(low), show(high))
-            }
-        });
+    let mut table = Table::new(1, ["quantity", "estimate", "95 % interval"]);
+    let all = grouped(u64::from(SIZE) * u64::from(SIZE));
+    let part = format!("{} %: {} of {all} pixels", three_digits(100.0 * done), grouped(pixels));
+    table.push(["part of the image that was rendered", &part, ""]);
+    let mut row = |name: &str, estimate: Option<Estimate>, show: fn(f64) -> String| {
+        let value = estimate.map_or_else(|| "the error does not fall".to_owned(), |estimate| show(estimate.value));
+        let interval = estimate.and_then(|estimate| estimate.interval);
+        let interval = interval.map(|[low, high]| format!("{} to {}", show(low), show(high)));
+        table.push([name.to_owned(), value, interval.unwrap_or_default()]);
     };
     row("rays of all kinds, traced in one processor second", Some(whole.rays_per_second), three_digits);
     row("rays of all kinds that the whole image takes", Some(whole.rays), power_of_ten);
@@ -41,7 +38,7 @@ pub(super) fn table(whole: &Whole) -> String {
     row(&format!("samples per pixel for the RMSE of the whole image by `{BEST}`"), whole.best_spp, three_digits);
     row(&format!("**processor time of these by `{BEST}`**"), whole.best_seconds, span);
     row("two years : that", whole.best_seconds.map(|seconds| seconds.inverse(SECONDS)), three_digits);
-    text
+    table
 }
 
 /// The whole page `docs/TERARAYS.md`.
@@ -133,12 +130,13 @@ mod tests {
             }
         });
         let whole = Whole::of(&units).unwrap();
-        let text = table(&whole);
-        assert!(text.lines().all(|line| line.matches('|').count() == 4), "{text}");
+        let text = table(&whole).to_string();
+        let rows = text.lines().map(|line| line.split('|').map(str::trim).collect::<Vec<_>>().join("|") + "\n");
+        let rows: String = rows.collect();
         // A million tiles of one second, and two years by that.
-        assert!(text.contains("image** | 12.1 days | "), "{text}");
-        assert!(text.contains("| two years : that | 60.2 | "), "{text}");
-        assert!(text.contains("RMSE of the whole image | 3.15 · 10⁻³ | 3.15 · 10⁻³ to 3.15 · 10⁻³ |"), "{text}");
+        assert!(rows.contains("image**|12.1 days|"), "{text}");
+        assert!(rows.contains("|two years : that|60.2|"), "{text}");
+        assert!(rows.contains("RMSE of the whole image|3.15 · 10⁻³|3.15 · 10⁻³ to 3.15 · 10⁻³|"), "{text}");
         assert!(markdown(&whole, "processor", "commit").contains(&text));
     }
 }

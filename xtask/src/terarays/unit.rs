@@ -27,7 +27,7 @@ const SEEDS: [&str; 2] = ["1", "2"];
 /// A render that takes longer than this has gone wrong.
 const TIMEOUT: Duration = Duration::from_secs(600);
 
-/// What was measured of a tile.
+/// Measurements of one tile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Unit {
@@ -40,7 +40,7 @@ pub(super) struct Unit {
     pub best: [Measured; BEST_SPP.len()],
 }
 
-/// What a render of a tile takes, and how far it is from the truth: the mean of two with different seeds.
+/// Time and error of a render of a tile, as means of two seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Measured {
@@ -114,7 +114,7 @@ impl Laboratory<'_> {
     }
 }
 
-/// Of a render in one pass: of several, each would have a coarser grid of its own.
+/// Arguments of a render in one pass. Each of several passes would have a coarser grid of its own.
 fn arguments(tile: Tile, sampler: &str, spp: u32, seed: &str) -> Vec<String> {
     let text = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>();
     let (size, crop, spp) = (format!("{SIZE}x{SIZE}"), tile.crop(), spp.to_string());

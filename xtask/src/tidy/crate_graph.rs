@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Report;
+use super::report::Report;
 use crate::{
     error::TaskError,
     workspace::{Package, Workspace, cargo, output_of},

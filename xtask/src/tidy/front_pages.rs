@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::Report;
+use super::report::Report;
 use crate::{error::TaskError, workspace::Workspace};
 
 /// Fewer lines cannot say what a library owns and what it does not, and show an example.

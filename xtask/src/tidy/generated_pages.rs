@@ -4,7 +4,7 @@ use std::fs;
 
 use rt_scene_io::format::{json_schema, reference_page};
 
-use super::Report;
+use super::report::Report;
 use crate::{error::TaskError, workspace::Workspace};
 
 /// A file, the command that writes it, and the function that does.

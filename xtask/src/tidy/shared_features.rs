@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Report;
+use super::report::Report;
 use crate::{
     error::TaskError,
     workspace::{Workspace, cargo, output_of},
@@ -53,7 +53,8 @@ fn disagreements(task: &Builds<'_>, tests: &Builds<'_>) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// `cargo xtask regress` compiled all of rt-cli again after `cargo test`, for a feature of one crate that nobody needs.
+    /// Regression: `cargo xtask regress` compiled all of rt-cli again after `cargo test`, for an unused feature of one
+    /// crate.
     #[test]
     fn a_crate_with_other_features_is_a_breach() {
         let tests =

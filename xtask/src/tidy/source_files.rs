@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::Report;
+use super::report::Report;
 use crate::{error::TaskError, workspace::Workspace};
 
 const LONG: usize = 400;

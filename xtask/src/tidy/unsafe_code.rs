@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::Report;
+use super::report::Report;
 use crate::{error::TaskError, workspace::Workspace};
 
 /// The crate that denies unsafe code and does not forbid it, for the sake of one module.

@@ -27,7 +27,7 @@
 //!
 //! # Eight rays at a time
 //!
-//! Up to 16 primitives are a [`Handful`](crate::wide::Handful): batches ask each of them for eight rays at a time, in lanes of
+//! Up to 16 primitives are a [`SmallSet`](crate::wide::SmallSet): batches ask each of them for eight rays at a time, in lanes of
 //! `f64` with the operations of the one kernel, so that there is nothing to prepare and, but for rays that graze, nothing left
 //! to decide. This goes for spheres and triangles that say so ([`BatchKernel`](crate::BatchKernel)); others are asked ray by ray, but
 //! for structures, of which many rays are asked at once.

@@ -1,40 +1,40 @@
-//! Bounding volume hierarchy with eight children to a node, walked eight boxes at a time.
+//! Bounding volume hierarchy with eight children per node, tested eight boxes at a time.
 //!
-//! * `build`: from boxes to a tree
-//! * `node`, `leaf`: what a tree is made of
-//! * `simd`: eight numbers at a time, on any processor
-//! * `ray`, and the kinds of `leaf`: why what filters rule out is missed
-//! * `list`: spheres without a tree; `handful`: few primitives without a tree
-//! * `goal`: what a ray is sent for; `walk`: how it goes; `exact`: how it goes where filters cannot
-//! * `packet`, over `across`: how eight go that agree; `round`, `facet`: how spheres and triangles are decided about for all of
-//!   them; `shaft`: what many of them can meet; `flight`: how many go side by side, and remember what blocked them
+//! * `build`: binned SAH, reinsertion, and collapse of a binary tree into wide nodes
+//! * `node`, `leaf`: the tree; `stack`, `huge_pages`: its memory; `validate`, `refit`, `sah`
+//! * `simd`: eight numbers at a time on any processor
+//! * `query`: closest-hit and any-hit queries, and exact tests of the caller's primitives
+//! * `single_ray`, `packet`, `batch`: traversal; `scalar`: traversal in `f64`, outside the range of the filters
+//! * `ray`, `packet_rays`: rays prepared for conservative box tests, with the proofs; `frustum`: culling of ray bundles
+//! * `exact_triangle`, `packet_triangles`, `packet_spheres`: exact tests in SIMD lanes
+//! * `small_set`, `sphere_list`: primitives without a tree
 //!
-//! This is the only module with `unsafe`: for instructions that a processor may not have, for numbers that builders and
-//! loaders have checked, and for memory that is written before it is read.
-#![allow(unsafe_code, reason = "instructions chosen at run time, and loads without checks of what was checked before")]
+//! This is the only module with `unsafe`: for instructions chosen at run time, for unchecked loads of what builders and
+//! loaders have validated, and for memory that is written before it is read.
+#![allow(unsafe_code, reason = "instructions chosen at run time, and unchecked loads of validated data")]
 
-mod across;
+mod batch;
 mod build;
-mod check;
-mod copy;
-mod cost;
-mod exact;
-mod facet;
-mod flight;
-mod goal;
-mod handful;
+mod exact_triangle;
+mod frustum;
+mod huge_pages;
 mod leaf;
-mod list;
 mod node;
 mod packet;
-mod pages;
+mod packet_rays;
+mod packet_spheres;
+mod packet_triangles;
+mod query;
 mod ray;
 mod refit;
-mod round;
-mod shaft;
+mod sah;
+mod scalar;
 mod simd;
+mod single_ray;
+mod small_set;
+mod sphere_list;
 mod stack;
-mod walk;
+mod validate;
 
 use core::hint::select_unpredictable;
 use core::ops::ControlFlow;
@@ -43,31 +43,28 @@ use crate::{
     Accelerator, AcceleratorQueries, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError,
     bounded_depth::MAX_DEPTH,
 };
-use rt_geometry::{
-    BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, intersect_primitive_batch,
-    intersect_primitive_uncounted, occludes_primitive_batch, occludes_primitive_uncounted,
-};
+use rt_geometry::{Hit, Primitives, Probe};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-use crate::ray_query::{Any, Closest, is_finite};
-use build::Census;
+use crate::ray_query::is_finite;
+use batch::BatchContext;
+use build::PrimStats;
 pub use build::{BuildParams, Quality};
-use flight::Ground;
-use goal::{AnyHit, FirstHit, Goal, Judge};
-pub use handful::Handful;
-use leaf::{Filling, LeafKind, Leaves, Line};
-pub(crate) use list::SphereList;
+use leaf::{CacheLine, LeafKind, LeafWriter, Leaves};
 use node::{Child, Node};
-use simd::Available;
+use query::{Output, PrimitiveTester, Tester};
+use simd::DetectedSimd;
 pub use simd::SimdLevel;
-use walk::{Query, Work};
+use single_ray::{SingleContext, TraversalStats};
+pub use small_set::SmallSet;
+pub(crate) use sphere_list::SphereList;
 
-/// Entries of a walk's stack: seven children put off on every level, and one to spare.
+/// Entries of a traversal stack: seven deferred children on every level, and one to spare.
 const STACK: usize = 7 * MAX_DEPTH as usize + 8;
 
 /// A tree of boxes with eight children to a node: the fastest to trace, whatever the primitives.
 ///
-/// Eight boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
+/// F64x8 boxes are tested at a time in `f32`, and so are the triangles, spheres or boxes in a leaf
 /// ([`PrimitiveGeometry`]); what these filters leave is decided in `f64`, so that the answers are those of brute force to the
 /// last bit. They run on AVX-512, AVX2 or anything, as the processor has it ([`SimdLevel`]), with the same answers.
 ///
@@ -75,13 +72,13 @@ const STACK: usize = 7 * MAX_DEPTH as usize + 8;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct WideBvh {
-    /// The root comes first, and all others after their parents.
+    /// The root is the first; all others come after their parents.
     nodes: Vec<Node>,
     leaves: Leaves,
     root: Child,
-    /// World position that the boxes are relative to.
+    /// World position of the local origin.
     centre: DVec3,
-    /// Greatest coordinate relative to the centre.
+    /// Maximum coordinate relative to the centre.
     size: f64,
     unbounded: Vec<u32>,
     /// Number of bounded primitives.
@@ -89,7 +86,7 @@ pub struct WideBvh {
     n_leaves: usize,
     max_depth: u32,
     #[cfg_attr(feature = "serde", serde(skip))]
-    level: Available,
+    level: DetectedSimd,
 }
 
 impl WideBvh {
@@ -97,87 +94,83 @@ impl WideBvh {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 28 bits cannot number the nodes and leaves.
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or if 28 bits cannot number the nodes and leaves.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         Self::build_with(primitives, &BuildParams::default())
     }
 
-    /// Builds the tree as the parameters say.
+    /// Builds the tree with parameters.
     ///
     /// # Errors
     ///
-    /// As [`build`](Self::build).
+    /// See [`build`](Self::build).
     pub fn build_with<P: Primitives>(primitives: &P, params: &BuildParams) -> Result<Self, BuildError> {
-        let census = Census::of(primitives)?;
-        let (centre, size) = (census.centre(), census.size());
-        let kind = LeafKind::of(census.layouts, centre, size);
-        let bounded = census.bounded;
-        let Some(tree) = build::build(primitives, &census, kind, params) else {
+        let stats = PrimStats::of(primitives)?;
+        let (centre, size) = (stats.centre(), stats.size());
+        let kind = LeafKind::of(stats.layouts, centre, size);
+        let bounded = stats.bounded;
+        let Some(tree) = build::build(primitives, &stats, kind, params) else {
             return Err(BuildError::TooMany { count: u64::from(bounded), limit: Child::LIMIT as u64 });
         };
         Ok(Self {
-            leaves: Leaves::new(&Filling { primitives, centre, kind }, &tree.listings),
+            leaves: Leaves::new(&LeafWriter { primitives, centre, kind }, &tree.listings),
             n_leaves: tree.listings.iter().map(|listing| listing.sizes.len()).sum(),
             nodes: tree.nodes,
             root: Child::node(0),
             centre,
             size,
-            unbounded: census.unbounded,
+            unbounded: stats.unbounded,
             bounded,
             max_depth: tree.depth,
-            level: Available::default(),
+            level: DetectedSimd::default(),
         })
     }
 
-    /// The same tree, walked by other instructions: for tests and comparisons, as the best that the processor has are
-    /// chosen when it is built. What the processor does not have is replaced by the portable level.
+    /// Replaces the instruction set, for tests and comparisons; builders select the best. The portable level stands in for
+    /// one that the processor does not support.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
-        self.level = Available::new(level);
+        self.level = DetectedSimd::new(level);
         self
     }
 
-    /// The instructions that it is walked by.
+    /// Instruction set of traversal.
     pub const fn level(&self) -> SimdLevel {
         self.level.level()
     }
 
-    /// Sends one ray for the goal.
     #[inline]
-    fn send<G: Goal, P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        ray: &Ray,
-        span: Interval,
-        probe: &mut S,
-    ) -> G::Answer {
-        let mut judge = Asked { tree: self, primitives, probe };
-        let mut answer = G::Answer::default();
-        let mut query = Query { judge: &mut judge, work: Work::default(), answer: &mut answer };
-        G::walk(self, &mut query, ray, span);
-        let Work { nodes, tests, hits } = query.work;
-        probe.work(nodes, tests, hits);
-        answer
+    fn trace<O: Output, P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> O
+    where
+        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
+    {
+        let mut tester = Tester { primitives, probe };
+        let mut output = O::default();
+        let stats = TraversalStats::default();
+        let mut context = SingleContext { tester: &mut tester, stats, output: &mut output };
+        O::trace(self, &mut context, ray, span);
+        context.stats.add_to(tester.probe);
+        output
     }
 
-    /// Sends many rays for the goal.
-    fn send_all<G: Goal, P: Primitives, S: Probe>(
+    fn trace_batch<O: Output, P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],
-        answers: &mut [G::Answer],
+        outputs: &mut [O],
         probe: &mut S,
-    ) {
-        let n = rays.len().min(answers.len());
-        let (Some(rays), Some(answers)) = (rays.get(..n), answers.get_mut(..n)) else { return };
-        let mut judge = Asked { tree: self, primitives, probe };
-        let mut ground = Ground { judge: &mut judge, work: Work::default() };
-        G::fly(self, &mut ground, rays, answers);
-        let Work { nodes, tests, hits } = ground.work;
-        probe.work(nodes, tests, hits);
+    ) where
+        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
+    {
+        let n = rays.len().min(outputs.len());
+        let (Some(rays), Some(outputs)) = (rays.get(..n), outputs.get_mut(..n)) else { return };
+        let mut tester = Tester { primitives, probe };
+        let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default() };
+        O::trace_batch(self, &mut context, rays, outputs);
+        context.stats.add_to(tester.probe);
     }
 
-    /// Offers the query every bounded primitive that can matter to it, in `f64`.
+    /// Traverses the bounded primitives in `f64`.
     fn walk_bounded<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
@@ -193,76 +186,21 @@ impl WideBvh {
         ControlFlow::Continue(())
     }
 
-    /// The node that a child is.
-    ///
     /// # Safety
     ///
     /// The child must be a node, and the root or a child of a node of this tree.
     #[inline(always)]
     unsafe fn node(&self, child: Child) -> &Node {
-        debug_assert!(child.is_node() && child.number() < self.nodes.len(), "checked when it is made or loaded");
-        // SAFETY: as the caller promises; nodes have no other children than builders have made and loaders have checked.
+        debug_assert!(child.is_node() && child.number() < self.nodes.len(), "checked by builders and loaders");
+        // SAFETY: as the caller promises; builders and loaders have checked the children of nodes.
         unsafe { self.nodes.get_unchecked(child.number()) }
     }
 
-    /// Where a child lies in memory.
+    /// Memory location of a child.
     #[inline(always)]
-    fn line(&self, child: Child) -> *const Line {
+    fn line(&self, child: Child) -> *const CacheLine {
         let node = self.nodes.as_ptr().wrapping_add(child.number()).cast();
         select_unpredictable(child.is_node(), node, self.leaves.line(child))
-    }
-}
-
-/// The primitives of a query, and who counts.
-struct Asked<'a, P, S> {
-    tree: &'a WideBvh,
-    primitives: &'a P,
-    probe: &'a mut S,
-}
-
-impl<P: Primitives, S: Probe> Judge for Asked<'_, P, S> {
-    fn closest(&mut self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
-    }
-
-    fn occluded(&mut self, index: u32, ray: &Ray, span: Interval) -> bool {
-        occludes_primitive_uncounted(self.primitives, index, ray, span, self.probe)
-    }
-
-    fn round(&mut self, index: u32) -> Option<SphereKernel> {
-        if let PrimitiveGeometry::ExactSphere(sphere) = self.primitives.geometry(index) { Some(sphere) } else { None }
-    }
-
-    fn is_structure(&mut self, index: u32) -> bool {
-        matches!(self.primitives.batch_kernel(index), BatchKernel::Instance)
-    }
-
-    fn closest_together(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
-        intersect_primitive_batch(self.primitives, index, rays, hits, self.probe);
-    }
-
-    fn occluded_together(&mut self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
-        occludes_primitive_batch(self.primitives, index, rays, blocked, self.probe);
-    }
-
-    fn closest_unbounded(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {
-        let mut query = Closest::new(ray, span);
-        let _ = query.offer_all(self.primitives, &self.tree.unbounded, self.probe);
-        query.hit
-    }
-
-    fn occluded_unbounded(&mut self, ray: &Ray, span: Interval) -> bool {
-        Any::new(ray, span).offer_all(self.primitives, &self.tree.unbounded, self.probe).is_break()
-    }
-
-    fn closest_unfiltered(&mut self, ray: &Ray, span: Interval) -> Option<Hit> {
-        let mut query = Closest::new(ray, span);
-        let _ = self.tree.walk_bounded(self.primitives, &mut query, self.probe);
-        query.hit
-    }
-
-    fn occluded_unfiltered(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.tree.walk_bounded(self.primitives, &mut Any::new(ray, span), self.probe).is_break()
     }
 }
 
@@ -275,12 +213,12 @@ impl Accelerator for WideBvh {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        self.send::<FirstHit, _, _>(primitives, ray, span, probe)
+        self.trace(primitives, ray, span, probe)
     }
 
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        self.send::<AnyHit, _, _>(primitives, ray, span, probe)
+        self.trace(primitives, ray, span, probe)
     }
 
     fn closest_batch<P: Primitives, S: Probe>(
@@ -290,17 +228,17 @@ impl Accelerator for WideBvh {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        self.send_all::<FirstHit, _, _>(primitives, rays, hits, probe);
+        self.trace_batch(primitives, rays, hits, probe);
     }
 
     fn occluded_batch<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
+        occluded: &mut [bool],
         probe: &mut S,
     ) {
-        self.send_all::<AnyHit, _, _>(primitives, rays, blocked, probe);
+        self.trace_batch(primitives, rays, occluded, probe);
     }
 }
 
@@ -335,12 +273,12 @@ impl AcceleratorQueries for WideBvh {
             leaves: self.n_leaves,
             max_depth: self.max_depth as usize,
             references: self.leaves().map(|leaf| leaf.count()).sum(),
-            sah_cost: cost::sah_cost(&self.nodes),
+            sah_cost: sah::sah_cost(&self.nodes),
         }
     }
 
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
-        self.check(primitives)
+        self.validate_primitives(primitives)
     }
 
     fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
@@ -356,4 +294,4 @@ impl AcceleratorQueries for WideBvh {
 }
 
 #[cfg(feature = "serde")]
-crate::saved::saved_and_checked!(WideBvh, WideBvh::check_shape);
+crate::saved::saved_and_checked!(WideBvh, WideBvh::validate_shape);

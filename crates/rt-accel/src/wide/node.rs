@@ -1,4 +1,4 @@
-//! Eight boxes side by side.
+//! F64x8 boxes side by side.
 
 use super::simd::Simd;
 use crate::bvh::NodeBox;
@@ -40,7 +40,7 @@ impl Child {
     }
 
     /// What no node has behind it: there is nothing more to visit.
-    pub(super) const HOME: Self = Self(15);
+    pub(super) const NONE: Self = Self(15);
 
     #[inline(always)]
     pub(super) const fn to_bits(self) -> u32 {
@@ -53,7 +53,7 @@ impl Child {
     }
 }
 
-/// Eight boxes relative to the centre of the tree, rounded outward, and what is behind them. Boxes that nothing is
+/// F64x8 boxes relative to the centre of the tree, rounded outward, and what is behind them. Boxes that nothing is
 /// behind are empty, and no ray passes them.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -123,9 +123,9 @@ impl Node {
         Self { planes: [low, high, low, high, low, high], children: [Child::node(0); 8] }
     };
 
-    /// Eight planes.
+    /// F64x8 planes.
     #[inline(always)]
-    pub(super) fn row<S: Simd>(&self, simd: S, row: Row) -> S::Lanes {
+    pub(super) fn row<S: Simd>(&self, simd: S, row: Row) -> S::F32x8 {
         debug_assert!(row.0 < 6);
         // SAFETY: a `Row` is less than 6.
         simd.load(unsafe { self.planes.get_unchecked(row.0) })
@@ -133,7 +133,7 @@ impl Node {
 
     /// [`row`](Self::row) that begins at an offset.
     #[inline(always)]
-    pub(super) fn row_at<S: Simd>(&self, simd: S, at: RowOffset) -> S::Lanes {
+    pub(super) fn row_at<S: Simd>(&self, simd: S, at: RowOffset) -> S::F32x8 {
         debug_assert!(at.0 < size_of_val(&self.planes) && at.0.is_multiple_of(ROW));
         // SAFETY: a `RowOffset` is where one of the six rows begins.
         simd.load(unsafe { &*self.planes.as_ptr().byte_add(at.0) })
@@ -141,7 +141,7 @@ impl Node {
 
     /// One plane of a row, eight times.
     #[inline(always)]
-    pub(super) fn plane<S: Simd>(&self, simd: S, row: Row, lane: usize) -> S::Lanes {
+    pub(super) fn plane<S: Simd>(&self, simd: S, row: Row, lane: usize) -> S::F32x8 {
         debug_assert!(row.0 < 6);
         // SAFETY: a `Row` is less than 6.
         simd.splat(unsafe { self.planes.get_unchecked(row.0) }[lane & 7])

@@ -1,78 +1,76 @@
-//! Eight rays that go about the same way, side by side: each box is tested with all of them, and so is each primitive.
+//! Traversal of a coherent packet of eight rays: each box and each primitive is tested with all of them.
 //!
-//! Rays that [`agree`](super::across::agree) may pass boxes through different sides, as those along an axis do. Where no more
-//! than [`FEW`] of them are left, each goes on alone: there it is better to test eight boxes at a time.
+//! Coherent rays may still pass a box through different sides, as rays along an axis do. At most [`SWITCH_THRESHOLD`]
+//! active rays are traced one by one, as it is then faster to test eight boxes at once.
 //!
-//! What they certainly hit stays in lanes as well, and those that hit the same triangle are decided about together: where
-//! leaves hold triangles as they are, nothing is done ray by ray in a coherent packet but to write the answers.
+//! Certain hits stay in SIMD lanes, and rays that hit the same triangle are intersected with it together.
 //!
 //! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", 2001.
 
-use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::across::{Across, AcrossBoxes, PACKET};
-use super::goal::{Goal, Judge, Place, Prepared, take_lane};
-use super::leaf::{ExactRay, Filter, Lane};
+use super::frustum::EntryPoints;
+use super::leaf::{Lane, LeafTest, RayF64};
 use super::node::{Child, Node};
-use super::round::RoundSpheres;
-use super::shaft::Cut;
+use super::packet_rays::{PACKET, PacketSlabs, RayPacket};
+use super::packet_spheres::SpherePacket;
+use super::query::{Output, PacketResults, PrimSlot, PrimitiveTester, RayState, TravRay, take_lane};
 use super::simd::Simd;
-use super::stack::StackRoom;
-use super::walk::{Work, descend};
+use super::single_ray::{TraversalStats, traverse};
+use super::stack::StackStorage;
 use super::{STACK, WideBvh};
 
-/// As many rays go on alone.
-pub(super) const FEW: u32 = 2;
+/// At most this many active rays continue one by one.
+pub(super) const SWITCH_THRESHOLD: u32 = 2;
 
-/// What a packet has put off.
+/// A child whose traversal is deferred.
 #[derive(Clone, Copy)]
 pub(super) struct Entry<S: Simd> {
     child: Child,
-    /// The least of `enters`.
-    least: f32,
-    /// Where the rays enter, infinite for those that do not.
-    enters: S::Lanes,
+    /// Minimum of `t_near`.
+    min_t_near: f32,
+    /// By ray: `t` at entry, infinite for a miss.
+    t_near: S::F32x8,
 }
 
-/// Entries that have been put off, of which those below `len` have been written.
+/// Stack of a packet. Entries below `len` are written.
 pub(super) struct PacketStack<S: Simd> {
     entries: [MaybeUninit<Entry<S>>; STACK],
     len: usize,
 }
 
 impl<S: Simd> PacketStack<S> {
-    /// Of which nothing is written: no constant, as that would be copied.
+    /// Writes no entry: clearing them would take as long as several nodes.
     #[inline(always)]
     pub(super) fn new() -> Self {
         Self { entries: [const { MaybeUninit::uninit() }; STACK], len: 0 }
     }
 
-    /// Inserts an entry into those since `first`, so that the nearest is popped first.
+    /// Inserts an entry into those from `first` on, so that the nearest is popped first.
     ///
     /// # Safety
     ///
-    /// There must be fewer entries than [`STACK`]: so it is while each node of a walk puts off eight children at most, of which
-    /// one is popped before the next, as no tree is deeper than a seventh of the stack.
+    /// There must be fewer entries than [`STACK`]. This holds while each node pushes at most eight children, one of which
+    /// is popped before the next node: no tree is deeper than a seventh of the stack.
     #[inline(always)]
     unsafe fn insert(&mut self, first: usize, entry: Entry<S>) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
-        let mut place = self.len;
+        let mut at = self.len;
         self.len += 1;
-        while place > first {
-            // SAFETY: below what `len` was.
-            let before = unsafe { self.entries.get_unchecked(place - 1).assume_init() };
-            if before.least >= entry.least {
+        while at > first {
+            // SAFETY: below the previous `len`.
+            let before = unsafe { self.entries.get_unchecked(at - 1).assume_init() };
+            if before.min_t_near >= entry.min_t_near {
                 break;
             }
-            // SAFETY: as the caller promises, as `place` is at most what `len` was.
-            unsafe { self.entries.get_unchecked_mut(place).write(before) };
-            place -= 1;
+            // SAFETY: as the caller promises, as `at` is at most the previous `len`.
+            unsafe { self.entries.get_unchecked_mut(at).write(before) };
+            at -= 1;
         }
         // SAFETY: as above.
-        unsafe { self.entries.get_unchecked_mut(place).write(entry) };
+        unsafe { self.entries.get_unchecked_mut(at).write(entry) };
     }
 
     #[inline(always)]
@@ -83,15 +81,15 @@ impl<S: Simd> PacketStack<S> {
     }
 }
 
-/// Rays of a packet that go alone.
-struct Loners<'r, S: Simd, F> {
-    prepared: [MaybeUninit<Prepared<'r, S, F>>; PACKET],
-    /// Which have been prepared.
-    who: u32,
+/// Rays of a packet that are traced one by one, prepared on first use.
+struct SingleRays<'r, S: Simd, F> {
+    prepared: [MaybeUninit<TravRay<'r, S, F>>; PACKET],
+    /// A bit for each ray that is prepared.
+    mask: u32,
 }
 
-impl<'r, S: Simd, F: Filter> Loners<'r, S, F> {
-    /// `None` if the filters are not proven for the ray.
+impl<'r, S: Simd, F: LeafTest> SingleRays<'r, S, F> {
+    /// `None` where the proofs of the filters do not apply.
     #[inline(always)]
     fn get(
         &mut self,
@@ -99,350 +97,345 @@ impl<'r, S: Simd, F: Filter> Loners<'r, S, F> {
         tree: &WideBvh,
         rays: &'r [(Ray, Interval); PACKET],
         lane: usize,
-    ) -> Option<&Prepared<'r, S, F>> {
-        if self.who >> lane & 1 == 0 {
+    ) -> Option<&TravRay<'r, S, F>> {
+        if self.mask >> lane & 1 == 0 {
             let (ray, span) = &rays[lane];
-            self.prepared[lane].write(Prepared::new(simd, tree, ray, *span)?);
-            self.who |= 1 << lane;
+            self.prepared[lane].write(TravRay::new(simd, tree, ray, *span)?);
+            self.mask |= 1 << lane;
         }
-        // SAFETY: written now or before, as `who` says.
+        // SAFETY: written now or before, as `mask` says.
         Some(unsafe { self.prepared[lane].assume_init_ref() })
     }
 }
 
-/// What rays of a packet have found: side by side, and each by itself.
-struct Finds<S: Simd, G: Goal> {
-    together: G::Found<S>,
-    goals: [MaybeUninit<G>; PACKET],
-    /// Which have a goal of their own.
-    who: u32,
+/// Results of a packet: those in lanes, and those of single rays.
+struct Results<S: Simd, O> {
+    lanes: PacketResults<S, O>,
+    states: [MaybeUninit<RayState<O>>; PACKET],
+    /// A bit for each ray with a state of its own.
+    mask: u32,
 }
 
-impl<S: Simd, G: Goal> Finds<S, G> {
-    /// Nothing yet.
+impl<S: Simd, O: Output> Results<S, O> {
     #[inline(always)]
-    fn new(simd: S) -> Self {
-        Self { together: G::nothing(simd), goals: [const { MaybeUninit::uninit() }; PACKET], who: 0 }
+    fn empty(simd: S) -> Self {
+        Self { lanes: PacketResults::empty(simd), states: [const { MaybeUninit::uninit() }; PACKET], mask: 0 }
     }
 
-    /// What a ray has found by itself.
+    /// State of a single ray.
     #[inline(always)]
-    fn goal(&mut self, lane: usize, span: Interval) -> &mut G {
-        if self.who >> lane & 1 == 0 {
-            self.goals[lane].write(G::new(span));
-            self.who |= 1 << lane;
+    fn state(&mut self, lane: usize, span: Interval) -> &mut RayState<O> {
+        if self.mask >> lane & 1 == 0 {
+            self.states[lane].write(RayState::new(span));
+            self.mask |= 1 << lane;
         }
-        // SAFETY: written now or before, as `who` says.
-        unsafe { self.goals[lane].assume_init_mut() }
+        // SAFETY: written now or before, as `mask` says.
+        unsafe { self.states[lane].assume_init_mut() }
     }
 
-    /// As [`goal`](Self::goal), of a ray for which nothing matters after `limit`.
+    /// State of a single ray, with its `t_max` lowered.
     #[inline(always)]
-    fn goal_until(&mut self, lane: usize, span: Interval, limit: f32) -> &mut G {
-        let goal = self.goal(lane, span);
-        goal.lower(limit);
-        goal
+    fn state_until(&mut self, lane: usize, span: Interval, t_max: f32) -> &mut RayState<O> {
+        let state = self.state(lane, span);
+        state.shrink(t_max);
+        state
     }
 }
 
-/// Where rays enter the boxes of a node, infinite for those that do not, and a bit for each box that some enter. All boxes are
-/// tested before anything is asked: which are passed cannot be predicted.
+/// Entry of the rays into the boxes of a node, infinite for a miss, and a bit for each box that is hit. All boxes are tested
+/// before any branch, which would be mispredicted.
 #[inline(always)]
-fn enter<S: Simd, const STRAIGHT: bool>(
+fn intersect_boxes<S: Simd, const SAME_OCTANT: bool>(
     simd: S,
-    boxes: &AcrossBoxes<S>,
+    boxes: &PacketSlabs<S>,
     node: &Node,
-    limits: S::Lanes,
-) -> ([S::Lanes; 8], u32) {
+    t_max: S::F32x8,
+) -> ([S::F32x8; 8], u32) {
     let mut enters = [simd.splat(0.0); 8];
-    let mut passed = 0;
+    let mut hit = 0;
     for (lane, enters) in enters.iter_mut().enumerate() {
-        let [enter, leave] = boxes.cross::<STRAIGHT>(simd, |row| node.plane(simd, row, lane), limits);
-        *enters = simd.or_infinity(enter, leave);
-        passed |= u32::from(simd.le(enter, leave) != 0) << lane;
+        let [enter, leave] = boxes.cross::<SAME_OCTANT>(simd, |row| node.plane(simd, row, lane), t_max);
+        *enters = simd.or_inf(enter, leave);
+        hit |= u32::from(simd.le(enter, leave) != 0) << lane;
     }
-    (enters, passed)
+    (enters, hit)
 }
 
-/// Eight rays that agree, as those who test boxes, primitives, and spheres see them.
-struct Eights<'r, 'p, S: Simd, F: Filter> {
+/// A coherent packet as the tests of boxes and primitives read it.
+struct PacketView<'r, 'p, S: Simd, F: LeafTest> {
     rays: &'r [(Ray, Interval); PACKET],
-    across: &'p Across<S>,
-    filter: &'p F::Across<S>,
+    packet: &'p RayPacket<S>,
+    leaf_rays: &'p F::Packet<S>,
 }
 
-/// Eight rays on their way through a tree.
-pub(super) struct Packet<'q, 'j, S: Simd, G: Goal> {
+/// Traverses a tree with eight rays.
+pub(super) struct PacketTraversal<'q, 'j, S: Simd, O> {
     pub(super) simd: S,
     pub(super) tree: &'q WideBvh,
-    pub(super) judge: &'q mut (dyn Judge + 'j),
-    pub(super) work: &'q mut Work,
+    pub(super) tester: &'q mut (dyn PrimitiveTester<O> + 'j),
+    pub(super) stats: &'q mut TraversalStats,
     pub(super) stack: &'q mut PacketStack<S>,
-    pub(super) alone: &'q mut StackRoom,
-    /// What the rays may meet, if that is known.
-    pub(super) cut: Option<&'q Cut>,
-    /// What blocked a ray of the packets before, and at least one of the last.
-    pub(super) blocker: &'q mut Option<Place>,
-    pub(super) goal: PhantomData<G>,
+    pub(super) single_stack: &'q mut StackStorage,
+    /// Subtrees that the rays may hit, if known.
+    pub(super) entry_points: Option<&'q EntryPoints>,
+    /// Occluder of a ray in the previous packet, then in this one.
+    pub(super) occluder: &'q mut Option<PrimSlot>,
 }
 
-impl<S: Simd, G: Goal> Packet<'_, '_, S, G> {
-    /// Sends the first `n` of eight rays through the tree; false unless all eight agree in all that they must.
+impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
+    /// Traces the first `n` of eight coherent rays; false if the proofs do not apply to all eight.
     #[inline(always)]
-    pub(super) fn go<F: Filter>(
+    pub(super) fn trace<F: LeafTest>(
         &mut self,
         n: usize,
         rays: &[(Ray, Interval); PACKET],
-        answers: &mut [G::Answer; PACKET],
+        outputs: &mut [O; PACKET],
     ) -> bool {
-        let Some(across) = Across::new(self.simd, self.tree, rays) else { return false };
-        let filter = F::across(self.simd, &across, self.tree);
-        let mut limits = across.limits;
+        let Some(packet) = RayPacket::new(self.simd, self.tree, rays) else { return false };
+        let leaf_rays = F::packet(self.simd, &packet, self.tree);
+        let mut t_max = packet.t_max;
         for lane in n..PACKET {
-            limits = self.simd.replaced(limits, lane, -1.0);
+            t_max = self.simd.insert(t_max, lane, -1.0);
         }
-        let mut finds = Finds::<S, G>::new(self.simd);
+        let mut results = Results::<S, O>::empty(self.simd);
         if !self.tree.unbounded.is_empty() {
             for (lane, (ray, span)) in rays.iter().enumerate().take(n) {
-                let goal = finds.goal(lane, *span);
-                let _ = goal.visit_unbounded(self.judge, ray);
-                limits = self.simd.replaced(limits, lane, goal.limit());
+                let state = results.state(lane, *span);
+                let _ = state.test_unbounded(self.tree, self.tester, ray);
+                t_max = self.simd.insert(t_max, lane, state.t_max());
             }
         }
-        let eights = Eights::<S, F> { rays, across: &across, filter: &filter };
-        if let Some(place) = self.blocker.take() {
-            self.ask_again(&eights, &mut finds, place, &mut limits);
+        let view = PacketView::<S, F> { rays, packet: &packet, leaf_rays: &leaf_rays };
+        if let Some(slot) = self.occluder.take() {
+            self.test_last_occluder(&view, &mut results, slot, &mut t_max);
         }
-        let limits = self.walk(&eights, &mut finds, limits);
-        G::forget(&mut finds.together, self.simd, limits);
-        *self.blocker = G::found_blocker(&finds.together);
-        self.work.hits += G::settle::<S, F>(&finds.together, self.simd, self.tree, self.judge, &across, rays, answers);
-        let mut alone = finds.who;
-        while alone != 0 {
-            let lane = take_lane(&mut alone);
+        let t_max = self.traverse_all(&view, &mut results, t_max);
+        results.lanes.drop_beyond(self.simd, t_max);
+        *self.occluder = results.lanes.last_occluder();
+        self.stats.hits += results.lanes.resolve::<F>(self.simd, self.tree, self.tester, &packet, rays, outputs);
+        let mut single = results.mask;
+        while single != 0 {
+            let lane = take_lane(&mut single);
             let (ray, span) = &rays[lane];
-            let goal = finds.goal(lane, *span);
-            goal.take(answers[lane]);
-            if self.blocker.is_none() {
-                *self.blocker = goal.blocker();
+            let state = results.state(lane, *span);
+            state.merge(outputs[lane]);
+            if self.occluder.is_none() {
+                *self.occluder = state.last_occluder();
             }
-            goal.finish::<S, F>(self.simd, self.tree, self.judge, &ExactRay::new(self.simd, ray), &mut answers[lane]);
-            self.work.hits += goal.uncounted_hits();
+            let ray = RayF64::new(self.simd, ray);
+            state.resolve::<S, F>(self.simd, self.tree, self.tester, &ray, &mut outputs[lane]);
+            self.stats.hits += state.uncounted_hits();
         }
         true
     }
 
-    /// Asks what blocked rays before whether it certainly blocks these.
+    /// Tests the primitive that occluded the rays before.
     #[inline(always)]
-    fn ask_again<F: Filter>(
+    fn test_last_occluder<F: LeafTest>(
         &mut self,
-        eights: &Eights<'_, '_, S, F>,
-        finds: &mut Finds<S, G>,
-        place: Place,
-        limits: &mut S::Lanes,
+        view: &PacketView<'_, '_, S, F>,
+        results: &mut Results<S, O>,
+        slot: PrimSlot,
+        t_max: &mut S::F32x8,
     ) {
         let simd = self.simd;
-        let asked = simd.le(simd.splat(0.0), *limits);
-        self.work.tests += u64::from(asked.count_ones());
-        // SAFETY: places are leaves of the tree with which they are used.
-        let leaf = unsafe { self.tree.leaves.view(place.leaf()) };
-        let verdict = F::judge_across(simd, eights.filter, leaf, place.lane(), *limits);
-        let sure = verdict.sure & asked;
-        if sure != 0 {
-            let left = G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], limits);
-            debug_assert_eq!(left, 0, "goals that know a blocker want no more than one");
+        let active = simd.le(simd.splat(0.0), *t_max);
+        self.stats.tests += u64::from(active.count_ones());
+        // SAFETY: slots are those of the tree.
+        let leaf = unsafe { self.tree.leaves.view(slot.leaf()) };
+        let bounds = F::test_packet(simd, view.leaf_rays, leaf, slot.lane(), *t_max);
+        let certain = bounds.certain & active;
+        if certain != 0 {
+            let left = results.lanes.record_certain(simd, slot, certain, [bounds.t_min, bounds.t_max], t_max);
+            debug_assert_eq!(left, 0, "only any-hit queries know an occluder");
         }
     }
 
-    /// Walks through all that the rays may meet; returns their limits.
+    /// Traverses all subtrees that the rays may hit; returns their `t_max`.
     #[inline(always)]
-    fn walk<F: Filter>(
+    fn traverse_all<F: LeafTest>(
         &mut self,
-        eights: &Eights<'_, '_, S, F>,
-        finds: &mut Finds<S, G>,
-        mut limits: S::Lanes,
-    ) -> S::Lanes {
+        view: &PacketView<'_, '_, S, F>,
+        results: &mut Results<S, O>,
+        mut t_max: S::F32x8,
+    ) -> S::F32x8 {
         let simd = self.simd;
-        let mut loners = Loners { prepared: [const { MaybeUninit::uninit() }; PACKET], who: 0 };
+        let mut single_rays = SingleRays { prepared: [const { MaybeUninit::uninit() }; PACKET], mask: 0 };
         self.stack.len = 0;
-        let Some(cut) = self.cut else {
+        let Some(entry_points) = self.entry_points else {
             // SAFETY: the stack is empty.
-            unsafe { self.stack.insert(0, Entry { child: self.tree.root, least: 0.0, enters: simd.splat(0.0) }) };
-            return self.descend(eights, finds, limits, &mut loners);
+            unsafe { self.stack.insert(0, Entry { child: self.tree.root, min_t_near: 0.0, t_near: simd.splat(0.0) }) };
+            return self.traverse(view, results, t_max, &mut single_rays);
         };
-        for subtree in cut.subtrees() {
-            if simd.le(simd.splat(subtree.enter), limits) == 0 {
+        for subtree in entry_points.subtrees() {
+            if simd.le(simd.splat(subtree.t_near), t_max) == 0 {
                 break;
             }
             let Some(node) = self.tree.nodes.get(subtree.node as usize) else { break };
-            let [enter, leave] = eights.across.boxes.cross::<false>(
-                simd,
-                |row| node.plane(simd, row, usize::from(subtree.lane)),
-                limits,
-            );
+            let plane = |row| node.plane(simd, row, usize::from(subtree.lane));
+            let [enter, leave] = view.packet.boxes.cross::<false>(simd, plane, t_max);
             let mask = simd.le(enter, leave);
             if mask == 0 {
                 continue;
             }
             if subtree.child.is_node() {
-                let enters = simd.or_infinity(enter, leave);
-                // SAFETY: the stack is empty, as all that was on it has been gone through.
-                unsafe { self.stack.insert(0, Entry { child: subtree.child, least: 0.0, enters }) };
-                limits = self.descend(eights, finds, limits, &mut loners);
+                let t_near = simd.or_inf(enter, leave);
+                // SAFETY: the stack is empty, as `traverse` pops all entries.
+                unsafe { self.stack.insert(0, Entry { child: subtree.child, min_t_near: 0.0, t_near }) };
+                t_max = self.traverse(view, results, t_max, &mut single_rays);
             } else {
                 let lanes = u32::from(subtree.mask);
-                // SAFETY: subtrees of a cut are children of nodes of the tree, and this is no node.
-                limits = unsafe { self.visit(eights, finds, (subtree.child, lanes), mask, limits) };
+                // SAFETY: entry points are children of nodes of the tree, and this is not a node.
+                t_max = unsafe { self.intersect_leaf(view, results, (subtree.child, lanes), mask, t_max) };
             }
         }
-        limits
+        t_max
     }
 
-    /// Goes through all that has been put off; returns the limits of the rays.
+    /// Traverses all entries of the stack; returns the `t_max` of the rays.
     #[inline(always)]
-    fn descend<'r, F: Filter>(
+    fn traverse<'r, F: LeafTest>(
         &mut self,
-        eights: &Eights<'r, '_, S, F>,
-        finds: &mut Finds<S, G>,
-        mut limits: S::Lanes,
-        loners: &mut Loners<'r, S, F>,
-    ) -> S::Lanes {
+        view: &PacketView<'r, '_, S, F>,
+        results: &mut Results<S, O>,
+        mut t_max: S::F32x8,
+        single_rays: &mut SingleRays<'r, S, F>,
+    ) -> S::F32x8 {
         let simd = self.simd;
-        let is_straight = eights.across.boxes.is_straight();
-        while let Some(Entry { child, enters, .. }) = self.stack.pop() {
-            let mut mask = simd.le(enters, limits);
+        let is_same_octant = view.packet.boxes.is_same_octant();
+        while let Some(Entry { child, t_near, .. }) = self.stack.pop() {
+            let mut mask = simd.le(t_near, t_max);
             let n_rays = mask.count_ones();
-            if n_rays <= FEW {
-                let ends = simd.to_array(limits);
+            if n_rays <= SWITCH_THRESHOLD {
+                let ends = simd.to_array(t_max);
                 while mask != 0 {
                     let lane = take_lane(&mut mask);
-                    let goal = finds.goal_until(lane, eights.rays[lane].1, ends[lane]);
-                    match loners.get(simd, self.tree, eights.rays, lane) {
-                        Some(prepared) => {
+                    let state = results.state_until(lane, view.rays[lane].1, ends[lane]);
+                    match single_rays.get(simd, self.tree, view.rays, lane) {
+                        Some(trav) => {
+                            let (stack, stats) = (&mut *self.single_stack, &mut *self.stats);
                             // SAFETY: entries are the root of the tree, subtrees of it, or children of its nodes.
-                            unsafe {
-                                descend(simd, self.tree, self.judge, prepared, goal, child, self.alone, self.work);
-                            }
+                            unsafe { traverse(simd, self.tree, self.tester, trav, state, child, stack, stats) };
                         }
-                        None => goal.visit_unfiltered(self.judge, &eights.rays[lane].0),
+                        None => state.traverse_f64(self.tree, self.tester, &view.rays[lane].0),
                     }
-                    limits = simd.replaced(limits, lane, goal.limit());
+                    t_max = simd.insert(t_max, lane, state.t_max());
                 }
             } else if child.is_node() {
-                self.work.nodes += u64::from(n_rays);
+                self.stats.nodes += u64::from(n_rays);
                 // SAFETY: entries are the root of the tree, subtrees of it, or children of its nodes.
                 let node = unsafe { self.tree.node(child) };
                 let first = self.stack.len;
-                let (enters, mut passed) = if is_straight {
-                    enter::<S, true>(simd, &eights.across.boxes, node, limits)
+                let (enters, mut hit) = if is_same_octant {
+                    intersect_boxes::<S, true>(simd, &view.packet.boxes, node, t_max)
                 } else {
-                    enter::<S, false>(simd, &eights.across.boxes, node, limits)
+                    intersect_boxes::<S, false>(simd, &view.packet.boxes, node, t_max)
                 };
-                while passed != 0 {
-                    let lane = take_lane(&mut passed);
-                    let enters = enters[lane];
-                    let entry = Entry { child: node.children[lane], least: simd.least(enters), enters };
-                    // SAFETY: eight at most of each level, of which one is popped before the next.
+                while hit != 0 {
+                    let lane = take_lane(&mut hit);
+                    let t_near = enters[lane];
+                    let entry = Entry { child: node.children[lane], min_t_near: simd.reduce_min(t_near), t_near };
+                    // SAFETY: at most eight of each level, one of which is popped before the next.
                     unsafe { self.stack.insert(first, entry) };
                 }
             } else {
                 let all = (1 << child.count()) - 1;
-                // SAFETY: a child of a node, and none itself.
-                limits = unsafe { self.visit(eights, finds, (child, all), mask, limits) };
+                // SAFETY: a child of a node that is not a node itself.
+                t_max = unsafe { self.intersect_leaf(view, results, (child, all), mask, t_max) };
             }
         }
-        limits
+        t_max
     }
 
-    /// Tests some primitives of a leaf, a bit for each, with all rays of the mask; returns their limits.
+    /// Intersects some primitives of a leaf, a bit for each, with the rays of the mask; returns the `t_max` of the rays.
     ///
     /// # Safety
     ///
     /// The leaf must be one of the tree.
     #[inline(always)]
-    unsafe fn visit<F: Filter>(
+    unsafe fn intersect_leaf<F: LeafTest>(
         &mut self,
-        eights: &Eights<'_, '_, S, F>,
-        finds: &mut Finds<S, G>,
+        view: &PacketView<'_, '_, S, F>,
+        results: &mut Results<S, O>,
         (leaf, mut lanes): (Child, u32),
         mut mask: u32,
-        mut limits: S::Lanes,
-    ) -> S::Lanes {
+        mut t_max: S::F32x8,
+    ) -> S::F32x8 {
         let simd = self.simd;
         // SAFETY: as the caller promises.
-        let view = unsafe { self.tree.leaves.view(leaf) };
-        self.work.tests += u64::from(mask.count_ones()) * u64::from(lanes.count_ones());
+        let leaf_view = unsafe { self.tree.leaves.view(leaf) };
+        self.stats.tests += u64::from(mask.count_ones()) * u64::from(lanes.count_ones());
         while lanes != 0 {
             let lane = Lane::new(take_lane(&mut lanes));
-            let verdict = F::judge_across(simd, eights.filter, view, lane, limits);
-            let mut maybe = verdict.maybe & mask;
-            if maybe == 0 {
+            // SAFETY: as the caller promises.
+            let slot = unsafe { PrimSlot::new(leaf, lane) };
+            let bounds = F::test_packet(simd, view.leaf_rays, leaf_view, lane, t_max);
+            let mut possible = bounds.possible & mask;
+            if possible == 0 {
                 continue;
             }
-            let sure = verdict.sure & maybe;
-            if sure != 0 {
-                // SAFETY: as the caller promises.
-                let place = unsafe { Place::new(leaf, lane) };
-                let left = G::find(&mut finds.together, simd, place, sure, [verdict.near, verdict.far], &mut limits);
-                maybe &= !sure | left;
-                mask &= simd.le(simd.splat(0.0), limits);
-                if maybe == 0 {
+            let certain = bounds.certain & possible;
+            if certain != 0 {
+                let t_bounds = [bounds.t_min, bounds.t_max];
+                let left = results.lanes.record_certain(simd, slot, certain, t_bounds, &mut t_max);
+                possible &= !certain | left;
+                mask &= simd.le(simd.splat(0.0), t_max);
+                if possible == 0 {
                     continue;
                 }
             }
-            let unsure = maybe & !verdict.sure;
-            if unsure != 0 && !F::decides(view, lane) {
-                let index = F::index(view, lane);
-                if let Some(sphere) = if F::ROUND { self.judge.round(index) } else { None } {
-                    // Rays that start on a sphere are left to be decided about, and most of them lead away.
-                    maybe &= verdict.sure | !RoundSpheres::all(simd, &sphere).missed(simd, &eights.across.lanes);
-                } else if unsure.count_ones() > FEW && self.judge.is_structure(index) {
-                    maybe &= verdict.sure;
-                    limits = self.ask_together(index, eights.rays, unsure, finds, limits);
-                    mask &= simd.le(simd.splat(0.0), limits);
+            let uncertain = possible & !bounds.certain;
+            if uncertain != 0 && !F::is_exact(leaf_view, lane) {
+                let index = F::index(leaf_view, lane);
+                if let Some(sphere) = if F::IS_SPHERE { self.tester.exact_sphere(index) } else { None } {
+                    // Rays that start on a sphere are uncertain, and most of them leave it.
+                    possible &= bounds.certain | !SpherePacket::all(simd, &sphere).miss_mask(simd, &view.packet.soa);
+                } else if uncertain.count_ones() > SWITCH_THRESHOLD && self.tester.is_instance(index) {
+                    possible &= bounds.certain;
+                    t_max = self.intersect_instance(index, view.rays, uncertain, results, t_max);
+                    mask &= simd.le(simd.splat(0.0), t_max);
                 }
             }
-            let (near, far, ends) = (simd.to_array(verdict.near), simd.to_array(verdict.far), simd.to_array(limits));
-            while maybe != 0 {
-                let ray = take_lane(&mut maybe);
-                let sure = verdict.sure >> ray & 1 != 0;
-                let bounds = sure.then_some([near[ray], far[ray]]);
-                let (asked, span) = &eights.rays[ray];
-                let goal = finds.goal_until(ray, *span, ends[ray]);
+            let (near, far) = (simd.to_array(bounds.t_min), simd.to_array(bounds.t_max));
+            let ends = simd.to_array(t_max);
+            while possible != 0 {
+                let at = take_lane(&mut possible);
+                let certain = (bounds.certain >> at & 1 != 0).then_some([near[at], far[at]]);
+                let (ray, span) = &view.rays[at];
+                let state = results.state_until(at, *span, ends[at]);
                 // SAFETY: as the caller promises.
-                unsafe { goal.consider::<S, F>(simd, self.tree, self.judge, asked, leaf, lane, bounds) };
-                let limit = goal.limit();
-                limits = simd.replaced(limits, ray, limit);
-                mask &= !(u32::from(limit < 0.0) << ray);
+                unsafe { state.intersect_candidate::<S, F>(simd, self.tree, self.tester, ray, slot, certain) };
+                t_max = simd.insert(t_max, at, state.t_max());
+                mask &= !(u32::from(state.t_max() < 0.0) << at);
             }
         }
-        limits
+        t_max
     }
 
-    /// Asks a structure for all rays of a mask; returns the limits of the rays.
+    /// Intersects an instance with all rays of a mask; returns the `t_max` of the rays.
     #[inline(always)]
-    fn ask_together(
+    fn intersect_instance(
         &mut self,
         index: u32,
         rays: &[(Ray, Interval); PACKET],
         mut mask: u32,
-        finds: &mut Finds<S, G>,
-        mut limits: S::Lanes,
-    ) -> S::Lanes {
+        results: &mut Results<S, O>,
+        mut t_max: S::F32x8,
+    ) -> S::F32x8 {
         let n = mask.count_ones() as usize;
-        let (mut asked, mut lanes, mut found) = (*rays, [0; PACKET], [G::Answer::default(); PACKET]);
-        for place in 0..n {
+        let (mut batch, mut lanes, mut outputs) = (*rays, [0; PACKET], [O::default(); PACKET]);
+        for at in 0..n {
             let lane = take_lane(&mut mask);
-            lanes[place] = lane;
-            asked[place] = (rays[lane].0, finds.goal(lane, rays[lane].1).span());
+            lanes[at] = lane;
+            batch[at] = (rays[lane].0, results.state(lane, rays[lane].1).span());
         }
-        G::ask_together(self.judge, index, &asked[..n], &mut found[..n]);
-        let ends = self.simd.to_array(limits);
-        for (lane, found) in lanes.into_iter().zip(found).take(n) {
-            let goal = finds.goal_until(lane, rays[lane].1, ends[lane]);
-            goal.take(found);
-            limits = self.simd.replaced(limits, lane, goal.limit());
+        self.tester.test_batch(index, &batch[..n], &mut outputs[..n]);
+        let ends = self.simd.to_array(t_max);
+        for (lane, output) in lanes.into_iter().zip(outputs).take(n) {
+            let state = results.state_until(lane, rays[lane].1, ends[lane]);
+            state.merge(output);
+            t_max = self.simd.insert(t_max, lane, state.t_max());
         }
-        limits
+        t_max
     }
 }

@@ -25,7 +25,7 @@
 //! the ray become smaller. Leaving is: but half of `w`, which is left of it, makes every time of leaving at least
 //! 2³⁷·size/D, and as `|q| ≤ 2¹⁹·size`, the own box is left on the axis of `D` before that.
 //!
-//! **Range.** All this needs numbers that neither over- nor underflow. [`FilterRay::new`] refuses rays and trees out of
+//! **Range.** All this needs numbers that neither over- nor underflow. [`RayF32::new`] refuses rays and trees out of
 //! proportion, which are walked in `f64`.
 
 use rt_math::{DVec3, Interval, Ray};
@@ -44,7 +44,7 @@ pub(super) const FARTHEST: f64 = (1 << 19) as f64;
 
 /// A ray prepared for boxes of `f32`: planes are passed at `plane·scale + shift`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FilterRay {
+pub(super) struct RayF32 {
     scale: [f32; 4],
     near_shift: [f32; 4],
     far_shift: [f32; 4],
@@ -57,20 +57,20 @@ pub(super) const RANGE: core::ops::RangeInclusive<f64> = 1.0 / (1 << 24) as f64.
 
 /// A ray in `f64`, all axes side by side; the fourth lanes are 0, and 1 where they divide.
 #[derive(Clone, Copy)]
-pub(super) struct LaneRay<S: Simd> {
-    pub(super) origin: S::Doubles,
-    pub(super) direction: S::Doubles,
+pub(super) struct RayF64x4<S: Simd> {
+    pub(super) origin: S::F64x4,
+    pub(super) direction: S::F64x4,
     /// As [`SlabRay`](rt_math::SlabRay) has it.
-    pub(super) inverse: S::Doubles,
+    pub(super) inverse: S::F64x4,
 }
 
-impl<S: Simd> LaneRay<S> {
+impl<S: Simd> RayF64x4<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let (o, d) = (&ray.origin, &ray.direction);
-        let direction = simd.doubles([alone(&d.x), alone(&d.y), alone(&d.z), 1.0]);
-        let inverse = simd.div_doubles(simd.doubles([1.0; 4]), direction);
-        Self { origin: simd.doubles([alone(&o.x), alone(&o.y), alone(&o.z), 0.0]), direction, inverse }
+        let direction = simd.f64x4([alone(&d.x), alone(&d.y), alone(&d.z), 1.0]);
+        let inverse = simd.div_f64(simd.f64x4([1.0; 4]), direction);
+        Self { origin: simd.f64x4([alone(&o.x), alone(&o.y), alone(&o.z), 0.0]), direction, inverse }
     }
 }
 
@@ -83,28 +83,28 @@ fn alone(number: &f64) -> f64 {
 }
 
 /// By what planes are multiplied, and what is added then: for the axes of one ray, or for one axis of four.
-pub(super) struct Slabs<S: Simd> {
-    pub(super) scale: S::Doubles,
-    pub(super) near_shift: S::Doubles,
-    pub(super) far_shift: S::Doubles,
+pub(super) struct SlabCoeffs<S: Simd> {
+    pub(super) scale: S::F64x4,
+    pub(super) near_shift: S::F64x4,
+    pub(super) far_shift: S::F64x4,
 }
 
-impl<S: Simd> Slabs<S> {
+impl<S: Simd> SlabCoeffs<S> {
     /// Of the origin relative to the centre of a tree of this size, and the reciprocal of the direction, which is limited
     /// to `steepest`. What it holds is to be rounded to `f32`.
     #[inline(always)]
-    pub(super) fn new(simd: S, q: S::Doubles, inverse: S::Doubles, steepest: S::Doubles, size: f64) -> Self {
+    pub(super) fn new(simd: S, q: S::F64x4, inverse: S::F64x4, steepest: S::F64x4, size: f64) -> Self {
         let slack = if S::FUSED { SLACK } else { 2.0 * SLACK };
-        let zero = simd.doubles([0.0; 4]);
-        let limited = simd.min_doubles(inverse, steepest);
-        let scale = simd.rounded(simd.max_doubles(limited, simd.sub_doubles(zero, steepest)));
-        let farthest = simd.add_doubles(simd.abs_doubles(q), simd.doubles([size; 4]));
-        let widening = simd.mul_doubles(simd.mul_doubles(farthest, simd.doubles([slack; 4])), simd.abs_doubles(scale));
-        let shift = simd.mul_doubles(q, scale);
+        let zero = simd.f64x4([0.0; 4]);
+        let limited = simd.min_f64(inverse, steepest);
+        let scale = simd.round_to_f32(simd.max_f64(limited, simd.sub_f64(zero, steepest)));
+        let farthest = simd.add_f64(simd.abs_f64(q), simd.f64x4([size; 4]));
+        let widening = simd.mul_f64(simd.mul_f64(farthest, simd.f64x4([slack; 4])), simd.abs_f64(scale));
+        let shift = simd.mul_f64(q, scale);
         Self {
             scale,
-            near_shift: simd.sub_doubles(zero, simd.add_doubles(shift, widening)),
-            far_shift: simd.sub_doubles(widening, shift),
+            near_shift: simd.sub_f64(zero, simd.add_f64(shift, widening)),
+            far_shift: simd.sub_f64(widening, shift),
         }
     }
 }
@@ -112,7 +112,7 @@ impl<S: Simd> Slabs<S> {
 /// True if the filters are proven for a ray: by the greatest component of its direction, how far its origin is from the
 /// centre of a tree of that size, and a number that is 0 unless something is not finite.
 #[inline(always)]
-pub(super) fn is_proven(fastest: f64, farthest: f64, nothing: f64, span: Interval, size: f64) -> bool {
+pub(super) fn filter_applies(fastest: f64, farthest: f64, nothing: f64, span: Interval, size: f64) -> bool {
     RANGE.contains(&fastest)
         & RANGE.contains(&size)
         & (farthest <= FARTHEST * size)
@@ -122,57 +122,57 @@ pub(super) fn is_proven(fastest: f64, farthest: f64, nothing: f64, span: Interva
 
 /// The least of the first three, which are no NaNs.
 #[inline(always)]
-fn least<S: Simd>(simd: S, a: S::Doubles) -> f64 {
-    let turned = simd.min_doubles(simd.turned_once(a), simd.turned_twice(a));
-    let [least, ..] = simd.to_doubles(simd.min_doubles(a, turned));
+fn least<S: Simd>(simd: S, a: S::F64x4) -> f64 {
+    let turned = simd.min_f64(simd.yzx(a), simd.zxy(a));
+    let [least, ..] = simd.to_f64_array(simd.min_f64(a, turned));
     least
 }
 
 /// The greatest of the first three.
 #[inline(always)]
-pub(super) fn greatest<S: Simd>(simd: S, a: S::Doubles) -> f64 {
-    let turned = simd.max_doubles(simd.turned_once(a), simd.turned_twice(a));
-    let [greatest, ..] = simd.to_doubles(simd.max_doubles(a, turned));
+pub(super) fn greatest<S: Simd>(simd: S, a: S::F64x4) -> f64 {
+    let turned = simd.max_f64(simd.yzx(a), simd.zxy(a));
+    let [greatest, ..] = simd.to_f64_array(simd.max_f64(a, turned));
     greatest
 }
 
-impl FilterRay {
+impl RayF32 {
     /// For a tree of this centre and size, its greatest coordinate relative to the centre. `None` where the proof does
     /// not hold.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, ray: &LaneRay<S>, span: Interval, centre: DVec3, size: f64) -> Option<Self> {
-        let q = simd.sub_doubles(ray.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
+    pub(super) fn new<S: Simd>(simd: S, ray: &RayF64x4<S>, span: Interval, centre: DVec3, size: f64) -> Option<Self> {
+        let q = simd.sub_f64(ray.origin, simd.f64x4([centre.x, centre.y, centre.z, 0.0]));
         // Not where something is no number.
-        let is_slow = simd.le_doubles(simd.abs_doubles(ray.direction), simd.doubles([*RANGE.end(); 4]));
-        let is_near = simd.le_doubles(simd.abs_doubles(q), simd.doubles([FARTHEST * size; 4]));
-        let least = least(simd, simd.abs_doubles(ray.inverse));
-        let is_proven = (is_slow & is_near == 0b1111)
+        let is_slow = simd.le_f64(simd.abs_f64(ray.direction), simd.f64x4([*RANGE.end(); 4]));
+        let is_near = simd.le_f64(simd.abs_f64(q), simd.f64x4([FARTHEST * size; 4]));
+        let least = least(simd, simd.abs_f64(ray.inverse));
+        let filter_applies = (is_slow & is_near == 0b1111)
             & (least <= *RANGE.end())
             & (size >= *RANGE.start())
             & (size <= *RANGE.end())
             & (span.min >= 0.0);
-        if !is_proven {
+        if !filter_applies {
             return None;
         }
-        let slabs = Slabs::new(simd, q, ray.inverse, simd.doubles([STEEPEST * least; 4]), size);
+        let slabs = SlabCoeffs::new(simd, q, ray.inverse, simd.f64x4([STEEPEST * least; 4]), size);
         let signs = simd.signs(ray.inverse) as usize;
         Some(Self {
-            scale: simd.narrowed(slabs.scale),
-            near_shift: simd.narrowed(slabs.near_shift),
-            far_shift: simd.narrowed(slabs.far_shift),
+            scale: simd.to_f32(slabs.scale),
+            near_shift: simd.to_f32(slabs.near_shift),
+            far_shift: simd.to_f32(slabs.far_shift),
             near: RowOffset::near([signs, signs >> 1, signs >> 2]),
         })
     }
 
     /// Where near planes are passed, or before.
     #[inline(always)]
-    pub(super) fn near<S: Simd>(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
+    pub(super) fn near<S: Simd>(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul_add(planes, simd.splat(self.scale[axis]), simd.splat(self.near_shift[axis]))
     }
 
     /// Where far planes are passed, or after.
     #[inline(always)]
-    pub(super) fn far<S: Simd>(&self, simd: S, axis: usize, planes: S::Lanes) -> S::Lanes {
+    pub(super) fn far<S: Simd>(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
         simd.mul_add(planes, simd.splat(self.scale[axis]), simd.splat(self.far_shift[axis]))
     }
 
@@ -185,7 +185,7 @@ impl FilterRay {
     /// Where the boxes of a node are entered, at `min` or later, and left, at `max` or before. Those that are left
     /// before they are entered are not passed.
     #[inline(always)]
-    pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::Lanes; 2] {
+    pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::F32x8; 2] {
         let [x, y, z] = self.near;
         let enter_x = self.near(simd, 0, node.row_at(simd, x));
         let enter_y = self.near(simd, 1, node.row_at(simd, y));
@@ -202,14 +202,14 @@ impl FilterRay {
 /// An `f32` that is not above `t`, which is not negative; infinite beyond the numbers of `f32`, where a ray that is proven meets
 /// nothing.
 #[inline(always)]
-pub(super) fn at_most(t: f64) -> f32 {
+pub(super) fn round_down(t: f64) -> f32 {
     // Without a branch; what is taken off is more than rounding adds where numbers lose digits.
     ((t * (1.0 - SLACK) - f64::from(f32::MIN_POSITIVE)) as f32).max(0.0)
 }
 
 /// An `f32` that is not below `t`, which is not negative.
 #[inline(always)]
-pub(super) fn at_least(t: f64) -> f32 {
+pub(super) fn round_up(t: f64) -> f32 {
     ((t * (1.0 + SLACK)) as f32).max(f32::MIN_POSITIVE)
 }
 
@@ -219,7 +219,7 @@ mod tests {
     use rt_math::{Aabb, SlabRay};
 
     use super::super::node::Child;
-    use super::super::simd::{Available, Kernel, SimdLevel};
+    use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
     use crate::bvh::NodeBox;
 
@@ -262,11 +262,11 @@ mod tests {
         result: &'a mut Option<[f32; 2]>,
     }
 
-    impl Kernel<&Ray, Interval> for Cross<'_> {
+    impl WithSimd<&Ray, Interval> for Cross<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) {
-            if let Some(filter) = FilterRay::new(simd, &LaneRay::new(simd, ray), span, self.centre, self.size) {
-                let [enter, leave] = filter.cross(simd, self.node, at_most(span.min), at_least(span.max));
+            if let Some(filter) = RayF32::new(simd, &RayF64x4::new(simd, ray), span, self.centre, self.size) {
+                let [enter, leave] = filter.cross(simd, self.node, round_down(span.min), round_up(span.max));
                 *self.result = Some([simd.to_array(enter)[0], simd.to_array(leave)[0]]);
             }
         }
@@ -277,7 +277,7 @@ mod tests {
         const SEED: u64 = 7;
         let mut draw = Draw { seed: SEED, count: 0 };
         for &level in SimdLevel::ALL {
-            let level = Available::new(level);
+            let level = DetectedSimd::new(level);
             let (mut n_passed, mut n_proven) = (0, 0);
             for case in 0..20_000 {
                 let centre = draw.vector(Draw::next) * power_of_two((draw.next() * 40.0) as i32);

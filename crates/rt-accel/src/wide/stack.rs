@@ -6,9 +6,9 @@ use super::STACK;
 use super::node::Child;
 
 /// Memory of a stack, to be used again from ray to ray.
-pub(super) struct StackRoom([MaybeUninit<u64>; STACK]);
+pub(super) struct StackStorage([MaybeUninit<u64>; STACK]);
 
-impl StackRoom {
+impl StackStorage {
     #[inline(always)]
     pub(super) const fn new() -> Self {
         Self([const { MaybeUninit::uninit() }; STACK])
@@ -25,7 +25,7 @@ pub(super) struct Stack<'r> {
 
 impl<'r> Stack<'r> {
     #[inline(always)]
-    pub(super) const fn new(room: &'r mut StackRoom) -> Self {
+    pub(super) const fn new(room: &'r mut StackStorage) -> Self {
         Self { entries: &mut room.0, len: 0 }
     }
 
@@ -96,14 +96,14 @@ impl<'r> Stack<'r> {
         Some(Child::from_bits(unsafe { self.get(self.len) } as u32))
     }
 
-    /// The child put off last that is entered at or before `limit`.
+    /// The child put off last that is entered at or before `t_max`.
     #[inline(always)]
-    pub(super) fn pop_before(&mut self, limit: f32) -> Option<Child> {
+    pub(super) fn pop_before(&mut self, t_max: f32) -> Option<Child> {
         while self.len > 0 {
             self.len -= 1;
             // SAFETY: the entry popped just now.
             let key = unsafe { self.get(self.len) };
-            if f32::from_bits((key >> 32) as u32) <= limit {
+            if f32::from_bits((key >> 32) as u32) <= t_max {
                 return Some(Child::from_bits(key as u32));
             }
         }

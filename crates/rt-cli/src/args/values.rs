@@ -12,7 +12,7 @@ use rt_render::{Crop, Share, SimdLevel};
 
 use super::{Aov, AovArg, BackgroundChoice, CheckpointInterval, unknown_word};
 
-pub(super) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
+pub(crate) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
 
 pub(crate) const fn tone_name(tone: ToneCurve) -> &'static str {
     match tone {

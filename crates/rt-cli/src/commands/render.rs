@@ -73,7 +73,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     let checkpoint = prepare_checkpoint(&args.checkpoint, &file, stats.as_ref(), &files)?;
     let others: Vec<_> = stats.iter().chain([&file]).chain(&checkpoint).collect();
     let aovs = AovFile::prepare_all(&args.aov, &files, &others)?;
-    let identity = Identity::new(&args.input, &args.picture, &files)?;
+    let identity = Identity::new(&args.input, &args.picture, &files, &loaded.input_hashes)?;
     let job = Job {
         scene_file,
         scene: &scene,

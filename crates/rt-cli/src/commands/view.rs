@@ -1,99 +1,124 @@
-//! `view`: a window on a scene.
+//! `view`: a scene in the browser.
 //!
 //! ```text
-//!   window ── camera, size ──> desk ── latest ──> painter ── RenderPlan::look_through, render
-//!      ^                                            │
-//!      └────────────── pictures, news ──────────────┘
+//!   browser ── HTTP ──> server ──> routes ── views, picks ──> shared state ──> renderer ── RenderPlan
+//!      ^                              │                            │
+//!      └────── page, pictures ────────┴──────── pictures ──────────┘
 //! ```
 
+mod access;
+mod camera_controller;
 mod camera_text;
-mod desk;
-mod explorer;
-mod keys;
-mod pace;
-mod painter;
+mod frame_budget;
+mod http;
+mod open_browser;
 mod pose;
-mod report;
-mod window;
+mod render_thread;
+mod routes;
+mod server;
+mod shared_state;
 
-use std::panic;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
+use std::sync::Arc;
 use std::thread;
 
 use rt_camera::{Camera, CameraSettings};
+use rt_image::Development;
 use rt_render::RenderPlan;
 use rt_scene_io::Scene;
-use winit::event_loop::{EventLoop, EventLoopProxy};
 
-use crate::args::WindowArgs;
+use crate::args::BrowserArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::input::{self, Input};
 use crate::settings::{self, Overrides};
 
-use desk::Desk;
-use explorer::Explorer;
-use pace::Pace;
-use painter::{News, Painter};
-use window::{Subject, Viewer};
+use access::Access;
+use camera_controller::CameraController;
+use frame_budget::FrameBudget;
+use render_thread::Renderer;
+use routes::Session;
+use shared_state::{SharedState, State, View};
 
-pub(super) fn run(args: &WindowArgs) -> Result<(), CliError> {
+pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
     refuse_what_is_for_render(args)?;
     let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
+    let of_scene = scene.film.development;
     let overrides = Overrides {
         picture: &args.picture,
-        development: Some(&args.development),
+        development: None,
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),
         progressive: true,
     };
     let (mut scene, options) = settings::resolve(scene, overrides)?;
-    // The window samples all pixels alike, pass after pass.
+    let mut developments = [of_scene, Development { encoding: of_scene.encoding, ..Development::default() }];
+    developments[usize::from(!scene.settings.integrator.follows_light())] = scene.film.development;
+    developments.iter_mut().for_each(|development| settings::apply_development(&args.development, development));
+    // All pixels are sampled alike, pass after pass.
     (scene.settings.adaptive, scene.settings.passes) = (None, None);
-    let plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
+    let mut plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
     input::print_notes(&scene, console)?;
 
     let named = &scene.cameras[options.camera];
-    let explorer = Explorer::new(named.settings, distance_of_interest(&scene, &named.settings, &plan))
-        .ok_or_else(|| CliError::Usage(format!("nobody can be led around with camera '{}'", named.name)))?;
+    let controller = CameraController::new(named.settings, distance_to_target(&scene, &named.settings, &plan))
+        .ok_or_else(|| CliError::Usage(format!("camera '{}' has no direction to move in", named.name)))?;
+    let size = [scene.film.width, scene.film.height];
+    let (mut integrator, spp) = (scene.settings.integrator, scene.settings.spp);
+    let view = View { number: 0, camera: named.settings, size, integrator, max_spp: spp };
     let medium = named.medium.and_then(|medium| scene.appearance.materials.get(medium.0 as usize));
-    let event_loop = event_loop()?;
-    let desk = Desk::default();
-    let subject = Subject {
-        name: &scene.name,
-        medium: medium.map(|medium| medium.name.as_str()),
-        size: [scene.film.width, scene.film.height],
-        spp: scene.settings.spp,
-    };
-    let mut viewer = Viewer::new(&desk, console, subject, explorer);
-    console.println("press H in the window for the keys")?;
-    let proxy = event_loop.create_proxy();
-    let mut painter = Painter {
-        plan,
-        desk: &desk,
-        threads: args.threads.unwrap_or(0).into(),
-        spp: subject.spp,
-        development: scene.film.development,
-        pace: Pace::default(),
-        // The window may be gone already.
-        tell: |news| drop(proxy.send_event(news)),
-    };
-    let farewell = Farewell(event_loop.create_proxy());
-    let shown = thread::scope(|scope| {
-        scope.spawn(move || {
-            let _farewell = farewell;
-            painter.work();
-        });
-        let shown = event_loop.run_app(&mut viewer);
-        desk.close();
-        shown
+    let medium = medium.map(|medium| medium.name.clone());
+
+    let failed = |error: std::io::Error| CliError::Server(SocketAddr::new(args.bind, args.port), error);
+    let listener = TcpListener::bind((args.bind, args.port)).map_err(failed)?;
+    let address = listener.local_addr().map_err(failed)?;
+    let access = Access::new(address.ip()).map_err(failed)?;
+    let url = format!("http://{}{}", SocketAddr::new(reachable(address.ip()), address.port()), access.page());
+    let shared = SharedState::new(State::new(view, controller, developments));
+    let session = Arc::new(Session { access, shared, name: scene.name.clone(), medium, size, spp });
+    if !address.ip().is_loopback() {
+        console.warn(format_args!(
+            "--bind {} opens the view to the network: whoever learns the address sees the scene and steers the render, and \
+             nothing is encrypted",
+            args.bind
+        ));
+    }
+    console.println(format_args!("view of {} at {url}\nCtrl-C ends it", scene.name))?;
+    thread::spawn({
+        let session = Arc::clone(&session);
+        move || server::serve(&listener, &session)
     });
-    shown.map_err(|error| CliError::window(&error))?;
-    viewer.into_result()
+    if !args.no_open {
+        open_browser::open(&url);
+    }
+
+    let mut renderer = Renderer {
+        shared: &session.shared,
+        threads: args.threads.unwrap_or(0).into(),
+        memory: options.memory,
+        predicted_pixels: u64::from(size[0]) * u64::from(size[1]),
+        budget: FrameBudget::default(),
+    };
+    loop {
+        let wanted = renderer.work(plan, integrator);
+        let before = core::mem::replace(&mut scene.settings.integrator, wanted);
+        match RenderPlan::compile(&scene, &options) {
+            Ok(compiled) => (plan, integrator) = (compiled, wanted),
+            Err(error) => {
+                let message = error.to_string();
+                session.shared.change_view(|state| state.view.integrator = before);
+                session.shared.show(|state| state.message = Some(message));
+                scene.settings.integrator = before;
+                plan =
+                    RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
+            }
+        }
+    }
 }
 
-/// Options of `render` that a window has no use for.
-fn refuse_what_is_for_render(args: &WindowArgs) -> Result<(), CliError> {
+/// Refuses options of `render` that have no meaning here.
+fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), CliError> {
     let picture = &args.picture;
     let given = [
         ("--crop", picture.crop.is_some()),
@@ -102,16 +127,16 @@ fn refuse_what_is_for_render(args: &WindowArgs) -> Result<(), CliError> {
         ("--min-spp", picture.min_spp.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => {
-            Err(CliError::Usage(format!("{option} is for `render`: a window shows the whole image, all pixels alike")))
-        }
+        Some((option, _)) => Err(CliError::Usage(format!(
+            "{option} is for `render`: `view` shows the whole image, all pixels sampled alike"
+        ))),
         None => Ok(()),
     }
 }
 
-/// How far away the camera's point of interest is, in world units: what the middle of the image shows, or else the middle of the
-/// scene; 1 for a scene without one, or one behind the camera.
-fn distance_of_interest(scene: &Scene, settings: &CameraSettings, plan: &RenderPlan<'_>) -> f64 {
+/// Distance of the camera's target in world units: of the surface in the middle of the image, or else of the middle of the scene;
+/// 1 for a scene without one, or one behind the camera.
+fn distance_to_target(scene: &Scene, settings: &CameraSettings, plan: &RenderPlan<'_>) -> f64 {
     let (width, height) = (scene.film.width, scene.film.height);
     if let Some(picked) = plan.pick(width / 2, height / 2) {
         return picked.distance;
@@ -121,29 +146,11 @@ fn distance_of_interest(scene: &Scene, settings: &CameraSettings, plan: &RenderP
     Some(distance).filter(|distance| distance.is_finite() && *distance > 0.0).unwrap_or(1.0)
 }
 
-/// Connects to the window system. Without one, and without its libraries, that fails.
-fn event_loop() -> Result<EventLoop<News>, CliError> {
-    // The window library panics where it misses a library of the system.
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let built = panic::catch_unwind(|| EventLoop::with_user_event().build());
-    panic::set_hook(hook);
-    match built {
-        Ok(built) => built.map_err(|error| CliError::window(&error)),
-        Err(panicked) => {
-            let text = panicked.downcast_ref::<String>().map(String::as_str);
-            let text = text.or(panicked.downcast_ref::<&str>().copied());
-            Err(CliError::window(&text.unwrap_or("the window system cannot be used")))
-        }
-    }
-}
-
-/// Tells the window that the painter is gone, even if it panicked.
-struct Farewell(EventLoopProxy<News>);
-
-impl Drop for Farewell {
-    fn drop(&mut self) {
-        // The window may be gone already.
-        let _ = self.0.send_event(News::Gone);
+/// Address by which this machine reaches a server that listens on the given one.
+const fn reachable(address: IpAddr) -> IpAddr {
+    match address {
+        IpAddr::V4(Ipv4Addr::UNSPECIFIED) => IpAddr::V4(Ipv4Addr::LOCALHOST),
+        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => IpAddr::V6(Ipv6Addr::LOCALHOST),
+        other => other,
     }
 }

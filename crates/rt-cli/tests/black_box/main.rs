@@ -22,9 +22,11 @@ mod rendering;
 mod shards;
 mod statistics;
 mod stopping;
-#[cfg(all(feature = "view", target_os = "linux"))]
+#[cfg(feature = "view")]
+mod view_browser;
+#[cfg(feature = "view")]
+mod view_server;
+#[cfg(feature = "view")]
 mod viewing;
 #[cfg(feature = "display")]
 mod watching;
-#[cfg(all(feature = "view", target_os = "linux"))]
-mod x_screen;

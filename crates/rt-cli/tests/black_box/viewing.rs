@@ -1,30 +1,13 @@
-//! The window, on a screen that nobody sees. Where there is no Xvfb, these tests are skipped.
+//! The view, by plain HTTP requests.
 
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Stdio};
-use std::sync::mpsc::{self, Receiver};
+use std::net::TcpListener;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rt_image::{Development, read_image};
+use serde_json::{Value, json};
 
 use crate::program::Workplace;
-use crate::x_screen::Screen;
-
-/// Longest wait for anything.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// Symbols of keys.
-const ESCAPE: u32 = 0xff1b;
-const RIGHT: u32 = 0xff53;
-const UP: u32 = 0xff52;
-
-fn letter(letter: char) -> u32 {
-    letter.into()
-}
-
-/// The camera of [`BALLS`].
-const CAMERA: &str = "camera: (look_from: (0, 0, 6), look_at: (0, 0, 0), fov: 40),";
+use crate::view_server::{Answer, ViewServer};
 
 /// Two balls side by side, in front of nothing.
 const BALLS: &str = r#"(
@@ -42,198 +25,311 @@ const BALLS: &str = r#"(
     ],
 )"#;
 
-/// A program with a window, on a screen of its own.
-struct Viewer {
-    place: Workplace,
-    screen: Screen,
-    program: Child,
-    lines: Receiver<String>,
-    window: u32,
+/// The camera of [`BALLS`].
+const CAMERA: &str = "camera: (look_from: (0, 0, 6), look_at: (0, 0, 0), fov: 40),";
+
+/// The camera as text, and the scene with it in the file `pasted.ron`.
+fn paste_camera(view: &ViewServer) -> String {
+    let text = view.get("camera").text();
+    assert!(BALLS.contains(CAMERA));
+    view.place.write("pasted.ron", BALLS.replace(CAMERA, &text));
+    text
 }
 
-impl Drop for Viewer {
-    fn drop(&mut self) {
-        let _ = self.program.kill();
-        let _ = self.program.wait();
-    }
+fn vector(value: &Value) -> [f64; 3] {
+    core::array::from_fn(|axis| value[axis].as_f64().expect("a number"))
 }
 
-impl Viewer {
-    /// Looks at a scene until it is refined; `None` where there is no screen.
-    fn open(scene: &str, options: &str) -> Option<Self> {
-        let Some(screen) = Screen::start() else {
-            rt_tests::skip("there is no Xvfb to open a window on");
-            return None;
-        };
-        let place = Workplace::new();
-        place.write("scene.ron", scene);
-        let mut command = place.command(&format!("view scene.ron {options}"));
-        command.env("DISPLAY", &screen.display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-        let mut program = command.stdout(Stdio::piped()).spawn().expect("it starts");
-        let output = BufReader::new(program.stdout.take().expect("a pipe"));
-        let (sender, lines) = mpsc::channel();
-        thread::spawn(move || output.lines().map_while(Result::ok).try_for_each(|line| sender.send(line)));
-        let mut viewer = Self { place, screen, program, lines, window: 0 };
-        viewer.wait_for("refined: ");
-        viewer.window = viewer.screen.window().expect("a window");
-        viewer.screen.focus(viewer.window);
-        Some(viewer)
-    }
-
-    /// The next line that begins so.
-    fn wait_for(&self, beginning: &str) -> String {
-        loop {
-            let line = self.lines.recv_timeout(PATIENCE).unwrap_or_else(|error| panic!("{beginning:?}: {error}"));
-            if line.starts_with(beginning) {
-                return line;
-            }
-        }
-    }
-
-    /// What `P` prints.
-    fn print_camera(&self) -> String {
-        self.screen.strike(letter('p'));
-        let mut text = vec![self.wait_for("camera: (")];
-        while text.last().is_some_and(|line| line != "),") {
-            text.push(self.lines.recv_timeout(PATIENCE).expect("the end of the camera"));
-        }
-        text.join("\n")
-    }
-
-    /// The window shows what `render` writes of the scene with this camera, to the bit.
-    fn assert_shows(&self, scene: &str, camera: &str, options: &str) {
-        assert!(scene.contains(CAMERA));
-        self.place.write("pasted.ron", scene.replace(CAMERA, camera));
-        self.place.succeed(&format!("render pasted.ron {options} --time 1h -o pasted.png"));
-        let film = read_image(&self.place.path("pasted.png")).expect("a picture");
-        let expected = Development::default().develop(&film);
-        let deadline = Instant::now() + Duration::from_secs(10);
-        loop {
-            let (size, bytes) = self.screen.picture(self.window);
-            if (size.map(u32::from), &bytes) == ([expected.width, expected.height], &expected.bytes) {
-                return;
-            }
-            let wrong = bytes.iter().zip(&expected.bytes).filter(|(a, b)| a != b).count();
-            assert!(Instant::now() < deadline, "{options}: {wrong} of {} bytes differ, {size:?}", bytes.len());
-            thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    /// Closes the window with the keyboard.
-    fn quit(mut self) {
-        self.screen.strike(ESCAPE);
-        assert_eq!(self.program.wait().expect("it ended").code(), Some(0));
+#[test]
+fn the_page_shows_what_render_writes() {
+    for options in [
+        "--spp 6",
+        "--spp 4 --integrator path --exposure 1 --look-from 2,1,5 --threads 2",
+        "--spp 3 --background transparent --tone aces",
+        "--spp 2 --integrator caustics",
+        "--integrator normals --spp 2",
+    ] {
+        ViewServer::start(BALLS, options).assert_shows("scene.ron", options);
     }
 }
 
 #[test]
-fn the_window_shows_what_render_writes() {
-    for options in ["--spp 6", "--spp 4 --integrator path --exposure 1 --look-from 2,1,5 --threads 2"] {
-        let Some(viewer) = Viewer::open(BALLS, options) else { return };
-        viewer.assert_shows(BALLS, CAMERA, options);
-        viewer.quit();
+fn settings_show_what_render_writes_with_the_same_options() {
+    let scene = BALLS.replace("film: (size: (96, 64))", "film: (size: (96, 64), exposure: 0.5, tone: reinhard)");
+    let view = ViewServer::start(&scene, "--spp 4");
+    view.assert_shows("scene.ron", "--spp 4");
+    for (settings, options) in [
+        (json!({ "exposure": -1.5, "tone": "aces" }), "--spp 4 --exposure -1.5 --tone aces"),
+        (json!({ "integrator": "path", "spp": 5 }), "--spp 5 --exposure -1.5 --tone aces --integrator path"),
+        (json!({ "integrator": "depth" }), "--spp 5 --integrator depth"),
+        (json!({ "size": [50, 61] }), "--spp 5 --integrator depth --size 50x61"),
+        (json!({ "integrator": "whitted" }), "--spp 5 --exposure -1.5 --tone aces --size 50x61"),
+    ] {
+        view.post("settings", &settings.to_string());
+        view.assert_shows("scene.ron", options);
     }
-}
-
-#[test]
-fn keys_and_mouse_lead_the_camera_and_the_printed_one_shows_the_same() {
-    let Some(viewer) = Viewer::open(BALLS, "--spp 4") else { return };
-    let screen = &viewer.screen;
-    let unmoved = viewer.print_camera();
-    assert!(unmoved.contains("look_from: (0.0, 0.0, 6.0)") && unmoved.contains("fov: 40.0"), "{unmoved}");
-    let mut cameras = vec![unmoved];
-    let mut is_elsewhere = |what: &str| {
-        viewer.wait_for("refined: 4 samples per pixel");
-        // Keys that are held, and the wheel, refine more than once.
-        thread::sleep(Duration::from_millis(300));
-        let camera = viewer.print_camera();
-        assert!(!cameras.contains(&camera), "{what}: {camera}");
-        viewer.assert_shows(BALLS, &camera, "--spp 4");
-        cameras.push(camera);
-    };
-    screen.strike(RIGHT);
-    screen.strike(UP);
-    is_elsewhere("arrows");
-    screen.press(letter('w'));
-    thread::sleep(Duration::from_millis(200));
-    screen.release(letter('w'));
-    is_elsewhere("flight");
-    for (button, what) in [(1, "orbit"), (2, "shift"), (3, "look")] {
-        screen.move_to([40, 30]);
-        screen.button(button, true);
-        screen.move_to([48, 27]);
-        screen.move_to([50, 26]);
-        screen.button(button, false);
-        is_elsewhere(what);
+    let (state, _) = view.finished();
+    for refused in [
+        json!({ "integrator": "none" }),
+        json!({ "tone": "none" }),
+        json!({ "exposure": 1e4 }),
+        json!({ "spp": 0 }),
+        json!({ "size": [0, 5] }),
+        json!({ "size": [30_000, 30_000] }),
+        json!({ "colour": 1 }),
+        json!({ "spp": "many" }),
+        json!([]),
+    ] {
+        assert_eq!(view.request("POST", "settings", &refused.to_string()).status, 400, "{refused}");
     }
-    screen.button(4, true);
-    screen.button(4, false);
-    is_elsewhere("wheel");
-    screen.strike(letter('r'));
-    viewer.wait_for("refined: ");
-    assert_eq!(viewer.print_camera(), cameras[0]);
-    viewer.assert_shows(BALLS, CAMERA, "--spp 4");
-    viewer.quit();
+    assert_eq!(view.finished().0["max_spp"], state["max_spp"], "what is refused changes nothing");
 }
 
 #[test]
-fn a_click_tells_what_is_there() {
-    let Some(viewer) = Viewer::open(BALLS, "--spp 1") else { return };
-    // A distance of 6 and 40 degrees across 64 pixels: the balls' centres are 22 pixels from the middle.
-    viewer.screen.click([26, 32]);
-    let line = viewer.wait_for("picked ");
-    assert!(line.starts_with("picked 'left ball', material 'red', distance 5."), "{line}");
-    let numbers: Vec<f64> =
-        line.split(|c: char| !(c.is_ascii_digit() || "-.".contains(c))).filter_map(|n| n.parse().ok()).collect();
-    let [distance, x, y, z] = numbers[..] else { panic!("{line}") };
-    assert!(((x + 1.5) * (x + 1.5) + y * y + z * z - 1.0).abs() < 1e-5, "not on the ball: {line}");
-    assert!((x * x + y * y + (z - 6.0) * (z - 6.0) - distance * distance).abs() < 1e-4, "{line}");
-    viewer.screen.click([70, 32]);
-    assert!(viewer.wait_for("picked ").starts_with("picked 'right ball', material 'mirror'"));
-    viewer.screen.strike(letter('f'));
-    viewer.wait_for("refined: ");
-    viewer.screen.click([48, 32]);
-    assert!(viewer.wait_for("picked ").starts_with("picked 'right ball'"), "F turns to what was picked");
-    viewer.screen.click([0, 0]);
-    assert_eq!(viewer.wait_for("picked "), "picked the background");
-    viewer.screen.strike(letter('h'));
-    assert!(viewer.wait_for("left button").contains("orbit"));
-    viewer.quit();
-}
-
-#[test]
-fn a_window_of_another_size_shows_a_picture_of_that_size() {
-    let Some(viewer) = Viewer::open(BALLS, "--spp 2") else { return };
-    for size in [[120, 80], [33, 47]] {
-        viewer.screen.resize(viewer.window, size);
-        viewer.wait_for("refined: ");
-        viewer.assert_shows(BALLS, CAMERA, &format!("--spp 2 --size {}x{}", size[0], size[1]));
-    }
-    viewer.quit();
-}
-
-#[test]
-fn without_a_screen_there_is_a_message_and_no_panic() {
-    let place = Workplace::with_scene();
-    let mut command = place.command("view scene.ron");
-    command.env("DISPLAY", ":59999").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-    let output = command.output().expect("it starts");
-    let stderr = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(4), "{stderr}");
+fn an_image_beyond_the_memory_limit_is_refused_with_a_message() {
+    let view = ViewServer::start(BALLS, "--spp 1 --memory 64MiB");
+    view.finished();
+    view.post("settings", &json!({ "size": [3000, 2000] }).to_string());
+    let (state, _) = view.watch(|state| state["message"].is_string());
     assert!(
-        stderr.starts_with("error: no window can be opened: ") && stderr.contains("`render` needs none"),
-        "{stderr}"
+        state["message"].as_str().is_some_and(|message| message.contains("and --memory allows 64.0 MiB")),
+        "{state}"
     );
-    assert!(!stderr.contains(".rs:"), "the place in a library helps no user: {stderr}");
-    assert!(!stderr.contains("panicked"), "{stderr}");
+    view.post("settings", &json!({ "size": [96, 64] }).to_string());
+    view.assert_shows("scene.ron", "--spp 1");
 }
 
 #[test]
-fn options_that_mean_nothing_to_a_window_are_refused() {
+fn commands_move_the_camera_and_its_text_renders_the_same() {
+    let view = ViewServer::start(BALLS, "--spp 4");
+    let unmoved = paste_camera(&view);
+    assert!(unmoved.contains("look_from: (0.0, 0.0, 6.0)") && unmoved.contains("fov: 40.0"), "{unmoved}");
+    let mut texts = vec![unmoved];
+    for command in [
+        json!({ "orbit": [0.1, 0.05] }),
+        json!({ "look": [0.02, -0.01] }),
+        json!({ "pan": [0.1, 0.2] }),
+        json!({ "zoom": -2.5 }),
+        json!({ "fly": [0.1, 0.0, -0.4] }),
+        json!({ "look_at": [1.5, 0.0, 0.0] }),
+    ] {
+        view.post("camera", &command.to_string());
+        let text = paste_camera(&view);
+        assert!(!texts.contains(&text), "{command}: {text}");
+        view.assert_shows("pasted.ron", "--spp 4");
+        texts.push(text);
+    }
+    for useless in [json!({ "zoom": 1e300 }), json!({ "pan": [1e308, 1e308] }), json!({ "fly": [0, 0, 0] })] {
+        view.post("camera", &useless.to_string());
+        assert_eq!(paste_camera(&view), texts[texts.len() - 1], "{useless}");
+    }
+    for refused in ["", "{}", "{\"zoom\": \"in\"}", "{\"orbit\": [1]}", "[[[[[[[[[[", "\u{0}"] {
+        assert_eq!(view.request("POST", "camera", refused).status, 400, "{refused}");
+    }
+    view.post("camera", &json!({ "reset": null }).to_string());
+    assert_eq!(paste_camera(&view), texts[0]);
+    view.assert_shows("scene.ron", "--spp 4");
+}
+
+#[test]
+fn a_pick_tells_what_is_there() {
+    let view = ViewServer::start(BALLS, "--spp 1");
+    view.finished();
+    // A distance of 6 and 40 degrees across 64 pixels: the balls' centres are 22 pixels from the middle.
+    let pick = |x: u32, y: u32| view.post("pick", &json!([x, y]).to_string());
+    let left = pick(26, 32);
+    assert_eq!((&left["object"], &left["material"]), (&json!(["left ball"]), &json!("red")));
+    let ([x, y, z], [i, j, k]) = (vector(&left["position"]), vector(&left["normal"]));
+    let length = |x: f64, y: f64, z: f64| (x * x + y * y + z * z).sqrt();
+    assert!((length(x + 1.5, y, z) - 1.0).abs() < 1e-9, "not on the ball: {left}");
+    assert!([i - x - 1.5, j - y, k - z].iter().all(|part| part.abs() < 1e-9), "not its normal: {left}");
+    let distance = left["distance"].as_f64().expect("a number");
+    assert!((length(x, y, z - 6.0) - distance).abs() < 1e-9, "{left}");
+    assert!((left["t"].as_f64().expect("a number") - (6.0 - z)).abs() < 1e-9, "t is the depth: {left}");
+    assert_eq!(pick(70, 32)["object"], json!(["right ball"]));
+    assert_eq!((pick(0, 0), pick(u32::MAX, 9)), (Value::Null, Value::Null));
+    view.post("camera", &json!({ "look_at": left["position"] }).to_string());
+    view.finished();
+    assert_eq!(pick(48, 32)["object"], json!(["left ball"]), "the target is in the middle");
+    assert_eq!(view.request("POST", "pick", "[-1, 0]").status, 400);
+}
+
+#[test]
+fn the_error_grows_smaller_within_its_interval() {
+    let view = ViewServer::start(BALLS, "--spp 64 --integrator path");
+    let (state, _) = view.finished();
+    let errors = state["errors"].as_array().expect("a list");
+    assert!(errors.len() > 4, "{state}");
+    let mut before = [0.0, f64::INFINITY];
+    for error in errors {
+        let [spp, rmse, low, high] = core::array::from_fn(|index| error[index].as_f64().expect("a number"));
+        assert!(spp > before[0] && low <= rmse && rmse <= high, "{state}");
+        before = [spp, rmse];
+    }
+    assert_eq!(before[0], 64.0);
+    assert!(before[1] < errors[0][1].as_f64().expect("a number") / 2.0, "{state}");
+    let more = view.get(&format!("frame?after=0&view={}&errors=3", state["view"]));
+    let line = more.body.split(|byte| *byte == b'\n').next().expect("a line").to_vec();
+    let rest: Value = serde_json::from_slice(&line).expect("JSON");
+    assert_eq!(rest["errors"].as_array().map(Vec::as_slice), Some(&errors[3..]));
+}
+
+#[test]
+fn foreign_requests_are_refused() {
+    let view = ViewServer::start(BALLS, "--spp 1");
+    let page = view.page.as_str();
+    let status = |head: &str| {
+        let Answer { status, headers, body } = view.exchange(format!("{head}Connection: close\r\n\r\n").as_bytes());
+        assert!(headers.contains("X-Content-Type-Options: nosniff") && headers.contains("Cache-Control: no-store"));
+        assert!(status == 200 || body.len() < 100);
+        status
+    };
+    let get = |path: &str, headers: &str| status(&format!("GET {path} HTTP/1.1\r\n{headers}"));
+    for host in ["localhost:9", "127.0.0.1:80", "[::1]:7", "127.0.0.1"] {
+        assert_eq!(get(page, &format!("Host: {host}\r\nOrigin: http://{host}\r\n")), 200, "{host}");
+        assert_eq!(get(page, &format!("Host: {host}\r\n")), 200, "{host}");
+    }
+    for headers in [
+        "Host: evil.example\r\n",
+        "Host: localhost.evil.example:80\r\n",
+        "Host: 10.0.0.1\r\n",
+        "Host: localhost\r\nOrigin: http://evil.example\r\n",
+        "Host: localhost\r\nOrigin: null\r\n",
+        "Host: localhost\r\nOrigin: http://localhost:81\r\n",
+        "",
+    ] {
+        assert_eq!(get(page, headers), 403, "{headers}");
+    }
+    let token = page.trim_matches('/');
+    let other = format!("/{}/", token.chars().rev().collect::<String>());
+    for path in [
+        "/",
+        "/favicon.ico",
+        "//",
+        &page[..page.len() - 1],
+        &page[..9],
+        &other,
+        &page.to_uppercase(),
+        "/frame",
+        "/x/../",
+    ] {
+        assert_eq!(get(path, "Host: localhost\r\n"), 403, "{path}");
+    }
+    assert_eq!(get(&format!("{page}none"), "Host: localhost\r\n"), 404);
+    assert_eq!(get(&format!("{page}../Cargo.toml"), "Host: localhost\r\n"), 404);
+    let local = "HTTP/1.1\r\nHost: localhost\r\n";
+    assert_eq!(status(&format!("DELETE {page} {local}")), 405);
+    assert_eq!(status(&format!("OPTIONS {page}camera {local}")), 405);
+    assert_eq!(status(&format!("GET {page} {local}Cookie: {}\r\n", "a".repeat(9000))), 431);
+    assert_eq!(status(&format!("GET {page}{} {local}", "a".repeat(9000))), 431);
+    assert_eq!(status(&format!("POST {page}camera {local}Content-Length: 5000\r\n")), 413);
+    assert_eq!(status(&format!("POST {page}camera {local}Transfer-Encoding: chunked\r\n")), 501);
+    assert_eq!(status(&format!("GET {page} HTTP/3.0\r\nHost: localhost\r\n")), 505);
+    assert_eq!(status("nonsense\r\n"), 400);
+    let csp = view.get("").headers;
+    assert!(csp.contains("Content-Security-Policy: default-src 'none'; script-src 'self'"), "{csp}");
+    view.assert_shows("scene.ron", "--spp 1");
+}
+
+#[test]
+fn the_page_refers_to_nothing_outside() {
+    let view = ViewServer::start(BALLS, "--spp 1");
+    let all = ["", "view.css", "view.js", "plot.js"].map(|path| view.get(path).text()).join("\n");
+    let outside = all.replace("http://www.w3.org/2000/svg", "");
+    assert!(!outside.contains("http:") && !outside.contains("https:") && !outside.contains("url(//"));
+    let info = view.get("session").json();
+    assert_eq!((&info["name"], &info["size"], &info["spp"]), (&json!("scene"), &json!([96, 64]), &json!(1)));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_closed_page_stops_the_work_which_goes_on_later() {
+    let options = |spp: u64| format!("--spp {spp} --size 240x160 --integrator path --threads 1");
+    let view = ViewServer::start(BALLS, &options(1 << 20));
+    thread::sleep(Duration::from_millis(500));
+    assert!(view.processor_seconds() < 0.4, "nothing is rendered before a page is open");
+    let (measured, _) = view.watch(|state| state["spp"].as_u64() >= Some(16));
+    let rate = measured["spp"].as_f64().expect("a number") / measured["seconds"].as_f64().expect("a number");
+
+    // Six seconds of work, after four of which the page has not been heard of for too long.
+    let spp = (6.0 * rate) as u64 + 32;
+    view.post("settings", &json!({ "spp": spp }).to_string());
+    thread::sleep(Duration::from_secs(5));
+    let paused = view.processor_seconds();
+    thread::sleep(Duration::from_secs(1));
+    let work = view.processor_seconds() - paused;
+    assert!(work < 0.1, "{work} s of work for a page that is closed");
+    assert_eq!(view.frame(u64::MAX).0["is_finished"], false, "the interruption came too late");
+
+    // It goes on, to the picture of a render without interruptions.
+    let (_, shown) = view.finished();
+    view.place.succeed(&format!("render scene.ron {} --time 1h -o expected.png", options(spp)));
+    assert!(shown == view.place.read("expected.png"), "the interruption changes the picture");
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_ends_the_program() {
+    let mut view = ViewServer::start(BALLS, "--spp 1000000 --integrator path");
+    view.watch(|state| state["spp"].as_u64() >= Some(1));
+    let id = view.program.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+    let started = Instant::now();
+    let status = view.program.wait().expect("it ends");
+    assert!(started.elapsed() < Duration::from_secs(5) && !status.success(), "{status}");
+    assert_eq!(view.place.files(), ["scene.ron"]);
+}
+
+#[test]
+fn connections_that_say_nothing_leave_room_for_others() {
+    let view = ViewServer::start(BALLS, "--spp 1");
+    let port: u16 = view.url.split([':', '/']).nth(4).and_then(|port| port.parse().ok()).expect("a port");
+    let silent: Vec<_> =
+        (0..64).map(|_| std::net::TcpStream::connect(("127.0.0.1", port)).expect("connected")).collect();
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while view.get("session").status != 503 {
+        assert!(Instant::now() < deadline, "there is no limit");
+    }
+    drop(silent);
+    while view.get("session").status != 200 {
+        assert!(Instant::now() < deadline, "closed connections still count");
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn what_is_bound_to_the_network_is_said_aloud() {
     let place = Workplace::with_scene();
-    for option in ["--crop 0,0,8,8", "--passes 2", "--adaptive object-space", "--min-spp 1"] {
-        let run = place.run(&format!("view scene.ron {option}"));
-        assert_eq!(run.code, Some(2), "{run:?}");
-        assert!(run.stderr.contains("is for `render`"), "{run:?}");
+    let mut command = place.command("view scene.ron --no-open --bind 0.0.0.0");
+    let mut program =
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().expect("it starts");
+    thread::sleep(Duration::from_secs(2));
+    program.kill().expect("killed");
+    let output = program.wait_with_output().expect("it ended");
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(stderr.contains("warning: --bind 0.0.0.0 opens the view to the network"), "{stderr}");
+    assert!(stdout.contains("http://127.0.0.1:"), "{stdout}");
+}
+
+#[test]
+fn failures_are_told_in_the_terminal() {
+    let place = Workplace::with_scene();
+    place.write("bad.ron", "(nodes: [(shape: spher())])");
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = taken.local_addr().expect("an address").port();
+    for (arguments, code, message) in [
+        ("bad.ron".to_owned(), 3, "bad.ron:1:18: "),
+        ("none.ron".to_owned(), 3, "none.ron"),
+        (format!("scene.ron --port {port}"), 4, "choose another --port"),
+        ("scene.ron --bind 192.0.2.1".to_owned(), 4, "cannot listen on 192.0.2.1"),
+        ("scene.ron --bind localhost".to_owned(), 2, "--bind"),
+        ("scene.ron --crop 0,0,8,8".to_owned(), 2, "--crop is for `render`"),
+        ("scene.ron --passes 2".to_owned(), 2, "--passes is for `render`"),
+        ("scene.ron --adaptive object-space".to_owned(), 2, "--adaptive is for `render`"),
+        ("scene.ron --min-spp 1".to_owned(), 2, "--min-spp is for `render`"),
+    ] {
+        let run = place.run(&format!("view --no-open {arguments}"));
+        assert_eq!(run.code, Some(code), "{arguments}: {run:?}");
+        assert!(run.stderr.contains(message), "{arguments}: {run:?}");
     }
 }

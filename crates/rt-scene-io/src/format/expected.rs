@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use serde_json::Value;
 
 use super::SceneFile;
-use super::spot::Key;
+use super::cursor::Key;
 
 /// How values are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,18 +6,19 @@
 
 mod animation;
 mod camera;
-mod colour;
+mod color;
+mod cursor;
 mod expected;
-mod explain;
 mod film;
 mod light;
 mod material;
 mod node;
-mod page;
 mod parse;
+mod parse_error;
+mod reference_page;
+mod run_time;
 mod settings;
 mod spelling;
-mod spot;
 mod synonyms;
 mod transform;
 mod write;
@@ -26,16 +27,17 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
+pub use crate::{Accel, Integrator};
 pub use animation::{CameraAnimation, CameraKey, Interpolation, NodeAnimation, NodeKey};
 pub use camera::{Camera, FovAxis, Lens};
-pub use colour::{Color, ColorTexture, Wrap};
+pub use color::{Color, ColorTexture, Wrap};
 pub use film::{Encoding, Film, Filter, Tone};
 pub use light::{Background, Falloff, Light, LightUnits};
 pub use material::{Highlight, Material, Metal, NodeMaterial, Sides};
 pub use node::{InsideRule, Node, Shape};
-pub use page::reference_page;
 pub use parse::{parse_json, parse_ron};
-pub use settings::{Accel, Adaptive, Integrator, LightSampling, Sampler, Settings};
+pub use reference_page::reference_page;
+pub use settings::{Adaptive, LightSampling, Sampler, Settings};
 pub use transform::Step;
 
 /// A scene: what stands where, how it looks, who sees it, and how to render it.

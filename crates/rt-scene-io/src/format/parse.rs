@@ -6,10 +6,10 @@ use ron::extensions::Extensions;
 
 use super::SceneFile;
 use super::expected::Notation;
-use super::explain::{Explainer, Mistake};
+use super::parse_error::{Explainer, ParseError};
 use crate::excerpt::{Excerpt, Position};
 use crate::limits::NESTING;
-use crate::{LoadError, Place, Problem};
+use crate::{Diagnostic, LoadError, Location};
 
 /// The limit that RON's parser needs for it: it counts each bracket twice.
 const RON_RECURSION_LIMIT: usize = NESTING * 2;
@@ -43,9 +43,9 @@ pub fn parse_json(text: &str, name: &Path) -> Result<SceneFile, LoadError> {
 }
 
 /// A mistake with its line.
-fn located(text: &str, name: &Path, Mistake { at, reason }: Mistake) -> LoadError {
+fn located(text: &str, name: &Path, ParseError { at, kind }: ParseError) -> LoadError {
     let Position { line, column } = Position::of(text, at);
     let excerpt = (!text.trim().is_empty()).then(|| Excerpt::of(text, at));
-    let place = Place::Position(line, column);
-    LoadError::from(Problem { file: name.display().to_string(), place, reason, excerpt })
+    let location = Location::Position(line, column);
+    LoadError::from(Diagnostic { file: name.display().to_string(), location, kind, excerpt })
 }

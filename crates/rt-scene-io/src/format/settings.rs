@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::{Accel, Integrator};
+
 /// Method, samples and other settings of the render. The command line overrides them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -82,33 +84,6 @@ impl Default for Settings {
     }
 }
 
-/// Method by which light is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Integrator {
-    /// Classical recursive ray tracing.
-    Whitted,
-    /// The same with soft shadows, glossy reflection and all that distributing rays brings.
-    Distributed,
-    /// Path tracing: all light there is.
-    Path,
-    /// Path tracing, and paths from the lamps for their light that comes by mirrors and glass.
-    Caustics,
-    /// Emission and direct light.
-    Direct,
-    /// Share of the sky that each point sees.
-    #[serde(alias = "ao")]
-    AmbientOcclusion,
-    /// Shading normals as colours.
-    Normals,
-    /// Distance as grey.
-    Depth,
-    /// Texture coordinates as colours.
-    Uv,
-    /// Work per ray as a heat map.
-    Cost,
-}
-
 /// Distribution of samples among pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -158,32 +133,4 @@ pub enum Sampler {
     Halton,
     /// Sobol' points shared out among neighbouring pixels, for few samples.
     BlueNoise,
-}
-
-/// Acceleration structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Accel {
-    /// Whichever suits the scene.
-    Auto,
-    /// None: all objects are tested.
-    Linear,
-    /// Uniform grid.
-    Grid,
-    /// Binary bounding volume hierarchy.
-    Bvh,
-    /// Bounding volume hierarchy with eight children to a node.
-    Wide,
-    /// Tree of bounding spheres.
-    Spheres,
-    /// Tree of bounding cylinders.
-    Cylinders,
-    /// Tree of planes at right angles to the axes.
-    Kd,
-    /// Tree of planes of any direction.
-    Bsp,
-    /// Bounding interval hierarchy.
-    Bih,
-    /// Bounding interval hierarchy, built where rays go.
-    BihLazy,
 }

@@ -51,7 +51,7 @@ impl<'de, T: Spelled> Deserialize<'de> for Choice<T> {
 
 fn from_ron<T: Spelled>(text: &str) -> Option<T> {
     let options = ron_options();
-    let first = super::spot::next(text, 0)?;
+    let first = super::cursor::next(text, 0)?;
     match text.as_bytes()[first] {
         b'"' => T::from_text(&options.from_str::<String>(text).ok()?),
         b'(' => T::from_numbers(options.from_str::<(f64, f64, f64)>(text).ok()?.into()),

@@ -9,7 +9,7 @@ use gltf::{
 };
 
 use super::buffers::Buffers;
-use crate::{LoadError, Reason, limits};
+use crate::{LoadError, LoadErrorKind, limits};
 
 /// Reads vectors of `N` components. Normalised integers become numbers in [0, 1] or [−1, 1], others keep their value.
 pub(super) fn read_vectors<const N: usize>(
@@ -19,7 +19,7 @@ pub(super) fn read_vectors<const N: usize>(
     let components = accessor.dimensions().multiplicity();
     if components != N {
         let message = format!("has {components} components, where {N} are needed");
-        return Err(fail(accessor, buffers, Reason::Syntax(message)));
+        return Err(fail(accessor, buffers, LoadErrorKind::Syntax(message)));
     }
     let (kind, normalized) = (accessor.data_type(), accessor.normalized());
     read(accessor, buffers, [0.0; N], |bytes| {
@@ -34,7 +34,7 @@ pub(super) fn read_indices(accessor: &Accessor<'_>, buffers: &Buffers<'_>) -> Re
     let scalar = accessor.dimensions().multiplicity() == 1;
     if !(scalar && matches!(kind, DataType::U8 | DataType::U16 | DataType::U32)) {
         let message = format!("indices must be unsigned scalars, not {:?} of {kind:?}", accessor.dimensions());
-        return Err(fail(accessor, buffers, Reason::Syntax(message)));
+        return Err(fail(accessor, buffers, LoadErrorKind::Syntax(message)));
     }
     read(accessor, buffers, 0, unsigned)
 }
@@ -47,7 +47,7 @@ fn read<T: Copy>(
 ) -> Result<Vec<T>, LoadError> {
     let (count, size) = (accessor.count(), accessor.size());
     if count == 0 {
-        return Err(fail(accessor, buffers, Reason::Syntax("the count must be at least 1".to_owned())));
+        return Err(fail(accessor, buffers, LoadErrorKind::Syntax("the count must be at least 1".to_owned())));
     }
     let mut elements = match accessor.view() {
         Some(view) => Items::new(&view, accessor.offset(), count, size, buffers)?.decode(&decode),
@@ -57,7 +57,7 @@ fn read<T: Copy>(
             return Err(fail(
                 accessor,
                 buffers,
-                Reason::TooLarge { what: "the count without a bufferView", value, limit },
+                LoadErrorKind::too_large("the count without a bufferView", value, limit),
             ));
         }
     };
@@ -74,7 +74,7 @@ fn read<T: Copy>(
         for (place, value) in places.into_iter().zip(values) {
             *elements.get_mut(place as usize).ok_or_else(|| {
                 let rule = format!("is a sparse index, but there are {count} elements");
-                fail(accessor, buffers, Reason::invalid(place, rule))
+                fail(accessor, buffers, LoadErrorKind::invalid(place, rule))
             })? = value;
         }
     }
@@ -99,9 +99,12 @@ impl<'a> Items<'a> {
     ) -> Result<Self, LoadError> {
         let bytes = buffers.view(view)?;
         let stride = view.stride().unwrap_or(size);
-        let fail = |reason: Reason| reason.at(buffers.path(), format!("bufferViews[{}]", view.index()));
+        let fail = |reason: LoadErrorKind| reason.at(buffers.path(), format!("bufferViews[{}]", view.index()));
         if stride < size {
-            return Err(fail(Reason::invalid(stride, format!("is a stride shorter than an element of {size} bytes"))));
+            return Err(fail(LoadErrorKind::invalid(
+                stride,
+                format!("is a stride shorter than an element of {size} bytes"),
+            )));
         }
         let length = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size));
         let end = length.and_then(|length| length.checked_add(offset));
@@ -112,7 +115,7 @@ impl<'a> Items<'a> {
                     "{count} elements of {size} bytes, {stride} apart from {offset} on, do not fit in its {} bytes",
                     bytes.len()
                 );
-                Err(fail(Reason::Syntax(message)))
+                Err(fail(LoadErrorKind::Syntax(message)))
             }
         }
     }
@@ -122,7 +125,7 @@ impl<'a> Items<'a> {
     }
 }
 
-fn fail(accessor: &Accessor<'_>, buffers: &Buffers<'_>, reason: Reason) -> LoadError {
+fn fail(accessor: &Accessor<'_>, buffers: &Buffers<'_>, reason: LoadErrorKind) -> LoadError {
     reason.at(buffers.path(), format!("accessors[{}]", accessor.index()))
 }
 
@@ -140,11 +143,11 @@ fn number(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
         DataType::I16 => f32::from(bits as u16 as i16),
         DataType::U8 | DataType::U16 | DataType::U32 => bits as f32,
     };
-    greatest(kind).filter(|_| normalized).map_or(value, |most| normalised(value, most))
+    unit_integer(kind).filter(|_| normalized).map_or(value, |most| normalised(value, most))
 }
 
 /// The integer that stands for 1 where integers are normalised; `None` for numbers that are none.
-pub(super) const fn greatest(kind: DataType) -> Option<f32> {
+pub(super) const fn unit_integer(kind: DataType) -> Option<f32> {
     match kind {
         DataType::F32 => None,
         DataType::I8 => Some(127.0),
@@ -156,8 +159,8 @@ pub(super) const fn greatest(kind: DataType) -> Option<f32> {
 }
 
 /// An integer as a number in [0, 1] or [−1, 1] (glTF 2.0, section 3.11).
-pub(super) fn normalised(value: f32, greatest: f32) -> f32 {
-    (value / greatest).max(-1.0)
+pub(super) fn normalised(value: f32, unit_integer: f32) -> f32 {
+    (value / unit_integer).max(-1.0)
 }
 
 #[cfg(test)]

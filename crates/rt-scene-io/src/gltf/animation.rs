@@ -8,41 +8,42 @@ use serde_json::Value;
 use super::{
     accessor::read_vectors,
     buffers::Buffers,
-    pose::{Pose, Property},
+    node_pose::{Pose, Property},
 };
-use crate::{LoadError, LoadOptions, Reason, Warning};
+use crate::error::ErrorAt;
+use crate::{LoadError, LoadErrorKind, LoadOptions, Warning};
 
 /// An animation as the file has it. The `gltf` crate insists on targets that extensions replace.
 #[derive(Deserialize)]
-struct Animation {
-    channels: Vec<Channel>,
-    samplers: Vec<Sampler>,
+struct AnimationJson {
+    channels: Vec<AnimationChannel>,
+    samplers: Vec<AnimationSampler>,
 }
 
 #[derive(Deserialize)]
-struct Channel {
+struct AnimationChannel {
     sampler: usize,
-    target: Target,
+    target: ChannelTarget,
 }
 
 #[derive(Deserialize)]
-struct Target {
+struct ChannelTarget {
     node: Option<usize>,
     path: String,
 }
 
 #[derive(Deserialize)]
-struct Sampler {
+struct AnimationSampler {
     input: usize,
     #[serde(default)]
-    interpolation: Interpolation,
+    interpolation: CurveInterpolation,
     output: usize,
 }
 
 /// What holds between two keys.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "UPPERCASE")]
-enum Interpolation {
+enum CurveInterpolation {
     Step,
     #[default]
     Linear,
@@ -63,7 +64,7 @@ pub(super) fn poses(
         warnings.push(Warning { place: "animations".to_owned(), message: message.to_owned() });
     };
     let mut opens = Pose::rest(document);
-    let Some([opens_at, closes_at]) = options.exposure() else {
+    let Some([opens_at, closes_at]) = options.shutter_interval() else {
         if !list.is_empty() {
             warn("no time was chosen: the model rests as its nodes say");
         }
@@ -90,10 +91,10 @@ fn animate(
     buffers: &Buffers<'_>,
     options: &LoadOptions,
 ) -> Result<(), LoadError> {
-    for index in chosen(list, options.animation.as_deref()).map_err(|r| r.at(buffers.path(), "animations"))? {
+    for index in chosen(list, options.animation.as_deref()).at(buffers.path(), "animations")? {
         let place = format!("animations[{index}]");
-        let animation = Animation::deserialize(&list[index])
-            .map_err(|error| Reason::Syntax(error.to_string()).at(buffers.path(), place.as_str()))?;
+        let animation = AnimationJson::deserialize(&list[index])
+            .map_err(|error| LoadErrorKind::Syntax(error.to_string()).at(buffers.path(), place.as_str()))?;
         for (c, channel) in animation.channels.iter().enumerate() {
             let place = format!("{place}.channels[{c}]");
             // Without a node the target belongs to an extension.
@@ -101,18 +102,18 @@ fn animate(
             let Some(property) = Property::of(&channel.target.path) else { continue };
             let sampler = animation.samplers.get(channel.sampler).ok_or_else(|| {
                 let rule = format!("is no sampler; there are {}", animation.samplers.len());
-                Reason::invalid(channel.sampler, rule).at(buffers.path(), format!("{place}.sampler"))
+                LoadErrorKind::invalid(channel.sampler, rule).at(buffers.path(), format!("{place}.sampler"))
             })?;
             let curve = Curve::read(sampler, property, buffers, &place)?;
             curve.times.last().into_iter().for_each(|end| options.animation_end.extend(f64::from(*end)));
-            pose.set(node, property, &curve.at(time)).map_err(|r| r.at(buffers.path(), format!("{place}.target")))?;
+            pose.set(node, property, &curve.at(time)).at(buffers.path(), format!("{place}.target"))?;
         }
     }
     Ok(())
 }
 
 /// The animations that are meant by a name, an index or `all`.
-fn chosen(list: &[Value], wanted: Option<&str>) -> Result<Vec<usize>, Reason> {
+fn chosen(list: &[Value], wanted: Option<&str>) -> Result<Vec<usize>, LoadErrorKind> {
     let Some(wanted) = wanted else { return Ok(vec![0]) };
     let names: Vec<Option<&str>> = list.iter().map(|animation| animation.get("name")?.as_str()).collect();
     if let Some(index) = names.iter().position(|name| *name == Some(wanted)) {
@@ -123,7 +124,7 @@ fn chosen(list: &[Value], wanted: Option<&str>) -> Result<Vec<usize>, Reason> {
         _ if wanted == "all" => Ok((0..list.len()).collect()),
         _ => {
             let known = names.iter().enumerate().map(|(i, name)| name.map_or_else(|| i.to_string(), str::to_owned));
-            Err(Reason::UnknownWord { kind: "animation", found: wanted.to_owned(), known: known.collect() })
+            Err(LoadErrorKind::UnknownWord { kind: "animation", found: wanted.to_owned(), known: known.collect() })
         }
     }
 }
@@ -134,14 +135,19 @@ struct Curve {
     /// `width` numbers for each key; with cubic splines those of the tangent before, the value and the tangent after.
     values: Vec<f32>,
     width: usize,
-    interpolation: Interpolation,
+    interpolation: CurveInterpolation,
     turns: bool,
 }
 
 impl Curve {
-    fn read(sampler: &Sampler, property: Property, buffers: &Buffers<'_>, place: &str) -> Result<Self, LoadError> {
+    fn read(
+        sampler: &AnimationSampler,
+        property: Property,
+        buffers: &Buffers<'_>,
+        place: &str,
+    ) -> Result<Self, LoadError> {
         let fail = |what: &str, message: String| {
-            Reason::Syntax(message).at(buffers.path(), format!("{place}: accessors[{what}]"))
+            LoadErrorKind::Syntax(message).at(buffers.path(), format!("{place}: accessors[{what}]"))
         };
         let accessor = |index: usize| buffers.document().accessors().nth(index);
         let (input, output) = (sampler.input.to_string(), sampler.output.to_string());
@@ -158,7 +164,7 @@ impl Curve {
             Property::Weights => read_vectors::<1>(&values, buffers)?.into_flattened(),
         };
         let interpolation = sampler.interpolation;
-        let parts = times.len() * if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        let parts = times.len() * if interpolation == CurveInterpolation::CubicSpline { 3 } else { 1 };
         let width = property.width().unwrap_or(values.len() / parts);
         if width == 0 || values.len() != parts * width {
             return Err(fail(&output, format!("has {} numbers, which do not fit {} keys", values.len(), times.len())));
@@ -177,10 +183,10 @@ impl Curve {
         let s = (time - start) / span;
         let [from, to] = [before, after].map(|key| self.value(key));
         match self.interpolation {
-            Interpolation::Step => from,
-            Interpolation::Linear if self.turns => slerp(&from, &to, s),
-            Interpolation::Linear => mix(&[(&from, 1.0 - s), (&to, s)]),
-            Interpolation::CubicSpline => {
+            CurveInterpolation::Step => from,
+            CurveInterpolation::Linear if self.turns => slerp(&from, &to, s),
+            CurveInterpolation::Linear => mix(&[(&from, 1.0 - s), (&to, s)]),
+            CurveInterpolation::CubicSpline => {
                 let (s2, s3) = (s * s, s * s * s);
                 mix(&[
                     (&from, 2.0 * s3 - 3.0 * s2 + 1.0),
@@ -193,7 +199,7 @@ impl Curve {
     }
 
     fn value(&self, key: usize) -> Vec<f64> {
-        self.part(if self.interpolation == Interpolation::CubicSpline { 3 * key + 1 } else { key })
+        self.part(if self.interpolation == CurveInterpolation::CubicSpline { 3 * key + 1 } else { key })
     }
 
     fn part(&self, index: usize) -> Vec<f64> {
@@ -225,14 +231,14 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn curve(interpolation: Interpolation, width: usize, values: &[f32]) -> Curve {
+    fn curve(interpolation: CurveInterpolation, width: usize, values: &[f32]) -> Curve {
         Curve { times: vec![1.0, 2.0, 4.0], values: values.to_vec(), width, interpolation, turns: width == 4 }
     }
 
     #[test]
     fn keys_hold_or_are_joined_by_lines() {
         let values = [0.0, 10.0, 20.0];
-        let (step, line) = (curve(Interpolation::Step, 1, &values), curve(Interpolation::Linear, 1, &values));
+        let (step, line) = (curve(CurveInterpolation::Step, 1, &values), curve(CurveInterpolation::Linear, 1, &values));
         for (time, held, joined) in [
             (-9.0, 0.0, 0.0),
             (1.0, 0.0, 0.0),
@@ -250,7 +256,7 @@ mod tests {
     fn splines_have_the_tangents_of_their_keys() {
         // In, value, out: a parabola t² has the tangent 2t, and a cubic spline is exact for it.
         let parabola: Vec<f32> = [1.0f32, 2.0, 4.0].iter().flat_map(|t| [2.0 * t, t * t, 2.0 * t]).collect();
-        let spline = curve(Interpolation::CubicSpline, 1, &parabola);
+        let spline = curve(CurveInterpolation::CubicSpline, 1, &parabola);
         for time in [1.0, 1.25, 2.0, 2.5, 3.75, 4.0] {
             assert!((spline.at(time)[0] - time * time).abs() < 1e-14, "{time}");
         }
@@ -262,7 +268,7 @@ mod tests {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         // No turn, a quarter about z with the sign of the longer way, and the same again.
         let turn =
-            curve(Interpolation::Linear, 4, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, -half, 0.0, 0.0, -half, -half]);
+            curve(CurveInterpolation::Linear, 4, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, -half, 0.0, 0.0, -half, -half]);
         let third = turn.at(1.0 + 1.0 / 3.0);
         let expected = rt_math::transcendental::tan(std::f64::consts::FRAC_PI_4 / 3.0);
         assert!((third[2] / third[3] - expected).abs() < 1e-7, "{third:?}");

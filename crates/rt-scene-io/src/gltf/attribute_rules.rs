@@ -8,10 +8,10 @@ use gltf::json::{
 };
 
 use super::draco;
-use crate::{Reason, Warning};
+use crate::{LoadErrorKind, Warning};
 
 /// Checks all primitives of a document whose references hold. Each problem comes with its place.
-pub(super) fn check(root: &Root, warnings: &mut Vec<Warning>) -> Vec<(String, Reason)> {
+pub(super) fn check(root: &Root, warnings: &mut Vec<Warning>) -> Vec<(String, LoadErrorKind)> {
     let mut problems = Vec::new();
     for (m, mesh) in root.meshes.iter().enumerate() {
         let targets = |primitive: &Primitive| primitive.targets.as_ref().map_or(0, Vec::len);
@@ -43,11 +43,11 @@ struct Check<'a> {
     root: &'a Root,
     primitive: &'a Primitive,
     place: &'a str,
-    problems: &'a mut Vec<(String, Reason)>,
+    problems: &'a mut Vec<(String, LoadErrorKind)>,
 }
 
 impl Check<'_> {
-    fn report(&mut self, path: &str, reason: Reason) {
+    fn report(&mut self, path: &str, reason: LoadErrorKind) {
         self.problems.push((format!("{}.{path}", self.place), reason));
     }
 
@@ -63,7 +63,7 @@ impl Check<'_> {
             let (Checked::Valid(semantic), Some(accessor)) = (semantic, accessor(self.root, index)) else { continue };
             let path = format!("attributes.{}", semantic.to_string());
             if let Some(rule) = broken_rule(semantic, accessor) {
-                self.report(&path, Reason::Syntax(format!("accessors[{}] {rule}", index.value())));
+                self.report(&path, LoadErrorKind::Syntax(format!("accessors[{}] {rule}", index.value())));
             }
             self.check_count(&path, accessor);
         }
@@ -73,7 +73,7 @@ impl Check<'_> {
     fn check_count(&mut self, path: &str, accessor: &Accessor) {
         let compressed = self.primitive.extensions.as_ref().is_some_and(|all| all.others.contains_key(draco::NAME));
         let Some(count) = self.count().filter(|count| *count != accessor.count.0 && !compressed) else { return };
-        self.report(path, Reason::invalid(accessor.count.0, format!("elements do not fit {count} positions")));
+        self.report(path, LoadErrorKind::invalid(accessor.count.0, format!("elements do not fit {count} positions")));
     }
 
     fn indices(&mut self) {
@@ -83,7 +83,10 @@ impl Check<'_> {
         let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
         let is_fine = is_one_of(accessor, &[Type::Scalar]) && has_component(accessor, &unsigned);
         if !is_fine {
-            self.report("indices", Reason::Syntax("the accessor of indices must hold unsigned scalars".to_owned()));
+            self.report(
+                "indices",
+                LoadErrorKind::Syntax("the accessor of indices must hold unsigned scalars".to_owned()),
+            );
         }
     }
 
@@ -95,7 +98,10 @@ impl Check<'_> {
                 let Some(accessor) = index.as_ref().and_then(|index| accessor(self.root, index)) else { continue };
                 let path = format!("targets[{t}].{name}");
                 if !is_one_of(accessor, &[Type::Vec3]) {
-                    self.report(&path, Reason::Syntax("the differences of a morph target must be VEC3".to_owned()));
+                    self.report(
+                        &path,
+                        LoadErrorKind::Syntax("the differences of a morph target must be VEC3".to_owned()),
+                    );
                 }
                 self.check_count(&path, accessor);
             }

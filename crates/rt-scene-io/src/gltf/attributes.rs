@@ -5,16 +5,16 @@ use gltf::{Primitive, Semantic};
 use super::{
     accessor::{read_indices, read_vectors},
     buffers::Buffers,
-    draco::Decoded,
+    draco::DecodedPrimitive,
 };
-use crate::{LoadError, Reason};
+use crate::{LoadError, LoadErrorKind};
 
 /// Where the numbers of a primitive come from.
 pub(super) struct Attributes<'a> {
     primitive: &'a Primitive<'a>,
     buffers: &'a Buffers<'a>,
     place: &'a str,
-    stream: Option<Decoded>,
+    stream: Option<DecodedPrimitive>,
 }
 
 impl<'a> Attributes<'a> {
@@ -26,7 +26,7 @@ impl<'a> Attributes<'a> {
     ) -> Result<Self, LoadError> {
         let is_plain = |accessor: gltf::Accessor<'_>| accessor.view().is_some() || accessor.sparse().is_some();
         let plain = primitive.get(&Semantic::Positions).is_some_and(is_plain);
-        let stream = if plain { None } else { Decoded::of(primitive, buffers, place)? };
+        let stream = if plain { None } else { DecodedPrimitive::of(primitive, buffers, place)? };
         Ok(Self { primitive, buffers, place, stream })
     }
 
@@ -64,7 +64,7 @@ impl<'a> Attributes<'a> {
                 let value = count as u64;
                 let limit = u64::from(u32::MAX);
                 let count = u32::try_from(count).map_err(|_| {
-                    let reason = Reason::TooLarge { what: "the number of vertices", value, limit };
+                    let reason = LoadErrorKind::too_large("the number of vertices", value, limit);
                     reason.at(self.buffers.path(), self.place)
                 })?;
                 Ok((0..count).collect())

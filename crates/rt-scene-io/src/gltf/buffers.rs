@@ -12,10 +12,10 @@ use percent_encoding::percent_decode_str;
 
 use super::meshopt;
 use crate::{
-    LoadError, LoadOptions, Reason,
-    budget::Reservation,
-    files::{read_beside, resolve_path},
+    LoadError, LoadErrorKind, LoadOptions,
+    files::{read_referenced, resolve_path},
     limits,
+    memory::Reservation,
 };
 
 /// Base64 as it occurs, with or without padding.
@@ -48,7 +48,7 @@ impl<'a> Buffers<'a> {
         for (i, buffer) in document.as_json().buffers.iter().enumerate() {
             let content = match &buffer.uri {
                 Some(uri) => {
-                    let fail = |reason: Reason| reason.at(path, format!("buffers[{i}].uri"));
+                    let fail = |reason: LoadErrorKind| reason.at(path, format!("buffers[{i}].uri"));
                     let content = fetch(uri, path, options).map_err(fail)?;
                     let what = format_args!("buffer {i} of {}", path.display());
                     room.push(options.memory.reserve(what, content.len() as u64).map_err(fail)?);
@@ -62,7 +62,7 @@ impl<'a> Buffers<'a> {
                     let claimed = buffer.byte_length.0;
                     if claimed > content.len() as u64 {
                         let rule = format!("bytes are claimed, but there are {}", content.len());
-                        return Err(Reason::invalid(claimed, rule).at(path, format!("buffers[{i}].byteLength")));
+                        return Err(LoadErrorKind::invalid(claimed, rule).at(path, format!("buffers[{i}].byteLength")));
                     }
                     match &mut content {
                         Cow::Borrowed(bytes) => *bytes = &bytes[..claimed as usize],
@@ -83,15 +83,15 @@ impl<'a> Buffers<'a> {
             return Ok(decoded);
         }
         let buffer = view.buffer().index();
-        let fail = |reason: Reason| reason.at(self.path, format!("bufferViews[{}]", view.index()));
+        let fail = |reason: LoadErrorKind| reason.at(self.path, format!("bufferViews[{}]", view.index()));
         let Some(Some(data)) = self.data.get(buffer) else {
-            return Err(fail(Reason::Syntax(format!("the buffer {buffer} has no data"))));
+            return Err(fail(LoadErrorKind::Syntax(format!("the buffer {buffer} has no data"))));
         };
         let end = view.offset().checked_add(view.length());
         end.and_then(|end| data.get(view.offset()..end)).ok_or_else(|| {
             let (offset, length) = (view.offset(), view.length());
             let message = format!("{length} bytes from {offset} on leave the buffer {buffer} of {} bytes", data.len());
-            fail(Reason::Syntax(message))
+            fail(LoadErrorKind::Syntax(message))
         })
     }
 
@@ -125,14 +125,14 @@ fn decode_views(
     let mut decoded = HashMap::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
         let Some((name, object)) = meshopt::of_view(view) else { continue };
-        let fail = |reason: Reason| reason.at(path, format!("bufferViews[{index}].extensions.{name}"));
+        let fail = |reason: LoadErrorKind| reason.at(path, format!("bufferViews[{index}].extensions.{name}"));
         let what = format_args!("view {index} of {}", path.display());
         room.push(options.memory.reserve(what, meshopt::decoded_bytes(object)).map_err(fail)?);
         let bytes = meshopt::decode(object, data).map_err(fail)?;
         total += bytes.len() as u64;
         if total > limits::GLTF_DECODED_BYTES {
             let what = "the size of all decoded views in bytes";
-            return Err(fail(Reason::TooLarge { what, value: total, limit: limits::GLTF_DECODED_BYTES }));
+            return Err(fail(LoadErrorKind::too_large(what, total, limits::GLTF_DECODED_BYTES)));
         }
         decoded.insert(index, bytes);
     }
@@ -140,14 +140,14 @@ fn decode_views(
 }
 
 /// The bytes that a URI names: a data URI, or a file below the root folder. Other schemes are refused.
-pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec<u8>, Reason> {
+pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
     match uri.strip_prefix("data:") {
         Some(rest) => decode_data_uri(rest),
         None => {
             let decoded = percent_decode_str(uri).decode_utf8_lossy();
-            match read_beside(&resolve_path(&decoded, path, options)?, options) {
+            match read_referenced(&resolve_path(&decoded, path, options)?, options) {
                 // An empty buffer is no error before someone reads from it.
-                Err(Reason::Empty) => Ok(Vec::new()),
+                Err(LoadErrorKind::Empty) => Ok(Vec::new()),
                 other => other,
             }
         }
@@ -155,12 +155,12 @@ pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec
 }
 
 /// `[type][;base64],content`, without the scheme (RFC 2397).
-fn decode_data_uri(rest: &str) -> Result<Vec<u8>, Reason> {
+fn decode_data_uri(rest: &str) -> Result<Vec<u8>, LoadErrorKind> {
     let Some((kind, content)) = rest.split_once(',') else {
-        return Err(Reason::Syntax("a data URI must have a comma before its content".to_owned()));
+        return Err(LoadErrorKind::Syntax("a data URI must have a comma before its content".to_owned()));
     };
     if kind.ends_with(";base64") {
-        BASE64.decode(content).map_err(|error| Reason::Syntax(format!("bad base64: {error}")))
+        BASE64.decode(content).map_err(|error| LoadErrorKind::Syntax(format!("bad base64: {error}")))
     } else {
         Ok(percent_decode_str(content).collect())
     }
@@ -191,10 +191,10 @@ mod tests {
         assert_eq!(fetch("a%20b.bin").ok(), Some(b"1234".to_vec()));
         assert_eq!(fetch("a b.bin").ok(), Some(b"1234".to_vec()));
         for uri in ["../secret.bin", "%2e%2e/secret.bin", "..%2Fsecret.bin", "/etc/passwd", "file:///etc/passwd"] {
-            assert!(matches!(fetch(uri), Err(Reason::BadReference { .. })), "{uri}");
+            assert!(matches!(fetch(uri), Err(LoadErrorKind::BadReference { .. })), "{uri}");
         }
         for uri in ["http://a/b.bin", "C:\\b.bin", ""] {
-            assert!(matches!(fetch(uri), Err(Reason::BadReference { .. })), "{uri}");
+            assert!(matches!(fetch(uri), Err(LoadErrorKind::BadReference { .. })), "{uri}");
         }
     }
 }

@@ -13,7 +13,8 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::attribute_rules;
-use crate::{LoadError, Place, Problem, Reason, Warning, limits};
+use crate::error::ErrorAt;
+use crate::{Diagnostic, LoadError, LoadErrorKind, Location, Warning, limits};
 
 /// Extensions that are followed, at least as far as they concern what we draw.
 const SUPPORTED: [&str; 19] = [
@@ -40,18 +41,18 @@ const SUPPORTED: [&str; 19] = [
 
 /// The JSON part of a file.
 #[derive(Debug)]
-pub(super) struct Parsed {
+pub(super) struct ParsedDocument {
     pub(super) document: Document,
     /// The list of animations, unchecked: it matters only to those who play one.
     pub(super) animations: Value,
 }
 
 /// Reads and checks the JSON part of a file.
-pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Parsed, LoadError> {
+pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<ParsedDocument, LoadError> {
     let mut value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error, path))?;
-    mend_integers(&mut value);
+    normalize_integers(&mut value);
     add_lists_of_nodes(&mut value);
-    check_version(&value).map_err(|reason| reason.at(path, "asset.version"))?;
+    check_version(&value).at(path, "asset.version")?;
     check_extensions(&value, path, warnings)?;
     check_primitives(&value, path, warnings)?;
     check_depth(&value, path)?;
@@ -61,26 +62,26 @@ pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Re
         serde_json::from_slice::<Root>(json)
             .err()
             .filter(|located| located.to_string().starts_with(&error.to_string()))
-            .map_or_else(|| Reason::Syntax(error.to_string()).at(path, ""), |located| syntax(&located, path))
+            .map_or_else(|| LoadErrorKind::Syntax(error.to_string()).at(path, ""), |located| syntax(&located, path))
     })?;
     check_references(&root, &value, path)?;
     let problems = attribute_rules::check(&root, warnings).into_iter();
     refuse(problems.map(|(place, reason)| problem(place, reason, path)).collect())?;
-    Ok(Parsed { document: Document::from_json_without_validation(root), animations })
+    Ok(ParsedDocument { document: Document::from_json_without_validation(root), animations })
 }
 
 fn syntax(error: &serde_json::Error, path: &Path) -> LoadError {
     let message = error.to_string();
     let end = message.rfind(" at line ").unwrap_or(message.len());
-    Reason::Syntax(message[..end].to_owned()).at(path, Place::Position(error.line(), error.column()))
+    LoadErrorKind::Syntax(message[..end].to_owned()).at(path, Location::Position(error.line(), error.column()))
 }
 
 /// Writes whole numbers as integers: JSON does not tell `1.0` from `1`, but the types of the `gltf` crate do. Values are at most
 /// as deep as the parser of JSON lets them be.
-fn mend_integers(value: &mut Value) {
+fn normalize_integers(value: &mut Value) {
     match value {
-        Value::Array(list) => list.iter_mut().for_each(mend_integers),
-        Value::Object(map) => map.values_mut().for_each(mend_integers),
+        Value::Array(list) => list.iter_mut().for_each(normalize_integers),
+        Value::Object(map) => map.values_mut().for_each(normalize_integers),
         Value::Number(number) => {
             // Beyond this, a number with a fraction no longer has one.
             const MOST: f64 = 9_007_199_254_740_992.0;
@@ -101,24 +102,24 @@ fn add_lists_of_nodes(value: &mut Value) {
     }
 }
 
-fn check_version(value: &Value) -> Result<(), Reason> {
+fn check_version(value: &Value) -> Result<(), LoadErrorKind> {
     let asset = value.get("asset");
     let field = |name: &str| asset.and_then(|asset| asset.get(name)).and_then(Value::as_str);
     let Some(version) = field("version") else {
         // In glTF 1.0 the version was optional, and lists were maps.
         let reason = if value.get("meshes").is_some_and(Value::is_object) {
-            Reason::Unsupported("glTF version 1.0".to_owned())
+            LoadErrorKind::Unsupported("glTF version 1.0".to_owned())
         } else {
-            Reason::Syntax("is missing; it must be \"2.0\"".to_owned())
+            LoadErrorKind::Syntax("is missing; it must be \"2.0\"".to_owned())
         };
         return Err(reason);
     };
     let least = field("minVersion").unwrap_or("2.0");
     match version.split_once('.') {
         Some(("2", _)) if least == "2.0" => Ok(()),
-        Some(("2", _)) => Err(Reason::Unsupported(format!("glTF of at least version {least}"))),
-        Some(("1", _)) => Err(Reason::Unsupported(format!("glTF version {version} (1.x)"))),
-        _ => Err(Reason::Unsupported(format!("glTF version {version}"))),
+        Some(("2", _)) => Err(LoadErrorKind::Unsupported(format!("glTF of at least version {least}"))),
+        Some(("1", _)) => Err(LoadErrorKind::Unsupported(format!("glTF version {version} (1.x)"))),
+        _ => Err(LoadErrorKind::Unsupported(format!("glTF version {version}"))),
     }
 }
 
@@ -128,7 +129,7 @@ fn check_extensions(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     let unknown = |name: &&str| !SUPPORTED.contains(name);
     let required = names("extensionsRequired");
     let problems = required.iter().copied().filter(unknown).map(|name| {
-        let reason = Reason::Unsupported(format!("the required extension {name}"));
+        let reason = LoadErrorKind::Unsupported(format!("the required extension {name}"));
         problem("extensionsRequired".to_owned(), reason, path)
     });
     refuse(problems.collect())?;
@@ -156,7 +157,7 @@ fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
             let Some(position) = primitive.get("attributes").and_then(|all| all.get("POSITION")) else { continue };
             let accessor = position.as_u64().and_then(|i| accessors.get(usize::try_from(i).ok()?));
             if accessor.is_none() {
-                let reason = Reason::invalid(position, format!("is no accessor; there are {}", accessors.len()));
+                let reason = LoadErrorKind::invalid(position, format!("is no accessor; there are {}", accessors.len()));
                 problems.push(problem(format!("{place}.attributes.POSITION"), reason, path));
             }
         }
@@ -180,7 +181,7 @@ fn check_depth(value: &Value, path: &Path) -> Result<(), LoadError> {
     stack.extend((0..nodes.len()).filter(|&node| !is_child[node]).map(|root| (root, 1)));
     while let Some((node, depth)) = stack.pop() {
         if depth > limits::NODE_DEPTH {
-            let reason = Reason::TooLarge { what: "the depth of the tree", value: depth, limit: limits::NODE_DEPTH };
+            let reason = LoadErrorKind::too_large("the depth of the tree", depth, limits::NODE_DEPTH);
             return Err(reason.at(path, format!("nodes[{node}]")));
         }
         // A node that several others claim is refused later; here it is visited once.
@@ -205,10 +206,12 @@ fn check_references(root: &Root, value: &Value, path: &Path) -> Result<(), LoadE
         }
         let found = lookup(value, &place).map(Value::to_string);
         let reason = match (error, found) {
-            (Error::IndexOutOfBounds, Some(found)) => Reason::invalid(found, "refers to something that is not there"),
-            (Error::Missing, _) => Reason::Syntax("is missing".to_owned()),
-            (_, Some(found)) => Reason::invalid(shortened(&found), "is not valid"),
-            (_, None) => Reason::Syntax("is not valid".to_owned()),
+            (Error::IndexOutOfBounds, Some(found)) => {
+                LoadErrorKind::invalid(found, "refers to something that is not there")
+            }
+            (Error::Missing, _) => LoadErrorKind::Syntax("is missing".to_owned()),
+            (_, Some(found)) => LoadErrorKind::invalid(shortened(&found), "is not valid"),
+            (_, None) => LoadErrorKind::Syntax("is not valid".to_owned()),
         };
         problems.push(problem(place, reason, path));
     });
@@ -238,13 +241,13 @@ fn shortened(text: &str) -> String {
     if text.chars().count() <= 40 { text.to_owned() } else { text.chars().take(40).chain(['…']).collect() }
 }
 
-fn problem(place: String, reason: Reason, path: &Path) -> Problem {
-    Problem { file: path.display().to_string(), place: place.into(), reason, excerpt: None }
+fn problem(place: String, reason: LoadErrorKind, path: &Path) -> Diagnostic {
+    Diagnostic { file: path.display().to_string(), location: place.into(), kind: reason, excerpt: None }
 }
 
-fn refuse(mut problems: Vec<Problem>) -> Result<(), LoadError> {
+fn refuse(mut problems: Vec<Diagnostic>) -> Result<(), LoadError> {
     problems.truncate(limits::PROBLEMS);
-    LoadError::from_problems(problems).map_or(Ok(()), Err)
+    LoadError::from_diagnostics(problems).map_or(Ok(()), Err)
 }
 
 #[cfg(test)]

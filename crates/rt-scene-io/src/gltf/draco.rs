@@ -7,10 +7,10 @@ use gltf::Primitive;
 use serde::Deserialize;
 
 use super::{
-    accessor::{greatest, normalised},
+    accessor::{normalised, unit_integer},
     buffers::Buffers,
 };
-use crate::{LoadError, Reason, limits};
+use crate::{LoadError, LoadErrorKind, limits};
 
 /// The name of the extension.
 pub(super) const NAME: &str = "KHR_draco_mesh_compression";
@@ -18,25 +18,25 @@ pub(super) const NAME: &str = "KHR_draco_mesh_compression";
 /// The object of the extension at a primitive.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Compression {
+struct DracoExtension {
     buffer_view: usize,
     /// Ids within the stream, by the names of attributes.
     attributes: BTreeMap<String, u32>,
 }
 
 /// A decoded primitive.
-pub(super) struct Decoded {
+pub(super) struct DecodedPrimitive {
     mesh: Mesh,
     ids: BTreeMap<String, u32>,
 }
 
-impl Decoded {
+impl DecodedPrimitive {
     /// Decodes a primitive; `None` if it is not compressed.
     pub(super) fn of(primitive: &Primitive<'_>, buffers: &Buffers<'_>, place: &str) -> Result<Option<Self>, LoadError> {
         let Some(object) = primitive.extension_value(NAME) else { return Ok(None) };
         let fail = |message: String| fail(message, buffers.path(), place);
-        let Compression { buffer_view, attributes: ids } =
-            Compression::deserialize(object).map_err(|error| fail(error.to_string()))?;
+        let DracoExtension { buffer_view, attributes: ids } =
+            DracoExtension::deserialize(object).map_err(|error| fail(error.to_string()))?;
         let view = buffers.document().views().nth(buffer_view);
         let view = view.ok_or_else(|| fail(format!("there is no bufferView {buffer_view}")))?;
         let limits =
@@ -69,7 +69,7 @@ impl Decoded {
             return Err(fail(format!("{semantic} has {components} components, where {N} are needed")));
         }
         let mut values = attribute.read_f32s(self.mesh.num_points(), N);
-        if let Some(most) = greatest_of(attribute.data_type()).filter(|_| normalized) {
+        if let Some(most) = unit_integer_of(attribute.data_type()).filter(|_| normalized) {
             values.iter_mut().for_each(|value| *value = normalised(*value, most));
         }
         Ok(Some(values.as_chunks().0.to_vec()))
@@ -83,18 +83,18 @@ impl Decoded {
 }
 
 /// The integer that stands for 1 where integers are normalised.
-fn greatest_of(kind: DataType) -> Option<f32> {
+fn unit_integer_of(kind: DataType) -> Option<f32> {
     use gltf::accessor::DataType as Kind;
     match kind {
-        DataType::Int8 => greatest(Kind::I8),
-        DataType::Uint8 | DataType::Bool => greatest(Kind::U8),
-        DataType::Int16 => greatest(Kind::I16),
-        DataType::Uint16 => greatest(Kind::U16),
-        DataType::Uint32 => greatest(Kind::U32),
+        DataType::Int8 => unit_integer(Kind::I8),
+        DataType::Uint8 | DataType::Bool => unit_integer(Kind::U8),
+        DataType::Int16 => unit_integer(Kind::I16),
+        DataType::Uint16 => unit_integer(Kind::U16),
+        DataType::Uint32 => unit_integer(Kind::U32),
         _ => None,
     }
 }
 
 fn fail(message: String, path: &Path, place: &str) -> LoadError {
-    Reason::Syntax(message).at(path, format!("{place}.extensions.{NAME}"))
+    LoadErrorKind::Syntax(message).at(path, format!("{place}.extensions.{NAME}"))
 }

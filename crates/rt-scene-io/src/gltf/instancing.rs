@@ -4,8 +4,8 @@ use gltf::{Document, Node, scene::Transform as Matrix};
 use rt_math::Transform;
 use serde::Deserialize;
 
-use super::{accessor::read_vectors, buffers::Buffers, tree::transform};
-use crate::{LoadError, Reason};
+use super::{accessor::read_vectors, buffers::Buffers, node_tree::transform};
+use crate::{LoadError, LoadErrorKind};
 
 /// The name of the extension.
 pub(super) const NAME: &str = "EXT_mesh_gpu_instancing";
@@ -13,13 +13,13 @@ pub(super) const NAME: &str = "EXT_mesh_gpu_instancing";
 /// The object of the extension at a node.
 #[derive(Deserialize)]
 struct Instancing {
-    attributes: Attributes,
+    attributes: InstanceAttributes,
 }
 
 /// The accessors that place instances. Others are of no concern to a picture.
 #[derive(Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
-struct Attributes {
+struct InstanceAttributes {
     translation: Option<usize>,
     rotation: Option<usize>,
     scale: Option<usize>,
@@ -30,7 +30,7 @@ struct Attributes {
 pub(super) fn placements(node: &Node<'_>, buffers: &Buffers<'_>) -> Result<Option<(Vec<Transform>, usize)>, LoadError> {
     let Some(object) = node.extension_value(NAME) else { return Ok(None) };
     let fail = |message: String| {
-        Reason::Syntax(message).at(buffers.path(), format!("nodes[{}].extensions.{NAME}", node.index()))
+        LoadErrorKind::Syntax(message).at(buffers.path(), format!("nodes[{}].extensions.{NAME}", node.index()))
     };
     let Instancing { attributes } = Instancing::deserialize(object).map_err(|error| fail(error.to_string()))?;
     let document = buffers.document();

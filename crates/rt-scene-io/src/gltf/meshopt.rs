@@ -9,7 +9,7 @@ use gltf::json::{buffer::View, extensions::buffer::Buffer};
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::Reason;
+use crate::LoadErrorKind;
 
 /// The names of the extension, before and after it was ratified.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
@@ -20,7 +20,7 @@ const MAX_RATIO: usize = 1024;
 /// The object of the extension at a buffer view.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Compression {
+struct MeshoptExtension {
     buffer: usize,
     #[serde(default)]
     byte_offset: usize,
@@ -45,14 +45,14 @@ pub(super) fn is_placeholder(extensions: Option<&Buffer>) -> bool {
 
 /// Bytes that a view claims to hold; 0 of one that cannot be read, which [`decode`] refuses.
 pub(super) fn decoded_bytes(object: &Value) -> u64 {
-    let view = Compression::deserialize(object).ok();
+    let view = MeshoptExtension::deserialize(object).ok();
     view.map_or(0, |view| (view.count as u64).saturating_mul(view.byte_stride as u64))
 }
 
 /// Decodes a view, given the content of all buffers.
-pub(super) fn decode(object: &Value, buffers: &[Option<Cow<'_, [u8]>>]) -> Result<Vec<u8>, Reason> {
-    let syntax = |message: String| Reason::Syntax(message);
-    let view = Compression::deserialize(object).map_err(|error| syntax(error.to_string()))?;
+pub(super) fn decode(object: &Value, buffers: &[Option<Cow<'_, [u8]>>]) -> Result<Vec<u8>, LoadErrorKind> {
+    let syntax = |message: String| LoadErrorKind::Syntax(message);
+    let view = MeshoptExtension::deserialize(object).map_err(|error| syntax(error.to_string()))?;
     let Some(Some(data)) = buffers.get(view.buffer) else {
         return Err(syntax(format!("the buffer {} has no data", view.buffer)));
     };

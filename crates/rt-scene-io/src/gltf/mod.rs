@@ -11,22 +11,22 @@
 
 mod accessor;
 mod animation;
-mod appearance;
 mod attribute_rules;
 mod attributes;
 mod buffers;
 mod container;
-mod description;
 mod document;
 mod draco;
 mod instancing;
-mod material;
+mod material_json;
+mod materials;
 mod meshopt;
-mod pose;
+mod node_pose;
+mod node_tree;
 mod primitive;
 mod skin;
+mod surface;
 mod textures;
-mod tree;
 mod variants;
 
 use std::{
@@ -37,19 +37,20 @@ use std::{
 };
 
 use self::{
-    appearance::Appearance,
     buffers::Buffers,
     container::Container,
-    pose::{Affine, Pose, Poses},
-    primitive::{Content, Deformation},
+    materials::MaterialReader,
+    node_pose::{Affine, Pose, Poses},
+    primitive::{Deformation, PrimitiveContent},
 };
+use crate::error::ErrorAt;
 use crate::{
-    LoadError, LoadOptions, MaterialId, MeshId, Model, NamedMesh, Reason, Warning,
-    budget::Reservation,
-    files::{read_file, refuse_utf16},
-    forecast::{self, Sample},
+    LoadError, LoadErrorKind, LoadOptions, MaterialId, MeshId, Model, Warning,
+    build_mesh::build_mesh,
+    files::refuse_utf16,
     limits,
-    mesh_build::build_mesh,
+    memory::Reservation,
+    memory::{FileSample, load_within_budget},
 };
 
 /// Bytes of memory that an object of the document takes: as it is written, as it is understood, and as a node.
@@ -62,23 +63,22 @@ const CORNER_BYTES: u64 = 8;
 const ATTRIBUTE_BYTES: u64 = 16;
 
 /// A mesh of one material.
-type Part = (MeshId, MaterialId);
+type MeshPart = (MeshId, MaterialId);
 
 /// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    forecast::within(path, options, peak_bytes, || {
-        let bytes = read_file(path, options).map_err(|reason| reason.at(path, ""))?;
-        refuse_utf16(&bytes).map_err(|reason| reason.at(path, ""))?;
+    load_within_budget(path, options, peak_bytes, |bytes| {
+        refuse_utf16(&bytes).at(path, "")?;
         // The last net, below the checks: the `gltf` crate may panic on documents that nobody thought of.
         catch_unwind(AssertUnwindSafe(|| load_bytes(&bytes, path, options))).unwrap_or_else(|_| {
             let message = "the document contradicts itself in a way that is not understood";
-            Err(Reason::Syntax(message.to_owned()).at(path, ""))
+            Err(LoadErrorKind::Syntax(message.to_owned()).at(path, ""))
         })
     })
 }
 
 /// Bytes of memory that the document takes while it is read. Buffers and meshes are counted when they are met.
-fn peak_bytes(sample: &Sample) -> u64 {
+fn peak_bytes(sample: &FileSample) -> u64 {
     let objects = |text: &[u8]| text.iter().filter(|&&byte| byte == b'{').count() as u64;
     let (json, objects) = match Container::json_bytes(sample.head()) {
         None => (sample.size, sample.over_lines(|line| [objects(line)])[0]),
@@ -92,7 +92,7 @@ fn peak_bytes(sample: &Sample) -> u64 {
 
 fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let mut model = Model::default();
-    let container = Container::split(bytes).map_err(|message| Reason::Syntax(message).at(path, ""))?;
+    let container = Container::split(bytes).map_err(|message| LoadErrorKind::Syntax(message).at(path, ""))?;
     let parsed = document::parse(container.json, path, &mut model.warnings)?;
     let document = &parsed.document;
     let variant = options.variant.as_deref().map(|name| variants::find(name, document, path)).transpose()?;
@@ -101,7 +101,7 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
     let worlds = |pose: &Pose| if document.skins().len() > 0 { pose.worlds(document) } else { Vec::new() };
     let mut meshes = Meshes {
         buffers: &buffers,
-        appearance: Appearance::new(document, &buffers, options),
+        appearance: MaterialReader::new(document, &buffers, options),
         variant,
         pose: &pose,
         worlds: worlds(&pose),
@@ -114,16 +114,16 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
         options,
     };
     let poses = Poses { opens: &pose, closes: later.as_ref() };
-    tree::walk(&buffers, &poses, &mut model, |node, mesh, model| meshes.parts(node, mesh, model))?;
+    node_tree::walk(&buffers, &poses, &mut model, |node, mesh, model| meshes.parts(node, mesh, model))?;
     if meshes.held > 0 {
         let held = meshes.held;
         let message =
             format!("{held} meshes that bones or morph targets move are not blurred: they are as the shutter opens");
-        model.warnings.push(Warning { place: "animations".to_owned(), message });
+        model.warn("animations", message);
     }
     if model.meshes.is_empty() {
         let message = "there are no triangles in the scene".to_owned();
-        model.warnings.push(Warning { place: "scene".to_owned(), message });
+        model.warn("scene", message);
     }
     for warning in &mut model.warnings {
         warning.place = format!("{}: {}", path.display(), warning.place);
@@ -134,7 +134,7 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
 /// The meshes of a document, made when first used.
 struct Meshes<'a> {
     buffers: &'a Buffers<'a>,
-    appearance: Appearance<'a>,
+    appearance: MaterialReader<'a>,
     /// The variant of the materials that is shown.
     variant: Option<usize>,
     pose: &'a Pose,
@@ -147,7 +147,7 @@ struct Meshes<'a> {
     /// The joints of skins, by their index.
     skins: HashMap<usize, Arc<[Affine]>>,
     /// The primitives, each with its material, by the index of the mesh and that of the node, if it poses the mesh.
-    known: HashMap<(usize, Option<usize>), Vec<Part>>,
+    known: HashMap<(usize, Option<usize>), Vec<MeshPart>>,
     bytes: u64,
     /// The memory of the meshes so far.
     loading: Vec<Reservation>,
@@ -160,7 +160,7 @@ impl Meshes<'_> {
         node: &gltf::Node<'_>,
         mesh: &gltf::Mesh<'_>,
         model: &mut Model,
-    ) -> Result<Vec<Part>, LoadError> {
+    ) -> Result<Vec<MeshPart>, LoadError> {
         let weights = self.pose.weights(node, mesh);
         let key = (mesh.index(), (node.skin().is_some() || weights.is_some()).then_some(node.index()));
         if let Some(parts) = self.known.get(&key) {
@@ -216,7 +216,7 @@ impl Meshes<'_> {
         let bytes =
             CORNER_BYTES.saturating_mul(corners).saturating_add(vertices.saturating_mul(ATTRIBUTE_BYTES * attributes));
         let what = format_args!("{place} of {}", self.buffers.path().display());
-        self.options.memory.reserve(what, bytes).map_err(|reason| reason.at(self.buffers.path(), place))
+        self.options.memory.reserve(what, bytes).at(self.buffers.path(), place)
     }
 
     fn part(
@@ -226,36 +226,35 @@ impl Meshes<'_> {
         deformation: &Deformation<'_>,
         place: &str,
         model: &mut Model,
-    ) -> Result<Option<Part>, LoadError> {
+    ) -> Result<Option<MeshPart>, LoadError> {
         let path = self.buffers.path();
         let warning = |message: String| Warning { place: place.to_owned(), message };
         let material = variants::material(primitive, self.variant, self.buffers.document(), path, place)?;
         let has_colors = primitive.get(&gltf::Semantic::Colors(0)).is_some();
         let material = self.appearance.material(&material, has_colors, model)?;
         let room = self.reserve(mesh, primitive, place)?;
-        let data = match primitive::read(primitive, &material.wants, deformation, self.buffers, place)? {
-            Content::Triangles(data, notes) => {
+        let data = match primitive::read(primitive, &material.required_attributes, deformation, self.buffers, place)? {
+            PrimitiveContent::Triangles(data, notes) => {
                 model.warnings.extend(notes.into_iter().map(warning));
                 data
             }
-            Content::NoSurface => {
+            PrimitiveContent::NoSurface => {
                 model.warnings.push(warning("points and lines have no surface; they are left out".to_owned()));
                 return Ok(None);
             }
         };
-        let built = build_mesh(data, place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, place))?;
+        let built = build_mesh(data, place, &mut model.warnings).map_err(|e| LoadErrorKind::from(e).at(path, place))?;
         let Some(built) = built else { return Ok(None) };
         drop(room);
         let what = format!("{place} of {}", path.display());
         let built_room = self.options.memory.reserve(what, built.memory() as u64);
-        self.loading.push(built_room.map_err(|reason| reason.at(path, place))?);
+        self.loading.push(built_room.at(path, place)?);
         self.bytes += built.memory() as u64;
         if self.bytes > limits::GLTF_MESH_BYTES {
             let (value, limit) = (self.bytes, limits::GLTF_MESH_BYTES);
-            return Err(Reason::TooLarge { what: "the memory of all meshes in bytes", value, limit }.at(path, place));
+            return Err(LoadErrorKind::too_large("the memory of all meshes in bytes", value, limit).at(path, place));
         }
-        let id = MeshId(model.meshes.len() as u32);
-        model.meshes.push(NamedMesh { name: mesh.name().unwrap_or_default().to_owned(), mesh: Arc::new(built) });
+        let id = model.add_mesh(mesh.name().unwrap_or_default().to_owned(), built);
         Ok(Some((id, material.id)))
     }
 }

@@ -10,14 +10,15 @@ use super::{
     accessor::read_vectors,
     attributes::Attributes,
     buffers::Buffers,
-    pose::Affine,
+    node_pose::Affine,
     skin::{self, Influences},
 };
-use crate::{LoadError, Reason, tangents};
+use crate::error::ErrorAt;
+use crate::{LoadError, LoadErrorKind, tangents};
 
 /// What the material of a primitive reads of it, beside positions and normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Wants {
+pub(super) struct RequiredAttributes {
     /// The sets of texture coordinates (TEXCOORD_n) for both slots of a mesh; `None` for a slot that nothing reads.
     pub(super) uv_sets: [Option<u32>; 2],
     /// The slot of coordinates along which its normal map is laid.
@@ -39,7 +40,7 @@ pub(super) struct Deformation<'a> {
 }
 
 /// What a primitive holds.
-pub(super) enum Content {
+pub(super) enum PrimitiveContent {
     /// Triangles, and what was left out of them or mended.
     Triangles(MeshData, Vec<String>),
     /// Points or lines, which have no surface.
@@ -49,51 +50,51 @@ pub(super) enum Content {
 /// Reads the arrays of a primitive, and morphs and bends them. Where tangents are wanted and the file has none, they are made.
 pub(super) fn read(
     primitive: &Primitive<'_>,
-    wants: &Wants,
+    required_attributes: &RequiredAttributes,
     deformation: &Deformation<'_>,
     buffers: &Buffers<'_>,
     place: &str,
-) -> Result<Content, LoadError> {
+) -> Result<PrimitiveContent, LoadError> {
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-        return Ok(Content::NoSurface);
+        return Ok(PrimitiveContent::NoSurface);
     }
     let mut notes = Vec::new();
     let attributes = Attributes::of(primitive, buffers, place)?;
-    let mut data = read_vertices(&attributes, wants, &mut notes)?
-        .ok_or_else(|| Reason::Syntax("has no POSITION".to_owned()).at(buffers.path(), place))?;
+    let mut data = read_vertices(&attributes, required_attributes, &mut notes)?
+        .ok_or_else(|| LoadErrorKind::Syntax("has no POSITION".to_owned()).at(buffers.path(), place))?;
     let order = attributes.order(data.positions.len())?;
     if primitive.mode() == Mode::Triangles && order.len() % 3 != 0 {
         notes.push("the number of vertices is no multiple of three; the last ones are left out".to_owned());
     }
     data.triangles = assemble(primitive.mode(), &order);
-    check_counts(&data).map_err(|reason| reason.at(buffers.path(), place))?;
+    check_counts(&data).at(buffers.path(), place)?;
     morph(&mut data, primitive, deformation.weights, buffers, place)?;
     if let Some(joints) = &deformation.joints {
-        bend(&mut data, &attributes, joints, &mut notes).map_err(|bend| match bend {
-            Bend::Read(error) => error,
-            Bend::Deform(reason) => reason.at(buffers.path(), place),
+        apply_skin(&mut data, &attributes, joints, &mut notes).map_err(|apply_skin| match apply_skin {
+            SkinError::Read(error) => error,
+            SkinError::Deform(reason) => reason.at(buffers.path(), place),
         })?;
         if deformation.mirrored {
             data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
     }
-    if wants.tangents {
-        complete_tangents(&mut data, wants.along, &mut notes);
+    if required_attributes.tangents {
+        complete_tangents(&mut data, required_attributes.along, &mut notes);
     }
-    Ok(Content::Triangles(data, notes))
+    Ok(PrimitiveContent::Triangles(data, notes))
 }
 
 /// The arrays that have an element for each vertex; `None` without positions.
 fn read_vertices(
     attributes: &Attributes<'_>,
-    wants: &Wants,
+    required_attributes: &RequiredAttributes,
     notes: &mut Vec<String>,
 ) -> Result<Option<MeshData>, LoadError> {
     let vectors = |list: Vec<[f32; 3]>| list.into_iter().map(Vec3::from).collect::<Vec<_>>();
     let Some(positions) = attributes.vectors::<3>(&Semantic::Positions)? else { return Ok(None) };
     let normals = attributes.vectors::<3>(&Semantic::Normals)?.map_or(Vec::new(), vectors);
     let mut sets = [Vec::new(), Vec::new()];
-    for (set, slot) in wants.uv_sets.iter().zip(&mut sets) {
+    for (set, slot) in required_attributes.uv_sets.iter().zip(&mut sets) {
         let Some(set) = *set else { continue };
         match attributes.vectors::<2>(&Semantic::TexCoords(set))? {
             // In the file v runs downwards.
@@ -103,26 +104,26 @@ fn read_vertices(
         }
     }
     // Flat triangles have normals of their own, which the tangents of a file do not fit.
-    let tangents = if wants.tangents && !normals.is_empty() {
+    let tangents = if required_attributes.tangents && !normals.is_empty() {
         attributes.vectors::<4>(&Semantic::Tangents)?.unwrap_or_default()
     } else {
         Vec::new()
     };
-    let colors = if wants.colors { attributes.colours()? } else { Vec::new() };
+    let colors = if required_attributes.colors { attributes.colours()? } else { Vec::new() };
     let [uvs, second_uvs] = sets;
     let positions = vectors(positions);
     Ok(Some(MeshData { positions, triangles: Vec::new(), normals, uvs, second_uvs, colors, tangents }))
 }
 
 /// Refuses arrays that do not fit together, before they are changed element by element.
-fn check_counts(data: &MeshData) -> Result<(), Reason> {
+fn check_counts(data: &MeshData) -> Result<(), LoadErrorKind> {
     let count = data.positions.len();
     let lengths = [data.normals.len(), data.uvs.len(), data.second_uvs.len(), data.colors.len(), data.tangents.len()];
     if let Some(length) = lengths.into_iter().find(|length| *length != 0 && *length != count) {
-        return Err(Reason::invalid(length, format!("elements of an attribute do not fit {count} positions")));
+        return Err(LoadErrorKind::invalid(length, format!("elements of an attribute do not fit {count} positions")));
     }
     match data.triangles.iter().flatten().find(|vertex| **vertex as usize >= count) {
-        Some(vertex) => Err(Reason::invalid(vertex, format!("is an index, but there are {count} vertices"))),
+        Some(vertex) => Err(LoadErrorKind::invalid(vertex, format!("is an index, but there are {count} vertices"))),
         None => Ok(()),
     }
 }
@@ -141,7 +142,7 @@ fn morph(
         let deltas = read_vectors::<3>(&accessor, buffers)?;
         if deltas.len() != count {
             let rule = format!("elements of a morph target do not fit {count} positions");
-            return Err(Reason::invalid(deltas.len(), rule).at(buffers.path(), format!("{place}.targets")));
+            return Err(LoadErrorKind::invalid(deltas.len(), rule).at(buffers.path(), format!("{place}.targets")));
         }
         Ok(deltas)
     };
@@ -162,27 +163,27 @@ fn morph(
 }
 
 /// Why a mesh does not follow its bones.
-enum Bend {
+enum SkinError {
     Read(LoadError),
-    Deform(Reason),
+    Deform(LoadErrorKind),
 }
 
 /// Takes the mesh to the world by its joints.
-fn bend(
+fn apply_skin(
     data: &mut MeshData,
     attributes: &Attributes<'_>,
     joints: &[Affine],
     notes: &mut Vec<String>,
-) -> Result<(), Bend> {
+) -> Result<(), SkinError> {
     let mut sets = Vec::new();
     for set in 0.. {
-        let joints = attributes.vectors::<4>(&Semantic::Joints(set)).map_err(Bend::Read)?;
-        let weights = attributes.vectors::<4>(&Semantic::Weights(set)).map_err(Bend::Read)?;
+        let joints = attributes.vectors::<4>(&Semantic::Joints(set)).map_err(SkinError::Read)?;
+        let weights = attributes.vectors::<4>(&Semantic::Weights(set)).map_err(SkinError::Read)?;
         let (Some(joints), Some(weights)) = (joints, weights) else { break };
         if joints.len() != data.positions.len() || weights.len() != data.positions.len() {
             let rule =
                 format!("and {} joints and weights do not fit {} positions", weights.len(), data.positions.len());
-            return Err(Bend::Deform(Reason::invalid(joints.len(), rule)));
+            return Err(SkinError::Deform(LoadErrorKind::invalid(joints.len(), rule)));
         }
         sets.push(Influences { joints, weights });
     }
@@ -191,7 +192,7 @@ fn bend(
             .push("its node has a skin, but it has no joints and weights; it stays where it is in the file".to_owned());
         return Ok(());
     }
-    let count = skin::deform(data, &sets, joints).map_err(Bend::Deform)?;
+    let count = skin::deform(data, &sets, joints).map_err(SkinError::Deform)?;
     if count > 0 {
         notes.push(format!("the weights of {count} vertices do not have the sum 1; they were scaled"));
     }

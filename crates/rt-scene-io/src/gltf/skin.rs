@@ -4,8 +4,8 @@ use gltf::Skin;
 use rt_geometry::MeshData;
 use rt_math::{DMat3, DVec3};
 
-use super::{accessor::read_vectors, buffers::Buffers, pose::Affine};
-use crate::{LoadError, Reason};
+use super::{accessor::read_vectors, buffers::Buffers, node_pose::Affine};
+use crate::{LoadError, LoadErrorKind};
 
 /// Weights whose sum is farther than this from 1 are worth a warning: four of them rounded to bytes are within it.
 const MAX_DEVIATION: f64 = 1.0 / 64.0;
@@ -16,17 +16,18 @@ pub(super) fn joints(
     worlds: &[Option<Affine>],
     buffers: &Buffers<'_>,
 ) -> Result<Vec<Affine>, LoadError> {
-    let fail = |reason: Reason| reason.at(buffers.path(), format!("skins[{}]", skin.index()));
+    let fail = |reason: LoadErrorKind| reason.at(buffers.path(), format!("skins[{}]", skin.index()));
     let mut joints = Vec::new();
     for joint in skin.joints() {
         let world = worlds.get(joint.index()).copied().flatten();
-        joints.push(world.ok_or_else(|| fail(Reason::invalid(joint.index(), "is a joint that is below itself")))?);
+        joints
+            .push(world.ok_or_else(|| fail(LoadErrorKind::invalid(joint.index(), "is a joint that is below itself")))?);
     }
     let Some(accessor) = skin.inverse_bind_matrices() else { return Ok(joints) };
     let inverses = read_vectors::<16>(&accessor, buffers)?;
     if inverses.len() < joints.len() {
         let rule = format!("inverse bind matrices are too few for {} joints", joints.len());
-        return Err(fail(Reason::invalid(inverses.len(), rule)));
+        return Err(fail(LoadErrorKind::invalid(inverses.len(), rule)));
     }
     for (joint, inverse) in joints.iter_mut().zip(&inverses) {
         let columns = std::array::from_fn(|c| std::array::from_fn(|r| inverse[4 * c + r]));
@@ -43,7 +44,7 @@ pub(super) struct Influences {
 
 /// Takes a mesh to the world by its joints. Weights are made to have the sum 1; the number of vertices where that changes
 /// much is returned.
-pub(super) fn deform(data: &mut MeshData, sets: &[Influences], joints: &[Affine]) -> Result<usize, Reason> {
+pub(super) fn deform(data: &mut MeshData, sets: &[Influences], joints: &[Affine]) -> Result<usize, LoadErrorKind> {
     let mut unnormalised = 0;
     for vertex in 0..data.positions.len() {
         let mut sum = 0.0;
@@ -52,7 +53,7 @@ pub(super) fn deform(data: &mut MeshData, sets: &[Influences], joints: &[Affine]
             for (joint, weight) in set.joints[vertex].into_iter().zip(set.weights[vertex].map(f64::from)) {
                 if weight > 0.0 {
                     let rule = || format!("is no joint of the skin; there are {} (vertex {vertex})", joints.len());
-                    let map = joints.get(joint as usize).ok_or_else(|| Reason::invalid(joint, rule()))?;
+                    let map = joints.get(joint as usize).ok_or_else(|| LoadErrorKind::invalid(joint, rule()))?;
                     sum += weight;
                     blend.linear += map.linear * weight;
                     blend.translation += map.translation * weight;

@@ -373,9 +373,9 @@ fn nodes_and_cameras_move_while_the_shutter_is_open() {
     let sharp = arrays.at(1.0, &moved);
     assert_eq!((sharp.nodes[0].moves_to, sharp.nodes[0].parent_from_local), (None, translation(2.0, 0.0)));
     // A bare model is seen by its camera on the same way.
-    let (mut file, _) = crate::bare::scene_around(&model, &model, "m.glb", &open_at(1.0));
+    let (file, _) = crate::default_scene::scene_for_model(&model, &model, "m.glb", &open_at(1.0));
     let at_hand = Some(("m.glb".to_owned(), model));
-    let scene = crate::resolve::resolve_with(&mut file, Path::new("m.glb"), &open_at(1.0), at_hand).expect("a scene");
+    let scene = crate::resolve::resolve_with(&file, Path::new("m.glb"), &open_at(1.0), at_hand).expect("a scene").0;
     let seen = scene.cameras[0].settings;
     assert_eq!(
         (seen.world_from_camera, seen.moves_to, seen.shutter),

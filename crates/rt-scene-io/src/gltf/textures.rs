@@ -11,28 +11,29 @@ use rt_shading::{Bitmap, Texture, TextureId, UvMap, Wrap};
 
 use super::{
     buffers::{Buffers, fetch},
-    description::{TextureInfo, TextureTransform},
+    material_json::{TextureInfo, TextureTransform},
 };
-pub(super) use crate::texture::Pixels;
-use crate::{LoadError, LoadOptions, Model, Reason, Warning, limits, texture::decode_within};
+use crate::error::ErrorAt;
+pub(super) use crate::texture::PixelEncoding;
+use crate::{LoadError, LoadErrorKind, LoadOptions, Model, Warning, limits, texture::decode_within};
 
 /// The slots of texture coordinates that meshes of a material have: which of the document's sets each holds.
 pub(super) type UvSets = [Option<u32>; 2];
 
 /// Two references with the same key are one texture.
-type Key = (usize, Option<usize>, Pixels, bool, [u64; 6]);
+type Key = (usize, Option<usize>, PixelEncoding, bool, [u64; 6]);
 
-pub(super) struct Textures<'a> {
+pub(super) struct GltfTextures<'a> {
     pub(super) document: &'a Document,
     buffers: &'a Buffers<'a>,
     options: &'a LoadOptions,
     /// By number of the image; `None` for those that are not there.
-    images: HashMap<(usize, Pixels), Option<Arc<Bitmap>>>,
+    images: HashMap<(usize, PixelEncoding), Option<Arc<Bitmap>>>,
     known: HashMap<Key, TextureId>,
     bytes: u64,
 }
 
-impl<'a> Textures<'a> {
+impl<'a> GltfTextures<'a> {
     pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, options: &'a LoadOptions) -> Self {
         Self { document, buffers, options, images: HashMap::new(), known: HashMap::new(), bytes: 0 }
     }
@@ -41,7 +42,7 @@ impl<'a> Textures<'a> {
     pub(super) fn texture(
         &mut self,
         info: &TextureInfo,
-        pixels: Pixels,
+        pixels: PixelEncoding,
         sets: UvSets,
         place: &str,
         model: &mut Model,
@@ -58,7 +59,7 @@ impl<'a> Textures<'a> {
         }
         let image = image_texture(bitmap, Some(&sampler));
         let texture = if map == UvMap::IDENTITY { image } else { Texture::Mapped { texture: Arc::new(image), map } };
-        let id = push(texture, model);
+        let id = model.add_texture(texture);
         self.known.insert(key, id);
         Ok(Some(id))
     }
@@ -67,13 +68,13 @@ impl<'a> Textures<'a> {
     pub(super) fn bitmap(
         &mut self,
         info: &TextureInfo,
-        pixels: Pixels,
+        pixels: PixelEncoding,
         place: &str,
         model: &mut Model,
     ) -> Result<Option<Arc<Bitmap>>, LoadError> {
         let count = self.document.as_json().textures.len();
         if info.index >= count {
-            let reason = Reason::invalid(info.index, format!("is no texture; there are {count}"));
+            let reason = LoadErrorKind::invalid(info.index, format!("is no texture; there are {count}"));
             return Err(reason.at(self.buffers.path(), place));
         }
         let Some(image) = texture_source(self.document, info.index) else {
@@ -93,7 +94,7 @@ impl<'a> Textures<'a> {
     }
 
     /// Decodes an image. One that is not there is a warning; a damaged one is an error.
-    fn decoded(&self, index: usize, pixels: Pixels, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
+    fn decoded(&self, index: usize, pixels: PixelEncoding, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
         let path = self.buffers.path();
         let place = format!("images[{index}]");
         let what = format!("image {index} of {}", path.display());
@@ -101,20 +102,22 @@ impl<'a> Textures<'a> {
         let image = &self.document.as_json().images[index];
         let decoded = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => match fetch(uri, path, self.options) {
-                Err(missing @ Reason::MissingReference { .. }) => {
+                Err(missing @ LoadErrorKind::MissingReference { .. }) => {
                     let message = format!("{missing}; the plain colour is used");
-                    model.warnings.push(Warning { place, message });
+                    model.warn(place, message);
                     return Ok(None);
                 }
-                bytes => decode(&bytes.map_err(|reason| reason.at(path, place.clone()))?),
+                bytes => decode(&bytes.at(path, place.clone())?),
             },
             (None, Some(view)) => match self.document.views().nth(view.value()) {
                 Some(view) => decode(self.buffers.view(&view)?),
                 None => return Ok(None),
             },
-            (None, None) => return Err(Reason::Syntax("has neither uri nor bufferView".to_owned()).at(path, place)),
+            (None, None) => {
+                return Err(LoadErrorKind::Syntax("has neither uri nor bufferView".to_owned()).at(path, place));
+            }
         };
-        decoded.map(Some).map_err(|reason| reason.at(path, place))
+        decoded.map(Some).at(path, place)
     }
 
     /// Adds a bitmap that is kept to the memory of all textures.
@@ -122,7 +125,7 @@ impl<'a> Textures<'a> {
         self.bytes += bitmap.memory() as u64;
         if self.bytes > limits::MODEL_TEXTURE_BYTES {
             let (value, limit) = (self.bytes, limits::MODEL_TEXTURE_BYTES);
-            let reason = Reason::TooLarge { what: "the memory of all textures in bytes", value, limit };
+            let reason = LoadErrorKind::too_large("the memory of all textures in bytes", value, limit);
             return Err(reason.at(self.buffers.path(), ""));
         }
         Ok(())
@@ -150,12 +153,6 @@ pub(super) fn image_texture(bitmap: Arc<Bitmap>, sampler: Option<&Sampler<'_>>) 
     });
     let smooth = sampler.and_then(Sampler::mag_filter) != Some(MagFilter::Nearest);
     Texture::Image { bitmap, wrap, smooth }
-}
-
-/// Adds a texture to those of the model.
-pub(super) fn push(texture: Texture, model: &mut Model) -> TextureId {
-    model.textures.push(texture);
-    TextureId(model.textures.len() as u32 - 1)
 }
 
 /// KHR_texture_transform maps coordinates with v downwards: first the scale, then the rotation, counter-clockwise as seen in

@@ -3,7 +3,7 @@
 use gltf::{Document, Material, Primitive};
 use serde::Deserialize;
 
-use crate::{LoadError, Reason};
+use crate::{LoadError, LoadErrorKind};
 use std::path::Path;
 
 /// The name of the extension.
@@ -37,12 +37,12 @@ pub(super) fn find(name: &str, document: &Document, path: &Path) -> Result<usize
     let place = format!("extensions.{NAME}");
     let variants = match document.extension_value(NAME).map(Variants::deserialize) {
         Some(Ok(list)) => list.variants,
-        Some(Err(error)) => return Err(Reason::Syntax(error.to_string()).at(path, place)),
+        Some(Err(error)) => return Err(LoadErrorKind::Syntax(error.to_string()).at(path, place)),
         None => Vec::new(),
     };
     variants.iter().position(|variant| variant.name == name).ok_or_else(|| {
         let known = variants.into_iter().map(|variant| variant.name).collect();
-        Reason::UnknownWord { kind: "variant", found: name.to_owned(), known }.at(path, place)
+        LoadErrorKind::UnknownWord { kind: "variant", found: name.to_owned(), known }.at(path, place)
     })
 }
 
@@ -57,13 +57,13 @@ pub(super) fn material<'a>(
     let (Some(variant), Some(object)) = (variant, primitive.extension_value(NAME)) else {
         return Ok(primitive.material());
     };
-    let fail = |reason: Reason| reason.at(path, format!("{place}.extensions.{NAME}"));
+    let fail = |reason: LoadErrorKind| reason.at(path, format!("{place}.extensions.{NAME}"));
     let Mappings { mappings } =
-        Mappings::deserialize(object).map_err(|error| fail(Reason::Syntax(error.to_string())))?;
+        Mappings::deserialize(object).map_err(|error| fail(LoadErrorKind::Syntax(error.to_string())))?;
     let Some(mapping) = mappings.iter().find(|mapping| mapping.variants.contains(&variant)) else {
         return Ok(primitive.material());
     };
     let count = document.materials().len();
     let rule = || format!("is no material; there are {count}");
-    document.materials().nth(mapping.material).ok_or_else(|| fail(Reason::invalid(mapping.material, rule())))
+    document.materials().nth(mapping.material).ok_or_else(|| fail(LoadErrorKind::invalid(mapping.material, rule())))
 }

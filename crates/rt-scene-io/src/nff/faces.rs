@@ -12,16 +12,16 @@ use std::sync::Arc;
 use rt_geometry::{Face, InsideRule, MeshData, MeshError, Polygon, PolygonError, Shape, Triangle};
 use rt_math::{DVec3, Vec3};
 
-use super::words::{Word, Words};
-use crate::flaw::Flaw;
-use crate::{Reason, limits};
+use crate::error::LineError;
+use crate::text::tokenizer::{Tokenizer, Word};
+use crate::{LoadErrorKind, limits};
 
 /// Most polygons of a fill that become shapes of their own.
-pub(super) const MOST_SHAPES: usize = 16;
+pub(super) const MAX_SHAPES: usize = 16;
 
 /// The polygons, or the patches, of one fill.
 #[derive(Debug, Default)]
-pub(super) struct Faces {
+pub(super) struct FaceList {
     corners: Vec<DVec3>,
     /// One for each corner of patches; empty for polygons.
     normals: Vec<DVec3>,
@@ -29,11 +29,16 @@ pub(super) struct Faces {
     ends: Vec<(usize, usize)>,
 }
 
-impl Faces {
+impl FaceList {
     /// Reads what follows `p` or, with normals, `pp`.
-    pub(super) fn read(&mut self, words: &mut Words<'_>, line: usize, with_normals: bool) -> Result<(), Flaw> {
+    pub(super) fn read(
+        &mut self,
+        tokens: &mut Tokenizer<'_>,
+        line: usize,
+        with_normals: bool,
+    ) -> Result<(), LineError> {
         let before = (self.corners.len(), self.normals.len());
-        let result = self.read_corners(words, with_normals);
+        let result = self.read_corners(tokens, with_normals);
         match result {
             Ok(()) => self.ends.push((self.corners.len(), line)),
             Err(_) => {
@@ -44,13 +49,13 @@ impl Faces {
         result
     }
 
-    fn read_corners(&mut self, words: &mut Words<'_>, with_normals: bool) -> Result<(), Flaw> {
-        let corners = corner_count(words)?;
+    fn read_corners(&mut self, tokens: &mut Tokenizer<'_>, with_normals: bool) -> Result<(), LineError> {
+        let corners = corner_count(tokens)?;
         // Nothing is reserved: the number may promise more than the file holds.
         for _ in 0..corners {
-            self.corners.push(words.numbers("a coordinate of a corner")?.into());
+            self.corners.push(tokens.numbers("a coordinate of a corner")?.into());
             if with_normals {
-                self.normals.push(words.numbers("a component of a normal")?.into());
+                self.normals.push(tokens.numbers("a component of a normal")?.into());
             }
         }
         Ok(())
@@ -64,7 +69,7 @@ impl Faces {
     /// The faces as shapes of their own, with their lines. What is no flat polygon is left, and so is everything that
     /// is better off in a mesh.
     pub(super) fn take_shapes(&mut self, transparent: bool) -> Vec<(usize, Shape)> {
-        let too_many = if transparent { self.ends.len() > 1 } else { self.ends.len() > MOST_SHAPES };
+        let too_many = if transparent { self.ends.len() > 1 } else { self.ends.len() > MAX_SHAPES };
         if too_many || !self.normals.is_empty() {
             return Vec::new();
         }
@@ -122,18 +127,18 @@ impl Vertices {
     }
 }
 
-fn corner_count(words: &mut Words<'_>) -> Result<usize, Flaw> {
-    let line = words.peek().map_or(0, |Word { line, .. }| line);
-    let count = words.number("the number of corners")?;
+fn corner_count(tokens: &mut Tokenizer<'_>) -> Result<usize, LineError> {
+    let line = tokens.peek_word().map_or(0, |Word { line, .. }| line);
+    let count = tokens.number("the number of corners")?;
     if count.fract() != 0.0 || count < 3.0 {
-        return Err(Flaw::new(line, count, "is no number of corners: a polygon has 3 or more"));
+        return Err(LineError::new(line, count, "is no number of corners: a polygon has 3 or more"));
     }
     // Beyond the range of u64 the conversion gives its greatest number.
     let (value, limit) = (count as u64, limits::FACE_CORNERS as u64);
     if value > limit {
-        return Err(Flaw {
+        return Err(LineError {
             line,
-            reason: Reason::TooLarge { what: "the number of corners of a polygon", value, limit },
+            kind: LoadErrorKind::too_large("the number of corners of a polygon", value, limit),
         });
     }
     Ok(value as usize)
@@ -155,10 +160,10 @@ fn shape(outline: &[DVec3]) -> Result<Shape, PolygonError> {
 mod tests {
     use super::*;
 
-    fn faces(texts: &[&str], with_normals: bool) -> Faces {
-        let mut faces = Faces::default();
+    fn faces(texts: &[&str], with_normals: bool) -> FaceList {
+        let mut faces = FaceList::default();
         for (i, text) in texts.iter().enumerate() {
-            faces.read(&mut Words::of(text), i + 1, with_normals).map_err(|flaw| flaw.reason).expect("a face");
+            faces.read(&mut Tokenizer::words(text), i + 1, with_normals).map_err(|error| error.kind).expect("a face");
         }
         faces
     }
@@ -178,7 +183,7 @@ mod tests {
         assert_eq!(few.mesh_data().expect("a mesh").triangles.len(), 2);
         assert_eq!(few.outlines().map(|(_, line)| line).collect::<Vec<_>>(), [3]);
 
-        assert!(faces(&[square; MOST_SHAPES + 1], false).take_shapes(false).is_empty());
+        assert!(faces(&[square; MAX_SHAPES + 1], false).take_shapes(false).is_empty());
         assert!(faces(&[square; 2], false).take_shapes(true).is_empty(), "the walls of one body");
         assert_eq!(faces(&[square], false).take_shapes(true).len(), 1);
     }
@@ -197,10 +202,10 @@ mod tests {
     #[test]
     fn numbers_of_corners_are_checked_before_anything_is_allocated() {
         let refused = |text: &str| {
-            let mut faces = Faces::default();
-            let flaw = faces.read(&mut Words::of(text), 1, false).expect_err("refused");
+            let mut faces = FaceList::default();
+            let error = faces.read(&mut Tokenizer::words(text), 1, false).expect_err("refused");
             assert!(faces.is_empty() && faces.corners.is_empty());
-            flaw.reason.to_string()
+            error.kind.to_string()
         };
         assert_eq!(refused("2 0 0 0 1 1 1"), "2 is no number of corners: a polygon has 3 or more");
         assert_eq!(refused("3.5"), "3.5 is no number of corners: a polygon has 3 or more");

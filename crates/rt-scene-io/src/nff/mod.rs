@@ -12,43 +12,38 @@
 //! object differs. A light without a colour shines with 1/√n if there are n lights.
 
 mod faces;
-mod round;
-mod surface;
+mod fill;
+mod quadrics;
 mod view;
-mod words;
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use rt_math::{DVec3, Rgb};
 use rt_shading::{Falloff, Light, LightKind, LightUnits, Phong};
 
-use self::faces::Faces;
-use self::round::Solid;
-use self::surface::Fill;
-use self::view::View;
-use self::words::{Word, Words};
-use crate::files::{read_file, refuse_utf16};
-use crate::flaw::Flaw;
-use crate::forecast::{self, Sample};
+use self::faces::FaceList;
+use self::fill::Fill;
+use self::quadrics::PlacedShape;
+use self::view::NffView;
+use crate::build_mesh::build_mesh;
+use crate::diagnostics::Diagnostics;
+use crate::error::{ErrorAt, LineError};
+use crate::files::refuse_utf16;
 use crate::format::{Background, Color};
-use crate::mesh_build::build_mesh;
-use crate::resolve::Report;
-use crate::{
-    Content, LoadError, LoadOptions, Material, MaterialId, MeshId, Model, NamedMesh, Node, Place, Problem, Reason,
-    Warning,
-};
+use crate::memory::{FileSample, load_within_budget};
+use crate::text::tokenizer::{Tokenizer, Word};
+use crate::{Content, LoadError, LoadErrorKind, LoadOptions, Material, MaterialId, Model, Node};
 
 /// The statements of the format.
 const KEYWORDS: [&str; 8] = ["v", "b", "l", "f", "c", "s", "p", "pp"];
 
 /// Bytes of memory that loading takes at its peak: solids become nodes, fills materials, and corners of polygons meshes.
-fn peak_bytes(sample: &Sample) -> u64 {
+fn peak_bytes(sample: &FileSample) -> u64 {
     // Statements may share a line.
     let [solids, fills, corners] = sample.over_lines(|line| {
-        let words = || line.split(u8::is_ascii_whitespace);
-        let count = |keywords: &[&[u8]]| words().filter(|word| keywords.contains(word)).count() as u64;
+        let tokens = || line.split(u8::is_ascii_whitespace);
+        let count = |keywords: &[&[u8]]| tokens().filter(|word| keywords.contains(word)).count() as u64;
         let begins_with_number = line.trim_ascii_start().first().is_some_and(|byte| b"-+.0123456789".contains(byte));
         [count(&[b"s", b"c"]), count(&[b"f"]), u64::from(begins_with_number)]
     });
@@ -57,26 +52,24 @@ fn peak_bytes(sample: &Sample) -> u64 {
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    forecast::within(path, options, peak_bytes, || {
-        load_bytes(&read_file(path, options).map_err(|reason| reason.at(path, ""))?, path)
-    })
+    load_within_budget(path, options, peak_bytes, |bytes| load_bytes(&bytes, path))
 }
 
 /// Loads the file that `bytes` hold; `path` is for messages.
 pub(crate) fn load_bytes(bytes: &[u8], path: &Path) -> Result<Model, LoadError> {
-    refuse_utf16(bytes).map_err(|reason| reason.at(path, ""))?;
+    refuse_utf16(bytes).at(path, "")?;
     // Comments may be in any encoding; elsewhere what is not ASCII is no number and no keyword.
     let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
     // Line ends of old Macintosh systems, from which some of these files come.
     let text = if text.contains('\n') { text } else { text.replace('\r', "\n").into() };
-    let mut reader = Reader::new(path);
-    let mut words = Words::of(&text);
-    while let Some(word) = words.take() {
-        if let Err(flaw) = reader.statement(word, &mut words) {
-            let line = flaw.line;
-            reader.report(flaw);
-            while words.peek().is_some_and(|word| !may_begin_statement(word, line)) {
-                words.take();
+    let mut reader = NffReader::new(path);
+    let mut tokens = Tokenizer::words(&text);
+    while let Some(word) = tokens.take_word() {
+        if let Err(error) = reader.statement(word, &mut tokens) {
+            let line = error.line;
+            reader.report(error);
+            while tokens.peek_word().is_some_and(|word| !may_begin_statement(word, line)) {
+                tokens.take_word();
             }
         }
     }
@@ -90,23 +83,23 @@ fn may_begin_statement(word: Word<'_>, bad_line: usize) -> bool {
 }
 
 /// A fill and the faces that have it.
-struct Surface {
+struct FillFaces {
     fill: Option<Fill>,
-    polygons: Faces,
-    patches: Faces,
+    polygons: FaceList,
+    patches: FaceList,
 }
 
 /// What has been read so far.
-struct Reader<'p> {
+struct NffReader<'p> {
     path: &'p Path,
-    report: Report,
+    report: Diagnostics,
     model: Model,
     background: Option<Rgb>,
     has_view: bool,
     /// Places of the lights and their colours, where they have one.
     lights: Vec<(DVec3, Option<Rgb>)>,
     /// One for each material of the model.
-    surfaces: Vec<Surface>,
+    surfaces: Vec<FillFaces>,
     known_fills: HashMap<[u64; 8], MaterialId>,
     /// The material of what follows.
     fill: Option<MaterialId>,
@@ -114,11 +107,11 @@ struct Reader<'p> {
     inside_out: (usize, usize),
 }
 
-impl<'p> Reader<'p> {
+impl<'p> NffReader<'p> {
     fn new(path: &'p Path) -> Self {
         Self {
             path,
-            report: Report::new(path),
+            report: Diagnostics::new(path),
             model: Model::default(),
             background: None,
             has_view: false,
@@ -130,55 +123,53 @@ impl<'p> Reader<'p> {
         }
     }
 
-    fn report(&mut self, Flaw { line, reason }: Flaw) {
-        let file = self.path.display().to_string();
-        self.report.add([Problem { file, place: Place::Line(line), reason, excerpt: None }]);
+    fn report(&mut self, error: LineError) {
+        self.report.add([error.in_file(self.path)]);
     }
 
     fn warn(&mut self, line: usize, message: String) {
-        let place = format!("{}:{line}", self.path.display());
-        self.model.warnings.push(Warning { place, message });
+        self.model.warn(format_args!("{}:{line}", self.path.display()), message);
     }
 
     /// Reads the statement that begins with a word.
-    fn statement(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), Flaw> {
+    fn statement(&mut self, word: Word<'_>, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         let Word { line, text } = word;
         match text {
-            "v" => self.view(words, line)?,
+            "v" => self.view(tokens, line)?,
             "b" => {
-                let colour = words.colour("a part of the background colour")?.into();
+                let colour = tokens.color("a part of the background colour")?.into();
                 if self.background.replace(colour).is_some() {
-                    return Err(Flaw::new(line, "the background", "is given a second time: keep one"));
+                    return Err(LineError::new(line, "the background", "is given a second time: keep one"));
                 }
             }
             "l" => {
-                let place = DVec3::from(words.numbers("a coordinate of the light")?);
-                let has_colour = words.peek().is_some_and(|word| word.text.parse::<f64>().is_ok());
-                let colour = if has_colour { Some(words.colour("a part of the light's colour")?.into()) } else { None };
+                let place = DVec3::from(tokens.numbers("a coordinate of the light")?);
+                let has_colour = tokens.peek_word().is_some_and(|word| word.text.parse::<f64>().is_ok());
+                let colour = if has_colour { Some(tokens.color("a part of the light's colour")?.into()) } else { None };
                 self.lights.push((place, colour));
             }
-            "f" => self.fill = Some(Fill::read(words).map(|fill| self.material(fill))?),
-            "s" => self.solid(line, round::sphere(words, line)?),
-            "c" => self.solid(line, round::cone(words, line)?),
-            "p" => self.surface(line).polygons.read(words, line, false)?,
-            "pp" => self.surface(line).patches.read(words, line, true)?,
+            "f" => self.fill = Some(Fill::read(tokens).map(|fill| self.material(fill))?),
+            "s" => self.solid(line, quadrics::sphere(tokens, line)?),
+            "c" => self.solid(line, quadrics::cone(tokens, line)?),
+            "p" => self.surface(line).polygons.read(tokens, line, false)?,
+            "pp" => self.surface(line).patches.read(tokens, line, true)?,
             number if number.parse::<f64>().is_ok() => {
                 let rule = "is one number too many for the statement before it: remove it";
-                return Err(Flaw::new(line, format_args!("`{number}`"), rule));
+                return Err(LineError::new(line, format_args!("`{number}`"), rule));
             }
             found => {
                 let (kind, found) = ("statement", found.to_owned());
                 let known = KEYWORDS.map(str::to_owned).to_vec();
-                return Err(Flaw { line, reason: Reason::UnknownWord { kind, found, known } });
+                return Err(LineError { line, kind: LoadErrorKind::UnknownWord { kind, found, known } });
             }
         }
         Ok(())
     }
 
-    fn view(&mut self, words: &mut Words<'_>, line: usize) -> Result<(), Flaw> {
-        let View { camera, size } = View::read(words, line)?;
+    fn view(&mut self, tokens: &mut Tokenizer<'_>, line: usize) -> Result<(), LineError> {
+        let NffView { camera, size } = NffView::read(tokens, line)?;
         if std::mem::replace(&mut self.has_view, true) {
-            return Err(Flaw::new(line, "the view", "is given a second time: keep one"));
+            return Err(LineError::new(line, "the view", "is given a second time: keep one"));
         }
         self.model.cameras.push(camera);
         self.model.image_size = Some(size);
@@ -196,9 +187,8 @@ impl<'p> Reader<'p> {
     }
 
     fn add_material(&mut self, name: String, phong: Phong, fill: Option<Fill>) -> MaterialId {
-        self.model.materials.push(Material::new(name, phong));
-        self.surfaces.push(Surface { fill, polygons: Faces::default(), patches: Faces::default() });
-        MaterialId(self.surfaces.len() as u32 - 1)
+        self.surfaces.push(FillFaces { fill, polygons: FaceList::default(), patches: FaceList::default() });
+        self.model.add_material(Material::new(name, phong))
     }
 
     /// The material in force; plain grey before the first fill.
@@ -212,12 +202,12 @@ impl<'p> Reader<'p> {
         id
     }
 
-    fn surface(&mut self, line: usize) -> &mut Surface {
+    fn surface(&mut self, line: usize) -> &mut FillFaces {
         let MaterialId(id) = self.current(line);
         &mut self.surfaces[id as usize]
     }
 
-    fn solid(&mut self, line: usize, solid: Solid) {
+    fn solid(&mut self, line: usize, solid: PlacedShape) {
         let material = self.current(line);
         if solid.inside_out {
             let (count, first) = self.inside_out;
@@ -240,7 +230,9 @@ impl<'p> Reader<'p> {
         // A file that is wrong may have no objects only for that.
         self.report.finish()?;
         if self.model.nodes.is_empty() {
-            return Err(Reason::Syntax("has no objects: none of `s`, `c`, `p` and `pp`".to_owned()).at(self.path, ""));
+            return Err(
+                LoadErrorKind::Syntax("has no objects: none of `s`, `c`, `p` and `pp`".to_owned()).at(self.path, "")
+            );
         }
         Ok(self.model)
     }
@@ -261,14 +253,13 @@ impl<'p> Reader<'p> {
         }
     }
 
-    fn add_mesh(&mut self, what: &str, faces: &Faces, material: MaterialId) {
+    fn add_mesh(&mut self, what: &str, faces: &FaceList, material: MaterialId) {
         let name = format!("{what} of {}", self.model.materials[material.0 as usize].name);
         let place = format!("{}: {name}", self.path.display());
         let mesh = faces.mesh_data().and_then(|data| build_mesh(data, &place, &mut self.model.warnings));
         if let Some(Some(mesh)) = self.report.check(&name, mesh) {
-            let id = MeshId(self.model.meshes.len() as u32);
-            self.model.nodes.push(Node { name: name.clone(), ..Node::new(Content::Mesh(id), material) });
-            self.model.meshes.push(NamedMesh { name, mesh: Arc::new(mesh) });
+            let id = self.model.add_mesh(name.clone(), mesh);
+            self.model.nodes.push(Node { name, ..Node::new(Content::Mesh(id), material) });
         }
     }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::bare::scene_around;
+use crate::default_scene::scene_for_model;
 use crate::{LoadOptions, format};
 use rt_geometry::Shape;
 use rt_shading::ColorTexture;
@@ -41,7 +41,7 @@ fn a_whole_file_becomes_a_model() {
 #[test]
 fn a_bare_file_keeps_its_lights_as_they_are() {
     let model = load_text(&format!("{HEAD}l 1 2 3\n{FILL}s 0 0 0 1")).expect("a model");
-    let (file, _) = scene_around(&model, &model, "m.nff", &LoadOptions::default());
+    let (file, _) = scene_for_model(&model, &model, "m.nff", &LoadOptions::default());
     assert_eq!((file.film.exposure, file.film.tone), (0.0, format::Film::default().tone));
     assert_eq!(file.film.size, (32, 24));
     assert_eq!(file.background, model.background);
@@ -124,7 +124,7 @@ fn files_without_objects_are_refused() {
 fn after_twenty_problems_the_rest_is_counted() {
     let message = refused(&"s 0 0 0 0\n".repeat(500));
     assert_eq!(message.lines().count(), 21);
-    assert!(message.ends_with("480 more problems; mend these first"), "{message}");
+    assert!(message.ends_with("480 more errors; fix these first"), "{message}");
 }
 
 #[test]

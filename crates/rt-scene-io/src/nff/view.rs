@@ -4,22 +4,22 @@ use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_image::Image;
 use rt_math::{DVec3, Transform};
 
-use super::words::{Word, Words};
 use crate::NamedCamera;
-use crate::flaw::Flaw;
+use crate::error::LineError;
+use crate::text::tokenizer::{Tokenizer, Word};
 
 /// The words that parts of the statement begin with.
 pub(super) const PARTS: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];
 
 /// Camera and image size.
-pub(super) struct View {
+pub(super) struct NffView {
     pub(super) camera: NamedCamera,
     pub(super) size: [u32; 2],
 }
 
 /// What a `v` statement has said so far. The hither plane, which only other algorithms need, is read and not kept.
 #[derive(Default)]
-struct Parts {
+struct ViewFields {
     from: Option<DVec3>,
     at: Option<DVec3>,
     up: Option<DVec3>,
@@ -27,31 +27,31 @@ struct Parts {
     resolution: Option<[u32; 2]>,
 }
 
-impl View {
+impl NffView {
     /// Reads what follows `v` in `line`: the parts in any order.
-    pub(super) fn read(words: &mut Words<'_>, line: usize) -> Result<Self, Flaw> {
-        let mut parts = Parts::default();
-        while let Some(Word { line, text }) = words.peek() {
+    pub(super) fn read(tokens: &mut Tokenizer<'_>, line: usize) -> Result<Self, LineError> {
+        let mut parts = ViewFields::default();
+        while let Some(Word { line, text }) = tokens.peek_word() {
             if !PARTS.contains(&text) {
                 break;
             }
-            words.take();
+            tokens.take_word();
             match text {
-                "from" => parts.from = Some(words.numbers("a coordinate of the eye")?.into()),
-                "at" => parts.at = Some(words.numbers("a coordinate of what is looked at")?.into()),
-                "up" => parts.up = Some(words.numbers("a component of `up`")?.into()),
-                "angle" => parts.angle = Some(angle(words, line)?),
-                "hither" => drop(words.number("the distance of the hither plane")?),
-                _ => parts.resolution = Some(resolution(words, line)?),
+                "from" => parts.from = Some(tokens.numbers("a coordinate of the eye")?.into()),
+                "at" => parts.at = Some(tokens.numbers("a coordinate of what is looked at")?.into()),
+                "up" => parts.up = Some(tokens.numbers("a component of `up`")?.into()),
+                "angle" => parts.angle = Some(angle(tokens, line)?),
+                "hither" => drop(tokens.number("the distance of the hither plane")?),
+                _ => parts.resolution = Some(resolution(tokens, line)?),
             }
         }
-        let missing = |part: &str| Flaw::new(line, "the view", format!("has no `{part}`: add it"));
+        let missing = |part: &str| LineError::new(line, "the view", format!("has no `{part}`: add it"));
         let [eye, target, up] = [(parts.from, "from"), (parts.at, "at"), (parts.up, "up")]
             .map(|(part, name)| part.ok_or_else(|| missing(name)));
         let (eye, target, up) = (eye?, target?, up?);
         let world_from_camera = Transform::look_at(eye, target, up).map_err(|_| {
             let rule = "has no direction: `from` and `at` must differ, and `up` must not be 0 or along the view";
-            Flaw::new(line, format_args!("the view from {eye} at {target}, with {up} up,"), rule)
+            LineError::new(line, format_args!("the view from {eye} at {target}, with {up} up,"), rule)
         })?;
         let fov = parts.angle.ok_or_else(|| missing("angle"))?.to_radians();
         let projection = Projection::Perspective { fov, axis: FovAxis::Vertical };
@@ -62,24 +62,24 @@ impl View {
 }
 
 /// Degrees from the top to the bottom of the image.
-fn angle(words: &mut Words<'_>, line: usize) -> Result<f64, Flaw> {
-    let degrees = words.number("the angle of the view")?;
+fn angle(tokens: &mut Tokenizer<'_>, line: usize) -> Result<f64, LineError> {
+    let degrees = tokens.number("the angle of the view")?;
     if degrees > 0.0 && degrees < 180.0 {
         Ok(degrees)
     } else {
-        Err(Flaw::new(line, degrees, "degrees: the angle of the view must lie between 0 and 180"))
+        Err(LineError::new(line, degrees, "degrees: the angle of the view must lie between 0 and 180"))
     }
 }
 
-fn resolution(words: &mut Words<'_>, line: usize) -> Result<[u32; 2], Flaw> {
-    let [width, height] = words.numbers("the resolution")?;
+fn resolution(tokens: &mut Tokenizer<'_>, line: usize) -> Result<[u32; 2], LineError> {
+    let [width, height] = tokens.numbers("the resolution")?;
     let shown = || format!("{width} x {height}");
     let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
     if !whole(width) || !whole(height) {
-        return Err(Flaw::new(line, shown(), "is no resolution: give two whole numbers of pixels from 1 up"));
+        return Err(LineError::new(line, shown(), "is no resolution: give two whole numbers of pixels from 1 up"));
     }
     if width * height > Image::MAX_PIXELS as f64 {
-        return Err(Flaw::new(line, shown(), "pixels are more than 2^28: choose a smaller image"));
+        return Err(LineError::new(line, shown(), "pixels are more than 2^28: choose a smaller image"));
     }
     // Both fit, because their product does.
     Ok([width as u32, height as u32])
@@ -91,13 +91,13 @@ mod tests {
 
     const WHOLE: &str = "from 0 0 5 at 0 0 0 up 0 1 0 angle 45 hither 1 resolution 64 48";
 
-    fn read(text: &str) -> Result<View, String> {
-        View::read(&mut Words::of(text), 1).map_err(|flaw| flaw.reason.to_string())
+    fn read(text: &str) -> Result<NffView, String> {
+        NffView::read(&mut Tokenizer::words(text), 1).map_err(|error| error.kind.to_string())
     }
 
     #[test]
     fn the_camera_stands_where_the_view_says() {
-        let View { camera, size } = read(WHOLE).expect("a view");
+        let NffView { camera, size } = read(WHOLE).expect("a view");
         assert_eq!(size, [64, 48]);
         assert_eq!(camera.settings.world_from_camera.translation(), DVec3::new(0.0, 0.0, 5.0));
         let fov = 45f64.to_radians();

@@ -2,7 +2,7 @@
 //!
 //! `tobj` reads numbers, shares vertices and splits meshes well, but it does not know line continuation or smoothing
 //! groups, tells no line numbers, and misaligns normals and texture coordinates where only some faces have them.
-//! So the statements are sorted first: all vertices, then the faces of each [`Part`] as a group of its own, with
+//! So the statements are sorted first: all vertices, then the faces of each [`ObjPart`] as a group of its own, with
 //! absolute indices. Whatever cannot be read is refused here, where its line is known.
 
 use std::{
@@ -10,15 +10,13 @@ use std::{
     fmt::Write,
 };
 
-use super::{
-    lines::{Line, lines},
-    smoothing::Smoothing,
-};
-use crate::limits::FACE_CORNERS;
+use super::smoothing::Smoothing;
+use crate::text::lines::{Line, lines};
+use crate::{LoadErrorKind, error::LineError, limits::FACE_CORNERS};
 
 /// Faces that become one mesh.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Part {
+pub(super) struct ObjPart {
     /// Name of the object or group; may be empty.
     pub(super) name: String,
     /// The material in force, if any.
@@ -31,42 +29,35 @@ pub(super) struct Part {
 
 /// A file in order.
 #[derive(Debug, Default)]
-pub(super) struct Document {
+pub(super) struct ObjDocument {
     /// Statements for `tobj`: group `i` holds the faces of `parts[i]`, in which every corner has the same attributes.
     pub(super) text: String,
     /// In order of their first face.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<ObjPart>,
     /// Names of material libraries with their lines: what follows `mtllib`.
     pub(super) libraries: Vec<(usize, String)>,
     /// What was left out: how often, and where first.
     pub(super) skipped: BTreeMap<String, (usize, usize)>,
 }
 
-/// Why a file cannot be read, and where.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct BadLine {
-    pub(super) line: usize,
-    pub(super) message: String,
-}
-
 /// Statements without effect on a picture made of triangles, or for other programs only.
 const HARMLESS: [&str; 7] = ["mg", "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"];
 
-impl Document {
+impl ObjDocument {
     /// # Errors
     /// All lines that cannot be read.
-    pub(super) fn parse(text: &str) -> Result<Self, Vec<BadLine>> {
-        let mut reader = Reader::default();
+    pub(super) fn parse(text: &str) -> Result<Self, Vec<LineError>> {
+        let mut reader = StatementReader::default();
         let mut bad = Vec::new();
         for line in lines(text) {
             if let Err(message) = reader.statement(&line) {
-                bad.push(BadLine { line: line.number, message });
+                bad.push(LineError { line: line.number, kind: LoadErrorKind::Syntax(message) });
             }
         }
         if !bad.is_empty() {
             return Err(bad);
         }
-        let Reader { mut document, positions, colours, faces, .. } = reader;
+        let StatementReader { mut document, positions, colours, faces, .. } = reader;
         let others = std::mem::replace(&mut document.text, positions);
         if !colours.is_empty() {
             document.text = coloured(&document.text, &colours);
@@ -81,11 +72,11 @@ impl Document {
     }
 
     /// The statements with this keyword whose arguments are not numbers: `tobj` tells only that there is one.
-    pub(super) fn find_bad_numbers(source: &str, keyword: &str) -> Vec<BadLine> {
+    pub(super) fn find_bad_numbers(source: &str, keyword: &str) -> Vec<LineError> {
         let lines = lines(source).filter(|line| line.split().0 == keyword);
         let bad = lines.filter_map(|line| {
             let bad = line.arguments().take(3).find(|word| word.parse::<f32>().is_err())?;
-            Some(BadLine { line: line.number, message: format!("`{}` is not a number", shortened(bad)) })
+            Some(LineError::new(line.number, format_args!("`{}`", shortened(bad)), "is not a number"))
         });
         bad.collect()
     }
@@ -105,8 +96,8 @@ fn coloured(positions: &str, colours: &[[f32; 3]]) -> String {
 }
 
 #[derive(Default)]
-struct Reader {
-    document: Document,
+struct StatementReader {
+    document: ObjDocument,
     /// Vertex statements without colours.
     positions: String,
     /// The colour of each vertex so far, if any has one.
@@ -115,26 +106,26 @@ struct Reader {
     faces: Vec<String>,
     /// Numbers of `v`, `vt` and `vn` so far.
     counts: [usize; 3],
-    state: State,
-    part_index: HashMap<Part, usize>,
+    state: ObjState,
+    part_index: HashMap<ObjPart, usize>,
     /// The part for the present state with these attributes.
     current: HashMap<[bool; 2], usize>,
     corners: Vec<[Option<usize>; 3]>,
 }
 
-struct State {
+struct ObjState {
     name: String,
     material: Option<String>,
     smoothing: Smoothing,
 }
 
-impl Default for State {
+impl Default for ObjState {
     fn default() -> Self {
-        Self { name: String::new(), material: None, smoothing: Smoothing::Unsaid }
+        Self { name: String::new(), material: None, smoothing: Smoothing::Unspecified }
     }
 }
 
-impl Reader {
+impl StatementReader {
     fn statement(&mut self, line: &Line<'_>) -> Result<(), String> {
         let (keyword, rest) = line.split();
         match keyword {
@@ -253,8 +244,8 @@ impl Reader {
         if let Some(&index) = self.current.get(&attributes) {
             return index;
         }
-        let State { name, material, smoothing } = &self.state;
-        let part = Part { name: name.clone(), material: material.clone(), smoothing: *smoothing, attributes };
+        let ObjState { name, material, smoothing } = &self.state;
+        let part = ObjPart { name: name.clone(), material: material.clone(), smoothing: *smoothing, attributes };
         let index = *self.part_index.entry(part.clone()).or_insert_with(|| {
             self.document.parts.push(part);
             self.faces.push(String::new());
@@ -264,7 +255,7 @@ impl Reader {
         index
     }
 
-    fn change(&mut self, change: impl FnOnce(&mut State)) {
+    fn change(&mut self, change: impl FnOnce(&mut ObjState)) {
         change(&mut self.state);
         self.current.clear();
     }
@@ -330,13 +321,13 @@ mod tests {
 
     const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
 
-    fn parse(faces: &str) -> Document {
-        Document::parse(&format!("{VERTICES}{faces}")).expect("a good file")
+    fn parse(faces: &str) -> ObjDocument {
+        ObjDocument::parse(&format!("{VERTICES}{faces}")).expect("a good file")
     }
 
     fn refused(faces: &str) -> String {
-        let bad = Document::parse(&format!("{VERTICES}{faces}")).expect_err("a bad file");
-        let lines: Vec<String> = bad.iter().map(|BadLine { line, message }| format!("{line}: {message}")).collect();
+        let bad = ObjDocument::parse(&format!("{VERTICES}{faces}")).expect_err("a bad file");
+        let lines: Vec<String> = bad.iter().map(|LineError { line, kind }| format!("{line}: {kind}")).collect();
         lines.join("\n")
     }
 
@@ -403,8 +394,9 @@ mod tests {
         assert_eq!(refused("v 1 2"), "7: `v` needs 3 numbers, but has 2");
         let huge = format!("f{}", " 1".repeat(FACE_CORNERS + 1));
         assert_eq!(refused(&huge), "7: a face with 100001 corners; at most 100000 are accepted");
-        let found = Document::find_bad_numbers("v 1 2 3\n\nv 1,5 2 3", "v");
-        assert_eq!(found, [BadLine { line: 3, message: "`1,5` is not a number".to_owned() }]);
+        let found = ObjDocument::find_bad_numbers("v 1 2 3\n\nv 1,5 2 3", "v");
+        let [LineError { line: 3, kind }] = &found[..] else { panic!("one line: {found:?}") };
+        assert_eq!(kind.to_string(), "`1,5` is not a number");
     }
 
     #[test]

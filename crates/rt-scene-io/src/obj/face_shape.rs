@@ -21,7 +21,7 @@ pub(super) struct FaceShapes {
 
 impl FaceShapes {
     /// Looks at a face by its corners. Those without area or with corners that are not finite are left to the mesh.
-    pub(super) fn look_at(&mut self, positions: &[Vec3], outline: &[u32]) {
+    pub(super) fn check(&mut self, positions: &[Vec3], outline: &[u32]) {
         if outline.len() <= 4 {
             return;
         }
@@ -90,7 +90,7 @@ mod tests {
         let positions: Vec<Vec3> = corners.iter().copied().map(Vec3::from).collect();
         let outline: Vec<u32> = (0..corners.len() as u32).collect();
         let mut shapes = FaceShapes::default();
-        shapes.look_at(&positions, &outline);
+        shapes.check(&positions, &outline);
         shapes.messages().collect()
     }
 

@@ -9,16 +9,16 @@ use std::{
 use rt_shading::{Channel, Material, Phong, Relief, Texture, TextureId};
 
 use super::{
-    lines,
-    map::Map,
-    material::{Maps, coverage, is_glass, is_laid_along, phong, physical},
+    material::{MaterialMaps, coverage, is_glass, needs_tangents, phong, physical},
     mtl,
-    textures::{Meaning, Textures, push},
-    warning,
+    texture_map::TextureMap,
+    textures::{ObjTextures, PixelMeaning},
 };
+use crate::error::ErrorAt;
+use crate::text::lines::decode;
 use crate::{
-    LoadError, LoadOptions, MaterialId, Model, Place, Reason, Warning,
-    files::{read_beside, refuse_utf16, resolve_path},
+    LoadError, LoadErrorKind, LoadOptions, Location, MaterialId, Model, Warning,
+    files::{read_referenced, refuse_utf16, resolve_path},
 };
 
 /// Maps that have no effect here.
@@ -27,7 +27,7 @@ pub(super) const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "dis
 /// The same of glass, which is the same everywhere.
 const UNUSED_BY_GLASS: [&str; 7] = ["map_Pr", "map_Pm", "map_Ps", "map_Pc", "Pc", "Ps", "aniso"];
 
-pub(super) struct Library<'a> {
+pub(super) struct MaterialLibrary<'a> {
     options: &'a LoadOptions,
     /// The OBJ file, for messages.
     path: &'a Path,
@@ -37,16 +37,16 @@ pub(super) struct Library<'a> {
     incomplete: bool,
     /// By name, and whether the colours of vertices tint it.
     used: HashMap<(Option<String>, bool), MaterialId>,
-    textures: Textures<'a>,
+    textures: ObjTextures<'a>,
 }
 
 /// The colours of vertices, times a texture if there is one.
 fn tinted(texture: Option<TextureId>, model: &mut Model) -> TextureId {
     let below = texture.and_then(|id| model.textures.get(id.0 as usize)).map(|texture| Arc::new(texture.clone()));
-    push(Texture::VertexColor(below), model)
+    model.add_texture(Texture::VertexColor(below))
 }
 
-impl<'a> Library<'a> {
+impl<'a> MaterialLibrary<'a> {
     /// Reads the libraries that `mtllib` statements name. One that is not there is a warning.
     pub(super) fn open(
         statements: &[(usize, String)],
@@ -54,7 +54,7 @@ impl<'a> Library<'a> {
         options: &'a LoadOptions,
         model: &mut Model,
     ) -> Result<Self, LoadError> {
-        let (known, textures) = (HashMap::new(), Textures::new(options));
+        let (known, textures) = (HashMap::new(), ObjTextures::new(options));
         let mut library = Self { options, path, known, incomplete: false, used: HashMap::new(), textures };
         for (line, names) in statements {
             library.open_all(names, *line, model)?;
@@ -65,8 +65,8 @@ impl<'a> Library<'a> {
     /// A statement names one file, whose name may contain spaces, or several files.
     fn open_all(&mut self, names: &str, line: usize, model: &mut Model) -> Result<(), LoadError> {
         let resolve = |name: &str| match resolve_path(name, self.path, self.options) {
-            Err(Reason::MissingReference { .. }) => Ok(None),
-            found => found.map(Some).map_err(|reason| reason.at(self.path, Place::Line(line))),
+            Err(LoadErrorKind::MissingReference { .. }) => Ok(None),
+            found => found.map(Some).at(self.path, Location::Line(line)),
         };
         let mut files = Vec::new();
         let mut missing = Vec::new();
@@ -87,31 +87,31 @@ impl<'a> Library<'a> {
         for name in missing {
             self.incomplete = true;
             let message = format!("the material library `{name}` is not there; its materials become plain grey");
-            model.warnings.push(warning(self.path, line, message));
+            model.warn(format_args!("{}:{}", self.path.display(), line), message);
         }
         Ok(())
     }
 
     fn read(&mut self, file: &Path, model: &mut Model) -> Result<(), LoadError> {
-        let bytes = match read_beside(file, self.options) {
-            Err(Reason::Empty) => Vec::new(),
-            bytes => bytes.map_err(|reason| reason.at(file, ""))?,
+        let bytes = match read_referenced(file, self.options) {
+            Err(LoadErrorKind::Empty) => Vec::new(),
+            bytes => bytes.at(file, "")?,
         };
-        refuse_utf16(&bytes).map_err(|reason| reason.at(file, ""))?;
-        let mtl::Library { materials, complaints, unknown } = mtl::parse(&lines::decode(&bytes).0);
-        for mtl::Unknown { line, keyword, count } in unknown {
+        refuse_utf16(&bytes).at(file, "")?;
+        let mtl::MtlFile { materials, warnings, unknown } = mtl::parse(&decode(&bytes).0);
+        for mtl::UnknownStatement { line, keyword, count } in unknown {
             let times = if count > 1 { format!(" ({count} times, this is the first)") } else { String::new() };
             let message = format!("the statement `{keyword}` is not known; it is left out{times}");
-            model.warnings.push(warning(file, line, message));
+            model.warn(format_args!("{}:{}", file.display(), line), message);
         }
-        for (line, message) in complaints {
-            model.warnings.push(warning(file, line, format!("{message}; the statement is left out")));
+        for (line, message) in warnings {
+            model.warn(format_args!("{}:{}", file.display(), line), format!("{message}; the statement is left out"));
         }
         let mut here = HashSet::new();
         for material in materials {
             if !here.insert(material.name.clone()) {
                 let message = format!("the material `{}` is there more than once: the first counts", material.name);
-                model.warnings.push(Warning { place: file.display().to_string(), message });
+                model.warn(file.display(), message);
             }
             self.known.entry(material.name.clone()).or_insert_with(|| (material, file.to_owned()));
         }
@@ -148,13 +148,13 @@ impl<'a> Library<'a> {
                     model.warnings.push(self.unknown(name));
                 }
                 let mtl = tobj::Material::default();
-                let maps = Maps { diffuse: has_colours.then(|| tinted(None, model)), ..Maps::default() };
+                let maps =
+                    MaterialMaps { diffuse: has_colours.then(|| tinted(None, model)), ..MaterialMaps::default() };
                 let phong = if has_colours { phong(&mtl, maps) } else { Phong::default() };
                 Material::new(name.clone().unwrap_or_else(|| "default".to_owned()), phong)
             }
         };
-        let id = MaterialId(model.materials.len() as u32);
-        model.materials.push(material);
+        let id = model.add_material(material);
         self.used.insert((name, has_colours), id);
         Ok(id)
     }
@@ -170,16 +170,17 @@ impl<'a> Library<'a> {
     }
 
     /// The textures of a material.
-    fn maps(&mut self, mtl: &tobj::Material, file: &Path, model: &mut Model) -> Result<Maps, LoadError> {
+    fn maps(&mut self, mtl: &tobj::Material, file: &Path, model: &mut Model) -> Result<MaterialMaps, LoadError> {
         let other = |keyword: &str| mtl.unknown_param.get(keyword).map(String::as_str);
-        let colours = Meaning::Colours;
-        let texture = |statement: Option<&str>, textures: &mut Textures<'_>, meaning: Meaning, model: &mut Model| {
-            let Some(map) = statement.and_then(Map::parse) else { return Ok(None) };
-            textures.texture(&map, meaning, file, &mtl.name, model)
-        };
-        let number = |keyword: &str, textures: &mut Textures<'_>, model: &mut Model| {
-            let Some(map) = other(keyword).and_then(Map::parse) else { return Ok(None) };
-            let id = textures.texture(&map, Meaning::Numbers, file, &mtl.name, model)?;
+        let colours = PixelMeaning::Colors;
+        let texture =
+            |statement: Option<&str>, textures: &mut ObjTextures<'_>, meaning: PixelMeaning, model: &mut Model| {
+                let Some(map) = statement.and_then(TextureMap::parse) else { return Ok(None) };
+                textures.texture(&map, meaning, file, &mtl.name, model)
+            };
+        let number = |keyword: &str, textures: &mut ObjTextures<'_>, model: &mut Model| {
+            let Some(map) = other(keyword).and_then(TextureMap::parse) else { return Ok(None) };
+            let id = textures.texture(&map, PixelMeaning::Numbers, file, &mtl.name, model)?;
             Ok::<_, LoadError>(id.map(|id| (id, map.channel.unwrap_or(Channel::Red))))
         };
         let textures = &mut self.textures;
@@ -192,11 +193,11 @@ impl<'a> Library<'a> {
             ),
         };
         let cover = mtl.dissolve_texture.as_deref();
-        let channel = cover.and_then(Map::parse).and_then(|map| map.channel);
+        let channel = cover.and_then(TextureMap::parse).and_then(|map| map.channel);
         let relief = other("norm").or(mtl.normal_texture.as_deref());
-        let scale = relief.and_then(Map::parse).map_or(1.0, |map| map.bump);
-        let relief = texture(relief, textures, Meaning::Relief, model)?;
-        Ok(Maps {
+        let scale = relief.and_then(TextureMap::parse).map_or(1.0, |map| map.bump);
+        let relief = texture(relief, textures, PixelMeaning::Relief, model)?;
+        Ok(MaterialMaps {
             diffuse: texture(mtl.diffuse_texture.as_deref(), textures, colours, model)?,
             specular: texture(mtl.specular_texture.as_deref(), textures, colours, model)?,
             emission: texture(other("map_Ke"), textures, colours, model)?,
@@ -204,14 +205,14 @@ impl<'a> Library<'a> {
             roughness,
             coat,
             sheen: if is_glass(mtl) { None } else { texture(other("map_Ps"), textures, colours, model)? },
-            cover: texture(cover, textures, Meaning::Cover(channel), model)?,
+            cover: texture(cover, textures, PixelMeaning::Cover(channel), model)?,
             relief: relief.map(|texture| Relief { texture, scale }),
         })
     }
 
     /// True if meshes of this material need tangents.
-    pub(super) fn is_laid_along(&self, name: Option<&str>) -> bool {
-        name.and_then(|name| self.known.get(name)).is_some_and(|(mtl, _)| is_laid_along(mtl))
+    pub(super) fn needs_tangents(&self, name: Option<&str>) -> bool {
+        name.and_then(|name| self.known.get(name)).is_some_and(|(mtl, _)| needs_tangents(mtl))
     }
 
     /// Warns of what the material says and no surface here can show.

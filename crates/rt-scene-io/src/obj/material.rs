@@ -34,7 +34,7 @@ use crate::limits;
 
 /// The textures of a material, where they could be loaded.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Maps {
+pub(super) struct MaterialMaps {
     pub(super) diffuse: Option<TextureId>,
     pub(super) specular: Option<TextureId>,
     pub(super) emission: Option<TextureId>,
@@ -55,7 +55,7 @@ const ROUGHNESS: f64 = 0.5;
 const AMBIENT_SHARE: f64 = 0.1;
 
 /// The surface of an MTL material. All numbers of `mtl` must be finite and not negative.
-pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
+pub(super) fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
     let model = mtl.illumination_model.unwrap_or(2);
     let opacity = if is_cut(mtl, maps) { 1.0 } else { opacity(mtl) };
     let default = Phong::default();
@@ -88,7 +88,7 @@ pub(super) fn phong(mtl: &tobj::Material, maps: Maps) -> Phong {
 }
 
 /// The physical surface, of a material that has physical parameters.
-pub(super) fn physical(mtl: &tobj::Material, maps: Maps) -> Option<Physical> {
+pub(super) fn physical(mtl: &tobj::Material, maps: MaterialMaps) -> Option<Physical> {
     let number = |name: &str| number(mtl, name);
     let has_maps = maps.metallic.or(maps.roughness).or(maps.coat).is_some() || maps.sheen.is_some();
     let is_physical = has_maps
@@ -133,7 +133,7 @@ pub(super) fn physical(mtl: &tobj::Material, maps: Maps) -> Option<Physical> {
 }
 
 /// What rays pass as if it were not there.
-pub(super) fn coverage(mtl: &tobj::Material, maps: Maps) -> Coverage {
+pub(super) fn coverage(mtl: &tobj::Material, maps: MaterialMaps) -> Coverage {
     // As with colours, a factor of zero means the map alone.
     let factor = match (opacity(mtl), maps.cover) {
         (0.0, Some(_)) => 1.0,
@@ -144,7 +144,7 @@ pub(super) fn coverage(mtl: &tobj::Material, maps: Maps) -> Coverage {
 }
 
 /// True if rays pass what is not opaque, rather than that the surface lets light through.
-fn is_cut(mtl: &tobj::Material, maps: Maps) -> bool {
+fn is_cut(mtl: &tobj::Material, maps: MaterialMaps) -> bool {
     maps.cover.is_some() || (opacity(mtl) < 1.0 && !is_glass(mtl) && physical(mtl, maps).is_some())
 }
 
@@ -154,7 +154,7 @@ pub(super) const fn is_glass(mtl: &tobj::Material) -> bool {
 }
 
 /// True if the surface has a direction along which it is laid: its meshes need tangents.
-pub(super) fn is_laid_along(mtl: &tobj::Material) -> bool {
+pub(super) fn needs_tangents(mtl: &tobj::Material) -> bool {
     let bumps = mtl.normal_texture.is_some() || mtl.unknown_param.contains_key("norm");
     bumps || number(mtl, "aniso").is_some_and(|aniso| aniso > 0.0)
 }
@@ -165,7 +165,7 @@ fn number(mtl: &tobj::Material, name: &str) -> Option<f64> {
 }
 
 /// The colour that the texture is multiplied by, or that takes its place.
-fn base_colour(mtl: &tobj::Material, maps: Maps) -> Rgb {
+fn base_colour(mtl: &tobj::Material, maps: MaterialMaps) -> Rgb {
     match (mtl.diffuse.map(rgb), maps.diffuse) {
         (Some(kd), None) => kd,
         (Some(kd), Some(_)) if !kd.is_black() => kd,
@@ -224,9 +224,9 @@ mod tests {
     use super::*;
 
     fn mtl(text: &str) -> tobj::Material {
-        let super::super::mtl::Library { materials, complaints, .. } =
+        let super::super::mtl::MtlFile { materials, warnings, .. } =
             super::super::mtl::parse(&format!("newmtl m\n{text}"));
-        assert_eq!(complaints, []);
+        assert_eq!(warnings, []);
         materials.into_iter().next().expect("one material")
     }
 
@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn plain_materials() {
-        let phong = phong(&mtl("Kd 0.5\nKa 1\nKs 0.25\nNs 8\nKe 2\nillum 2"), Maps::default());
+        let phong = phong(&mtl("Kd 0.5\nKa 1\nKs 0.25\nNs 8\nKe 2\nillum 2"), MaterialMaps::default());
         assert_eq!((phong.diffuse, phong.ambient), (gray(0.5), gray(0.05)));
         assert_eq!((phong.specular, phong.exponent, phong.emission), (gray(0.25), 8.0, gray(2.0)));
         assert_eq!((phong.mirror, phong.transmission), (ColorTexture::ZERO, None));
@@ -244,13 +244,14 @@ mod tests {
 
     #[test]
     fn an_exponent_of_zero_means_no_highlight() {
-        assert!(phong(&mtl("Ks 0.8\nNs 0\nillum 2"), Maps::default()).specular.is_zero());
+        assert!(phong(&mtl("Ks 0.8\nNs 0\nillum 2"), MaterialMaps::default()).specular.is_zero());
     }
 
     #[test]
     fn the_illumination_model_decides_about_highlight_mirror_and_glass() {
-        let with =
-            |model: u8| phong(&mtl(&format!("Kd 0.5\nKs 0.25\nNi 1.5\nTf 1 0.5 0\nillum {model}")), Maps::default());
+        let with = |model: u8| {
+            phong(&mtl(&format!("Kd 0.5\nKs 0.25\nNi 1.5\nTf 1 0.5 0\nillum {model}")), MaterialMaps::default())
+        };
         assert_eq!((with(1).specular, with(1).mirror), (ColorTexture::ZERO, ColorTexture::ZERO));
         assert_eq!((with(3).specular, with(3).mirror, with(3).transmission), (gray(0.25), gray(0.25), None));
         let glass = with(7).transmission.expect("glass");
@@ -265,7 +266,7 @@ mod tests {
     #[test]
     fn what_is_not_opaque_lets_the_rest_pass_straight() {
         for text in ["d 0.25\nKd 0.5", "Tr 0.75\nKd 0.5", "Tr 0.25\nd 0.25\nKd 0.5"] {
-            let phong = phong(&mtl(text), Maps::default());
+            let phong = phong(&mtl(text), MaterialMaps::default());
             assert_eq!(phong.diffuse, gray(0.125));
             let through = phong.transmission.expect("some light passes");
             assert_eq!((through.coefficient, through.ior, through.fresnel), (gray(0.75), 1.0, false));
@@ -274,7 +275,7 @@ mod tests {
 
     #[test]
     fn roughness_and_metalness_make_a_physical_surface() {
-        let of = |text: &str| physical(&mtl(text), Maps::default());
+        let of = |text: &str| physical(&mtl(text), MaterialMaps::default());
         assert_eq!(of("Kd 0.5\nNs 100"), None);
         let metal = |metallic, roughness| Physical::MetallicRoughness { base_color: gray(0.5), metallic, roughness };
         assert_eq!(of("Kd 0.5\nPr 0.25\nPm 1"), Some(metal(1.0, 0.25)));
@@ -282,7 +283,7 @@ mod tests {
         let glass =
             Physical::Dielectric { roughness: 0.0, transmittance: ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0)) };
         assert_eq!(of("Pr 0\nillum 7\nTf 1 0.5 0"), Some(glass));
-        let (veil, none) = (mtl("Kd 0.5\nPr 0\nd 0.75"), Maps::default());
+        let (veil, none) = (mtl("Kd 0.5\nPr 0\nd 0.75"), MaterialMaps::default());
         assert_eq!(physical(&veil, none), Some(metal(0.0, 0.0)));
         assert_eq!((coverage(&veil, none).alpha, coverage(&veil, none).factor), (Alpha::Blend, 0.75));
         assert!(phong(&veil, none).transmission.is_none());
@@ -291,7 +292,7 @@ mod tests {
     #[test]
     fn maps_and_layers_make_a_layered_surface() {
         let map = |id| Some((TextureId(id), Channel::Red));
-        let maps = Maps { metallic: map(1), roughness: map(2), ..Maps::default() };
+        let maps = MaterialMaps { metallic: map(1), roughness: map(2), ..MaterialMaps::default() };
         let Some(Physical::Layered(layers)) = physical(&mtl("Kd 0.5\nPr 0.25\nPm 0"), maps) else { panic!("layers") };
         let (metallic, roughness) = (
             FloatTexture::Textured(TextureId(1), Channel::Red, 1.0),
@@ -301,28 +302,29 @@ mod tests {
         assert!(layers.coat.is_zero() && layers.sheen_color.is_zero());
 
         let text = "Kd 0.5\nPc 0.75\nPcr 0.1\nPs 0.5\naniso 0.25\nanisor 0.25";
-        let Some(Physical::Layered(layers)) = physical(&mtl(text), Maps::default()) else { panic!("layers") };
+        let Some(Physical::Layered(layers)) = physical(&mtl(text), MaterialMaps::default()) else { panic!("layers") };
         assert_eq!((layers.coat, layers.coat_roughness), (FloatTexture::Constant(0.75), FloatTexture::Constant(0.1)));
         assert_eq!((layers.sheen_color, layers.anisotropy), (gray(0.5), FloatTexture::Constant(0.25)));
         assert_eq!(layers.anisotropy_rotation, TAU / 4.0);
-        assert_eq!(physical(&mtl("Kd 0.5\nPs 0\nPc 0\naniso 0"), Maps::default()), None, "written by default");
+        assert_eq!(physical(&mtl("Kd 0.5\nPs 0\nPc 0\naniso 0"), MaterialMaps::default()), None, "written by default");
     }
 
     #[test]
     fn a_map_of_opacity_cuts_instead_of_a_veil() {
-        let (mtl, maps) = (mtl("Kd 0.5\nd 0.5\nPr 1"), Maps { cover: Some(TextureId(7)), ..Maps::default() });
+        let (mtl, maps) =
+            (mtl("Kd 0.5\nd 0.5\nPr 1"), MaterialMaps { cover: Some(TextureId(7)), ..MaterialMaps::default() });
         let cut = coverage(&mtl, maps);
         assert_eq!((cut.alpha, cut.factor, cut.texture), (Alpha::Blend, 0.5, Some(TextureId(7))));
         assert!(phong(&mtl, maps).transmission.is_none() && phong(&mtl, maps).diffuse == gray(0.5));
         assert_eq!(coverage(&self::mtl("d 0"), maps).factor, 1.0);
         assert!(matches!(physical(&mtl, maps), Some(Physical::MetallicRoughness { .. })));
-        assert_eq!(coverage(&self::mtl("Kd 0.5\nd 0.5"), Maps::default()), Coverage::ALL);
+        assert_eq!(coverage(&self::mtl("Kd 0.5\nd 0.5"), MaterialMaps::default()), Coverage::ALL);
     }
 
     #[test]
     fn a_texture_over_black_is_the_texture_alone() {
         let id = TextureId(3);
-        let maps = Maps { diffuse: Some(id), ..Maps::default() };
+        let maps = MaterialMaps { diffuse: Some(id), ..MaterialMaps::default() };
         assert_eq!(phong(&mtl("Kd 0"), maps).diffuse, ColorTexture::Textured(id, Rgb::WHITE));
         assert_eq!(phong(&mtl("Ns 3"), maps).diffuse, ColorTexture::Textured(id, Rgb::WHITE));
         assert_eq!(phong(&mtl("Kd 0.5"), maps).diffuse, ColorTexture::Textured(id, Rgb::gray(0.5)));

@@ -8,46 +8,45 @@
 //! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. What a file
 //! leaves out is replaced, with a warning: a library or image that is not there, a name that no library holds.
 
+mod bump_to_normal;
 mod document;
 mod face_shape;
 mod library;
-mod lines;
-mod map;
 mod material;
 mod mtl;
-mod relief;
 mod smoothing;
+mod texture_map;
 mod textures;
 
-use std::{path::Path, sync::Arc};
+use std::path::Path;
 
 use rt_geometry::{Face, MeshData, MeshError};
 use rt_image::Encoding;
-use rt_math::{Transform, Vec3};
+use rt_math::Vec3;
 
 use self::{
-    document::{BadLine, Document, Part},
+    document::{ObjDocument, ObjPart},
     face_shape::FaceShapes,
-    library::Library,
+    library::MaterialLibrary,
 };
 use crate::{
-    Content, LoadError, LoadOptions, MeshId, Model, NamedMesh, Node, Place, Problem, Reason, Warning,
-    files::{read_file, refuse_utf16},
-    forecast::{self, Sample},
-    limits,
-    mesh_build::build_mesh,
+    Content, LoadError, LoadErrorKind, LoadOptions, Model, Node, Warning,
+    build_mesh::build_mesh,
+    diagnostics::Diagnostics,
+    error::{ErrorAt, LineError},
+    files::refuse_utf16,
+    memory::{FileSample, load_within_budget},
     tangents,
+    text::lines::decode,
 };
 
 /// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    forecast::within(path, options, peak_bytes, || {
-        load_bytes(&read_file(path, options).map_err(|reason| reason.at(path, ""))?, path, options)
-    })
+    load_within_budget(path, options, peak_bytes, |bytes| load_bytes(&bytes, path, options))
 }
 
 /// Bytes of memory that loading takes at its peak.
-fn peak_bytes(sample: &Sample) -> u64 {
+fn peak_bytes(sample: &FileSample) -> u64 {
     let [vertices, attributes, corners] = sample.over_lines(|line| match line.trim_ascii_start() {
         [b'v', b' ' | b'\t', ..] => [1, 0, 0],
         [b'v', b't' | b'n', ..] => [0, 1, 0],
@@ -62,17 +61,20 @@ fn peak_bytes(sample: &Sample) -> u64 {
 
 /// Loads the model that `bytes` hold; `path` is for messages and for references to other files.
 pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    let bad = |lines: Vec<BadLine>| refuse(lines, path);
-    refuse_utf16(bytes).map_err(|reason| reason.at(path, ""))?;
-    let (source, not_utf8) = lines::decode(bytes);
-    let document = Document::parse(&source).map_err(bad)?;
+    let bad = |lines: Vec<LineError>| refuse(lines, path);
+    refuse_utf16(bytes).at(path, "")?;
+    let (source, not_utf8) = decode(bytes);
+    let document = ObjDocument::parse(&source).map_err(bad)?;
 
     let mut model = Model::default();
     if let Some(line) = not_utf8 {
-        model.warnings.push(warning(path, line, "bytes that are not UTF-8 are replaced".to_owned()));
+        model.warn(format_args!("{}:{}", path.display(), line), "bytes that are not UTF-8 are replaced".to_owned());
     }
     for (what, (count, line)) in &document.skipped {
-        model.warnings.push(warning(path, *line, format!("{what}: left out ({count} in the file, this is the first)")));
+        model.warn(
+            format_args!("{}:{}", path.display(), *line),
+            format!("{what}: left out ({count} in the file, this is the first)"),
+        );
     }
 
     // `tobj` finds no libraries in the sorted statements; they are read below.
@@ -84,64 +86,48 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         Err(error) => return Err(explain(error, &source, path)),
     };
 
-    let mut library = Library::open(&document.libraries, path, options, &mut model)?;
+    let mut library = MaterialLibrary::open(&document.libraries, path, options, &mut model)?;
     for group in groups {
         let Some(part) = group.name.parse().ok().and_then(|i: usize| document.parts.get(i)) else { continue };
         let place = format!("{}: {}", path.display(), display_name(part));
         let mut shapes = FaceShapes::default();
-        let data = mesh_data(&group.mesh, &mut shapes).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
+        let data =
+            mesh_data(&group.mesh, &mut shapes).map_err(|e| LoadErrorKind::from(e).at(path, display_name(part)))?;
         let warnings = shapes.messages().map(|message| Warning { place: place.clone(), message });
         model.warnings.extend(warnings);
         let mut data = smoothing::add_normals(data, part.smoothing);
-        if library.is_laid_along(part.material.as_deref()) {
+        if library.needs_tangents(part.material.as_deref()) {
             if data.uvs.is_empty() {
                 let message = "without texture coordinates there are no tangents: bumps and brushed metal are left out";
-                model.warnings.push(Warning { place: place.clone(), message: message.to_owned() });
+                model.warn(&place, message);
             } else {
                 let uvs = data.uvs.clone();
                 tangents::generate(&mut data, &uvs);
             }
         }
-        let mesh =
-            build_mesh(data, &place, &mut model.warnings).map_err(|e| Reason::from(e).at(path, display_name(part)))?;
+        let mesh = build_mesh(data, &place, &mut model.warnings)
+            .map_err(|e| LoadErrorKind::from(e).at(path, display_name(part)))?;
         let Some(mesh) = mesh else { continue };
         let has_colours = !mesh.data().colors.is_empty();
         let material = library.material(part.material.as_deref(), has_colours, &mut model)?;
-        let id = MeshId(model.meshes.len() as u32);
-        model.meshes.push(NamedMesh { name: part.name.clone(), mesh: Arc::new(mesh) });
-        model.nodes.push(Node {
-            name: part.name.clone(),
-            parent_from_local: Transform::IDENTITY,
-            moves_to: None,
-            content: Some(Content::Mesh(id)),
-            material,
-            casts_shadow: true,
-            children: Vec::new(),
-        });
+        let id = model.add_mesh(part.name.clone(), mesh);
+        model.nodes.push(Node { name: part.name.clone(), ..Node::new(Content::Mesh(id), material) });
     }
     if model.meshes.is_empty() {
-        return Err(Reason::Syntax("no triangle is left: the file has no usable faces".to_owned()).at(path, ""));
+        return Err(LoadErrorKind::Syntax("no triangle is left: the file has no usable faces".to_owned()).at(path, ""));
     }
     Ok(model)
 }
 
-fn display_name(part: &Part) -> String {
+fn display_name(part: &ObjPart) -> String {
     if part.name.is_empty() { "unnamed object".to_owned() } else { format!("object `{}`", part.name) }
 }
 
-fn warning(path: &Path, line: usize, message: String) -> Warning {
-    Warning { place: format!("{}:{line}", path.display()), message }
-}
-
-/// All of the lines as one error.
-fn refuse(mut lines: Vec<BadLine>, path: &Path) -> LoadError {
-    let more = lines.len().saturating_sub(limits::PROBLEMS);
-    lines.truncate(limits::PROBLEMS);
-    let named = lines.into_iter().map(|BadLine { line, message }| (Place::Line(line), Reason::Syntax(message)));
-    let rest = (more > 0).then_some((Place::File, Reason::More(more)));
-    let problem = |(place, reason)| Problem { file: path.display().to_string(), place, reason, excerpt: None };
-    let problems = named.chain(rest).map(problem).collect();
-    LoadError::from_problems(problems).unwrap_or_else(|| Reason::Empty.at(path, ""))
+/// All bad lines as one error.
+fn refuse(lines: Vec<LineError>, path: &Path) -> LoadError {
+    let mut diagnostics = Diagnostics::new(path);
+    diagnostics.add(lines.into_iter().map(|line| line.in_file(path)));
+    diagnostics.finish().err().unwrap_or_else(|| LoadErrorKind::Empty.at(path, ""))
 }
 
 /// `tobj` says which kind of statement it cannot read; those in the file are the culprits.
@@ -150,10 +136,10 @@ fn explain(error: tobj::LoadError, source: &str, path: &Path) -> LoadError {
         tobj::LoadError::PositionParseError => "v",
         tobj::LoadError::NormalParseError => "vn",
         tobj::LoadError::TexcoordParseError => "vt",
-        _ => return Reason::Syntax(error.to_string()).at(path, ""),
+        _ => return LoadErrorKind::Syntax(error.to_string()).at(path, ""),
     };
-    match Document::find_bad_numbers(source, keyword) {
-        lines if lines.is_empty() => Reason::Syntax(error.to_string()).at(path, ""),
+    match ObjDocument::find_bad_numbers(source, keyword) {
+        lines if lines.is_empty() => LoadErrorKind::Syntax(error.to_string()).at(path, ""),
         lines => refuse(lines, path),
     }
 }
@@ -162,7 +148,7 @@ fn explain(error: tobj::LoadError, source: &str, path: &Path) -> LoadError {
 fn mesh_data(mesh: &tobj::Mesh, shapes: &mut FaceShapes) -> Result<MeshData, MeshError> {
     let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<Vec3>>();
     let positions = vectors(&mesh.positions);
-    faces(mesh).for_each(|face| shapes.look_at(&positions, face.outline));
+    faces(mesh).for_each(|face| shapes.check(&positions, face.outline));
     let data = MeshData::from_polygons(positions, faces(mesh))?;
     let colors = linear_colours(&mesh.vertex_color);
     let uvs = mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], uv[1]]).collect();

@@ -5,15 +5,15 @@
 //! rest of the file counts.
 
 use super::library::UNUSED;
-use super::lines::{Line, lines};
-use super::map::Map;
+use super::texture_map::TextureMap;
+use crate::text::lines::{Line, lines};
 
 /// A statement that was left out: its line, and why.
 pub(super) type Complaint = (usize, String);
 
 /// A statement that the format does not have, or that has no meaning here.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct Unknown {
+pub(super) struct UnknownStatement {
     /// Where it stands first.
     pub(super) line: usize,
     pub(super) keyword: String,
@@ -23,14 +23,14 @@ pub(super) struct Unknown {
 
 /// The content of a file.
 #[derive(Debug, Default)]
-pub(super) struct Library {
+pub(super) struct MtlFile {
     /// All numbers are finite and not negative. Tf, Tr, map_Ke and the physical parameters (Pr, Pm, ...) are among the unknown
     /// parameters.
     pub(super) materials: Vec<tobj::Material>,
     /// What was left out because it is wrong.
-    pub(super) complaints: Vec<Complaint>,
+    pub(super) warnings: Vec<Complaint>,
     /// What was left out because it is unknown: each keyword once.
-    pub(super) unknown: Vec<Unknown>,
+    pub(super) unknown: Vec<UnknownStatement>,
 }
 
 /// Most keywords that are told of.
@@ -44,16 +44,16 @@ const KEYWORDS: [&str; 33] = [
 ];
 
 /// The materials of a file, and what was left out of it.
-pub(super) fn parse(text: &str) -> Library {
+pub(super) fn parse(text: &str) -> MtlFile {
     let mut clean = String::new();
-    let mut complaints = Vec::new();
-    let mut unknown: Vec<Unknown> = Vec::new();
-    let mut is_nobodys = false;
+    let mut warnings = Vec::new();
+    let mut unknown: Vec<UnknownStatement> = Vec::new();
+    let mut has_no_material = false;
     for line in lines(text) {
         let statement = statement(&line);
         if line.split().0.eq_ignore_ascii_case("newmtl") {
-            is_nobodys = statement.is_err();
-        } else if is_nobodys {
+            has_no_material = statement.is_err();
+        } else if has_no_material {
             continue;
         }
         let word = line.split().0;
@@ -62,7 +62,7 @@ pub(super) fn parse(text: &str) -> Library {
             if let Some(unknown) = known.and_then(|index| unknown.get_mut(index)) {
                 unknown.count += 1;
             } else if unknown.len() < MAX_UNKNOWN {
-                unknown.push(Unknown { line: line.number, keyword: word.to_owned(), count: 1 });
+                unknown.push(UnknownStatement { line: line.number, keyword: word.to_owned(), count: 1 });
             }
             continue;
         }
@@ -71,14 +71,14 @@ pub(super) fn parse(text: &str) -> Library {
                 clean.push_str(&statement);
                 clean.push('\n');
             }
-            Err(reason) => complaints.push((line.number, reason)),
+            Err(reason) => warnings.push((line.number, reason)),
         }
     }
     match tobj::load_mtl_buf(&mut clean.as_bytes()) {
-        Ok((materials, _)) => Library { materials, complaints, unknown },
+        Ok((materials, _)) => MtlFile { materials, warnings, unknown },
         Err(error) => {
-            complaints.push((1, format!("no material can be read: {error}")));
-            Library { materials: Vec::new(), complaints, unknown }
+            warnings.push((1, format!("no material can be read: {error}")));
+            MtlFile { materials: Vec::new(), warnings, unknown }
         }
     }
 }
@@ -110,7 +110,7 @@ fn statement(line: &Line<'_>) -> Result<String, String> {
         }
         "newmtl" if rest.is_empty() => Err("`newmtl` needs a name, and so do the statements that follow it".to_owned()),
         _ if rest.is_empty() => Err(format!("`{word}` needs a name")),
-        _ if is_map(keyword) && Map::parse(rest).is_none() => Err(format!("`{word} {rest}` names no image")),
+        _ if is_map(keyword) && TextureMap::parse(rest).is_none() => Err(format!("`{word} {rest}` names no image")),
         _ => Ok(format!("{keyword} {rest}")),
     }
 }
@@ -141,8 +141,8 @@ mod tests {
     fn good_statements_reach_the_material() {
         let text = "newmtl a b\nKd .5 0.25 1e-1 # red\nks 0.5\nNS 12\nd -halo 0.25\nillum 7\nmap_kd -s 1 1 1 a b.png\n\
                     Tf 1 1 1\nnewmtl c\nmap_Ke e.png\nPr 0.5";
-        let Library { materials, complaints, .. } = parse(text);
-        assert_eq!(complaints, []);
+        let MtlFile { materials, warnings, .. } = parse(text);
+        assert_eq!(warnings, []);
         let [a, c] = &materials[..] else { panic!("two materials") };
         assert_eq!((a.name.as_str(), c.name.as_str()), ("a b", "c"));
         assert_eq!((a.diffuse, a.specular), (Some([0.5, 0.25, 0.1]), Some([0.5; 3])));
@@ -154,30 +154,30 @@ mod tests {
 
     #[test]
     fn a_material_without_a_name_changed_the_one_before_it() {
-        let Library { materials, complaints, .. } = parse("newmtl a\nKd 0 1 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 0 1\n");
+        let MtlFile { materials, warnings, .. } = parse("newmtl a\nKd 0 1 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 0 1\n");
         let colours: Vec<_> = materials.iter().map(|material| material.diffuse).collect();
         assert_eq!(colours, [Some([0.0, 1.0, 0.0]), Some([0.0, 0.0, 1.0])]);
-        assert_eq!(complaints.len(), 1);
-        assert!(complaints[0].0 == 3 && complaints[0].1.contains("needs a name"), "{complaints:?}");
+        assert_eq!(warnings.len(), 1);
+        assert!(warnings[0].0 == 3 && warnings[0].1.contains("needs a name"), "{warnings:?}");
     }
 
     #[test]
     fn maps_that_name_no_image_were_left_out_without_a_word() {
-        let Library { complaints, .. } = parse("newmtl a\nmap_Kd -s 2 2\nbump -bm 1\n");
+        let MtlFile { warnings, .. } = parse("newmtl a\nmap_Kd -s 2 2\nbump -bm 1\n");
         let expected =
             [(2, "`map_Kd -s 2 2` names no image".to_owned()), (3, "`bump -bm 1` names no image".to_owned())];
-        assert_eq!(complaints, expected);
+        assert_eq!(warnings, expected);
     }
 
     #[test]
     fn bad_statements_are_left_out_with_their_line() {
         let text = "newmtl a\nKd 1 2\nKs x 1 1\nKa\nNs -1\nNi nan\nillum 11\nmap_Kd\nKe 1 1 1e99\nKd 1 1 1\nnewmtl\n";
-        let Library { materials, complaints, .. } = parse(text);
+        let MtlFile { materials, warnings, .. } = parse(text);
         assert_eq!(materials.len(), 1);
         assert_eq!((materials[0].diffuse, materials[0].specular), (Some([1.0; 3]), None));
-        let lines: Vec<usize> = complaints.iter().map(|(line, _)| *line).collect();
+        let lines: Vec<usize> = warnings.iter().map(|(line, _)| *line).collect();
         assert_eq!(lines, [2, 3, 4, 5, 6, 7, 8, 9, 11]);
-        assert_eq!(complaints[0].1, "`Kd` needs one or three numbers, but has 2");
-        assert_eq!(complaints[3].1, "-1 is not a finite number of at least 0");
+        assert_eq!(warnings[0].1, "`Kd` needs one or three numbers, but has 2");
+        assert_eq!(warnings[3].1, "-1 is not a finite number of at least 0");
     }
 }

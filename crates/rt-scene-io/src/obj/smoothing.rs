@@ -12,7 +12,7 @@ use crate::limits;
 pub(super) enum Smoothing {
     /// Nothing. Edges are smoothed where the surface bends by less than some 41°, so that scanned and curved models
     /// look round and boxes keep their edges.
-    Unsaid,
+    Unspecified,
     /// `s off` or `s 0`: flat faces.
     Off,
     /// Faces of the same group share normals, however sharp the edge.
@@ -34,10 +34,10 @@ pub(super) fn add_normals(mesh: MeshData, smoothing: Smoothing) -> MeshData {
     }
     let crease = match smoothing {
         Smoothing::Off => return mesh,
-        Smoothing::Unsaid => Some(CREASE_COSINE),
+        Smoothing::Unspecified => Some(CREASE_COSINE),
         Smoothing::Group(_) => None,
     };
-    let faces = Faces::new(&mesh);
+    let faces = FaceAdjacency::new(&mesh);
     let mut out = MeshData { triangles: mesh.triangles.clone(), ..MeshData::default() };
     let mut known: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
     for (face, triangle) in out.triangles.iter_mut().enumerate() {
@@ -57,7 +57,7 @@ pub(super) fn add_normals(mesh: MeshData, smoothing: Smoothing) -> MeshData {
 }
 
 /// Faces, and which of them meet at each point.
-struct Faces {
+struct FaceAdjacency {
     /// Unit normal and area of each; zero for faces without area.
     normals: Vec<(DVec3, f64)>,
     /// The point at which a vertex stands.
@@ -69,7 +69,7 @@ struct Faces {
     sums: Vec<DVec3>,
 }
 
-impl Faces {
+impl FaceAdjacency {
     fn new(mesh: &MeshData) -> Self {
         let mut points = HashMap::new();
         // Adding zero makes −0 equal to 0.
@@ -154,14 +154,14 @@ mod tests {
 
     #[test]
     fn gentle_edges_are_smoothed_and_sharp_ones_kept() {
-        let gentle = add_normals(roof(0.5), Smoothing::Unsaid);
+        let gentle = add_normals(roof(0.5), Smoothing::Unspecified);
         assert_eq!(gentle.positions.len(), 6, "no vertex is repeated");
         let ridge = gentle.normals[1].as_dvec3();
         // The sum of (0, 0, 1) and (−1/2, 0, 1), which is area times normal of each side.
         assert!((ridge - DVec3::new(-0.5, 0.0, 2.0).normalize()).length() < 0.13);
         assert!(ridge.x < -0.1);
 
-        let sharp = add_normals(roof(2.0), Smoothing::Unsaid);
+        let sharp = add_normals(roof(2.0), Smoothing::Unspecified);
         assert_eq!(sharp.positions.len(), 8, "the two vertices of the ridge are repeated");
         let flat = DVec3::new(-2.0, 0.0, 1.0).normalize().as_vec3();
         assert!(sharp.normals.iter().all(|n| (*n - Vec3::Z).length() < 1e-6 || (*n - flat).length() < 1e-6));
@@ -172,7 +172,7 @@ mod tests {
     fn normals_that_a_file_gives_are_kept() {
         let tilted = Vec3::new(0.6, 0.0, 0.8);
         let given = MeshData { normals: vec![tilted; 6], ..roof(0.5) };
-        for smoothing in [Smoothing::Unsaid, Smoothing::Group(1), Smoothing::Off] {
+        for smoothing in [Smoothing::Unspecified, Smoothing::Group(1), Smoothing::Off] {
             assert_eq!(add_normals(given.clone(), smoothing), given);
         }
     }
@@ -195,7 +195,7 @@ mod tests {
             uvs: (0..12).map(|i| [i as f32, 0.0]).collect(),
             ..MeshData::default()
         };
-        let (a, b) = (add_normals(shared, Smoothing::Unsaid), add_normals(soup, Smoothing::Unsaid));
+        let (a, b) = (add_normals(shared, Smoothing::Unspecified), add_normals(soup, Smoothing::Unspecified));
         for (s, t) in a.triangles.iter().flatten().zip(b.triangles.iter().flatten()) {
             assert_eq!(a.normals[*s as usize], b.normals[*t as usize]);
         }
@@ -209,7 +209,7 @@ mod tests {
         positions.extend((0..rim).map(|i| Vec3::new(1.0, i as f32, (i % 3) as f32)));
         let triangles = (1..rim).map(|i| [0, i, i + 1]).collect();
         let mesh = MeshData { positions, triangles, ..MeshData::default() };
-        let smooth = add_normals(mesh, Smoothing::Unsaid);
+        let smooth = add_normals(mesh, Smoothing::Unspecified);
         assert_eq!(smooth.normals.len(), smooth.positions.len());
     }
 }

@@ -8,19 +8,20 @@ use std::{
 
 use rt_shading::{Bitmap, Channel, Texture, TextureId, Wrap};
 
-use super::{map::Map, relief};
+use super::{bump_to_normal, texture_map::TextureMap};
+use crate::error::ErrorAt;
 use crate::{
-    LoadError, LoadOptions, Model, Reason, Warning,
+    LoadError, LoadErrorKind, LoadOptions, Model,
     files::{is_absolute, read_texture_as, resolve_path},
     limits,
-    texture::Pixels,
+    texture::PixelEncoding,
 };
 
 /// What the pixels of an image say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Meaning {
+pub(super) enum PixelMeaning {
     /// Colours.
-    Colours,
+    Colors,
     /// Numbers, such as how rough the surface is.
     Numbers,
     /// How much of the surface is there: alpha if the image has it, else its red part, unless the file says.
@@ -29,14 +30,14 @@ pub(super) enum Meaning {
     Relief,
 }
 
-pub(super) struct Textures<'a> {
+pub(super) struct ObjTextures<'a> {
     options: &'a LoadOptions,
     /// By file, whether it ends at its edge, and what it says.
-    known: HashMap<(PathBuf, bool, Meaning), TextureId>,
+    known: HashMap<(PathBuf, bool, PixelMeaning), TextureId>,
     bytes: u64,
 }
 
-impl<'a> Textures<'a> {
+impl<'a> ObjTextures<'a> {
     pub(super) fn new(options: &'a LoadOptions) -> Self {
         Self { options, known: HashMap::new(), bytes: 0 }
     }
@@ -44,8 +45,8 @@ impl<'a> Textures<'a> {
     /// The texture of a map in the library `file`. An image that is not there is a warning; a damaged one is an error.
     pub(super) fn texture(
         &mut self,
-        map: &Map,
-        meaning: Meaning,
+        map: &TextureMap,
+        meaning: PixelMeaning,
         file: &Path,
         material: &str,
         model: &mut Model,
@@ -53,16 +54,16 @@ impl<'a> Textures<'a> {
         let place = format!("material `{material}`");
         let mut warn = |message| {
             let place = format!("{}: {place}", file.display());
-            model.warnings.push(Warning { place, message });
+            model.warn(place, message);
         };
         for option in &map.ignored {
             warn(format!("the texture option `{option}` of `{}` is not followed", map.file));
         }
         let instead = match meaning {
-            Meaning::Colours => "the plain colour is used",
-            Meaning::Numbers => "the plain number is used",
-            Meaning::Cover(_) => "the surface is whole",
-            Meaning::Relief => "the surface is smooth",
+            PixelMeaning::Colors => "the plain colour is used",
+            PixelMeaning::Numbers => "the plain number is used",
+            PixelMeaning::Cover(_) => "the surface is whole",
+            PixelMeaning::Relief => "the surface is smooth",
         };
         // It was there on the machine of whoever made the model.
         if is_absolute(&map.file) {
@@ -71,7 +72,7 @@ impl<'a> Textures<'a> {
         }
         let image = match resolve_path(&map.file, file, self.options) {
             Ok(image) => image,
-            Err(Reason::MissingReference { .. }) => {
+            Err(LoadErrorKind::MissingReference { .. }) => {
                 warn(format!("the image `{}` is not there; {instead}", map.file));
                 return Ok(None);
             }
@@ -80,7 +81,7 @@ impl<'a> Textures<'a> {
         let id = self.image(image, map.clamp, meaning, model)?;
         if map.has_own_coordinates() {
             let Some(texture) = model.textures.get(id.0 as usize).cloned().map(Arc::new) else { return Ok(None) };
-            return Ok(Some(push(Texture::Mapped { texture, map: map.coordinates() }, model)));
+            return Ok(Some(model.add_texture(Texture::Mapped { texture, map: map.coordinates() })));
         }
         Ok(Some(id))
     }
@@ -89,7 +90,7 @@ impl<'a> Textures<'a> {
         &mut self,
         file: PathBuf,
         clamp: bool,
-        meaning: Meaning,
+        meaning: PixelMeaning,
         model: &mut Model,
     ) -> Result<TextureId, LoadError> {
         let key = (file, clamp, meaning);
@@ -97,39 +98,35 @@ impl<'a> Textures<'a> {
             return Ok(known);
         }
         let file = &key.0;
-        let bitmap = self.decoded(file, clamp, meaning).map_err(|reason| reason.at(file, ""))?;
+        let bitmap = self.decoded(file, clamp, meaning).at(file, "")?;
         self.bytes += bitmap.memory() as u64;
         if self.bytes > limits::MODEL_TEXTURE_BYTES {
             let (value, limit) = (self.bytes, limits::MODEL_TEXTURE_BYTES);
-            return Err(Reason::TooLarge { what: "the memory of all textures in bytes", value, limit }.at(file, ""));
+            return Err(LoadErrorKind::too_large("the memory of all textures in bytes", value, limit).at(file, ""));
         }
         let wrap = [if clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
-        let id = push(Texture::Image { bitmap: Arc::new(bitmap), wrap, smooth: true }, model);
+        let id = model.add_texture(Texture::Image { bitmap: Arc::new(bitmap), wrap, smooth: true });
         self.known.insert(key, id);
         Ok(id)
     }
 
-    fn decoded(&self, file: &Path, clamp: bool, meaning: Meaning) -> Result<Bitmap, Reason> {
-        let pixels = if meaning == Meaning::Colours { Pixels::Colours } else { Pixels::Numbers };
+    fn decoded(&self, file: &Path, clamp: bool, meaning: PixelMeaning) -> Result<Bitmap, LoadErrorKind> {
+        let pixels = if meaning == PixelMeaning::Colors { PixelEncoding::Colors } else { PixelEncoding::Numbers };
         let mut bitmap = read_texture_as(file, pixels, self.options)?;
         match meaning {
-            Meaning::Colours | Meaning::Numbers => {}
-            Meaning::Cover(channel) => {
+            PixelMeaning::Colors | PixelMeaning::Numbers => {}
+            PixelMeaning::Cover(channel) => {
                 let more = format_args!("the texture {}", file.display());
                 self.options.memory.keep(more, (bitmap.pixels.len() * size_of::<f32>()) as u64)?;
                 cover(&mut bitmap, channel);
             }
-            Meaning::Relief if relief::is_height(&bitmap) => relief::normals_from_heights(&mut bitmap, clamp),
-            Meaning::Relief => {}
+            PixelMeaning::Relief if bump_to_normal::is_height(&bitmap) => {
+                bump_to_normal::normals_from_heights(&mut bitmap, clamp)
+            }
+            PixelMeaning::Relief => {}
         }
         Ok(bitmap)
     }
-}
-
-/// Adds a texture to those of the model.
-pub(super) fn push(texture: Texture, model: &mut Model) -> TextureId {
-    model.textures.push(texture);
-    TextureId(model.textures.len() as u32 - 1)
 }
 
 /// Makes alpha of what the pixels say about how much of the surface is there.

@@ -15,16 +15,16 @@ use rt_math::transcendental::cos;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_shading::{Falloff, Light, LightKind, LightUnits};
 
-use super::Files;
+use super::FileScope;
 use super::material::unknown;
 use super::parameters::Parameters;
 use super::spectrum::colour;
-use crate::flaw::Flaw;
-use crate::{Reason, read_texture, resolve_path};
+use crate::error::LineError;
+use crate::{LoadErrorKind, read_texture, resolve_path};
 
 /// Something that shines on the scene.
 #[derive(Debug)]
-pub(super) enum Source {
+pub(super) enum PbrtLight {
     Light(Light),
     /// The same radiance from everywhere.
     Sky(Rgb),
@@ -40,28 +40,28 @@ pub(super) fn read(
     kind: &str,
     parameters: &Parameters,
     place: &Transform,
-    files: Files<'_>,
-) -> Result<(Source, Vec<String>), Flaw> {
+    files: FileScope<'_>,
+) -> Result<(PbrtLight, Vec<String>), LineError> {
     let name = match kind {
         "point" | "spot" => "I",
         "distant" | "infinite" => "L",
-        "goniometric" | "projection" => return Ok((Source::Unsupported, Vec::new())),
+        "goniometric" | "projection" => return Ok((PbrtLight::Unsupported, Vec::new())),
         other => return Err(unknown("light", other, parameters.line, KINDS)),
     };
     let given = colour(parameters, name)?;
-    let (colour, loss) = given.unwrap_or((Rgb::WHITE, None));
-    let mut losses = Vec::from_iter(loss);
+    let (colour, warning) = given.unwrap_or((Rgb::WHITE, None));
+    let mut warnings = Vec::from_iter(warning);
     let intensity = colour * parameters.not_negative("scale", 1.0)?;
     let position = place.point(parameters.point("from", DVec3::ZERO)?);
     let source = match kind {
         "point" => {
             let falloff = Falloff::InverseSquare;
             let factor = level(parameters, "power", 1.0 / (2.0 * TAU))?;
-            lamp(parameters, LightKind::Point { position, falloff, lamp_radius: 0.0 }, intensity * factor)
+            delta_light(parameters, LightKind::Point { position, falloff, lamp_radius: 0.0 }, intensity * factor)
         }
         "distant" => {
             let kind = LightKind::Directional { direction: aim(parameters, place)? };
-            lamp(parameters, kind, intensity * level(parameters, "illuminance", 1.0)?)
+            delta_light(parameters, kind, intensity * level(parameters, "illuminance", 1.0)?)
         }
         "spot" => {
             let kind = spot(parameters, position, aim(parameters, place)?)?;
@@ -69,48 +69,52 @@ pub(super) fn read(
                 LightKind::Spot { cos_inner, cos_outer, .. } => PI * (2.0 - cos_inner - cos_outer),
                 _ => 2.0 * TAU,
             };
-            lamp(parameters, kind, intensity * level(parameters, "power", 1.0 / spread)?)
+            delta_light(parameters, kind, intensity * level(parameters, "power", 1.0 / spread)?)
         }
         _ => {
             let Some(file) = parameters.word("filename", "string")? else {
-                return Ok((Source::Sky(intensity * level(parameters, "illuminance", FRAC_1_PI)?), losses));
+                return Ok((PbrtLight::Sky(intensity * level(parameters, "illuminance", FRAC_1_PI)?), warnings));
             };
-            let mean = mean_of_map(file, files).map_err(|reason| Flaw { line: parameters.line, reason })?;
-            losses.push(format!(
+            let mean = mean_of_map(file, files).map_err(|kind| LineError { line: parameters.line, kind })?;
+            warnings.push(format!(
                 "the image \"{file}\" all around became its mean, {mean:?}: octahedral maps are not shown"
             ));
-            Source::Sky(mean * parameters.not_negative("scale", 1.0)?)
+            PbrtLight::Sky(mean * parameters.not_negative("scale", 1.0)?)
         }
     };
-    Ok((source, losses))
+    Ok((source, warnings))
 }
 
-fn lamp(parameters: &Parameters, kind: LightKind, intensity: Rgb) -> Source {
+fn delta_light(parameters: &Parameters, kind: LightKind, intensity: Rgb) -> PbrtLight {
     let name = format!("line {}", parameters.line);
-    Source::Light(Light { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true })
+    PbrtLight::Light(Light { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true })
 }
 
 /// Factor for a light whose whole `power` or `illuminance` is given; 1 where it is not, or not positive.
-fn level(parameters: &Parameters, name: &str, per_unit: f64) -> Result<f64, Flaw> {
+fn level(parameters: &Parameters, name: &str, per_unit: f64) -> Result<f64, LineError> {
     let given = parameters.float(name, 0.0)?;
     Ok(if given > 0.0 { given * per_unit } else { 1.0 })
 }
 
 /// The direction in which it shines.
-fn aim(parameters: &Parameters, place: &Transform) -> Result<DVec3, Flaw> {
+fn aim(parameters: &Parameters, place: &Transform) -> Result<DVec3, LineError> {
     let (from, to) = (parameters.point("from", DVec3::ZERO)?, parameters.point("to", DVec3::Z)?);
     place.vector(to - from).try_normalize().ok_or_else(|| {
-        Flaw::new(parameters.line, format_args!("the way from {from} to {to}"), "has no direction: move one of them")
+        LineError::new(
+            parameters.line,
+            format_args!("the way from {from} to {to}"),
+            "has no direction: move one of them",
+        )
     })
 }
 
 /// A cone whose edge fades, here by the squared ramp of our spot lights.
-fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<LightKind, Flaw> {
+fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<LightKind, LineError> {
     let outer = parameters.float("coneangle", 30.0)?;
     let inner = outer - parameters.float("conedeltaangle", 5.0)?;
     if !(0.0 <= inner && inner <= outer && 0.0 < outer && outer <= 90.0) {
         let rule = "must be angles with 0 <= inner <= outer <= 90, and outer above 0";
-        return Err(Flaw::new(parameters.line, format_args!("a cone from {inner} to {outer} degrees"), rule));
+        return Err(LineError::new(parameters.line, format_args!("a cone from {inner} to {outer} degrees"), rule));
     }
     let cos_outer = cos(outer.to_radians()).clamp(0.0, 1.0_f64.next_down());
     let cos_inner = cos(inner.to_radians()).max(cos_outer.next_up());
@@ -118,8 +122,8 @@ fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<Li
 }
 
 /// The mean radiance of a map of equal areas.
-fn mean_of_map(file: &str, files: Files<'_>) -> Result<Rgb, Reason> {
-    let bad = |rule: String| Reason::BadReference { reference: file.to_owned(), rule };
+fn mean_of_map(file: &str, files: FileScope<'_>) -> Result<Rgb, LoadErrorKind> {
+    let bad = |rule: String| LoadErrorKind::BadReference { reference: file.to_owned(), rule };
     let path = resolve_path(file, files.root_file, files.options)?;
     let bitmap = read_texture(&path, files.options).map_err(|reason| bad(reason.to_string()))?;
     if bitmap.width != bitmap.height {

@@ -12,14 +12,14 @@
 
 use rt_math::Rgb;
 use rt_shading::bsdf::ComplexIor;
-use rt_shading::{ColorTexture, Phong, Physical, Transmission};
+use rt_shading::{ColorTexture, Phong, Physical};
 
 use super::parameters::{Parameters, Values};
 use super::spectrum::{colour, glass, metal};
-use super::texture::Textures;
-use crate::classical::{self, BARE, PANE_MIRROR, diffuse};
-use crate::flaw::Flaw;
-use crate::{Material, Reason};
+use super::texture::PbrtTextures;
+use crate::error::LineError;
+use crate::phong_fallback::{self, BLACK, diffuse};
+use crate::{LoadErrorKind, Material};
 
 /// Kinds of materials that only other programs have.
 const UNSUPPORTED: [&str; 5] = ["coatedconductor", "diffusetransmission", "hair", "measured", "subsurface"];
@@ -29,58 +29,47 @@ const SUPPORTED: [&str; 9] =
     ["diffuse", "coateddiffuse", "conductor", "dielectric", "thindielectric", "mix", "interface", "none", ""];
 
 /// What a surface is made of; `None` for the border of a medium, which is not seen.
-pub(super) type Surface = Option<Material>;
+pub(super) type OptionalMaterial = Option<Material>;
 
 /// Reads a material of this kind. `find` gives the parts of a mix by their names.
 pub(super) fn read(
     kind: &str,
     parameters: &Parameters,
-    textures: &Textures,
-    find: impl Fn(&str) -> Result<Surface, Flaw>,
-    losses: &mut Vec<String>,
-) -> Result<Surface, Flaw> {
+    textures: &PbrtTextures,
+    find: impl Fn(&str) -> Result<OptionalMaterial, LineError>,
+    warnings: &mut Vec<String>,
+) -> Result<OptionalMaterial, LineError> {
     let name = format!("line {}", parameters.line);
     let made = |phong, physical| Material { physical: Some(physical), ..Material::new(name.clone(), phong) };
-    let reader = Reader { parameters, textures };
+    let reader = MaterialParameters { parameters, textures };
     Ok(Some(match kind {
         "diffuse" => {
-            let albedo = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), losses)?;
+            let albedo = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), warnings)?;
             made(diffuse(albedo), Physical::Diffuse { albedo, roughness: 0.0 })
         }
         "coateddiffuse" => {
-            let base_color = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), losses)?;
-            let roughness = reader.roughness(losses)?;
+            let base_color = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), warnings)?;
+            let roughness = reader.roughness(warnings)?;
             made(diffuse(base_color), Physical::MetallicRoughness { base_color, metallic: 0.0, roughness })
         }
         "conductor" => {
-            let (phong, physical) = reader.conductor(losses)?;
+            let (phong, physical) = reader.conductor(warnings)?;
             made(phong, physical)
         }
         "dielectric" => {
-            let (ior, roughness) = (reader.ior(losses)?, reader.roughness(losses)?);
+            let (ior, roughness) = (reader.ior(warnings)?, reader.roughness(warnings)?);
             let transmittance = ColorTexture::Constant(Rgb::WHITE);
-            let inside =
-                Transmission { coefficient: transmittance, ior, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
-            let phong = Phong { mirror: transmittance, transmission: Some(inside), ..BARE };
+            let phong = phong_fallback::dielectric(ior, transmittance, Rgb::BLACK, 0);
             made(phong, Physical::Dielectric { roughness, transmittance })
         }
         "thindielectric" => {
-            let (ior, transmittance) = (reader.ior(losses)?, ColorTexture::Constant(Rgb::WHITE));
-            let air = Transmission {
-                coefficient: transmittance,
-                ior: 1.0,
-                fresnel: false,
-                absorption: Rgb::BLACK,
-                priority: 0,
-            };
-            let phong =
-                Phong { mirror: ColorTexture::Constant(Rgb::gray(PANE_MIRROR)), transmission: Some(air), ..BARE };
-            made(phong, Physical::ThinGlass { ior, transmittance })
+            let (ior, transmittance) = (reader.ior(warnings)?, ColorTexture::Constant(Rgb::WHITE));
+            made(phong_fallback::thin_dielectric(transmittance), Physical::ThinGlass { ior, transmittance })
         }
-        "mix" => return reader.mix(find, losses),
+        "mix" => return reader.mix(find, warnings),
         "interface" | "none" | "" => return Ok(None),
         other if UNSUPPORTED.contains(&other) => {
-            losses.push(format!("the material \"{other}\" is not supported: grey is in its place"));
+            warnings.push(format!("the material \"{other}\" is not supported: grey is in its place"));
             let albedo = ColorTexture::Constant(Rgb::gray(0.5));
             made(diffuse(albedo), Physical::Diffuse { albedo, roughness: 0.0 })
         }
@@ -94,30 +83,30 @@ pub(super) fn unknown<'a>(
     found: &str,
     line: usize,
     known: impl IntoIterator<Item = &'a str>,
-) -> Flaw {
+) -> LineError {
     let known = known.into_iter().filter(|word| !word.is_empty()).map(str::to_owned).collect();
-    Flaw { line, reason: Reason::UnknownWord { kind, found: found.to_owned(), known } }
+    LineError { line, kind: LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known } }
 }
 
 /// What shines with this radiance and scatters nothing.
 pub(super) fn black() -> Material {
-    Material { physical: Some(Physical::Black), ..Material::new("lamp".to_owned(), BARE) }
+    Material { physical: Some(Physical::Black), ..Material::new("lamp".to_owned(), BLACK) }
 }
 
-struct Reader<'r> {
+struct MaterialParameters<'r> {
     parameters: &'r Parameters,
-    textures: &'r Textures,
+    textures: &'r PbrtTextures,
 }
 
-impl Reader<'_> {
+impl MaterialParameters<'_> {
     /// Our roughness, by that of the file.
-    fn roughness(&self, losses: &mut Vec<String>) -> Result<f64, Flaw> {
+    fn roughness(&self, warnings: &mut Vec<String>) -> Result<f64, LineError> {
         let p = self.parameters;
-        let both = self.textures.number(p, "roughness", 0.0, losses)?;
-        let along = self.textures.number(p, "uroughness", both, losses)?;
-        let across = self.textures.number(p, "vroughness", both, losses)?;
+        let both = self.textures.number(p, "roughness", 0.0, warnings)?;
+        let along = self.textures.number(p, "uroughness", both, warnings)?;
+        let across = self.textures.number(p, "vroughness", both, warnings)?;
         if along != across {
-            losses
+            warnings
                 .push(format!("a surface of roughness {along} along u and {across} along v has their mean all around"));
         }
         let roughness = 0.5 * (along + across);
@@ -126,80 +115,84 @@ impl Reader<'_> {
         if alpha <= 1.0 {
             return Ok(alpha.sqrt());
         }
-        losses.push(format!("roughness {roughness} is more than there is: it became 1"));
+        warnings.push(format!("roughness {roughness} is more than there is: it became 1"));
         Ok(1.0)
     }
 
-    fn ior(&self, losses: &mut Vec<String>) -> Result<f64, Flaw> {
+    fn ior(&self, warnings: &mut Vec<String>) -> Result<f64, LineError> {
         let p = self.parameters;
         let Some(eta) = p.get("eta") else { return Ok(1.5) };
         match &eta.values {
             Values::Words(words) => Ok(words.first().and_then(|name| glass(name)).unwrap_or_else(|| {
-                losses.push(format!("the spectrum {words:?} of \"eta\" is not known: 1.5 is in its place"));
+                warnings.push(format!("the spectrum {words:?} of \"eta\" is not known: 1.5 is in its place"));
                 1.5
             })),
             Values::Numbers(_) if eta.kind == "float" => p.positive("eta", 1.5),
             Values::Numbers(_) => {
                 let (rgb, _) = colour(p, "eta")?.unwrap_or_default();
-                losses.push("an index of refraction that changes with the colour became that of green".to_owned());
-                if rgb.g > 0.0 { Ok(rgb.g) } else { Err(eta.flaw(rgb.g, "must be above 0")) }
+                warnings.push("an index of refraction that changes with the colour became that of green".to_owned());
+                if rgb.g > 0.0 { Ok(rgb.g) } else { Err(eta.error(rgb.g, "must be above 0")) }
             }
         }
     }
 
-    fn conductor(&self, losses: &mut Vec<String>) -> Result<(Phong, Physical), Flaw> {
-        let (p, roughness) = (self.parameters, self.roughness(losses)?);
+    fn conductor(&self, warnings: &mut Vec<String>) -> Result<(Phong, Physical), LineError> {
+        let (p, roughness) = (self.parameters, self.roughness(warnings)?);
         if p.get("reflectance").is_some() {
-            let base_color = self.textures.coefficient(p, "reflectance", Rgb::WHITE, losses)?;
+            let base_color = self.textures.coefficient(p, "reflectance", Rgb::WHITE, warnings)?;
             let physical = Physical::MetallicRoughness { base_color, metallic: 1.0, roughness };
-            return Ok((classical::metal(base_color, roughness), physical));
+            return Ok((phong_fallback::metal(base_color, roughness), physical));
         }
         let mut half = |name: &str, of: fn(&ComplexIor) -> Rgb| match p.get(name) {
             None => Ok(of(&ComplexIor::COPPER)),
             Some(parameter) => match &parameter.values {
                 Values::Words(words) => Ok(words.first().and_then(|name| metal(name)).map_or_else(
                     || {
-                        losses
+                        warnings
                             .push(format!("the spectrum {words:?} of \"{name}\" is not known: copper is in its place"));
                         of(&ComplexIor::COPPER)
                     },
                     |known| of(&known),
                 )),
-                Values::Numbers(_) => Ok(colour(p, name)?.map_or(Rgb::WHITE, |(rgb, loss)| {
-                    losses.extend(loss);
+                Values::Numbers(_) => Ok(colour(p, name)?.map_or(Rgb::WHITE, |(rgb, warning)| {
+                    warnings.extend(warning);
                     rgb
                 })),
             },
         };
         let ior = ComplexIor { n: half("eta", |ior| ior.n)?, k: half("k", |ior| ior.k)? };
         let reflectance = ColorTexture::Constant(ior.fresnel(1.0));
-        Ok((classical::metal(reflectance, roughness), Physical::Conductor { ior, roughness }))
+        Ok((phong_fallback::metal(reflectance, roughness), Physical::Conductor { ior, roughness }))
     }
 
-    fn mix(&self, find: impl Fn(&str) -> Result<Surface, Flaw>, losses: &mut Vec<String>) -> Result<Surface, Flaw> {
+    fn mix(
+        &self,
+        find: impl Fn(&str) -> Result<OptionalMaterial, LineError>,
+        warnings: &mut Vec<String>,
+    ) -> Result<OptionalMaterial, LineError> {
         let p = self.parameters;
-        let amount = self.textures.number(p, "amount", 0.5, losses)?;
+        let amount = self.textures.number(p, "amount", 0.5, warnings)?;
         let names = match p.get("materials").map(|parameter| &parameter.values) {
             Some(Values::Words(names)) if names.len() == 2 => names,
-            _ => return Err(Flaw::new(p.line, "a mix", "has no \"string materials\" of two names: add them")),
+            _ => return Err(LineError::new(p.line, "a mix", "has no \"string materials\" of two names: add them")),
         };
         if amount > 1.0 {
-            return Err(Flaw::new(p.line, amount, "as \"amount\" must lie between 0 and 1"));
+            return Err(LineError::new(p.line, amount, "as \"amount\" must lie between 0 and 1"));
         }
         let (first, second) = (find(&names[0])?, find(&names[1])?);
         let (Some(first), Some(second)) = (first, second) else {
-            return Err(Flaw::new(p.line, "a mix", "has a part that is not seen: give it a material"));
+            return Err(LineError::new(p.line, "a mix", "has a part that is not seen: give it a material"));
         };
         let mixes = |part: &Material| match &part.physical {
             None | Some(Physical::Mix(_) | Physical::Dielectric { .. }) => None,
             Some(physical) => Some(physical.clone()),
         };
         let (Some(a), Some(b)) = (mixes(&first), mixes(&second)) else {
-            losses.push("a mix with glass or another mix is not supported: its first part alone is seen".to_owned());
+            warnings.push("a mix with glass or another mix is not supported: its first part alone is seen".to_owned());
             return Ok(Some(first));
         };
         if first.relief.or(second.relief).is_some() {
-            losses.push("the normal maps of the parts of a mix are left out".to_owned());
+            warnings.push("the normal maps of the parts of a mix are left out".to_owned());
         }
         let parts = vec![(1.0 - amount, a), (amount, b)];
         let nearest = if amount > 0.5 { second.phong } else { first.phong };

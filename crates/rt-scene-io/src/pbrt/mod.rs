@@ -20,26 +20,26 @@ mod shape;
 mod spectrum;
 mod state;
 mod texture;
-mod tokens;
 mod view;
 mod world;
 
 use std::path::Path;
 
-use self::reader::Reader;
-use crate::files::read_text;
-use crate::forecast::{self, Sample};
+use self::reader::PbrtReader;
+use crate::error::ErrorAt;
+use crate::files::decode_text;
+use crate::memory::{FileSample, load_within_budget};
 use crate::{LoadError, LoadOptions, Model};
 
 /// Where references of a scene lead: they are relative to the first file, whichever they stand in.
 #[derive(Clone, Copy)]
-struct Files<'a> {
+struct FileScope<'a> {
     root_file: &'a Path,
     options: &'a LoadOptions,
 }
 
 /// Bytes of memory that loading takes at its peak: the text, its parameters as numbers, and a node for each shape.
-fn peak_bytes(sample: &Sample) -> u64 {
+fn peak_bytes(sample: &FileSample) -> u64 {
     let [shapes, materials] = sample.over_lines(|line| {
         let words = || line.split(u8::is_ascii_whitespace);
         let count = |keywords: &[&[u8]]| words().filter(|word| keywords.contains(word)).count() as u64;
@@ -50,14 +50,12 @@ fn peak_bytes(sample: &Sample) -> u64 {
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    forecast::within(path, options, peak_bytes, || {
-        load_text(&read_text(path, options).map_err(|reason| reason.at(path, ""))?, path, options)
-    })
+    load_within_budget(path, options, peak_bytes, |bytes| load_text(&decode_text(bytes).at(path, "")?, path, options))
 }
 
 /// Loads the scene that `text` holds; references are looked up beside `path`.
 fn load_text(text: &str, path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    let mut reader = Reader::new(Files { root_file: path, options });
+    let mut reader = PbrtReader::new(FileScope { root_file: path, options });
     reader.read(text);
     reader.finish()
 }

@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use rt_math::DVec3;
 
-use super::tokens::{Kind, Tokens, number, shown};
-use crate::flaw::Flaw;
+use crate::error::LineError;
 use crate::limits;
+use crate::text::tokenizer::{TokenKind, Tokenizer, number, shown};
 
 /// The types that the format has, and how many numbers make one value; 0 for those of words.
 const TYPES: [(&str, usize); 16] = [
@@ -64,18 +64,18 @@ impl Parameter {
         self.used.get()
     }
 
-    fn read(tokens: &mut Tokens<'_>) -> Result<Self, Flaw> {
+    fn read(tokens: &mut Tokenizer<'_>) -> Result<Self, LineError> {
         let line = tokens.line();
         let declared = tokens.text("the type and name of a parameter")?;
         let mut words = declared.split_whitespace();
         let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
             let rule = "is no parameter: give its type and its name, such as \"float radius\"";
-            return Err(Flaw::new(line, format_args!("`\"{declared}\"`"), rule));
+            return Err(LineError::new(line, format_args!("`\"{declared}\"`"), rule));
         };
         let Some((kind, size)) = TYPES.iter().copied().find(|(known, _)| *known == kind) else {
             let (kind, found) = ("type of a parameter", kind.to_owned());
             let known = TYPES.iter().map(|(known, _)| (*known).to_owned()).collect();
-            return Err(Flaw { line, reason: crate::Reason::UnknownWord { kind, found, known } });
+            return Err(LineError { line, kind: crate::LoadErrorKind::UnknownWord { kind, found, known } });
         };
         let values = Self::values(tokens, name)?;
         let fits = match &values {
@@ -89,43 +89,43 @@ impl Parameter {
                 0 => format!("takes words or `true` and `false`, not so many numbers, as {kind}"),
                 _ => format!("takes {size} numbers for each {kind}"),
             };
-            return Err(Flaw::new(line, format_args!("the parameter \"{name}\""), rule));
+            return Err(LineError::new(line, format_args!("the parameter \"{name}\""), rule));
         }
         Ok(Self { line, kind, name: name.to_owned(), values, used: Rc::default(), is_attribute: false })
     }
 
-    fn values(tokens: &mut Tokens<'_>, name: &str) -> Result<Values, Flaw> {
+    fn values(tokens: &mut Tokenizer<'_>, name: &str) -> Result<Values, LineError> {
         let what = format!("a value of \"{name}\"");
         let (mut numbers, mut words) = (Vec::new(), Vec::new());
-        let mut add = |line: usize, kind: Kind<'_>| {
+        let mut add = |line: usize, kind: TokenKind<'_>| {
             match kind {
-                Kind::Text(text) => words.push(text),
-                Kind::Word(word @ ("true" | "false")) => words.push(word.to_owned()),
+                TokenKind::Text(text) => words.push(text),
+                TokenKind::Word(word @ ("true" | "false")) => words.push(word.to_owned()),
                 other => numbers.push(number(line, &other, &what)?),
             }
             if numbers.is_empty() || words.is_empty() {
                 Ok(())
             } else {
-                Err(Flaw::new(line, format_args!("the parameter \"{name}\""), "mixes numbers and words"))
+                Err(LineError::new(line, format_args!("the parameter \"{name}\""), "mixes numbers and words"))
             }
         };
         match tokens.next_kind(&what)? {
-            (_, Kind::Open) => loop {
+            (_, TokenKind::Open) => loop {
                 match tokens.peek() {
                     // A directive here means that the bracket was never closed.
-                    Some(Kind::Word(word)) if word.starts_with(|c: char| c.is_ascii_uppercase()) => {
+                    Some(TokenKind::Word(word)) if word.starts_with(|c: char| c.is_ascii_uppercase()) => {
                         let rule = format!("stands where {what} should: close the bracket");
-                        return Err(Flaw::new(tokens.line(), format_args!("`{word}`"), rule));
+                        return Err(LineError::new(tokens.line(), format_args!("`{word}`"), rule));
                     }
                     _ => {}
                 }
                 match tokens.next_kind(&what)? {
-                    (_, Kind::Close) => break,
+                    (_, TokenKind::Close) => break,
                     (line, kind) => add(line, kind)?,
                 }
             },
-            (line, kind @ Kind::Close) => {
-                return Err(Flaw::new(line, shown(&kind), format!("stands where {what} should")));
+            (line, kind @ TokenKind::Close) => {
+                return Err(LineError::new(line, shown(&kind), format!("stands where {what} should")));
             }
             (line, kind) => add(line, kind)?,
         }
@@ -133,20 +133,20 @@ impl Parameter {
     }
 
     /// What is wrong with its value.
-    pub(super) fn flaw(&self, value: impl Display, rule: impl Into<String>) -> Flaw {
-        Flaw::new(self.line, format_args!("{value} as \"{}\"", self.name), rule)
+    pub(super) fn error(&self, value: impl Display, rule: impl Into<String>) -> LineError {
+        LineError::new(self.line, format_args!("{value} as \"{}\"", self.name), rule)
     }
 }
 
 impl Parameters {
     /// Reads all parameters of the directive in `line`.
-    pub(super) fn read(tokens: &mut Tokens<'_>, line: usize) -> Result<Self, Flaw> {
+    pub(super) fn read(tokens: &mut Tokenizer<'_>, line: usize) -> Result<Self, LineError> {
         let mut list: Vec<Parameter> = Vec::new();
-        while let Some(Kind::Text(_)) = tokens.peek() {
+        while let Some(TokenKind::Text(_)) = tokens.peek() {
             let parameter = Parameter::read(tokens)?;
             if list.iter().any(|before| before.name == parameter.name && before.kind == parameter.kind) {
                 let rule = "is given a second time: keep one";
-                return Err(Flaw::new(parameter.line, format_args!("the parameter \"{}\"", parameter.name), rule));
+                return Err(LineError::new(parameter.line, format_args!("the parameter \"{}\"", parameter.name), rule));
             }
             list.push(parameter);
             check_count(line, list.len())?;
@@ -165,7 +165,7 @@ impl Parameters {
     }
 
     /// Puts others over these.
-    pub(super) fn replace_by(&mut self, others: Self) -> Result<(), Flaw> {
+    pub(super) fn replace_by(&mut self, others: Self) -> Result<(), LineError> {
         let before = std::mem::replace(self, others);
         *self = std::mem::take(self).or(&before);
         check_count(self.line, self.list.len())
@@ -201,64 +201,64 @@ impl Parameters {
     }
 
     /// All numbers of a parameter of one of the types; empty if it is not there.
-    pub(super) fn numbers(&self, name: &str, types: &[&str]) -> Result<&[f64], Flaw> {
+    pub(super) fn numbers(&self, name: &str, types: &[&str]) -> Result<&[f64], LineError> {
         let Some(parameter) = self.get(name) else { return Ok(&[]) };
         match &parameter.values {
             Values::Numbers(numbers) if types.contains(&parameter.kind) => Ok(numbers),
-            _ => Err(parameter.flaw(parameter.kind, format!("has the wrong type: give {}", types[0]))),
+            _ => Err(parameter.error(parameter.kind, format!("has the wrong type: give {}", types[0]))),
         }
     }
 
-    fn one<const N: usize>(&self, name: &str, types: &[&str]) -> Result<Option<[f64; N]>, Flaw> {
+    fn one<const N: usize>(&self, name: &str, types: &[&str]) -> Result<Option<[f64; N]>, LineError> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let numbers = self.numbers(name, types)?;
         let one = numbers.try_into();
-        one.map(Some).map_err(|_| parameter.flaw(format_args!("{} numbers", numbers.len()), format!("must be {N}")))
+        one.map(Some).map_err(|_| parameter.error(format_args!("{} numbers", numbers.len()), format!("must be {N}")))
     }
 
     /// A number.
-    pub(super) fn float(&self, name: &str, default: f64) -> Result<f64, Flaw> {
+    pub(super) fn float(&self, name: &str, default: f64) -> Result<f64, LineError> {
         Ok(self.one(name, &["float", "integer"])?.map_or(default, |[number]| number))
     }
 
     /// A number above 0.
-    pub(super) fn positive(&self, name: &str, default: f64) -> Result<f64, Flaw> {
+    pub(super) fn positive(&self, name: &str, default: f64) -> Result<f64, LineError> {
         let number = self.float(name, default)?;
         match self.get(name) {
-            Some(parameter) if number <= 0.0 => Err(parameter.flaw(number, "must be above 0")),
+            Some(parameter) if number <= 0.0 => Err(parameter.error(number, "must be above 0")),
             _ => Ok(number),
         }
     }
 
     /// A number from 0 up.
-    pub(super) fn not_negative(&self, name: &str, default: f64) -> Result<f64, Flaw> {
+    pub(super) fn not_negative(&self, name: &str, default: f64) -> Result<f64, LineError> {
         let number = self.float(name, default)?;
         match self.get(name) {
-            Some(parameter) if number < 0.0 => Err(parameter.flaw(number, "must not be negative")),
+            Some(parameter) if number < 0.0 => Err(parameter.error(number, "must not be negative")),
             _ => Ok(number),
         }
     }
 
     /// A point.
-    pub(super) fn point(&self, name: &str, default: DVec3) -> Result<DVec3, Flaw> {
+    pub(super) fn point(&self, name: &str, default: DVec3) -> Result<DVec3, LineError> {
         Ok(self.one(name, &["point3", "point"])?.map_or(default, |p: [f64; 3]| p.into()))
     }
 
     /// A word.
-    pub(super) fn word(&self, name: &str, kind: &str) -> Result<Option<&str>, Flaw> {
+    pub(super) fn word(&self, name: &str, kind: &str) -> Result<Option<&str>, LineError> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         match &parameter.values {
             Values::Words(words) if parameter.kind == kind && words.len() == 1 => Ok(words.first().map(String::as_str)),
-            _ => Err(parameter.flaw(parameter.kind, format!("must be one {kind}"))),
+            _ => Err(parameter.error(parameter.kind, format!("must be one {kind}"))),
         }
     }
 
     /// `true` or `false`.
-    pub(super) fn flag(&self, name: &str) -> Result<bool, Flaw> {
+    pub(super) fn flag(&self, name: &str) -> Result<bool, LineError> {
         match self.word(name, "bool")? {
             Some("true") => Ok(true),
             None | Some("false") => Ok(false),
-            Some(other) => Err(Flaw::new(
+            Some(other) => Err(LineError::new(
                 self.line,
                 format_args!("`{other}`"),
                 format!("is neither true nor false, as \"{name}\" must be"),
@@ -267,18 +267,18 @@ impl Parameters {
     }
 
     /// Points, vectors or normals of three numbers.
-    pub(super) fn triples(&self, name: &str, types: &[&str]) -> Result<Vec<[f64; 3]>, Flaw> {
+    pub(super) fn triples(&self, name: &str, types: &[&str]) -> Result<Vec<[f64; 3]>, LineError> {
         Ok(self.numbers(name, types)?.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect())
     }
 
     /// Whole numbers from 0 up to the last of `count`.
-    pub(super) fn indices(&self, name: &str, count: usize) -> Result<Vec<u32>, Flaw> {
+    pub(super) fn indices(&self, name: &str, count: usize) -> Result<Vec<u32>, LineError> {
         let Some(parameter) = self.get(name) else { return Ok(Vec::new()) };
         let index = |&number: &f64| {
             if number >= 0.0 && number < count as f64 && number.fract() == 0.0 {
                 Ok(number as u32)
             } else {
-                Err(parameter.flaw(number, format!("names no vertex: there are {count}, counted from 0")))
+                Err(parameter.error(number, format!("names no vertex: there are {count}, counted from 0")))
             }
         };
         self.numbers(name, &["integer"])?.iter().map(index).collect()
@@ -286,12 +286,12 @@ impl Parameters {
 }
 
 /// Checks that there are not so many parameters that looking for one among them takes long.
-fn check_count(line: usize, count: usize) -> Result<(), Flaw> {
+fn check_count(line: usize, count: usize) -> Result<(), LineError> {
     if count <= limits::PARAMETERS {
         return Ok(());
     }
     let (what, value, limit) = ("the number of parameters", count as u64, limits::PARAMETERS as u64);
-    Err(Flaw { line, reason: crate::Reason::TooLarge { what, value, limit } })
+    Err(LineError { line, kind: crate::LoadErrorKind::too_large(what, value, limit) })
 }
 
 #[cfg(test)]
@@ -299,7 +299,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Parameters, String> {
-        Parameters::read(&mut Tokens::of(text), 1).map_err(|flaw| format!("{}: {}", flaw.line, flaw.reason))
+        Parameters::read(&mut Tokenizer::new(text), 1).map_err(|error| format!("{}: {}", error.line, error.kind))
     }
 
     #[test]
@@ -314,7 +314,7 @@ mod tests {
         assert_eq!(p.unused(), [(2, "s"), (2, "i")]);
         assert_eq!(p.word("s", "string").unwrap(), Some("a b"));
         assert_eq!(p.indices("i", 2).unwrap(), [0, 1]);
-        let message = p.indices("i", 1).unwrap_err().reason.to_string();
+        let message = p.indices("i", 1).unwrap_err().kind.to_string();
         assert_eq!(message, "1 as \"i\" names no vertex: there are 1, counted from 0");
         assert!(p.float("P", 0.0).is_err() && p.word("r", "string").is_err() && p.point("P", DVec3::ZERO).is_err());
     }

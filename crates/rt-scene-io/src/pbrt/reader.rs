@@ -6,20 +6,19 @@ use std::path::{Path, PathBuf};
 use rt_math::{Rgb, Transform};
 use rt_shading::TextureId;
 
-use super::material::{Surface, unknown};
+use super::material::{OptionalMaterial, unknown};
 use super::parameters::{Parameter, Parameters};
-use super::shape::Trouble;
-use super::state::{State, TRANSFORMS};
-use super::texture::Textures;
-use super::tokens::{Kind, Token, Tokens, shown};
-use super::view::View;
-use super::world::empty;
-use super::{Files, material, state, view};
-use crate::flaw::Flaw;
+use super::shape::DirectiveError;
+use super::state::{GraphicsState, TRANSFORMS};
+use super::texture::PbrtTextures;
+use super::view::PbrtCamera;
+use super::{FileScope, material, state, view};
+use crate::diagnostics::Diagnostics;
+use crate::error::LineError;
 use crate::format::{Background, Color};
-use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_COMPLAINTS, SCOPES};
-use crate::resolve::Report;
-use crate::{LoadError, MaterialId, Model, Node, Place, Problem, Reason, Warning, read_text, resolve_path};
+use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_ERRORS, SCOPES};
+use crate::text::tokenizer::{Token, TokenKind, Tokenizer, shown};
+use crate::{LoadError, LoadErrorKind, MaterialId, Model, Node, Warning, read_text, resolve_path};
 
 /// Directives before the world that choose among what this program decides itself.
 const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
@@ -57,36 +56,36 @@ const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransf
 const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
 
 /// A surface by its index, the bits of what it emits from one side or both, and how much of it is there.
-type Shown = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
+type MaterialKey = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
 
 /// What has been read so far.
-pub(super) struct Reader<'f> {
-    pub(super) files: Files<'f>,
+pub(super) struct PbrtReader<'f> {
+    pub(super) files: FileScope<'f>,
     /// The file that is read, for messages.
     pub(super) path: PathBuf,
     /// The files that are open, canonical.
     pub(super) open: Vec<PathBuf>,
     pub(super) includes: usize,
-    pub(super) report: Report,
-    pub(super) complaints: usize,
+    pub(super) report: Diagnostics,
+    pub(super) error_count: usize,
     pub(super) model: Model,
     /// Where each message stands in the warnings, and how often it came.
     pub(super) warned: HashMap<String, (usize, usize)>,
-    pub(super) state: State,
+    pub(super) state: GraphicsState,
     /// What `AttributeBegin` and `ObjectBegin` saved, and their lines.
-    pub(super) saved: Vec<(State, usize, bool)>,
+    pub(super) saved: Vec<(GraphicsState, usize, bool)>,
     /// All attributes: the file, what they are for, and the parameter.
     pub(super) attributes: Vec<(PathBuf, String, Parameter)>,
     /// Whether the matrix that changes is one of motion, which is not followed.
     pub(super) at_end_time: bool,
     pub(super) in_world: bool,
-    pub(super) view: Option<View>,
+    pub(super) view: Option<PbrtCamera>,
     pub(super) size: [u32; 2],
     pub(super) systems: BTreeMap<String, Transform>,
-    pub(super) textures: Textures,
-    pub(super) surfaces: Vec<Surface>,
+    pub(super) textures: PbrtTextures,
+    pub(super) surfaces: Vec<OptionalMaterial>,
     pub(super) named: BTreeMap<String, usize>,
-    pub(super) materials: HashMap<Shown, MaterialId>,
+    pub(super) materials: HashMap<MaterialKey, MaterialId>,
     /// The object that is described.
     pub(super) object: Option<(String, Vec<Node>)>,
     pub(super) objects: BTreeMap<String, Vec<Node>>,
@@ -97,9 +96,9 @@ pub(super) struct Reader<'f> {
     pub(super) shines: bool,
 }
 
-impl<'f> Reader<'f> {
-    pub(super) fn new(files: Files<'f>) -> Self {
-        let textures = Textures::default();
+impl<'f> PbrtReader<'f> {
+    pub(super) fn new(files: FileScope<'f>) -> Self {
+        let textures = PbrtTextures::default();
         let default = Parameters::default();
         // Without parameters nothing can be wrong.
         let grey = material::read("diffuse", &default, &textures, |_| Ok(None), &mut Vec::new()).ok().flatten();
@@ -109,11 +108,11 @@ impl<'f> Reader<'f> {
             path: files.root_file.to_path_buf(),
             open: files.root_file.canonicalize().into_iter().collect(),
             includes: 0,
-            report: Report::new(files.root_file),
-            complaints: 0,
+            report: Diagnostics::new(files.root_file),
+            error_count: 0,
             model: Model::default(),
             warned: HashMap::new(),
-            state: State::default(),
+            state: GraphicsState::default(),
             saved: Vec::new(),
             attributes: Vec::new(),
             at_end_time: false,
@@ -136,34 +135,33 @@ impl<'f> Reader<'f> {
 
     /// Reads all directives of a text; what is wrong is reported.
     pub(super) fn read(&mut self, text: &str) {
-        let mut tokens = Tokens::of(text);
-        while self.complaints < PBRT_COMPLAINTS {
+        let mut tokens = Tokenizer::new(text);
+        while self.error_count < PBRT_ERRORS {
             let read = match tokens.take() {
                 Ok(None) => return,
-                Ok(Some(Token { line, kind: Kind::Word(word) })) => self.directive(word, line, &mut tokens),
+                Ok(Some(Token { line, kind: TokenKind::Word(word) })) => self.directive(word, line, &mut tokens),
                 Ok(Some(Token { line, kind })) => {
-                    Err(Flaw::new(line, shown(&kind), "stands where a directive should: remove it").into())
+                    Err(LineError::new(line, shown(&kind), "stands where a directive should: remove it").into())
                 }
-                Err(flaw) => Err(flaw.into()),
+                Err(error) => Err(error.into()),
             };
             match read {
                 Ok(()) => {}
-                Err(Trouble::Here(flaw)) => {
-                    self.complain(flaw);
+                Err(DirectiveError::Line(error)) => {
+                    self.report(error);
                     tokens.skip_to_directive();
                 }
-                Err(Trouble::There(error)) => {
-                    self.complaints += 1;
-                    self.report.add(error.into_problems());
+                Err(DirectiveError::File(error)) => {
+                    self.error_count += 1;
+                    self.report.add(error.into_diagnostics());
                 }
             }
         }
     }
 
-    pub(super) fn complain(&mut self, Flaw { line, reason }: Flaw) {
-        self.complaints += 1;
-        let file = self.path.display().to_string();
-        self.report.add([Problem { file, place: Place::Line(line), reason, excerpt: None }]);
+    pub(super) fn report(&mut self, error: LineError) {
+        self.error_count += 1;
+        self.report.add([error.in_file(&self.path)]);
     }
 
     /// Warns once of what comes many times.
@@ -176,19 +174,19 @@ impl<'f> Reader<'f> {
         self.model.warnings.push(Warning { place: format!("{}:{line}", self.path.display()), message });
     }
 
-    pub(super) fn warn_all(&mut self, directive: &str, parameters: &Parameters, losses: Vec<String>) {
-        for loss in losses {
-            self.warn(parameters.line, loss);
+    pub(super) fn warn_all(&mut self, directive: &str, parameters: &Parameters, warnings: Vec<String>) {
+        for warning in warnings {
+            self.warn(parameters.line, warning);
         }
         for (line, name) in parameters.unused() {
             self.warn(line, format!("the parameter \"{name}\" of {directive} is not supported"));
         }
     }
 
-    fn directive(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Trouble> {
+    fn directive(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), DirectiveError> {
         match word {
             "Camera" | "Film" if self.in_world => {
-                return Err(Flaw::new(
+                return Err(LineError::new(
                     line,
                     format_args!("`{word}`"),
                     "comes after the world has begun: put it before",
@@ -196,7 +194,9 @@ impl<'f> Reader<'f> {
                 .into());
             }
             "Shape" | "LightSource" | "AreaLightSource" | "ObjectBegin" | "ObjectInstance" if !self.in_world => {
-                return Err(Flaw::new(line, format_args!("`{word}`"), "comes before `WorldBegin`: put it after").into());
+                return Err(
+                    LineError::new(line, format_args!("`{word}`"), "comes before `WorldBegin`: put it after").into()
+                );
             }
             _ if TRANSFORMS.contains(&word) => {
                 let changed = state::transformed(&self.state.matrix, word, line, tokens)?;
@@ -242,9 +242,9 @@ impl<'f> Reader<'f> {
         Ok(())
     }
 
-    fn medium(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+    fn medium(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         // Names have no space, parameters begin with a type.
-        while let Some(Kind::Text(text)) = tokens.peek()
+        while let Some(TokenKind::Text(text)) = tokens.peek()
             && !text.contains(' ')
         {
             tokens.take()?;
@@ -262,7 +262,7 @@ impl<'f> Reader<'f> {
         }
     }
 
-    fn space(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+    fn space(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         match word {
             "CoordinateSystem" => {
                 let name = tokens.text("the name of a coordinate system")?;
@@ -277,10 +277,10 @@ impl<'f> Reader<'f> {
             }
             "ReverseOrientation" => self.state.reversed = !self.state.reversed,
             "ActiveTransform" => match tokens.next_kind("`StartTime`, `EndTime` or `All`")? {
-                (_, Kind::Word("StartTime" | "All")) => self.at_end_time = false,
-                (_, Kind::Word("EndTime")) => self.at_end_time = true,
+                (_, TokenKind::Word("StartTime" | "All")) => self.at_end_time = false,
+                (_, TokenKind::Word("EndTime")) => self.at_end_time = true,
                 (line, other) => {
-                    return Err(Flaw::new(line, shown(&other), "is none of `StartTime`, `EndTime` and `All`"));
+                    return Err(LineError::new(line, shown(&other), "is none of `StartTime`, `EndTime` and `All`"));
                 }
             },
             _ => {
@@ -290,12 +290,12 @@ impl<'f> Reader<'f> {
         Ok(())
     }
 
-    fn option(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+    fn option(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         match word {
             "Camera" => {
                 let kind = tokens.text("the kind of the camera")?;
                 let parameters = Parameters::read(tokens, line)?;
-                self.view = View::read(&kind, &parameters, self.state.matrix)?;
+                self.view = PbrtCamera::read(&kind, &parameters, self.state.matrix)?;
                 self.systems.insert("camera".to_owned(), self.state.matrix.inverse());
                 if self.view.is_none() {
                     self.warn(
@@ -320,7 +320,7 @@ impl<'f> Reader<'f> {
             }
             _ => {
                 if std::mem::replace(&mut self.in_world, true) {
-                    return Err(Flaw::new(line, "`WorldBegin`", "comes a second time: keep one"));
+                    return Err(LineError::new(line, "`WorldBegin`", "comes a second time: keep one"));
                 }
                 self.state.matrix = Transform::IDENTITY;
                 self.at_end_time = false;
@@ -330,19 +330,19 @@ impl<'f> Reader<'f> {
         Ok(())
     }
 
-    pub(super) fn open_scope(&mut self, line: usize, is_object: bool) -> Result<(), Flaw> {
+    pub(super) fn open_scope(&mut self, line: usize, is_object: bool) -> Result<(), LineError> {
         if self.saved.len() >= SCOPES {
             let (what, value, limit) = ("the depth of scopes", SCOPES as u64 + 1, SCOPES as u64);
-            return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit } });
+            return Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) });
         }
         self.saved.push((self.state.clone(), line, is_object));
         Ok(())
     }
 
-    pub(super) fn close_scope(&mut self, line: usize, word: &str) -> Result<(), Flaw> {
+    pub(super) fn close_scope(&mut self, line: usize, word: &str) -> Result<(), LineError> {
         let is_object = word == "ObjectEnd";
         if self.saved.last().is_none_or(|(_, _, of_object)| *of_object != is_object) {
-            return Err(Flaw::new(line, format_args!("`{word}`"), "ends nothing that is open here: remove it"));
+            return Err(LineError::new(line, format_args!("`{word}`"), "ends nothing that is open here: remove it"));
         }
         if let Some((state, ..)) = self.saved.pop() {
             self.state = state;
@@ -350,12 +350,12 @@ impl<'f> Reader<'f> {
         Ok(())
     }
 
-    fn include(&mut self, is_import: bool, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+    fn include(&mut self, is_import: bool, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         let reference = tokens.text("the name of a file")?;
-        let flaw = |reason| Flaw { line, reason };
-        let bad = |rule: String| flaw(Reason::BadReference { reference: reference.clone(), rule });
-        let path = resolve_path(&reference, self.files.root_file, self.files.options).map_err(flaw)?;
-        let canonical = path.canonicalize().map_err(|error| flaw(error.into()))?;
+        let in_line = |kind| LineError { line, kind };
+        let bad = |rule: String| in_line(LoadErrorKind::BadReference { reference: reference.clone(), rule });
+        let path = resolve_path(&reference, self.files.root_file, self.files.options).map_err(in_line)?;
+        let canonical = path.canonicalize().map_err(|error| in_line(error.into()))?;
         if self.open.contains(&canonical) {
             return Err(bad("includes itself: remove one of the directives".to_owned()));
         }
@@ -381,20 +381,20 @@ impl<'f> Reader<'f> {
     /// All that was read, or everything that is wrong with it.
     pub(super) fn finish(mut self) -> Result<Model, LoadError> {
         if let Some((_, line, _)) = self.saved.pop() {
-            self.complain(Flaw::new(line, "what begins here", "has no end: add `AttributeEnd` or `ObjectEnd`"));
+            self.report(LineError::new(line, "what begins here", "has no end: add `AttributeEnd` or `ObjectEnd`"));
         } else if !self.in_world {
-            let reason = Reason::Syntax("has no `WorldBegin`: add it before the first shape".to_owned());
-            self.report.add(reason.at(self.files.root_file, "").into_problems());
+            let reason = LoadErrorKind::Syntax("has no `WorldBegin`: add it before the first shape".to_owned());
+            self.report.add(reason.at(self.files.root_file, "").into_diagnostics());
         }
         let path: &Path = self.files.root_file;
         self.report.finish()?;
         for (path, target, attribute) in self.attributes.iter().filter(|(.., attribute)| !attribute.is_used()) {
             let place = format!("{}:{}", path.display(), attribute.line);
             let message = format!("the attribute \"{}\" for \"{target}\" is used by nothing", attribute.name);
-            self.model.warnings.push(Warning { place, message });
+            self.model.warn(place, message);
         }
         if self.nodes.is_empty() {
-            return Err(Reason::Syntax("has no shapes that can be seen".to_owned()).at(path, ""));
+            return Err(LoadErrorKind::Syntax("has no shapes that can be seen".to_owned()).at(path, ""));
         }
         let mut model = self.model;
         for (index, count) in self.warned.into_values().filter(|(_, count)| *count > 1) {
@@ -408,8 +408,8 @@ impl<'f> Reader<'f> {
         let size = self.files.options.size.unwrap_or(self.size);
         model.cameras.extend(self.view.as_ref().map(|view| view.camera(size)));
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let world = View::ours_from_world(self.view.as_ref());
-        model.nodes = vec![Node { children: self.nodes, ..empty(stem, world) }];
+        let world = PbrtCamera::ours_from_world(self.view.as_ref());
+        model.nodes = vec![Node { children: self.nodes, ..Node::empty(stem, world) }];
         Ok(model)
     }
 }

@@ -11,11 +11,11 @@ use std::sync::Arc;
 use rt_geometry::{Cylinder, Disk, MeshData, Shape, Sphere};
 use rt_math::{DMat3, DVec3, Transform, Vec3};
 
-use super::Files;
+use super::FileScope;
 use super::material::unknown;
 use super::parameters::Parameters;
-use crate::flaw::Flaw;
-use crate::{LoadError, Reason, resolve_path};
+use crate::error::LineError;
+use crate::{LoadError, LoadErrorKind, resolve_path};
 
 /// Known kinds of shapes.
 const KINDS: [&str; 8] =
@@ -23,7 +23,7 @@ const KINDS: [&str; 8] =
 
 /// Something that stands in the scene.
 #[derive(Debug)]
-pub(super) enum Solid {
+pub(super) enum PbrtShape {
     /// A shape, and how it stands in the space of the file.
     Exact(Shape, Transform),
     /// A mesh.
@@ -34,14 +34,14 @@ pub(super) enum Solid {
 
 /// Why a shape cannot be made: a line of the scene, or a file beside it.
 #[derive(Debug)]
-pub(super) enum Trouble {
-    Here(Flaw),
-    There(LoadError),
+pub(super) enum DirectiveError {
+    Line(LineError),
+    File(LoadError),
 }
 
-impl From<Flaw> for Trouble {
-    fn from(flaw: Flaw) -> Self {
-        Self::Here(flaw)
+impl From<LineError> for DirectiveError {
+    fn from(error: LineError) -> Self {
+        Self::Line(error)
     }
 }
 
@@ -50,56 +50,56 @@ pub(super) fn read(
     kind: &str,
     parameters: &Parameters,
     reversed: bool,
-    files: Files<'_>,
-    losses: &mut Vec<String>,
-) -> Result<Solid, Trouble> {
+    files: FileScope<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<PbrtShape, DirectiveError> {
     let mut data = match kind {
-        "sphere" | "disk" | "cylinder" => return Ok(exact(kind, parameters, reversed, losses)?),
+        "sphere" | "disk" | "cylinder" => return Ok(exact(kind, parameters, reversed, warnings)?),
         "trianglemesh" => triangles(parameters)?,
         "loopsubdiv" => {
             parameters.pass_over(&["levels"]);
-            losses.push("a subdivision surface is not smoothed: its control mesh is seen".to_owned());
+            warnings.push("a subdivision surface is not smoothed: its control mesh is seen".to_owned());
             triangles(parameters)?
         }
-        "bilinearmesh" => patches(parameters, losses)?,
-        "plymesh" => return ply(parameters, reversed, files, losses),
-        "curve" => return Ok(Solid::Unsupported),
+        "bilinearmesh" => patches(parameters, warnings)?,
+        "plymesh" => return ply(parameters, reversed, files, warnings),
+        "curve" => return Ok(PbrtShape::Unsupported),
         other => return Err(unknown("shape", other, parameters.line, KINDS).into()),
     };
     face(&mut data, reversed);
-    Ok(Solid::Mesh(data))
+    Ok(PbrtShape::Mesh(data))
 }
 
-fn exact(kind: &str, p: &Parameters, reversed: bool, losses: &mut Vec<String>) -> Result<Solid, Flaw> {
-    let flaw = |error: rt_geometry::ShapeError| Flaw { line: p.line, reason: error.into() };
+fn exact(kind: &str, p: &Parameters, reversed: bool, warnings: &mut Vec<String>) -> Result<PbrtShape, LineError> {
+    let error = |error: rt_geometry::ShapeError| LineError { line: p.line, kind: error.into() };
     let turned = |offset| Transform::from_linear(turn(), offset).unwrap_or(Transform::IDENTITY);
     if p.float("phimax", 360.0)? != 360.0 {
-        losses.push(format!("the {kind} is closed all around, without regard to \"phimax\""));
+        warnings.push(format!("the {kind} is closed all around, without regard to \"phimax\""));
     }
     let radius = p.positive("radius", 1.0)?;
     if reversed && kind != "disk" {
-        losses.push(format!("the {kind} faces outwards, without regard to `ReverseOrientation`"));
+        warnings.push(format!("the {kind} faces outwards, without regard to `ReverseOrientation`"));
     }
     match kind {
         "sphere" => {
             if p.float("zmin", -radius)? > -radius || p.float("zmax", radius)? < radius {
-                losses.push("the sphere is whole, without regard to \"zmin\" and \"zmax\"".to_owned());
+                warnings.push("the sphere is whole, without regard to \"zmin\" and \"zmax\"".to_owned());
             }
-            let sphere = Sphere::new(DVec3::ZERO, radius).map_err(flaw)?;
-            Ok(Solid::Exact(Shape::Sphere(sphere), turned(DVec3::ZERO)))
+            let sphere = Sphere::new(DVec3::ZERO, radius).map_err(error)?;
+            Ok(PbrtShape::Exact(Shape::Sphere(sphere), turned(DVec3::ZERO)))
         }
         "disk" => {
-            let disk = Disk::new(radius, p.not_negative("innerradius", 0.0)?).map_err(flaw)?;
+            let disk = Disk::new(radius, p.not_negative("innerradius", 0.0)?).map_err(error)?;
             let place = turned(DVec3::Z * p.float("height", 0.0)?);
             // A half turn around x.
             let over = Transform::from_linear(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)), DVec3::ZERO);
             let place = if reversed { place.compose(&over.unwrap_or(Transform::IDENTITY)) } else { place };
-            Ok(Solid::Exact(Shape::Disk(disk), place))
+            Ok(PbrtShape::Exact(Shape::Disk(disk), place))
         }
         _ => {
             let (bottom, top) = (p.float("zmin", -1.0)?, p.float("zmax", 1.0)?);
-            let cylinder = Cylinder::new(radius, bottom.min(top), bottom.max(top), false).map_err(flaw)?;
-            Ok(Solid::Exact(Shape::Cylinder(cylinder), turned(DVec3::ZERO)))
+            let cylinder = Cylinder::new(radius, bottom.min(top), bottom.max(top), false).map_err(error)?;
+            Ok(PbrtShape::Exact(Shape::Cylinder(cylinder), turned(DVec3::ZERO)))
         }
     }
 }
@@ -109,27 +109,27 @@ const fn turn() -> DMat3 {
     DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X)
 }
 
-fn triangles(parameters: &Parameters) -> Result<MeshData, Flaw> {
+fn triangles(parameters: &Parameters) -> Result<MeshData, LineError> {
     let mut data = vertices(parameters)?;
     let indices = parameters.indices("indices", data.positions.len())?;
     // A single triangle needs no indices.
     let indices = if indices.is_empty() && data.positions.len() == 3 { vec![0, 1, 2] } else { indices };
     if indices.is_empty() || !indices.len().is_multiple_of(3) {
         let rule = "must be three for each triangle, and for one at least";
-        return Err(Flaw::new(parameters.line, format_args!("{} indices", indices.len()), rule));
+        return Err(LineError::new(parameters.line, format_args!("{} indices", indices.len()), rule));
     }
     data.triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     Ok(data)
 }
 
 /// Two triangles for each patch, whose corners are at (0, 0), (1, 0), (0, 1) and (1, 1).
-fn patches(parameters: &Parameters, losses: &mut Vec<String>) -> Result<MeshData, Flaw> {
+fn patches(parameters: &Parameters, warnings: &mut Vec<String>) -> Result<MeshData, LineError> {
     let mut data = vertices(parameters)?;
     let indices = parameters.indices("indices", data.positions.len())?;
     let indices = if indices.is_empty() && data.positions.len() == 4 { vec![0, 1, 2, 3] } else { indices };
     if indices.is_empty() || !indices.len().is_multiple_of(4) {
         let rule = "must be four for each patch, and for one at least";
-        return Err(Flaw::new(parameters.line, format_args!("{} indices", indices.len()), rule));
+        return Err(LineError::new(parameters.line, format_args!("{} indices", indices.len()), rule));
     }
     let mut bent = 0;
     for patch in indices.chunks_exact(4) {
@@ -141,7 +141,7 @@ fn patches(parameters: &Parameters, losses: &mut Vec<String>) -> Result<MeshData
         data.triangles.extend([[a, b, d], [a, d, c]]);
     }
     if bent > 0 {
-        losses.push(format!("{bent} bent patches became two flat triangles each"));
+        warnings.push(format!("{bent} bent patches became two flat triangles each"));
     }
     if data.uvs.is_empty() && data.positions.len() == 4 {
         data.uvs = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
@@ -152,11 +152,11 @@ fn patches(parameters: &Parameters, losses: &mut Vec<String>) -> Result<MeshData
 /// The part of a cube that the corners of a patch may span before it is called bent: what rounding to `f32` brings.
 const FLATNESS: f64 = 1e-5;
 
-fn vertices(parameters: &Parameters) -> Result<MeshData, Flaw> {
+fn vertices(parameters: &Parameters) -> Result<MeshData, LineError> {
     let vectors = |triples: Vec<[f64; 3]>| triples.into_iter().map(|[x, y, z]| Vec3::new(x as f32, y as f32, z as f32));
     let positions: Vec<_> = vectors(parameters.triples("P", &["point3", "point"])?).collect();
     if positions.is_empty() {
-        return Err(Flaw::new(parameters.line, "a mesh", "has no \"point3 P\": add its vertices"));
+        return Err(LineError::new(parameters.line, "a mesh", "has no \"point3 P\": add its vertices"));
     }
     let normals: Vec<_> = vectors(parameters.triples("N", &["normal", "normal3", "vector3"])?).collect();
     let uvs = parameters.numbers("uv", &["point2", "vector2", "float"])?;
@@ -164,7 +164,7 @@ fn vertices(parameters: &Parameters) -> Result<MeshData, Flaw> {
     for (name, count) in [("N", normals.len()), ("uv", uvs.len())] {
         if count != 0 && count != positions.len() {
             let rule = format!("must be one for each of the {} vertices", positions.len());
-            return Err(Flaw::new(parameters.line, format_args!("{count} values of \"{name}\""), rule));
+            return Err(LineError::new(parameters.line, format_args!("{count} values of \"{name}\""), rule));
         }
     }
     Ok(MeshData { positions, normals, uvs, ..MeshData::default() })
@@ -188,20 +188,25 @@ fn face(data: &mut MeshData, reversed: bool) {
 }
 
 /// The mesh of a PLY file; its colours are not used.
-fn ply(p: &Parameters, reversed: bool, files: Files<'_>, losses: &mut Vec<String>) -> Result<Solid, Trouble> {
-    let flaw = |reason: Reason| Flaw { line: p.line, reason };
+fn ply(
+    p: &Parameters,
+    reversed: bool,
+    files: FileScope<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<PbrtShape, DirectiveError> {
+    let error = |kind: LoadErrorKind| LineError { line: p.line, kind };
     let Some(file) = p.word("filename", "string")? else {
-        return Err(Flaw::new(p.line, "a mesh of a PLY file", "has no \"string filename\": add it").into());
+        return Err(LineError::new(p.line, "a mesh of a PLY file", "has no \"string filename\": add it").into());
     };
     if !file.to_ascii_lowercase().ends_with(".ply") {
-        return Err(flaw(Reason::Unsupported(format!("`{file}`, which does not end in .ply,"))).into());
+        return Err(error(LoadErrorKind::Unsupported(format!("`{file}`, which does not end in .ply,"))).into());
     }
-    let path = resolve_path(file, files.root_file, files.options).map_err(flaw)?;
-    let model = crate::ply::load(&path, files.options).map_err(Trouble::There)?;
-    losses.extend(model.warnings.into_iter().map(|warning| format!("{}: {}", warning.place, warning.message)));
-    let Some(mesh) = model.meshes.into_iter().next() else { return Ok(Solid::Unsupported) };
+    let path = resolve_path(file, files.root_file, files.options).map_err(error)?;
+    let model = crate::ply::load(&path, files.options).map_err(DirectiveError::File)?;
+    warnings.extend(model.warnings.into_iter().map(|warning| format!("{}: {}", warning.place, warning.message)));
+    let Some(mesh) = model.meshes.into_iter().next() else { return Ok(PbrtShape::Unsupported) };
     let mut data = Arc::unwrap_or_clone(mesh.mesh).data().clone();
     data.colors = Vec::new();
     face(&mut data, reversed);
-    Ok(Solid::Mesh(data))
+    Ok(PbrtShape::Mesh(data))
 }

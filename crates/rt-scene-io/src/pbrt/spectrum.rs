@@ -14,49 +14,49 @@ use rt_math::transcendental::exp;
 use rt_shading::bsdf::ComplexIor;
 
 use super::parameters::{Parameter, Parameters, Values};
-use crate::flaw::Flaw;
+use crate::error::LineError;
 
 /// What of a spectrum cannot be kept, in a sentence.
-pub(super) type Loss = Option<String>;
+pub(super) type Approximation = Option<String>;
 
 /// The colour of a parameter, none of whose numbers may be negative.
-pub(super) fn colour(parameters: &Parameters, name: &str) -> Result<Option<(Rgb, Loss)>, Flaw> {
+pub(super) fn colour(parameters: &Parameters, name: &str) -> Result<Option<(Rgb, Approximation)>, LineError> {
     parameters.get(name).map(of).transpose()
 }
 
-fn of(parameter: &Parameter) -> Result<(Rgb, Loss), Flaw> {
+fn of(parameter: &Parameter) -> Result<(Rgb, Approximation), LineError> {
     match (parameter.kind, &parameter.values) {
         ("rgb", Values::Numbers(numbers)) => match numbers[..] {
             [r, g, b] if r >= 0.0 && g >= 0.0 && b >= 0.0 => Ok((Rgb::new(r, g, b), None)),
-            _ => Err(parameter.flaw(format_args!("{numbers:?}"), "must be three numbers from 0 up")),
+            _ => Err(parameter.error(format_args!("{numbers:?}"), "must be three numbers from 0 up")),
         },
         ("float", Values::Numbers(numbers)) => match numbers[..] {
             [gray] if gray >= 0.0 => Ok((Rgb::gray(gray), None)),
-            _ => Err(parameter.flaw(format_args!("{numbers:?}"), "must be one number from 0 up")),
+            _ => Err(parameter.error(format_args!("{numbers:?}"), "must be one number from 0 up")),
         },
         ("blackbody", Values::Numbers(numbers)) => match numbers[..] {
             [kelvin] if (500.0..=1e6).contains(&kelvin) => Ok((blackbody(kelvin), None)),
-            _ => Err(parameter.flaw(format_args!("{numbers:?}"), "must be one temperature from 500 to 1e6 kelvin")),
+            _ => Err(parameter.error(format_args!("{numbers:?}"), "must be one temperature from 500 to 1e6 kelvin")),
         },
         ("spectrum", Values::Numbers(numbers)) => {
             let values = || numbers.iter().skip(1).step_by(2);
             if numbers.is_empty() || values().any(|value| *value < 0.0) {
                 return Err(
-                    parameter.flaw(format_args!("{numbers:?}"), "must be pairs of wavelength and value from 0 up")
+                    parameter.error(format_args!("{numbers:?}"), "must be pairs of wavelength and value from 0 up")
                 );
             }
             let mean = values().sum::<f64>() / values().count() as f64;
-            let loss = format!("the spectrum \"{}\" became its mean, {mean}", parameter.name);
-            Ok((Rgb::gray(mean), values().any(|value| *value != mean).then_some(loss)))
+            let warning = format!("the spectrum \"{}\" became its mean, {mean}", parameter.name);
+            Ok((Rgb::gray(mean), values().any(|value| *value != mean).then_some(warning)))
         }
         ("spectrum", Values::Words(words)) => match words.first().map(String::as_str) {
             Some("stdillum-D65") => Ok((Rgb::WHITE, None)),
             Some(name) => {
                 Ok((Rgb::WHITE, Some(format!("the spectrum \"{name}\" is not known: white is in its place"))))
             }
-            None => Err(parameter.flaw("nothing", "must be the name of a spectrum")),
+            None => Err(parameter.error("nothing", "must be the name of a spectrum")),
         },
-        (kind, _) => Err(parameter.flaw(kind, "has the wrong type: give rgb")),
+        (kind, _) => Err(parameter.error(kind, "has the wrong type: give rgb")),
     }
 }
 
@@ -126,12 +126,12 @@ fn matching(nm: f64) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tokens::Tokens;
     use super::*;
+    use crate::text::tokenizer::Tokenizer;
 
-    fn read(text: &str) -> Result<(Rgb, Loss), String> {
-        let parameters = Parameters::read(&mut Tokens::of(text), 1).expect("parameters");
-        colour(&parameters, "L").map(|found| found.expect("a colour")).map_err(|flaw| flaw.reason.to_string())
+    fn read(text: &str) -> Result<(Rgb, Approximation), String> {
+        let parameters = Parameters::read(&mut Tokenizer::new(text), 1).expect("parameters");
+        colour(&parameters, "L").map(|found| found.expect("a colour")).map_err(|error| error.kind.to_string())
     }
 
     #[test]

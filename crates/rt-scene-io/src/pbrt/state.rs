@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use rt_math::{DVec3, Rgb, Transform, TransformError};
 
 use super::parameters::Parameters;
-use super::tokens::Tokens;
 use super::view;
-use crate::flaw::Flaw;
+use crate::error::LineError;
+use crate::text::tokenizer::Tokenizer;
 
 /// Light that a surface gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub(super) struct Emission {
 
 /// What `AttributeBegin` saves.
 #[derive(Clone, Debug)]
-pub(super) struct State {
+pub(super) struct GraphicsState {
     /// From the space of shapes to the world; before the world begins, from the world to the camera.
     pub(super) matrix: Transform,
     pub(super) reversed: bool,
@@ -29,7 +29,7 @@ pub(super) struct State {
     pub(super) attributes: HashMap<String, Parameters>,
 }
 
-impl Default for State {
+impl Default for GraphicsState {
     fn default() -> Self {
         let (matrix, attributes) = (Transform::IDENTITY, HashMap::new());
         Self { matrix, reversed: false, surface: 0, emission: None, attributes }
@@ -45,23 +45,23 @@ pub(super) fn transformed(
     matrix: &Transform,
     directive: &str,
     line: usize,
-    tokens: &mut Tokens<'_>,
-) -> Result<Transform, Flaw> {
-    let flaw = |error: TransformError| Flaw { line, reason: error.into() };
+    tokens: &mut Tokenizer<'_>,
+) -> Result<Transform, LineError> {
+    let error = |error: TransformError| LineError { line, kind: error.into() };
     let first = match directive {
         "Identity" => return Ok(Transform::IDENTITY),
         "Translate" => Transform::translate(DVec3::from(tokens.numbers("a part of the way")?)),
-        "Scale" => Transform::scale(DVec3::from(tokens.numbers("a factor")?)).map_err(flaw)?,
+        "Scale" => Transform::scale(DVec3::from(tokens.numbers("a factor")?)).map_err(error)?,
         "Rotate" => {
             let [degrees, x, y, z] = tokens.numbers("an angle in degrees or a component of the axis")?;
-            Transform::rotate(DVec3::new(x, y, z), degrees.to_radians()).map_err(flaw)?
+            Transform::rotate(DVec3::new(x, y, z), degrees.to_radians()).map_err(error)?
         }
         "LookAt" => view::look_at(line, tokens.numbers("a coordinate of the view")?)?,
         replaces_or_adds => {
             // Column by column.
             let m: [f64; 16] = tokens.numbers("an element of the matrix")?;
             let rows = [0, 1, 2, 3].map(|row| [m[row], m[row + 4], m[row + 8], m[row + 12]]);
-            let given = Transform::from_rows(rows).map_err(flaw)?;
+            let given = Transform::from_rows(rows).map_err(error)?;
             if replaces_or_adds == "Transform" {
                 return Ok(given);
             }
@@ -70,5 +70,5 @@ pub(super) fn transformed(
     };
     let sum = matrix.compose(&first);
     // Factors that are small one by one may flatten space together.
-    Transform::from_linear(sum.linear(), sum.translation()).map_err(flaw)
+    Transform::from_linear(sum.linear(), sum.translation()).map_err(error)
 }

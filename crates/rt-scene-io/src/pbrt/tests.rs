@@ -246,7 +246,7 @@ fn every_bad_line_is_named_and_all_in_one_run() {
     }
     let two =
         load("Film \"rgb\" \"integer xresolution\" 0\nWorldBegin\nMaterial \"wood\"\nShape \"cube\"\n").unwrap_err();
-    let lines: Vec<_> = two.problems().iter().map(|problem| problem.place.to_string()).collect();
+    let lines: Vec<_> = two.diagnostics().iter().map(|diagnostic| diagnostic.location.to_string()).collect();
     assert_eq!(lines, [":1", ":3", ":4"]);
     assert_eq!(load("Shape \"sphere\"").unwrap_err().to_string().lines().count(), 2, "before the world, and no world");
     assert_eq!(load("WorldBegin").unwrap_err().to_string(), "m.pbrt: has no shapes that can be seen");
@@ -396,7 +396,7 @@ fn files_of_nothing_but_mistakes_end_early() {
     let names: String = (0..5000).map(|i| format!("MakeNamedMaterial \"m{i}\"\n")).collect();
     let mistakes = "NamedMaterial \"none\"\n".repeat(20_000);
     let error = load(&world(&(names + &mistakes))).unwrap_err();
-    assert!(error.to_string().ends_with("m.pbrt: 980 more problems; mend these first"), "{error}");
+    assert!(error.to_string().ends_with("m.pbrt: 980 more errors; fix these first"), "{error}");
 }
 
 #[test]

@@ -7,58 +7,58 @@ use std::sync::Arc;
 use rt_math::Rgb;
 use rt_shading::{Alpha, Bitmap, ColorTexture, Coverage, Relief, Texture, TextureId, UvMap, Wrap};
 
-use super::Files;
+use super::FileScope;
 use super::material::unknown;
 use super::parameters::Parameters;
 use super::spectrum::colour;
+use crate::error::LineError;
 use crate::files::read_texture_as;
-use crate::flaw::Flaw;
-use crate::texture::Pixels;
-use crate::{Reason, limits, resolve_path};
+use crate::texture::PixelEncoding;
+use crate::{LoadErrorKind, limits, resolve_path};
 
 /// Kinds of textures that only other programs have.
 const UNSUPPORTED: [&str; 7] = ["bilerp", "directionmix", "dots", "fbm", "marble", "mix", "ptex"];
 
 /// The textures of a file.
 #[derive(Debug, Default)]
-pub(super) struct Textures {
+pub(super) struct PbrtTextures {
     pub(super) list: Vec<Texture>,
     /// In the order of their names, for messages.
     named: BTreeMap<String, ColorTexture>,
-    images: HashMap<(PathBuf, Pixels), Arc<Bitmap>>,
+    images: HashMap<(PathBuf, PixelEncoding), Arc<Bitmap>>,
     /// The textures that say by alpha what others say by their colour.
     covers: HashMap<TextureId, TextureId>,
     bytes: u64,
 }
 
-impl Textures {
+impl PbrtTextures {
     /// Adds the texture `name`; what is lost of it comes back.
     pub(super) fn define(
         &mut self,
         name: String,
         class: &str,
         parameters: &Parameters,
-        files: Files<'_>,
-    ) -> Result<Vec<String>, Flaw> {
-        let mut losses = Vec::new();
+        files: FileScope<'_>,
+    ) -> Result<Vec<String>, LineError> {
+        let mut warnings = Vec::new();
         let made = match class {
-            "constant" => self.coefficient(parameters, "value", Rgb::WHITE, &mut losses)?,
+            "constant" => self.coefficient(parameters, "value", Rgb::WHITE, &mut warnings)?,
             "scale" => {
-                let below = self.coefficient(parameters, "tex", Rgb::WHITE, &mut losses)?;
-                let factor = self.coefficient(parameters, "scale", Rgb::WHITE, &mut losses)?;
+                let below = self.coefficient(parameters, "tex", Rgb::WHITE, &mut warnings)?;
+                let factor = self.coefficient(parameters, "scale", Rgb::WHITE, &mut warnings)?;
                 match (below, factor) {
                     (below, ColorTexture::Constant(rgb)) => times(below, rgb),
                     (ColorTexture::Constant(rgb), textured) => times(textured, rgb),
                     (below, _) => {
-                        losses.push("one image times another is not shown: the first stays".to_owned());
+                        warnings.push("one image times another is not shown: the first stays".to_owned());
                         below
                     }
                 }
             }
-            "checkerboard" => self.checkerboard(parameters, &mut losses)?,
-            "imagemap" => self.image(parameters, files, &mut losses)?,
+            "checkerboard" => self.checkerboard(parameters, &mut warnings)?,
+            "imagemap" => self.image(parameters, files, &mut warnings)?,
             other if UNSUPPORTED.contains(&other) => {
-                losses.push(format!("the texture \"{other}\" is not supported: grey is in its place"));
+                warnings.push(format!("the texture \"{other}\" is not supported: grey is in its place"));
                 ColorTexture::Constant(Rgb::gray(0.5))
             }
             other => {
@@ -68,7 +68,7 @@ impl Textures {
         };
         // Later definitions of a name hold for what comes after them.
         self.named.insert(name, made);
-        Ok(losses)
+        Ok(warnings)
     }
 
     /// A parameter that is a colour, a number or a texture.
@@ -77,8 +77,8 @@ impl Textures {
         parameters: &Parameters,
         name: &str,
         default: Rgb,
-        losses: &mut Vec<String>,
-    ) -> Result<ColorTexture, Flaw> {
+        warnings: &mut Vec<String>,
+    ) -> Result<ColorTexture, LineError> {
         match parameters.get(name) {
             Some(parameter) if parameter.kind == "texture" => {
                 let texture = parameters.word(name, "texture")?.unwrap_or_default();
@@ -88,8 +88,10 @@ impl Textures {
                     .ok_or_else(|| unknown("texture", texture, parameter.line, self.named.keys().map(String::as_str)))
             }
             _ => {
-                let Some((rgb, loss)) = colour(parameters, name)? else { return Ok(ColorTexture::Constant(default)) };
-                losses.extend(loss);
+                let Some((rgb, warning)) = colour(parameters, name)? else {
+                    return Ok(ColorTexture::Constant(default));
+                };
+                warnings.extend(warning);
                 Ok(ColorTexture::Constant(rgb))
             }
         }
@@ -101,72 +103,78 @@ impl Textures {
         parameters: &Parameters,
         name: &str,
         default: f64,
-        losses: &mut Vec<String>,
-    ) -> Result<f64, Flaw> {
-        match self.coefficient(parameters, name, Rgb::gray(default), losses)? {
+        warnings: &mut Vec<String>,
+    ) -> Result<f64, LineError> {
+        match self.coefficient(parameters, name, Rgb::gray(default), warnings)? {
             ColorTexture::Constant(rgb) => Ok(rgb.g),
             ColorTexture::Textured(..) => {
-                losses.push(format!("the texture of \"{name}\" is not followed: it is {default} everywhere"));
+                warnings.push(format!("the texture of \"{name}\" is not followed: it is {default} everywhere"));
                 Ok(default)
             }
         }
     }
 
-    fn checkerboard(&mut self, parameters: &Parameters, losses: &mut Vec<String>) -> Result<ColorTexture, Flaw> {
+    fn checkerboard(&mut self, parameters: &Parameters, warnings: &mut Vec<String>) -> Result<ColorTexture, LineError> {
         let mut square =
-            |name: &str, default: f64| match self.coefficient(parameters, name, Rgb::gray(default), losses)? {
+            |name: &str, default: f64| match self.coefficient(parameters, name, Rgb::gray(default), warnings)? {
                 ColorTexture::Constant(rgb) => Ok(rgb),
                 ColorTexture::Textured(_, rgb) => {
-                    losses.push(format!("the texture of the squares \"{name}\" is not shown"));
+                    warnings.push(format!("the texture of the squares \"{name}\" is not shown"));
                     Ok(rgb)
                 }
             };
         let (even, odd) = (square("tex1", 1.0)?, square("tex2", 0.0)?);
         if parameters.float("dimension", 2.0)? != 2.0 {
-            losses.push("the checkerboard in space became one on the surface".to_owned());
+            warnings.push("the checkerboard in space became one on the surface".to_owned());
         }
-        self.mapped(parameters, Texture::Checker { even, odd, size: 1.0 }, losses)
+        self.mapped(parameters, Texture::Checker { even, odd, size: 1.0 }, warnings)
     }
 
     fn image(
         &mut self,
         parameters: &Parameters,
-        files: Files<'_>,
-        losses: &mut Vec<String>,
-    ) -> Result<ColorTexture, Flaw> {
+        files: FileScope<'_>,
+        warnings: &mut Vec<String>,
+    ) -> Result<ColorTexture, LineError> {
         let Some(file) = parameters.word("filename", "string")? else {
-            return Err(Flaw::new(parameters.line, "an image", "has no \"string filename\": add it"));
+            return Err(LineError::new(parameters.line, "an image", "has no \"string filename\": add it"));
         };
-        let bitmap = self.bitmap(file, Pixels::Colours, parameters.line, files)?;
+        let bitmap = self.bitmap(file, PixelEncoding::Colors, parameters.line, files)?;
         let wrap = match parameters.word("wrap", "string")? {
             None | Some("repeat") => Wrap::Repeat,
             Some("clamp") => Wrap::Clamp,
             Some(other) => {
-                losses.push(format!(
+                warnings.push(format!(
                     "the image does not end at its edge, as \"{other}\" would have it: the edge goes on"
                 ));
                 Wrap::Clamp
             }
         };
         if let Some(encoding) = parameters.word("encoding", "string")?.filter(|encoding| *encoding != "sRGB") {
-            losses
+            warnings
                 .push(format!("the encoding \"{encoding}\" is not followed: images of whole numbers are read as sRGB"));
         }
         let smooth = parameters.word("filter", "string")? != Some("point");
         let scale = parameters.not_negative("scale", 1.0)?;
-        let textured = self.mapped(parameters, Texture::Image { bitmap, wrap: [wrap; 2], smooth }, losses)?;
+        let textured = self.mapped(parameters, Texture::Image { bitmap, wrap: [wrap; 2], smooth }, warnings)?;
         Ok(times(textured, Rgb::gray(scale)))
     }
 
     /// The image in a file, which is read once.
-    fn bitmap(&mut self, file: &str, pixels: Pixels, line: usize, files: Files<'_>) -> Result<Arc<Bitmap>, Flaw> {
-        let flaw = |reason| Flaw { line, reason };
-        let path = resolve_path(file, files.root_file, files.options).map_err(flaw)?;
+    fn bitmap(
+        &mut self,
+        file: &str,
+        pixels: PixelEncoding,
+        line: usize,
+        files: FileScope<'_>,
+    ) -> Result<Arc<Bitmap>, LineError> {
+        let error = |kind| LineError { line, kind };
+        let path = resolve_path(file, files.root_file, files.options).map_err(error)?;
         let key = (path, pixels);
         if let Some(bitmap) = self.images.get(&key) {
             return Ok(Arc::clone(bitmap));
         }
-        let bad = |rule: String| flaw(Reason::BadReference { reference: file.to_owned(), rule });
+        let bad = |rule: String| error(LoadErrorKind::BadReference { reference: file.to_owned(), rule });
         let bitmap = read_texture_as(&key.0, pixels, files.options).map_err(|reason| bad(reason.to_string()))?;
         let bitmap = Arc::new(bitmap);
         self.count(&bitmap, line)?;
@@ -175,19 +183,23 @@ impl Textures {
     }
 
     /// Adds a bitmap to the memory of all.
-    fn count(&mut self, bitmap: &Bitmap, line: usize) -> Result<(), Flaw> {
+    fn count(&mut self, bitmap: &Bitmap, line: usize) -> Result<(), LineError> {
         self.bytes += bitmap.memory() as u64;
         if self.bytes > limits::MODEL_TEXTURE_BYTES {
             let (what, value) = ("the memory of all images in bytes", self.bytes);
-            return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit: limits::MODEL_TEXTURE_BYTES } });
+            return Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limits::MODEL_TEXTURE_BYTES) });
         }
         Ok(())
     }
 
     /// The normal map of a material, if it has one.
-    pub(super) fn relief(&mut self, parameters: &Parameters, files: Files<'_>) -> Result<Option<Relief>, Flaw> {
+    pub(super) fn relief(
+        &mut self,
+        parameters: &Parameters,
+        files: FileScope<'_>,
+    ) -> Result<Option<Relief>, LineError> {
         let Some(file) = parameters.word("normalmap", "string")? else { return Ok(None) };
-        let bitmap = self.bitmap(file, Pixels::Numbers, parameters.line, files)?;
+        let bitmap = self.bitmap(file, PixelEncoding::Numbers, parameters.line, files)?;
         let texture = self.push(Texture::Image { bitmap, wrap: [Wrap::Repeat; 2], smooth: true });
         Ok(Some(Relief { texture, scale: 1.0 }))
     }
@@ -196,16 +208,16 @@ impl Textures {
     pub(super) fn cover(
         &mut self,
         parameters: &Parameters,
-        files: Files<'_>,
-        losses: &mut Vec<String>,
-    ) -> Result<Coverage, Flaw> {
-        let (texture, factor) = match self.coefficient(parameters, "alpha", Rgb::WHITE, losses)? {
+        files: FileScope<'_>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Coverage, LineError> {
+        let (texture, factor) = match self.coefficient(parameters, "alpha", Rgb::WHITE, warnings)? {
             ColorTexture::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Coverage::ALL),
             ColorTexture::Constant(rgb) => (None, rgb.g),
             ColorTexture::Textured(id, rgb) => match self.cover_of(id, parameters.line, files)? {
                 Some(cover) => (Some(cover), rgb.g),
                 None => {
-                    losses.push("its \"alpha\" is no image, and is not followed: the shape is whole".to_owned());
+                    warnings.push("its \"alpha\" is no image, and is not followed: the shape is whole".to_owned());
                     return Ok(Coverage::ALL);
                 }
             },
@@ -214,7 +226,7 @@ impl Textures {
     }
 
     /// The texture whose alpha is the mean of the colours of another; `None` if that shows no image.
-    fn cover_of(&mut self, id: TextureId, line: usize, files: Files<'_>) -> Result<Option<TextureId>, Flaw> {
+    fn cover_of(&mut self, id: TextureId, line: usize, files: FileScope<'_>) -> Result<Option<TextureId>, LineError> {
         if let Some(known) = self.covers.get(&id) {
             return Ok(Some(*known));
         }
@@ -226,7 +238,7 @@ impl Textures {
         let Texture::Image { bitmap, wrap, smooth } = image else { return Ok(None) };
         let bytes = (bitmap.memory() + bitmap.pixels.len() * size_of::<f32>()) as u64;
         let kept = files.options.memory.keep("the alpha of a shape", bytes);
-        kept.map_err(|reason| Flaw { line, reason })?;
+        kept.map_err(|kind| LineError { line, kind })?;
         let alpha = bitmap.pixels.iter().map(|pixel| (pixel.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0)).collect();
         let bitmap = Arc::new(Bitmap { alpha, ..Bitmap::clone(&bitmap) });
         self.count(&bitmap, line)?;
@@ -249,10 +261,10 @@ impl Textures {
         &mut self,
         parameters: &Parameters,
         texture: Texture,
-        losses: &mut Vec<String>,
-    ) -> Result<ColorTexture, Flaw> {
+        warnings: &mut Vec<String>,
+    ) -> Result<ColorTexture, LineError> {
         if let Some(mapping) = parameters.word("mapping", "string")?.filter(|mapping| *mapping != "uv") {
-            losses.push(format!("the mapping \"{mapping}\" is not supported: the texture lies along u and v"));
+            warnings.push(format!("the mapping \"{mapping}\" is not supported: the texture lies along u and v"));
         }
         let u = [parameters.float("uscale", 1.0)?, 0.0, parameters.float("udelta", 0.0)?];
         let v = [0.0, parameters.float("vscale", 1.0)?, parameters.float("vdelta", 0.0)?];

@@ -10,39 +10,39 @@ use rt_math::{DMat3, DVec3, Transform};
 use super::material::unknown;
 use super::parameters::Parameters;
 use crate::NamedCamera;
-use crate::flaw::Flaw;
+use crate::error::LineError;
 
 /// A camera as the file has it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct View {
+pub(super) struct PbrtCamera {
     camera_from_world: Transform,
-    lens: Lens,
+    lens: CameraModel,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Lens {
+enum CameraModel {
     /// Degrees along the shorter side of the image.
     Perspective(f64),
     Orthographic,
 }
 
-impl View {
+impl PbrtCamera {
     /// Reads a `Camera` of this kind; `None` for one that only other programs have.
     pub(super) fn read(
         kind: &str,
         parameters: &Parameters,
         camera_from_world: Transform,
-    ) -> Result<Option<Self>, Flaw> {
+    ) -> Result<Option<Self>, LineError> {
         let lens = match kind {
             "perspective" => {
                 let degrees = parameters.float("fov", 90.0)?;
                 if !(degrees > 0.0 && degrees < 180.0) {
                     let rule = "degrees: the field of view must lie between 0 and 180";
-                    return Err(Flaw::new(parameters.line, degrees, rule));
+                    return Err(LineError::new(parameters.line, degrees, rule));
                 }
-                Lens::Perspective(degrees)
+                CameraModel::Perspective(degrees)
             }
-            "orthographic" => Lens::Orthographic,
+            "orthographic" => CameraModel::Orthographic,
             "realistic" | "spherical" => return Ok(None),
             other => {
                 let known = ["perspective", "orthographic", "realistic", "spherical"];
@@ -61,12 +61,12 @@ impl View {
     pub(super) fn camera(&self, [width, height]: [u32; 2]) -> NamedCamera {
         let (width, height) = (f64::from(width), f64::from(height));
         let projection = match self.lens {
-            Lens::Perspective(degrees) => {
+            CameraModel::Perspective(degrees) => {
                 let axis = if width < height { FovAxis::Horizontal } else { FovAxis::Vertical };
                 Projection::Perspective { fov: degrees.to_radians(), axis }
             }
             // The shorter side shows what lies between −1 and 1.
-            Lens::Orthographic => Projection::Orthographic { height: 2.0 * (height / width).max(1.0) },
+            CameraModel::Orthographic => Projection::Orthographic { height: 2.0 * (height / width).max(1.0) },
         };
         let world_from_camera = self.camera_from_world.inverse().compose(&mirror());
         let ours = Self::ours_from_world(Some(self)).compose(&world_from_camera);
@@ -81,7 +81,7 @@ fn mirror() -> Transform {
 }
 
 /// What `LookAt` multiplies the matrix by.
-pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9]) -> Result<Transform, Flaw> {
+pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9]) -> Result<Transform, LineError> {
     let (eye, target, up) = (DVec3::new(ex, ey, ez), DVec3::new(tx, ty, tz), DVec3::new(ux, uy, uz));
     // Ours looks along −z with +x to the right in a right-handed world: a half turn around y gives the axes of the file.
     let turn = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, -1.0));
@@ -89,21 +89,21 @@ pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9
         .and_then(|ours| Ok(ours.compose(&Transform::from_linear(turn, DVec3::ZERO)?)));
     placed.map(|world_from_camera| world_from_camera.inverse()).map_err(|_| {
         let rule = "has no direction: eye and target must differ, and `up` must not be 0 or along the view";
-        Flaw::new(line, format_args!("the view from {eye} to {target} with {up} up"), rule)
+        LineError::new(line, format_args!("the view from {eye} to {target} with {up} up"), rule)
     })
 }
 
 /// Reads a `Image`: the size of the image.
-pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], Flaw> {
+pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], LineError> {
     let (width, height) = (parameters.float("xresolution", 1280.0)?, parameters.float("yresolution", 720.0)?);
     let shown = || format!("{width} x {height}");
     let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
     if !whole(width) || !whole(height) {
         let rule = "is no resolution: give two whole numbers of pixels from 1 up";
-        return Err(Flaw::new(parameters.line, shown(), rule));
+        return Err(LineError::new(parameters.line, shown(), rule));
     }
     if width * height > Image::MAX_PIXELS as f64 {
-        return Err(Flaw::new(parameters.line, shown(), "pixels are more than 2^28: choose a smaller image"));
+        return Err(LineError::new(parameters.line, shown(), "pixels are more than 2^28: choose a smaller image"));
     }
     // Both fit, because their product does.
     Ok([width as u32, height as u32])

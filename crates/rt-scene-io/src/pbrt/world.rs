@@ -1,27 +1,25 @@
 //! What stands and shines in the world: objects, materials, lights and shapes.
 
-use std::sync::Arc;
-
-use rt_math::{Rgb, Transform};
+use rt_math::Rgb;
 use rt_shading::emitter::Sides;
 use rt_shading::{ColorTexture, Coverage, Material};
 
-use super::light::Source;
+use super::light::PbrtLight;
 use super::material::unknown;
 use super::parameters::Parameters;
-use super::reader::Reader;
-use super::shape::{Solid, Trouble};
+use super::reader::PbrtReader;
+use super::shape::{DirectiveError, PbrtShape};
 use super::state::Emission;
-use super::tokens::Tokens;
-use super::view::View;
+use super::view::PbrtCamera;
 use super::{light, material, shape, spectrum};
-use crate::flaw::Flaw;
-use crate::mesh_build::build_mesh;
+use crate::build_mesh::build_mesh;
+use crate::error::LineError;
 use crate::tangents;
-use crate::{Content, MaterialId, MeshId, NamedMesh, Node, Reason, limits};
+use crate::text::tokenizer::Tokenizer;
+use crate::{Content, LoadErrorKind, MaterialId, Node, limits};
 
-impl Reader<'_> {
-    pub(super) fn object(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+impl PbrtReader<'_> {
+    pub(super) fn object(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         if word == "ObjectEnd" {
             self.close_scope(line, word)?;
             if let Some((name, nodes)) = self.object.take() {
@@ -31,7 +29,7 @@ impl Reader<'_> {
         }
         let name = tokens.text("the name of an object")?;
         if self.object.is_some() {
-            return Err(Flaw::new(
+            return Err(LineError::new(
                 line,
                 format_args!("`{word}`"),
                 "stands within an object: objects hold shapes alone",
@@ -39,7 +37,7 @@ impl Reader<'_> {
         }
         if word == "ObjectBegin" {
             if self.objects.contains_key(&name) {
-                return Err(Flaw { line, reason: Reason::Duplicate { kind: "object", name } });
+                return Err(LineError { line, kind: LoadErrorKind::Duplicate { kind: "object", name } });
             }
             self.open_scope(line, true)?;
             self.object = Some((name, Vec::new()));
@@ -49,16 +47,16 @@ impl Reader<'_> {
             return Err(unknown("object", &name, line, self.objects.keys().map(String::as_str)));
         };
         let children = nodes.clone();
-        self.add(Node { children, ..empty(name, self.state.matrix) }, line)
+        self.add(Node { children, ..Node::empty(name, self.state.matrix) }, line)
     }
 
     /// Adds a node to the object that is described, or to the world.
-    fn add(&mut self, node: Node, line: usize) -> Result<(), Flaw> {
+    fn add(&mut self, node: Node, line: usize) -> Result<(), LineError> {
         self.unfolded += 1 + node.children.len();
         if self.unfolded > limits::PBRT_NODES {
             let (what, value, limit) =
                 ("the number of shapes, instances unfolded,", self.unfolded as u64, limits::PBRT_NODES as u64);
-            return Err(Flaw { line, reason: Reason::TooLarge { what, value, limit } });
+            return Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) });
         }
         match &mut self.object {
             Some((_, nodes)) => nodes.push(node),
@@ -67,9 +65,9 @@ impl Reader<'_> {
         Ok(())
     }
 
-    pub(super) fn appearance(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+    pub(super) fn appearance(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         let name = tokens.text("a name")?;
-        let mut losses = Vec::new();
+        let mut warnings = Vec::new();
         match word {
             "NamedMaterial" => {
                 let Some(surface) = self.named.get(&name) else {
@@ -81,8 +79,8 @@ impl Reader<'_> {
                 tokens.text("the type of a texture")?;
                 let class = tokens.text("the class of a texture")?;
                 let parameters = self.parameters(tokens, line, "texture")?;
-                let losses = self.textures.define(name, &class, &parameters, self.files)?;
-                self.warn_all(word, &parameters, losses);
+                let warnings = self.textures.define(name, &class, &parameters, self.files)?;
+                self.warn_all(word, &parameters, warnings);
             }
             _ => {
                 let parameters = self.parameters(tokens, line, "material")?;
@@ -96,7 +94,7 @@ impl Reader<'_> {
                     Some(&index) => Ok(surfaces.get(index).cloned().flatten()),
                     None => Err(unknown("material", part, line, named.keys().map(String::as_str))),
                 };
-                let mut surface = material::read(&kind, &parameters, &self.textures, find, &mut losses)?;
+                let mut surface = material::read(&kind, &parameters, &self.textures, find, &mut warnings)?;
                 let relief = self.textures.relief(&parameters, self.files)?;
                 if let (Some(surface), Some(_)) = (&mut surface, relief) {
                     surface.relief = relief;
@@ -111,14 +109,14 @@ impl Reader<'_> {
                     }
                     self.named.insert(name, index);
                 }
-                self.warn_all(word, &parameters, losses);
+                self.warn_all(word, &parameters, warnings);
             }
         }
         Ok(())
     }
 
     /// The parameters of a directive, with the attributes that hold for its kind.
-    fn parameters(&self, tokens: &mut Tokens<'_>, line: usize, target: &str) -> Result<Parameters, Flaw> {
+    fn parameters(&self, tokens: &mut Tokenizer<'_>, line: usize, target: &str) -> Result<Parameters, LineError> {
         let own = Parameters::read(tokens, line)?;
         Ok(match self.state.attributes.get(target) {
             Some(defaults) => own.or(defaults),
@@ -126,67 +124,66 @@ impl Reader<'_> {
         })
     }
 
-    pub(super) fn light(&mut self, word: &str, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Flaw> {
+    pub(super) fn light(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         let kind = tokens.text("the kind of a light")?;
         let parameters = self.parameters(tokens, line, "light")?;
         if word == "AreaLightSource" {
             if kind != "diffuse" {
                 return Err(unknown("area light", &kind, line, ["diffuse"]));
             }
-            let (radiance, loss) = spectrum::colour(&parameters, "L")?.unwrap_or((Rgb::WHITE, None));
+            let (radiance, warning) = spectrum::colour(&parameters, "L")?.unwrap_or((Rgb::WHITE, None));
             let radiance = radiance * parameters.not_negative("scale", 1.0)?;
             self.state.emission = Some(Emission { radiance, both_sides: parameters.flag("twosided")? });
-            self.warn_all(word, &parameters, loss.into_iter().collect());
+            self.warn_all(word, &parameters, warning.into_iter().collect());
             return Ok(());
         }
-        let place = View::ours_from_world(self.view.as_ref()).compose(&self.state.matrix);
-        let (source, losses) = light::read(&kind, &parameters, &place, self.files)?;
+        let place = PbrtCamera::ours_from_world(self.view.as_ref()).compose(&self.state.matrix);
+        let (source, warnings) = light::read(&kind, &parameters, &place, self.files)?;
         match source {
-            Source::Light(light) => self.model.lights.push(light),
-            Source::Sky(radiance) => self.sky = Some(self.sky.unwrap_or_default() + radiance),
-            Source::Unsupported => {
+            PbrtLight::Light(light) => self.model.lights.push(light),
+            PbrtLight::Sky(radiance) => self.sky = Some(self.sky.unwrap_or_default() + radiance),
+            PbrtLight::Unsupported => {
                 self.warn(line, format!("the light \"{kind}\" is left out: it is not supported"));
                 return Ok(());
             }
         }
-        self.warn_all(word, &parameters, losses);
+        self.warn_all(word, &parameters, warnings);
         Ok(())
     }
 
-    pub(super) fn shape(&mut self, line: usize, tokens: &mut Tokens<'_>) -> Result<(), Trouble> {
+    pub(super) fn shape(&mut self, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), DirectiveError> {
         let kind = tokens.text("the kind of a shape")?;
         let parameters = self.parameters(tokens, line, "shape")?;
-        let mut losses = Vec::new();
-        let mut solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut losses)?;
+        let mut warnings = Vec::new();
+        let mut solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut warnings)?;
         let name = format!("line {line}");
-        let mut cover = self.textures.cover(&parameters, self.files, &mut losses)?;
-        if matches!(solid, Solid::Exact(..)) && cover != Coverage::ALL {
-            losses.push(format!("\"alpha\" cuts meshes alone: the {kind} is whole"));
+        let mut cover = self.textures.cover(&parameters, self.files, &mut warnings)?;
+        if matches!(solid, PbrtShape::Exact(..)) && cover != Coverage::ALL {
+            warnings.push(format!("\"alpha\" cuts meshes alone: the {kind} is whole"));
             cover = Coverage::ALL;
         }
         if self.surface().is_some_and(|surface| surface.relief.is_some()) && !lay_tangents(&mut solid) {
-            losses.push("without texture coordinates it has no tangents: its normal map is left out".to_owned());
+            warnings.push("without texture coordinates it has no tangents: its normal map is left out".to_owned());
         }
         let (content, place) = match solid {
-            Solid::Exact(shape, place) => (Content::Shape(shape), self.state.matrix.compose(&place)),
-            Solid::Mesh(data) => {
+            PbrtShape::Exact(shape, place) => (Content::Shape(shape), self.state.matrix.compose(&place)),
+            PbrtShape::Mesh(data) => {
                 let at = format!("{}:{line}", self.path.display());
                 let mesh = build_mesh(data, &at, &mut self.model.warnings);
-                let Some(mesh) = mesh.map_err(|error| Flaw { line, reason: error.into() })? else { return Ok(()) };
-                self.model.meshes.push(NamedMesh { name: name.clone(), mesh: Arc::new(mesh) });
-                (Content::Mesh(MeshId(self.model.meshes.len() as u32 - 1)), self.state.matrix)
+                let Some(mesh) = mesh.map_err(|error| LineError { line, kind: error.into() })? else { return Ok(()) };
+                (Content::Mesh(self.model.add_mesh(name.clone(), mesh)), self.state.matrix)
             }
-            Solid::Unsupported => {
+            PbrtShape::Unsupported => {
                 self.warn(line, format!("the shape \"{kind}\" is left out: it is not supported"));
                 return Ok(());
             }
         };
-        self.warn_all(&format!("the shape \"{kind}\""), &parameters, losses);
+        self.warn_all(&format!("the shape \"{kind}\""), &parameters, warnings);
         let Some(material) = self.material(cover) else {
             self.warn(line, "a shape of no material is not seen: it is left out".to_owned());
             return Ok(());
         };
-        self.add(Node { content: Some(content), material, ..empty(name, place) }, line)?;
+        self.add(Node { content: Some(content), material, ..Node::empty(name, place) }, line)?;
         Ok(())
     }
 
@@ -214,35 +211,21 @@ impl Reader<'_> {
             made.shines = if both_sides { Sides::Both } else { Sides::Front };
         }
         made.coverage = cover;
-        self.model.materials.push(made);
-        let id = MaterialId(self.model.materials.len() as u32 - 1);
+        let id = self.model.add_material(made);
         self.materials.insert(key, id);
         Some(id)
     }
 }
 
 /// Makes the tangents that normal maps are laid along; false if there are none.
-fn lay_tangents(solid: &mut Solid) -> bool {
+fn lay_tangents(solid: &mut PbrtShape) -> bool {
     match solid {
-        Solid::Mesh(data) if !data.uvs.is_empty() => {
+        PbrtShape::Mesh(data) if !data.uvs.is_empty() => {
             let uvs = data.uvs.clone();
             tangents::generate(data, &uvs);
             true
         }
-        Solid::Mesh(_) | Solid::Exact(..) => false,
-        Solid::Unsupported => true,
-    }
-}
-
-/// A node that holds nothing.
-pub(super) const fn empty(name: String, parent_from_local: Transform) -> Node {
-    Node {
-        name,
-        parent_from_local,
-        moves_to: None,
-        content: None,
-        material: MaterialId(0),
-        casts_shadow: true,
-        children: Vec::new(),
+        PbrtShape::Mesh(_) | PbrtShape::Exact(..) => false,
+        PbrtShape::Unsupported => true,
     }
 }

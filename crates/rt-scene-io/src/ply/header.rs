@@ -5,13 +5,13 @@ use std::ops::Range;
 use serde_ply::{ElementDef, PlyFormat, PlyHeader, PropertyType, ScalarType};
 
 use super::rows::{COLOR, COLUMNS, CORNERS, POSITION, STRIPS, column};
-use crate::Reason;
+use crate::LoadErrorKind;
 
 /// Checks that there are vertices with positions, and that the `available` bytes after the header can hold all rows.
-pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), Reason> {
+pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), LoadErrorKind> {
     for (i, element) in header.elem_defs.iter().enumerate() {
         if header.elem_defs[..i].iter().any(|before| before.name == element.name) {
-            return Err(Reason::Duplicate { kind: "element", name: element.name.clone() });
+            return Err(LoadErrorKind::Duplicate { kind: "element", name: element.name.clone() });
         }
     }
     let mut needed: u64 = 0;
@@ -20,20 +20,23 @@ pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), Reason> {
             element.properties.iter().map(|property| least_bytes(header.format, &property.property_type)).sum();
         if row == 0 && element.count > 0 {
             let value = format!("the element `{}` of {} rows", element.name, element.count);
-            return Err(Reason::invalid(value, "has no properties: a row must hold something"));
+            return Err(LoadErrorKind::invalid(value, "has no properties: a row must hold something"));
         }
         needed = needed.saturating_add(row.saturating_mul(element.count as u64));
     }
     if needed > available {
         let value = format!("{available} bytes after the header");
-        return Err(Reason::invalid(value, format!("cannot hold what it promises, which takes {needed} or more")));
+        return Err(LoadErrorKind::invalid(
+            value,
+            format!("cannot hold what it promises, which takes {needed} or more"),
+        ));
     }
     let Some(vertex) = header.get_element("vertex") else {
-        return Err(Reason::Syntax("the header has no element `vertex`".to_owned()));
+        return Err(LoadErrorKind::Syntax("the header has no element `vertex`".to_owned()));
     };
     for names in &COLUMNS[POSITION] {
         if !names.iter().any(|name| vertex.has_property(name)) {
-            return Err(Reason::Syntax(format!("the element `vertex` has no property `{}`", names[0])));
+            return Err(LoadErrorKind::Syntax(format!("the element `vertex` has no property `{}`", names[0])));
         }
     }
     Ok(())

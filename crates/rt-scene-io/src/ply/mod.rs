@@ -19,23 +19,23 @@ use rt_math::{Rgb, Vec3};
 use rt_shading::{ColorTexture, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
-use self::rows::{Corners, STRIPS, Skipped, Strips, Vertices};
-use crate::classical::AMBIENT;
-use crate::files::{read_file, refuse_utf16};
-use crate::forecast::{self, Sample};
-use crate::{LoadError, LoadOptions, Material, Model, Place, Reason, Warning};
+use self::rows::{FaceCorners, STRIPS, Skipped, TriangleStrips, Vertices};
+use crate::error::ErrorAt;
+use crate::files::refuse_utf16;
+use crate::memory::{FileSample, load_within_budget};
+use crate::phong_fallback::AMBIENT;
+use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Material, Model};
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    forecast::within(path, options, peak_bytes, || {
-        let bytes = read_file(path, options).map_err(|reason| reason.at(path, ""))?;
-        refuse_utf16(&bytes).map_err(|reason| reason.at(path, ""))?;
+    load_within_budget(path, options, peak_bytes, |bytes| {
+        refuse_utf16(&bytes).at(path, "")?;
         load_bytes(bytes, path)
     })
 }
 
 /// Bytes of memory that loading takes at its peak.
-fn peak_bytes(sample: &Sample) -> u64 {
+fn peak_bytes(sample: &FileSample) -> u64 {
     let count = |name: &str| {
         let header = PlyReader::from_reader(&mut sample.head()).map(|reader| reader.header().clone()).ok();
         header.and_then(|header| header.get_element(name).map(|element| element.count as u64)).unwrap_or(0)
@@ -52,17 +52,17 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     let mut rest = bytes.as_slice();
     let header = PlyReader::from_reader(&mut rest).map(|reader| reader.header().clone());
     let header = header.map_err(|error| explain(&error, &bytes, rest, None, path))?;
-    header::check(&header, rest.len() as u64).map_err(|reason| reason.at(path, ""))?;
+    header::check(&header, rest.len() as u64).at(path, "")?;
     let mut rest = bytes.as_slice();
     let content = read(&mut rest).map_err(|error| explain(&error, &bytes, rest, Some(header.format), path))?;
     let surplus = surplus(&bytes, rest, header.format);
-    let Content { vertices, corners } = content;
+    let PlyContent { vertices, corners } = content;
     if corners.is_empty() {
         let what = "is a cloud of points, without faces, which";
-        return Err(Reason::Unsupported(what.to_owned()).at(path, ""));
+        return Err(LoadErrorKind::Unsupported(what.to_owned()).at(path, ""));
     }
     let mut model = Model::default();
-    let mut warn = |message: String| model.warnings.push(Warning { place: path.display().to_string(), message });
+    let mut warn = |message: String| model.warn(path.display(), message);
     for left_out in header::left_out(&header) {
         warn(left_out);
     }
@@ -70,7 +70,8 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     if corners.short > 0 {
         warn(format!("{} faces with fewer than three corners were left out", corners.short));
     }
-    let data = mesh_data(&header, &vertices, &corners).map_err(|error| Reason::from(error).at(path, "element face"))?;
+    let data =
+        mesh_data(&header, &vertices, &corners).map_err(|error| LoadErrorKind::from(error).at(path, "element face"))?;
     let is_colored = !data.colors.is_empty();
     model.set_mesh(data, path)?;
     if is_colored {
@@ -91,14 +92,14 @@ fn show_colors(model: &mut Model) {
 
 /// What a file holds of use.
 #[derive(Default)]
-struct Content {
+struct PlyContent {
     vertices: Vertices,
-    corners: Corners,
+    corners: FaceCorners,
 }
 
-fn read(bytes: &mut &[u8]) -> Result<Content, DeserializeError> {
+fn read(bytes: &mut &[u8]) -> Result<PlyContent, DeserializeError> {
     let mut reader = PlyReader::from_reader(bytes)?;
-    let (mut content, mut strips) = (Content::default(), Strips::default());
+    let (mut content, mut strips) = (PlyContent::default(), TriangleStrips::default());
     while let Some(element) = reader.current_element() {
         match element.name.as_str() {
             "vertex" => content.vertices = reader.next_element()?,
@@ -149,13 +150,17 @@ fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<P
         // The end of the line of the last word may have been read with it.
         None | Some(PlyFormat::Ascii) => {
             let line = 1 + read.iter().rev().skip(1).filter(|byte| **byte == b'\n').count();
-            Reason::Syntax(message).at(path, Place::Line(line))
+            LoadErrorKind::Syntax(message).at(path, Location::Line(line))
         }
-        Some(_) => Reason::Syntax(format!("{message} (before byte {})", read.len())).at(path, ""),
+        Some(_) => LoadErrorKind::Syntax(format!("{message} (before byte {})", read.len())).at(path, ""),
     }
 }
 
-fn mesh_data(header: &PlyHeader, vertices: &Vertices, corners: &Corners) -> Result<MeshData, rt_geometry::MeshError> {
+fn mesh_data(
+    header: &PlyHeader,
+    vertices: &Vertices,
+    corners: &FaceCorners,
+) -> Result<MeshData, rt_geometry::MeshError> {
     let positions = vertices.rows.iter().map(|row| Vec3::new(row[0], row[1], row[2])).collect();
     let faces = corners.faces().map(|outline| Face { outline, holes: &[] });
     let mut data = MeshData::from_polygons(positions, faces)?;

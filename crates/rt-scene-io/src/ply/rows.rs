@@ -60,14 +60,14 @@ struct Vertex {
 
 /// The corners of all faces.
 #[derive(Debug, Default)]
-pub(super) struct Corners {
+pub(super) struct FaceCorners {
     indices: Vec<u32>,
     ends: Vec<usize>,
     /// Faces with fewer than three corners, which are not kept.
     pub(super) short: usize,
 }
 
-impl Corners {
+impl FaceCorners {
     pub(super) const fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
@@ -81,11 +81,11 @@ impl Corners {
 
 /// Triangle strips: lists of corners, in which a negative number begins another strip.
 #[derive(Debug, Default)]
-pub(super) struct Strips(Vec<i64>);
+pub(super) struct TriangleStrips(Vec<i64>);
 
-impl Strips {
+impl TriangleStrips {
     /// Adds the triangles to those of faces. Where a strip names a vertex twice it is stitched, and there is none.
-    pub(super) fn add_to(&self, corners: &mut Corners) {
+    pub(super) fn add_to(&self, corners: &mut FaceCorners) {
         for order in self.0.split(|corner| *corner < 0) {
             // A number beyond all vertices is refused with the others.
             let order: Vec<u32> = order.iter().map(|corner| u32::try_from(*corner).unwrap_or(u32::MAX)).collect();
@@ -132,29 +132,29 @@ impl<'de, R: Row> Deserialize<'de> for Cells<R> {
 struct Name<T>(T);
 
 /// What a name stands for.
-trait Meaning: Sized {
+trait PropertyKind: Sized {
     fn of(name: &[u8]) -> Self;
 }
 
 /// The column of a vertex.
-impl Meaning for Option<usize> {
+impl PropertyKind for Option<usize> {
     fn of(name: &[u8]) -> Self {
         column(name)
     }
 }
 
 /// Whether it is the list of corners.
-impl Meaning for bool {
+impl PropertyKind for bool {
     fn of(name: &[u8]) -> Self {
         CORNERS.iter().any(|known| known.as_bytes() == name)
     }
 }
 
-impl<'de, T: Meaning> Deserialize<'de> for Name<T> {
+impl<'de, T: PropertyKind> Deserialize<'de> for Name<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Bytes<T>(std::marker::PhantomData<T>);
 
-        impl<T: Meaning> Visitor<'_> for Bytes<T> {
+        impl<T: PropertyKind> Visitor<'_> for Bytes<T> {
             type Value = Name<T>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -232,7 +232,7 @@ impl Collects for Vertices {
     }
 }
 
-impl Collects for Corners {
+impl Collects for FaceCorners {
     type Row = Vec<u32>;
 
     fn add(&mut self, row: Vec<u32>) {
@@ -245,7 +245,7 @@ impl Collects for Corners {
     }
 }
 
-impl Collects for Strips {
+impl Collects for TriangleStrips {
     type Row = Vec<i64>;
 
     fn add(&mut self, row: Vec<i64>) {
@@ -294,13 +294,13 @@ impl<'de> Deserialize<'de> for Vertices {
     }
 }
 
-impl<'de> Deserialize<'de> for Corners {
+impl<'de> Deserialize<'de> for FaceCorners {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         collect(deserializer)
     }
 }
 
-impl<'de> Deserialize<'de> for Strips {
+impl<'de> Deserialize<'de> for TriangleStrips {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         collect(deserializer)
     }

@@ -5,32 +5,32 @@ use std::borrow::Cow;
 use rt_math::{DVec3, KeyframedTransform, KeyframedTransformError, Keyframes, KeyframesError, Transform};
 
 use super::camera::{DEFAULT_FOV_DEGREES, look_at, opening, place};
-use super::exposure::Exposure;
-use super::report::Report;
+use super::shutter::ShutterInterval;
 use super::transform::{motion, product, refused_motion, transform};
 use super::value::vector;
-use crate::Reason;
+use crate::LoadErrorKind;
+use crate::diagnostics::Diagnostics;
 use crate::format::{Camera, CameraAnimation, CameraKey, Interpolation, Node, Step};
 
 /// Where a node is when the shutter opens and, if it moves, closes.
 pub(super) fn node_places(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: &str,
     node: &Node,
-    exposure: &Exposure,
+    shutter: &ShutterInterval,
 ) -> Option<(Transform, Option<Transform>)> {
     let rest = transform(report, path, &node.transform);
     let Some(animation) = &node.animation else {
         let start = rest?;
         let end = motion(report, path, &start, &node.motion)?;
-        return Some(exposure.cut(start, end));
+        return Some(shutter.cut(start, end));
     };
     refuse_motion(report, path, &node.motion)?;
     let path = format!("{path}.animation");
     let timeline = timeline(report, &path, animation.keys.iter().map(|key| key.time), animation.interpolation);
     let keys = moves(report, &path, timeline, animation.keys.iter().map(|key| key.transform.as_slice()));
     let (keys, rest) = (keys?, rest?);
-    exposure.places(report, path, |time| Ok(keys.at(time).compose(&rest)))
+    shutter.places(report, path, |time| Ok(keys.at(time).compose(&rest)))
 }
 
 /// A camera at the moment at which the shutter opens.
@@ -46,15 +46,15 @@ pub(super) struct PosedCamera<'a> {
 
 /// The camera of a file, posed.
 pub(super) fn posed_camera<'a>(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: &str,
     camera: &'a Camera,
-    exposure: &Exposure,
+    shutter: &ShutterInterval,
 ) -> Option<PosedCamera<'a>> {
     let Some(animation) = &camera.animation else {
         let rest = place(report, path, camera)?;
         let end = motion(report, path, &rest, &camera.motion)?;
-        let (world_from_camera, moves_to) = exposure.cut(rest, end);
+        let (world_from_camera, moves_to) = shutter.cut(rest, end);
         return Some(PosedCamera { camera: Cow::Borrowed(camera), rest, world_from_camera, moves_to });
     };
     refuse_motion(report, path, &camera.motion)?;
@@ -63,22 +63,22 @@ pub(super) fn posed_camera<'a>(
     let timeline = timeline(report, &keys_path, times, animation.interpolation)?;
     let mut posed = camera.clone();
     if animation.keys.iter().any(|key| key.fov.is_some()) {
-        posed.fov = Some(field_of_view(report, &keys_path, camera, animation, &timeline, exposure.opens())?);
+        posed.fov = Some(field_of_view(report, &keys_path, camera, animation, &timeline, shutter.opens())?);
     }
     let looks = animation.keys.iter().any(CameraKey::looks);
     let first_move = animation.keys.iter().position(|key| !key.transform.is_empty());
     if let Some(index) = first_move.filter(|_| looks) {
         let rule = "cannot stand beside `look_from`, `look_at` or `up` of this or another key: move by one of both";
-        let reason = Reason::invalid("the transform", rule);
+        let reason = LoadErrorKind::invalid("the transform", rule);
         return report.check(format_args!("{keys_path}.keys[{index}].transform"), Err(reason));
     }
     let (rest, (world_from_camera, moves_to)) = if looks {
         let views = Views::read(report, &keys_path, camera, animation)?;
-        let places = exposure.places(report, &keys_path, |time| {
+        let places = shutter.places(report, &keys_path, |time| {
             let [eye, target, up] = views.at(&timeline, time);
             look_at(eye, target, up)
         })?;
-        let [eye, target, up] = views.at(&timeline, exposure.opens()).map(|point| point.to_array());
+        let [eye, target, up] = views.at(&timeline, shutter.opens()).map(|point| point.to_array());
         (posed.look_from, posed.look_at, posed.up) = (Some(eye), Some(target), Some(up));
         (places.0, places)
     } else {
@@ -88,51 +88,46 @@ pub(super) fn posed_camera<'a>(
         };
         let steps = animation.keys.iter().map(|key| key.transform.as_slice());
         let keys = moves(report, &keys_path, Some(timeline), steps)?;
-        (rest, exposure.places(report, &keys_path, |time| Ok(keys.at(time).compose(&rest)))?)
+        (rest, shutter.places(report, &keys_path, |time| Ok(keys.at(time).compose(&rest)))?)
     };
     Some(PosedCamera { camera: Cow::Owned(posed), rest, world_from_camera, moves_to })
 }
 
 /// A motion says the same as an animation, in another way.
-fn refuse_motion(report: &mut Report, path: &str, motion: &[Step]) -> Option<()> {
+fn refuse_motion(report: &mut Diagnostics, path: &str, motion: &[Step]) -> Option<()> {
     let rule = "cannot stand beside `animation`, which says how it moves: remove one of them";
-    let absent = if motion.is_empty() { Ok(()) } else { Err(Reason::invalid("the motion", rule)) };
+    let absent = if motion.is_empty() { Ok(()) } else { Err(LoadErrorKind::invalid("the motion", rule)) };
     report.check(format_args!("{path}.motion"), absent)
 }
 
 fn timeline(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: &str,
     times: impl Iterator<Item = f64>,
     interpolation: Interpolation,
 ) -> Option<Keyframes> {
     let times: Vec<f64> = times.collect();
-    let interpolation = match interpolation {
-        Interpolation::Step => rt_math::Interpolation::Step,
-        Interpolation::Linear => rt_math::Interpolation::Linear,
-        Interpolation::Smooth => rt_math::Interpolation::Smooth,
-    };
-    match Keyframes::new(times.clone(), interpolation) {
+    match Keyframes::new(times.clone(), interpolation.into()) {
         Ok(timeline) => Some(timeline),
         Err(KeyframesError::Empty) => {
-            let reason = Reason::invalid("the animation", "has no keys: give one, or remove the animation");
+            let reason = LoadErrorKind::invalid("the animation", "has no keys: give one, or remove the animation");
             report.check(format_args!("{path}.keys"), Err(reason))
         }
         Err(KeyframesError::Time(index)) => {
-            let reason = Reason::invalid(times[index], "is not a time in seconds of magnitude at most 1e60");
+            let reason = LoadErrorKind::invalid(times[index], "is not a time in seconds of magnitude at most 1e60");
             report.check(format_args!("{path}.keys[{index}].time"), Err(reason))
         }
         Err(KeyframesError::Order(index)) => {
             let rule =
                 format!("does not come after {}, the time of the key before: order keys by time", times[index - 1]);
-            report.check(format_args!("{path}.keys[{index}].time"), Err(Reason::invalid(times[index], rule)))
+            report.check(format_args!("{path}.keys[{index}].time"), Err(LoadErrorKind::invalid(times[index], rule)))
         }
     }
 }
 
 /// The moves of keys. All that is wrong with them is reported, also if there is no timeline.
 fn moves<'a>(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: &str,
     timeline: Option<Keyframes>,
     keys: impl Iterator<Item = &'a [Step]>,
@@ -144,13 +139,15 @@ fn moves<'a>(
         Err(KeyframedTransformError::AnimatedTransform(index, error)) => {
             report.check(format_args!("{path}.keys[{index}].transform"), Err(refused_motion(error)))
         }
-        Err(error @ KeyframedTransformError::Count(..)) => report.check(path, Err(Reason::Syntax(error.to_string()))),
+        Err(error @ KeyframedTransformError::Count(..)) => {
+            report.check(path, Err(LoadErrorKind::Syntax(error.to_string())))
+        }
     }
 }
 
 /// The opening angle of a camera at a moment, in degrees.
 fn field_of_view(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: &str,
     camera: &Camera,
     animation: &CameraAnimation,
@@ -174,16 +171,17 @@ struct Views {
 }
 
 impl Views {
-    fn read(report: &mut Report, path: &str, camera: &Camera, animation: &CameraAnimation) -> Option<Self> {
+    fn read(report: &mut Diagnostics, path: &str, camera: &Camera, animation: &CameraAnimation) -> Option<Self> {
         if !camera.transform.is_empty() {
             let rule = "cannot stand beside `look_from`, `look_at` or `up` of its keys: remove one of them";
-            report.check(format_args!("{path}.keys"), Err(Reason::invalid("the transform of the camera", rule)))?;
+            report
+                .check(format_args!("{path}.keys"), Err(LoadErrorKind::invalid("the transform of the camera", rule)))?;
         }
         let mut views = Self { eyes: Vec::new(), targets: Vec::new(), ups: Vec::new() };
         for (i, key) in animation.keys.iter().enumerate() {
             let path = format!("{path}.keys[{i}]");
             let eye = key.look_from.or(camera.look_from).ok_or_else(|| {
-                Reason::invalid("`look_from`", "is needed here, as the camera itself does not say it either")
+                LoadErrorKind::invalid("`look_from`", "is needed here, as the camera itself does not say it either")
             });
             views.eyes.push(report.check(format_args!("{path}.look_from"), eye.and_then(vector))?);
             let target = key.look_at.or(camera.look_at).unwrap_or_default();

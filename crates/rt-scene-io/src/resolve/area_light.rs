@@ -8,14 +8,13 @@ use rt_shading::emitter::Sides;
 use rt_shading::{ColorTexture, Phong, Physical};
 
 use super::material::Materials;
-use super::physical::sides;
-use super::report::Report;
 use super::value::{colour, direction, positive, vector};
+use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{Content, Material, Node, Reason};
+use crate::{Content, LoadErrorKind, Material, Node};
 
 /// The nodes of all lights with extent; each has a material of its own.
-pub(super) fn nodes(report: &mut Report, lights: &[format::Light], materials: &mut Materials<'_>) -> Vec<Node> {
+pub(super) fn nodes(report: &mut Diagnostics, lights: &[format::Light], materials: &mut Materials<'_>) -> Vec<Node> {
     let mut nodes = Vec::new();
     for (i, light) in lights.iter().enumerate() {
         let path = format!("lights[{i}]");
@@ -23,14 +22,14 @@ pub(super) fn nodes(report: &mut Report, lights: &[format::Light], materials: &m
         let radiance = report.check(format_args!("{path}.radiance"), colour(radiance));
         let (Some(radiance), Some((shape, place))) = (radiance, placed(report, &path, light)) else { continue };
         let name = if name.is_empty() { format!("light {i}") } else { name.to_owned() };
-        let node = Node::new(Content::Shape(shape), materials.add(lamp(&name, radiance, shines)));
+        let node = Node::new(Content::Shape(shape), materials.add(light_material(&name, radiance, shines)));
         nodes.push(Node { name, parent_from_local: place, ..node });
     }
     nodes
 }
 
 /// True for a light that has extent.
-pub(super) fn has_extent(light: &format::Light) -> bool {
+pub(super) fn is_area_light(light: &format::Light) -> bool {
     surface(light).is_some()
 }
 
@@ -38,7 +37,7 @@ pub(super) fn has_extent(light: &format::Light) -> bool {
 fn surface(light: &format::Light) -> Option<(&str, &format::Color, Sides)> {
     match light {
         format::Light::Quad { name, radiance, shines, .. } | format::Light::Disk { name, radiance, shines, .. } => {
-            Some((name, radiance, sides(*shines)))
+            Some((name, radiance, (*shines).into()))
         }
         format::Light::Sphere { name, radiance, .. } | format::Light::Cylinder { name, radiance, .. } => {
             Some((name, radiance, Sides::Front))
@@ -47,7 +46,7 @@ fn surface(light: &format::Light) -> Option<(&str, &format::Color, Sides)> {
     }
 }
 
-fn lamp(name: &str, radiance: Rgb, shines: Sides) -> Material {
+fn light_material(name: &str, radiance: Rgb, shines: Sides) -> Material {
     let zero = ColorTexture::ZERO;
     let emission = ColorTexture::Constant(radiance);
     let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };
@@ -55,8 +54,8 @@ fn lamp(name: &str, radiance: Rgb, shines: Sides) -> Material {
 }
 
 /// Shape and place of a light. What is wrong is reported.
-fn placed(report: &mut Report, path: &str, light: &format::Light) -> Option<(Shape, Transform)> {
-    let shape = |shape: Result<Shape, ShapeError>| shape.map_err(Reason::from);
+fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option<(Shape, Transform)> {
+    let shape = |shape: Result<Shape, ShapeError>| shape.map_err(LoadErrorKind::from);
     match light {
         format::Light::Quad { corner, edges, .. } => {
             let corner = report.check(format_args!("{path}.corner"), vector(*corner));
@@ -64,7 +63,7 @@ fn placed(report: &mut Report, path: &str, light: &format::Light) -> Option<(Sha
             let across = report.check(format_args!("{path}.edges"), vector(edges.1));
             let (corner, along, across) = (corner?, along?, across?);
             let outline = vec![corner, corner + along, corner + along + across, corner + across];
-            let polygon = Polygon::new(outline, Vec::new(), InsideRule::Convex).map_err(Reason::from);
+            let polygon = Polygon::new(outline, Vec::new(), InsideRule::Convex).map_err(LoadErrorKind::from);
             let polygon = report.check(path, polygon)?;
             Some((Shape::Polygon(Arc::new(polygon)), Transform::IDENTITY))
         }
@@ -96,8 +95,8 @@ fn placed(report: &mut Report, path: &str, light: &format::Light) -> Option<(Sha
 }
 
 /// Takes +y to a unit vector, and the origin to a point.
-fn upright(report: &mut Report, path: &str, origin: DVec3, up: DVec3) -> Option<Transform> {
+fn upright(report: &mut Diagnostics, path: &str, origin: DVec3, up: DVec3) -> Option<Transform> {
     let frame = Frame::from_z(up);
     let turn = DMat3::from_cols(frame.y, frame.z, frame.x);
-    report.check(path, Transform::from_linear(turn, origin).map_err(Reason::from))
+    report.check(path, Transform::from_linear(turn, origin).map_err(LoadErrorKind::from))
 }

@@ -6,13 +6,13 @@ use rt_camera::{Camera, CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_math::{DVec2, DVec3, Transform, TransformError};
 
 use super::animation::posed_camera;
-use super::exposure::Exposure;
 use super::lens::lens;
-use super::report::Report;
+use super::shutter::ShutterInterval;
 use super::transform::transform;
 use super::value::{coordinate, positive, vector};
+use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{MaterialId, NamedCamera, Reason};
+use crate::{LoadErrorKind, MaterialId, NamedCamera};
 
 /// Opening angle of a camera that does not say, in degrees.
 pub(super) const DEFAULT_FOV_DEGREES: f64 = 40.0;
@@ -25,48 +25,50 @@ pub(super) fn listed(file: &format::SceneFile) -> impl Iterator<Item = (String, 
 
 /// All cameras, the default one first, checked to be able to expose this film. `media` are those that they stand in.
 pub(super) fn cameras(
-    report: &mut Report,
-    file: &format::SceneFile,
+    report: &mut Diagnostics,
+    listed: &[(String, format::Camera)],
     film: &FilmSettings,
     media: &[Option<MaterialId>],
-    exposure: &Exposure,
+    shutter: &ShutterInterval,
 ) -> Vec<NamedCamera> {
     let mut names = HashSet::new();
     let mut cameras = Vec::new();
-    for (index, (path, camera)) in listed(file).enumerate() {
+    for (index, (path, camera)) in listed.iter().enumerate() {
         let name = camera.name.clone().unwrap_or_else(|| match cameras.len() {
             0 => "camera".to_owned(),
             before => format!("camera {}", before + 1),
         });
         if !names.insert(name.clone()) {
-            let duplicate = Reason::Duplicate { kind: "camera", name: name.clone() };
+            let duplicate = LoadErrorKind::Duplicate { kind: "camera", name: name.clone() };
             report.check::<()>(format_args!("{path}.name"), Err(duplicate));
         }
-        if let Some(settings) = settings(report, &path, camera, exposure) {
-            report.check(&path, Camera::new(&settings, film.width, film.height));
+        if let Some(settings) = settings(report, path, camera, shutter) {
+            report.check(path, Camera::new(&settings, film.width, film.height));
             cameras.push(NamedCamera { name, settings, medium: media.get(index).copied().flatten() });
         }
     }
     cameras
 }
 
-fn settings(report: &mut Report, path: &str, camera: &format::Camera, exposure: &Exposure) -> Option<CameraSettings> {
-    let posed = posed_camera(report, path, camera, exposure);
+fn settings(
+    report: &mut Diagnostics,
+    path: &str,
+    camera: &format::Camera,
+    shutter: &ShutterInterval,
+) -> Option<CameraSettings> {
+    let posed = posed_camera(report, path, camera, shutter);
     let camera = posed.as_ref().map_or(camera, |posed| &posed.camera);
     let projection = match (camera.orthographic, camera.fov) {
         (Some(_), Some(fov)) => {
             let rule = "has no meaning beside `orthographic`: remove one of them";
-            report.check(format_args!("{path}.fov"), Err(Reason::invalid(fov, rule)))
+            report.check(format_args!("{path}.fov"), Err(LoadErrorKind::invalid(fov, rule)))
         }
         (Some(height), None) => report
             .check(format_args!("{path}.orthographic"), positive(height))
             .map(|height| Projection::Orthographic { height }),
         (None, fov) => {
             let fov = report.check(format_args!("{path}.fov"), opening(fov.unwrap_or(DEFAULT_FOV_DEGREES)));
-            let axis = match camera.fov_axis {
-                Some(format::FovAxis::Horizontal) => FovAxis::Horizontal,
-                Some(format::FovAxis::Vertical) | None => FovAxis::Vertical,
-            };
+            let axis = camera.fov_axis.map_or(FovAxis::Vertical, Into::into);
             fov.map(|fov| Projection::Perspective { fov, axis })
         }
     };
@@ -84,11 +86,11 @@ fn settings(report: &mut Report, path: &str, camera: &format::Camera, exposure: 
     let (opens, closes) = camera.shutter.unwrap_or((0.0, 1.0));
     let rule = "must open at 0 at the earliest and close after that, at 1 at the latest";
     let is_sound = 0.0 <= opens && opens <= closes && closes <= 1.0;
-    let refused = || Reason::invalid(format_args!("the shutter, open from {opens} to {closes},"), rule);
+    let refused = || LoadErrorKind::invalid(format_args!("the shutter, open from {opens} to {closes},"), rule);
     report.check(format_args!("{path}.shutter"), is_sound.then_some(()).ok_or_else(refused))?;
     Some(CameraSettings {
         moves_to: posed.moves_to,
-        shutter: exposure.shutter(camera.shutter),
+        shutter: shutter.relative(camera.shutter),
         lens_shift: DVec2::new(x, y),
         lens,
         ..CameraSettings::new(posed.world_from_camera, projection)
@@ -96,27 +98,27 @@ fn settings(report: &mut Report, path: &str, camera: &format::Camera, exposure: 
 }
 
 /// An opening angle in radians.
-pub(super) fn opening(degrees: f64) -> Result<f64, Reason> {
+pub(super) fn opening(degrees: f64) -> Result<f64, LoadErrorKind> {
     if degrees > 0.0 && degrees < 180.0 {
         Ok(degrees.to_radians())
     } else {
-        Err(Reason::invalid(degrees, "degrees: the field of view must lie between 0 and 180"))
+        Err(LoadErrorKind::invalid(degrees, "degrees: the field of view must lie between 0 and 180"))
     }
 }
 
 /// Where a camera stands by itself.
-pub(super) fn place(report: &mut Report, path: &str, camera: &format::Camera) -> Option<Transform> {
+pub(super) fn place(report: &mut Diagnostics, path: &str, camera: &format::Camera) -> Option<Transform> {
     let looks = camera.look_from.is_some() || camera.look_at.is_some() || camera.up.is_some();
     if !camera.transform.is_empty() {
         if looks {
             let rule = "cannot stand beside `look_from`, `look_at` or `up`: remove one of them";
-            report.check(format_args!("{path}.transform"), Err(Reason::invalid("the transform", rule)))?;
+            report.check(format_args!("{path}.transform"), Err(LoadErrorKind::invalid("the transform", rule)))?;
         }
         return transform(report, path, &camera.transform);
     }
     let Some(look_from) = camera.look_from else {
         let rule = "is needed with `look_at` and `up`; leave all three out for a camera that sees everything";
-        return report.check(path, Err(Reason::invalid("`look_from`", rule)));
+        return report.check(path, Err(LoadErrorKind::invalid("`look_from`", rule)));
     };
     let eye = report.check(format_args!("{path}.look_from"), vector(look_from));
     let target = report.check(format_args!("{path}.look_at"), vector(camera.look_at.unwrap_or([0.0; 3])));
@@ -125,13 +127,13 @@ pub(super) fn place(report: &mut Report, path: &str, camera: &format::Camera) ->
 }
 
 /// The place of an eye that looks at a target.
-pub(super) fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Transform, Reason> {
+pub(super) fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Transform, LoadErrorKind> {
     Transform::look_at(eye, target, up).map_err(|error| match error {
         TransformError::DegenerateDirection if eye == target => {
-            Reason::invalid(format_args!("look_from and look_at are both {eye}:"), "move one of them")
+            LoadErrorKind::invalid(format_args!("look_from and look_at are both {eye}:"), "move one of them")
         }
         TransformError::DegenerateDirection => {
-            Reason::invalid(format_args!("up {up}"), "is zero or parallel to the view: choose another direction")
+            LoadErrorKind::invalid(format_args!("up {up}"), "is zero or parallel to the view: choose another direction")
         }
         other => other.into(),
     })

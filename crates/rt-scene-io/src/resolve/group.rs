@@ -2,7 +2,7 @@
 
 use indexmap::IndexMap;
 
-use crate::Reason;
+use crate::LoadErrorKind;
 use crate::format::Node;
 
 /// Indices of the groups in an order in which instances only refer backwards. Unknown names are left to be reported
@@ -10,7 +10,7 @@ use crate::format::Node;
 ///
 /// # Errors
 /// If groups contain each other.
-pub(super) fn order(groups: &IndexMap<String, Vec<Node>>) -> Result<Vec<usize>, Reason> {
+pub(super) fn order(groups: &IndexMap<String, Vec<Node>>) -> Result<Vec<usize>, LoadErrorKind> {
     let contained: Vec<Vec<usize>> = groups.values().map(|nodes| instances(nodes, groups)).collect();
     let mut order = Vec::with_capacity(groups.len());
     let mut state = vec![Visit::New; groups.len()];
@@ -35,7 +35,7 @@ pub(super) fn order(groups: &IndexMap<String, Vec<Node>>) -> Result<Vec<usize>, 
                     if state[next] == Visit::Open {
                         let names = path.iter().map(|&(group, _)| group).chain([next]);
                         let around = names.skip_while(|&group| group != next);
-                        return Err(Reason::Cycle(around.map(|group| name(groups, group)).collect()));
+                        return Err(LoadErrorKind::Cycle(around.map(|group| name(groups, group)).collect()));
                     }
                     path.push((next, 0));
                 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::node::Objects;
-use crate::forecast::tree_bytes;
+use crate::memory::tree_bytes;
 use crate::{Content, LoadError, MaterialId, MeshId, Model, Node, load_model, resolve_path};
 
 /// Model files by reference, each loaded once.
@@ -46,10 +46,10 @@ impl Objects<'_> {
     fn load(&mut self, path: &str, reference: &str) -> Option<Model> {
         let file = resolve_path(reference, self.source, self.options);
         let file = self.report.check(format_args!("{path}.model"), file)?;
-        match load_model(&file, &self.exposure.for_models(self.options)) {
+        match load_model(&file, &self.shutter.for_models(self.options)) {
             Ok(model) => Some(model),
             Err(error) => {
-                self.report.add(LoadError::into_problems(error));
+                self.report.add(LoadError::into_diagnostics(error));
                 None
             }
         }

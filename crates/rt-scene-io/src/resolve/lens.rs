@@ -3,14 +3,14 @@
 use rt_camera::Lens;
 use rt_math::Transform;
 
-use super::report::Report;
 use super::value::{coordinate, not_negative, positive, vector};
-use crate::Reason;
+use crate::LoadErrorKind;
+use crate::diagnostics::Diagnostics;
 use crate::format;
 
 /// The lens of a camera that stands at a place.
 pub(super) fn lens(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: &str,
     camera: &format::Camera,
     lens: &format::Lens,
@@ -22,7 +22,7 @@ pub(super) fn lens(
     let blades = match lens.blades {
         Some(blades @ 0..3) => {
             let rule = "is no polygon: give at least 3, or leave it out for a round aperture";
-            report.check(format_args!("{path}.blades"), Err(Reason::invalid(blades, rule)))
+            report.check(format_args!("{path}.blades"), Err(LoadErrorKind::invalid(blades, rule)))
         }
         blades => Some(blades),
     };
@@ -30,13 +30,13 @@ pub(super) fn lens(
     Some(Lens { radius: radius?, focus: focus?, blades: blades?, rotation: rotation?.to_radians() })
 }
 
-fn radius(report: &mut Report, path: &str, lens: &format::Lens) -> Option<f64> {
+fn radius(report: &mut Diagnostics, path: &str, lens: &format::Lens) -> Option<f64> {
     let (f_stop, focal_length) = match (lens.radius, lens.f_stop, lens.focal_length) {
         (Some(radius), None, None) => return report.check(format_args!("{path}.radius"), not_negative(radius)),
         (None, Some(f_stop), Some(focal_length)) => (f_stop, focal_length),
         _ => {
             let rule = "either as `radius`, or as `f_stop` with `focal_length`";
-            return report.check(path, Err(Reason::invalid("the aperture must be given", rule)));
+            return report.check(path, Err(LoadErrorKind::invalid("the aperture must be given", rule)));
         }
     };
     let f_stop = report.check(format_args!("{path}.f_stop"), positive(f_stop));
@@ -45,7 +45,7 @@ fn radius(report: &mut Report, path: &str, lens: &format::Lens) -> Option<f64> {
 }
 
 fn focus(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: &str,
     camera: &format::Camera,
     lens: &format::Lens,
@@ -57,17 +57,17 @@ fn focus(
         (None, None) if camera.look_from.is_some() => (format!("{path}.focus"), camera.look_at.unwrap_or_default()),
         (None, None) => {
             let rule = "is needed with `transform`, or `focus_at`";
-            return report.check(path, Err(Reason::invalid("`focus`", rule)));
+            return report.check(path, Err(LoadErrorKind::invalid("`focus`", rule)));
         }
         (Some(_), Some(point)) => {
             let [x, y, z] = point;
             let rule = "has no meaning beside `focus`: remove one of them";
-            let reason = Reason::invalid(format_args!("({x}, {y}, {z})"), rule);
+            let reason = LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), rule);
             return report.check(format_args!("{path}.focus_at"), Err(reason));
         }
     };
     let depth = -world_from_camera.inverse_point(report.check(&at, vector(point))?).z;
     let [x, y, z] = point;
-    let refused = || Reason::invalid(format_args!("({x}, {y}, {z})"), "does not lie in front of the camera");
+    let refused = || LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), "does not lie in front of the camera");
     report.check(at, positive(depth).map_err(|_| refused()))
 }

@@ -3,19 +3,19 @@
 use std::sync::Arc;
 
 use rt_math::{DVec3, Rgb, transcendental::cos};
-use rt_shading::{Background, Falloff, Light, LightKind, LightUnits};
+use rt_shading::{Background, Light, LightKind};
 
-use super::report::Report;
 use super::texture::Textures;
 use super::value::{colour, coordinate, direction, not_negative, vector};
+use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{Reason, read_environment};
+use crate::{LoadErrorKind, read_environment};
 
 /// Widest cone of a spot light: half a sphere.
 const MAX_CONE_DEGREES: f64 = 90.0;
 
 /// The lights with a place or a direction, and the sum of the ambient lights.
-pub(super) fn lights(report: &mut Report, lights: &[format::Light]) -> (Vec<Light>, Rgb) {
+pub(super) fn lights(report: &mut Diagnostics, lights: &[format::Light]) -> (Vec<Light>, Rgb) {
     let mut placed = Vec::new();
     let mut ambient = Rgb::BLACK;
     for (i, light) in lights.iter().enumerate() {
@@ -29,7 +29,7 @@ pub(super) fn lights(report: &mut Report, lights: &[format::Light]) -> (Vec<Ligh
     (placed, ambient)
 }
 
-fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Light> {
+fn single(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option<Light> {
     let (name, intensity, units, casts_shadows) = match light {
         format::Light::Point { name, intensity, units, casts_shadows, .. }
         | format::Light::Directional { name, intensity, units, casts_shadows, .. }
@@ -43,7 +43,7 @@ fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Ligh
         format::Light::Point { position, falloff, lamp_radius, .. } => {
             let lamp_radius = report.check(format_args!("{path}.lamp_radius"), not_negative(*lamp_radius));
             let position = report.check(format_args!("{path}.position"), vector(*position))?;
-            LightKind::Point { position, falloff: weakening(*falloff), lamp_radius: lamp_radius? }
+            LightKind::Point { position, falloff: (*falloff).into(), lamp_radius: lamp_radius? }
         }
         format::Light::Directional { direction: travel, .. } => {
             LightKind::Directional { direction: aim(report, path, *travel)? }
@@ -53,43 +53,32 @@ fn single(report: &mut Report, path: &str, light: &format::Light) -> Option<Ligh
             let position = report.check(format_args!("{path}.position"), vector(*position));
             let direction = aim(report, path, *axis)?;
             let (cos_inner, cos_outer) = cone?;
-            LightKind::Spot { position: position?, direction, cos_inner, cos_outer, falloff: weakening(*falloff) }
+            LightKind::Spot { position: position?, direction, cos_inner, cos_outer, falloff: (*falloff).into() }
         }
         _ => return None,
     };
-    let units = match units {
-        format::LightUnits::Classical => LightUnits::Classical,
-        format::LightUnits::Physical => LightUnits::Physical,
-    };
-    Some(Light { name: name.clone(), kind, intensity: intensity?, units, casts_shadows })
+    Some(Light { name: name.clone(), kind, intensity: intensity?, units: units.into(), casts_shadows })
 }
 
-fn aim(report: &mut Report, path: &str, value: [f64; 3]) -> Option<DVec3> {
+fn aim(report: &mut Diagnostics, path: &str, value: [f64; 3]) -> Option<DVec3> {
     report.check(format_args!("{path}.direction"), direction(value))
 }
 
 /// Cosines of the two angles of a cone. Where both are the same the edge is as sharp as can be.
-fn cone(inner: f64, outer: f64) -> Result<(f64, f64), Reason> {
+fn cone(inner: f64, outer: f64) -> Result<(f64, f64), LoadErrorKind> {
     if 0.0 <= inner && inner <= outer && 0.0 < outer && outer <= MAX_CONE_DEGREES {
         let cos_outer = cos(outer.to_radians()).min(1.0_f64.next_down());
         return Ok((cos(inner.to_radians()).max(cos_outer.next_up()), cos_outer));
     }
-    Err(Reason::invalid(
+    Err(LoadErrorKind::invalid(
         format_args!("inner {inner} and outer {outer}"),
         "must be angles with 0 <= inner <= outer <= 90, and outer above 0",
     ))
 }
 
-const fn weakening(falloff: format::Falloff) -> Falloff {
-    match falloff {
-        format::Falloff::None => Falloff::None,
-        format::Falloff::InverseSquare => Falloff::InverseSquare,
-    }
-}
-
 /// The background; black if none is given.
 pub(super) fn background(
-    report: &mut Report,
+    report: &mut Diagnostics,
     background: Option<&format::Background>,
     textures: &mut Textures<'_>,
 ) -> Background {
@@ -97,7 +86,7 @@ pub(super) fn background(
         let light = colour(scale).and_then(|scale| {
             let light =
                 read_environment(&textures.path(file)?, scale, coordinate(*rotate)?.to_radians(), textures.options);
-            light.map_err(|reason| Reason::BadReference { reference: file.clone(), rule: reason.to_string() })
+            light.map_err(|reason| LoadErrorKind::BadReference { reference: file.clone(), rule: reason.to_string() })
         });
         let black = Background::Constant(Rgb::BLACK);
         return report.check("background", light).map_or(black, |light| Background::Environment(Arc::new(light)));

@@ -4,14 +4,14 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 use rt_math::Rgb;
-use rt_shading::{ColorTexture, Highlight, Phong, Transmission};
+use rt_shading::{ColorTexture, Phong, Transmission};
 
-use super::physical::{PhysicalReader, sides};
-use super::report::Report;
+use super::physical::PhysicalReader;
 use super::texture::Textures;
 use super::value::{colour, positive, within};
+use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{Material, MaterialId, Reason, limits};
+use crate::{LoadErrorKind, Material, MaterialId, limits};
 
 /// Index of refraction of a transparent material that does not say: crown glass.
 const DEFAULT_IOR: f64 = 1.5;
@@ -44,8 +44,8 @@ impl<'a> Materials<'a> {
         &mut self,
         assigned: Option<&Assigned<'a>>,
         textures: &mut Textures<'_>,
-        report: &mut Report,
-    ) -> Result<MaterialId, Reason> {
+        report: &mut Diagnostics,
+    ) -> Result<MaterialId, LoadErrorKind> {
         let (path, definition) = match assigned {
             None => return Ok(self.default_id()),
             Some(Assigned { material: format::NodeMaterial::Name(name), .. }) => {
@@ -69,14 +69,14 @@ impl<'a> Materials<'a> {
         &mut self,
         name: Option<&str>,
         textures: &mut Textures<'_>,
-        report: &mut Report,
-    ) -> Result<MaterialId, Reason> {
+        report: &mut Diagnostics,
+    ) -> Result<MaterialId, LoadErrorKind> {
         let Some(name) = name else {
             return Ok(self.default_id());
         };
         let Some((name, definition)) = self.definitions.get_key_value(name) else {
             let known = self.definitions.keys().cloned().collect();
-            return Err(Reason::UnknownWord { kind: "material", found: name.to_owned(), known });
+            return Err(LoadErrorKind::UnknownWord { kind: "material", found: name.to_owned(), known });
         };
         if let Some(&id) = self.ids.get(name.as_str()) {
             return Ok(id);
@@ -109,7 +109,7 @@ impl<'a> Materials<'a> {
         &mut self,
         material: Material,
         textures: &mut Textures<'_>,
-        report: &mut Report,
+        report: &mut Diagnostics,
     ) -> MaterialId {
         let changes = self.definitions.get(&material.name);
         let place = place_of(&material.name);
@@ -118,7 +118,7 @@ impl<'a> Materials<'a> {
     }
 
     /// Checks the materials that nothing refers to, without keeping them.
-    pub(super) fn check_unused(&self, mut scratch: Textures<'_>, report: &mut Report) {
+    pub(super) fn check_unused(&self, mut scratch: Textures<'_>, report: &mut Diagnostics) {
         let used: HashSet<&str> = self.list.iter().map(|material| material.name.as_str()).collect();
         for (name, definition) in self.definitions.iter().filter(|(name, _)| !used.contains(name.as_str())) {
             let plain = Material::new(name.clone(), Phong::default());
@@ -139,7 +139,7 @@ fn changed(
     definition: &format::Material,
     base: Material,
     textures: &mut Textures<'_>,
-    report: &mut Report,
+    report: &mut Diagnostics,
 ) -> Option<Material> {
     let format::Material::Phong { shines, .. } = definition else {
         let read = PhysicalReader { textures, report }.material(path, &base.name, definition)?;
@@ -154,7 +154,7 @@ fn changed(
             Material { phong: read.phong, physical: read.physical, shines: read.shines, ..base }
         });
     };
-    let shines = shines.map_or(base.shines, sides);
+    let shines = shines.map_or(base.shines, Into::into);
     let phong = changed_phong(path, definition, base.phong, textures, report)?;
     // A change of the classical surface is meant for all integrators.
     let physical = if phong == base.phong { base.physical } else { None };
@@ -167,7 +167,7 @@ fn changed_phong(
     definition: &format::Material,
     base: Phong,
     textures: &mut Textures<'_>,
-    report: &mut Report,
+    report: &mut Diagnostics,
 ) -> Option<Phong> {
     let format::Material::Phong {
         color,
@@ -222,27 +222,20 @@ fn changed_phong(
         diffuse: diffuse?,
         specular: specular?,
         exponent: exponent?,
-        highlight: highlight.map_or(base.highlight, highlight_shape),
+        highlight: highlight.map_or(base.highlight, Into::into),
         emission: emission?,
         mirror: mirror?,
         transmission: passes.then_some(inside),
     })
 }
 
-const fn highlight_shape(highlight: format::Highlight) -> Highlight {
-    match highlight {
-        format::Highlight::Phong => Highlight::Phong,
-        format::Highlight::Blinn => Highlight::Blinn,
-    }
-}
-
 /// The product of a colour and a coefficient, of which one may have a texture.
-fn product(color: ColorTexture, coefficient: ColorTexture) -> Result<ColorTexture, Reason> {
+fn product(color: ColorTexture, coefficient: ColorTexture) -> Result<ColorTexture, LoadErrorKind> {
     match (color, coefficient) {
         (ColorTexture::Constant(a), ColorTexture::Constant(b)) => Ok(ColorTexture::Constant(a * b)),
         (ColorTexture::Constant(a), ColorTexture::Textured(id, b))
         | (ColorTexture::Textured(id, a), ColorTexture::Constant(b)) => Ok(ColorTexture::Textured(id, a * b)),
-        (ColorTexture::Textured(..), ColorTexture::Textured(..)) => Err(Reason::invalid(
+        (ColorTexture::Textured(..), ColorTexture::Textured(..)) => Err(LoadErrorKind::invalid(
             "a texture",
             "cannot be multiplied by the texture of `color`: make one of them constant",
         )),

@@ -4,21 +4,20 @@
 mod animation;
 mod area_light;
 mod camera;
-mod exposure;
+mod defaults;
 mod film;
 mod group;
 mod include;
 mod lens;
 mod light;
-mod limit;
 mod material;
 mod node;
 mod physical;
-mod report;
 mod shape;
-mod studio;
+mod shutter;
 mod texture;
 mod transform;
+mod tree_size;
 mod value;
 
 use std::path::Path;
@@ -30,48 +29,37 @@ use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
 use crate::scene::{is_emissive, used_materials};
 use crate::{Integrator, LoadError, LoadOptions, Material, Model, Scene, StudioLights, Truth, format};
-use exposure::{is_animated, key_times};
+use defaults::SceneLighting;
+pub(crate) use defaults::{EffectiveFields, rounded};
 use include::Models;
 use node::Objects;
-#[cfg(any(feature = "nff", feature = "pbrt"))]
-pub(crate) use report::Report;
-use studio::Lighting;
-pub(crate) use studio::rounded;
+use shutter::{is_animated, key_times};
 
 /// Resolves a scene that was read from `source` (or would stand there: files are looked up relative to it).
 ///
 /// # Errors
 /// Everything that is wrong with the scene and the files that it refers to, each with its path in the document.
 pub fn resolve(file: &SceneFile, source: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
-    resolve_with(&mut file.clone(), source, options, None)
+    resolve_with(file, source, options, None).map(|(scene, _)| scene)
 }
 
-/// As [`resolve`], with a model that is loaded already under the reference beside it. Fills in what the file leaves
-/// open.
+/// Version of [`resolve`] with a model that is loaded already, under its reference. Also returns the fields of the file as they
+/// were used.
 pub(crate) fn resolve_with(
-    file: &mut SceneFile,
+    file: &SceneFile,
     source: &Path,
     options: &LoadOptions,
     model: Option<(String, Model)>,
-) -> Result<Scene, LoadError> {
+) -> Result<(Scene, EffectiveFields), LoadError> {
     let options = options.rooted_at(source);
-    if let Some([width, height]) = options.size {
-        file.film.size = (width.into(), height.into());
-    }
-    if let Some([opens, closes]) = options.shutter {
-        if file.camera.is_none() && file.cameras.is_empty() {
-            file.camera = Some(format::Camera::default());
-        }
-        file.camera.iter_mut().chain(&mut file.cameras).for_each(|camera| camera.shutter = Some((opens, closes)));
-    }
-    let given = file.clone();
+    let mut fields = EffectiveFields::new(file, &options);
     let models = Models::at_hand(model);
     let Objects {
-        mut report, mut materials, mut textures, meshes, groups, mut nodes, media, mut notes, exposure, ..
-    } = Objects::resolve(&given, source, &options, models);
-    nodes.extend(area_light::nodes(&mut report, file.lights.as_deref().unwrap_or_default(), &mut materials));
+        mut report, mut materials, mut textures, meshes, groups, mut nodes, media, mut notes, shutter, ..
+    } = Objects::resolve(file, &fields.cameras, source, &options, models);
+    nodes.extend(area_light::nodes(&mut report, fields.lights.as_deref().unwrap_or_default(), &mut materials));
     let bounds = match options.at_time {
-        Some(_) if studio::is_asked(file) => bounds_at_rest(&given, source, &options),
+        Some(_) if fields.needs_bounds() => bounds_at_rest(file, &fields.cameras, source, &options),
         _ => tree_bounds(&nodes, &groups, &meshes),
     };
     let used = used_materials(groups.iter().map(|group| &*group.nodes).chain([&*nodes]));
@@ -79,22 +67,22 @@ pub(crate) fn resolve_with(
     let has_emissive = used.iter().any(|material| is_emissive(material));
     let has_layers = used.iter().any(|material| material.physical.as_ref().is_some_and(Physical::has_layers));
     let default_integrator = default_integrator(file, &used, &options);
-    let set = file.settings.integrator.map_or(default_integrator, film::integrator);
+    let set = file.settings.integrator.unwrap_or(default_integrator);
     let integrator = match options.integrator {
         Some(integrator) => integrator,
         None if options.has_environment && set == Integrator::Whitted => Integrator::Path,
         None => set,
     };
-    notes.extend(studio::complete(file, &bounds, Lighting { integrator, has_emissive, has_layers }, &options));
+    notes.extend(fields.fill(&bounds, SceneLighting { integrator, has_emissive, has_layers }, &options));
     key_times(file).for_each(|time| options.animation_end.extend(time));
     if options.at_time.is_none() && is_animated(file) {
         notes.push("The scene is animated: it is shown as it is at 0 s.".to_owned());
     }
 
-    let (lights, ambient) = light::lights(&mut report, file.lights.as_deref().unwrap_or_default());
-    let background = light::background(&mut report, file.background.as_ref(), &mut textures);
-    let film = film::film(&mut report, &file.film);
-    let cameras = camera::cameras(&mut report, file, &film, &media, &exposure);
+    let (lights, ambient) = light::lights(&mut report, fields.lights.as_deref().unwrap_or_default());
+    let background = light::background(&mut report, fields.background.as_ref(), &mut textures);
+    let film = film::film(&mut report, &fields.film);
+    let cameras = camera::cameras(&mut report, &fields.cameras, &film, &media, &shutter);
     let settings = film::settings(&mut report, &file.settings, default_integrator);
     let is_chosen = options.integrator.is_none() && file.settings.integrator.is_none();
     if is_chosen && settings.integrator != Integrator::Whitted {
@@ -111,14 +99,20 @@ pub(crate) fn resolve_with(
     let name = file.name.clone().unwrap_or_else(stem);
     let warnings = report.finish()?;
     let appearance = Appearance { materials: materials.list, textures: textures.list, lights, ambient, background };
-    Ok(Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, truth, warnings, notes })
+    let scene = Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, truth, warnings, notes };
+    Ok((scene, fields))
 }
 
 /// The box around a scene without a time. A camera that is put where it sees everything does not shake then, from one frame of
 /// an animation to the next.
-fn bounds_at_rest(file: &SceneFile, source: &Path, options: &LoadOptions) -> Aabb {
+fn bounds_at_rest(
+    file: &SceneFile,
+    cameras: &[(String, format::Camera)],
+    source: &Path,
+    options: &LoadOptions,
+) -> Aabb {
     let options = LoadOptions { at_time: None, ..options.clone() };
-    let Objects { nodes, groups, meshes, .. } = Objects::resolve(file, source, &options, Models::default());
+    let Objects { nodes, groups, meshes, .. } = Objects::resolve(file, cameras, source, &options, Models::default());
     tree_bounds(&nodes, &groups, &meshes)
 }
 
@@ -131,7 +125,7 @@ fn default_integrator(file: &SceneFile, used: &[&Material], options: &LoadOption
         |material: &&Material| material.has_physical_surface() || (is_emissive(material) && !has_studio);
     let is_left_open = file.lights.is_none() && used.iter().any(asks_for_path);
     let lights = file.lights.as_deref().unwrap_or_default();
-    let is_physical = lights.iter().any(area_light::has_extent)
+    let is_physical = lights.iter().any(area_light::is_area_light)
         || matches!(file.background, Some(format::Background::Image { .. }))
         || file.materials().any(|material| !matches!(material, format::Material::Phong { .. }))
         || is_left_open;

@@ -7,22 +7,21 @@ use std::sync::Arc;
 use rt_math::Transform;
 
 use super::animation::node_places;
-use super::camera::listed;
-use super::exposure::Exposure;
 use super::group::order;
 use super::include::Models;
-use super::limit;
 use super::material::{Assigned, Materials};
-use super::report::Report;
-use super::shape::{Solid, solid};
+use super::shape::{ResolvedShape, resolve_shape};
+use super::shutter::ShutterInterval;
 use super::texture::Textures;
+use super::tree_size;
+use crate::diagnostics::Diagnostics;
 use crate::format::{self, SceneFile};
-use crate::{Content, Group, GroupId, LoadOptions, MaterialId, MeshId, NamedMesh, Node, Reason, limits};
+use crate::{Content, Group, GroupId, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedMesh, Node, limits};
 
 /// The objects of a scene as far as they are resolved, and what else they need.
 pub(super) struct Objects<'a> {
     pub(super) file: &'a SceneFile,
-    pub(super) report: Report,
+    pub(super) report: Diagnostics,
     pub(super) materials: Materials<'a>,
     pub(super) textures: Textures<'a>,
     pub(super) meshes: Vec<NamedMesh>,
@@ -30,7 +29,7 @@ pub(super) struct Objects<'a> {
     pub(super) notes: Vec<String>,
     pub(super) source: &'a Path,
     pub(super) options: &'a LoadOptions,
-    pub(super) exposure: Exposure,
+    pub(super) shutter: ShutterInterval,
     group_ids: HashMap<&'a str, GroupId>,
     pub(super) groups: Vec<Group>,
     pub(super) nodes: Vec<Node>,
@@ -40,10 +39,16 @@ pub(super) struct Objects<'a> {
 
 impl<'a> Objects<'a> {
     /// Resolves everything that has a place in the tree. Mistakes are found in the report.
-    pub(super) fn resolve(file: &'a SceneFile, source: &'a Path, options: &'a LoadOptions, models: Models) -> Self {
+    pub(super) fn resolve(
+        file: &'a SceneFile,
+        cameras: &[(String, format::Camera)],
+        source: &'a Path,
+        options: &'a LoadOptions,
+        models: Models,
+    ) -> Self {
         let mut objects = Self {
             file,
-            report: Report::new(source),
+            report: Diagnostics::new(source),
             materials: Materials::new(&file.materials),
             textures: Textures::new(source, options),
             meshes: Vec::new(),
@@ -51,7 +56,7 @@ impl<'a> Objects<'a> {
             notes: Vec::new(),
             source,
             options,
-            exposure: Exposure::of(file, options),
+            shutter: ShutterInterval::new(file, cameras, options),
             group_ids: HashMap::new(),
             groups: Vec::new(),
             nodes: Vec::new(),
@@ -66,8 +71,8 @@ impl<'a> Objects<'a> {
             objects.groups.push(Group { name: name.clone(), nodes });
         }
         objects.nodes = objects.tree("nodes", &file.nodes, None, 1);
-        objects.report.check("nodes", limit::check(&objects.nodes, &objects.groups));
-        objects.media = listed(file).map(|(path, camera)| objects.medium(&path, camera)).collect();
+        objects.report.check("nodes", tree_size::check(&objects.nodes, &objects.groups));
+        objects.media = cameras.iter().map(|(path, camera)| objects.medium(path, camera)).collect();
         objects.materials.check_unused(Textures::new(source, options), &mut objects.report);
         objects
     }
@@ -80,7 +85,7 @@ impl<'a> Objects<'a> {
         depth: u64,
     ) -> Vec<Node> {
         if depth > limits::NODE_DEPTH {
-            let reason = Reason::TooLarge { what: "the depth of the tree", value: depth, limit: limits::NODE_DEPTH };
+            let reason = LoadErrorKind::too_large("the depth of the tree", depth, limits::NODE_DEPTH);
             self.report.check::<()>(path, Err(reason));
             return Vec::new();
         }
@@ -98,19 +103,12 @@ impl<'a> Objects<'a> {
         inherited: Option<&Assigned<'a>>,
         depth: u64,
     ) -> Option<Node> {
-        let places = node_places(&mut self.report, path, node, &self.exposure);
+        let places = node_places(&mut self.report, path, node, &self.shutter);
         let (parent_from_local, moves_to) = places.unwrap_or((Transform::IDENTITY, None));
         let own = node.material.as_ref().map(|material| Assigned { path: format!("{path}.material"), material });
         let material = own.as_ref().or(inherited);
-        let mut placed = Node {
-            name: node.name.clone(),
-            parent_from_local,
-            moves_to,
-            content: None,
-            material: MaterialId(0),
-            casts_shadow: node.casts_shadow,
-            children: Vec::new(),
-        };
+        let mut placed =
+            Node { moves_to, casts_shadow: node.casts_shadow, ..Node::empty(node.name.clone(), parent_from_local) };
         match (&node.shape, &node.model, &node.instance) {
             (None, None, None) => self.check_material(path, own.as_ref()),
             (Some(shape), None, None) => {
@@ -127,7 +125,8 @@ impl<'a> Objects<'a> {
             (None, None, Some(group)) => placed.content = Some(Content::Instance(self.instance(path, group, node)?)),
             _ => {
                 let rule = "stand at one node: put all but one in its `children`";
-                self.report.check::<()>(path, Err(Reason::invalid("two of `shape`, `model` and `instance`", rule)));
+                self.report
+                    .check::<()>(path, Err(LoadErrorKind::invalid("two of `shape`, `model` and `instance`", rule)));
             }
         }
         placed.children.extend(self.tree(&format!("{path}.children"), &node.children, material, depth + 1));
@@ -158,17 +157,17 @@ impl<'a> Objects<'a> {
                 return Ok(id);
             }
             let rule = "fills no body: name a material that has `transmission`, or glass";
-            Err(Reason::invalid(format_args!("the material \"{name}\""), rule))
+            Err(LoadErrorKind::invalid(format_args!("the material \"{name}\""), rule))
         });
         self.report.check(format_args!("{path}.medium"), id)
     }
 
     fn shape(&mut self, path: &str, name: &str, shape: &format::Shape) -> Option<Content> {
         let place = format!("{path}.shape");
-        let solid = solid(shape, &place, &mut self.report.warnings);
-        match self.report.check(place, solid)? {
-            Solid::Shape(shape) => Some(Content::Shape(shape)),
-            Solid::Mesh(mesh) => {
+        let resolve_shape = resolve_shape(shape, &place, &mut self.report.warnings);
+        match self.report.check(place, resolve_shape)? {
+            ResolvedShape::Shape(shape) => Some(Content::Shape(shape)),
+            ResolvedShape::Mesh(mesh) => {
                 let mesh = Arc::new(mesh?);
                 let name = if name.is_empty() { path } else { name };
                 let id = MeshId(self.meshes.len() as u32);
@@ -181,10 +180,10 @@ impl<'a> Objects<'a> {
     fn instance(&mut self, path: &str, group: &str, node: &format::Node) -> Option<GroupId> {
         if node.material.is_some() {
             let rule = "has no effect on an `instance`: set it on the nodes of the group";
-            self.report.check::<()>(format_args!("{path}.material"), Err(Reason::invalid("the material", rule)));
+            self.report.check::<()>(format_args!("{path}.material"), Err(LoadErrorKind::invalid("the material", rule)));
         }
         let known = || self.file.groups.keys().cloned().collect();
-        let id = self.group_ids.get(group).copied().ok_or_else(|| Reason::UnknownWord {
+        let id = self.group_ids.get(group).copied().ok_or_else(|| LoadErrorKind::UnknownWord {
             kind: "group",
             found: group.to_owned(),
             known: known(),

@@ -3,23 +3,23 @@
 use rt_math::Rgb;
 use rt_shading::bsdf::{ComplexIor, MAX_LOBES};
 use rt_shading::emitter::Sides;
-use rt_shading::{ColorTexture, Phong, Physical, Transmission};
+use rt_shading::{ColorTexture, Phong, Physical};
 
-use super::report::Report;
 use super::texture::Textures;
 use super::value::{colour, not_negative, positive, within};
-use crate::classical::{self, BARE, PANE_MIRROR, diffuse, scaled};
+use crate::diagnostics::Diagnostics;
 use crate::format::{self, Metal};
-use crate::{Material, Reason, limits};
+use crate::phong_fallback::{self, BLACK, diffuse, scaled};
+use crate::{LoadErrorKind, Material, limits};
 
 /// Reads the physical materials of the file.
 pub(super) struct PhysicalReader<'r, 'a> {
     pub(super) textures: &'r mut Textures<'a>,
-    pub(super) report: &'r mut Report,
+    pub(super) report: &'r mut Diagnostics,
 }
 
 /// A surface on both forms.
-struct Surface {
+struct SurfacePair {
     phong: Phong,
     physical: Physical,
     shines: Sides,
@@ -28,17 +28,17 @@ struct Surface {
 impl PhysicalReader<'_, '_> {
     /// The material at a path of the document, under a name; `None` if something in it is wrong, which is reported.
     pub(super) fn material(&mut self, path: &str, name: &str, definition: &format::Material) -> Option<Material> {
-        let Surface { phong, physical, shines } = self.surface(path, definition)?;
+        let SurfacePair { phong, physical, shines } = self.surface(path, definition)?;
         Some(Material { physical: Some(physical), shines, ..Material::new(name.to_owned(), phong) })
     }
 
-    fn surface(&mut self, path: &str, definition: &format::Material) -> Option<Surface> {
-        let both = |phong, physical| Surface { phong, physical, shines: Sides::Both };
+    fn surface(&mut self, path: &str, definition: &format::Material) -> Option<SurfacePair> {
+        let both = |phong, physical| SurfacePair { phong, physical, shines: Sides::Both };
         match definition {
             // A classical surface within a mix is one that shines and scatters nothing, or is refused.
             format::Material::Phong { .. } => {
                 let rule = "cannot be part of a mix: use `diffuse`, `glossy`, `mirror` or another physical material";
-                self.report.check::<()>(path, Err(Reason::invalid("a `phong` material", rule)));
+                self.report.check::<()>(path, Err(LoadErrorKind::invalid("a `phong` material", rule)));
                 None
             }
             format::Material::Diffuse { albedo, roughness, emission } => {
@@ -59,13 +59,13 @@ impl PhysicalReader<'_, '_> {
             }
             format::Material::Mirror { reflectance } => {
                 let reflectance = self.reflectance(path, "reflectance", reflectance)?;
-                Some(both(Phong { mirror: reflectance, ..BARE }, Physical::Mirror { reflectance }))
+                Some(both(Phong { mirror: reflectance, ..BLACK }, Physical::Mirror { reflectance }))
             }
             format::Material::Glass { .. } => self.glass(path, definition),
             format::Material::Metal { metal, n, k, roughness } => {
                 let roughness = self.share(path, "roughness", *roughness)?;
                 let ior = self.metal(path, *metal, n.as_ref(), k.as_ref())?;
-                let phong = classical::metal(ColorTexture::Constant(ior.fresnel(1.0)), roughness);
+                let phong = phong_fallback::metal(ColorTexture::Constant(ior.fresnel(1.0)), roughness);
                 Some(both(phong, Physical::Conductor { ior, roughness }))
             }
             format::Material::MetallicRoughness { base_color, metallic, roughness, emission } => {
@@ -73,7 +73,7 @@ impl PhysicalReader<'_, '_> {
                 let metallic = self.share(path, "metallic", *metallic)?;
                 let roughness = self.share(path, "roughness", *roughness)?;
                 let emission = self.emission(path, emission.as_ref())?;
-                let metal = classical::metal(base_color, roughness);
+                let metal = phong_fallback::metal(base_color, roughness);
                 let base = Phong { mirror: scaled(metal.mirror, metallic), ..diffuse(base_color) };
                 let phong =
                     Phong { emission, diffuse: if metallic < 1.0 { base.diffuse } else { metal.diffuse }, ..base };
@@ -82,26 +82,21 @@ impl PhysicalReader<'_, '_> {
             format::Material::ThinGlass { ior, transmittance } => {
                 let ior = self.report.check(format_args!("{path}.ior"), positive(*ior))?;
                 let transmittance = self.reflectance(path, "transmittance", transmittance)?;
-                let air = Transmission {
-                    coefficient: transmittance,
-                    ior: 1.0,
-                    fresnel: false,
-                    absorption: Rgb::BLACK,
-                    priority: 0,
-                };
-                let mirror = ColorTexture::Constant(Rgb::gray(PANE_MIRROR));
-                let phong = Phong { mirror, transmission: Some(air), ..BARE };
-                Some(both(phong, Physical::ThinGlass { ior, transmittance }))
+                Some(both(phong_fallback::thin_dielectric(transmittance), Physical::ThinGlass { ior, transmittance }))
             }
             format::Material::Light { radiance, shines } => {
                 let emission = self.coefficient(path, "radiance", radiance)?;
-                Some(Surface { phong: Phong { emission, ..BARE }, physical: Physical::Black, shines: sides(*shines) })
+                Some(SurfacePair {
+                    phong: Phong { emission, ..BLACK },
+                    physical: Physical::Black,
+                    shines: (*shines).into(),
+                })
             }
             format::Material::Mix(parts) => self.mix(path, parts),
         }
     }
 
-    fn glass(&mut self, path: &str, definition: &format::Material) -> Option<Surface> {
+    fn glass(&mut self, path: &str, definition: &format::Material) -> Option<SurfacePair> {
         let format::Material::Glass { ior, roughness, transmittance, absorption, priority } = definition else {
             return None;
         };
@@ -112,11 +107,9 @@ impl PhysicalReader<'_, '_> {
             Some(value) => self.report.check(format_args!("{path}.absorption"), colour(value))?,
             None => Rgb::BLACK,
         };
-        let inside = Transmission { coefficient: transmittance, ior, fresnel: true, absorption, priority: *priority };
-        let mirror = ColorTexture::Constant(Rgb::WHITE);
-        let phong = Phong { mirror, transmission: Some(inside), ..BARE };
+        let phong = phong_fallback::dielectric(ior, transmittance, absorption, *priority);
         let physical = Physical::Dielectric { roughness, transmittance };
-        Some(Surface { phong, physical, shines: Sides::Both })
+        Some(SurfacePair { phong, physical, shines: Sides::Both })
     }
 
     fn metal(
@@ -129,32 +122,32 @@ impl PhysicalReader<'_, '_> {
         let ior = match (metal, n, k) {
             (Some(metal), None, None) => Ok(measured(metal)),
             (None, Some(n), Some(k)) => colour(n).and_then(|n| Ok(ComplexIor { n, k: colour(k)? })),
-            _ => Err(Reason::invalid("the metal", "needs either the name of a `metal`, or both `n` and `k`")),
+            _ => Err(LoadErrorKind::invalid("the metal", "needs either the name of a `metal`, or both `n` and `k`")),
         };
         self.report.check(path, ior)
     }
 
-    fn mix(&mut self, path: &str, parts: &[(f64, format::Material)]) -> Option<Surface> {
+    fn mix(&mut self, path: &str, parts: &[(f64, format::Material)]) -> Option<SurfacePair> {
         if parts.is_empty() || parts.len() > MAX_LOBES {
             let rule = format!("must have 1 to {MAX_LOBES}");
-            self.report.check::<()>(path, Err(Reason::invalid(format_args!("{} materials", parts.len()), rule)));
+            self.report.check::<()>(path, Err(LoadErrorKind::invalid(format_args!("{} materials", parts.len()), rule)));
             return None;
         }
-        let mut sum = Surface { phong: BARE, physical: Physical::Black, shines: Sides::Both };
+        let mut sum = SurfacePair { phong: BLACK, physical: Physical::Black, shines: Sides::Both };
         let mut mixed = Vec::with_capacity(parts.len());
         for (i, (weight, part)) in parts.iter().enumerate() {
             let at = format!("{path}[{i}]");
             let weight = self.report.check(&at, not_negative(*weight))?;
             if matches!(part, format::Material::Glass { .. } | format::Material::Mix(_)) {
                 let rule = "cannot be part of a mix";
-                self.report.check::<()>(&at, Err(Reason::invalid("glass or another mix", rule)));
+                self.report.check::<()>(&at, Err(LoadErrorKind::invalid("glass or another mix", rule)));
                 return None;
             }
             let surface = self.surface(&at, part)?;
             sum.add(weight, &surface);
             mixed.push((weight, surface.physical));
         }
-        Some(Surface { physical: Physical::Mix(mixed), ..sum })
+        Some(SurfacePair { physical: Physical::Mix(mixed), ..sum })
     }
 
     /// A part of the light: a constant beyond 1 would make light of nothing.
@@ -163,7 +156,7 @@ impl PhysicalReader<'_, '_> {
         let checked = match part {
             ColorTexture::Constant(rgb) if rgb.max_component() > 1.0 => {
                 let rule = "is more than all of the light: each part must lie between 0 and 1";
-                Err(Reason::invalid(rgb.max_component(), rule))
+                Err(LoadErrorKind::invalid(rgb.max_component(), rule))
             }
             part => Ok(part),
         };
@@ -184,7 +177,7 @@ impl PhysicalReader<'_, '_> {
     }
 }
 
-impl Surface {
+impl SurfacePair {
     /// Lays the classical form of another surface over this one. Of textures, the first of each coefficient is seen.
     fn add(&mut self, weight: f64, other: &Self) {
         let Phong { ambient, diffuse, specular, emission, mirror, .. } = &mut self.phong;
@@ -209,13 +202,6 @@ impl Surface {
             self.shines = other.shines;
         }
         self.phong.transmission = self.phong.transmission.or(of_other.transmission);
-    }
-}
-
-pub(super) const fn sides(sides: format::Sides) -> Sides {
-    match sides {
-        format::Sides::Front => Sides::Front,
-        format::Sides::Both => Sides::Both,
     }
 }
 

@@ -3,25 +3,29 @@
 use std::sync::Arc;
 
 use rt_geometry::{
-    Cone, Cuboid, Cylinder, Disk, DoubleCone, Face, Frustum, InfiniteCylinder, InsideRule, MeshData, Plane, Polygon,
-    PolygonError, Rectangle, Shape, Sphere, Torus, Triangle, TriangleMesh,
+    Cone, Cuboid, Cylinder, Disk, DoubleCone, Face, Frustum, InfiniteCylinder, MeshData, Plane, Polygon, PolygonError,
+    Rectangle, Shape, Sphere, Torus, Triangle, TriangleMesh,
 };
 use rt_math::{DVec3, Vec3};
 
+use crate::build_mesh::build_mesh;
 use crate::format;
-use crate::mesh_build::build_mesh;
-use crate::{Reason, Warning};
+use crate::{LoadErrorKind, Warning};
 
 /// What a shape of the file stands for.
-pub(super) enum Solid {
+pub(super) enum ResolvedShape {
     Shape(Shape),
     /// `None` if no triangle was left.
     Mesh(Option<TriangleMesh>),
 }
 
 /// The shape or mesh; `place` is where warnings say that triangles were mended.
-pub(super) fn solid(shape: &format::Shape, place: &str, warnings: &mut Vec<Warning>) -> Result<Solid, Reason> {
-    let mut mesh = |data| checked_mesh(data, place, warnings).map(Solid::Mesh);
+pub(super) fn resolve_shape(
+    shape: &format::Shape,
+    place: &str,
+    warnings: &mut Vec<Warning>,
+) -> Result<ResolvedShape, LoadErrorKind> {
+    let mut mesh = |data| checked_mesh(data, place, warnings).map(ResolvedShape::Mesh);
     let point = DVec3::from;
     let shape = match shape {
         format::Shape::Sphere { center, radius } => Shape::Sphere(Sphere::new(point(*center), *radius)?),
@@ -60,34 +64,33 @@ pub(super) fn solid(shape: &format::Shape, place: &str, warnings: &mut Vec<Warni
             return mesh(data);
         }
     };
-    Ok(Solid::Shape(shape))
+    Ok(ResolvedShape::Shape(shape))
 }
 
 fn polygon(points: &[[f64; 3]], holes: &[Vec<[f64; 3]>], rule: format::InsideRule) -> Result<Polygon, PolygonError> {
     let ring = |points: &[[f64; 3]]| points.iter().map(|&p| DVec3::from(p)).collect();
-    let rule = match rule {
-        format::InsideRule::Convex => InsideRule::Convex,
-        format::InsideRule::Winding => InsideRule::Winding,
-        format::InsideRule::EvenOdd => InsideRule::EvenOdd,
-    };
-    Polygon::new(ring(points), holes.iter().map(|hole| ring(hole)).collect(), rule)
+    Polygon::new(ring(points), holes.iter().map(|hole| ring(hole)).collect(), rule.into())
 }
 
 /// The points of a strip or fan.
-fn positions(what: &str, points: &[[f32; 3]]) -> Result<Vec<Vec3>, Reason> {
+fn positions(what: &str, points: &[[f32; 3]]) -> Result<Vec<Vec3>, LoadErrorKind> {
     if points.len() < 3 {
-        return Err(Reason::invalid(format_args!("{what} of {} points", points.len()), "needs at least 3"));
+        return Err(LoadErrorKind::invalid(format_args!("{what} of {} points", points.len()), "needs at least 3"));
     }
     Ok(points.iter().map(|&p| p.into()).collect())
 }
 
-fn checked_mesh(data: MeshData, place: &str, warnings: &mut Vec<Warning>) -> Result<Option<TriangleMesh>, Reason> {
+fn checked_mesh(
+    data: MeshData,
+    place: &str,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<TriangleMesh>, LoadErrorKind> {
     if data.triangles.is_empty() {
-        return Err(Reason::invalid("the mesh", "has no triangles: give at least one"));
+        return Err(LoadErrorKind::invalid("the mesh", "has no triangles: give at least one"));
     }
     // Model files may be damaged and are mended; what was written by hand is a mistake to know of.
     if let Some(bad) = data.positions.iter().flat_map(|p| p.to_array()).find(|c| !c.is_finite()) {
-        return Err(Reason::invalid(bad, "is not a finite number"));
+        return Err(LoadErrorKind::invalid(bad, "is not a finite number"));
     }
     Ok(build_mesh(data, place, warnings)?)
 }

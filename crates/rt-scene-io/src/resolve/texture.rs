@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rt_math::Rgb;
-use rt_shading::{ColorTexture, Texture, TextureId, Wrap};
+use rt_shading::{ColorTexture, Texture, TextureId};
 
 use super::value::{colour, positive};
 use crate::format;
-use crate::{LoadOptions, Reason, read_texture, resolve_path};
+use crate::{LoadErrorKind, LoadOptions, read_texture, resolve_path};
 
 /// The textures of a scene, and where to look for more.
 pub(super) struct Textures<'a> {
@@ -25,7 +25,7 @@ impl<'a> Textures<'a> {
     }
 
     /// A coefficient of the file, with its texture added to the list.
-    pub(super) fn coefficient(&mut self, value: &format::ColorTexture) -> Result<ColorTexture, Reason> {
+    pub(super) fn coefficient(&mut self, value: &format::ColorTexture) -> Result<ColorTexture, LoadErrorKind> {
         use format::{Color, ColorTexture as Given};
         match value {
             Given::Gray(value) => colour(&Color::Gray(*value)).map(ColorTexture::Constant),
@@ -43,24 +43,21 @@ impl<'a> Textures<'a> {
     }
 
     /// Where a file lies that the scene refers to.
-    pub(super) fn path(&self, reference: &str) -> Result<PathBuf, Reason> {
+    pub(super) fn path(&self, reference: &str) -> Result<PathBuf, LoadErrorKind> {
         resolve_path(reference, self.source, self.options)
     }
 
-    fn image(&mut self, reference: &str, wrap: format::Wrap, smooth: bool) -> Result<TextureId, Reason> {
+    fn image(&mut self, reference: &str, wrap: format::Wrap, smooth: bool) -> Result<TextureId, LoadErrorKind> {
         let path = resolve_path(reference, self.source, self.options)?;
         let key = (path, wrap, smooth);
         if let Some(&id) = self.images.get(&key) {
             return Ok(id);
         }
-        let bitmap = read_texture(&key.0, self.options)
-            .map_err(|reason| Reason::BadReference { reference: reference.to_owned(), rule: reason.to_string() })?;
-        let beyond = match wrap {
-            format::Wrap::Repeat => Wrap::Repeat,
-            format::Wrap::Mirror => Wrap::Mirror,
-            format::Wrap::Clamp => Wrap::Clamp,
-        };
-        let id = self.add(Texture::Image { bitmap: Arc::new(bitmap), wrap: [beyond; 2], smooth });
+        let bitmap = read_texture(&key.0, self.options).map_err(|reason| LoadErrorKind::BadReference {
+            reference: reference.to_owned(),
+            rule: reason.to_string(),
+        })?;
+        let id = self.add(Texture::Image { bitmap: Arc::new(bitmap), wrap: [wrap.into(); 2], smooth });
         self.images.insert(key, id);
         Ok(id)
     }

@@ -4,19 +4,19 @@ use std::fmt::Display;
 
 use rt_math::{AnimatedTransform, AnimatedTransformError, DQuat, DVec3, Transform, TransformError};
 
-use super::report::Report;
 use super::value::vector;
-use crate::Reason;
+use crate::LoadErrorKind;
+use crate::diagnostics::Diagnostics;
 use crate::format::Step;
 
 /// The `transform` of what stands at a path.
-pub(super) fn transform(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
+pub(super) fn transform(report: &mut Diagnostics, path: impl Display, steps: &[Step]) -> Option<Transform> {
     product(report, format_args!("{path}.transform"), steps)
 }
 
 /// Where the `motion` of what stands at a path leads, if it has one: a place that can be reached from the other.
 pub(super) fn motion(
-    report: &mut Report,
+    report: &mut Diagnostics,
     path: impl Display,
     start: &Transform,
     steps: &[Step],
@@ -30,19 +30,19 @@ pub(super) fn motion(
 }
 
 /// Why something cannot move as it should.
-pub(super) fn refused_motion(error: AnimatedTransformError) -> Reason {
+pub(super) fn refused_motion(error: AnimatedTransformError) -> LoadErrorKind {
     match error {
         AnimatedTransformError::Mirrors => {
-            Reason::invalid("the motion", "mirrors on its way, where all would be flat: mirror both ends")
+            LoadErrorKind::invalid("the motion", "mirrors on its way, where all would be flat: mirror both ends")
         }
         AnimatedTransformError::Decomposition => {
-            Reason::invalid("the motion", "has numbers that are too large, too small or too different")
+            LoadErrorKind::invalid("the motion", "has numbers that are too large, too small or too different")
         }
     }
 }
 
 /// The steps as one map; each is applied after those before it.
-pub(super) fn product(report: &mut Report, path: impl Display, steps: &[Step]) -> Option<Transform> {
+pub(super) fn product(report: &mut Diagnostics, path: impl Display, steps: &[Step]) -> Option<Transform> {
     if steps.is_empty() {
         return Some(Transform::IDENTITY);
     }
@@ -52,12 +52,12 @@ pub(super) fn product(report: &mut Report, path: impl Display, steps: &[Step]) -
         all = step.compose(&all);
     }
     // Steps may each be sound and yet flatten space, or leave the range of numbers, together.
-    let product = Transform::from_linear(all.linear(), all.translation()).map_err(Reason::from);
+    let product = Transform::from_linear(all.linear(), all.translation()).map_err(LoadErrorKind::from);
     let checked = product.and_then(|_| vector(all.translation().to_array()));
     report.check(path, checked).map(|_| all)
 }
 
-fn single(step: &Step) -> Result<Transform, Reason> {
+fn single(step: &Step) -> Result<Transform, LoadErrorKind> {
     let angle = f64::to_radians;
     let transform = match *step {
         Step::Translate(x, y, z) => Ok(Transform::translate(vector([x, y, z])?)),
@@ -82,6 +82,6 @@ fn single(step: &Step) -> Result<Transform, Reason> {
                 "has no direction: an axis must not be 0, nor a view empty or parallel to `up`"
             }
         };
-        Reason::invalid(ron::to_string(step).unwrap_or_default(), rule)
+        LoadErrorKind::invalid(ron::to_string(step).unwrap_or_default(), rule)
     })
 }

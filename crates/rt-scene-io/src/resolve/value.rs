@@ -5,22 +5,22 @@ use std::fmt::Display;
 use rt_image::Encoding;
 use rt_math::{DVec3, Rgb};
 
-use crate::Reason;
+use crate::LoadErrorKind;
 use crate::format::Color;
 use crate::limits;
 
 /// A coordinate or length: a number of magnitude at most 10⁶⁰.
-pub(super) fn coordinate(value: f64) -> Result<f64, Reason> {
+pub(super) fn coordinate(value: f64) -> Result<f64, LoadErrorKind> {
     // A NaN fails the comparison.
     if value.abs() <= limits::NUMBER {
         Ok(value)
     } else {
-        Err(Reason::invalid(format_args!("{value:e}"), "is not a number of magnitude at most 1e60"))
+        Err(LoadErrorKind::invalid(format_args!("{value:e}"), "is not a number of magnitude at most 1e60"))
     }
 }
 
 /// A point or vector.
-pub(super) fn vector(value: [f64; 3]) -> Result<DVec3, Reason> {
+pub(super) fn vector(value: [f64; 3]) -> Result<DVec3, LoadErrorKind> {
     for component in value {
         coordinate(component)?;
     }
@@ -28,34 +28,34 @@ pub(super) fn vector(value: [f64; 3]) -> Result<DVec3, Reason> {
 }
 
 /// A direction of any length but 0, as a unit vector.
-pub(super) fn direction(value: [f64; 3]) -> Result<DVec3, Reason> {
+pub(super) fn direction(value: [f64; 3]) -> Result<DVec3, LoadErrorKind> {
     let [x, y, z] = value;
     vector(value)?.try_normalize().ok_or_else(|| {
-        Reason::invalid(format_args!("({x}, {y}, {z})"), "has no direction: give a vector that is not 0")
+        LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), "has no direction: give a vector that is not 0")
     })
 }
 
 /// A number above 0.
-pub(super) fn positive(value: f64) -> Result<f64, Reason> {
-    if value > 0.0 { coordinate(value) } else { Err(Reason::invalid(value, "must be above 0")) }
+pub(super) fn positive(value: f64) -> Result<f64, LoadErrorKind> {
+    if value > 0.0 { coordinate(value) } else { Err(LoadErrorKind::invalid(value, "must be above 0")) }
 }
 
 /// A number from 0 up.
-pub(super) fn not_negative(value: f64) -> Result<f64, Reason> {
-    if value >= 0.0 { coordinate(value) } else { Err(Reason::invalid(value, "must be at least 0")) }
+pub(super) fn not_negative(value: f64) -> Result<f64, LoadErrorKind> {
+    if value >= 0.0 { coordinate(value) } else { Err(LoadErrorKind::invalid(value, "must be at least 0")) }
 }
 
 /// A value between two limits, which both count.
-pub(super) fn within<T: PartialOrd + Display>(value: T, min: T, max: T) -> Result<T, Reason> {
+pub(super) fn within<T: PartialOrd + Display>(value: T, min: T, max: T) -> Result<T, LoadErrorKind> {
     if min <= value && value <= max {
         Ok(value)
     } else {
-        Err(Reason::invalid(value, format!("must lie between {min} and {max}")))
+        Err(LoadErrorKind::invalid(value, format!("must lie between {min} and {max}")))
     }
 }
 
 /// A colour whose components are finite and not negative.
-pub(super) fn colour(value: &Color) -> Result<Rgb, Reason> {
+pub(super) fn colour(value: &Color) -> Result<Rgb, LoadErrorKind> {
     let components = match value {
         Color::Gray(value) => [*value; 3],
         Color::Rgb(r, g, b) => [*r, *g, *b],
@@ -68,10 +68,10 @@ pub(super) fn colour(value: &Color) -> Result<Rgb, Reason> {
 }
 
 /// Linear components of `#rrggbb`, or of `#rgb` for short.
-fn hex(text: &str) -> Result<[f64; 3], Reason> {
+fn hex(text: &str) -> Result<[f64; 3], LoadErrorKind> {
     let bad = || {
         let rule = "is not a colour: write six hexadecimal digits as in \"#ff8000\", or three as in \"#f80\"";
-        Reason::invalid(format_args!("\"{text}\""), rule)
+        LoadErrorKind::invalid(format_args!("\"{text}\""), rule)
     };
     let digits = text.strip_prefix('#').unwrap_or(text);
     if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
@@ -82,7 +82,7 @@ fn hex(text: &str) -> Result<[f64; 3], Reason> {
         6 => digits.to_owned(),
         4 | 8 => {
             let rule = "has digits for alpha, which a colour has none of: leave them out, as in \"#ff8000\"";
-            return Err(Reason::invalid(format_args!("\"{text}\""), rule));
+            return Err(LoadErrorKind::invalid(format_args!("\"{text}\""), rule));
         }
         _ => return Err(bad()),
     };

@@ -3,7 +3,7 @@
 //! Which of the two a file is tells its size, not its first word: many binary files begin with "solid". Corners at one place
 //! become one vertex. Facets are flat, whatever the normals in the file say.
 
-mod lines;
+mod ascii_reader;
 
 use std::collections::HashMap;
 use std::io::{self, Cursor};
@@ -12,10 +12,11 @@ use std::path::Path;
 use rt_geometry::MeshData;
 use rt_math::Vec3;
 
-use self::lines::Lines;
-use crate::files::{read_file, refuse_utf16};
-use crate::forecast::{self, Sample};
-use crate::{LoadError, LoadOptions, Model, Place, Reason, Warning};
+use self::ascii_reader::AsciiReader;
+use crate::error::ErrorAt;
+use crate::files::refuse_utf16;
+use crate::memory::{FileSample, load_within_budget};
+use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
 
 /// Bytes before the facets of a binary file: a comment and the number of facets.
 const HEADER: usize = 84;
@@ -25,13 +26,11 @@ const FACET: u64 = 50;
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    forecast::within(path, options, peak_bytes, || {
-        load_bytes(read_file(path, options).map_err(|reason| reason.at(path, ""))?, path)
-    })
+    load_within_budget(path, options, peak_bytes, |bytes| load_bytes(bytes, path))
 }
 
 /// Bytes of memory that loading takes at its peak.
-fn peak_bytes(sample: &Sample) -> u64 {
+fn peak_bytes(sample: &FileSample) -> u64 {
     let facets = match promised_size(sample.head()) {
         Some(promised) if promised <= sample.size => (promised - HEADER as u64) / FACET,
         _ => sample.over_lines(|line| [u64::from(line.trim_ascii_start().starts_with(b"facet"))])[0],
@@ -42,34 +41,34 @@ fn peak_bytes(sample: &Sample) -> u64 {
 
 /// Loads the file that `bytes` hold; `path` is for messages.
 pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadError> {
-    if bytes.strip_prefix(b"\xEF\xBB\xBF").is_some_and(|text| lines::begins_solid(text.trim_ascii_start())) {
+    if bytes.strip_prefix(b"\xEF\xBB\xBF").is_some_and(|text| ascii_reader::begins_solid(text.trim_ascii_start())) {
         bytes.drain(..3);
     }
-    let mut mesh = Welded::default();
+    let mut mesh = WeldedMesh::default();
     let mut model = Model::default();
-    let begins_as_text = lines::begins_solid(bytes.trim_ascii_start());
+    let begins_as_text = ascii_reader::begins_solid(bytes.trim_ascii_start());
     // The comment of a binary file may begin with any bytes.
     if promised_size(&bytes) != Some(bytes.len() as u64) {
-        refuse_utf16(&bytes).map_err(|reason| reason.at(path, ""))?;
+        refuse_utf16(&bytes).at(path, "")?;
     }
     match promised_size(&bytes) {
         Some(promised) if promised == bytes.len() as u64 || !begins_as_text => {
             let after = (bytes.len() as u64).checked_sub(promised).ok_or_else(|| {
                 let facets = (promised - HEADER as u64) / FACET;
                 let rule = format!("cannot hold the {facets} facets that it promises, which take {promised}");
-                Reason::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, "")
+                LoadErrorKind::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, "")
             })?;
             if after > 0 {
                 let message = format!("{after} bytes after the last facet are left out");
-                model.warnings.push(Warning { place: path.display().to_string(), message });
+                model.warn(path.display(), message);
             }
-            read_binary(bytes, &mut mesh).map_err(|error| Reason::Syntax(error.to_string()).at(path, ""))?;
+            read_binary(bytes, &mut mesh).map_err(|error| LoadErrorKind::Syntax(error.to_string()).at(path, ""))?;
         }
         _ if begins_as_text => read_text(&bytes, &mut mesh)
-            .map_err(|(line, error)| Reason::Syntax(error.to_string()).at(path, Place::Line(line)))?,
+            .map_err(|(line, error)| LoadErrorKind::Syntax(error.to_string()).at(path, Location::Line(line)))?,
         _ => {
             let rule = "is no STL: it is too short for a binary file and does not begin with `solid`";
-            return Err(Reason::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, ""));
+            return Err(LoadErrorKind::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, ""));
         }
     }
     model.set_mesh(mesh.data, path)?;
@@ -84,12 +83,12 @@ fn promised_size(bytes: &[u8]) -> Option<u64> {
 
 /// Triangles whose corners at one place are one vertex.
 #[derive(Default)]
-struct Welded {
+struct WeldedMesh {
     data: MeshData,
     known: HashMap<[u32; 3], u32>,
 }
 
-impl Welded {
+impl WeldedMesh {
     fn add(&mut self, corners: [stl_io::Vertex; 3]) {
         let triangle = corners.map(|corner| {
             let position = Vec3::new(corner[0], corner[1], corner[2]);
@@ -104,7 +103,7 @@ impl Welded {
     }
 }
 
-fn read_binary(mut bytes: Vec<u8>, mesh: &mut Welded) -> io::Result<()> {
+fn read_binary(mut bytes: Vec<u8>, mesh: &mut WeldedMesh) -> io::Result<()> {
     // The reader takes a file whose comment begins with "solid" for text.
     bytes[0] = b'\n';
     let mut bytes = Cursor::new(bytes);
@@ -115,8 +114,8 @@ fn read_binary(mut bytes: Vec<u8>, mesh: &mut Welded) -> io::Result<()> {
 }
 
 /// Reads all solids of a text file; an error comes with its line.
-fn read_text(bytes: &[u8], mesh: &mut Welded) -> Result<(), (usize, io::Error)> {
-    let mut lines = Lines::of(bytes);
+fn read_text(bytes: &[u8], mesh: &mut WeldedMesh) -> Result<(), (usize, io::Error)> {
+    let mut lines = AsciiReader::of(bytes);
     while lines.begin_solid()? {
         // The reader ends at the end of a solid.
         let result = stl_io::create_stl_reader(&mut lines)

@@ -1,11 +1,10 @@
-//! The Cornell box against a reference: error, time, and efficiency 1 / (MSE · seconds), beside other renderers'.
+//! Cornell box against a reference: error, time, and efficiency 1 / (MSE · seconds), compared with other renderers.
 
 use std::path::{Path, PathBuf};
 
 use rt_image::{Image, read_image};
-use serde::Serialize;
 
-use super::print;
+use super::common::print;
 use crate::{
     error::TaskError,
     process::{Program, Usage},
@@ -13,17 +12,18 @@ use crate::{
 };
 
 mod peers;
+mod reference;
 mod table;
-mod yardstick;
 
-use peers::{PEERS, Peer};
-use yardstick::{Errors, Yardstick};
+use peers::PEERS;
+use reference::{Errors, ReferenceImage};
+use table::{CornellResult, CornellResults};
 
 const SCENE: &str = "scenes/lecture/cornell.ron";
 
-/// What the command line asks for.
+/// Options of `bench cornell`.
 #[derive(Debug, clap::Args)]
-pub(super) struct Options {
+pub(super) struct CornellOptions {
     /// An image of the scene, linear and of its size, which is almost free of noise.
     reference: PathBuf,
     /// Root of the mean squared error of that image, which is subtracted.
@@ -43,47 +43,19 @@ pub(super) struct Options {
     passes: u32,
 }
 
-/// Of some renders that differ by their seeds alone.
-#[derive(Debug, Serialize)]
-struct Figure {
-    /// `None` for one for each processor.
-    threads: Option<u32>,
-    spp: u32,
-    cpu_seconds: f64,
-    wall_seconds: f64,
-    rmse: f64,
-    relative_mse: f64,
-    /// The image's mean by that of the reference.
-    mean_ratio: f64,
-    /// 1 / (MSE · processor seconds).
-    efficiency: f64,
-}
-
-/// All that was measured.
-#[derive(Debug, Serialize)]
-struct Figures {
-    processor: String,
-    sampler: String,
-    passes: u32,
-    seeds: u32,
-    figures: Vec<Figure>,
-    peers: [Peer; 2],
-    peers_source: &'static str,
-}
-
 /// Measures and prints.
-pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
-    let yardstick = Yardstick::new(read(&options.reference)?, options.noise);
+pub(super) fn run(workspace: &Workspace, options: &CornellOptions) -> Result<(), TaskError> {
+    let reference = ReferenceImage::new(read(&options.reference)?, options.noise);
     let path = workspace.build_release_renderer()?;
     let program = Program { path, folder: workspace.fresh_folder("bench-cornell")? };
     let scene = workspace.root.join(SCENE);
     let mut figures = Vec::new();
     for threads in [Some(1), None] {
         for &spp in &options.spp {
-            figures.push(figure(&program, &scene, &yardstick, options, (threads, spp))?);
+            figures.push(figure(&program, &scene, &reference, options, (threads, spp))?);
         }
     }
-    let figures = Figures {
+    let results = CornellResults {
         processor: rt_render::processor(),
         sampler: options.sampler.clone(),
         passes: options.passes,
@@ -92,21 +64,21 @@ pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         peers: PEERS,
         peers_source: peers::SOURCE,
     };
-    print(&figures, &table::markdown(&figures))
+    print(&results, &results)
 }
 
 /// Renders with all seeds.
 fn figure(
     program: &Program,
     scene: &Path,
-    yardstick: &Yardstick,
-    options: &Options,
+    reference: &ReferenceImage,
+    options: &CornellOptions,
     (threads, spp): (Option<u32>, u32),
-) -> Result<Figure, TaskError> {
+) -> Result<CornellResult, TaskError> {
     let runs: Vec<(Usage, Errors)> = (1..=options.seeds)
         .map(|seed| {
             let used = render(program, scene, options, (threads, spp, seed))?;
-            let errors = yardstick.measure(&read(&program.folder.join(PICTURE))?);
+            let errors = reference.measure(&read(&program.folder.join(PICTURE))?);
             let other_size =
                 || TaskError::Other(format!("{}: this has another size than {SCENE}", options.reference.display()));
             Ok((used, errors.ok_or_else(other_size)?))
@@ -114,7 +86,7 @@ fn figure(
         .collect::<Result<_, TaskError>>()?;
     let mean = |of: fn(&(Usage, Errors)) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
     let (mse, cpu_seconds) = (mean(|(_, errors)| errors.mse), mean(|(used, _)| used.cpu_seconds));
-    Ok(Figure {
+    Ok(CornellResult {
         threads,
         spp,
         cpu_seconds,
@@ -132,7 +104,7 @@ const PICTURE: &str = "picture.pfm";
 fn render(
     program: &Program,
     scene: &Path,
-    options: &Options,
+    options: &CornellOptions,
     (threads, spp, seed): (Option<u32>, u32, u32),
 ) -> Result<Usage, TaskError> {
     let scene = scene.to_string_lossy();

@@ -1,26 +1,26 @@
-//! What other renderers reached on the Cornell box, measured elsewhere.
+//! Results of other renderers on the Cornell box.
 
 use serde::Serialize;
 
-/// Where the figures come from.
+/// Source of the measurements.
 pub(super) const SOURCE: &str = "Mitsuba 3.9.1 (llvm_ad_rgb, independent samples, one thread) and Cycles (bpy 5.0.1, its own samples, \
     one thread) were measured in another run, on one core of an AMD EPYC (Zen 4): processor seconds of the render call, against the \
     same reference with the same pixels left out. Times of other runs compare only roughly.";
 
 /// A renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Peer {
+pub(super) struct CornellPeer {
     pub name: &'static str,
     points: [Point; 4],
 }
 
-/// What it reached.
+/// Result at one number of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Point {
     pub spp: u32,
     pub cpu_seconds: f64,
     pub rmse: f64,
-    /// As 1 / (MSE · seconds) of unrounded figures.
+    /// Efficiency 1 / (MSE · seconds) of unrounded numbers.
     pub efficiency: f64,
 }
 
@@ -28,8 +28,8 @@ const fn point(spp: u32, cpu_seconds: f64, rmse: f64, efficiency: f64) -> Point 
     Point { spp, cpu_seconds, rmse, efficiency }
 }
 
-pub(super) const PEERS: [Peer; 2] = [
-    Peer {
+pub(super) const PEERS: [CornellPeer; 2] = [
+    CornellPeer {
         name: "Mitsuba LLVM",
         points: [
             point(16, 0.557, 0.01534, 7629.3),
@@ -38,7 +38,7 @@ pub(super) const PEERS: [Peer; 2] = [
             point(1024, 34.864, 0.00194, 7654.9),
         ],
     },
-    Peer {
+    CornellPeer {
         name: "Cycles",
         points: [
             point(16, 2.661, 0.01404, 1906.3),
@@ -49,7 +49,7 @@ pub(super) const PEERS: [Peer; 2] = [
     },
 ];
 
-impl Peer {
+impl CornellPeer {
     /// With so many samples per pixel.
     pub(super) fn at(&self, spp: u32) -> Option<&Point> {
         self.points.iter().find(|point| point.spp == spp)

@@ -1,8 +1,8 @@
-//! Which files to measure.
+//! Files to measure.
 
 use std::path::{Path, PathBuf};
 
-use super::{Options, files, trace::Query};
+use super::{files, options::RayOptions, trace::Query};
 use crate::{error::TaskError, workspace::sorted_entries};
 
 /// The absolute tolerance of scenes that have no file of it.
@@ -24,12 +24,12 @@ pub(super) struct RayFile {
     pub rays: PathBuf,
     pub query: Query,
     pub reference: Option<PathBuf>,
-    /// Where the hits go.
+    /// Output file of the hits.
     pub hits: Option<PathBuf>,
 }
 
-/// What the command line names, or what lies in the folder.
-pub(super) fn jobs(options: &Options) -> Result<Vec<Job>, TaskError> {
+/// Jobs that the command line names, or those of the folder.
+pub(super) fn jobs(options: &RayOptions) -> Result<Vec<Job>, TaskError> {
     let jobs = match &options.folder {
         Some(folder) => in_folder(folder, options)?,
         None => named(options)?,
@@ -40,7 +40,7 @@ pub(super) fn jobs(options: &Options) -> Result<Vec<Job>, TaskError> {
     Ok(jobs)
 }
 
-fn named(options: &Options) -> Result<Vec<Job>, TaskError> {
+fn named(options: &RayOptions) -> Result<Vec<Job>, TaskError> {
     let mut jobs: Vec<Job> = Vec::new();
     let pairs = options.files.chunks_exact(2);
     if !pairs.remainder().is_empty() {
@@ -66,8 +66,8 @@ fn named(options: &Options) -> Result<Vec<Job>, TaskError> {
     Ok(jobs)
 }
 
-/// Every `scene.mesh` with every `scene.kind.rays`, and the `scene.kind.ref` beside.
-fn in_folder(folder: &Path, options: &Options) -> Result<Vec<Job>, TaskError> {
+/// Every `scene.mesh` with every `scene.kind.rays`, and its `scene.kind.ref`.
+fn in_folder(folder: &Path, options: &RayOptions) -> Result<Vec<Job>, TaskError> {
     let files = sorted_entries(folder)?;
     let mut jobs = Vec::new();
     for mesh in files.iter().filter(|path| path.extension().is_some_and(|extension| extension == "mesh")) {
@@ -96,7 +96,7 @@ fn in_folder(folder: &Path, options: &Options) -> Result<Vec<Job>, TaskError> {
 }
 
 /// A mesh without rays as yet.
-fn job(mesh: &Path, options: &Options) -> Result<Job, TaskError> {
+fn job(mesh: &Path, options: &RayOptions) -> Result<Job, TaskError> {
     let beside = mesh.with_extension("eps");
     let tolerance = match &options.eps {
         Some(text) => match text.parse() {
@@ -110,14 +110,14 @@ fn job(mesh: &Path, options: &Options) -> Result<Job, TaskError> {
     Ok(Job { scene, mesh: mesh.to_owned(), tolerance, sets: Vec::new() })
 }
 
-/// What stands before `.rays` in the name of the file, after a point if there is one.
+/// Kind of rays: the last part of the file name before `.rays`.
 fn kind(rays: &Path) -> String {
     let stem = rays.file_stem().unwrap_or_default().to_string_lossy();
     stem.rsplit_once('.').map_or(&*stem, |(_, kind)| kind).to_owned()
 }
 
-/// What was asked for; otherwise shadow rays ask whether they are blocked.
-fn query(kind: &str, options: &Options) -> Query {
+/// Query of the command line; by default any hit for shadow rays and the closest hit for others.
+fn query(kind: &str, options: &RayOptions) -> Query {
     options.query.unwrap_or(if kind == "shadow" { Query::Occluded } else { Query::Closest })
 }
 
@@ -135,7 +135,7 @@ mod tests {
         }
         touch("a.eps", "0.25\n");
         let here = folder.path().to_str().unwrap();
-        let options = |args: &[&str]| super::super::parsed(&[&["--folder", here], args].concat());
+        let options = |args: &[&str]| super::super::options::parsed(&[&["--folder", here], args].concat());
         let jobs = jobs(&options(&[])).unwrap();
         let names: Vec<(&str, f32, usize)> =
             jobs.iter().map(|job| (job.scene.as_str(), job.tolerance, job.sets.len())).collect();
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn pairs_with_one_mesh_build_it_once() {
-        let named = |args: &[&str]| jobs(&super::super::parsed(args));
+        let named = |args: &[&str]| jobs(&super::super::options::parsed(args));
         let jobs = named(&["x.mesh", "x.shadow.rays", "x.mesh", "mine.rays", "--eps", "0.5"]).unwrap();
         assert_eq!((jobs.len(), jobs[0].tolerance), (1, 0.5));
         let kinds: Vec<(&str, Query)> = jobs[0].sets.iter().map(|set| (set.kind.as_str(), set.query)).collect();

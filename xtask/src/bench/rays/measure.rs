@@ -7,13 +7,14 @@ use rt_accel::{AcceleratorKind, AcceleratorQueries, AnyAccelerator};
 use rt_geometry::TriangleMesh;
 
 use super::{
-    BuildFigure, Figures, Options, RayFigure, Shape,
     files::{self, HitRecord, RayRecord},
     jobs::{Job, RayFile},
+    mismatch::Mismatches,
+    options::RayOptions,
+    table::{BuildResult, RayResult, RayResults, TreeShape},
     trace::{Bits, Method, trace},
-    wrong::Wrong,
 };
-use crate::{bench::spread::Spread, error::TaskError};
+use crate::{bench::timing_stats::Spread, error::TaskError};
 
 /// Builds that take longer than this together are not repeated.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -27,7 +28,7 @@ struct Scene<'j> {
 }
 
 /// Measures everything on the threads of the current pool.
-pub(super) fn job(job: &Job, options: &Options, figures: &mut Figures) -> Result<(), TaskError> {
+pub(super) fn job(job: &Job, options: &RayOptions, figures: &mut RayResults) -> Result<(), TaskError> {
     let scene = Scene::load(job)?;
     let judge = match options.same_as {
         Some(kind) => Some(AnyAccelerator::build(kind, &scene.mesh).map_err(other)?),
@@ -71,8 +72,8 @@ fn numbers(all: &[[u32; 3]], kept: &[[u32; 3]]) -> Vec<u32> {
 fn build(
     scene: &Scene<'_>,
     kind: AcceleratorKind,
-    options: &Options,
-) -> Result<(AnyAccelerator, BuildFigure), TaskError> {
+    options: &RayOptions,
+) -> Result<(AnyAccelerator, BuildResult), TaskError> {
     let (mut cpu, mut wall) = (Vec::new(), Vec::new());
     let started = Instant::now();
     loop {
@@ -83,7 +84,7 @@ fn build(
         wall.push(seconds.wall);
         if cpu.len() >= options.reps as usize || started.elapsed() > PATIENCE {
             let bytes = structure.memory();
-            let figure = BuildFigure {
+            let figure = BuildResult {
                 scene: scene.job.scene.clone(),
                 structure: kind.name(),
                 quality: options.quality.name(),
@@ -94,7 +95,7 @@ fn build(
                 bytes,
                 bytes_per_triangle: bytes as f64 / scene.mesh.data().triangles.len() as f64,
                 mesh_bytes: scene.mesh.memory(),
-                shape: Shape::of(&structure),
+                shape: TreeShape::of(&structure),
             };
             return Ok((structure, figure));
         }
@@ -106,8 +107,8 @@ fn rays(
     structure: &AnyAccelerator,
     judge: Option<&AnyAccelerator>,
     set: &RayFile,
-    options: &Options,
-) -> Result<RayFigure, TaskError> {
+    options: &RayOptions,
+) -> Result<RayResult, TaskError> {
     let rays = every(options.every, files::read_rays(&set.rays)?);
     let method = Method { query: set.query, batch: options.batch };
     let mut hits = vec![HitRecord::MISS; rays.len()];
@@ -131,7 +132,7 @@ fn rays(
         cpu.push(rays.len() as f64 / seconds.cpu * 1e-6);
         wall.push(rays.len() as f64 / seconds.wall * 1e-6);
     }
-    Ok(RayFigure {
+    Ok(RayResult {
         scene: scene.job.scene.clone(),
         kind: set.kind.clone(),
         structure: structure.kind().name(),
@@ -152,17 +153,17 @@ fn wrong(
     hits: &[HitRecord],
     scene: &Scene<'_>,
     set: &RayFile,
-    options: &Options,
-) -> Result<Wrong, TaskError> {
+    options: &RayOptions,
+) -> Result<Mismatches, TaskError> {
     let reference = every(options.every, files::read_hits(path)?);
     if reference.len() != hits.len() {
         let (there, here) = (reference.len(), hits.len());
         return Err(TaskError::Other(format!("{}: {there} hits for {here} rays", path.display())));
     }
-    Ok(Wrong::count(&reference, hits, set.query, scene.job.tolerance))
+    Ok(Mismatches::count(&reference, hits, set.query, scene.job.tolerance))
 }
 
-/// Rays that the structure answers with other bits than the judge, which traces them one by one.
+/// Rays that the accelerator answers with other bits than `same_as`, which traces single rays.
 fn differing(
     scene: &Scene<'_>,
     structure: &AnyAccelerator,

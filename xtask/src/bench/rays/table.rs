@@ -1,58 +1,122 @@
-//! The figures as Markdown.
+//! Results of `bench rays`, and their tables.
 
-use std::fmt::Write;
+use std::fmt::{self, Display, Formatter};
 
-use super::{BuildFigure, Figures, RayFigure, Wrong};
-use crate::{bench::spread::Spread, number::three_digits};
+use rt_accel::{AcceleratorQueries as _, AnyAccelerator, BuildStats};
+use serde::Serialize;
 
-/// Rays per second, then builds.
-pub(super) fn markdown(figures: &Figures) -> String {
-    let mut text = String::from(
-        "Millions of rays per second: median (least..greatest); by the processor's clock on one thread, else by the \
-         wall's.\n\n| scene | rays | structure | Mrays/s | hits | leaks / ghosts / wrong t | other bits |\n\
-         |---|---|---|---|---|---|---|\n",
-    );
-    text.extend(figures.rays.iter().map(ray_row));
-    text.push_str(
-        "\nBuilding: milliseconds of all processors together and on the wall, bytes per triangle.\n\n\
-         | scene | triangles | structure | processors | wall | bytes | nodes | depth |\n|---|---|---|---|---|---|---|---|\n",
-    );
-    text.extend(figures.builds.iter().map(build_row));
-    text
+use super::{mismatch::Mismatches, trace::Query};
+use crate::{bench::timing_stats::Spread, number::three_digits, table::Table};
+
+/// Building one structure over one mesh.
+#[derive(Debug, Serialize)]
+pub(super) struct BuildResult {
+    pub scene: String,
+    pub structure: &'static str,
+    /// Meaningless but for the wide tree.
+    pub quality: &'static str,
+    pub threads: usize,
+    /// Those with an area.
+    pub triangles: usize,
+    pub cpu_seconds: Spread,
+    pub wall_seconds: Spread,
+    /// Memory of the accelerator.
+    pub bytes: usize,
+    pub bytes_per_triangle: f64,
+    /// Memory of vertices and indices, which the caller keeps.
+    pub mesh_bytes: usize,
+    pub shape: TreeShape,
 }
 
-fn ray_row(figure: &RayFigure) -> String {
-    let Spread { median, min, max } = figure.mega_rays();
-    let rates = format!("{} ({}..{})", three_digits(median), three_digits(min), three_digits(max));
-    let batch = figure.batch.map(|rays| format!(" in batches of {rays}")).unwrap_or_default();
-    let wrong = figure.wrong.map(|Wrong { leaks, ghosts, wrong_t }| format!("{leaks} / {ghosts} / {wrong_t}"));
-    let differing = figure.differing.map(|count| count.to_string());
-    let mut row = String::new();
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        row,
-        "| {} | {} | {}{batch} | {rates} | {} of {} | {} | {} |",
-        figure.scene,
-        figure.kind,
-        figure.structure,
-        figure.hits,
-        figure.rays,
-        wrong.unwrap_or_default(),
-        differing.unwrap_or_default(),
-    );
-    row
+/// Statistics of the built tree.
+#[derive(Debug, Serialize)]
+pub(super) struct TreeShape {
+    pub nodes: usize,
+    pub leaves: usize,
+    pub references: usize,
+    pub max_depth: usize,
+    pub sah_cost: Option<f64>,
 }
 
-fn build_row(figure: &BuildFigure) -> String {
-    format!(
-        "| {} | {} | {} | {} | {} | {:.1} | {} | {} |\n",
-        figure.scene,
-        figure.triangles,
-        figure.structure,
-        three_digits(figure.cpu_seconds.median * 1e3),
-        three_digits(figure.wall_seconds.median * 1e3),
-        figure.bytes_per_triangle,
-        figure.shape.nodes,
-        figure.shape.max_depth,
-    )
+impl TreeShape {
+    pub(super) fn of(structure: &AnyAccelerator) -> Self {
+        let BuildStats { nodes, leaves, references, max_depth, sah_cost, .. } = structure.build_stats();
+        Self { nodes, leaves, references, max_depth, sah_cost }
+    }
+}
+
+/// Tracing one set of rays through one structure.
+#[derive(Debug, Serialize)]
+pub(super) struct RayResult {
+    pub scene: String,
+    pub kind: String,
+    pub structure: &'static str,
+    pub query: Query,
+    /// Rays of a batch; `None` for single rays.
+    pub batch: Option<usize>,
+    pub threads: usize,
+    pub rays: usize,
+    /// Rays that hit something.
+    pub hits: usize,
+    /// Millions of rays for each second of a processor.
+    pub mrays_per_cpu_second: Spread,
+    /// Millions of rays for each second on the wall.
+    pub mrays_per_second: Spread,
+    /// By the reference, if there is one.
+    pub wrong: Option<Mismatches>,
+    /// Answers with other bits than those of `--same-as`.
+    pub differing: Option<usize>,
+}
+
+impl RayResult {
+    /// The clock to believe: a single thread's is that of its processor, several threads' that of the wall.
+    pub(super) fn mega_rays(&self) -> Spread {
+        if self.threads == 1 { self.mrays_per_cpu_second } else { self.mrays_per_second }
+    }
+}
+
+/// All that was measured.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct RayResults {
+    pub builds: Vec<BuildResult>,
+    pub rays: Vec<RayResult>,
+}
+
+impl Display for RayResults {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "Millions of rays per second: median (min..max); CPU time on one thread, else wall time.\n")?;
+        let header = ["scene", "rays", "accelerator", "Mrays/s", "hits", "leaks / ghosts / wrong t", "other bits"];
+        let mut table = Table::new(3, header);
+        for figure in &self.rays {
+            let Spread { median, min, max } = figure.mega_rays();
+            let batch = figure.batch.map(|rays| format!(" in batches of {rays}")).unwrap_or_default();
+            let wrong =
+                figure.wrong.map(|Mismatches { leaks, ghosts, wrong_t }| format!("{leaks} / {ghosts} / {wrong_t}"));
+            table.push([
+                figure.scene.clone(),
+                figure.kind.clone(),
+                format!("{}{batch}", figure.structure),
+                format!("{} ({}..{})", three_digits(median), three_digits(min), three_digits(max)),
+                format!("{} of {}", figure.hits, figure.rays),
+                wrong.unwrap_or_default(),
+                figure.differing.map(|count| count.to_string()).unwrap_or_default(),
+            ]);
+        }
+        writeln!(f, "{table}\nBuilding: milliseconds of CPU time and of wall time, bytes per triangle.\n")?;
+        let header = ["scene", "triangles", "accelerator", "CPU ms", "wall ms", "bytes", "nodes", "depth"];
+        let mut table = Table::new(3, header);
+        for figure in &self.builds {
+            table.push([
+                figure.scene.clone(),
+                figure.triangles.to_string(),
+                figure.structure.to_owned(),
+                three_digits(figure.cpu_seconds.median * 1e3),
+                three_digits(figure.wall_seconds.median * 1e3),
+                format!("{:.1}", figure.bytes_per_triangle),
+                figure.shape.nodes.to_string(),
+                figure.shape.max_depth.to_string(),
+            ]);
+        }
+        write!(f, "{table}")
+    }
 }

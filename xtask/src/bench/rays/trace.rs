@@ -10,17 +10,17 @@ use super::files::{HitRecord, RayRecord};
 /// Consecutive rays that a thread takes at a time, unless batches have a size of their own.
 const SHARE: usize = 4096;
 
-/// What is asked of each ray.
+/// Query for each ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Query {
     /// The first hit.
     Closest,
-    /// Whether there is any hit.
+    /// Any hit.
     Occluded,
 }
 
-/// How rays are traced.
+/// Method of tracing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Method {
     pub query: Query,
@@ -28,7 +28,7 @@ pub(super) struct Method {
     pub batch: Option<usize>,
 }
 
-/// What is kept of an answer.
+/// Answer of a query, as far as it is kept.
 pub(super) trait Answer: Copy + Send {
     fn closest(hit: Option<Hit>) -> Self;
     fn occluded(is_blocked: bool) -> Self;

@@ -7,12 +7,12 @@ use rt_scene_io::format::{
     SceneFile, Settings, Shape, Sides,
 };
 
-use super::neutral;
+use super::exchange_scene;
 use crate::error::TaskError;
 
 /// The files to convert.
 #[derive(Debug, clap::Args)]
-pub(in crate::bench) struct Options {
+pub(in crate::bench) struct ConvertOptions {
     /// A neutral description.
     #[arg(value_name = "JSON")]
     from: PathBuf,
@@ -22,23 +22,23 @@ pub(in crate::bench) struct Options {
 }
 
 /// Reads the one and writes the other.
-pub(in crate::bench) fn run(options: &Options) -> Result<(), TaskError> {
-    let text = convert(neutral::read(&options.from)?).to_json();
+pub(in crate::bench) fn run(options: &ConvertOptions) -> Result<(), TaskError> {
+    let text = convert(exchange_scene::read(&options.from)?).to_json();
     std::fs::write(&options.to, text).map_err(TaskError::file(&options.to))
 }
 
 /// The scene file.
-fn convert(scene: neutral::Scene) -> SceneFile {
+fn convert(scene: exchange_scene::Scene) -> SceneFile {
     let mut lights = vec![Light::Ambient(Color::from_rgb(scene.ambient))];
     lights.extend(scene.lights.iter().filter_map(light));
-    let neutral::Camera { eye, at, up, vfov } = scene.camera;
+    let exchange_scene::Camera { eye, at, up, vfov } = scene.camera;
     let camera = Camera { look_from: Some(eye), look_at: Some(at), up: Some(up), fov: Some(vfov), ..Camera::default() };
     // Each level of the description is a ray, the one to the light among them for paths; ours are bounces.
     let depth = scene.depth.saturating_sub(if scene.gi { 2 } else { 1 });
     let checkers =
         scene.materials.iter().filter_map(|(name, material)| Some((name.as_str(), material.checker.as_ref()?)));
     let checkers: Vec<&str> = checkers.map(|(name, _)| name).collect();
-    let has_lamp = scene.lights.iter().any(|light| matches!(light, neutral::Light::Rect {}));
+    let has_lamp = scene.lights.iter().any(|light| matches!(light, exchange_scene::Light::Rect {}));
     let integrator = match (scene.gi, has_lamp) {
         (true, _) => Integrator::Path,
         (false, true) => Integrator::Distributed,
@@ -66,12 +66,12 @@ fn convert(scene: neutral::Scene) -> SceneFile {
     }
 }
 
-fn light(light: &neutral::Light) -> Option<Light> {
+fn light(light: &exchange_scene::Light) -> Option<Light> {
     let (position, color, lamp_radius) = match light {
-        neutral::Light::Point { p, color } => (*p, *color, 0.0),
-        neutral::Light::Sphere { p, r, color } => (*p, *color, *r),
-        // The lamp stands among the objects as well, and shines there.
-        neutral::Light::Rect {} => return None,
+        exchange_scene::Light::Point { p, color } => (*p, *color, 0.0),
+        exchange_scene::Light::Sphere { p, r, color } => (*p, *color, *r),
+        // The light is an object as well, with an emissive material.
+        exchange_scene::Light::Rect {} => return None,
     };
     Some(Light::Point {
         name: String::new(),
@@ -84,7 +84,7 @@ fn light(light: &neutral::Light) -> Option<Light> {
     })
 }
 
-fn material(of: &neutral::Material) -> Material {
+fn material(of: &exchange_scene::Material) -> Material {
     if let Some(radiance) = of.radiance {
         let albedo = Color::from_rgb(of.color).into();
         let lamp = Material::Light { radiance: Color::from_rgb(radiance).into(), shines: Sides::Front };
@@ -93,7 +93,7 @@ fn material(of: &neutral::Material) -> Material {
     let tint = |coefficient: f64| of.color.map(|channel| channel * coefficient);
     let gray = |coefficient: f64| Some(ColorTexture::Gray(coefficient));
     let color = match &of.checker {
-        Some(neutral::Checker { c2, size }) => {
+        Some(exchange_scene::Checker { c2, size }) => {
             ColorTexture::Checker { even: Color::from_rgb(*c2), odd: Color::from_rgb(of.color), size: *size }
         }
         None => Color::from_rgb(of.color).into(),
@@ -117,16 +117,16 @@ fn material(of: &neutral::Material) -> Material {
     }
 }
 
-fn node(object: neutral::Object, has_checker: bool) -> Node {
+fn node(object: exchange_scene::Object, has_checker: bool) -> Node {
     let shape = match object.shape {
-        neutral::Shape::Sphere { c, r } => Shape::Sphere { center: c, radius: r },
-        neutral::Shape::Poly { pts } => {
+        exchange_scene::Shape::Sphere { c, r } => Shape::Sphere { center: c, radius: r },
+        exchange_scene::Shape::Poly { pts } => {
             let corners = pts.len() as u32;
             let triangles = (2..corners).map(|last| [0, last - 1, last]).collect();
             let uvs = if has_checker { flat(&pts) } else { Vec::new() };
             Shape::Mesh { positions: pts, triangles, faces: Vec::new(), normals: Vec::new(), uvs }
         }
-        neutral::Shape::Mesh { positions, normals, triangles } => {
+        exchange_scene::Shape::Mesh { positions, normals, triangles } => {
             Shape::Mesh { positions, triangles, faces: Vec::new(), normals, uvs: Vec::new() }
         }
     };

@@ -7,9 +7,11 @@ use std::{
 };
 
 use rt_accel::AcceleratorKind;
-use serde::Serialize;
 
-use super::{print, spread::Spread, structure};
+use super::{
+    common::{accelerator, print},
+    timing_stats::Spread,
+};
 use crate::{
     error::TaskError,
     process::{Program, Usage},
@@ -19,19 +21,19 @@ use crate::{
 };
 
 pub(super) mod convert;
-mod neutral;
+mod exchange_scene;
 mod peers;
 mod table;
 
-use neutral::Outline;
-use peers::Peer;
+use exchange_scene::Outline;
+use table::{RenderResult, RenderResults};
 
 /// A run that takes longer than this has gone wrong.
 const TIMEOUT: Duration = Duration::from_secs(600);
 
-/// What the command line asks for.
+/// Options of `bench render`.
 #[derive(Debug, clap::Args)]
-pub(super) struct Options {
+pub(super) struct RenderOptions {
     /// Folder of neutral scene descriptions, `*.json`.
     #[arg(long, value_name = "DIR")]
     folder: PathBuf,
@@ -45,45 +47,17 @@ pub(super) struct Options {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
     /// The structure, instead of the renderer's own choice.
-    #[arg(long, value_parser = structure())]
+    #[arg(long, value_parser = accelerator())]
     accel: Option<AcceleratorKind>,
 }
 
-/// One scene.
-#[derive(Debug, Serialize)]
-struct Figure {
-    scene: String,
-    size: (u64, u64),
-    spp: u64,
-    threads: u16,
-    primary_rays: u64,
-    shadow_rays: u64,
-    all_rays: u64,
-    cpu_seconds: Spread,
-    wall_seconds: Spread,
-    peak_bytes: u64,
-    /// From start to end with 8×8 pixels of one sample: start, parsing, building, writing.
-    small_wall_seconds: Spread,
-    fastest_peer: Option<Peer>,
-    picture: PathBuf,
-}
-
-/// All that was measured.
-#[derive(Debug, Default, Serialize)]
-struct Figures {
-    scenes: Vec<Figure>,
-    /// Figures of memory are not less than this, which a run takes that does nothing.
-    least_bytes: u64,
-    peers: &'static str,
-}
-
 /// Measures and prints.
-pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskError> {
+pub(super) fn run(workspace: &Workspace, options: &RenderOptions) -> Result<(), TaskError> {
     let program = workspace.build_release_renderer()?;
     let folder = workspace.fresh_folder("bench-render")?;
     let program = Program { path: program, folder };
-    let least_bytes = program.empty()?.bytes;
-    let mut figures = Figures { least_bytes, peers: peers::SOURCE, ..Figures::default() };
+    let min_bytes = program.empty()?.bytes;
+    let mut figures = RenderResults { min_bytes, peers: peers::SOURCE, ..RenderResults::default() };
     for path in descriptions(options)? {
         figures.scenes.push(scene(&program, &path, options)?);
     }
@@ -91,11 +65,11 @@ pub(super) fn run(workspace: &Workspace, options: &Options) -> Result<(), TaskEr
         let folder = options.folder.display();
         return Err(TaskError::Other(format!("{folder}: there is no scene to render")));
     }
-    print(&figures, &table::markdown(&figures))
+    print(&figures, &figures)
 }
 
-/// All descriptions of the folder that were asked for.
-fn descriptions(options: &Options) -> Result<Vec<PathBuf>, TaskError> {
+/// Selected descriptions of the folder.
+fn descriptions(options: &RenderOptions) -> Result<Vec<PathBuf>, TaskError> {
     let wanted = |path: &Path| {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         path.extension().is_some_and(|extension| extension == "json")
@@ -107,8 +81,8 @@ fn descriptions(options: &Options) -> Result<Vec<PathBuf>, TaskError> {
 }
 
 /// Renders a scene and measures it.
-fn scene(program: &Program, description: &Path, options: &Options) -> Result<Figure, TaskError> {
-    let outline: Outline = neutral::read(description)?;
+fn scene(program: &Program, description: &Path, options: &RenderOptions) -> Result<RenderResult, TaskError> {
+    let outline: Outline = exchange_scene::read(description)?;
     let name = outline.name.clone();
     let path = program.folder.join(format!("{name}.json"));
     convert_elsewhere(description, &path)?;
@@ -117,7 +91,7 @@ fn scene(program: &Program, description: &Path, options: &Options) -> Result<Fig
     let whole = runs(program, &path, &picture, options, &[])?;
     let small = runs(program, &path, "small.png", options, &["--size", "8x8", "--spp", "1"])?;
     let spread = |runs: &[Usage], of: fn(&Usage) -> f64| Spread::of(runs.iter().map(of).collect());
-    Ok(Figure {
+    Ok(RenderResult {
         size: (outline.w, outline.h),
         spp: outline.spp,
         threads: options.threads,
@@ -142,8 +116,8 @@ fn convert_elsewhere(description: &Path, scene: &Path) -> Result<(), TaskError> 
     output_of(command.args(["bench", "convert"]).arg(description).arg(scene)).map(|_| ())
 }
 
-/// Of a run that is not timed.
-fn count_rays(program: &Program, scene: &Path, options: &Options) -> Result<Statistics, TaskError> {
+/// Counters of a run that is not timed.
+fn count_rays(program: &Program, scene: &Path, options: &RenderOptions) -> Result<Statistics, TaskError> {
     let renderer = Renderer::new(program.path.clone(), TIMEOUT);
     let accel = accel(options);
     statistics::measure(&renderer, &program.folder, scene, &accel)?.map_err(TaskError::Other)
@@ -153,7 +127,7 @@ fn runs(
     program: &Program,
     scene: &Path,
     picture: &str,
-    options: &Options,
+    options: &RenderOptions,
     more: &[&str],
 ) -> Result<Vec<Usage>, TaskError> {
     let (scene, threads) = (scene.to_string_lossy(), options.threads.to_string());
@@ -162,6 +136,6 @@ fn runs(
     (0..options.reps).map(|_| program.run(&args)).collect()
 }
 
-fn accel(options: &Options) -> Vec<&'static str> {
+fn accel(options: &RenderOptions) -> Vec<&'static str> {
     options.accel.map_or_else(Vec::new, |kind| vec!["--accel", kind.name()])
 }

@@ -5,11 +5,11 @@
 pub(super) struct Peer {
     pub scene: &'static str,
     pub renderer: &'static str,
-    /// Of the whole process, from start to written picture.
+    /// CPU seconds of the whole process, from start to written image.
     pub cpu_seconds: f64,
 }
 
-/// Where the figures come from.
+/// Source of the measurements.
 pub(super) const SOURCE: &str = "Of POV-Ray 3.7.0.10, Tachyon 0.99b6, Mitsuba 3.9.1 (scalar_rgb, llvm_ad_rgb) and Cycles \
     (bpy 5.0.1) the fastest: processor seconds of the whole process on one core of an AMD EPYC (Zen 4), median of three. \
     That was another run, so times compare only roughly.";

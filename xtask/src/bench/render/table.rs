@@ -1,45 +1,87 @@
-//! The figures as Markdown.
+//! Results of `bench render`, and their table.
 
-use super::{Figure, Figures, peers::Peer};
-use crate::{
-    bench::spread::Spread,
-    number::{grouped, three_digits},
+use std::{
+    fmt::{self, Display, Formatter},
+    path::PathBuf,
 };
 
-/// A row for each scene.
-pub(super) fn markdown(figures: &Figures) -> String {
-    let mut text = String::from(
-        "| scene | pixels, samples | camera + shadow rays | processor s | wall s | peak MiB | 8×8: wall ms | fastest peer, \
-         processor s | peer : ours |\n|---|---|---|---|---|---|---|---|---|\n",
-    );
-    text.extend(figures.scenes.iter().map(row));
-    text.push_str(&format!(
-        "\nMedian (least..greatest) of the whole process. A run that does nothing has a peak of {} MiB. Shadow rays \
-         count as the report counts them, also those that need not be traced. {}\n",
-        mebibytes(figures.least_bytes),
-        figures.peers,
-    ));
-    text
+use serde::Serialize;
+
+use super::peers::Peer;
+use crate::{
+    bench::timing_stats::Spread,
+    number::{grouped, three_digits},
+    table::Table,
+};
+
+/// One scene.
+#[derive(Debug, Serialize)]
+pub(super) struct RenderResult {
+    pub scene: String,
+    pub size: (u64, u64),
+    pub spp: u64,
+    pub threads: u16,
+    pub primary_rays: u64,
+    pub shadow_rays: u64,
+    pub all_rays: u64,
+    pub cpu_seconds: Spread,
+    pub wall_seconds: Spread,
+    pub peak_bytes: u64,
+    /// From start to end with 8×8 pixels of one sample: start, parsing, building, writing.
+    pub small_wall_seconds: Spread,
+    pub fastest_peer: Option<Peer>,
+    pub picture: PathBuf,
 }
 
-fn row(figure: &Figure) -> String {
-    let Figure { scene, size: (width, height), spp, .. } = figure;
-    let Spread { median, min, max } = figure.cpu_seconds;
-    let (peer, ratio) = match figure.fastest_peer {
-        Some(Peer { renderer, cpu_seconds, .. }) => {
-            (format!("[{renderer} {cpu_seconds:.2}]"), three_digits(cpu_seconds / median))
-        }
-        None => Default::default(),
-    };
-    format!(
-        "| {scene} | {width}×{height}, {spp} | {} + {} | {median:.3} ({min:.3}..{max:.3}) | {:.3} | {} | {:.1} | {peer} | \
-         {ratio} |\n",
-        grouped(figure.primary_rays),
-        grouped(figure.shadow_rays),
-        figure.wall_seconds.median,
-        mebibytes(figure.peak_bytes),
-        figure.small_wall_seconds.median * 1e3,
-    )
+/// All that was measured.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct RenderResults {
+    pub scenes: Vec<RenderResult>,
+    /// Figures of memory are not less than this, which a run takes that does nothing.
+    pub min_bytes: u64,
+    pub peers: &'static str,
+}
+
+impl Display for RenderResults {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let header = [
+            "scene",
+            "pixels, samples",
+            "camera + shadow rays",
+            "CPU s",
+            "wall s",
+            "peak MiB",
+            "8×8: wall ms",
+            "fastest peer, CPU s",
+            "peer : ours",
+        ];
+        let mut table = Table::new(2, header);
+        self.scenes.iter().for_each(|scene| table.push(cells(scene)));
+        writeln!(
+            f,
+            "{table}\nMedian (min..max) of the whole process. An empty run has a peak of {} MiB. Shadow rays count as in the \
+             report, with those that need not be traced. {}",
+            mebibytes(self.min_bytes),
+            self.peers,
+        )
+    }
+}
+
+fn cells(result: &RenderResult) -> [String; 9] {
+    let RenderResult { scene, size: (width, height), spp, .. } = result;
+    let Spread { median, min, max } = result.cpu_seconds;
+    let peer = result.fastest_peer;
+    [
+        scene.clone(),
+        format!("{width}×{height}, {spp}"),
+        format!("{} + {}", grouped(result.primary_rays), grouped(result.shadow_rays)),
+        format!("{median:.3} ({min:.3}..{max:.3})"),
+        format!("{:.3}", result.wall_seconds.median),
+        mebibytes(result.peak_bytes),
+        format!("{:.1}", result.small_wall_seconds.median * 1e3),
+        peer.map(|Peer { renderer, cpu_seconds, .. }| format!("[{renderer} {cpu_seconds:.2}]")).unwrap_or_default(),
+        peer.map(|peer| three_digits(peer.cpu_seconds / median)).unwrap_or_default(),
+    ]
 }
 
 fn mebibytes(bytes: u64) -> String {
@@ -54,7 +96,7 @@ mod tests {
     fn a_row_compares_processor_seconds() {
         let spread = |median| Spread { median, min: 0.4, max: 0.6 };
         let peer = Peer { scene: "s", renderer: "Other", cpu_seconds: 1.0 };
-        let figure = Figure {
+        let result = RenderResult {
             scene: "s".into(),
             size: (4, 3),
             spp: 2,
@@ -69,10 +111,7 @@ mod tests {
             fastest_peer: Some(peer),
             picture: "s.png".into(),
         };
-        let row = row(&figure);
-        assert_eq!(
-            row,
-            "| s | 4×3, 2 | 24 + 1,000 | 0.500 (0.400..0.600) | 0.550 | 1.50 | 500.0 | [Other 1.00] | 2.00 |\n"
-        );
+        let row = cells(&result).join("; ");
+        assert_eq!(row, "s; 4×3, 2; 24 + 1,000; 0.500 (0.400..0.600); 0.550; 1.50; 500.0; [Other 1.00]; 2.00");
     }
 }

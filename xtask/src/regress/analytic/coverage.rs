@@ -1,4 +1,4 @@
-//! What part of a pixel a shape covers.
+//! Coverage of a pixel by a shape.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -7,41 +7,19 @@ use rt_math::transcendental::{acos, atan, sincos, tan};
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, closed_form,
+    Case, Conditions, Fallible, Found, Tally, cases, closed_form,
     estimate::{Estimate, MOST, hold},
     picture::Picture,
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "coverage",
-        title: "half-planes, disks and spheres in a pixel",
-        expected: "½ tan 10°; 0.4; π/4; 0.9509111308; π/60",
-        tolerance: "5 σ",
-        run: coverage,
-    },
-    Case {
-        id: "S66",
-        title: "a sphere off the axis (its slope is among those of S67)",
-        expected: "0.0750433996",
-        tolerance: "5 σ",
-        run: off_axis,
-    },
-    Case {
-        id: "S68",
-        title: "an edge along the axis by half-jittered and jittered samples",
-        expected: "the first is biased, the second is not",
-        tolerance: "> 5 σ; 5 σ",
-        run: half_jittered,
-    },
-    Case {
-        id: "lambert-sphere",
-        title: "a diffuse sphere in light from the eye",
-        expected: "2/3 ρ in the mean over its disk",
-        tolerance: "5 σ",
-        run: lambert_sphere,
-    },
-];
+cases! {
+    "coverage", "half-planes, disks and spheres in a pixel", "½ tan 10°; 0.4; π/4; 0.9509111308; π/60", "5 σ", coverage;
+    "S66", "a sphere off the axis (its slope is among those of S67)", "0.0750433996", "5 σ", off_axis;
+    "S68", "an edge along the axis by half-jittered and jittered samples",
+        "the first is biased, the second is not", "> 5 σ; 5 σ", half_jittered;
+    "lambert-sphere", "a diffuse sphere in light from the eye",
+        "2/3 ρ in the mean over its disk", "5 σ", lambert_sphere;
+}
 
 /// Integrators that show light of surfaces themselves.
 const SHOWING: [Integrator; 4] = [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed];
@@ -66,13 +44,13 @@ pub(super) fn shining(camera: &str, shape: &str, place: &str) -> Fallible<Pictur
     ))
 }
 
-/// What lies below y = `at_zero` + `slope` · x.
+/// Half-plane below y = `at_zero` + `slope` · x.
 pub(super) fn half_plane(at_zero: f64, slope: f64) -> Fallible<Picture> {
     let edge = |x: f64| format!("({x}, {:?}, 0)", at_zero + slope * x);
     shining(UNIT_SQUARE, &format!("polygon(points: [{}, (0, -20, 0), {}])", edge(-9.0), edge(9.0)), "")
 }
 
-/// What lies left of x = `edge`.
+/// Half-plane left of x = `edge`.
 pub(super) fn left_of(edge: f64) -> Fallible<Picture> {
     shining(UNIT_SQUARE, &format!("polygon(points: [({edge:?}, -9, 0), ({edge:?}, 9, 0), (-9, 0.5, 0)])"), "")
 }

@@ -4,31 +4,15 @@ use rt_camera::SamplerKind;
 use rt_math::DVec3;
 use rt_scene_io::Integrator;
 
-use super::{Case, Conditions, Fallible, Found, Tally, estimate::hold, lamp::tuple, picture::Picture};
+use super::{Case, Conditions, Fallible, Found, Tally, cases, estimate::hold, lamp::tuple, picture::Picture};
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S59",
-        title: "a closed sphere and cubes of radiance 1 that reflect .5, .8 and .99",
-        expected: "1 / (1 − ρ) = 2, 5, 100",
-        tolerance: "5 σ",
-        run: closed,
-    },
-    Case {
-        id: "S60",
-        title: "a closed cube that reflects .5, cut after each number of bounces",
-        expected: "(1 − ρⁿ⁺¹) / (1 − ρ), with n = depth + 1: 1.96875 for n = 5",
-        tolerance: "5 σ",
-        run: truncated,
-    },
-    Case {
-        id: "lit-sphere",
-        title: "a diffuse sphere with a point light in its middle",
-        expected: "ρ / (1 − ρ) = 1 for ρ = ½",
-        tolerance: "5 σ",
-        run: lit_sphere,
-    },
-];
+cases! {
+    "S59", "a closed sphere and cubes of radiance 1 that reflect .5, .8 and .99",
+        "1 / (1 − ρ) = 2, 5, 100", "5 σ", closed;
+    "S60", "a closed cube that reflects .5, cut after each number of bounces",
+        "(1 − ρⁿ⁺¹) / (1 − ρ), with n = depth + 1: 1.96875 for n = 5", "5 σ", truncated;
+    "lit-sphere", "a diffuse sphere with a point light in its middle", "ρ / (1 − ρ) = 1 for ρ = ½", "5 σ", lit_sphere;
+}
 
 /// Walls, all of the material "wall".
 #[derive(Clone, Copy, Debug)]

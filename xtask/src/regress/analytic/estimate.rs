@@ -37,7 +37,7 @@ impl Estimate {
         Ok(Self { mean, standard_error: (squares / (n - 1.0) / n).sqrt() })
     }
 
-    /// How many standard errors the mean is above the truth; infinite if it is off without any noise.
+    /// Deviation of the mean from the truth in standard errors; infinite for a deviation without noise.
     pub(super) fn z(&self, truth: f64) -> f64 {
         let off = self.mean - truth;
         if off.abs() <= ROUNDING * truth.abs() { 0.0 } else { off / self.standard_error }

@@ -5,37 +5,22 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use rt_math::{DVec3, Sampler};
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, closed_form,
+    Case, Conditions, Fallible, Found, Tally, cases, closed_form,
     estimate::{hold, mean_of},
     lamp::{Lamp, Receiver, hold_picture, irradiance_from},
     picture::Picture,
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "parallel-squares",
-        title: "a unit square lit by another, .1 to 10 away",
-        expected: "π F: F = 0.8269945224, 0.1998248957, 0.0685895888, 0.0031620568",
-        tolerance: "5 σ",
-        run: parallel_squares,
-    },
-    Case {
-        id: "perpendicular-squares",
-        title: "a unit square lit by another along an edge",
-        expected: "π F: F = 0.2000437761",
-        tolerance: "5 σ",
-        run: perpendicular_squares,
-    },
-    Case {
-        id: "coaxial-disks",
-        title: "a unit disk lit by another on its axis",
-        expected: "π F: F = 0.3819660113, 0.1715728753",
-        tolerance: "5 σ",
-        run: coaxial_disks,
-    },
-];
+cases! {
+    "parallel-squares", "a unit square lit by another, .1 to 10 away",
+        "π F: F = 0.8269945224, 0.1998248957, 0.0685895888, 0.0031620568", "5 σ", parallel_squares;
+    "perpendicular-squares", "a unit square lit by another along an edge",
+        "π F: F = 0.2000437761", "5 σ", perpendicular_squares;
+    "coaxial-disks", "a unit disk lit by another on its axis",
+        "π F: F = 0.3819660113, 0.1715728753", "5 σ", coaxial_disks;
+}
 
-/// The unit square on the ground around the origin, and a lamp: samples of both, and pictures.
+/// Unit square on the ground around the origin, and a light: samples of both, and images.
 fn hold_square(tally: &mut Tally, conditions: &Conditions, what: &str, lamp: &Lamp, factor: f64) -> Fallible<()> {
     let (seeds, spp) = (conditions.count(64, 256), conditions.count(256, 1024));
     let emitter = lamp.emitter()?;
@@ -50,7 +35,7 @@ fn hold_square(tally: &mut Tally, conditions: &Conditions, what: &str, lamp: &La
     hold_picture(tally, what, PI * factor, &picture, [seeds, spp])
 }
 
-/// The camera plane is below all lamps, and above the ground where they touch it.
+/// The camera plane is below all lights, and above the ground where they touch it.
 const LIFT: f64 = 0.05;
 
 fn parallel_squares(conditions: &Conditions) -> Found {

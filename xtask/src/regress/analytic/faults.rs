@@ -1,4 +1,4 @@
-//! What is wrong on purpose, and found out: each fault is put into an estimate that passes without it.
+//! Planted faults: each is put into an estimate that passes without it, and must be detected.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -12,31 +12,20 @@ use rt_shading::{
 };
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, closed_form,
+    Case, Conditions, Fallible, Found, Tally, cases,
     enclosures::Room,
     estimate::{Estimate, MOST, mean_of},
+    faulty_samplers::{self, PATTERN, SPP, lamp},
     lamp::{ALBEDO, Lamp, Receiver, irradiance_from},
     slopes::{TOLERANCE, rmse, slope},
 };
 
-mod samplers;
-
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "faults",
-        title: "lights, densities, weights, depths and samplers that are wrong on purpose, and their right twins",
-        expected: "wrong ones are found, right ones pass",
-        tolerance: "> 5 σ; 5 σ",
-        run: faults,
-    },
-    Case {
-        id: "fault-slope",
-        title: "a pattern that has lost its strata",
-        expected: "its slope is found to be that of another",
-        tolerance: "0.1 abs",
-        run: lost_strata,
-    },
-];
+cases! {
+    "faults", "lights, densities, weights, depths and samplers that are wrong on purpose, and their right twins",
+        "wrong ones are found, right ones pass", "> 5 σ; 5 σ", faults;
+    "fault-slope", "a pattern that has lost its strata",
+        "its slope is found to be that of another", "0.1 abs", lost_strata;
+}
 
 /// A fault and its truth.
 struct Fault {
@@ -55,18 +44,20 @@ const FAULTS: [Fault; 11] = [
     Fault { what: "a highlight of n + 1 in place of n + 2", truth: || 1.0, estimate: highlight },
     Fault { what: "weights of two strategies that add up to more than 1", truth: one_lamp, estimate: weights },
     Fault { what: "one bounce too few", truth: || 1.96875, estimate: missing_bounce },
-    Fault { what: "the same numbers for place and light", truth: samplers::truth, estimate: samplers::repeating },
-    Fault { what: "half-jittered numbers for a light", truth: samplers::truth, estimate: samplers::half_jittered },
-    Fault { what: "coordinates in the wrong order", truth: samplers::truth, estimate: samplers::shifted },
+    Fault {
+        what: "the same numbers for place and light",
+        truth: faulty_samplers::truth,
+        estimate: faulty_samplers::repeating,
+    },
+    Fault {
+        what: "half-jittered numbers for a light",
+        truth: faulty_samplers::truth,
+        estimate: faulty_samplers::half_jittered,
+    },
+    Fault { what: "coordinates in the wrong order", truth: faulty_samplers::truth, estimate: faulty_samplers::shifted },
 ];
 
-const PATTERN: SamplerKind = SamplerKind::Jittered;
-const SPP: u32 = 256;
 const GROUND: Receiver = Receiver::ground(0.25);
-
-fn lamp() -> Lamp {
-    Lamp::square(1.0, 0.0)
-}
 
 /// A second one, smaller and aside.
 fn other() -> Lamp {
@@ -97,7 +88,7 @@ fn faults(conditions: &Conditions) -> Found {
     Ok(tally)
 }
 
-/// The irradiance of a picture of the lamp, changed.
+/// Irradiance from an image of the changed light.
 fn bright_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let mut picture = lamp().scene(&GROUND, 1e-9, "")?;
     if is_wrong {
@@ -108,7 +99,7 @@ fn bright_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
     Ok(picture.mean(Integrator::Path, PATTERN, SPP, seed)? * PI / ALBEDO)
 }
 
-/// A lamp that faces away.
+/// A light that faces away.
 fn two_sided_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let turned = Lamp::Quad(DVec3::new(-0.5, -0.5, 1.0), [DVec3::X, DVec3::Y]);
     let mut picture = turned.scene(&GROUND, 1e-9, "")?;
@@ -136,7 +127,7 @@ fn forgotten_choice(is_wrong: bool, seed: u64) -> Fallible<f64> {
     }))
 }
 
-/// Half of the sky shines.
+/// Half of the sky emits.
 fn density_without_cosine(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let bsdf = Bsdf::from(Lambert { albedo: Rgb::WHITE });
     Ok(mean_of(PATTERN, SPP, seed, |sample| {
@@ -200,11 +191,6 @@ fn lost_strata(conditions: &Conditions) -> Found {
         tally.check(((slope - JITTERED).abs() > TOLERANCE) == is_wrong, || format!("{name}: slope {slope}"));
     }
     Ok(tally)
-}
-
-/// The irradiance of a unit square from another, 1 above.
-fn squares() -> f64 {
-    PI * closed_form::parallel_squares(1.0)
 }
 
 #[cfg(test)]

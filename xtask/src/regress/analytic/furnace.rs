@@ -1,4 +1,4 @@
-//! The white furnace: in light of radiance 1 from everywhere a surface that absorbs nothing cannot be told from it.
+//! White furnace: under radiance 1 from all directions, a surface that absorbs nothing has radiance 1.
 
 use std::{f64::consts::TAU, sync::Arc};
 
@@ -11,43 +11,21 @@ use rt_scene_io::{Background, Integrator};
 use rt_shading::{bsdf::PhongLobe, emitter::EnvironmentLight};
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally,
+    Case, Conditions, Fallible, Found, Tally, cases,
     estimate::{Estimate, MOST, hold, mean_of},
     lamp::tuple,
     picture::Picture,
     reflectance::{dielectric_fresnel, facets, metal_fresnel, phong, transmission},
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S58",
-        title: "the white furnace: each material at seven angles, before a background and in an image of it",
-        expected: "1; Phong .75540916 (n = 1, 45°) …; else ∫ f cos θ of published formulas by quadrature",
-        tolerance: "5 σ",
-        run: furnace,
-    },
-    Case {
-        id: "furnace-ball",
-        title: "a ball of glass in the white furnace",
-        expected: "1",
-        tolerance: "5 σ",
-        run: ball,
-    },
-    Case {
-        id: "S65",
-        title: "Phong's highlight of exponent 1e6",
-        expected: "∫ f cos = 1 along the normal, cos θ aside; nothing infinite",
-        tolerance: "1e-9 abs; 5 σ",
-        run: sharp,
-    },
-    Case {
-        id: "cosine-lobe",
-        title: "∫ cosⁿ over the hemisphere, n = 1 to 1000",
-        expected: "2π / (n + 1)",
-        tolerance: "5 σ",
-        run: lobes,
-    },
-];
+cases! {
+    "S58", "the white furnace: each material at seven angles, before a background and in an image of it",
+        "1; Phong .75540916 (n = 1, 45°) …; else ∫ f cos θ of published formulas by quadrature", "5 σ", furnace;
+    "furnace-ball", "a ball of glass in the white furnace", "1", "5 σ", ball;
+    "S65", "Phong's highlight of exponent 1e6",
+        "∫ f cos = 1 along the normal, cos θ aside; nothing infinite", "1e-9 abs; 5 σ", sharp;
+    "cosine-lobe", "∫ cosⁿ over the hemisphere, n = 1 to 1000", "2π / (n + 1)", "5 σ", lobes;
+}
 
 /// Degrees from the normal.
 const ANGLES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 89.0];
@@ -55,7 +33,7 @@ const ANGLES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 89.0];
 /// Index of refraction of the glass.
 const GLASS: f64 = 1.5;
 
-/// What a plane of a material shows of the furnace, none of it by the code under test.
+/// Expected radiance of a plane of a material in the furnace, computed without the code under test.
 #[derive(Clone, Copy, Debug)]
 enum Truth {
     /// All of it. A white base under facets gives back what they keep from it (Kulla and Conty 2017).
@@ -68,9 +46,9 @@ enum Truth {
     White(f64),
     /// The integral over the facets of glass of this slope, reflected and refracted.
     Glass(f64),
-    /// What Fresnel's equations reflect, and the rest squeezed by n².
+    /// Fresnel reflection, and the transmitted rest scaled by 1/n².
     Smooth,
-    /// Of a lobe that is narrow: what Phong's law loses aside.
+    /// Cosine that a narrow lobe of Phong's law loses off the normal.
     Cosine,
 }
 

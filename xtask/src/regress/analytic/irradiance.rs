@@ -11,63 +11,25 @@ use rt_scene_io::Integrator;
 use rt_shading::emitter::Emitter;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, Tolerance, closed_form,
+    Case, Conditions, Fallible, Found, Tally, Tolerance, cases, closed_form,
     estimate::{hold, mean_of},
     lamp::{ALBEDO, Lamp, Receiver, hold_irradiance},
     picture::Picture,
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "point-light",
-        title: "a point light of intensity 1 at a height of 1",
-        expected: "0.3535533906 at 45°; mean over a square π/6",
-        tolerance: "5 σ",
-        run: point_light,
-    },
-    Case {
-        id: "disk-light",
-        title: "disks above, and aside",
-        expected: "(π/2)(1 − (h² + d² − R²) / √((h² + d² + R²)² − 4R²d²))",
-        tolerance: "5 σ",
-        run: disks,
-    },
-    Case {
-        id: "sphere-light",
-        title: "spheres above, aside, and partly below the horizon",
-        expected: "π s² cos θ; Snyder 1996 at the horizon",
-        tolerance: "5 σ",
-        run: spheres,
-    },
-    Case {
-        id: "polygon-light",
-        title: "squares and triangles",
-        expected: "½ Σ Γᵢ · n (Lambert 1760)",
-        tolerance: "5 σ",
-        run: polygons,
-    },
-    Case {
-        id: "solid-angle",
-        title: "the mean of 1 / pdf of light samples",
-        expected: "a cone's 0.8417872145, a unit square's 0.8054316832",
-        tolerance: "5 σ",
-        run: solid_angles,
-    },
-    Case {
-        id: "S61",
-        title: "a unit square 1e-3 to 1e6 away",
-        expected: "½ Σ Γᵢ · n; its solid angle 4 atan(a² / (h √(h² + 2a²)))",
-        tolerance: "5 σ; 1e-10 rel",
-        run: near_and_far,
-    },
-    Case {
-        id: "S62",
-        title: "a sphere of light that almost touches the ground",
-        expected: "π s² cos θ",
-        tolerance: "5 σ",
-        run: touching,
-    },
-];
+cases! {
+    "point-light", "a point light of intensity 1 at a height of 1",
+        "0.3535533906 at 45°; mean over a square π/6", "5 σ", point_light;
+    "disk-light", "disks above, and aside", "(π/2)(1 − (h² + d² − R²) / √((h² + d² + R²)² − 4R²d²))", "5 σ", disks;
+    "sphere-light", "spheres above, aside, and partly below the horizon",
+        "π s² cos θ; Snyder 1996 at the horizon", "5 σ", spheres;
+    "polygon-light", "squares and triangles", "½ Σ Γᵢ · n (Lambert 1760)", "5 σ", polygons;
+    "solid-angle", "the mean of 1 / pdf of light samples",
+        "a cone's 0.8417872145, a unit square's 0.8054316832", "5 σ", solid_angles;
+    "S61", "a unit square 1e-3 to 1e6 away",
+        "½ Σ Γᵢ · n; its solid angle 4 atan(a² / (h √(h² + 2a²)))", "5 σ; 1e-10 rel", near_and_far;
+    "S62", "a sphere of light that almost touches the ground", "π s² cos θ", "5 σ", touching;
+}
 
 /// A diffuse surface of the classical kind is as bright as its coefficient says, by any integrator.
 fn point_light(conditions: &Conditions) -> Found {
@@ -170,8 +132,8 @@ fn near_and_far(conditions: &Conditions) -> Found {
     Ok(tally)
 }
 
-/// What needs no samples: the closed form beside that of rectangles above their corner (Howell C-4), and the solid angle by
-/// which the light is drawn.
+/// Checks without samples: the closed form against that of rectangles above their corner (Howell C-4), and the solid
+/// angle that the light is sampled by.
 fn hold_exact(tally: &mut Tally, height: f64, lamp: &Lamp) -> Fallible<()> {
     let a = 0.5 / height;
     let root = (1.0 + a * a).sqrt();

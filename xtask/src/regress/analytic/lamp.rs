@@ -19,10 +19,10 @@ use super::{
 /// Part of the light that receivers reflect.
 pub(super) const ALBEDO: f64 = 0.5;
 
-/// Integrators that draw from lights with extent.
+/// Integrators that sample area lights.
 const DRAWING: [Integrator; 3] = [Integrator::Direct, Integrator::Path, Integrator::Distributed];
 
-/// A light that shines with radiance 1 from its front.
+/// An area light that emits radiance 1 from its front.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Lamp {
     /// From a corner along two edges; it faces their cross product.
@@ -45,7 +45,7 @@ pub(super) enum Lamp {
 pub(super) struct Receiver {
     pub point: DVec3,
     pub normal: DVec3,
-    /// How far in front of it the camera plane is: nearer than any light.
+    /// Distance to the camera plane, nearer than any light.
     pub lift: f64,
 }
 
@@ -62,12 +62,12 @@ pub(super) fn tuple(v: DVec3) -> String {
 }
 
 impl Lamp {
-    /// A unit square at a height above the ground that shines down, its middle moved by `aside` along x and y.
+    /// Unit square that emits downwards at a height above the ground, its centre moved by `aside` along x and y.
     pub(super) fn square(height: f64, aside: f64) -> Self {
         Self::Quad(DVec3::new(aside - 0.5, aside - 0.5, height), [DVec3::Y, DVec3::X])
     }
 
-    /// A disk of this radius that shines down from `height`, `aside` along x.
+    /// Disk of this radius that emits downwards from `height`, moved by `aside` along x.
     pub(super) const fn disk(radius: f64, height: f64, aside: f64) -> Self {
         Self::Disk { centre: DVec3::new(aside, 0.0, height), normal: DVec3::NEG_Z, radius }
     }
@@ -82,7 +82,7 @@ impl Lamp {
         })
     }
 
-    /// A node of a scene file, of a material that shines.
+    /// Node of a scene file, with an emissive material.
     pub(super) fn node(&self, material: &str) -> String {
         let shape = match *self {
             Self::Quad(corner, [along, across]) => {
@@ -123,7 +123,7 @@ impl Lamp {
         }
     }
 
-    /// A diffuse plane through the receiver, seen by one pixel of no size to speak of, before the lamp and other nodes.
+    /// Diffuse plane through the receiver in one very small pixel, with the light and other nodes.
     pub(super) fn scene(&self, receiver: &Receiver, height: f64, others: &str) -> Fallible<Picture> {
         let Receiver { point, normal, lift } = *receiver;
         let up = if normal.z > 0.9 { DVec3::Y } else { Frame::from_z(normal).y };
@@ -159,7 +159,7 @@ impl Lamp {
 /// square.
 const POINT: f64 = 1e-7;
 
-/// Holds a lamp against its closed form: its samples alone, and all integrators that draw from lights.
+/// Compares a light with its closed form: samples of the light, and all integrators that sample lights.
 pub(super) fn hold_irradiance(
     tally: &mut Tally,
     conditions: &Conditions,

@@ -10,27 +10,17 @@ use rt_shading::{
 };
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally,
+    Case, Conditions, Fallible, Found, Tally, cases,
     lamp::{Lamp, Receiver, hold_picture},
     picture::Picture,
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "many-lights",
-        title: "50 lights of all kinds and sizes, each way to choose among them",
-        expected: "the sum of their closed forms",
-        tolerance: "5 σ",
-        run: many,
-    },
-    Case {
-        id: "S69",
-        title: "lights of radiance 1e-30 and 1e30 in one scene",
-        expected: "½ Σ Γᵢ · n where either is seen; finite, and a picture",
-        tolerance: "5 σ",
-        run: extreme,
-    },
-];
+cases! {
+    "many-lights", "50 lights of all kinds and sizes, each way to choose among them",
+        "the sum of their closed forms", "5 σ", many;
+    "S69", "lights of radiance 1e-30 and 1e30 in one scene",
+        "½ Σ Γᵢ · n where either is seen; finite, and a picture", "5 σ", extreme;
+}
 
 fn many(conditions: &Conditions) -> Found {
     let receiver = Receiver::ground(0.05);

@@ -1,19 +1,16 @@
-//! What a lens blurs.
+//! Defocus blur of a lens.
 
 use std::f64::consts::PI;
 
 use rt_math::transcendental::acos;
 use rt_scene_io::Integrator;
 
-use super::{Case, Conditions, Found, Tally, estimate::hold, picture::Picture};
+use super::{Case, Conditions, Found, Tally, cases, estimate::hold, picture::Picture};
 
-pub(super) const CASES: &[Case] = &[Case {
-    id: "S64",
-    title: "an edge at 4 m, seen by 50 mm at f/2 that are focused at 2 m",
-    expected: "a circle of confusion of 0.3205128205 mm",
-    tolerance: "5 σ",
-    run: depth_of_field,
-}];
+cases! {
+    "S64", "an edge at 4 m, seen by 50 mm at f/2 that are focused at 2 m",
+        "a circle of confusion of 0.3205128205 mm", "5 σ", depth_of_field;
+}
 
 /// The greatest part of the circle of confusion that the footprint of the pixel takes.
 const FOOTPRINT: f64 = 1e-5;

@@ -4,14 +4,14 @@
 //!   z = (mean over seeds − truth) / standard error,   |z| ≤ 5
 //! ```
 //!
-//! Each chapter is a file of its own with its list of cases. A case repeats an estimate over independent seeds, with each
-//! sample pattern and integrator that applies, so that the seeds tell the standard error; the z of each is printed. What is
-//! wrong on purpose must be found out by the same means: the chapter of faults sees to it.
+//! Each chapter is a file with its list of cases. A case repeats an estimate over independent seeds, with each sample
+//! pattern and integrator that applies. The spread of the seeds gives the standard error; all z are printed. The
+//! chapter of faults checks that planted faults are detected by the same means.
 
 use super::{
-    Unit,
-    suite::{self, Case, Conditions, Fallible, Found},
+    suite::{self, Case, Conditions, Fallible, Found, cases},
     tally::{Tally, Tolerance},
+    unit::Unit,
 };
 
 mod closed_form;
@@ -20,6 +20,7 @@ mod enclosures;
 mod estimate;
 mod exchange;
 mod faults;
+mod faulty_samplers;
 mod furnace;
 mod irradiance;
 mod lamp;

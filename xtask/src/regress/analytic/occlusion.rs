@@ -3,15 +3,12 @@
 use rt_camera::SamplerKind;
 use rt_scene_io::Integrator;
 
-use super::{Case, Conditions, Found, Tally, estimate::hold, picture::Picture};
+use super::{Case, Conditions, Found, Tally, cases, estimate::hold, picture::Picture};
 
-pub(super) const CASES: &[Case] = &[Case {
-    id: "ambient-occlusion",
-    title: "open ground, beside a sphere that rests on it, in a corner of walls",
-    expected: "1; 1 − s² cos θ = 0.2844582472, 0.6464466094, 0.9105572809; 1/2",
-    tolerance: "5 σ",
-    run: occlusion,
-}];
+cases! {
+    "ambient-occlusion", "open ground, beside a sphere that rests on it, in a corner of walls",
+        "1; 1 − s² cos θ = 0.2844582472, 0.6464466094, 0.9105572809; 1/2", "5 σ", occlusion;
+}
 
 const SPHERE: &str = "(shape: sphere(center: (0, 0, 1), radius: 1))";
 const WALL: &str = "(shape: plane(normal: (1, 0, 0)))";

@@ -45,8 +45,9 @@ pub(super) fn phong(exponent: f64, degrees: f64) -> f64 {
     (exponent + 2.0) / (exponent + 1.0) * part_above
 }
 
-/// Part of unpolarised light that a smooth dielectric reflects, seen from outside under an angle: half the squares of sin(i − t) /
-/// sin(i + t) and tan(i − t) / tan(i + t) (Fresnel 1823), written by cosines; `ior` is that below relative to that above.
+/// Fresnel reflectance of a smooth dielectric for unpolarised light from outside (Fresnel 1823): half the sum of the
+/// squares of sin(i − t) / sin(i + t) and tan(i − t) / tan(i + t), in cosines. `ior` is the index below relative to
+/// that above.
 pub(super) fn dielectric_fresnel(cos: f64, ior: f64) -> f64 {
     let below = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
     let perpendicular = (cos - ior * below) / (cos + ior * below);

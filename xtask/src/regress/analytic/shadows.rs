@@ -5,26 +5,16 @@ use std::f64::consts::PI;
 use rt_math::DVec3;
 
 use super::{
-    Case, Conditions, Found, Tally, closed_form,
+    Case, Conditions, Found, Tally, cases, closed_form,
     lamp::{Lamp, Receiver, hold_picture, tuple},
 };
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S63",
-        title: "a disk of light cut by an edge, from −.75 to .75 of its radius",
-        expected: "(acos x − x √(1 − x²)) / π",
-        tolerance: "5 σ",
-        run: penumbra,
-    },
-    Case {
-        id: "eclipse",
-        title: "a disk of light behind disks, one radius aside",
-        expected: "1 − lens / π: 0.6089977810, 0.8883475203",
-        tolerance: "5 σ",
-        run: eclipse,
-    },
-];
+cases! {
+    "S63", "a disk of light cut by an edge, from −.75 to .75 of its radius",
+        "(acos x − x √(1 − x²)) / π", "5 σ", penumbra;
+    "eclipse", "a disk of light behind disks, one radius aside",
+        "1 − lens / π: 0.6089977810, 0.8883475203", "5 σ", eclipse;
+}
 
 /// Radius of the light, 1 above the receiver: so small that all of it is seen at the same cosine, but for its square.
 const RADIUS: f64 = 1e-5;

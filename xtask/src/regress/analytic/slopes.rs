@@ -1,4 +1,4 @@
-//! How fast the error of a pixel falls with the number of samples.
+//! Convergence rate of the error of a pixel.
 
 use rayon::prelude::*;
 use rt_camera::SamplerKind;
@@ -6,25 +6,23 @@ use rt_math::transcendental::{atan, log2};
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, closed_form,
+    Case, Conditions, Fallible, Found, Tally, cases, closed_form,
     coverage::{disk, half_plane, left_of, sphere_aside},
     lamp::ALBEDO,
     picture::Picture,
 };
 
-pub(super) const CASES: &[Case] = &[Case {
-    id: "S67",
-    title: "slopes of RMSE over N of each pattern: edges, disks, spheres, smooth light",
-    expected: "−½ by random, −¾ at edges, −1 at upright ones, −1 and −1½ where it is smooth",
-    tolerance: "0.1 abs",
-    run: slopes,
-}];
+cases! {
+    "S67", "slopes of RMSE over N of each pattern: edges, disks, spheres, smooth light",
+        "−½ by random, −¾ at edges, −1 at upright ones, −1 and −1½ where it is smooth", "0.1 abs", slopes;
+}
 
-/// How near a slope must be.
+/// Tolerance of a slope.
 pub(super) const TOLERANCE: f64 = 0.1;
 
-/// Slopes at an oblique edge, an edge along the axis, a quarter disk, a sphere off the axis, and a smooth function: what
-/// theory gives (Mitchell 1996, Owen 1997), or where that is a bound, what was measured with many more samples.
+/// Slopes at an oblique edge, an edge along the axis, a quarter disk, a sphere off the axis, and a smooth function.
+/// They are theoretical (Mitchell 1996, Owen 1997); where theory gives a bound, they were measured with many more
+/// samples.
 const EXPECTED: [(SamplerKind, [f64; 5]); 6] = [
     (SamplerKind::Random, [-0.5, -0.5, -0.5, -0.5, -0.5]),
     (SamplerKind::Jittered, [-0.75, -0.75, -0.75, -0.75, -1.0]),
@@ -34,7 +32,7 @@ const EXPECTED: [(SamplerKind, [f64; 5]); 6] = [
     (SamplerKind::BlueNoise, [-0.75, -1.0, -0.75, -0.75, -1.5]),
 ];
 
-/// Light of a point lamp over a square.
+/// Light of a point light over a square.
 fn smooth() -> Fallible<Picture> {
     Picture::of(&format!(
         "(

@@ -1,4 +1,4 @@
-//! Whether renders end as they promise.
+//! Stopping rules: time limits and target errors.
 
 use std::{
     f64::consts::FRAC_PI_4,
@@ -11,7 +11,7 @@ use rt_render::{PlanOptions, Progress, RenderPlan, Rendering, RunOptions, StopRu
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, Conditions, Fallible, Found, Tally, coverage,
+    Case, Conditions, Fallible, Found, Tally, cases, coverage,
     enclosures::Room,
     estimate::{Estimate, MOST},
     picture::Picture,
@@ -20,36 +20,16 @@ use super::{
 /// Seeds of each scene and pattern.
 const SEEDS: u64 = 200;
 
-pub(super) const CASES: &[Case] = &[
-    Case {
-        id: "S72",
-        title: "half a second for the Cornell box",
-        expected: "over after it and one pass, with a whole picture",
-        tolerance: "5 %",
-        run: half_a_second,
-    },
-    Case {
-        id: "S73",
-        title: "`--target-error-pixels 100%`, tried with at least 200 seeds",
-        expected: "kept 94 times of 100",
-        tolerance: "α = 1 %",
-        run: target_error,
-    },
-    Case {
-        id: "target-error-bias",
-        title: "mean of pictures that end at 10 % of `--target-error`",
-        expected: "the mean of the scene; a bias where each pixel decides for itself",
-        tolerance: "5 σ",
-        run: bias,
-    },
-    Case {
-        id: "target-error-reached",
-        title: "`--target-error` against the error that a closed form tells",
-        expected: "within the interval 94 times of 100",
-        tolerance: "α = 1 %",
-        run: reached,
-    },
-];
+cases! {
+    "S72", "half a second for the Cornell box",
+        "over after it and one pass, with a whole picture", "5 %", half_a_second;
+    "S73", "`--target-error-pixels 100%`, tried with at least 200 seeds",
+        "kept 94 times of 100", "α = 1 %", target_error;
+    "target-error-bias", "mean of pictures that end at 10 % of `--target-error`",
+        "the mean of the scene; a bias where each pixel decides for itself", "5 σ", bias;
+    "target-error-reached", "`--target-error` against the error that a closed form tells",
+        "within the interval 94 times of 100", "α = 1 %", reached;
+}
 
 fn half_a_second(conditions: &Conditions) -> Found {
     let limit = Duration::from_millis(500);
@@ -67,7 +47,7 @@ fn half_a_second(conditions: &Conditions) -> Found {
         }
     })?;
     let taken = start.elapsed();
-    // Of the last one only the end of the render tells.
+    // The last one shows in the end of the render only.
     longest = longest.max(began.elapsed());
     let mut tally = Tally::default();
     tally.note(format!("{taken:.2?} with {passes} passes of at most {longest:.2?}"));
@@ -82,7 +62,7 @@ fn half_a_second(conditions: &Conditions) -> Found {
     Ok(tally)
 }
 
-/// How often the mean lies within the error that was asked for is held against a binomial distribution, all scenes together.
+/// Share of means within the target error, tested against a binomial distribution over all scenes.
 fn target_error(conditions: &Conditions) -> Found {
     let relative = if conditions.full { 0.01 } else { 0.05 };
     let scenes = [

@@ -1,7 +1,7 @@
 //! Comparison of our image with a reference: image means and blocks, each as a score of a normal distribution.
 //!
-//! A run compares up to 300 pairs. Each of the tests below has a false-alarm rate of about one in a million, so that a
-//! run on other seeds would raise a false alarm less than once in 200 times:
+//! A run compares up to 300 pairs. Each of the tests below has a false-alarm rate of about one in a million. A run on
+//! other seeds would raise a false alarm less than once in 200 times:
 //!
 //! ```text
 //!      test                                    rate       times per run       together
@@ -26,8 +26,8 @@ const NOTED: f64 = 3.5;
 const SQUARES_LIMIT: f64 = 4.8;
 /// Greatest score of a block.
 const WORST_LIMIT: f64 = 6.5;
-/// Degrees of freedom from which on a single block is judged: light that comes rarely makes block means skewed, and the errors of
-/// few seeds then too small.
+/// Minimum degrees of freedom for tests of a single block. Rare light makes block means skewed, and the errors of few
+/// seeds too small.
 const ENOUGH_FREEDOM: f64 = 11.0;
 /// Score that few blocks exceed.
 const FAR: f64 = 3.0;
@@ -36,7 +36,7 @@ const FAR_SHARE: f64 = 0.004;
 /// Least probability of as many blocks beyond [`FAR`].
 const FAR_LIMIT: f64 = 1e-6;
 
-/// Our image beside a reference.
+/// Comparison of our image with a reference.
 #[derive(Debug)]
 pub(super) struct Comparison {
     /// Our image mean divided by that of the reference, by channel; not finite where the reference is black.

@@ -1,7 +1,7 @@
-//! Physics: our images beside independent references, block by block.
+//! Physics: our images compared with independent references, block by block.
 //!
-//! A pair is a folder with a scene, `pair.json` and `ref.json`. Pairs lie in `tests/physics/pairs`, and more of them beside
-//! the project. The guide is docs/PHYSICS.md; `--write` renews its table.
+//! A pair is a folder with a scene, `pair.json` and `ref.json`. Pairs lie in `tests/physics/pairs`, further ones in a
+//! shared folder outside of the project. The guide is docs/PHYSICS.md; `--write` renews its table.
 
 use std::{
     collections::BTreeMap,
@@ -11,7 +11,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{Context, Findings, Outcome, Unit};
+use super::unit::{Context, Findings, Outcome, Unit};
 use crate::{error::TaskError, workspace::Workspace};
 
 mod blocks;
@@ -22,13 +22,11 @@ mod table;
 
 use blocks::Blocks;
 use comparison::{Comparison, MEAN_LIMIT};
-use pair::{Effort, Expect, Pair, Reference, Series, read_json};
+use pair::{Effort, Expect, OWN, Pair, Reference, Series, read_json};
 use score::{Score, Tolerance};
 pub(super) use table::Row;
 
-/// Pairs of the project.
-const OWN: &str = "tests/physics/pairs";
-/// Pairs beside the project.
+/// Pairs outside of the project.
 const BESIDE: &str = "../shared/reference/physics/pairs";
 /// Ratios of the pairs that differ by convention.
 const CONVENTIONS: &str = "tests/physics/conventions.json";
@@ -57,7 +55,7 @@ pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Bo
     Ok(units)
 }
 
-/// Writes the table of the pairs among the outcomes into `folder`, and into the guide if asked to.
+/// Writes the table of the pairs among the outcomes into `folder`, and with `write` into the guide.
 pub(super) fn finish(
     workspace: &Workspace,
     outcomes: &[Outcome],
@@ -65,7 +63,8 @@ pub(super) fn finish(
     full: bool,
     write: bool,
 ) -> Result<(), TaskError> {
-    table::finish(workspace, outcomes, folder, effort(full), write)
+    let rows = outcomes.iter().filter_map(|outcome| outcome.findings.pair.as_ref()).collect();
+    table::finish(workspace, rows, folder, effort(full), write)
 }
 
 fn effort(full: bool) -> Effort {

@@ -10,6 +10,9 @@ use serde::{Deserialize, de::DeserializeOwned};
 use super::{blocks::Blocks, score::Estimate, score::Tolerance};
 use crate::error::TaskError;
 
+/// Pairs of the project.
+pub(super) const OWN: &str = "tests/physics/pairs";
+
 /// First seed of the reference where our own renderer makes it.
 const FIRST_REFERENCE_SEED: u64 = 5001;
 /// Degrees of freedom of a variance that is not estimated.
@@ -99,7 +102,7 @@ pub(super) struct Series {
 /// Amount of work per pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Effort {
-    /// As `pair.json` says.
+    /// Tolerance from `pair.json`.
     Full,
     /// At most so many seeds, and samples per pixel divided by this number.
     Reduced { seeds: u32, divisor: u32 },
@@ -235,8 +238,8 @@ impl Reference {
         Ok((Self { blocks, image }, [rows, columns]))
     }
 
-    /// Gives blocks in which no render found any light the spread that they would have if `expected` were true: that of a
-    /// count of rare events (Poisson). Each sample of an event adds `event` to the mean of its block.
+    /// Gives blocks in which no render found any light the spread that they would have if `expected` were true. It is
+    /// that of a count of rare events (Poisson); each event adds `event` to the mean of its block.
     pub(super) fn with_rare_events(mut self, expected: &Self, event: f64) -> Self {
         for (block, expected) in self.blocks.iter_mut().zip(&expected.blocks) {
             if block.mean == 0.0 && block.variance == 0.0 && expected.mean > 0.0 {

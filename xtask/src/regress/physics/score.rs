@@ -26,7 +26,7 @@ pub(super) struct Estimate {
     pub freedom: f64,
 }
 
-/// Allowed difference beside the noise, as a standard deviation.
+/// Allowed difference in addition to the noise, as a standard deviation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tolerance {
     /// Fraction of the larger of the two means.

@@ -1,9 +1,12 @@
 //! The table of all pairs, for the terminal and for the guide.
 
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
-use super::{super::Outcome, OWN, comparison::Comparison, pair::Effort};
-use crate::{error::TaskError, marked_block, workspace::Workspace};
+use super::{
+    comparison::Comparison,
+    pair::{Effort, OWN},
+};
+use crate::{error::TaskError, marked_block, table::Table, workspace::Workspace};
 
 const PAGE: &str = "docs/PHYSICS.md";
 const MARKER: &str = "physics";
@@ -33,19 +36,20 @@ impl Row {
         )
     }
 
-    fn markdown(&self) -> String {
+    fn cells(&self) -> [String; 10] {
         let Comparison { rms, worst, far, blocks, .. } = &self.comparison;
-        format!(
-            "| {}{} | {} | {} | {} | {} | {rms:.2} | {worst:.1} | {far} of {blocks} | {} | {} |\n",
-            if self.is_own { "" } else { "° " },
-            self.name,
-            self.kind,
+        [
+            format!("{}{}", if self.is_own { "" } else { "° " }, self.name),
+            self.kind.clone(),
             self.note.replace('|', "\\|"),
+            self.verdict.to_owned(),
             self.ratios(),
             self.scores(),
+            format!("{rms:.2}"),
+            format!("{worst:.1}"),
+            format!("{far} of {blocks}"),
             self.notices(),
-            self.verdict,
-        )
+        ]
     }
 
     /// Ratios of the image means with the greatest of their standard errors; one if all are the same.
@@ -73,20 +77,19 @@ fn merged(channels: impl Iterator<Item = String>) -> String {
     texts.join(" / ")
 }
 
-/// Writes the table of the pairs among the outcomes beside the page of pictures, and into the guide if asked to.
-pub(in super::super) fn finish(
+/// Writes the table of the pairs into the folder of the report, and with `write` into the guide.
+pub(super) fn finish(
     workspace: &Workspace,
-    outcomes: &[Outcome],
+    mut rows: Vec<&Row>,
     folder: &Path,
     effort: Effort,
     write: bool,
 ) -> Result<(), TaskError> {
-    let mut rows: Vec<&Row> = outcomes.iter().filter_map(|outcome| outcome.findings.pair.as_ref()).collect();
     rows.sort_by(|a, b| a.name.cmp(&b.name));
     if rows.is_empty() {
         return Ok(());
     }
-    let table = markdown(&rows);
+    let table = markdown(&rows).to_string();
     let path = folder.join("physics.md");
     fs::write(&path, &table).map_err(TaskError::file(&path))?;
     println!("{} (see {})", summary(&rows, effort), workspace.relative(&path));
@@ -94,7 +97,7 @@ pub(in super::super) fn finish(
         let origin = format!(
             "\nWritten by `cargo xtask regress physics --full --write` on one {}, at commit {}. {}\n\n",
             rt_render::processor(),
-            commit(workspace),
+            workspace.commit(),
             summary(&rows, effort),
         );
         let path = workspace.root.join(PAGE);
@@ -106,10 +109,12 @@ pub(in super::super) fn finish(
     Ok(())
 }
 
-fn markdown(rows: &[&Row]) -> String {
-    let head = "| pair | reference | idea | ratio of image means | z | RMS | worst | beyond 3 | notices | verdict |\n\
-                |:--|:--|:--|--:|--:|--:|--:|--:|--:|:--|\n";
-    head.chars().chain(rows.iter().flat_map(|row| row.markdown().chars().collect::<Vec<_>>())).collect()
+fn markdown(rows: &[&Row]) -> Table {
+    let header =
+        ["pair", "reference", "idea", "verdict", "ratio of image means", "z", "RMS", "worst", "beyond 3", "notices"];
+    let mut table = Table::new(4, header);
+    rows.iter().for_each(|row| table.push(row.cells()));
+    table
 }
 
 fn summary(rows: &[&Row], effort: Effort) -> String {
@@ -128,15 +133,6 @@ fn summary(rows: &[&Row], effort: Effort) -> String {
     }
     text.push('.');
     text
-}
-
-/// Abbreviated hash of the commit that is checked out.
-fn commit(workspace: &Workspace) -> String {
-    let output = Command::new("git").args(["rev-parse", "--short", "HEAD"]).current_dir(&workspace.root).output();
-    match output {
-        Ok(output) if output.status.success() => String::from_utf8_lossy(&output.stdout).trim().to_owned(),
-        _ => "unknown".to_owned(),
-    }
 }
 
 #[cfg(test)]
@@ -163,13 +159,10 @@ mod tests {
     #[test]
     fn rows_show_ratios_scores_and_verdict() {
         let rows = [row("a", true, [1.0, 1.0, f64::NAN]), row("b", false, [1.0; 3])];
-        let table = markdown(&rows.iter().collect::<Vec<_>>());
-        let lines: Vec<&str> = table.lines().collect();
-        assert_eq!(
-            lines[2],
-            "| a | numeric | a \\| b | 1.0000 / black ± 0.0020 | +0.5 | 1.00 | 2.5 | 0 of 192 | 1.23 % | agrees |"
-        );
-        assert!(lines[3].starts_with("| ° b | numeric | a \\| b | 1.0000 ± 0.0020 | +0.5 |"), "{}", lines[3]);
+        let cells = rows.map(|row| row.cells().join("; "));
+        let ratio = "1.0000 / black ± 0.0020; +0.5; 1.00; 2.5; 0 of 192; 1.23 %";
+        assert_eq!(cells[0], format!("a; numeric; a \\| b; agrees; {ratio}"));
+        assert!(cells[1].starts_with("° b; numeric; a \\| b; agrees; 1.0000 ± 0.0020; +0.5;"), "{}", cells[1]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-use super::collapse::{Costs, Plan};
+use super::collapse::{CollapsePlan, Costs};
 use crate::bvh::NodeBox;
 
 /// References below a node from which on its costs are kept: so many that it takes little room.
@@ -65,7 +65,7 @@ impl BinaryNode {
 pub(super) struct BinaryTree {
     pub(super) nodes: Vec<BinaryNode>,
     /// For each node, how it is best collapsed.
-    pub(super) plans: Vec<Plan>,
+    pub(super) plans: Vec<CollapsePlan>,
     /// The costs of what is below large nodes, by rising number.
     kept: Vec<(u32, Costs)>,
 }

@@ -3,19 +3,19 @@
 
 use glam::{BVec3A, Vec3A};
 
-use super::reference::Reference;
+use super::reference::PrimRef;
 use crate::bvh::NodeBox;
 
-const MOST_BINS: usize = 32;
+const MAX_BINS: usize = 32;
 
 /// Adding it rounds a small number to an integer, which then is the low bits of the sum.
 const ROUNDING: f32 = 1.5 * (1u32 << 23) as f32;
 
 /// Half of the surface area in units of the scene, so that it neither overflows nor vanishes, whatever the scale.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AreaUnit(f32);
+pub(super) struct NormalizedArea(f32);
 
-impl AreaUnit {
+impl NormalizedArea {
     pub(super) fn new(scene: &NodeBox) -> Self {
         Self((1.0 / (scene.max - scene.min).max_element()).clamp(f32::MIN_POSITIVE, 1e37))
     }
@@ -30,7 +30,7 @@ impl AreaUnit {
 
 /// The map from centroids to bins.
 #[derive(Clone, Copy)]
-pub(super) struct Binning {
+pub(super) struct BinMapping {
     least: Vec3A,
     scale: Vec3A,
     /// Number of bins in use.
@@ -48,7 +48,7 @@ pub(super) enum Axes {
 
 /// A cut between two bins.
 #[derive(Clone, Copy)]
-pub(super) struct Cut {
+pub(super) struct SplitPlane {
     axis: usize,
     least: f32,
     scale: f32,
@@ -56,49 +56,49 @@ pub(super) struct Cut {
     first_right: u32,
 }
 
-impl Binning {
+impl BinMapping {
     /// For `count` references whose centroids lie in this box.
     pub(super) fn new(centroids: &NodeBox, count: usize, axes: Axes) -> Self {
-        let len = (4 + count / 8).min(MOST_BINS);
+        let len = (4 + count / 8).min(MAX_BINS);
         let scale = Vec3A::splat(len as f32 * 0.99999) / (centroids.max - centroids.min);
         Self { least: centroids.min, scale: scale.min(Vec3A::splat(f32::MAX)), len, axes }
     }
 
     /// The bin on each axis. All centroids are in bin 0 of an axis on which they coincide, or have no finite extent.
     #[inline(always)]
-    fn bins(&self, reference: &Reference) -> [u32; 3] {
+    fn bins(&self, reference: &PrimRef) -> [u32; 3] {
         let position = (reference.centroid() - self.least) * self.scale;
         let rounded = (position - 0.5) + ROUNDING;
         rounded.to_array().map(bin_at)
     }
 
-    fn cut(&self, axis: usize, first_right: u32) -> Cut {
-        Cut { axis, least: self.least[axis], scale: self.scale[axis], first_right }
+    fn cut(&self, axis: usize, first_right: u32) -> SplitPlane {
+        SplitPlane { axis, least: self.least[axis], scale: self.scale[axis], first_right }
     }
 }
 
-impl Cut {
+impl SplitPlane {
     #[inline(always)]
-    fn bin(&self, reference: &Reference) -> u32 {
+    fn bin(&self, reference: &PrimRef) -> u32 {
         let position = (reference.centroid_on(self.axis) - self.least) * self.scale;
         bin_at((position - 0.5) + ROUNDING)
     }
 
     /// The side of a reference: 0 or 1.
     #[inline(always)]
-    pub(super) fn side(&self, reference: &Reference) -> usize {
+    pub(super) fn side(&self, reference: &PrimRef) -> usize {
         usize::from(self.bin(reference) >= self.first_right)
     }
 }
 
 #[inline(always)]
 fn bin_at(rounded: f32) -> u32 {
-    rounded.to_bits() % MOST_BINS as u32
+    rounded.to_bits() % MAX_BINS as u32
 }
 
 /// Visits all, by turns from both halves: neighbours often share bins, and would wait for each other.
 #[inline(always)]
-fn in_two_streams(references: &[Reference], mut visit: impl FnMut(&Reference)) {
+fn in_two_streams(references: &[PrimRef], mut visit: impl FnMut(&PrimRef)) {
     let (front, back) = references.split_at(references.len() / 2);
     let (last, back) = back.split_at(back.len() - front.len());
     for (a, b) in front.iter().zip(back) {
@@ -110,14 +110,14 @@ fn in_two_streams(references: &[Reference], mut visit: impl FnMut(&Reference)) {
 
 /// What the bins of all three axes hold.
 pub(super) struct Bins {
-    binning: Binning,
-    boxes: [[NodeBox; 3]; MOST_BINS],
-    counts: [[u32; 4]; MOST_BINS],
+    binning: BinMapping,
+    boxes: [[NodeBox; 3]; MAX_BINS],
+    counts: [[u32; 4]; MAX_BINS],
 }
 
 /// The cheapest cut, what it leaves on both sides.
-pub(super) struct Best {
-    pub(super) cut: Cut,
+pub(super) struct BestSplit {
+    pub(super) cut: SplitPlane,
     /// Number of references on the left.
     pub(super) middle: usize,
     pub(super) bounds: [NodeBox; 2],
@@ -125,18 +125,18 @@ pub(super) struct Best {
 
 impl Bins {
     pub(super) fn new() -> Self {
-        let binning = Binning::new(&NodeBox::EMPTY, 0, Axes::All);
-        Self { binning, boxes: [[NodeBox::EMPTY; 3]; MOST_BINS], counts: [[0; 4]; MOST_BINS] }
+        let binning = BinMapping::new(&NodeBox::EMPTY, 0, Axes::All);
+        Self { binning, boxes: [[NodeBox::EMPTY; 3]; MAX_BINS], counts: [[0; 4]; MAX_BINS] }
     }
 
     /// Empties the bins that are now in use.
-    pub(super) fn reset(&mut self, binning: Binning) {
+    pub(super) fn reset(&mut self, binning: BinMapping) {
         self.binning = binning;
         self.boxes[..binning.len].fill([NodeBox::EMPTY; 3]);
         self.counts[..binning.len].fill([0; 4]);
     }
 
-    pub(super) fn add(&mut self, references: &[Reference]) {
+    pub(super) fn add(&mut self, references: &[PrimRef]) {
         match self.binning.axes {
             Axes::All => in_two_streams(references, |reference| {
                 let bounds = reference.bounds();
@@ -170,17 +170,17 @@ impl Bins {
     }
 
     /// Number of references on the left of a cut.
-    pub(super) fn left_of(&self, cut: &Cut) -> usize {
+    pub(super) fn left_of(&self, cut: &SplitPlane) -> usize {
         self.counts[..cut.first_right as usize].iter().map(|counts| counts[cut.axis] as usize).sum()
     }
 
     /// The cheapest cut with references on both sides; the first one in order of axes and bins where several are.
-    pub(super) fn best_cut(&self, unit: AreaUnit) -> Option<Best> {
+    pub(super) fn best_split(&self, unit: NormalizedArea) -> Option<BestSplit> {
         let len = self.binning.len;
         let areas = |boxes: &[NodeBox; 3]| Vec3A::from_array(core::array::from_fn(|axis| unit.area(&boxes[axis])));
         let count = |counts: &[u32; 4]| Vec3A::from_array(core::array::from_fn(|axis| counts[axis] as i32 as f32));
 
-        let mut right_costs = [Vec3A::ZERO; MOST_BINS];
+        let mut right_costs = [Vec3A::ZERO; MAX_BINS];
         let (mut boxes, mut counts) = ([NodeBox::EMPTY; 3], Vec3A::ZERO);
         for bin in (1..len).rev() {
             boxes = core::array::from_fn(|axis| boxes[axis].union(self.boxes[bin][axis]));
@@ -202,10 +202,10 @@ impl Bins {
         (least[axis] < f32::INFINITY).then(|| self.at(axis, place[axis] as usize))
     }
 
-    fn at(&self, axis: usize, bin: usize) -> Best {
+    fn at(&self, axis: usize, bin: usize) -> BestSplit {
         let union = |boxes: &[[NodeBox; 3]]| boxes.iter().fold(NodeBox::EMPTY, |all, bins| all.union(bins[axis]));
         let (left, right) = self.boxes[..self.binning.len].split_at(bin);
         let cut = self.binning.cut(axis, bin as u32);
-        Best { cut, middle: self.left_of(&cut), bounds: [union(left), union(right)] }
+        BestSplit { cut, middle: self.left_of(&cut), bounds: [union(left), union(right)] }
     }
 }

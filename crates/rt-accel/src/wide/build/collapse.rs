@@ -37,11 +37,11 @@ pub(super) struct Costs {
 /// The bits are the part of the children that comes from the left side; 0 says that one child fewer is no dearer, or for
 /// one child, that it is a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Plan(u32);
+pub(super) struct CollapsePlan(u32);
 
 /// What becomes of a binary node that was given some children of a wide node to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Share {
+pub(super) enum ChildSlot {
     Leaf,
     /// A wide node, so many of whose children come from the left side.
     Node(usize),
@@ -49,7 +49,7 @@ pub(super) enum Share {
     Open([usize; 2]),
 }
 
-impl Plan {
+impl CollapsePlan {
     pub(in crate::wide) const LEAF: Self = Self(0);
 
     fn at(self, k: usize) -> usize {
@@ -57,14 +57,14 @@ impl Plan {
     }
 
     /// What to do if up to `k` children are to be had, for k from 1 to 7.
-    pub(super) fn share(self, mut k: usize) -> Share {
+    pub(super) fn share(self, mut k: usize) -> ChildSlot {
         while k > 1 && self.at(k) == 0 {
             k -= 1;
         }
         match (k, self.at(k)) {
-            (1, 0) => Share::Leaf,
-            (1, left) => Share::Node(left),
-            (_, left) => Share::Open([left, k - left]),
+            (1, 0) => ChildSlot::Leaf,
+            (1, left) => ChildSlot::Node(left),
+            (_, left) => ChildSlot::Open([left, k - left]),
         }
     }
 }
@@ -83,7 +83,7 @@ impl Costs {
     }
 
     /// The costs of a node of this area above two others.
-    pub(super) fn above(area: f32, [left, right]: [&Self; 2], max_leaf: usize) -> (Self, Plan) {
+    pub(super) fn above(area: f32, [left, right]: [&Self; 2], max_leaf: usize) -> (Self, CollapsePlan) {
         // Row k − 2 is D(n, k) for k from 2 to 8. Infinity stands where the right side would get no child.
         let mut padded = [f32::INFINITY; 2 * WIDTH];
         padded[WIDTH..].copy_from_slice(&right.of);
@@ -110,7 +110,7 @@ impl Costs {
             plan |= if is_less { from_left[k - 2] << (4 * (k - 1)) } else { 0 };
         }
         of[WIDTH - 1] = of[WIDTH - 2];
-        (Self { of, count }, Plan(plan))
+        (Self { of, count }, CollapsePlan(plan))
     }
 }
 
@@ -130,7 +130,7 @@ mod tests {
         assert!((costs.of[0] - 0.8).abs() < 1e-6 && (costs.of[1] - 0.014).abs() < 1e-6);
         assert_eq!(
             (plan.share(1), plan.share(2), plan.share(7)),
-            (Share::Leaf, Share::Open([1, 1]), Share::Open([1, 1]))
+            (ChildSlot::Leaf, ChildSlot::Open([1, 1]), ChildSlot::Open([1, 1]))
         );
     }
 
@@ -138,9 +138,9 @@ mod tests {
     fn a_leaf_is_never_too_large() {
         let side = Costs::leaf(1.0, 4);
         let (costs, plan) = Costs::above(1.0, [&side; 2], 7);
-        assert_eq!(plan.share(1), Share::Node(1));
+        assert_eq!(plan.share(1), ChildSlot::Node(1));
         assert!((costs.of[0] - 3.0).abs() < 1e-6);
-        assert_eq!(Costs::above(1.0, [&side; 2], 8).1.share(1), Share::Leaf);
+        assert_eq!(Costs::above(1.0, [&side; 2], 8).1.share(1), ChildSlot::Leaf);
     }
 
     #[test]
@@ -151,13 +151,13 @@ mod tests {
             all = pair(&all, &one);
         }
         let (costs, plan) = Costs::above(1.0, [&one, &all], 1);
-        assert_eq!(plan.share(1), Share::Node(1));
+        assert_eq!(plan.share(1), ChildSlot::Node(1));
         assert!((costs.of[0] - (1.0 + 8.0 * 0.01 * 0.7)).abs() < 1e-6, "{:?}", costs.of);
     }
 
     #[test]
     fn costs_that_are_no_numbers_still_plan() {
         let side = Costs::leaf(f32::NAN, 8);
-        assert_eq!(Costs::above(f32::NAN, [&side; 2], 8).1.share(1), Share::Node(1));
+        assert_eq!(Costs::above(f32::NAN, [&side; 2], 8).1.share(1), ChildSlot::Node(1));
     }
 }

@@ -2,34 +2,34 @@
 
 mod binary;
 mod binning;
-#[cfg(feature = "parallel")]
-mod chunks;
-mod cluster;
 mod collapse;
-mod emit;
-mod forest;
-mod gather;
-mod grow;
+mod leaf_policy;
+mod parallel;
+#[cfg(feature = "parallel")]
+mod parallel_partition;
 mod params;
+mod prim_refs;
 mod reference;
 mod reinsertion;
+mod top_down;
+mod wide_nodes;
 
 use rt_geometry::Primitives;
 
 use crate::bounded_depth::MAX_DEPTH;
 
-use super::leaf::{LeafKind, Listing};
+use super::huge_pages::with_huge_pages;
+use super::leaf::{LeafKind, LeafOrder};
 use super::node::Node;
-use super::pages::room_for;
 pub(super) use collapse::{LEAF, NODE, PRIMITIVE};
-use emit::Emission;
-use forest::Forest;
-pub(super) use gather::Census;
-use gather::Gathered;
-use grow::{Extent, Rules, Set};
+use parallel::SubtreeSet;
 pub use params::{BuildParams, Quality};
-use reference::{Reference, Run};
-use reinsertion::Effort;
+use prim_refs::Gathered;
+pub(super) use prim_refs::PrimStats;
+use reference::{PrimRef, Run};
+use reinsertion::ReinsertionParams;
+use top_down::{BuildConfig, PrimInfo, Set};
+use wide_nodes::WideBuilder;
 
 /// A tree whose nodes have up to eight children. The first node is the root, whose one child may be a leaf.
 #[derive(Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub(super) struct WideTree {
     /// Children come after their parents.
     pub(super) nodes: Vec<Node>,
     /// The leaves in the order of nodes and lanes, part by part.
-    pub(super) listings: Vec<Listing>,
+    pub(super) listings: Vec<LeafOrder>,
     /// Of the deepest leaf; those below the root have depth 1.
     pub(super) depth: u32,
 }
@@ -46,39 +46,39 @@ pub(super) struct WideTree {
 /// numbers run out.
 pub(super) fn build<P: Primitives>(
     primitives: &P,
-    census: &Census,
+    stats: &PrimStats,
     kind: LeafKind,
     params: &BuildParams,
 ) -> Option<WideTree> {
-    let rules = Rules::new(&census.extent(), params);
-    over(gather::references(primitives, census.centre(), &rules), &rules, kind, params.quality)
+    let config = BuildConfig::new(&stats.extent(), params);
+    over(prim_refs::references(primitives, stats.centre(), &config), &config, kind, params.quality)
 }
 
 /// Builds the tree over references.
-fn over(gathered: Gathered, rules: &Rules, kind: LeafKind, quality: Quality) -> Option<WideTree> {
+fn over(gathered: Gathered, config: &BuildConfig, kind: LeafKind, quality: Quality) -> Option<WideTree> {
     let Gathered { mut references, mut room } = gathered;
     if references.is_empty() {
         return Some(WideTree { nodes: vec![Node::EMPTY], listings: Vec::new(), depth: 0 });
     }
     let extent = extent(&references);
-    let mut order = room_for(references.len());
+    let mut order = with_huge_pages(references.len());
     order.resize(references.len(), Run::default());
     let set = Set { references: &mut references, room: &mut room, order: &mut order, first: 0, extent, depth: 0 };
-    let mut forest = Forest::grow(set, rules);
+    let mut forest = SubtreeSet::grow(set, config);
     drop((references, room));
     let grown = forest.whole;
     match quality {
         Quality::Low => {}
-        Quality::Medium => forest.reinsert(&order, rules, Effort::LITTLE),
-        Quality::High => forest.reinsert(&order, rules, Effort::GREAT),
+        Quality::Medium => forest.reinsert(&order, config, ReinsertionParams::MEDIUM),
+        Quality::High => forest.reinsert(&order, config, ReinsertionParams::HIGH),
     }
-    let tree = Emission { forest: &forest, indices: &order, kind }.run()?;
+    let tree = WideBuilder { forest: &forest, indices: &order, kind }.run()?;
     if tree.depth <= MAX_DEPTH {
         return Some(tree);
     }
     // What was moved down has taken something deep along.
     forest.whole = grown;
-    Emission { forest: &forest, indices: &order, kind }.run()
+    WideBuilder { forest: &forest, indices: &order, kind }.run()
 }
 
 /// Does as many things, on several threads, and lists what comes of them in order.
@@ -94,11 +94,11 @@ pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync +
     (0..count).map(each).collect()
 }
 
-fn extent(references: &[Reference]) -> Extent {
+fn extent(references: &[PrimRef]) -> PrimInfo {
     #[cfg(feature = "parallel")]
-    return Extent::of_many(references);
+    return PrimInfo::of_many(references);
     #[cfg(not(feature = "parallel"))]
-    Extent::of(references)
+    PrimInfo::of(references)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::bvh::NodeBox;
 /// arithmetic on the whole corner cannot turn into a denormal number or a NaN, which slow down some processors.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub(super) struct Reference {
+pub(super) struct PrimRef {
     min: [f32; 4],
     max: [f32; 4],
 }
@@ -28,7 +28,7 @@ const ONE: u32 = 1.0f32.to_bits();
 /// Set where there are two primitives.
 const PAIR: u32 = 1 << 16;
 
-impl Reference {
+impl PrimRef {
     /// Stands where there is none.
     pub(super) const NONE: Self = Self { min: [0.0; 4], max: [0.0; 4] };
 
@@ -84,15 +84,15 @@ mod tests {
     fn the_index_survives() {
         for index in [0, 1, 0xffff, 0x1_0000, 0xdead_beef, u32::MAX] {
             let bounds = NodeBox { min: Vec3A::splat(-1.5), max: Vec3A::new(0.25, f32::INFINITY, 1e-45) };
-            let reference = Reference::new(bounds, index);
+            let reference = PrimRef::new(bounds, index);
             assert_eq!((reference.bounds(), reference.index()), (bounds, index));
         }
-        assert_eq!(size_of::<Reference>(), 32);
+        assert_eq!(size_of::<PrimRef>(), 32);
     }
 
     #[test]
     fn zeros_have_one_sign() {
-        let reference = Reference::new(NodeBox { min: Vec3A::splat(-0.0), max: Vec3A::ZERO }, 0);
+        let reference = PrimRef::new(NodeBox { min: Vec3A::splat(-0.0), max: Vec3A::ZERO }, 0);
         assert_eq!(reference.bounds().min.x.to_bits(), 0);
     }
 }

@@ -14,16 +14,16 @@
 use std::collections::BinaryHeap;
 
 use super::binary::{BinaryTree, Content};
-use super::binning::AreaUnit;
-use super::collapse::{Costs, Plan};
-use super::forest::{Forest, Link, Place};
-use super::grow::Rules;
+use super::binning::NormalizedArea;
+use super::collapse::{CollapsePlan, Costs};
+use super::parallel::{Place, SubtreeRef, SubtreeSet};
 use super::reference::Run;
+use super::top_down::BuildConfig;
 use crate::{bounded_depth::MAX_DEPTH, bvh::NodeBox};
 
 /// How much is done.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Effort {
+pub(super) struct ReinsertionParams {
     /// So many of the largest nodes are opened; what is below the others stays as it is.
     pub(super) opened: usize,
     /// The part of the nodes that is moved each time.
@@ -32,10 +32,10 @@ pub(super) struct Effort {
     pub(super) passes: usize,
 }
 
-impl Effort {
+impl ReinsertionParams {
     /// Finds large primitives among small ones, in one or two milliseconds whatever the scene.
-    pub(super) const LITTLE: Self = Self { opened: 1024, moved: 1.0, passes: 1 };
-    pub(super) const GREAT: Self = Self { opened: usize::MAX, moved: 0.15, passes: 3 };
+    pub(super) const MEDIUM: Self = Self { opened: 1024, moved: 1.0, passes: 1 };
+    pub(super) const HIGH: Self = Self { opened: usize::MAX, moved: 0.15, passes: 3 };
 }
 
 const NONE: u32 = u32::MAX;
@@ -51,31 +51,31 @@ struct Node {
 }
 
 /// A tree that knows its parents; the root is the first.
-struct Linked {
+struct ParentLinkedBvh {
     nodes: Vec<Node>,
-    unit: AreaUnit,
+    unit: NormalizedArea,
     /// Nodes yet to be searched, and what is gained at them at most; empty between searches.
     pending: Vec<(f32, u32)>,
 }
 
-impl Forest {
+impl SubtreeSet {
     /// Improves the tree, unless it could not be made better.
-    pub(super) fn reinsert(&mut self, order: &[Run], rules: &Rules, effort: Effort) {
-        let mut linked = Linked::new(self, rules.unit, effort.opened);
+    pub(super) fn reinsert(&mut self, order: &[Run], config: &BuildConfig, effort: ReinsertionParams) {
+        let mut linked = ParentLinkedBvh::new(self, config.unit, effort.opened);
         for _ in 0..effort.passes {
             if !linked.pass(effort.moved) {
                 break;
             }
         }
-        match linked.collapse(self, order, rules) {
+        match linked.collapse(self, order, config) {
             Some(better) if better.costs.whole() < self.whole.costs.whole() => self.whole = better,
             _ => {}
         }
     }
 }
 
-impl Linked {
-    fn new(forest: &Forest, unit: AreaUnit, opened: usize) -> Self {
+impl ParentLinkedBvh {
+    fn new(forest: &SubtreeSet, unit: NormalizedArea, opened: usize) -> Self {
         let mut linked = Self { nodes: Vec::new(), unit, pending: Vec::new() };
         linked.push(forest, forest.root(), NONE);
         // The largest first; areas that are no numbers come before all.
@@ -95,7 +95,7 @@ impl Linked {
         linked
     }
 
-    fn push(&mut self, forest: &Forest, place: Place, parent: u32) -> u32 {
+    fn push(&mut self, forest: &SubtreeSet, place: Place, parent: u32) -> u32 {
         let bounds = forest.bounds(place);
         self.nodes.push(Node { bounds, area: self.unit.area(&bounds), parent, children: None, place });
         self.nodes.len() as u32 - 1
@@ -111,7 +111,7 @@ impl Linked {
             largest.truncate(count);
         }
         largest.sort_unstable_by(order);
-        largest.iter().fold(false, |any, &(_, number)| self.improve(number) || any)
+        largest.iter().fold(false, |any, &(_, number)| self.reinsert_node(number) || any)
     }
 
     fn node(&self, number: u32) -> &Node {
@@ -132,7 +132,7 @@ impl Linked {
     }
 
     /// Puts a node where it is best, if that is elsewhere.
-    fn improve(&mut self, moved: u32) -> bool {
+    fn reinsert_node(&mut self, moved: u32) -> bool {
         let parent = self.node(moved).parent;
         // A child of the root stays: there is no node above to take its sibling.
         if parent == NONE || self.node(parent).parent == NONE {
@@ -140,8 +140,8 @@ impl Linked {
         }
         let best = self.best_place(moved);
         if let Some(place) = best {
-            self.take_out(moved);
-            self.put_in(moved, parent, place);
+            self.remove(moved);
+            self.insert(moved, parent, place);
         }
         best.is_some()
     }
@@ -183,14 +183,14 @@ impl Linked {
     }
 
     /// Puts the sibling in the parent's place.
-    fn take_out(&mut self, moved: u32) {
+    fn remove(&mut self, moved: u32) {
         let (parent, sibling) = (self.node(moved).parent, self.sibling(moved));
         self.replace(parent, sibling);
         self.refit(self.node(sibling).parent);
     }
 
     /// Puts a node above `place` and `moved`.
-    fn put_in(&mut self, moved: u32, above: u32, place: u32) {
+    fn insert(&mut self, moved: u32, above: u32, place: u32) {
         self.replace(place, above);
         self.nodes[above as usize].children = Some([place, moved]);
         for child in [place, moved] {
@@ -220,7 +220,7 @@ impl Linked {
     }
 
     /// The best way to collapse the tree, unless it has become too deep. What was not opened is linked to.
-    fn collapse(&self, forest: &mut Forest, order: &[Run], rules: &Rules) -> Option<Link> {
+    fn collapse(&self, forest: &mut SubtreeSet, order: &[Run], config: &BuildConfig) -> Option<SubtreeRef> {
         let mut from_root = Vec::with_capacity(self.nodes.len());
         let mut pending = vec![(0, 0)];
         while let Some((number, depth)) = pending.pop() {
@@ -238,19 +238,19 @@ impl Linked {
             made[number as usize] = match (self.children(number), forest.content(*place)) {
                 (Some(children), _) => {
                     let [(a, a_costs), (b, b_costs)] = children.map(|child| made[child as usize]);
-                    forest.trees[tree].join(bounds, [a, b], [&a_costs, &b_costs], rules)
+                    forest.trees[tree].join(bounds, [a, b], [&a_costs, &b_costs], config)
                 }
                 (None, content @ Content::Leaf { .. }) => {
-                    (forest.trees[tree].push(bounds, content, Plan::LEAF), forest.costs(*place, order, rules))
+                    (forest.trees[tree].push(bounds, content, CollapsePlan::LEAF), forest.costs(*place, order, config))
                 }
                 (None, _) => {
-                    let costs = forest.costs(*place, order, rules);
-                    (forest.link(bounds, Link { place: *place, costs }, tree), costs)
+                    let costs = forest.costs(*place, order, config);
+                    (forest.link(bounds, SubtreeRef { place: *place, costs }, tree), costs)
                 }
             };
         }
         let (node, costs) = made[0];
-        Some(Link { place: Place { tree: tree as u32, node }, costs })
+        Some(SubtreeRef { place: Place { tree: tree as u32, node }, costs })
     }
 }
 
@@ -264,37 +264,37 @@ mod tests {
     fn a_leaf_far_from_its_sibling_moves_to_its_neighbour() {
         // From (((0, 100), 1), 101) to ((0, 1), (100, 101)).
         let order = [0, 1, 2, 3].map(|first| Run { first, count: 1 });
-        let unit = AreaUnit::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
-        let rules = Rules {
+        let unit = NormalizedArea::new(&NodeBox { min: Vec3A::ZERO, max: Vec3A::splat(102.0) });
+        let config = BuildConfig {
             unit,
             axes: crate::wide::build::binning::Axes::All,
-            haste: crate::wide::build::cluster::Haste::LITTLE,
+            leaf_policy: crate::wide::build::leaf_policy::LeafPolicy::STRICT,
             pairs: true,
             max_leaf: 1,
         };
         let mut tree = BinaryTree::default();
         let leaves = [0.0, 100.0, 1.0, 101.0].into_iter().zip(0..).map(|(x, first)| {
             let bounds = NodeBox { min: Vec3A::X * x, max: Vec3A::new(x + 1.0, 1.0, 1.0) };
-            let number = tree.push(&bounds, Content::Leaf { first, count: 1 }, Plan::LEAF);
+            let number = tree.push(&bounds, Content::Leaf { first, count: 1 }, CollapsePlan::LEAF);
             (number, bounds, Costs::leaf(unit.area(&bounds), 1))
         });
         let leaves: Vec<_> = leaves.collect();
         let whole = leaves.into_iter().reduce(|(a, a_box, a_costs), (b, b_box, b_costs)| {
             let bounds = a_box.union(b_box);
-            let (number, costs) = tree.join(&bounds, [a, b], [&a_costs, &b_costs], &rules);
+            let (number, costs) = tree.join(&bounds, [a, b], [&a_costs, &b_costs], &config);
             (number, bounds, costs)
         });
         let (node, _, costs) = whole.expect("four leaves");
-        let whole = Link { place: Place { tree: 0, node }, costs };
-        let mut forest = Forest { trees: vec![tree], links: Vec::new(), whole };
-        let mut linked = Linked::new(&forest, unit, usize::MAX);
-        while (1..7).any(|number| linked.improve(number)) {}
+        let whole = SubtreeRef { place: Place { tree: 0, node }, costs };
+        let mut forest = SubtreeSet { trees: vec![tree], links: Vec::new(), whole };
+        let mut linked = ParentLinkedBvh::new(&forest, unit, usize::MAX);
+        while (1..7).any(|number| linked.reinsert_node(number)) {}
         let inner = linked.nodes.iter().filter(|node| node.children.is_some());
         let mut lengths: Vec<_> = inner.map(|node| node.bounds.max.x - node.bounds.min.x).collect();
         lengths.sort_unstable_by(f32::total_cmp);
         assert_eq!(lengths, [2.0, 2.0, 102.0]);
         assert!(
-            linked.collapse(&mut forest, &order, &rules).is_some_and(|better| better.costs.whole() <= costs.whole())
+            linked.collapse(&mut forest, &order, &config).is_some_and(|better| better.costs.whole() <= costs.whole())
         );
     }
 }

@@ -4,29 +4,29 @@ use glam::Vec3A;
 use rt_math::random::{hash, unit};
 
 use super::*;
-use crate::{bvh::NodeBox, wide::cost::sah_cost, wide::node::Child};
+use crate::{bvh::NodeBox, wide::node::Child, wide::sah::sah_cost};
 
-fn build(references: &[Reference], params: &BuildParams) -> WideTree {
-    let rules = Rules::new(&extent(references).bounds, params);
+fn build(references: &[PrimRef], params: &BuildParams) -> WideTree {
+    let config = BuildConfig::new(&extent(references).bounds, params);
     let mut list = Vec::new();
-    references.iter().for_each(|&reference| rules.push(&mut list, reference));
-    let room = vec![Reference::NONE; list.len()];
-    over(Gathered { references: list, room }, &rules, LeafKind::Boxes, params.quality).expect("few nodes")
+    references.iter().for_each(|&reference| config.push(&mut list, reference));
+    let room = vec![PrimRef::NONE; list.len()];
+    over(Gathered { references: list, room }, &config, LeafKind::Boxes, params.quality).expect("few nodes")
 }
 
 /// Boxes of all sizes, some of them flat, some with the same centre.
-pub(super) fn soup(count: u32, seed: u64, scale: f32) -> Vec<Reference> {
+pub(super) fn soup(count: u32, seed: u64, scale: f32) -> Vec<PrimRef> {
     let reference = |index: u32| {
         let draw = |axis| unit(hash(&[seed, u64::from(index), axis])) as f32;
         let centre = Vec3A::new((draw(0) * 40.0).round(), draw(1) * 20.0, draw(2) * 3.0) - 10.0;
         let reach = Vec3A::new(draw(3), draw(4), (draw(5) * 2.0).floor()) * if draw(6) < 0.02 { 9.0 } else { 0.2 };
-        Reference::new(NodeBox { min: (centre - reach) * scale, max: (centre + reach) * scale }, index)
+        PrimRef::new(NodeBox { min: (centre - reach) * scale, max: (centre + reach) * scale }, index)
     };
     (0..count).map(reference).collect()
 }
 
-fn points(count: u32, place: impl Fn(u32) -> Vec3A) -> Vec<Reference> {
-    (0..count).map(|index| Reference::new(NodeBox { min: place(index), max: place(index) }, index)).collect()
+fn points(count: u32, place: impl Fn(u32) -> Vec3A) -> Vec<PrimRef> {
+    (0..count).map(|index| PrimRef::new(NodeBox { min: place(index), max: place(index) }, index)).collect()
 }
 
 fn with_quality(quality: Quality) -> BuildParams {
@@ -56,13 +56,13 @@ fn check_node(nodes: &[Node], number: usize, within: Option<&NodeBox>, leaf: &mu
 }
 
 /// Checks the whole tree; `references` are in order of their indices.
-fn check(tree: &WideTree, references: &[Reference], max_leaf: usize) {
-    let own: Vec<_> = references.iter().map(Reference::bounds).collect();
+fn check(tree: &WideTree, references: &[PrimRef], max_leaf: usize) {
+    let own: Vec<_> = references.iter().map(PrimRef::bounds).collect();
     // By cache line.
     let mut lists = std::collections::BTreeMap::new();
     let mut n_lines = 0;
     for listing in &tree.listings {
-        let mut part = Listing::default();
+        let mut part = LeafOrder::default();
         for leaf in listing.leaves() {
             lists.insert(n_lines + part.n_lines, leaf);
             part.order.extend(leaf);
@@ -135,7 +135,7 @@ fn nasty_sets_are_bounded() {
 fn ten_boxes_in_two_heaps_become_two_leaves() {
     let heap = |min: Vec3A| NodeBox { min, max: min + Vec3A::new(8.0, 0.0, 4.0) };
     let heaps = [heap(Vec3A::ZERO), heap(Vec3A::X * 100.0)];
-    let references: Vec<_> = (0..10).map(|index| Reference::new(heaps[index as usize % 2], index)).collect();
+    let references: Vec<_> = (0..10).map(|index| PrimRef::new(heaps[index as usize % 2], index)).collect();
     let tree = build(&references, &BuildParams::default());
     let boxes: Vec<_> = tree.nodes[0].children().map(|(bounds, _)| bounds).collect();
     assert_eq!((tree.nodes.len(), boxes, tree.depth), (1, heaps.to_vec(), 1));

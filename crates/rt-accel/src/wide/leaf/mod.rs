@@ -1,7 +1,7 @@
 //! What leaves hold: plain numbers side by side, that a filter rules primitives out by, eight at a time.
 //!
 //! A leaf of n primitives is a block of 32-bit words that begins at a cache line: the header of its kind, then one number
-//! of each primitive after the other, then the next number of each, and at last their indices. Eight numbers are read at
+//! of each primitive after the other, then the next number of each, and at last their indices. F64x8 numbers are read at
 //! a time; those that belong to what comes after are not looked at.
 
 mod boxes;
@@ -12,18 +12,18 @@ use glam::DVec3;
 use rt_geometry::{Hit, PrimitiveGeometry, Primitives, padded_bounds};
 use rt_math::{Interval, Ray};
 
-pub(super) use boxes::BoxFilter;
-pub(super) use spheres::SphereFilter;
-pub(super) use triangles::{TriangleFilter, coordinates, corner};
+pub(super) use boxes::BoxTest;
+pub(super) use spheres::SphereTest;
+pub(super) use triangles::{TriangleTest, coordinates, corner};
 
 use super::WideBvh;
-use super::across::{Across, Eight, SpanLanes};
-use super::goal::Judge;
+use super::frustum::BundleFrustum;
 use super::node::Child;
-use super::ray::{FilterRay, LaneRay, SLACK};
-use super::shaft::Shaft;
+use super::packet_rays::{F64x8, RayPacket, SpanLanes};
+use super::query::{Output, PrimitiveTester};
+use super::ray::{RayF32, RayF64x4, SLACK};
 use super::simd::Simd;
-use crate::{bvh::NodeBox, wide::pages::filled};
+use crate::{bvh::NodeBox, wide::huge_pages::filled};
 
 /// Most primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 8;
@@ -56,7 +56,7 @@ impl Lane {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
-pub(super) struct Line([u32; LINE]);
+pub(super) struct CacheLine([u32; LINE]);
 
 /// What the leaves of a tree hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,11 +77,11 @@ pub(super) enum LeafKind {
 const NEAR: f64 = 64.0;
 
 /// Of how many spheres, or triangles, one primitive may be something else, for which their leaves still suit.
-const ALIKE_TO_ONE: u64 = 3;
+const MAJORITY_RATIO: u64 = 3;
 
 /// What some primitives are.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Layouts {
+pub(super) struct GeometryCounts {
     n_spheres: u64,
     /// Of triangles, those of which copies decide.
     n_watertight: u64,
@@ -89,7 +89,7 @@ pub(super) struct Layouts {
     n_others: u64,
 }
 
-impl Layouts {
+impl GeometryCounts {
     /// Of no primitives at all.
     pub(super) const NONE: Self = Self { n_spheres: 0, n_watertight: 0, n_triangles: 0, n_others: 0 };
 
@@ -114,10 +114,10 @@ impl Layouts {
 
 impl LeafKind {
     /// The most particular kind that suits all primitives, or most of them if those are spheres or triangles.
-    pub(super) fn of(layouts: Layouts, centre: DVec3, size: f64) -> Self {
-        let Layouts { n_spheres, n_watertight, n_triangles, n_others } = layouts;
+    pub(super) fn of(layouts: GeometryCounts, centre: DVec3, size: f64) -> Self {
+        let GeometryCounts { n_spheres, n_watertight, n_triangles, n_others } = layouts;
         let n = n_spheres + n_triangles + n_others;
-        let are_most = |alike: u64| (n - alike) * ALIKE_TO_ONE <= alike;
+        let are_most = |same_octant_prefix: u64| (n - same_octant_prefix) * MAJORITY_RATIO <= same_octant_prefix;
         if are_most(n_spheres) {
             Self::Spheres
         } else if are_most(n_watertight) && centre.abs().max_element() <= NEAR * size {
@@ -150,10 +150,10 @@ impl LeafKind {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Leaves {
     pub(super) kind: LeafKind,
-    lines: Vec<Line>,
+    lines: Vec<CacheLine>,
 }
 
-impl Line {
+impl CacheLine {
     #[inline(always)]
     fn words(lines: &[Self]) -> &[u32] {
         // SAFETY: a line is sixteen words and nothing else.
@@ -167,13 +167,13 @@ impl Line {
 }
 
 /// A leaf to be filled.
-struct Block<'a> {
+struct LeafMut<'a> {
     words: &'a mut [u32],
     count: usize,
     header: usize,
 }
 
-impl Block<'_> {
+impl LeafMut<'_> {
     fn set(&mut self, number: usize, lane: usize, value: f32) {
         self.words[self.header + number * self.count + lane] = value.to_bits();
     }
@@ -185,7 +185,7 @@ impl Block<'_> {
 
 /// Which primitives leaves that follow each other list.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Listing {
+pub(super) struct LeafOrder {
     /// Primitives, leaf by leaf.
     pub(super) order: Vec<u32>,
     /// How many each leaf has, from 1 to 8.
@@ -194,7 +194,7 @@ pub(super) struct Listing {
     pub(super) n_lines: usize,
 }
 
-impl Listing {
+impl LeafOrder {
     /// Makes a leaf of the primitives from `first` on.
     pub(super) fn close(&mut self, first: usize, kind: LeafKind) -> Child {
         let count = self.order.len() - first;
@@ -216,27 +216,27 @@ impl Listing {
 }
 
 /// What fills leaves.
-pub(super) struct Filling<'a, P> {
+pub(super) struct LeafWriter<'a, P> {
     pub(super) primitives: &'a P,
     /// Of the tree.
     pub(super) centre: DVec3,
     pub(super) kind: LeafKind,
 }
 
-impl<P: Primitives> Filling<'_, P> {
+impl<P: Primitives> LeafWriter<'_, P> {
     /// The own box, relative to the centre.
     pub(super) fn own(&self, index: u32) -> NodeBox {
         padded_bounds(self.primitives, index).map_or(NodeBox::EMPTY, |own| NodeBox::outward(&own, self.centre))
     }
 
     /// Fills the first of these lines, which are empty, with a leaf of 1 to 8 primitives; returns how many it takes.
-    fn fill(&self, indices: &[u32], lines: &mut [Line]) -> usize {
+    fn fill(&self, indices: &[u32], lines: &mut [CacheLine]) -> usize {
         let (header, numbers) = self.kind.shape();
         let count = indices.len();
         let n_lines = self.kind.lines(count);
-        let words = Line::words_mut(&mut lines[..n_lines]);
+        let words = CacheLine::words_mut(&mut lines[..n_lines]);
         words[header + numbers * count..][..count].copy_from_slice(indices);
-        let mut block = Block { words, count, header };
+        let mut block = LeafMut { words, count, header };
         match self.kind {
             LeafKind::Watertight => triangles::fill(&mut block, self.primitives, indices, None),
             LeafKind::Triangles => triangles::fill(&mut block, self.primitives, indices, Some(self.centre)),
@@ -249,13 +249,13 @@ impl<P: Primitives> Filling<'_, P> {
 
 impl Leaves {
     /// All leaves that are listed, one after the other.
-    pub(super) fn new<P: Primitives>(filling: &Filling<'_, P>, listings: &[Listing]) -> Self {
+    pub(super) fn new<P: Primitives>(filling: &LeafWriter<'_, P>, listings: &[LeafOrder]) -> Self {
         // Filters read eight numbers at the end of the last leaf as well.
         const SPARE: usize = MAX_LEAF.div_ceil(LINE);
-        let nothing = Listing::default();
+        let nothing = LeafOrder::default();
         let mut parts: Vec<_> = listings.iter().map(|listing| (listing.n_lines, listing)).collect();
         parts.push((SPARE, &nothing));
-        let lines = filled(parts, Line::default(), |listing, mut lines| {
+        let lines = filled(parts, CacheLine::default(), |listing, mut lines| {
             for indices in listing.leaves() {
                 let n_lines = filling.fill(indices, lines);
                 lines = &mut lines[n_lines..];
@@ -265,21 +265,21 @@ impl Leaves {
     }
 
     /// True if the leaf holds the numbers of the primitives that it lists.
-    pub(super) fn fits<P: Primitives>(&self, leaf: Child, filling: &Filling<'_, P>) -> bool {
-        let mut anew = [Line::default(); MAX_LINES];
+    pub(super) fn fits<P: Primitives>(&self, leaf: Child, filling: &LeafWriter<'_, P>) -> bool {
+        let mut anew = [CacheLine::default(); MAX_LINES];
         let n_lines = filling.fill(self.indices(leaf), &mut anew);
         self.lines[leaf.number()..].starts_with(&anew[..n_lines])
     }
 
     /// Fills a leaf with the numbers of its primitives as they are now.
-    pub(super) fn refill<P: Primitives>(&mut self, leaf: Child, filling: &Filling<'_, P>) {
-        let mut anew = [Line::default(); MAX_LINES];
+    pub(super) fn refill<P: Primitives>(&mut self, leaf: Child, filling: &LeafWriter<'_, P>) {
+        let mut anew = [CacheLine::default(); MAX_LINES];
         let n_lines = filling.fill(self.indices(leaf), &mut anew);
         self.lines[leaf.number()..][..n_lines].copy_from_slice(&anew[..n_lines]);
     }
 
     pub(super) fn memory(&self) -> usize {
-        self.lines.capacity() * size_of::<Line>()
+        self.lines.capacity() * size_of::<CacheLine>()
     }
 
     /// The indices in a leaf, which ends within the list.
@@ -302,12 +302,12 @@ impl Leaves {
 
     #[inline(always)]
     fn words(&self) -> &[u32] {
-        Line::words(&self.lines)
+        CacheLine::words(&self.lines)
     }
 
     /// Where a leaf begins.
     #[inline(always)]
-    pub(super) fn line(&self, leaf: Child) -> *const Line {
+    pub(super) fn line(&self, leaf: Child) -> *const CacheLine {
         self.lines.as_ptr().wrapping_add(leaf.number())
     }
 
@@ -365,13 +365,13 @@ impl LeafView<'_> {
         f32::from_bits(unsafe { self.word(at) })
     }
 
-    /// Eight numbers from word `at` of the leaf on, of which the first `count` are those asked for.
+    /// F64x8 numbers from word `at` of the leaf on, of which the first `count` are those asked for.
     ///
     /// # Safety
     ///
     /// With the header and the numbers of the leaf's kind, `at` must be at most `header + numbers·count`.
     #[inline(always)]
-    unsafe fn lanes<S: Simd>(&self, simd: S, at: usize) -> S::Lanes {
+    unsafe fn lanes<S: Simd>(&self, simd: S, at: usize) -> S::F32x8 {
         debug_assert!(self.first + at + 8 <= self.words.len());
         // SAFETY: as in `word`; eight words follow, and any word is an `f32`.
         simd.load(unsafe { &*self.words.as_ptr().add(self.first + at).cast() })
@@ -385,35 +385,34 @@ impl LeafView<'_> {
 }
 
 /// What a filter says about the primitives of a leaf, a bit for each.
-pub(super) struct Verdict<S: Simd> {
+pub(super) struct HitBounds<S: Simd> {
     /// Not missed for sure.
-    pub(super) maybe: u32,
+    pub(super) possible: u32,
     /// Hit for sure, within the span and first at a `t` between `near` and `far`.
-    pub(super) sure: u32,
-    /// Meaningless but for `sure`.
-    pub(super) near: S::Lanes,
-    /// Meaningless but for `sure`.
-    pub(super) far: S::Lanes,
+    pub(super) certain: u32,
+    /// Bounds of `t`; meaningful for `certain` hits.
+    pub(super) t_min: S::F32x8,
+    pub(super) t_max: S::F32x8,
 }
 
 /// The span of a query, as filters see it.
 #[derive(Clone, Copy)]
-pub(super) struct FilterSpan {
+pub(super) struct FilterTRange {
     /// Between the first two a number is neither certainly before nor certainly after the begin; what is not after the third
     /// is within the whole span.
     numbers: [f32; 4],
 }
 
-impl FilterSpan {
-    /// Of a span that does not begin before 0: as [`at_most`](super::ray::at_most) and
-    /// [`at_least`](super::ray::at_least) have it, side by side.
+impl FilterTRange {
+    /// Of a span that does not begin before 0: as [`round_down`](super::ray::round_down) and
+    /// [`round_up`](super::ray::round_up) have it, side by side.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, span: Interval) -> Self {
         let Interval { min, max } = span;
         let (below, above, tiny) = (1.0 - SLACK, 1.0 + SLACK, f64::from(f32::MIN_POSITIVE));
-        let numbers = simd.mul_doubles(simd.doubles([min, min, max, max]), simd.doubles([below, above, below, below]));
-        let numbers = simd.sub_doubles(numbers, simd.doubles([tiny, -tiny, tiny, tiny]));
-        Self { numbers: simd.narrowed(simd.max_doubles(numbers, simd.doubles([0.0; 4]))) }
+        let numbers = simd.mul_f64(simd.f64x4([min, min, max, max]), simd.f64x4([below, above, below, below]));
+        let numbers = simd.sub_f64(numbers, simd.f64x4([tiny, -tiny, tiny, tiny]));
+        Self { numbers: simd.to_f32(simd.max_f64(numbers, simd.f64x4([0.0; 4]))) }
     }
 
     /// Not after the begin.
@@ -431,24 +430,24 @@ impl FilterSpan {
 }
 
 /// A ray, prepared for those who decide.
-pub(super) struct ExactRay<'r, S: Simd> {
+pub(super) struct RayF64<'r, S: Simd> {
     pub(super) ray: &'r Ray,
-    pub(super) lanes: LaneRay<S>,
+    pub(super) lanes: RayF64x4<S>,
     /// Along which the ray is steepest.
     pub(super) axis: usize,
     /// The first two: as [`WatertightRay`](rt_geometry::WatertightRay) has them.
-    pub(super) shear: S::Doubles,
+    pub(super) shear: S::F64x4,
     /// As [`WatertightRay`](rt_geometry::WatertightRay) has it.
     pub(super) scale: f64,
 }
 
-impl<'r, S: Simd> ExactRay<'r, S> {
+impl<'r, S: Simd> RayF64<'r, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &'r Ray) -> Self {
-        let lanes = LaneRay::new(simd, ray);
-        let axis = simd.greatest_axis(simd.abs_doubles(lanes.direction));
-        let [_, _, scale, _] = simd.to_doubles(simd.turned_last(lanes.inverse, axis));
-        let shear = simd.mul_doubles(simd.turned_last(lanes.direction, axis), simd.doubles([scale; 4]));
+        let lanes = RayF64x4::new(simd, ray);
+        let axis = simd.max_axis(simd.abs_f64(lanes.direction));
+        let [_, _, scale, _] = simd.to_f64_array(simd.rotate_axis_last(lanes.inverse, axis));
+        let shear = simd.mul_f64(simd.rotate_axis_last(lanes.direction, axis), simd.f64x4([scale; 4]));
         Self { ray, lanes, axis, shear, scale }
     }
 
@@ -462,41 +461,41 @@ impl<'r, S: Simd> ExactRay<'r, S> {
 /// Axes by the last of them, in cyclic order; the fourth is spare, so that two bits are a number of the list.
 const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
-/// Rules primitives out, and sees to it that somebody decides about the others.
-pub(super) trait Filter: Copy {
+/// BuildConfig primitives out, and sees to it that somebody decides about the others.
+pub(super) trait LeafTest: Copy {
     /// True if the leaf holds all that it takes to decide about this primitive, so that nobody else is asked, or counts the hits.
     #[inline(always)]
-    fn decides(_: LeafView<'_>, _: Lane) -> bool {
+    fn is_exact(_: LeafView<'_>, _: Lane) -> bool {
         false
     }
 
     /// Prepares a ray, of which it is handed what others have prepared.
-    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, boxes: &FilterRay, span: FilterSpan, tree: &WideBvh) -> Self;
+    fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, boxes: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self;
 
-    /// Judges the primitives of a leaf; what is hit after `limit` is missed.
-    fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S>;
+    /// Judges the primitives of a leaf; what is hit after `t_max` is missed.
+    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S>;
 
     /// The filters of eight rays, a lane each.
-    type Across<S: Simd>;
+    type Packet<S: Simd>;
 
     /// Prepares eight rays.
-    fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> Self::Across<S>;
+    fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> Self::Packet<S>;
 
     /// Judges one primitive of a leaf for eight rays: the bits are those of rays.
-    fn judge_across<S: Simd>(
+    fn test_packet<S: Simd>(
         simd: S,
-        filters: &Self::Across<S>,
+        filters: &Self::Packet<S>,
         leaf: LeafView<'_>,
         lane: Lane,
-        limits: S::Lanes,
-    ) -> Verdict<S>;
+        t_max: S::F32x8,
+    ) -> HitBounds<S>;
 
     /// True if leaves hold spheres.
-    const ROUND: bool = false;
+    const IS_SPHERE: bool = false;
 
     /// The primitives of a leaf that rays of a shaft may meet, a bit for each; all, unless a filter knows better.
     #[inline(always)]
-    fn within<S: Simd>(_: S, _: &Shaft<S>, leaf: LeafView<'_>) -> u32 {
+    fn cull_by_frustum<S: Simd>(_: S, _: &BundleFrustum<S>, leaf: LeafView<'_>) -> u32 {
         leaf.mask()
     }
 
@@ -506,54 +505,37 @@ pub(super) trait Filter: Copy {
     /// Decides where a primitive is hit within the span, where leaves hold all that it takes. What would rule it out need
     /// not be looked at where the hit is `CERTAIN`.
     #[inline(always)]
-    fn copied_hit<S: Simd, const CERTAIN: bool>(
+    fn exact_hit<S: Simd, const CERTAIN: bool>(
         _: S,
         _: LeafView<'_>,
         _: Lane,
-        _: &ExactRay<'_, S>,
+        _: &RayF64<'_, S>,
         _: Interval,
     ) -> Option<Hit> {
         None
     }
 
-    /// As [`copied_hit`](Self::copied_hit) for rays of a packet, of those whose own space it is and for which the hit is certain:
+    /// As [`exact_hit`](Self::exact_hit) for rays of a packet, of those whose own space it is and for which the hit is certain:
     /// `t`, and as much of the second and third vertex. Meaningless for the others.
     #[inline(always)]
-    fn certain_hits<S: Simd>(simd: S, _: LeafView<'_>, _: Lane, _: &Across<S>) -> [Eight<S>; 3] {
-        [Eight::splat(simd, 0.0); 3]
+    fn exact_packet_hits<S: Simd>(simd: S, _: LeafView<'_>, _: Lane, _: &RayPacket<S>) -> [F64x8<S>; 3] {
+        [F64x8::splat(simd, 0.0); 3]
     }
 
-    /// Decides where a primitive is hit within the span, as [`copied_hit`](Self::copied_hit) does or by asking for it.
+    /// Intersects a primitive exactly within the span, from the leaf or by the tester.
     #[inline(always)]
-    fn hit<S: Simd>(
+    fn intersect<S: Simd, O: Output>(
         simd: S,
         leaf: LeafView<'_>,
         lane: Lane,
-        ray: &ExactRay<'_, S>,
+        ray: &RayF64<'_, S>,
         span: Interval,
-        judge: &mut dyn Judge,
-    ) -> Option<Hit> {
-        if Self::decides(leaf, lane) {
-            Self::copied_hit::<S, false>(simd, leaf, lane, ray, span)
+        tester: &mut dyn PrimitiveTester<O>,
+    ) -> O {
+        if Self::is_exact(leaf, lane) {
+            O::from_hit(Self::exact_hit::<S, false>(simd, leaf, lane, ray, span))
         } else {
-            judge.closest(Self::index(leaf, lane), ray.ray, span)
-        }
-    }
-
-    /// Decides if a primitive blocks the ray within the span.
-    #[inline(always)]
-    fn blocks<S: Simd>(
-        simd: S,
-        leaf: LeafView<'_>,
-        lane: Lane,
-        ray: &ExactRay<'_, S>,
-        span: Interval,
-        judge: &mut dyn Judge,
-    ) -> bool {
-        if Self::decides(leaf, lane) {
-            Self::copied_hit::<S, false>(simd, leaf, lane, ray, span).is_some()
-        } else {
-            judge.occluded(Self::index(leaf, lane), ray.ray, span)
+            tester.test(Self::index(leaf, lane), ray.ray, span)
         }
     }
 }
@@ -561,8 +543,8 @@ pub(super) trait Filter: Copy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide::ray::{at_least, at_most};
-    use crate::wide::simd::{Available, Kernel, SimdLevel};
+    use crate::wide::ray::{round_down, round_up};
+    use crate::wide::simd::{DetectedSimd, SimdLevel, WithSimd};
 
     /// On 32 bits the end of such a leaf wrapped, so that a saved tree with it passed the check and was read out of bounds.
     #[test]
@@ -583,10 +565,10 @@ mod tests {
 
     struct Make<'a>(&'a mut [f32; 4]);
 
-    impl Kernel<Interval, ()> for Make<'_> {
+    impl WithSimd<Interval, ()> for Make<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, span: Interval, (): ()) {
-            *self.0 = FilterSpan::new(simd, span).numbers;
+            *self.0 = FilterTRange::new(simd, span).numbers;
         }
     }
 
@@ -595,11 +577,11 @@ mod tests {
         for t in [0.0, 5e-324, 1e-45, 1e-40, 1.2e-38, 1e-20, 0.1, 1.0 / 3.0, 1.0, 16_777_217.0, 3e38, f64::INFINITY] {
             for &level in SimdLevel::ALL {
                 let mut numbers = [0.0; 4];
-                Available::new(level).dispatch(Make(&mut numbers), Interval::new(t, t), ());
+                DetectedSimd::new(level).dispatch(Make(&mut numbers), Interval::new(t, t), ());
                 let [at_most_min, at_least_min, at_most_max, _] = numbers;
-                assert_eq!([at_most_min, at_most_max], [at_most(t); 2], "{t}");
+                assert_eq!([at_most_min, at_most_max], [round_down(t); 2], "{t}");
                 assert!(f64::from(at_most_min) <= t && t <= f64::from(at_least_min), "{t}: {numbers:?}");
-                assert!(f64::from(at_most(t)) <= t && t <= f64::from(at_least(t)), "{t}");
+                assert!(f64::from(round_down(t)) <= t && t <= f64::from(round_up(t)), "{t}");
             }
         }
     }

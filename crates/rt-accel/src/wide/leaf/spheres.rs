@@ -15,10 +15,10 @@
 use glam::DVec3;
 use rt_geometry::{PrimitiveGeometry, Primitives, padded_bounds};
 
-use super::{Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
-use crate::wide::across::{Across, Eight, SpanLanes, relative};
-use crate::wide::ray::{FilterRay, at_least, greatest};
-use crate::{wide::WideBvh, wide::shaft::Shaft, wide::simd::Simd};
+use super::{FilterTRange, HitBounds, Lane, LeafMut, LeafTest, LeafView, RayF64};
+use crate::wide::packet_rays::{F64x8, RayPacket, SpanLanes, relative};
+use crate::wide::ray::{RayF32, greatest, round_up};
+use crate::{wide::WideBvh, wide::frustum::BundleFrustum, wide::simd::Simd};
 
 /// The greatest coordinate that a sphere reaches.
 pub(super) const HEADER: usize = 1;
@@ -32,7 +32,7 @@ const MARGIN: f32 = 64.0 / (1 << 24) as f32;
 /// Where `δ` is less, squares may vanish, and nothing but a miss by the outer square is certain.
 const LEAST: f32 = 1.0 / (1u64 << 50) as f32;
 
-pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
+pub(super) fn fill<P: Primitives>(block: &mut LeafMut<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
     let mut greatest = 0.0f64;
     for (lane, &index) in indices.iter().enumerate() {
         let (position, radius) = match primitives.geometry(index) {
@@ -46,7 +46,7 @@ pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices
         }
         block.set(3, lane, radius as f32);
     }
-    block.set_header(0, at_least(greatest));
+    block.set_header(0, round_up(greatest));
 }
 
 /// Centre and radius of a ball around the own box of what is no sphere. The sign of the radius tells: it is negative.
@@ -57,47 +57,47 @@ fn ball_around<P: Primitives>(primitives: &P, index: u32, centre: DVec3) -> (DVe
 
 /// Distance of the ray from centres, with three answers.
 #[derive(Clone, Copy)]
-pub(in crate::wide) struct SphereFilter {
+pub(in crate::wide) struct SphereTest {
     origin: [f32; 4],
     direction: [f32; 4],
     /// One over the length of the direction.
     inverse_length: f32,
     /// Greatest coordinate of the origin.
     reach: f32,
-    span: FilterSpan,
+    span: FilterTRange,
 }
 
 #[inline(always)]
-fn dot<S: Simd>(simd: S, a: [S::Lanes; 3], b: [S::Lanes; 3]) -> S::Lanes {
+fn dot<S: Simd>(simd: S, a: [S::F32x8; 3], b: [S::F32x8; 3]) -> S::F32x8 {
     simd.mul_add(a[2], b[2], simd.mul_add(a[1], b[1], simd.mul(a[0], b[0])))
 }
 
 /// The square root, 0 for what is negative.
 #[inline(always)]
-fn root<S: Simd>(simd: S, x: S::Lanes) -> S::Lanes {
+fn root<S: Simd>(simd: S, x: S::F32x8) -> S::F32x8 {
     simd.sqrt(simd.max(x, simd.splat(0.0)))
 }
 
 /// Spheres of one leaf, side by side.
 struct SphereLanes<S: Simd> {
-    centre: [S::Lanes; 3],
+    centre: [S::F32x8; 3],
     /// Negative for balls around what is no sphere.
-    radius: S::Lanes,
+    radius: S::F32x8,
     greatest: f32,
 }
 
 /// One ray eight times, or eight rays.
 pub(in crate::wide) struct RayLanes<S: Simd> {
-    origin: [S::Lanes; 3],
-    direction: [S::Lanes; 3],
-    inverse_length: S::Lanes,
-    reach: S::Lanes,
+    origin: [S::F32x8; 3],
+    direction: [S::F32x8; 3],
+    inverse_length: S::F32x8,
+    reach: S::F32x8,
     span: SpanLanes<S>,
 }
 
 impl<S: Simd> RayLanes<S> {
     #[inline(always)]
-    fn judge(&self, simd: S, spheres: &SphereLanes<S>, limit: S::Lanes, mask: u32) -> Verdict<S> {
+    fn test(&self, simd: S, spheres: &SphereLanes<S>, t_max: S::F32x8, mask: u32) -> HitBounds<S> {
         let margin = simd.mul(simd.add(self.reach, simd.splat(spheres.greatest)), simd.splat(MARGIN));
         let to_centre = [
             simd.sub(spheres.centre[0], self.origin[0]),
@@ -113,9 +113,9 @@ impl<S: Simd> RayLanes<S> {
         ];
         let distance_squared = dot(simd, across, across);
         let outer = simd.add(radius, margin);
-        let maybe = simd.le(distance_squared, simd.mul(outer, outer)) & mask;
-        if maybe == 0 {
-            return Verdict { maybe, sure: 0, near: along, far: along };
+        let possible = simd.le(distance_squared, simd.mul(outer, outer)) & mask;
+        if possible == 0 {
+            return HitBounds { possible, certain: 0, t_min: along, t_max: along };
         }
 
         let inner = simd.sub(spheres.radius, margin);
@@ -134,33 +134,33 @@ impl<S: Simd> RayLanes<S> {
         let last = simd.add(simd.mul(simd.add(along, longest), to_t), rounding);
 
         let is_not_behind = simd.le(self.span.min[0], last);
-        let is_not_after = simd.le(near, limit);
+        let is_not_after = simd.le(near, t_max);
         let is_in_front = simd.le(self.span.min[1], near);
         let is_in_time = simd.le(far, self.span.max);
-        let maybe = maybe & (is_tiny | (is_not_behind & is_not_after));
-        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+        let possible = possible & (is_tiny | (is_not_behind & is_not_after));
+        HitBounds { possible, certain: inside & possible & is_in_front & is_in_time, t_min: near, t_max: far }
     }
 }
 
-impl Filter for SphereFilter {
+impl LeafTest for SphereTest {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: FilterSpan, tree: &WideBvh) -> Self {
-        let centre = simd.doubles([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
-        let origin = simd.sub_doubles(ray.lanes.origin, centre);
-        let [x, y, z, _] = simd.to_doubles(simd.mul_doubles(ray.lanes.direction, ray.lanes.direction));
+    fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, _: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self {
+        let centre = simd.f64x4([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
+        let origin = simd.sub_f64(ray.lanes.origin, centre);
+        let [x, y, z, _] = simd.to_f64_array(simd.mul_f64(ray.lanes.direction, ray.lanes.direction));
         let inverse_length = 1.0 / (x + y + z).sqrt();
-        let unit = simd.mul_doubles(ray.lanes.direction, simd.doubles([inverse_length; 4]));
+        let unit = simd.mul_f64(ray.lanes.direction, simd.f64x4([inverse_length; 4]));
         Self {
-            origin: simd.narrowed(origin),
-            direction: simd.narrowed(unit),
+            origin: simd.to_f32(origin),
+            direction: simd.to_f32(unit),
             inverse_length: inverse_length as f32,
-            reach: at_least(greatest(simd, simd.abs_doubles(origin))),
+            reach: round_up(greatest(simd, simd.abs_f64(origin))),
             span,
         }
     }
 
     #[inline(always)]
-    fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
+    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S> {
         let n = leaf.count;
         // SAFETY: these are the header and the four numbers of spheres.
         let spheres = unsafe {
@@ -179,38 +179,38 @@ impl Filter for SphereFilter {
             reach: simd.splat(self.reach),
             span: self.span.splat(simd),
         };
-        ray.judge(simd, &spheres, simd.splat(limit), leaf.mask())
+        ray.test(simd, &spheres, simd.splat(t_max), leaf.mask())
     }
 
-    type Across<S: Simd> = RayLanes<S>;
+    type Packet<S: Simd> = RayLanes<S>;
 
     #[inline(always)]
-    fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> RayLanes<S> {
-        let origin = relative(simd, rays.lanes.origin, tree.centre);
-        let [x, y, z] = rays.lanes.direction;
+    fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> RayLanes<S> {
+        let origin = relative(simd, rays.soa.origin, tree.centre);
+        let [x, y, z] = rays.soa.direction;
         let length_squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
-        let inverse_length = Eight::splat(simd, 1.0).div(simd, length_squared.sqrt(simd));
+        let inverse_length = F64x8::splat(simd, 1.0).div(simd, length_squared.sqrt(simd));
         RayLanes {
-            origin: [origin[0].narrowed(simd), origin[1].narrowed(simd), origin[2].narrowed(simd)],
+            origin: [origin[0].to_f32(simd), origin[1].to_f32(simd), origin[2].to_f32(simd)],
             direction: [
-                x.mul(simd, inverse_length).narrowed(simd),
-                y.mul(simd, inverse_length).narrowed(simd),
-                z.mul(simd, inverse_length).narrowed(simd),
+                x.mul(simd, inverse_length).to_f32(simd),
+                y.mul(simd, inverse_length).to_f32(simd),
+                z.mul(simd, inverse_length).to_f32(simd),
             ],
-            inverse_length: inverse_length.narrowed(simd),
-            reach: Across::reach(simd, origin),
+            inverse_length: inverse_length.to_f32(simd),
+            reach: RayPacket::reach(simd, origin),
             span: rays.span,
         }
     }
 
     #[inline(always)]
-    fn judge_across<S: Simd>(
+    fn test_packet<S: Simd>(
         simd: S,
         rays: &RayLanes<S>,
         leaf: LeafView<'_>,
         lane: Lane,
-        limits: S::Lanes,
-    ) -> Verdict<S> {
+        t_max: S::F32x8,
+    ) -> HitBounds<S> {
         let (n, first) = (leaf.count, HEADER + lane.index());
         // SAFETY: these are the header and the four numbers of a sphere, whose lane is less than 8.
         let sphere = unsafe {
@@ -224,25 +224,25 @@ impl Filter for SphereFilter {
                 greatest: leaf.number(0),
             }
         };
-        rays.judge(simd, &sphere, limits, 0xff)
+        rays.test(simd, &sphere, t_max, 0xff)
     }
 
-    const ROUND: bool = true;
+    const IS_SPHERE: bool = true;
 
     #[inline(always)]
-    fn within<S: Simd>(simd: S, shaft: &Shaft<S>, leaf: LeafView<'_>) -> u32 {
+    fn cull_by_frustum<S: Simd>(simd: S, frustum: &BundleFrustum<S>, leaf: LeafView<'_>) -> u32 {
         let n = leaf.count;
         // SAFETY: the header, and the last of four numbers.
         let (greatest, radius) = unsafe { (leaf.number(0), leaf.lanes(simd, HEADER + 3 * n)) };
-        let margin = simd.splat(shaft.margin(greatest));
+        let margin = simd.splat(frustum.margin(greatest));
         let radius = simd.add(simd.abs(radius), margin);
-        let (passed, _) = shaft.passes(simd, |row| {
+        let (hit, _) = frustum.intersect_boxes(simd, |row| {
             let row = row.index();
             // SAFETY: half a row is an axis, and the numbers of the three axes come first.
             let centre = unsafe { leaf.lanes(simd, HEADER + row / 2 * n) };
             if row & 1 == 0 { simd.sub(centre, radius) } else { simd.add(centre, radius) }
         });
-        passed & leaf.mask()
+        hit & leaf.mask()
     }
 
     #[inline(always)]

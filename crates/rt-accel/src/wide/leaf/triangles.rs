@@ -5,7 +5,7 @@
 //! Let `A` be the greatest coordinate of the origin, `e` the greatest extent of a triangle of the leaf along an axis, `Z` the
 //! depth of the first vertex along the packet's axis, from the origin, and `v = 2⁻²⁴`. Seen along the ray
 //! ([`WatertightRay`](rt_geometry::WatertightRay)) edges are no longer than `(1 + s)e = 2⅛e`, as shears are at most `s = 9/8`: in a
-//! packet the axis is the steepest of one ray only ([`GREATEST_SHEAR`]).
+//! packet the axis is the steepest of one ray only ([`MAX_SHEAR`]).
 //!
 //! **Two kinds of errors.** Rounding the origin and the shear shifts what is seen of all three vertices alike, by
 //! `σ ≤ (1 + s)v·A + s·v·|Z|`. All else is independent: differences, products and sums are each rounded, and are no greater
@@ -57,10 +57,10 @@ use glam::{DVec3, Vec3};
 use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
 use rt_math::Interval;
 
-use super::{AXES, Block, ExactRay, Filter, FilterSpan, Lane, LeafView, Verdict};
-use crate::wide::across::{Across, Eight, GREATEST_SHEAR, SpanLanes, relative as relative_to};
-use crate::wide::ray::{FilterRay, at_least, greatest};
-use crate::{wide::WideBvh, wide::copy::Copied, wide::facet, wide::simd::Simd};
+use super::{AXES, FilterTRange, HitBounds, Lane, LeafMut, LeafTest, LeafView, RayF64};
+use crate::wide::packet_rays::{F64x8, MAX_SHEAR, RayPacket, SpanLanes, relative as relative_to};
+use crate::wide::ray::{RayF32, greatest, round_up};
+use crate::{wide::WideBvh, wide::exact_triangle::LeafTriangle, wide::packet_triangles, wide::simd::Simd};
 
 /// Greatest extent of a triangle along an axis, and greatest coordinate.
 pub(super) const HEADER: usize = 2;
@@ -72,7 +72,7 @@ pub(super) const NUMBERS: usize = 9;
 const V: f32 = 1.0 / (1 << 24) as f32;
 
 /// Farthest from the ray, in greatest extents, where a vertex may be seen for anything to be sure.
-const CLOSE: f32 = 1.25 + GREATEST_SHEAR as f32;
+const CLOSE: f32 = 1.25 + MAX_SHEAR as f32;
 
 /// The parts of the margin: of `e·A`, `e·|Z|`, `e²`, `A·|Z|`, `Z²` and `A²`.
 const OF_REACH: f32 = 10.0 * V;
@@ -89,7 +89,7 @@ const LEAST: f32 = 1.0 / (1u128 << 80) as f32;
 const UNKNOWN: [Vec3; 3] = [Vec3::NAN; 3];
 
 /// Fills a leaf with vertices relative to a centre, or with exact ones where there is none.
-pub(super) fn fill<P: Primitives>(block: &mut Block<'_>, primitives: &P, indices: &[u32], centre: Option<DVec3>) {
+pub(super) fn fill<P: Primitives>(block: &mut LeafMut<'_>, primitives: &P, indices: &[u32], centre: Option<DVec3>) {
     let mut greatest = Vec3::ZERO;
     let mut extent = Vec3::ZERO;
     for (lane, &index) in indices.iter().enumerate() {
@@ -142,9 +142,9 @@ pub(in crate::wide) unsafe fn corner(leaf: LeafView<'_>, lane: Lane, vertex: usi
     unsafe { [leaf.number(at), leaf.number(at + leaf.count), leaf.number(at + 2 * leaf.count)] }
 }
 
-/// The watertight test with three answers. Where leaves hold exact `COPIES` it decides about them as well.
+/// The watertight test with three answers. Where leaves hold exact `EXACT` it decides about them as well.
 #[derive(Clone, Copy)]
-pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
+pub(in crate::wide) struct TriangleTest<const EXACT: bool> {
     /// In the order x, y, z of the ray's own space.
     origin: [f32; 4],
     /// The last of these.
@@ -154,7 +154,7 @@ pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
     scale: f32,
     /// Greatest coordinate of the origin.
     reach: f32,
-    span: FilterSpan,
+    span: FilterTRange,
 }
 
 /// One coordinate of the three vertices of eight triangles.
@@ -163,7 +163,7 @@ pub(in crate::wide) struct TriangleFilter<const COPIES: bool> {
 ///
 /// The leaf must be one of triangles, and the axis less than 3.
 #[inline(always)]
-unsafe fn numbers<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lanes; 3] {
+unsafe fn load_coordinates<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) -> [S::F32x8; 3] {
     debug_assert!(axis < 3);
     let first = HEADER + axis * leaf.count;
     // SAFETY: as the caller promises, these are numbers 0 to 8 of nine.
@@ -178,7 +178,7 @@ unsafe fn numbers<S: Simd>(simd: S, leaf: LeafView<'_>, axis: usize) -> [S::Lane
 ///
 /// See [`coordinates`].
 #[inline(always)]
-unsafe fn repeated<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, axis: usize) -> [S::Lanes; 3] {
+unsafe fn splat_coordinates<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, axis: usize) -> [S::F32x8; 3] {
     // SAFETY: as the caller promises.
     let [a, b, c] = unsafe { coordinates(leaf, lane, axis) };
     [simd.splat(a), simd.splat(b), simd.splat(c)]
@@ -186,9 +186,9 @@ unsafe fn repeated<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, axis: usize
 
 /// Triangles of one leaf, side by side: coordinates of their vertices in the order of the axes of the ray.
 struct TriangleLanes<S: Simd> {
-    x: [S::Lanes; 3],
-    y: [S::Lanes; 3],
-    z: [S::Lanes; 3],
+    x: [S::F32x8; 3],
+    y: [S::F32x8; 3],
+    z: [S::F32x8; 3],
     /// Greatest extent of one of them along an axis.
     extent: f32,
     /// Greatest coordinate if they are rounded, otherwise 0.
@@ -197,16 +197,16 @@ struct TriangleLanes<S: Simd> {
 
 /// One ray eight times, or eight rays that go about the same way.
 pub(in crate::wide) struct RayLanes<S: Simd> {
-    origin: [S::Lanes; 3],
-    shear: [S::Lanes; 2],
-    scale: S::Lanes,
-    reach: S::Lanes,
+    origin: [S::F32x8; 3],
+    shear: [S::F32x8; 2],
+    scale: S::F32x8,
+    reach: S::F32x8,
     span: SpanLanes<S>,
 }
 
 impl<S: Simd> RayLanes<S> {
     #[inline(always)]
-    fn judge(&self, simd: S, triangles: &TriangleLanes<S>, limit: S::Lanes, mask: u32) -> Verdict<S> {
+    fn test(&self, simd: S, triangles: &TriangleLanes<S>, t_max: S::F32x8, mask: u32) -> HitBounds<S> {
         let z = relative(simd, triangles.z, self.origin[2]);
         let x = sheared(simd, relative(simd, triangles.x, self.origin[0]), z, self.shear[0]);
         let y = sheared(simd, relative(simd, triangles.y, self.origin[1]), z, self.shear[1]);
@@ -227,13 +227,13 @@ impl<S: Simd> RayLanes<S> {
         let negative = simd.sub(simd.splat(0.0), margin);
         // Not where they are no numbers.
         let quick_reject = simd.lt(least, negative) & simd.lt(margin, greatest);
-        let maybe = !quick_reject & mask;
-        if maybe == 0 {
-            return Verdict { maybe, sure: 0, near: u, far: u };
+        let possible = !quick_reject & mask;
+        if possible == 0 {
+            return HitBounds { possible, certain: 0, t_min: u, t_max: u };
         }
 
         let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(CLOSE * extent));
-        let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & maybe;
+        let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & possible;
 
         let determinant = simd.add(simd.add(u, v), w);
         let inverse = simd.div(simd.splat(1.0), determinant);
@@ -250,21 +250,21 @@ impl<S: Simd> RayLanes<S> {
         let is_in_front = simd.le(self.span.min[1], near);
         let is_in_time = simd.le(far, self.span.max);
         let is_not_before = simd.le(self.span.min[0], far);
-        let is_not_after = simd.le(near, limit);
-        let maybe = maybe & (!inside | (is_not_before & is_not_after));
-        Verdict { maybe, sure: inside & maybe & is_in_front & is_in_time, near, far }
+        let is_not_after = simd.le(near, t_max);
+        let possible = possible & (!inside | (is_not_before & is_not_after));
+        HitBounds { possible, certain: inside & possible & is_in_front & is_in_time, t_min: near, t_max: far }
     }
 }
 
 /// Three vertices of eight triangles relative to the origin, along one axis.
 #[inline(always)]
-fn relative<S: Simd>(simd: S, positions: [S::Lanes; 3], origin: S::Lanes) -> [S::Lanes; 3] {
+fn relative<S: Simd>(simd: S, positions: [S::F32x8; 3], origin: S::F32x8) -> [S::F32x8; 3] {
     [simd.sub(positions[0], origin), simd.sub(positions[1], origin), simd.sub(positions[2], origin)]
 }
 
 /// Three vertices of eight triangles, shifted across the ray.
 #[inline(always)]
-fn sheared<S: Simd>(simd: S, across: [S::Lanes; 3], along: [S::Lanes; 3], shear: S::Lanes) -> [S::Lanes; 3] {
+fn sheared<S: Simd>(simd: S, across: [S::F32x8; 3], along: [S::F32x8; 3], shear: S::F32x8) -> [S::F32x8; 3] {
     [
         simd.neg_mul_add(shear, along[0], across[0]),
         simd.neg_mul_add(shear, along[1], across[1]),
@@ -274,48 +274,48 @@ fn sheared<S: Simd>(simd: S, across: [S::Lanes; 3], along: [S::Lanes; 3], shear:
 
 /// Twice the area between the ray and an edge.
 #[inline(always)]
-fn edge_function<S: Simd>(simd: S, from: [S::Lanes; 2], to: [S::Lanes; 2]) -> S::Lanes {
+fn edge_function<S: Simd>(simd: S, from: [S::F32x8; 2], to: [S::F32x8; 2]) -> S::F32x8 {
     simd.mul_sub(from[0], to[1], simd.mul(from[1], to[0]))
 }
 
 /// The greatest distance of three numbers from 0.
 #[inline(always)]
-fn farthest<S: Simd>(simd: S, p: [S::Lanes; 3]) -> S::Lanes {
+fn farthest<S: Simd>(simd: S, p: [S::F32x8; 3]) -> S::F32x8 {
     simd.max(simd.max(simd.abs(p[0]), simd.abs(p[1])), simd.abs(p[2]))
 }
 
-impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
+impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
     #[inline(always)]
-    fn decides(leaf: LeafView<'_>, lane: Lane) -> bool {
+    fn is_exact(leaf: LeafView<'_>, lane: Lane) -> bool {
         // SAFETY: the first number, and the lane is less than 8.
-        COPIES && !unsafe { leaf.number(HEADER + lane.index()) }.is_nan()
+        EXACT && !unsafe { leaf.number(HEADER + lane.index()) }.is_nan()
     }
 
     #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &ExactRay<'_, S>, _: &FilterRay, span: FilterSpan, tree: &WideBvh) -> Self {
-        let centre = if COPIES { DVec3::ZERO } else { tree.centre };
-        let origin = simd.sub_doubles(ray.lanes.origin, simd.doubles([centre.x, centre.y, centre.z, 0.0]));
+    fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, _: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self {
+        let centre = if EXACT { DVec3::ZERO } else { tree.centre };
+        let origin = simd.sub_f64(ray.lanes.origin, simd.f64x4([centre.x, centre.y, centre.z, 0.0]));
         Self {
-            origin: simd.narrowed(simd.turned_last(origin, ray.axis)),
+            origin: simd.to_f32(simd.rotate_axis_last(origin, ray.axis)),
             axis: ray.axis,
-            shear: simd.narrowed(ray.shear),
+            shear: simd.to_f32(ray.shear),
             scale: ray.scale as f32,
-            reach: at_least(greatest(simd, simd.abs_doubles(origin))),
+            reach: round_up(greatest(simd, simd.abs_f64(origin))),
             span,
         }
     }
 
     #[inline(always)]
-    fn judge<S: Simd>(&self, simd: S, leaf: LeafView<'_>, limit: f32) -> Verdict<S> {
+    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S> {
         let [x, y, z] = AXES[self.axis & 3];
         // SAFETY: leaves that this filter is for are of triangles, with two words before the numbers; axes are of the list.
         let triangles = unsafe {
             TriangleLanes {
-                x: numbers(simd, leaf, x),
-                y: numbers(simd, leaf, y),
-                z: numbers(simd, leaf, z),
+                x: load_coordinates(simd, leaf, x),
+                y: load_coordinates(simd, leaf, y),
+                z: load_coordinates(simd, leaf, z),
                 extent: leaf.number(0),
-                rounded: if COPIES { 0.0 } else { leaf.number(1) },
+                rounded: if EXACT { 0.0 } else { leaf.number(1) },
             }
         };
         let ray = RayLanes {
@@ -325,48 +325,48 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
             reach: simd.splat(self.reach),
             span: self.span.splat(simd),
         };
-        ray.judge(simd, &triangles, simd.splat(limit), leaf.mask())
+        ray.test(simd, &triangles, simd.splat(t_max), leaf.mask())
     }
 
-    type Across<S: Simd> = ([usize; 3], RayLanes<S>);
+    type Packet<S: Simd> = ([usize; 3], RayLanes<S>);
 
     #[inline(always)]
-    fn across<S: Simd>(simd: S, rays: &Across<S>, tree: &WideBvh) -> Self::Across<S> {
-        let origin = relative_to(simd, rays.lanes.origin, if COPIES { DVec3::ZERO } else { tree.centre });
+    fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> Self::Packet<S> {
+        let origin = relative_to(simd, rays.soa.origin, if EXACT { DVec3::ZERO } else { tree.centre });
         let [x, y, z] = rays.axes.map(|axis| axis % 3);
-        let scale = rays.lanes.inverse[z];
+        let scale = rays.soa.inverse[z];
         let lanes = RayLanes {
-            origin: [origin[x].narrowed(simd), origin[y].narrowed(simd), origin[z].narrowed(simd)],
+            origin: [origin[x].to_f32(simd), origin[y].to_f32(simd), origin[z].to_f32(simd)],
             shear: [
-                rays.lanes.direction[x].mul(simd, scale).narrowed(simd),
-                rays.lanes.direction[y].mul(simd, scale).narrowed(simd),
+                rays.soa.direction[x].mul(simd, scale).to_f32(simd),
+                rays.soa.direction[y].mul(simd, scale).to_f32(simd),
             ],
-            scale: scale.narrowed(simd),
-            reach: Across::reach(simd, origin),
+            scale: scale.to_f32(simd),
+            reach: RayPacket::reach(simd, origin),
             span: rays.span,
         };
         ([x, y, z], lanes)
     }
 
     #[inline(always)]
-    fn judge_across<S: Simd>(
+    fn test_packet<S: Simd>(
         simd: S,
-        (axes, rays): &Self::Across<S>,
+        (axes, rays): &Self::Packet<S>,
         leaf: LeafView<'_>,
         lane: Lane,
-        limits: S::Lanes,
-    ) -> Verdict<S> {
-        // SAFETY: as in `judge`; `across` has made the axes modulo 3.
+        t_max: S::F32x8,
+    ) -> HitBounds<S> {
+        // SAFETY: as in `tester`; `across` has made the axes modulo 3.
         let triangle = unsafe {
             TriangleLanes {
-                x: repeated(simd, leaf, lane, axes[0]),
-                y: repeated(simd, leaf, lane, axes[1]),
-                z: repeated(simd, leaf, lane, axes[2]),
+                x: splat_coordinates(simd, leaf, lane, axes[0]),
+                y: splat_coordinates(simd, leaf, lane, axes[1]),
+                z: splat_coordinates(simd, leaf, lane, axes[2]),
                 extent: leaf.number(0),
-                rounded: if COPIES { 0.0 } else { leaf.number(1) },
+                rounded: if EXACT { 0.0 } else { leaf.number(1) },
             }
         };
-        rays.judge(simd, &triangle, limits, 0xff)
+        rays.test(simd, &triangle, t_max, 0xff)
     }
 
     #[inline(always)]
@@ -376,35 +376,35 @@ impl<const COPIES: bool> Filter for TriangleFilter<COPIES> {
     }
 
     #[inline(always)]
-    fn copied_hit<S: Simd, const CERTAIN: bool>(
+    fn exact_hit<S: Simd, const CERTAIN: bool>(
         simd: S,
         leaf: LeafView<'_>,
         lane: Lane,
-        ray: &ExactRay<'_, S>,
+        ray: &RayF64<'_, S>,
         span: Interval,
     ) -> Option<Hit> {
         // SAFETY: leaves that this filter is for are of triangles.
-        unsafe { Copied::new(leaf, lane, Self::index(leaf, lane)) }.hit::<S, CERTAIN>(simd, ray, span)
+        unsafe { LeafTriangle::new(leaf, lane, Self::index(leaf, lane)) }.hit::<S, CERTAIN>(simd, ray, span)
     }
 
     #[inline(always)]
-    fn certain_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, rays: &Across<S>) -> [Eight<S>; 3] {
+    fn exact_packet_hits<S: Simd>(simd: S, leaf: LeafView<'_>, lane: Lane, rays: &RayPacket<S>) -> [F64x8<S>; 3] {
         // SAFETY: leaves that this filter is for are of triangles.
         let vertices = [0, 1, 2].map(|vertex| unsafe { corner(leaf, lane, vertex) }.map(f64::from).into());
-        facet::certain_hits(simd, &vertices, rays.axes, &rays.lanes)
+        packet_triangles::resolve_certain(simd, &vertices, rays.axes, &rays.soa)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::{Accelerator, brute_force, wide::goal::Prepared, wide::leaf::LeafKind};
+    use crate::{Accelerator, brute_force, wide::leaf::LeafKind, wide::query::TravRay};
     use rt_geometry::{NoProbe, WatertightRay};
     use rt_math::random::{hash, unit};
     use rt_math::{Aabb, Ray};
 
     use super::*;
-    use crate::wide::across::{PACKET, agree};
-    use crate::wide::simd::{Available, Kernel};
+    use crate::wide::packet_rays::{PACKET, is_coherent};
+    use crate::wide::simd::{DetectedSimd, WithSimd};
     use crate::wide::{BuildParams, SimdLevel};
 
     struct Facets(Vec<[Vec3; 3]>);
@@ -459,37 +459,37 @@ mod tests {
     struct Bracketed<'a>(&'a WideBvh, &'a Facets, &'a mut Counts);
 
     impl Bracketed<'_> {
-        fn check(&mut self, ray: &Ray, span: Interval, maybe: bool, sure: bool, near: f32, far: f32) {
+        fn check(&mut self, ray: &Ray, span: Interval, possible: bool, certain: bool, near: f32, far: f32) {
             let hit = brute_force::closest(self.1, ray, span, &mut NoProbe);
-            self.2[if sure { 0 } else { 1 + usize::from(maybe) }] += 1;
-            assert!(maybe || hit.is_none(), "missed: {hit:?}, {ray:?}, {:?}", self.1.0);
-            if sure {
+            self.2[if certain { 0 } else { 1 + usize::from(possible) }] += 1;
+            assert!(possible || hit.is_none(), "missed: {hit:?}, {ray:?}, {:?}", self.1.0);
+            if certain {
                 let t = hit.map_or(f64::NAN, |hit| hit.t);
                 assert!(f64::from(near) <= t && t <= f64::from(far), "{near}, {t}, {far}: {ray:?}, {:?}", self.1.0);
             }
         }
 
         #[inline(always)]
-        fn compare<S: Simd, const COPIES: bool>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET]) {
+        fn compare<S: Simd, const EXACT: bool>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET]) {
             let tree = self.0;
-            let Some(across) = Across::new(simd, tree, rays).filter(|_| agree(rays)) else { return };
+            let Some(across) = RayPacket::new(simd, tree, rays).filter(|_| is_coherent(rays)) else { return };
             // SAFETY: the root of a tree is one of its nodes, and the first child of this one is its only leaf.
             let leaf = unsafe { tree.leaves.view(tree.node(tree.root).children[0]) };
-            let filter = TriangleFilter::<COPIES>::across(simd, &across, tree);
-            let together = TriangleFilter::<COPIES>::judge_across(simd, &filter, leaf, Lane::new(0), across.limits);
-            let (near, far) = (simd.to_array(together.near), simd.to_array(together.far));
+            let filter = TriangleTest::<EXACT>::packet(simd, &across, tree);
+            let together = TriangleTest::<EXACT>::test_packet(simd, &filter, leaf, Lane::new(0), across.t_max);
+            let (near, far) = (simd.to_array(together.t_min), simd.to_array(together.t_max));
             for (i, (ray, span)) in rays.iter().enumerate() {
-                let (maybe, sure) = (together.maybe >> i & 1 != 0, together.sure >> i & 1 != 0);
-                self.check(ray, *span, maybe, sure, near[i], far[i]);
-                let prepared = Prepared::<S, TriangleFilter<COPIES>>::new(simd, tree, ray, *span);
-                let alone = prepared.expect("proven with the others").filter.judge(simd, leaf, at_least(span.max));
-                let (near, far) = (simd.to_array(alone.near)[0], simd.to_array(alone.far)[0]);
-                self.check(ray, *span, alone.maybe & 1 != 0, alone.sure & 1 != 0, near, far);
+                let (possible, certain) = (together.possible >> i & 1 != 0, together.certain >> i & 1 != 0);
+                self.check(ray, *span, possible, certain, near[i], far[i]);
+                let trav = TravRay::<S, TriangleTest<EXACT>>::new(simd, tree, ray, *span);
+                let alone = trav.expect("proven with the others").leaf_test.test(simd, leaf, round_up(span.max));
+                let (near, far) = (simd.to_array(alone.t_min)[0], simd.to_array(alone.t_max)[0]);
+                self.check(ray, *span, alone.possible & 1 != 0, alone.certain & 1 != 0, near, far);
             }
         }
     }
 
-    impl Kernel<&[(Ray, Interval); PACKET], ()> for Bracketed<'_> {
+    impl WithSimd<&[(Ray, Interval); PACKET], ()> for Bracketed<'_> {
         #[inline(always)]
         fn run<S: Simd>(mut self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
             match self.0.leaves.kind {
@@ -529,7 +529,7 @@ mod tests {
                     let direction = (way + point(k + 2) * spread) * pick(k + 5, &[1.0, 0.3]);
                     (Ray::new(target - direction * distance * (1.0 + at(k + 6)), direction), Interval::FORWARD)
                 });
-                Available::new(level).dispatch(Bracketed(&tree, &facets, &mut counts), &rays, ());
+                DetectedSimd::new(level).dispatch(Bracketed(&tree, &facets, &mut counts), &rays, ());
             }
             assert!(counts.iter().all(|count| *count > 4000), "{}: {counts:?}", level.name());
         }

@@ -1,7 +1,7 @@
-//! Eight numbers of single precision at a time, on whatever the processor has.
+//! Eight `f32`, or four `f64`, at a time on any processor.
 //!
-//! What is written once against [`Simd`] runs on AVX-512, AVX2, or anything. Which one is asked for by
-//! [`SimdLevel`]; results differ in the last bits of what filters compute, and never in what a query answers.
+//! Kernels are written once against [`Simd`] and compiled for AVX-512, AVX2 and a portable level. [`SimdLevel`] selects one
+//! at run time. The last bits of filters differ between levels; query results do not.
 
 mod portable;
 #[cfg(target_arch = "x86_64")]
@@ -11,146 +11,120 @@ use core::mem::MaybeUninit;
 
 use portable::Portable;
 
-/// Arithmetic on eight numbers side by side. Having a value of the type proves that the processor can do it.
+/// Lane-wise arithmetic. A value of the type proves that the processor has the instructions.
+///
+/// Comparisons return a bit for each lane, clear where a number is NaN.
 pub(super) trait Simd: Copy {
-    /// Eight numbers.
-    type Lanes: Copy;
+    type F32x8: Copy;
+    type F64x4: Copy;
 
-    /// True if rays are tested in so few instructions that it pays to have others go on while one waits.
-    const WAITS: bool;
-
+    /// True if a ray takes so few instructions that interleaving rays hides memory latency.
+    const INTERLEAVE: bool;
     /// True if [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
 
-    /// The same number eight times.
-    fn splat(self, x: f32) -> Self::Lanes;
-    /// Eight numbers in a row.
-    fn load(self, from: &[f32; 8]) -> Self::Lanes;
-    /// The numbers by lane.
-    fn to_array(self, a: Self::Lanes) -> [f32; 8];
-    /// The same numbers but for that of one lane.
-    fn replaced(self, a: Self::Lanes, lane: usize, by: f32) -> Self::Lanes;
-    /// `a + b`
-    fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
-    /// `a − b`
-    fn sub(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
-    /// `a·b`
-    fn mul(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
-    /// `a/b`
-    fn div(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
-    /// `√a`
-    fn sqrt(self, a: Self::Lanes) -> Self::Lanes;
-    /// `|a|`
-    fn abs(self, a: Self::Lanes) -> Self::Lanes;
-    /// The lesser of both; either where one is NaN.
-    fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
-    /// The greater of both; either where one is NaN.
-    fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    fn splat(self, x: f32) -> Self::F32x8;
+    fn load(self, from: &[f32; 8]) -> Self::F32x8;
+    fn to_array(self, a: Self::F32x8) -> [f32; 8];
+    /// Replaces one lane.
+    fn insert(self, a: Self::F32x8, lane: usize, by: f32) -> Self::F32x8;
+    fn add(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn sub(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn mul(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn div(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn sqrt(self, a: Self::F32x8) -> Self::F32x8;
+    fn abs(self, a: Self::F32x8) -> Self::F32x8;
+    /// Minimum; either number where one is NaN.
+    fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    /// Maximum; either number where one is NaN.
+    fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// `a·b + c`, rounded once or twice.
-    fn mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
+    fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
     /// `a·b − c`, rounded once or twice.
-    fn mul_sub(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
+    fn mul_sub(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
     /// `c − a·b`, rounded once or twice.
-    fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
-    /// A bit for each lane, set where `a ≤ b`; never where one is NaN.
-    fn le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
-    /// A bit for each lane, set where `a < b`; never where one is NaN.
-    fn lt(self, a: Self::Lanes, b: Self::Lanes) -> u32;
-    /// A bit for each lane whose bits are the same.
-    fn same(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    fn neg_mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
+    fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+    fn lt(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+    /// Bit equality, also of NaNs.
+    fn eq_bits(self, a: Self::F32x8, b: Self::F32x8) -> u32;
     /// `a` where the mask has a bit, otherwise `b`.
-    fn chosen(self, mask: u32, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    fn select(self, mask: u32, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// `enter` where it is at most `leave`, otherwise infinity.
-    fn or_infinity(self, enter: Self::Lanes, leave: Self::Lanes) -> Self::Lanes;
-    /// The least of the eight.
-    fn least(self, a: Self::Lanes) -> f32;
-    /// Writes where `enter ≤ leave`, from the greatest `enter` to the least, and the words of those lanes; returns how
-    /// many they are. What is written after them means nothing. No `enter` may be negative. Each may be written with its
-    /// last three bits cleared.
-    fn put_passed(
+    fn or_inf(self, enter: Self::F32x8, leave: Self::F32x8) -> Self::F32x8;
+    fn reduce_min(self, a: Self::F32x8) -> f32;
+    /// Writes the lanes with `enter ≤ leave` in descending order of `enter`, with their words, and returns their number.
+    ///
+    /// No `enter` may be negative; it may be written with its last three bits cleared. Entries after the count have no
+    /// meaning.
+    fn compress_sorted(
         self,
-        enter: Self::Lanes,
-        leave: Self::Lanes,
+        enter: Self::F32x8,
+        leave: Self::F32x8,
         words: &[u32; 8],
         enters: &mut [MaybeUninit<f32>; 8],
-        passed: &mut [MaybeUninit<u32>; 8],
+        hit: &mut [MaybeUninit<u32>; 8],
     ) -> usize;
-    /// Four numbers of double precision.
-    type Doubles: Copy;
 
-    /// Four numbers.
-    fn doubles(self, of: [f64; 4]) -> Self::Doubles;
-    /// Four numbers, widened.
-    fn widened(self, of: [f32; 4]) -> Self::Doubles;
-    /// The numbers of single precision that are nearest.
-    fn rounded(self, a: Self::Doubles) -> Self::Doubles;
-    /// Eight numbers, rounded.
-    fn joined(self, low: Self::Doubles, high: Self::Doubles) -> Self::Lanes;
-    /// Four numbers, rounded.
-    fn narrowed(self, a: Self::Doubles) -> [f32; 4];
-    /// The numbers by lane.
-    fn to_doubles(self, a: Self::Doubles) -> [f64; 4];
-    /// `a + b`
-    fn add_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
-    /// `a − b`
-    fn sub_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
-    /// `a·b`
-    fn mul_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
-    /// `a/b`
-    fn div_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
-    /// `√a`
-    fn sqrt_doubles(self, a: Self::Doubles) -> Self::Doubles;
-    /// `|a|`
-    fn abs_doubles(self, a: Self::Doubles) -> Self::Doubles;
-    /// `a` where it is less than `b`, otherwise `b`, also where one is NaN.
-    fn min_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
-    /// `a` where it is greater than `b`, otherwise `b`, also where one is NaN.
-    fn max_doubles(self, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
-    /// `negative` where the sign of `by` is, otherwise `positive`.
-    fn by_sign(self, by: Self::Doubles, positive: Self::Doubles, negative: Self::Doubles) -> Self::Doubles;
-    /// A bit for each of the four, set where the sign is negative.
-    fn signs(self, a: Self::Doubles) -> u32;
-    /// A bit for each of the four, set where `a ≤ b`; never where one is NaN.
-    fn le_doubles(self, a: Self::Doubles, b: Self::Doubles) -> u32;
-    /// The first three in the order 1, 2, 0.
-    fn turned_once(self, a: Self::Doubles) -> Self::Doubles;
-    /// The first three in the order 2, 0, 1.
-    fn turned_twice(self, a: Self::Doubles) -> Self::Doubles;
-    /// The axis of the greatest of the first three, as [`WatertightRay`](rt_geometry::WatertightRay) chooses among equals.
-    fn greatest_axis(self, a: Self::Doubles) -> usize;
-    /// The first three in the cyclic order in which this axis comes last.
-    fn turned_last(self, a: Self::Doubles, axis: usize) -> Self::Doubles;
-    /// Asks for the cache line at this address to be fetched; any address will do.
+    fn f64x4(self, of: [f64; 4]) -> Self::F64x4;
+    fn to_f64(self, of: [f32; 4]) -> Self::F64x4;
+    /// Rounds to the nearest `f32`.
+    fn round_to_f32(self, a: Self::F64x4) -> Self::F64x4;
+    fn concat_to_f32(self, low: Self::F64x4, high: Self::F64x4) -> Self::F32x8;
+    fn to_f32(self, a: Self::F64x4) -> [f32; 4];
+    fn to_f64_array(self, a: Self::F64x4) -> [f64; 4];
+    fn add_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn sub_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn mul_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn div_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn sqrt_f64(self, a: Self::F64x4) -> Self::F64x4;
+    fn abs_f64(self, a: Self::F64x4) -> Self::F64x4;
+    /// `a` where `a < b`, otherwise `b`, also where one is NaN.
+    fn min_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    /// `a` where `a > b`, otherwise `b`, also where one is NaN.
+    fn max_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    /// `negative` where the sign bit of `by` is set, otherwise `positive`.
+    fn select_by_sign(self, by: Self::F64x4, positive: Self::F64x4, negative: Self::F64x4) -> Self::F64x4;
+    /// Sign bits of the four numbers.
+    fn signs(self, a: Self::F64x4) -> u32;
+    fn le_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
+    /// The first three numbers in the order 1, 2, 0.
+    fn yzx(self, a: Self::F64x4) -> Self::F64x4;
+    /// The first three numbers in the order 2, 0, 1.
+    fn zxy(self, a: Self::F64x4) -> Self::F64x4;
+    /// Axis of the maximum of the first three; [`WatertightRay`](rt_geometry::WatertightRay) breaks ties alike.
+    fn max_axis(self, a: Self::F64x4) -> usize;
+    /// Rotates the first three cyclically until this axis is the last.
+    fn rotate_axis_last(self, a: Self::F64x4, axis: usize) -> Self::F64x4;
+    /// Prefetches the cache line at any address.
     fn prefetch<T>(self, line: *const T);
 }
 
-/// A computation that is to be compiled for every kind of processor. `run` must be `#[inline(always)]`.
+/// A computation that is compiled for every level. `run` must be `#[inline(always)]`.
 ///
-/// What implements it should be no more than two pointers, and so should its arguments: then all travel in registers.
-/// What has just been stored in small pieces cannot be loaded in larger ones without a wait for the memory, which costs
-/// as much as a node.
-pub(super) trait Kernel<A, B> {
-    /// Does it.
+/// Implementors and arguments should be at most two pointers, so that all travel in registers. A wide load of data that
+/// was just stored in small pieces stalls for as long as a node takes.
+pub(super) trait WithSimd<A, B> {
     fn run<S: Simd>(self, simd: S, a: A, b: B);
 }
 
-/// What the processor can do with eight numbers at a time.
+/// Instruction set of the traversal kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SimdLevel {
-    /// Four numbers twice, by what every processor of its kind can do: SSE2, NEON, or plain arithmetic.
+    /// Twice four numbers: SSE2, NEON, or scalar arithmetic.
     Portable,
     /// AVX2 with fused multiply-add.
     Avx2,
-    /// AVX-512 with 256-bit vectors: as AVX2, with masks in registers of their own.
+    /// AVX-512 with 256-bit vectors: AVX2 plus mask registers.
     Avx512,
 }
 
 impl SimdLevel {
-    /// All of them, from the least to the most demanding.
+    /// All levels, from the least to the most demanding.
     pub const ALL: &[Self] = &[Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// Its name in lower case.
+    /// Lower-case name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -159,12 +133,12 @@ impl SimdLevel {
         }
     }
 
-    /// The most demanding that this processor can do.
+    /// The most demanding level that this processor supports.
     pub fn best() -> Self {
         Self::ALL.iter().rev().copied().find(|level| level.is_available()).unwrap_or(Self::Portable)
     }
 
-    /// True if this processor can do it.
+    /// True if this processor supports the level.
     pub fn is_available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
         match self {
@@ -179,9 +153,9 @@ impl SimdLevel {
     }
 }
 
-/// A level that the processor has.
+/// A level that the processor supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Available {
+pub(super) enum DetectedSimd {
     Portable(Portable),
     #[cfg(target_arch = "x86_64")]
     Avx2(x86::Avx2),
@@ -189,8 +163,8 @@ pub(super) enum Available {
     Avx512(x86::Avx512),
 }
 
-impl Available {
-    /// The level, or the portable one if the processor does not have it.
+impl DetectedSimd {
+    /// The given level, or the portable one if the processor does not support it.
     pub(super) fn new(level: SimdLevel) -> Self {
         #[cfg(target_arch = "x86_64")]
         let available = match level {
@@ -213,9 +187,9 @@ impl Available {
         }
     }
 
-    /// Runs a kernel by the instructions of this level.
+    /// Runs a kernel with the instructions of this level.
     #[inline(always)]
-    pub(super) fn dispatch<A, B, K: Kernel<A, B>>(self, kernel: K, a: A, b: B) {
+    pub(super) fn dispatch<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) {
         match self {
             Self::Portable(simd) => simd.dispatch(kernel, a, b),
             #[cfg(target_arch = "x86_64")]
@@ -226,8 +200,7 @@ impl Available {
     }
 }
 
-impl Default for Available {
-    /// The best.
+impl Default for DetectedSimd {
     fn default() -> Self {
         Self::new(SimdLevel::best())
     }

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use rt_render::Share;
 
+use rt_scene_io::InputHashes;
+
 use crate::args::{AovArg, CheckpointArgs, Frames, InputArgs, RenderArgs, RunArgs};
 use crate::console::Console;
 use crate::error::CliError;
@@ -40,7 +42,8 @@ pub(super) fn each(
         if files.is_none() {
             files = Some(files_of(&args).map_err(|source| failed(frame, source))?);
         }
-        let identity = Identity::new(&args.input, &args.picture, files.as_deref().unwrap_or_default())?;
+        let identity =
+            Identity::new(&args.input, &args.picture, files.as_deref().unwrap_or_default(), &InputHashes::default())?;
         // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
         if log.has(frame, &identity, &args.input.scene)? && results(&args).all(Path::exists) {

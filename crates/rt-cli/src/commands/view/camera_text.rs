@@ -1,4 +1,4 @@
-//! A camera as text, to be pasted into a scene file.
+//! Camera as text of a scene file.
 
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
@@ -8,8 +8,8 @@ use rt_scene_io::format::{self, Step};
 
 use super::pose::Pose;
 
-/// The field `camera` of a scene file in which the camera stands still in this pose. Read again, it is the same camera to the bit,
-/// as far as angles in degrees can tell.
+/// Field `camera` of a scene file for a camera that stands still in this pose. It is read as the same camera to the bit, except
+/// for angles that no number of degrees stands for.
 pub(super) fn camera_text(pose: &Pose, settings: &CameraSettings, medium: Option<&str>) -> String {
     let mut camera = format::Camera {
         shutter: Some((settings.shutter[0], settings.shutter[1])).filter(|&shutter| shutter != (0.0, 1.0)),
@@ -53,7 +53,7 @@ fn lens(lens: &Lens) -> format::Lens {
     }
 }
 
-/// Degrees that are read as this angle, and have few digits if there are such.
+/// Degrees that are read as this angle, with few digits where possible.
 fn degrees(radians: f64) -> f64 {
     let exact = radians.to_degrees();
     let short = (exact * 1e9).round() / 1e9;
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn text_is_short_and_says_what_differs_from_the_default() {
+    fn text_is_short_and_has_only_what_differs_from_the_default() {
         let pose = Pose { eye: DVec3::new(0.0, 1.0, 6.0), target: DVec3::ZERO, ..POSE };
         let camera = settings(&pose, Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical });
         let expected = "camera: (\n    look_from: (0.0, 1.0, 6.0),\n    look_at: (0.0, 0.0, 0.0),\n    fov: 40.0,\n),";

@@ -1,4 +1,4 @@
-//! Where the camera stands and what it looks at, and how it is led around.
+//! Position and target of a camera, and its motions.
 //!
 //! ```text
 //!                 up
@@ -12,26 +12,26 @@ use core::f64::consts::FRAC_PI_2;
 use rt_math::transcendental::acos;
 use rt_math::{DVec3, Transform};
 
-/// Angle between the view and the poles that is kept when the camera is turned, in radians: beyond them it would be upside down.
+/// Least angle between the view and `up`, in radians. Beyond it the camera would be upside down.
 const POLE_DISTANCE: f64 = 0.01;
 
-/// Farthest that a residue may be from nothing to be taken for rounding.
+/// Largest difference that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A place to look from and a point to look at.
+/// Position and target of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pose {
     pub(super) eye: DVec3,
     pub(super) target: DVec3,
-    /// The direction that is up in the image as nearly as possible, and that the camera is turned about.
+    /// Axis of rotation, and the direction that is up in the image as nearly as possible.
     pub(super) up: DVec3,
-    /// What the camera's own space is before it is placed, for a camera that scales or mirrors.
+    /// Transform before the camera is placed, for a camera that scales or mirrors.
     pub(super) shape: Option<Transform>,
 }
 
 impl Pose {
-    /// The pose of a camera whose point of interest lies so far along its view, in world units. `None` for a camera in which no
-    /// direction can be told, or for a distance that is none.
+    /// Pose of a camera whose target lies at this distance along its view, in world units. `None` for a camera without a direction,
+    /// or for a distance that is not positive.
     pub(super) fn of(world_from_camera: &Transform, distance: f64) -> Option<Self> {
         let axes = world_from_camera.linear();
         let forward = (-axes.z_axis).try_normalize()?;
@@ -52,7 +52,7 @@ impl Pose {
         Some(Self { shape, ..bare })
     }
 
-    /// The transform of the camera; `None` if the pose is none: the eye in the target, or the view along `up`.
+    /// Transform of the camera. `None` if the eye is in the target, or the view along `up`.
     pub(super) fn world_from_camera(&self) -> Option<Transform> {
         let placed = self.placed()?;
         let Some(shape) = &self.shape else { return Some(placed) };
@@ -70,7 +70,7 @@ impl Pose {
         self.eye.distance(self.target)
     }
 
-    /// Leads the eye around the target, by angles in radians to the right and up, as far as the poles.
+    /// Moves the eye around the target, by angles in radians to the right and up, as far as the poles.
     pub(super) fn orbit(self, right: f64, up: f64) -> Self {
         let eye = self.target + self.turned(self.eye - self.target, right, up);
         Self { eye, ..self }.or_stay(self)
@@ -100,7 +100,7 @@ impl Pose {
         Self { eye, ..self }.or_stay(self)
     }
 
-    /// Turns to a point, which is the target from now on.
+    /// Turns to a point, which becomes the target.
     pub(super) fn look_at(self, target: DVec3) -> Self {
         Self { target, ..self }.or_stay(self)
     }
@@ -113,12 +113,12 @@ impl Pose {
         let Some(side) = arm.cross(up).try_normalize() else { return arm };
         let height = FRAC_PI_2 - acos((arm.normalize_or_zero().dot(up)).clamp(-1.0, 1.0));
         let limit = FRAC_PI_2 - POLE_DISTANCE;
-        // A camera that begins beyond the limit is not pushed back by a turn the other way.
+        // A camera that begins beyond the limit is not pushed back by a turn to the other side.
         let limited = (height + pitch).clamp(height.min(-limit), height.max(limit));
         Transform::rotate(side, limited - height).map_or(arm, |pitched| pitched.vector(arm))
     }
 
-    /// The pose if one can look from there, and otherwise the one before.
+    /// The pose if it has a transform, and otherwise the one before.
     fn or_stay(self, before: Self) -> Self {
         if self.world_from_camera().is_some() { self } else { before }
     }
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_turned_upside_down() {
+    fn the_camera_is_never_upside_down() {
         for far in [3.0, 100.0, -3.0, -100.0] {
             for pose in [FRONT.orbit(0.1, far), FRONT.turn(0.1, far)] {
                 let camera = pose.world_from_camera().expect("a pose");
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pose_is_not_taken() {
+    fn motions_without_a_pose_change_nothing() {
         assert_eq!(FRONT.look_at(FRONT.eye), FRONT);
         assert_eq!(FRONT.dolly(0.0), FRONT);
         assert_eq!(FRONT.look_at(DVec3::new(0.0, 7.0, 5.0)), FRONT);

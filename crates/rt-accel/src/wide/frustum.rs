@@ -1,0 +1,216 @@
+//! Frustum culling of a bundle of rays: finds the few subtrees that any of them can hit.
+//!
+//! # Why the culling is conservative
+//!
+//! Let `q` be the origin of a ray relative to the centre of the tree and `v = 1/d` on some axis; take `v > 0`, as for
+//! `v < 0` all signs turn around. The frustum computes `fl((p − Q)·n)` for near planes `p`, where `Q` is at least 2⁻²² sizes
+//! of the tree beyond all `q`, and `n` at most the least of all `v`, made smaller by 2⁻²². Where `p − q` is positive this is
+//! no more than `τ·(1 − 2⁻²²)·(1 + 2⁻²⁴)³`, less than what the padded bounds compute ([`ray`](super::ray)); where it is not, the
+//! product is negative, and spans begin at 0 or later. Far planes are the mirror image. Directions that are nearly zero
+//! are limited as those of single rays are, and times of leaving are long enough for the same reason.
+//!
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", 2005, and Wald, Boulos and Shirley, "Ray Tracing
+//! Deformable Scenes using Dynamic Bounding Volume Hierarchies", 2007, find entry points and cull by intervals.
+
+use rt_math::{Aabb, DVec3, Interval, Ray};
+
+use super::WideBvh;
+use super::leaf::LeafTest;
+use super::node::{Child, Row};
+use super::packet_rays::signs;
+use super::query::take_lane;
+use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, round_down, round_up};
+use super::simd::Simd;
+use crate::bvh::NodeBox;
+
+/// Padding of primitives is less than this part of the distance of the tree's centre from the origin.
+const OF_OFFSET: f32 = 1.0 / (1u64 << 38) as f32;
+
+/// Most entry points.
+const CAPACITY: usize = 48;
+
+/// Encloses all rays of a bundle in one octant.
+pub(super) struct BundleFrustum<S: Simd> {
+    near_origin: [S::F32x8; 3],
+    near_scale: [S::F32x8; 3],
+    far_origin: [S::F32x8; 3],
+    far_scale: [S::F32x8; 3],
+    near_row: [Row; 3],
+    min: S::F32x8,
+    max: S::F32x8,
+    /// Greatest coordinate of the centre of the tree, or more.
+    offset: f32,
+}
+
+impl<S: Simd> BundleFrustum<S> {
+    /// Encloses rays of the same [`signs`]. `None` where the proof does not apply.
+    #[inline(always)]
+    pub(super) fn enclosing(simd: S, tree: &WideBvh, rays: &[(Ray, Interval)]) -> Option<Self> {
+        let (first, _) = rays.first()?;
+        let signs = signs(first.direction);
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (mut slowest, mut fastest) = (DVec3::INFINITY, DVec3::ZERO);
+        let (mut begin, mut end) = (f64::INFINITY, 0.0f64);
+        let mut zero = DVec3::ZERO;
+        for (ray, span) in rays {
+            let speed = ray.direction.abs();
+            (low, high) = (low.min(ray.origin), high.max(ray.origin));
+            (slowest, fastest) = (slowest.min(speed), fastest.max(speed));
+            (begin, end) = (begin.min(span.min), end.max(span.max));
+            // NaN if anything is not finite.
+            zero += (ray.origin + ray.direction) * 0.0;
+        }
+        let (low, high) = (low - tree.centre, high - tree.centre);
+        let filter_applies = RANGE.contains(&fastest.max_element())
+            & RANGE.contains(&slowest.max_element())
+            & RANGE.contains(&tree.size)
+            & (low.abs().max(high.abs()).max_element() <= FARTHEST * tree.size)
+            & (begin >= 0.0)
+            & (zero == DVec3::ZERO);
+        if !filter_applies {
+            return None;
+        }
+        let pad = DVec3::splat(tree.size * SLACK);
+        let outline = NodeBox::outward(&Aabb::new(low - pad, high + pad), DVec3::ZERO);
+        let least = fastest.max(DVec3::splat(fastest.max_element() / STEEPEST)).recip() * (1.0 - SLACK);
+        let greatest = slowest.max(DVec3::splat(slowest.max_element() / STEEPEST)).recip() * (1.0 + SLACK);
+        let mut this = Self {
+            near_origin: [simd.splat(0.0); 3],
+            near_scale: [simd.splat(0.0); 3],
+            far_origin: [simd.splat(0.0); 3],
+            far_scale: [simd.splat(0.0); 3],
+            near_row: Row::near([0, 1, 2].map(|axis| (signs >> axis & 1) as usize)),
+            min: simd.splat(round_down(begin)),
+            max: simd.splat(round_up(end)),
+            offset: round_up(tree.centre.abs().max_element()),
+        };
+        for axis in 0..3 {
+            let is_negative = signs >> axis & 1 != 0;
+            let (low, high) = (outline.min[axis], outline.max[axis]);
+            let (near, far, sign) = if is_negative { (low, high, -1.0) } else { (high, low, 1.0) };
+            this.near_origin[axis] = simd.splat(near);
+            this.far_origin[axis] = simd.splat(far);
+            this.near_scale[axis] = simd.splat((sign * least[axis]) as f32);
+            this.far_scale[axis] = simd.splat((sign * greatest[axis]) as f32);
+        }
+        Some(this)
+    }
+
+    /// Widening of boxes made of a leaf's numbers, so that they contain the padded bounds. `max` is the largest of these
+    /// numbers.
+    #[inline(always)]
+    pub(super) fn margin(&self, max: f32) -> f32 {
+        max * SLACK as f32 + self.offset * OF_OFFSET
+    }
+
+    #[inline(always)]
+    fn near(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
+        simd.mul(simd.sub(planes, self.near_origin[axis]), self.near_scale[axis])
+    }
+
+    #[inline(always)]
+    fn far(&self, simd: S, axis: usize, planes: S::F32x8) -> S::F32x8 {
+        simd.mul(simd.sub(planes, self.far_origin[axis]), self.far_scale[axis])
+    }
+
+    /// Boxes that rays may hit, a bit for each, and their earliest entry; `planes` returns a row.
+    #[inline(always)]
+    pub(super) fn intersect_boxes(&self, simd: S, planes: impl Fn(Row) -> S::F32x8) -> (u32, S::F32x8) {
+        let [x, y, z] = self.near_row;
+        let (enter_x, leave_x) = (self.near(simd, 0, planes(x)), self.far(simd, 0, planes(x.opposite())));
+        let (enter_y, leave_y) = (self.near(simd, 1, planes(y)), self.far(simd, 1, planes(y.opposite())));
+        let (enter_z, leave_z) = (self.near(simd, 2, planes(z)), self.far(simd, 2, planes(z.opposite())));
+        let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
+        let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, self.max));
+        (simd.le(enter, leave), enter)
+    }
+}
+
+/// Number of leading rays in the octant of the first.
+#[inline(always)]
+pub(super) fn same_octant_prefix(rays: &[(Ray, Interval)]) -> usize {
+    let Some((first, _)) = rays.first() else { return 0 };
+    let signs_of_first = signs(first.direction);
+    rays.iter().position(|(ray, _)| signs(ray.direction) != signs_of_first).unwrap_or(rays.len())
+}
+
+/// A subtree that rays of a bundle may hit.
+#[derive(Clone, Copy)]
+pub(super) struct Subtree {
+    pub(super) child: Child,
+    /// Node and lane of its box.
+    pub(super) node: u32,
+    pub(super) lane: u8,
+    /// Primitives of a leaf that rays may hit, a bit for each.
+    pub(super) mask: u8,
+    /// Earliest entry of any ray.
+    pub(super) t_near: f32,
+}
+
+/// Disjoint subtrees that rays of a bundle may hit, from the nearest to the farthest.
+pub(super) struct EntryPoints {
+    subtrees: [Subtree; CAPACITY],
+    len: usize,
+}
+
+impl EntryPoints {
+    pub(super) const NONE: Self = {
+        let none = Subtree { child: Child::NONE, node: 0, lane: 0, mask: 0, t_near: 0.0 };
+        Self { subtrees: [none; CAPACITY], len: 0 }
+    };
+
+    pub(super) fn subtrees(&self) -> &[Subtree] {
+        self.subtrees.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Finds the subtrees that the frustum hits, as deep as the capacity allows. Returns the number of nodes visited.
+    #[inline(always)]
+    pub(super) fn build<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, frustum: &BundleFrustum<S>) -> u64 {
+        self.len = 0;
+        self.expand::<S, F>(simd, tree, frustum, tree.root);
+        let mut n_nodes = 1;
+        let mut at = 0;
+        // Breadth-first, so that subtrees that do not fit are small.
+        while let Some(&Subtree { child, .. }) = self.subtrees().get(at) {
+            if !child.is_node() || self.len + 7 > CAPACITY {
+                at += 1;
+                continue;
+            }
+            self.len -= 1;
+            self.subtrees.copy_within(at + 1..=self.len, at);
+            self.expand::<S, F>(simd, tree, frustum, child);
+            n_nodes += 1;
+        }
+        let len = self.len;
+        if let Some(subtrees) = self.subtrees.get_mut(..len) {
+            subtrees.sort_unstable_by(|a, b| a.t_near.total_cmp(&b.t_near));
+        }
+        n_nodes
+    }
+
+    /// Adds the children of a node that the frustum hits.
+    #[inline(always)]
+    fn expand<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, frustum: &BundleFrustum<S>, parent: Child) {
+        let Some(node) = tree.nodes.get(parent.number()) else { return };
+        let (mut hit, enter) = frustum.intersect_boxes(simd, |row| node.row(simd, row));
+        let enters = simd.to_array(enter);
+        while hit != 0 {
+            let lane = take_lane(&mut hit);
+            let child = node.children[lane];
+            let mask = if child.is_node() {
+                0
+            } else {
+                // SAFETY: a child of a node of the tree that is not a node itself.
+                let leaf = unsafe { tree.leaves.view(child) };
+                F::cull_by_frustum(simd, frustum, leaf)
+            };
+            if (child.is_node() || mask != 0)
+                && let Some(subtree) = self.subtrees.get_mut(self.len)
+            {
+                let (node, lane, mask) = (parent.number() as u32, lane as u8, mask as u8);
+                *subtree = Subtree { child, node, lane, mask, t_near: enters[lane as usize] };
+                self.len += 1;
+            }
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Spheres decided about for eight rays at a time: the operations of [`SphereKernel::intersect`] in lanes of `f64`, and so
+//! its bits.
+//!
+//! # Why the own box need not be looked at
+//!
+//! A hit counts if the ray passes the own box, and its `t` is raised to where that is entered
+//! ([`intersect_primitive`](rt_math::decide)). The slab test is monotone in the box. So where `t` lies between the times at which a
+//! smaller box within the own one is entered and left, the own box is passed as well, and is entered at `t` or before. The
+//! smallest box widened by half of what own boxes are widened by ([`INNER_PAD`]) is such a box; where the test fails,
+//! somebody else decides.
+
+use rt_geometry::SphereKernel;
+use rt_math::DVec3;
+
+use super::packet_rays::{F64x8, INNER_PAD, PACKET, PacketHit, RaySoa8};
+use super::simd::Simd;
+
+/// A sphere for each of eight rays.
+pub(super) struct SpherePacket<S: Simd> {
+    centre: [F64x8<S>; 3],
+    radius: F64x8<S>,
+}
+
+impl<S: Simd> SpherePacket<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, spheres: &[SphereKernel; PACKET]) -> Self {
+        // One by one, as arrays that are cleared first take longer.
+        macro_rules! by_sphere {
+            (|$sphere:pat_param| $number:expr) => {{
+                let [a, b, c, d, e, f, g, h] = spheres;
+                let number = |$sphere: &SphereKernel| $number;
+                F64x8::new(
+                    simd,
+                    [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)],
+                )
+            }};
+        }
+        Self {
+            centre: [
+                by_sphere!(|sphere| sphere.centre.x),
+                by_sphere!(|sphere| sphere.centre.y),
+                by_sphere!(|sphere| sphere.centre.z),
+            ],
+            radius: by_sphere!(|sphere| sphere.radius),
+        }
+    }
+
+    /// The same sphere for all rays.
+    #[inline(always)]
+    pub(super) fn all(simd: S, sphere: &SphereKernel) -> Self {
+        let DVec3 { x, y, z } = sphere.centre;
+        Self {
+            centre: [F64x8::splat(simd, x), F64x8::splat(simd, y), F64x8::splat(simd, z)],
+            radius: F64x8::splat(simd, sphere.radius),
+        }
+    }
+
+    /// From the centres to the origins.
+    #[inline(always)]
+    fn offsets(&self, simd: S, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
+        let [x, y, z] = rays.origin;
+        [x.sub(simd, self.centre[0]), y.sub(simd, self.centre[1]), z.sub(simd, self.centre[2])]
+    }
+
+    /// A bit for each [plain](RaySoa8::plain) ray that misses beyond doubt.
+    #[inline(always)]
+    pub(super) fn miss_mask(&self, simd: S, rays: &RaySoa8<S>) -> u32 {
+        let f = self.offsets(simd, rays);
+        let d = rays.direction;
+        let a = dot(simd, d, d);
+        let along = dot(simd, f, d);
+        let [for_distance, for_radius] = SphereKernel::REJECTION_BOUNDS;
+        let excess = dot(simd, f, f)
+            .mul(simd, F64x8::splat(simd, for_distance))
+            .sub(simd, self.radius.mul(simd, self.radius).mul(simd, F64x8::splat(simd, for_radius)));
+        let passes_by = along.mul(simd, along).lt(simd, a.mul(simd, excess));
+        let least = F64x8::splat(simd, f64::from_bits(1));
+        let lies_behind = least.le(simd, excess) & least.le(simd, along);
+        passes_by | lies_behind
+    }
+
+    /// Where plain rays meet the spheres first within their spans.
+    #[inline(always)]
+    pub(super) fn intersect(&self, simd: S, rays: &RaySoa8<S>) -> PacketHit<S> {
+        let f = self.offsets(simd, rays);
+        let d = rays.direction;
+        let r = self.radius;
+        let a = dot(simd, d, d);
+        // Not subtracted from 0, which has another sign.
+        let b = dot(simd, f, d).mul(simd, F64x8::splat(simd, -1.0));
+        let ratio = b.div(simd, a);
+        let closest = [
+            f[0].add(simd, d[0].mul(simd, ratio)),
+            f[1].add(simd, d[1].mul(simd, ratio)),
+            f[2].add(simd, d[2].mul(simd, ratio)),
+        ];
+        let discriminant = a.mul(simd, r.mul(simd, r).sub(simd, dot(simd, closest, closest)));
+        let root = discriminant.sqrt(simd);
+        let q = b.add(simd, root.copysign(simd, b));
+        let length = dot(simd, f, f).sqrt(simd);
+        let c = length.sub(simd, r).mul(simd, length.add(simd, r));
+        let (t0, t1) = (c.div(simd, q), q.div(simd, a));
+        let (near, far) = (t0.min(simd, t1), t0.max(simd, t1));
+        // The sum turns −0 into 0.
+        let nothing = F64x8::splat(simd, 0.0);
+        let t = near.sub(simd, rays.min).add(simd, nothing).select_by_sign(simd, near, far);
+
+        let [enter, leave] = self.inner_box(simd, rays);
+        let crosses =
+            F64x8::splat(simd, f64::MIN_POSITIVE).le(simd, root) & root.le(simd, F64x8::splat(simd, f64::MAX));
+        let within = crosses & rays.min.le(simd, t) & t.le(simd, rays.max);
+        let touches = root.le(simd, nothing);
+        let hit = within & enter.le(simd, t) & t.le(simd, leave);
+        PacketHit { hit, uncertain: within & !hit | touches, t, uv: [nothing; 2] }
+    }
+
+    /// Where boxes within the own boxes are entered and left.
+    #[inline(always)]
+    fn inner_box(&self, simd: S, rays: &RaySoa8<S>) -> [F64x8<S>; 2] {
+        let reach = [self.centre[0].abs(simd), self.centre[1].abs(simd), self.centre[2].abs(simd)];
+        let reach = reach[0].max(simd, reach[1]).max(simd, reach[2]).add(simd, self.radius);
+        let pad = reach.mul(simd, F64x8::splat(simd, INNER_PAD));
+        let low = [
+            self.centre[0].sub(simd, self.radius),
+            self.centre[1].sub(simd, self.radius),
+            self.centre[2].sub(simd, self.radius),
+        ];
+        let high = [
+            self.centre[0].add(simd, self.radius),
+            self.centre[1].add(simd, self.radius),
+            self.centre[2].add(simd, self.radius),
+        ];
+        rays.cross_box(simd, low, high, pad)
+    }
+}
+
+/// As `DVec3::dot` adds up.
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> F64x8<S> {
+    a[0].mul(simd, b[0]).add(simd, a[1].mul(simd, b[1])).add(simd, a[2].mul(simd, b[2]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
+    use super::*;
+    use rt_math::{Interval, Ray};
+
+    const BALL: SphereKernel = SphereKernel { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
+
+    type Rays = [(Ray, Interval); PACKET];
+
+    /// By ray: whether it is missed without more ado, whether it is left to others, and where it is hit.
+    type Settled = [(bool, bool, Option<u64>); PACKET];
+
+    struct Asked;
+
+    impl WithSimd<&Rays, &mut Settled> for Asked {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, rays: &Rays, settled: &mut Settled) {
+            let rays = RaySoa8::new(simd, rays);
+            assert_eq!(rays.in_safe_range(simd), 0xff);
+            let missed = SpherePacket::all(simd, &BALL).miss_mask(simd, &rays);
+            let PacketHit { hit, uncertain, t, .. } = SpherePacket::new(simd, &[BALL; PACKET]).intersect(simd, &rays);
+            assert_eq!(missed & (hit | uncertain), 0);
+            let t = t.to_array(simd);
+            let is_in = |bits: u32, lane: usize| bits >> lane & 1 != 0;
+            *settled = core::array::from_fn(|lane| {
+                (is_in(missed, lane), is_in(uncertain, lane), is_in(hit, lane).then_some(t[lane].to_bits()))
+            });
+        }
+    }
+
+    fn settled(level: SimdLevel, rays: &Rays) -> Settled {
+        let mut settled = [(false, false, None); PACKET];
+        DetectedSimd::new(level).dispatch(Asked, rays, &mut settled);
+        settled
+    }
+
+    /// If lanes left all to others, the answers of structures would still be right.
+    #[test]
+    fn lanes_settle_what_is_beyond_doubt_as_the_kernel_does() {
+        // From the axis through the centre to beyond the rim, from within, behind the first crossing, and before it.
+        let passing = |i: usize| {
+            let origin = BALL.centre + DVec3::new(0.01 + 0.13 * i as f64, 0.0, 5.0);
+            Ray::new(origin, DVec3::new(1e-3, 1e-3, -1.0))
+        };
+        let within =
+            |i: usize| Ray::new(BALL.centre + DVec3::new(0.08 * i as f64, 0.1, 0.2), DVec3::new(0.3, -0.5, 0.7));
+        let cases: [Rays; 4] = [
+            core::array::from_fn(|i| (passing(i), Interval::FORWARD)),
+            core::array::from_fn(|i| (within(i), Interval::SPAWNED)),
+            core::array::from_fn(|i| (passing(i), Interval::new(5.0, 6.0))),
+            core::array::from_fn(|i| (passing(i), Interval::new(0.0, 4.5))),
+        ];
+        for level in SimdLevel::ALL {
+            let (mut n_hits, mut n_misses) = (0, 0);
+            for rays in &cases {
+                for ((ray, span), (missed, uncertain, hit)) in rays.iter().zip(settled(*level, rays)) {
+                    let expected = BALL.intersect(ray, *span);
+                    assert_eq!((uncertain, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
+                    n_hits += usize::from(hit.is_some());
+                    n_misses += usize::from(missed);
+                }
+            }
+            assert!(n_hits > 16 && n_misses > 4, "{n_hits} hits, {n_misses} misses");
+        }
+    }
+
+    #[test]
+    fn rays_that_lead_away_from_the_surface_are_missed_without_more_ado() {
+        let leaving = core::array::from_fn(|i| {
+            let normal = DVec3::new(0.1 * (i + 1) as f64, 0.5, 1.0).normalize();
+            (Ray::new(BALL.centre + normal * (BALL.radius * (1.0 + 1e-14)), normal), Interval::SPAWNED)
+        });
+        for level in SimdLevel::ALL {
+            assert_eq!(settled(*level, &leaving), [(true, false, None); PACKET], "{level:?}");
+        }
+    }
+
+    #[test]
+    fn tangents_are_left_to_others() {
+        let tangent = Ray::new(BALL.centre + DVec3::new(BALL.radius, 0.0, 5.0), DVec3::NEG_Z);
+        let arm = tangent.origin - BALL.centre;
+        assert_eq!(arm.x * arm.x, BALL.radius * BALL.radius, "a tangent to the bit");
+        for level in SimdLevel::ALL {
+            let settled = settled(*level, &[(tangent, Interval::FORWARD); PACKET]);
+            assert_eq!(settled, [(false, true, None); PACKET], "{level:?}");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! Triangles decided about for eight rays at a time: the operations of [`WatertightRay::intersect`] in lanes of `f64`, and so
+//! its bits.
+//!
+//! What plain arithmetic does not settle is left to somebody else: signs of areas that rounding may have turned, rays that
+//! start next to the triangle's plane unless they certainly lead away from it, and hits of which it takes the own box to
+//! tell whether they count (see [`round`](super::packet_spheres)). [`resolve_certain`] is for hits of which a filter is sure
+//! ([`triangles`](super::leaf)): there no sign is in doubt, and the own box itself is entered.
+
+use rt_geometry::WatertightRay;
+use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
+use rt_math::{BOUNDS_PADDING, DVec3};
+
+use super::packet_rays::{F64x8, INNER_PAD, PacketHit, RaySoa8};
+use super::simd::Simd;
+
+/// A volume has the sign of its six rounded products if it is greater than this part of the sum of their sizes; more than
+/// the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
+const VOLUME_ERROR_BOUND: f64 = 16.0 * UNIT_ROUNDOFF;
+
+/// One corner as the rays see it.
+#[derive(Clone, Copy)]
+struct RaySpaceVertex<S: Simd> {
+    x: F64x8<S>,
+    y: F64x8<S>,
+    depth: F64x8<S>,
+}
+
+/// Which axes become x, y and z, and by what.
+struct Shear<S: Simd> {
+    axes: [usize; 3],
+    x: F64x8<S>,
+    y: F64x8<S>,
+    scale: F64x8<S>,
+}
+
+impl<S: Simd> Shear<S> {
+    #[inline(always)]
+    fn new(simd: S, [x, y, z]: [usize; 3], rays: &RaySoa8<S>) -> Self {
+        let scale = rays.inverse[z];
+        Self { axes: [x, y, z], x: rays.direction[x].mul(simd, scale), y: rays.direction[y].mul(simd, scale), scale }
+    }
+
+    #[inline(always)]
+    fn to_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
+        let [x, y, z] = self.axes;
+        let x = F64x8::splat(simd, corner[x]).sub(simd, rays.origin[x]);
+        let y = F64x8::splat(simd, corner[y]).sub(simd, rays.origin[y]);
+        let z = F64x8::splat(simd, corner[z]).sub(simd, rays.origin[z]);
+        RaySpaceVertex {
+            x: x.sub(simd, self.x.mul(simd, z)),
+            y: y.sub(simd, self.y.mul(simd, z)),
+            depth: z.mul(simd, self.scale),
+        }
+    }
+}
+
+/// Twice the area between the ray and an edge, and a bit for each ray for which its sign is certain.
+#[inline(always)]
+fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> (F64x8<S>, u32) {
+    let (minuend, subtrahend) = (a.x.mul(simd, b.y), a.y.mul(simd, b.x));
+    let area = minuend.sub(simd, subtrahend);
+    let size = minuend.abs(simd).add(simd, subtrahend.abs(simd));
+    (area, size.mul(simd, F64x8::splat(simd, SIGN_ERROR_BOUND)).lt(simd, area.abs(simd)))
+}
+
+/// Where the rays cross the plane of three corners, by the areas opposite of them, and the sum of these.
+#[inline(always)]
+fn crossing<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3], [u, v, w]: [F64x8<S>; 3]) -> [F64x8<S>; 2] {
+    let determinant = u.add(simd, v).add(simd, w);
+    let weighted = u.mul(simd, a.depth).add(simd, v.mul(simd, b.depth)).add(simd, w.mul(simd, c.depth));
+    [weighted.div(simd, determinant), determinant]
+}
+
+/// Where plain rays that are steepest along `axis` meet a triangle within their spans. Says nothing of rays that are not
+/// `asked` about.
+#[inline(always)]
+pub(super) fn intersect<S: Simd>(
+    simd: S,
+    vertices: &[DVec3; 3],
+    axis: usize,
+    rays: &RaySoa8<S>,
+    asked: u32,
+) -> Option<PacketHit<S>> {
+    let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
+    let shear = Shear::new(simd, [x, y, z], rays);
+    let scale = shear.scale;
+    let a = shear.to_ray_space(simd, rays, vertices[0]);
+    let b = shear.to_ray_space(simd, rays, vertices[1]);
+    let c = shear.to_ray_space(simd, rays, vertices[2]);
+    let ((u, u_is_settled), (v, v_is_settled), (w, w_is_settled)) =
+        (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
+    let is_settled = u_is_settled & v_is_settled & w_is_settled;
+    let nothing = F64x8::splat(simd, 0.0);
+    let has_negative = u.lt(simd, nothing) | v.lt(simd, nothing) | w.lt(simd, nothing);
+    let has_positive = nothing.lt(simd, u) | nothing.lt(simd, v) | nothing.lt(simd, w);
+    let maybe = asked & !(is_settled & has_negative & has_positive);
+    if maybe == 0 {
+        return None;
+    }
+    let [t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
+    let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
+    // A NaN is in doubt as well.
+    let is_certain = depths.mul(simd, F64x8::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
+    let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, F64x8::splat(simd, f64::MAX));
+    let [enter, leave] = inner_box(simd, vertices, rays);
+    let in_box = enter.le(simd, t) & t.le(simd, leave);
+    let decided = maybe & is_settled & is_certain;
+    let mut uncertain = maybe & !decided | decided & within & !in_box;
+    let next_to_the_plane = is_settled & !is_certain;
+    if uncertain & next_to_the_plane != 0 {
+        uncertain &= !(next_to_the_plane & origin_beyond_plane(simd, vertices, rays, scale, determinant));
+    }
+    Some(PacketHit {
+        hit: decided & within & in_box,
+        uncertain,
+        t,
+        uv: [v.div(simd, determinant), w.div(simd, determinant)],
+    })
+}
+
+/// Where plain rays that go the same way, along these axes, meet a triangle that they certainly hit: `t`, and as much of the
+/// second and third vertex. The decision of [`intersect_triangle`](rt_geometry::intersect_triangle) without what could rule it out.
+#[inline(always)]
+pub(super) fn resolve_certain<S: Simd>(
+    simd: S,
+    vertices: &[DVec3; 3],
+    axes: [usize; 3],
+    rays: &RaySoa8<S>,
+) -> [F64x8<S>; 3] {
+    let [x, y, z] = axes.map(|axis| axis % 3);
+    let shear = Shear::new(simd, [x, y, z], rays);
+    let a = shear.to_ray_space(simd, rays, vertices[0]);
+    let b = shear.to_ray_space(simd, rays, vertices[1]);
+    let c = shear.to_ray_space(simd, rays, vertices[2]);
+    let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
+    let [mut t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
+    // No hit precedes where the own box is entered.
+    let [a, b, c] = vertices;
+    let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+    let pad = low.abs().max(high.abs()).max_element() * BOUNDS_PADDING;
+    let (low, high) = (low - pad, high + pad);
+    for axis in 0..3 {
+        let inverse = rays.inverse[axis];
+        let near = inverse.select_by_sign(simd, F64x8::splat(simd, low[axis]), F64x8::splat(simd, high[axis]));
+        t = near.sub(simd, rays.origin[axis]).mul(simd, inverse).max(simd, t);
+    }
+    [t, v.div(simd, determinant), w.div(simd, determinant)]
+}
+
+/// Where a box within the own box is entered and left.
+#[inline(always)]
+fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &RaySoa8<S>) -> [F64x8<S>; 2] {
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let pad = low.abs().max(high.abs()).max_element() * INNER_PAD;
+    let low = [F64x8::splat(simd, low.x), F64x8::splat(simd, low.y), F64x8::splat(simd, low.z)];
+    let high = [F64x8::splat(simd, high.x), F64x8::splat(simd, high.y), F64x8::splat(simd, high.z)];
+    rays.cross_box(simd, low, high, F64x8::splat(simd, pad))
+}
+
+/// A bit for each ray that passed the triangle's plane before it starts, beyond doubt. To be asked only of rays of whose `t`
+/// it is in doubt on which side they start: otherwise the kernel goes by `t`, which in slivers may say something else.
+#[inline(always)]
+fn origin_beyond_plane<S: Simd>(
+    simd: S,
+    vertices: &[DVec3; 3],
+    rays: &RaySoa8<S>,
+    scale: F64x8<S>,
+    determinant: F64x8<S>,
+) -> u32 {
+    let a = rel_vertex(simd, vertices[0], rays);
+    let b = rel_vertex(simd, vertices[1], rays);
+    let c = rel_vertex(simd, vertices[2], rays);
+    let (of_a, size_of_a) = product(simd, a[2], b, c);
+    let (of_b, size_of_b) = product(simd, b[2], c, a);
+    let (of_c, size_of_c) = product(simd, c[2], a, b);
+    let volume = of_a.add(simd, of_b).add(simd, of_c);
+    let size = size_of_a.add(simd, size_of_b).add(simd, size_of_c);
+    // Positive where volume, scale and determinant have an even number of minus signs.
+    let turned = scale.select_by_sign(simd, determinant, F64x8::splat(simd, 0.0).sub(simd, determinant));
+    let turned = turned.select_by_sign(simd, volume, F64x8::splat(simd, 0.0).sub(simd, volume));
+    // Where numbers may leave their range, somebody else decides.
+    let is_ordinary = F64x8::splat(simd, 1e-200).lt(simd, size) & size.lt(simd, F64x8::splat(simd, 1e200));
+    is_ordinary & size.mul(simd, F64x8::splat(simd, VOLUME_ERROR_BOUND)).lt(simd, turned)
+}
+
+/// From the origins to a corner.
+#[inline(always)]
+fn rel_vertex<S: Simd>(simd: S, corner: DVec3, rays: &RaySoa8<S>) -> [F64x8<S>; 3] {
+    [
+        F64x8::splat(simd, corner.x).sub(simd, rays.origin[0]),
+        F64x8::splat(simd, corner.y).sub(simd, rays.origin[1]),
+        F64x8::splat(simd, corner.z).sub(simd, rays.origin[2]),
+    ]
+}
+
+/// `z·(p × q)` of the first two coordinates, and the sum of the sizes of both products.
+#[inline(always)]
+fn product<S: Simd>(simd: S, z: F64x8<S>, p: [F64x8<S>; 3], q: [F64x8<S>; 3]) -> (F64x8<S>, F64x8<S>) {
+    let (minuend, subtrahend) = (p[0].mul(simd, q[1]), q[0].mul(simd, p[1]));
+    let size = minuend.abs(simd).add(simd, subtrahend.abs(simd)).mul(simd, z.abs(simd));
+    (z.mul(simd, minuend.sub(simd, subtrahend)), size)
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_geometry::{Hit, intersect_triangle};
+    use rt_math::random::{hash, unit};
+    use rt_math::{Interval, Ray, SlabRay};
+
+    use super::super::packet_rays::PACKET;
+    use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
+    use super::*;
+
+    type Rays = [(Ray, Interval); PACKET];
+    type Certain = [[u64; 3]; PACKET];
+
+    struct Asked<'a>(&'a [DVec3; 3], &'a mut Certain);
+
+    impl WithSimd<&Rays, ()> for Asked<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, rays: &Rays, (): ()) {
+            let (axes, _) = WatertightRay::new(&rays[0].0).shear();
+            let [t, v, w] = resolve_certain(simd, self.0, axes, &RaySoa8::new(simd, rays));
+            let (t, v, w) = (t.to_array(simd), v.to_array(simd), w.to_array(simd));
+            *self.1 = core::array::from_fn(|lane| [t[lane], v[lane], w[lane]].map(f64::to_bits));
+        }
+    }
+
+    /// One of the 24 ways to exchange and turn round the axes.
+    fn turned(p: DVec3, way: u64) -> DVec3 {
+        let signs = [1, 2, 4].map(|bit| if (way / 3) & bit == 0 { 1.0 } else { -1.0 });
+        let [x, y, z] = [0, 1, 2].map(|axis| p[(axis + way as usize) % 3]);
+        DVec3::new(x, y, z) * DVec3::from(signs)
+    }
+
+    /// Rays to the inside of a triangle, from so far in front of it; some along a plane of two axes.
+    fn rays_to([a, b, c]: &[DVec3; 3], distance: f64, seed: u64) -> Rays {
+        let at = |lane: usize, k: u64| unit(hash(&[seed, lane as u64, k]));
+        core::array::from_fn(|lane| {
+            let target = *a + (*b - *a) * (0.1 + 0.4 * at(lane, 0)) + (*c - *a) * (0.1 + 0.4 * at(lane, 1));
+            let aside = if seed.is_multiple_of(5) { 0.0 } else { -0.5 - at(lane, 2) };
+            let out = distance * DVec3::new(aside, -0.5 - at(lane, 3), 2.0 + at(lane, 4));
+            (Ray::new(target + out, -out), Interval::FORWARD)
+        })
+    }
+
+    #[test]
+    fn certain_hits_are_those_of_the_kernel_to_the_last_bit() {
+        for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            let (mut n_hits, mut n_raised) = (0, 0);
+            for i in 0..4000 {
+                let at = |k: u64| unit(hash(&[i, k]));
+                let corner = |k: u64| DVec3::new(at(k), at(k + 1), at(k + 2));
+                let triangle =
+                    [corner(0), corner(0) + DVec3::X + 0.5 * corner(3), corner(0) + DVec3::Y + 0.5 * corner(6)];
+                // From so far away, rounding puts hits on what is flat and small before the own box.
+                let (size, distance) = if i % 2 == 0 { (DVec3::ONE, 1.0) } else { (DVec3::new(1.0, 1.0, 0.0), 1e5) };
+                let triangle = triangle.map(|vertex| (vertex * size).as_vec3().as_dvec3());
+                let way = i / 2 % 24;
+                let rays = rays_to(&triangle, distance, i)
+                    .map(|(ray, span)| (Ray::new(turned(ray.origin, way), turned(ray.direction, way)), span));
+                let triangle = triangle.map(|vertex| turned(vertex, way));
+                let mut certain = [[0; 3]; PACKET];
+                DetectedSimd::new(level).dispatch(Asked(&triangle, &mut certain), &rays, ());
+                for ((ray, span), bits) in rays.iter().zip(certain) {
+                    let sheared = WatertightRay::new(ray);
+                    let decided = intersect_triangle(triangle, 0, &SlabRay::new(ray), &sheared, *span);
+                    let Some(Hit { t, uv: [v, w], .. }) = decided else { continue };
+                    assert_eq!(bits, [t, v, w].map(f64::to_bits), "{level:?}: {ray:?}, {triangle:?}");
+                    n_hits += 1;
+                    n_raised += usize::from(sheared.intersect(triangle, *span).is_some_and(|hit| hit.t < t));
+                }
+            }
+            assert!(n_hits > 10_000 && n_raised > 10, "{n_hits} hits, {n_raised} raised");
+        }
+    }
+}

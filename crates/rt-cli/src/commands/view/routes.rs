@@ -1,0 +1,225 @@
+//! Requests to responses: the page, its pictures, and commands to camera and renderer.
+
+use std::fmt::Display;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+use rt_camera::FilmSettings;
+use rt_image::{Development, Image, ImageFormat, write_image};
+use rt_scene_io::Integrator;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+use super::access::Access;
+use super::camera_controller::CameraCommand;
+use super::camera_text::camera_text;
+use super::http::{Request, Response, Status};
+use super::shared_state::{SharedState, State};
+use crate::args::{TONE_CURVES, tone_name, tone_of_name};
+
+/// Longest wait of a page for a new picture.
+const FRAME_WAIT: Duration = Duration::from_secs(1);
+
+/// Longest wait for the renderer's answer to a pick.
+const PICK_WAIT: Duration = Duration::from_secs(30);
+
+/// Most pixels of an image whose size a page chooses.
+const MAX_PIXELS: u64 = 3840 * 2160;
+
+/// A scene that is viewed. Size and samples per pixel are those of scene and command line.
+#[derive(Debug)]
+pub(super) struct Session {
+    pub(super) access: Access,
+    pub(super) shared: SharedState,
+    /// Name of the scene.
+    pub(super) name: String,
+    /// Name of the medium that the camera stands in.
+    pub(super) medium: Option<String>,
+    pub(super) size: [u32; 2],
+    pub(super) spp: u32,
+}
+
+/// Settings that a page changes; the others stay.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SettingsUpdate {
+    integrator: Option<String>,
+    exposure: Option<f64>,
+    tone: Option<String>,
+    spp: Option<u32>,
+    size: Option<[u32; 2]>,
+}
+
+impl Session {
+    pub(super) fn respond(&self, request: &Request) -> Response {
+        let path = match self.access.check(request) {
+            Ok(path) => path,
+            Err(status) => return Response::refusal(status, "403 Forbidden: open the address that rt-cli has printed"),
+        };
+        self.shared.see_client();
+        let response = match (request.method.as_str(), path) {
+            ("GET", "") => Ok(Response::new("text/html; charset=utf-8", include_bytes!("page/index.html"))),
+            ("GET", "view.css") => Ok(Response::new("text/css; charset=utf-8", include_bytes!("page/view.css"))),
+            ("GET", "view.js") => Ok(Response::new("text/javascript; charset=utf-8", include_bytes!("page/view.js"))),
+            ("GET", "plot.js") => Ok(Response::new("text/javascript; charset=utf-8", include_bytes!("page/plot.js"))),
+            ("GET", "session") => Ok(response(&self.description())),
+            ("GET", "frame") => self.frame(request),
+            ("GET", "camera") => Ok(Response::new("text/plain; charset=utf-8", self.camera().into_bytes())),
+            ("GET", "image.png") => self.image(ImageFormat::Png, "image/png"),
+            ("GET", "image.exr") => self.image(ImageFormat::Exr, "image/x-exr"),
+            ("POST", "camera") => parsed(request).map(|command: CameraCommand| {
+                self.shared.change_view(|state| {
+                    state.controller.apply(&command);
+                    state.view.camera = *state.controller.camera();
+                });
+                response(&Value::Null)
+            }),
+            ("POST", "settings") => parsed(request)
+                .and_then(|settings| self.shared.change_view(|state| self.update(&settings, state)))
+                .map(|()| response(&Value::Null)),
+            ("POST", "pick") => parsed(request).and_then(|pixel| self.pick(pixel)),
+            ("GET" | "POST", _) => Err(Response::refusal(Status::NOT_FOUND, "")),
+            _ => Err(Response::refusal(Status::METHOD, "")),
+        };
+        response.unwrap_or_else(|refusal| refusal)
+    }
+
+    /// Scene, and choices for settings.
+    fn description(&self) -> Value {
+        let integrator = |it: Integrator| json!({ "name": it.name(), "follows_light": it.follows_light() });
+        json!({
+            "name": self.name,
+            "size": self.size,
+            "spp": self.spp,
+            "integrators": Integrator::ALL.map(integrator),
+            "tones": TONE_CURVES.map(tone_name),
+        })
+    }
+
+    fn camera(&self) -> String {
+        let controller = self.shared.lock().controller;
+        camera_text(controller.pose(), controller.camera(), self.medium.as_deref())
+    }
+
+    /// A line of JSON, and the bytes of a PNG if there is a later version than `after`. Of the errors, the page has `errors` if
+    /// its picture shows `view`.
+    fn frame(&self, request: &Request) -> Result<Response, Response> {
+        let after = request.number("after").unwrap_or(0);
+        let mut state = self.shared.wait_for_version(after, FRAME_WAIT);
+        let view = state.view;
+        let mut development = *state.development(view.integrator);
+        let (version, picture) = (state.version, state.picture.clone());
+        let is_finished = picture.is_finished && picture.view == view.number;
+        let is_same_view = request.number("view") == Some(picture.view);
+        let first_error = request.number("errors").filter(|_| is_same_view).map_or(0, |first| first as usize);
+        let errors = picture.errors.iter().skip(first_error);
+        let status = json!({
+            "version": version,
+            "view": picture.view,
+            "spp": picture.spp,
+            "max_spp": view.max_spp,
+            "mega_rays_per_second": picture.mega_rays_per_second,
+            "seconds": picture.seconds,
+            "is_finished": is_finished,
+            "size": picture.size,
+            "pixel_side": picture.pixel_side,
+            "integrator": view.integrator.name(),
+            "exposure": development.exposure,
+            "tone": tone_name(development.tone),
+            "message": state.message,
+            "first_error": first_error,
+            "errors": errors.map(|error| (error.spp, error.rmse, error.interval[0], error.interval[1])).collect::<Vec<_>>(),
+        });
+        drop(state);
+        let mut body = status.to_string().into_bytes();
+        body.push(b'\n');
+        if let Some(film) = picture.film.filter(|_| version != after) {
+            // Without dithering, pictures on their way to the final one are much smaller.
+            development.dither = development.dither.filter(|_| is_finished);
+            body.extend(encoded(&film, &development, ImageFormat::Png)?);
+        }
+        Ok(Response::new("application/octet-stream", body))
+    }
+
+    /// The picture as a file.
+    fn image(&self, format: ImageFormat, content_type: &'static str) -> Result<Response, Response> {
+        let mut state = self.shared.lock();
+        let integrator = state.view.integrator;
+        let (film, development) = (state.picture.film.clone(), *state.development(integrator));
+        drop(state);
+        let film = film.ok_or_else(|| Response::refusal(Status::NOT_FOUND, "there is no picture so far"))?;
+        let bytes = encoded(&film, &development, format)?;
+        let stem = self.name.replace(|c: char| !c.is_ascii_alphanumeric() && !"-_.".contains(c), "_");
+        let extension = format.extensions().first().copied().unwrap_or_default();
+        Ok(Response { file_name: Some(format!("{stem}.{extension}")), ..Response::new(content_type, bytes) })
+    }
+
+    /// Applies settings, all or none of them.
+    fn update(&self, update: &SettingsUpdate, state: &mut State) -> Result<(), Response> {
+        let mut view = state.view;
+        if let Some(name) = &update.integrator {
+            let known = Integrator::ALL.into_iter().find(|integrator| integrator.name() == name);
+            view.integrator = known.ok_or_else(|| bad("there is no such integrator"))?;
+        }
+        view.max_spp = update.spp.unwrap_or(view.max_spp);
+        if view.max_spp == 0 {
+            return Err(bad("an image has at least 1 sample per pixel"));
+        }
+        if let Some([width, height]) = update.size.filter(|size| *size != self.size) {
+            FilmSettings { width, height, ..FilmSettings::default() }.validate().map_err(bad)?;
+            if u64::from(width) * u64::from(height) > MAX_PIXELS {
+                return Err(bad(format!("an image for a page has at most {MAX_PIXELS} pixels")));
+            }
+        }
+        view.size = update.size.unwrap_or(view.size);
+        let mut development = *state.development(view.integrator);
+        development.exposure = update.exposure.unwrap_or(development.exposure);
+        if let Some(name) = &update.tone {
+            development.tone = tone_of_name(name).ok_or_else(|| bad("there is no such tone curve"))?;
+        }
+        development.validate().map_err(bad)?;
+        if core::mem::replace(state.development(view.integrator), development) != development {
+            state.version += 1;
+        }
+        state.view = view;
+        Ok(())
+    }
+
+    fn pick(&self, pixel: [u32; 2]) -> Result<Response, Response> {
+        let (sender, answer) = channel();
+        self.shared.pick((pixel, sender));
+        let picked = answer.recv_timeout(PICK_WAIT);
+        let picked = picked.map_err(|_| Response::refusal(Status::BUSY, "the renderer is busy"))?;
+        Ok(response(&picked.map_or(Value::Null, |picked| {
+            json!({
+                "object": picked.object,
+                "material": picked.material,
+                "t": picked.t,
+                "distance": picked.distance,
+                "position": picked.point.to_array(),
+                "normal": picked.normal.to_array(),
+            })
+        })))
+    }
+}
+
+/// Bytes of an image file.
+fn encoded(film: &Image, development: &Development, format: ImageFormat) -> Result<Vec<u8>, Response> {
+    let mut bytes = Vec::new();
+    write_image(film, development, format, &mut bytes)
+        .map_err(|error| Response::refusal(Status::INTERNAL, &error.to_string()))?;
+    Ok(bytes)
+}
+
+fn response(value: &Value) -> Response {
+    Response::new("application/json", value.to_string().into_bytes())
+}
+
+fn parsed<T: DeserializeOwned>(request: &Request) -> Result<T, Response> {
+    serde_json::from_slice(&request.body).map_err(bad)
+}
+
+fn bad(reason: impl Display) -> Response {
+    Response::refusal(Status::BAD_REQUEST, &reason.to_string())
+}

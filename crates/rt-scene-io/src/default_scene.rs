@@ -1,0 +1,402 @@
+//! A scene around a model that comes without one.
+
+use core::f64::consts::PI;
+use rt_camera::Projection;
+
+use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
+use rt_shading::emitter::Sides;
+use rt_shading::{ColorTexture, Light, LightKind, Phong, Physical};
+
+use crate::bounds::tree_bounds;
+use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Material, Node, SceneFile, Shape, Step};
+use crate::resolve::rounded;
+use crate::scene::{is_emissive, used_materials};
+use crate::{LoadOptions, Material as SceneMaterial, Model, NamedCamera, StudioLights};
+
+/// Name of the plane that `ground` asks for.
+const GROUND: &str = "ground";
+
+/// Samples per pixel of a bare model under an integrator that samples directions.
+const STOCHASTIC_SPP: u64 = 64;
+
+/// A scene file that shows a model by its own cameras and lights, and the choices that were made for it. What the
+/// model does not bring is left open.
+///
+/// Choices are made for the model `at_rest`, which may be another pose of it.
+pub(crate) fn scene_for_model(
+    model: &Model,
+    at_rest: &Model,
+    reference: &str,
+    options: &LoadOptions,
+) -> (SceneFile, Vec<String>) {
+    let mut notes = Vec::new();
+    let bounds = tree_bounds(&at_rest.nodes, &[], &at_rest.meshes);
+    let content = Node { model: Some(reference.to_owned()), ..Node::default() };
+    let mut file = SceneFile::of_nodes(vec![content]);
+    if options.ground && !bounds.is_empty() {
+        add_ground(&mut file, &bounds, model);
+        notes.push(format!("A ground plane was put under the model, at y = {}.", bounds.min.y));
+    }
+    let exposure = options.shutter_interval().unwrap_or_default();
+    file.cameras = model.cameras.iter().map(|model| camera(model, exposure)).collect();
+    file.background.clone_from(&model.background);
+    if let Some([width, height]) = model.image_size {
+        file.film.size = (width.into(), height.into());
+    }
+    notes.extend(model.notes.iter().cloned());
+    let used = used_materials([&*model.nodes]);
+    let used: Vec<&SceneMaterial> = used.iter().filter_map(|id| model.materials.get(*id as usize)).collect();
+    let has_emissive = used.iter().any(|material| is_emissive(material));
+    let is_lit_by_objects = has_emissive && model.lights.is_empty() && options.studio_lights != StudioLights::Studio;
+    let reason = if used.iter().any(|material| material.physical.is_some()) {
+        Some("materials are physically based")
+    } else {
+        is_lit_by_objects.then_some("surfaces are its only lights")
+    };
+    if let (Some(reason), None) = (reason, options.integrator) {
+        file.settings.integrator = Some(format::Integrator::Path);
+        notes.push(format!("The integrator is `path`, as the model's {reason}."));
+    }
+    let is_sampled = match options.integrator {
+        Some(integrator) => reason.is_some() && integrator.follows_light() && integrator.is_stochastic(),
+        None => reason.is_some() || options.has_environment,
+    };
+    if is_sampled {
+        file.settings.spp = STOCHASTIC_SPP;
+    }
+    if !model.lights.is_empty() {
+        file.lights = Some(model.lights.iter().map(light).collect());
+        if model.is_photometric {
+            let has_radiance =
+                has_emissive || options.has_environment || options.background.is_some_and(|color| !color.is_black());
+            notes.push(expose(&mut file, typical_illuminance(&at_rest.lights, &bounds), has_radiance));
+        }
+    }
+    (file, notes)
+}
+
+/// True if the box around a model matters to what is chosen for it.
+pub(crate) const fn needs_bounds(model: &Model, options: &LoadOptions) -> bool {
+    options.ground || (model.is_photometric && !model.lights.is_empty())
+}
+
+/// Exposes the film for lights in candela and lux of this illuminance: a white surface that they light becomes white. Returns a
+/// note.
+///
+/// Emissive materials and images around the scene have a radiance of which 1 is white. Where there are such sources as well,
+/// 1 is added to the radiance of the white surface, so that neither is overexposed.
+fn expose(file: &mut SceneFile, illuminance: f64, has_radiance: bool) -> String {
+    // Lights that reach nothing, or are out of range, give no hint.
+    let is_usable = illuminance > 0.0 && illuminance.is_finite();
+    let radiance = if is_usable { illuminance / PI } else { f64::from(u8::from(!has_radiance)) };
+    let white = radiance + f64::from(u8::from(has_radiance));
+    file.film.exposure = rounded(-transcendental::log2(white), 10.0);
+    // What is nearer to a lamp than most is many times as bright: the curve keeps its shape visible.
+    file.film.tone = format::Tone::Aces;
+    if !is_usable {
+        let exposure = file.film.exposure;
+        return format!("The model's lights do not reach it; the exposure is {exposure}, with a filmic tone curve.");
+    }
+    let illuminance = rounded(illuminance, illuminance.max(1.0));
+    format!(
+        "The model's lights give about {illuminance} lx; exposure {} and a filmic tone curve make that bright.",
+        file.film.exposure
+    )
+}
+
+fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
+    // A material of the model that had the same name would be changed by that of the ground.
+    let mut name = GROUND.to_owned();
+    while model.materials.iter().any(|material| material.name == name) {
+        name.push('\'');
+    }
+    let centre = bounds.centre();
+    let point = [centre.x, bounds.min.y, centre.z];
+    file.nodes.push(Node {
+        name: GROUND.to_owned(),
+        shape: Some(Shape::Plane { point, normal: [0.0, 1.0, 0.0] }),
+        material: Some(name.clone().into()),
+        ..Node::default()
+    });
+    let matte = Phong { diffuse: ColorTexture::Constant(Rgb::gray(0.5)), ..Phong::default() };
+    file.materials.insert(name, material(&matte));
+}
+
+/// Luminance of the unshadowed light that falls straight on places in a box: the geometric mean of the average and the
+/// greatest, since a spot may light a small part, and a lamp may stand near to one.
+fn typical_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
+    let bounds = if bounds.is_empty() { Aabb::new(DVec3::NEG_ONE, DVec3::ONE) } else { *bounds };
+    // A light may stand in such a place: it is taken to keep a tenth of the size away.
+    let nearest = (bounds.extent().length() * 0.1).max(f64::MIN_POSITIVE);
+    let at = |place: DVec3| -> f64 {
+        let lit = lights.iter().filter_map(|light| Some((light, light.illuminate(place)?)));
+        lit.map(|(light, lit)| {
+            let closeness = match light.kind {
+                LightKind::Directional { .. } => 1.0,
+                _ => (lit.distance / nearest).min(1.0),
+            };
+            lit.strength.luminance() * closeness * closeness
+        })
+        .sum()
+    };
+    let part = |i: u32| f64::from(i) * 0.25;
+    let places =
+        (0..125).map(|i| bounds.min + bounds.extent() * DVec3::new(part(i % 5), part(i / 5 % 5), part(i / 25)));
+    let (sum, greatest) = places.map(at).fold((0.0, 0.0), |(sum, greatest), e: f64| (sum + e, e.max(greatest)));
+    (sum / 125.0 * greatest).sqrt()
+}
+
+/// A camera, which moves from one place to another while the shutter is open.
+fn camera(camera: &NamedCamera, exposure: [f64; 2]) -> format::Camera {
+    let start = vec![matrix(&camera.settings.world_from_camera)];
+    let (transform, animation) = match &camera.settings.moves_to {
+        None => (start, None),
+        Some(end) => {
+            let keys = exposure.into_iter().zip([start, vec![matrix(end)]]);
+            let key =
+                |(time, transform)| CameraKey { time, look_from: None, look_at: None, up: None, transform, fov: None };
+            let keys = keys.map(key).collect();
+            (Vec::new(), Some(CameraAnimation { interpolation: Interpolation::Linear, keys }))
+        }
+    };
+    let mut written = format::Camera {
+        name: Some(camera.name.clone()),
+        transform,
+        animation,
+        lens_shift: camera.settings.lens_shift.to_array(),
+        ..format::Camera::default()
+    };
+    match camera.settings.projection {
+        Projection::Perspective { fov, axis } => {
+            written.fov = Some(fov.to_degrees());
+            written.fov_axis = Some(axis.into());
+        }
+        Projection::Orthographic { height } => written.orthographic = Some(height),
+    }
+    written
+}
+
+/// The map as one step, to the last bit.
+fn matrix(transform: &Transform) -> Step {
+    let (linear, translation) = (transform.linear(), transform.translation());
+    let row = |i: usize| [linear.x_axis[i], linear.y_axis[i], linear.z_axis[i], translation[i]];
+    Step::Matrix(row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0])
+}
+
+fn light(light: &Light) -> format::Light {
+    let name = light.name.clone();
+    let intensity = Color::from_rgb(light.intensity.to_array());
+    let casts_shadows = light.casts_shadows;
+    let units = light.units.into();
+    match light.kind {
+        LightKind::Point { position, falloff: f, lamp_radius } => format::Light::Point {
+            name,
+            position: position.to_array(),
+            intensity,
+            units,
+            falloff: f.into(),
+            lamp_radius,
+            casts_shadows,
+        },
+        LightKind::Directional { direction } => {
+            format::Light::Directional { name, direction: direction.to_array(), intensity, units, casts_shadows }
+        }
+        LightKind::Spot { position, direction, cos_inner, cos_outer, falloff: f } => format::Light::Spot {
+            name,
+            position: position.to_array(),
+            direction: direction.to_array(),
+            inner: transcendental::acos(cos_inner).to_degrees(),
+            outer: transcendental::acos(cos_outer).to_degrees().min(90.0),
+            intensity,
+            units,
+            falloff: f.into(),
+            casts_shadows,
+        },
+    }
+}
+
+/// A physical surface as scene files describe it; `None` for one that they cannot describe.
+pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
+    let SceneMaterial { phong, physical, shines, .. } = material;
+    let constant = |coefficient: &ColorTexture| match coefficient {
+        ColorTexture::Constant(rgb) if rgb.max_component() <= 1.0 => Some(Color::from_rgb(rgb.to_array()).into()),
+        _ => None,
+    };
+    let emission = match phong.emission {
+        ColorTexture::Constant(rgb) if rgb.is_black() => None,
+        ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
+        ColorTexture::Textured(..) => return None,
+    };
+    let is_dark = emission.is_none();
+    let written = match physical.as_ref()? {
+        Physical::Black => {
+            Material::Light { radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)), shines: (*shines).into() }
+        }
+        _ if !(is_dark || *shines == Sides::Both) => return None,
+        Physical::Diffuse { albedo, roughness } => {
+            Material::Diffuse { albedo: constant(albedo)?, roughness: *roughness, emission }
+        }
+        Physical::MetallicRoughness { base_color, metallic, roughness } => Material::MetallicRoughness {
+            base_color: constant(base_color)?,
+            metallic: *metallic,
+            roughness: *roughness,
+            emission,
+        },
+        _ if !is_dark => return None,
+        Physical::Glossy { diffuse, specular, exponent } => {
+            Material::Glossy { diffuse: constant(diffuse)?, specular: constant(specular)?, exponent: *exponent }
+        }
+        Physical::Mirror { reflectance } => Material::Mirror { reflectance: constant(reflectance)? },
+        Physical::Dielectric { roughness, transmittance } => {
+            let inside = phong.transmission.filter(|inside| inside.fresnel && inside.coefficient == *transmittance)?;
+            let absorption = (!inside.absorption.is_black()).then(|| Color::from_rgb(inside.absorption.to_array()));
+            Material::Glass {
+                ior: inside.ior,
+                roughness: *roughness,
+                transmittance: constant(transmittance)?,
+                absorption,
+                priority: inside.priority,
+            }
+        }
+        Physical::Conductor { ior, roughness } => Material::Metal {
+            metal: None,
+            n: Some(Color::from_rgb(ior.n.to_array())),
+            k: Some(Color::from_rgb(ior.k.to_array())),
+            roughness: *roughness,
+        },
+        Physical::ThinGlass { ior, transmittance } => {
+            Material::ThinGlass { ior: *ior, transmittance: constant(transmittance)? }
+        }
+        Physical::Layered(_) | Physical::Mix(_) => return None,
+    };
+    Some(written)
+}
+
+/// All that is constant about a surface. Coefficients with a texture are left to the model.
+pub(crate) fn material(phong: &Phong) -> Material {
+    let constant = |coefficient: ColorTexture| match coefficient {
+        ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
+        ColorTexture::Textured(..) => None,
+    };
+    Material::Phong {
+        color: None,
+        ambient: constant(phong.ambient),
+        diffuse: constant(phong.diffuse),
+        specular: constant(phong.specular),
+        exponent: Some(phong.exponent),
+        highlight: Some(phong.highlight.into()),
+        emission: constant(phong.emission),
+        mirror: constant(phong.mirror),
+        transmission: phong.transmission.and_then(|t| constant(t.coefficient)),
+        ior: phong.transmission.map(|t| t.ior),
+        fresnel: phong.transmission.map(|t| t.fresnel),
+        absorption: phong.transmission.map(|t| Color::from_rgb(t.absorption.to_array())),
+        priority: phong.transmission.map(|t| t.priority),
+        shines: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::resolve::resolve_with;
+    use crate::{Content, Material, MaterialId, Node as SceneNode, Scene};
+    use rt_geometry::{Cuboid, Shape};
+    use rt_shading::{Falloff, LightUnits};
+    use std::path::Path;
+
+    /// A box of side 2 around the origin, lit by these lights.
+    fn lit(kinds: &[LightKind], intensity: f64) -> Model {
+        let cube = Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
+        let light = |&kind| {
+            let (name, units) = (String::new(), LightUnits::Physical);
+            Light { name, kind, intensity: Rgb::gray(intensity), units, casts_shadows: true }
+        };
+        Model {
+            materials: vec![Material::new("ground".to_owned(), Phong::default())],
+            nodes: vec![SceneNode::new(Content::Shape(Shape::Cuboid(cube)), MaterialId(0))],
+            lights: kinds.iter().map(light).collect(),
+            is_photometric: true,
+            ..Model::default()
+        }
+    }
+
+    fn scene(model: Model, ground: bool) -> Scene {
+        let (file, _) = scene_for_model(&model, &model, "a.glb", &LoadOptions { ground, ..LoadOptions::default() });
+        resolve_with(&file, Path::new("a.glb"), &LoadOptions::default(), Some(("a.glb".to_owned(), model))).unwrap().0
+    }
+
+    fn point(position: DVec3) -> LightKind {
+        LightKind::Point { position, falloff: Falloff::InverseSquare, lamp_radius: 0.0 }
+    }
+
+    #[test]
+    fn exposure_takes_the_light_of_a_model_to_white() {
+        let sun = LightKind::Directional { direction: DVec3::NEG_Y };
+        let day = scene(lit(&[sun], 65_536.0), false);
+        // log2(65536/π): white paper reflects 1/π of the illuminance.
+        assert_eq!(day.film.development.exposure, -14.35);
+        assert_eq!(day.appearance.ambient, Rgb::BLACK);
+        assert_eq!(day.appearance.lights[0].intensity, Rgb::gray(65_536.0));
+        // 8 candela, 4 away from the middle of a small box: half a lux.
+        let near = scene(lit(&[point(DVec3::new(0.0, 4.0, 0.0))], 8.0), false);
+        assert!((near.film.development.exposure - 2.65).abs() < 0.5, "{}", near.film.development.exposure);
+        // A light in the very middle, or in a corner, does not blow up.
+        for place in [DVec3::ZERO, DVec3::ONE] {
+            let exposure = scene(lit(&[point(place)], 3.0), false).film.development.exposure;
+            assert!((exposure - 1.65).abs() < 3.0, "{exposure}");
+        }
+    }
+
+    #[test]
+    fn lights_that_reach_nothing_leave_the_exposure_alone() {
+        let up = DVec3::Y;
+        let away = LightKind::Spot {
+            position: up * 9.0,
+            direction: up,
+            cos_inner: 0.9,
+            cos_outer: 0.8,
+            falloff: Falloff::InverseSquare,
+        };
+        let scene = scene(lit(&[away], 100.0), false);
+        assert_eq!(scene.film.development.exposure, 0.0);
+        let LightKind::Spot { cos_inner, cos_outer, .. } = scene.appearance.lights[0].kind else { panic!("a spot") };
+        assert!((cos_inner - 0.9).abs() < 1e-15 && (cos_outer - 0.8).abs() < 1e-15);
+    }
+
+    #[test]
+    fn spots_with_a_sharp_edge_are_written_and_read() {
+        for degrees in 1..=90 {
+            let cos_outer = transcendental::cos(f64::from(degrees).to_radians()).max(0.0);
+            let sharp = LightKind::Spot {
+                position: DVec3::Y * 9.0,
+                direction: DVec3::NEG_Y,
+                cos_inner: cos_outer.next_up(),
+                cos_outer,
+                falloff: Falloff::InverseSquare,
+            };
+            let LightKind::Spot { cos_inner: inner, cos_outer: outer, .. } =
+                scene(lit(&[sharp], 100.0), false).appearance.lights[0].kind
+            else {
+                panic!("a spot")
+            };
+            assert!(outer < inner && inner - outer < 1e-9, "{degrees}°: {inner} {outer}");
+            assert!((outer - cos_outer).abs() < 1e-9, "{degrees}°: {outer}");
+        }
+    }
+
+    #[test]
+    fn the_ground_keeps_out_of_the_way_of_a_material_of_its_name() {
+        let mut model = lit(&[], 0.0);
+        model.materials[0].phong.diffuse = ColorTexture::Constant(Rgb::gray(0.25));
+        let scene = scene(model, true);
+        let materials: Vec<_> = scene
+            .appearance
+            .materials
+            .iter()
+            .map(|material| (material.name.as_str(), material.phong.diffuse))
+            .collect();
+        let gray = |value| ColorTexture::Constant(Rgb::gray(value));
+        assert_eq!(materials, [("ground", gray(0.25)), ("ground'", gray(0.5))]);
+    }
+}

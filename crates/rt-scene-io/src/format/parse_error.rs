@@ -1,0 +1,394 @@
+//! Errors of the parsers in words of the format.
+
+use ron::error::SpannedError;
+use serde::de::Deserialize;
+
+use super::cursor::{Cursor, Key, TextValue, Token, next, value_end};
+use super::expected::{Notation, Schema, Slot};
+use super::material::NodeMaterial;
+use super::parse::ron_options;
+use super::spelling::{Choice, NO_SPELLING};
+use super::synonyms::{Meant, meant};
+use super::{Color, ColorTexture};
+use crate::excerpt::{Position, floor, line_start};
+use crate::limits::NESTING;
+use crate::{LoadErrorKind, error::suggestion};
+
+/// Characters of a wrong value that a message shows.
+const SHOWN: usize = 40;
+
+/// A mistake, and the byte at which it is.
+pub(super) struct ParseError {
+    pub(super) at: usize,
+    pub(super) kind: LoadErrorKind,
+}
+
+impl ParseError {
+    fn new(at: usize, message: impl Into<String>) -> Self {
+        Self { at, kind: LoadErrorKind::Syntax(message.into()) }
+    }
+}
+
+/// Finds words for the errors of one text.
+pub(super) struct Explainer<'t> {
+    text: &'t str,
+    notation: Notation,
+    schema: Schema,
+}
+
+impl<'t> Explainer<'t> {
+    pub(super) fn new(text: &'t str, notation: Notation) -> Self {
+        Self { text, notation, schema: Schema::new() }
+    }
+
+    /// An error of `ron` in `part` of the text, which begins at the byte `base`.
+    pub(super) fn ron(&self, error: SpannedError, part: &str, base: usize) -> ParseError {
+        use ron::Error as Ron;
+        let end = Position { line: error.span.end.line, column: error.span.end.col };
+        let mut at = base + end.byte(part);
+        let mut cursor = Cursor::before(self.text, at);
+        // Within a word that may have been something else: `r` begins a raw text.
+        if let Some(start) = cursor.last().filter(|last| last.range.end > at).map(|last| last.range.start) {
+            (at, cursor) = (start, Cursor::before(self.text, start));
+        }
+        match error.code {
+            Ron::Message(message) if message == NO_SPELLING => self.no_spelling(&cursor, at),
+            Ron::Message(message) => ParseError::new(at, message),
+            // The parser has read past a word by the time it finds it unknown.
+            Ron::NoSuchStructField { expected, found, .. } => {
+                self.unknown_field(at.saturating_sub(found.len()), &found, expected)
+            }
+            Ron::NoSuchEnumVariant { expected, found, .. } => {
+                self.unknown_choice(at.saturating_sub(found.len()), &found, expected)
+            }
+            Ron::MissingStructField { field, .. } => self.missing_field(&cursor, at, field),
+            Ron::DuplicateStructField { field, .. } => {
+                ParseError::new(at, format!("the field `{field}` is given twice"))
+            }
+            Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word) => {
+                ParseError::new(at, format!("`{word}` is not the name of a field (decimals are written with a point)"))
+            }
+            Ron::ExceededRecursionLimit => ParseError { at, kind: too_deep() },
+            Ron::Eof => self.early_end(),
+            Ron::ExpectedStringEnd => ParseError::new(at, "a text has no closing quote"),
+            Ron::ExpectedMapColon if self.text[at..].starts_with('=') => {
+                ParseError::new(at, "write `:` after the name of a field, in place of `=`")
+            }
+            Ron::ExpectedMapColon => ParseError::new(at, "`:` is missing after a name"),
+            Ron::TrailingCharacters => ParseError::new(at, "the scene has ended: remove what follows"),
+            Ron::ExpectedArrayEnd | Ron::ExpectedMapEnd | Ron::ExpectedStructLikeEnd | Ron::ExpectedComma => {
+                self.end_of_group(&cursor, at)
+            }
+            Ron::ExpectedDifferentLength { .. } => self.wrong_value(self.group_at(&cursor, at), at),
+            Ron::InvalidValueForType { .. } | Ron::UnexpectedChar(_) if self.stands_behind_value(&cursor, at) => {
+                self.wrong_value(cursor.last(), at)
+            }
+            Ron::IntegerOutOfBounds if self.stands_behind_value(&cursor, at) => self.wrong_value(cursor.last(), at),
+            code @ (Ron::InvalidEscape(_)
+            | Ron::InvalidIntegerDigit { .. }
+            | Ron::NoSuchExtension(_)
+            | Ron::UnclosedBlockComment
+            | Ron::UnclosedLineComment
+            | Ron::FloatUnderscore
+            | Ron::UnderscoreAtBeginning
+            | Ron::ExpectedAttribute
+            | Ron::ExpectedAttributeEnd
+            | Ron::Utf8Error(_)) => ParseError::new(at, lower(&code.to_string())),
+            _ => self.other_type(&cursor, at),
+        }
+    }
+
+    /// An error of `serde_json`: its message without the place.
+    pub(super) fn json(&self, message: &str, line: usize, column: usize) -> ParseError {
+        // Columns of serde_json count the bytes of the line that have been read.
+        let at = floor(self.text, line_start(self.text, line) + column);
+        let cursor = Cursor::before(self.text, at);
+        let last = cursor.last().map_or(at, |value| value.range.start);
+        let words = || message.split('`').skip(1).step_by(2);
+        let known = || words().skip(1).collect::<Vec<_>>();
+        let found = || words().next().unwrap_or_default();
+        let starts = |start: &str| message.starts_with(start);
+        if message.contains("unit variant, expected") {
+            // It is met when the object around the value ends or goes on.
+            self.wrong_value(Cursor::before(self.text, at.saturating_sub(1)).last(), at)
+        } else if message == NO_SPELLING || starts("invalid type") || starts("invalid value") {
+            let value = match cursor.last_token {
+                Token::Open => cursor.group(self.text),
+                _ => cursor.last(),
+            };
+            self.wrong_value(value, at)
+        } else if starts("invalid length") || self.is_too_long(&cursor) {
+            let value = if cursor.last_token == Token::Close { cursor.last() } else { cursor.group(self.text) };
+            self.wrong_value(value, at)
+        } else if starts("unknown field `") {
+            self.unknown_field(last, found(), &known())
+        } else if starts("unknown variant `") {
+            self.unknown_choice(last, found(), &known())
+        } else if starts("missing field `") {
+            self.missing_field(&cursor, at, found())
+        } else if starts("duplicate field `") {
+            ParseError::new(last, format!("the field `{}` is given twice", found()))
+        } else if starts("recursion limit exceeded") {
+            ParseError { at: at.saturating_sub(1), kind: too_deep() }
+        } else if starts("EOF") {
+            self.early_end()
+        } else {
+            let message = match message {
+                "trailing comma" => "a comma must not stand before a closing bracket: remove it",
+                "expected `:`" => "`:` is missing after a name",
+                "expected value" => "a value is missing here",
+                "key must be a string" => "names of fields are texts in double quotes",
+                "trailing characters" => "the scene has ended: remove what follows",
+                message if starts("expected `,` or") => {
+                    let bracket = message.chars().rev().nth(1).unwrap_or_default();
+                    return ParseError::new(
+                        at.saturating_sub(1),
+                        format!("a comma or `{bracket}` is missing before this"),
+                    );
+                }
+                other => other,
+            };
+            ParseError::new(at.saturating_sub(1), message)
+        }
+    }
+
+    /// A value that has none of its spellings has been read.
+    fn no_spelling(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
+        let Some(value) = cursor.last() else { return ParseError::new(at, "another value is expected here") };
+        let given = &self.text[value.range.clone()];
+        let is_choice = given.starts_with(|c: char| c.is_alphabetic() || c == '_') && !given.starts_with("r\"");
+        let definition = self.schema.slot(&value.path).and_then(|slot| slot.definition);
+        if is_choice && given.ends_with(')') {
+            let inner = match definition {
+                Some("Color") => error_of::<Choice<Color>>(given),
+                Some("ColorTexture") => error_of::<Choice<ColorTexture>>(given),
+                _ => error_of::<Choice<NodeMaterial>>(given),
+            };
+            if let Some(error) = inner {
+                return self.ron(error, given, value.range.start);
+            }
+        }
+        if is_choice && definition == Some("NodeMaterial") {
+            let message =
+                format!("`{given}` is no material; if it is the name of one, put it into quotes: \"{given}\"");
+            return ParseError::new(value.range.start, message);
+        }
+        self.wrong_value(Some(value), at)
+    }
+
+    fn unknown_field(&self, at: usize, found: &str, known: &[&str]) -> ParseError {
+        let path = Cursor::before(self.text, at).container();
+        let context = self.schema.slot(&path).map(|slot| slot.context.to_owned()).unwrap_or_default();
+        let place = if context.is_empty() { String::new() } else { format!(" in {}", called(&context)) };
+        let hint = self.hint(&context, found, known);
+        ParseError::new(at, format!("unknown field `{found}`{place}{hint}"))
+    }
+
+    fn unknown_choice(&self, at: usize, found: &str, known: &[&str]) -> ParseError {
+        let path = Cursor::before(self.text, at).path();
+        // In JSON a choice is the name of a field within an object, where it is a path of its own.
+        let path = match (path.last(), self.notation) {
+            (Some(Key::Index(_)), Notation::Json) => &path[..path.len() - 1],
+            _ => &path[..],
+        };
+        let context = self.schema.slot(path).and_then(|slot| slot.definition).unwrap_or_default();
+        let place = field_of(path).map_or_else(String::new, |field| format!(" for `{field}`"));
+        let hint = self.hint(context, found, known);
+        ParseError::new(at, format!("unknown choice `{found}`{place}{hint}"))
+    }
+
+    /// What is probably meant, and what there is.
+    fn hint(&self, context: &str, found: &str, known: &[&str]) -> String {
+        let known: Vec<String> =
+            known.iter().filter(|word| !word.starts_with('$')).map(|&word| word.to_owned()).collect();
+        match meant(context, found) {
+            Some(Meant::Word(word)) => suggestion(Some(word), &known),
+            Some(Meant::Written(form)) if self.notation == Notation::Ron => format!("; write {form}"),
+            Some(Meant::Written(form)) => format!("; write, in the notation of .ron files, {form}"),
+            None => suggestion(crate::error::nearest(found, &known), &known),
+        }
+    }
+
+    fn missing_field(&self, cursor: &Cursor<'t>, at: usize, field: &str) -> ParseError {
+        // Only JSON's parser has read the closing bracket by then.
+        let value = match (cursor.last_token, self.notation) {
+            (Token::Close, Notation::Json) => cursor.last(),
+            _ => cursor.group(self.text),
+        };
+        let Some(TextValue { range, mut path }) = value else {
+            return ParseError::new(at, format!("the scene needs the field `{field}`"));
+        };
+        // A choice stands before its parenthesis.
+        let name = self.text[range.clone()].split('(').next().map(str::trim).filter(|name| !name.is_empty());
+        if let (Some(name), Notation::Ron) = (name, self.notation) {
+            path.push(Key::Name(name));
+        }
+        let context = match self.schema.slot(&path).map(|slot| slot.context) {
+            Some("Scene") => "the scene".to_owned(),
+            Some(context) => format!("`{}`", called(context)),
+            None => "this".to_owned(),
+        };
+        ParseError::new(range.start, format!("{context} needs the field `{field}`"))
+    }
+
+    /// A value of another type stands here, or has just been read.
+    fn other_type(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
+        let Some(start) = next(self.text, at) else { return self.early_end() };
+        // A name in braces without quotes.
+        if let Some(frame) = cursor.frames.last().filter(|frame| frame.bracket == b'{')
+            && matches!(cursor.last_token, Token::Open | Token::Mark)
+            && self.text[frame.start..].starts_with('{')
+            && self.schema.slot(&cursor.container()).is_some_and(|slot| slot.is_map())
+        {
+            let word = &self.text[start..value_end(self.text, start)];
+            let after = next(self.text, start + word.len()).map_or("", |next| &self.text[next..]);
+            if after.starts_with(':') {
+                return ParseError::new(
+                    start,
+                    format!("names in braces are texts: put the name into quotes: \"{word}\""),
+                );
+            }
+        }
+        if self.stands_behind_value(cursor, at) || self.text[start..].starts_with([')', ']', '}', ',']) {
+            return self.wrong_value(cursor.last(), at);
+        }
+        let value = TextValue { range: start..value_end(self.text, start), path: cursor.path() };
+        self.wrong_value(Some(value), at)
+    }
+
+    /// True if the last token before the place is a value that nothing follows yet.
+    fn stands_behind_value(&self, cursor: &Cursor<'t>, at: usize) -> bool {
+        let is_key = next(self.text, at).is_some_and(|next| self.text[next..].starts_with(':'));
+        matches!(cursor.last_token, Token::Value | Token::Close) && !is_key
+    }
+
+    /// A value that is not what its place expects.
+    fn wrong_value(&self, value: Option<TextValue<'t>>, at: usize) -> ParseError {
+        let Some(TextValue { range, path }) = value else { return self.early_end() };
+        let given = &self.text[range.clone()];
+        let Some(slot) = self.schema.slot(&path) else { return ParseError::new(at, "this is not expected here") };
+        let word = given.trim_matches('"');
+        let chosen = slot.choices().into_iter().find(|(name, _)| *name == word);
+        let place = field_of(&path).map_or_else(String::new, |field| format!(" for `{field}`"));
+        let hint = match (chosen, self.notation) {
+            (Some((name, true)), Notation::Ron) if given == word => {
+                return ParseError::new(range.start, format!("`{name}` needs parentheses: `{name}()`"));
+            }
+            (Some((name, _)), Notation::Ron) => format!("; write `{name}` without quotes"),
+            (Some((name, true)), Notation::Json) => format!("; write {{\"{name}\": {{}}}}"),
+            _ => hint_of_brackets(&slot, given, self.notation).to_owned(),
+        };
+        let expected = slot.words(self.notation);
+        ParseError::new(range.start, format!("expected {expected}{place}, found {}{hint}", shown(given)))
+    }
+
+    /// The innermost group, or the one that has just ended.
+    fn group_at(&self, cursor: &Cursor<'t>, at: usize) -> Option<TextValue<'t>> {
+        let goes_on = next(self.text, at).is_some_and(|next| self.text[next..].starts_with([')', ']']));
+        if cursor.last_token == Token::Close && !goes_on { cursor.last() } else { cursor.group(self.text) }
+    }
+
+    fn is_too_long(&self, cursor: &Cursor<'t>) -> bool {
+        let (Some(frame), Some(slot)) = (cursor.frames.last(), self.schema.slot(&cursor.container())) else {
+            return false;
+        };
+        frame.bracket == b'[' && slot.fixed_length().is_some_and(|length| frame.index >= length)
+    }
+
+    /// A group should end here, or go on after a comma.
+    fn end_of_group(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
+        let Some(frame) = cursor.frames.last() else {
+            return ParseError::new(at, "the scene has ended: remove what follows");
+        };
+        let Some(start) = next(self.text, at) else { return self.early_end() };
+        let length = self.schema.slot(&cursor.container()).and_then(|slot| slot.fixed_length());
+        if length.is_some_and(|length| frame.index >= length) {
+            return self.wrong_value(cursor.group(self.text), at);
+        }
+        let closing = closing(frame.bracket);
+        match self.text.as_bytes()[start] {
+            bracket @ (b')' | b']' | b'}') => {
+                ParseError::new(start, format!("`{closing}` is missing before `{}`", char::from(bracket)))
+            }
+            b'=' => ParseError::new(start, "write `:` after the name of a field, in place of `=`"),
+            _ => ParseError::new(start, format!("a comma is missing before this, or `{closing}`")),
+        }
+    }
+
+    /// The text ends where more is needed.
+    fn early_end(&self) -> ParseError {
+        let end = self.text.trim_end().len();
+        let cursor = Cursor::before(self.text, self.text.len());
+        match cursor.frames.last() {
+            None if end == 0 => ParseError::new(0, "the file has no scene in it"),
+            None => ParseError::new(end, "the file ends too early"),
+            Some(frame) => {
+                let Position { line, .. } = Position::of(self.text, frame.bracket_at);
+                let (opening, closing) = (char::from(frame.bracket), closing(frame.bracket));
+                let message = format!("the file ends too early: `{closing}` is missing for `{opening}` of line {line}");
+                ParseError::new(end, message)
+            }
+        }
+    }
+}
+
+/// The error of a value that is read by itself.
+fn error_of<'de, T: Deserialize<'de>>(text: &'de str) -> Option<SpannedError> {
+    ron_options().from_str::<T>(text).err()
+}
+
+/// The field that a path leads into.
+fn field_of<'t>(path: &[Key<'t>]) -> Option<&'t str> {
+    path.iter().rev().find_map(|key| match key {
+        Key::Name(name) => Some(*name),
+        Key::Index(_) | Key::Argument(_) => None,
+    })
+}
+
+/// A type or choice as it is called in messages.
+fn called(context: &str) -> String {
+    let mut name = String::new();
+    for (i, c) in context.char_indices() {
+        if c.is_uppercase() && i > 0 {
+            name.push(' ');
+        }
+        name.extend(c.to_lowercase());
+    }
+    name
+}
+
+/// How vectors are written, for those who take the brackets of the other notation.
+fn hint_of_brackets(slot: &Slot<'_>, given: &str, notation: Notation) -> &'static str {
+    match notation {
+        Notation::Ron if slot.fixed_length().is_some() && given.starts_with('[') => "; vectors stand in parentheses",
+        _ => "",
+    }
+}
+
+const fn closing(bracket: u8) -> char {
+    match bracket {
+        b'(' => ')',
+        b'[' => ']',
+        _ => '}',
+    }
+}
+
+/// A value on one line, not too long.
+fn shown(given: &str) -> String {
+    let words: Vec<&str> = given.split_whitespace().collect();
+    let given = words.join(" ");
+    match given.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}...", &given[..end]),
+        None => given,
+    }
+}
+
+fn lower(message: &str) -> String {
+    let mut rest = message.chars();
+    let first = rest.next().map(|c| c.to_lowercase().to_string()).unwrap_or_default();
+    first + rest.as_str()
+}
+
+fn too_deep() -> LoadErrorKind {
+    LoadErrorKind::Syntax(format!("brackets are nested deeper than {NESTING}; flatten the tree or use groups"))
+}

@@ -1,0 +1,409 @@
+//! Materials of a document, made when first used.
+
+use std::{collections::HashMap, sync::Arc};
+
+use gltf::{Document, Material};
+use rt_math::Rgb;
+use rt_shading::{
+    Alpha, Bitmap, Channel, Coverage, FloatTexture, Material as Named, Relief, Texture, TextureId, emitter::Sides,
+};
+
+use super::{
+    buffers::Buffers,
+    material_json::{AlphaMode, MaterialJson, SpecularGlossiness, TextureInfo},
+    primitive::RequiredAttributes,
+    surface::{Base, ColorFactor, FloatFactor, GltfSurface},
+    textures::{GltfTextures, PixelEncoding, UvSets, image_texture},
+};
+use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, Model};
+
+/// A material as primitives need it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UsedMaterial {
+    pub(super) id: MaterialId,
+    /// What the meshes must have for it.
+    pub(super) required_attributes: RequiredAttributes,
+}
+
+/// The materials and textures of a document.
+pub(super) struct MaterialReader<'a> {
+    textures: GltfTextures<'a>,
+    /// By index, and whether meshes bring colours.
+    materials: HashMap<(Option<usize>, bool), UsedMaterial>,
+}
+
+impl<'a> MaterialReader<'a> {
+    pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, options: &'a LoadOptions) -> Self {
+        Self { textures: GltfTextures::new(document, buffers, options), materials: HashMap::new() }
+    }
+
+    /// The material of a primitive, which has colours at its vertices or not.
+    pub(super) fn material(
+        &mut self,
+        material: &Material<'_>,
+        has_colors: bool,
+        model: &mut Model,
+    ) -> Result<UsedMaterial, LoadError> {
+        let key = (material.index(), has_colors);
+        if let Some(&known) = self.materials.get(&key) {
+            return Ok(known);
+        }
+        let description = self.description(material)?;
+        let required_attributes = required_attributes(&description, has_colors);
+        let place = match (material.name(), material.index()) {
+            (Some(name), _) => format!("material `{name}`"),
+            (None, index) => format!("materials[{}]", index.unwrap_or(0)),
+        };
+        let uses_other_sets =
+            description.textures().any(|texture| !required_attributes.uv_sets.contains(&Some(texture.uv_set())));
+        let mut reader = MaterialBuilder {
+            textures: &mut self.textures,
+            sets: required_attributes.uv_sets,
+            has_colors,
+            place: &place,
+            model,
+        };
+        if uses_other_sets {
+            reader.warn("its textures read more than two sets of coordinates; the others are read at the first");
+        }
+        let name = material.name().unwrap_or(if material.index().is_some() { "unnamed" } else { "default" });
+        let named = reader.material(name, &description)?;
+        let id = model.add_material(named);
+        let used = UsedMaterial { id, required_attributes };
+        self.materials.insert(key, used);
+        Ok(used)
+    }
+
+    fn description(&self, material: &Material<'_>) -> Result<MaterialJson, LoadError> {
+        let Some(index) = material.index() else { return Ok(MaterialJson::default()) };
+        let json = &self.textures.document.as_json().materials[index];
+        let refuse = |error: serde_json::Error| {
+            LoadErrorKind::Syntax(error.to_string()).at(self.textures.path(), format!("materials[{index}]"))
+        };
+        MaterialJson::of(json).map_err(refuse)
+    }
+}
+
+/// What meshes must have for a material: up to two sets of texture coordinates, in the order of its textures.
+fn required_attributes(description: &MaterialJson, has_colors: bool) -> RequiredAttributes {
+    let mut uv_sets: UvSets = [None; 2];
+    for set in description.textures().map(|texture| Some(texture.uv_set())) {
+        if !uv_sets.contains(&set)
+            && let Some(free) = uv_sets.iter_mut().find(|slot| slot.is_none())
+        {
+            *free = set;
+        }
+    }
+    let tangents = description.normals().is_some() || description.extensions.anisotropy.is_some();
+    let along = description.normals().map(|texture| Some(texture.uv_set()));
+    let along = uv_sets.iter().position(|set| Some(*set) == along).unwrap_or(0);
+    RequiredAttributes { uv_sets, along, colors: has_colors, tangents }
+}
+
+/// Reads one material.
+struct MaterialBuilder<'r, 'a> {
+    textures: &'r mut GltfTextures<'a>,
+    sets: UvSets,
+    has_colors: bool,
+    /// For messages.
+    place: &'r str,
+    model: &'r mut Model,
+}
+
+impl MaterialBuilder<'_, '_> {
+    fn warn(&mut self, message: &str) {
+        self.model.warn(self.place, message);
+    }
+
+    fn material(&mut self, name: &str, description: &MaterialJson) -> Result<Named, LoadError> {
+        let surface = self.surface(description)?;
+        let shines = if description.double_sided { Sides::Both } else { Sides::Front };
+        let mut named = Named { physical: Some(surface.physical()), ..Named::new(name.to_owned(), surface.phong()) };
+        named.shines = shines;
+        named.coverage = self.coverage(description, &surface)?;
+        if surface.unlit {
+            return Ok(named);
+        }
+        named.relief = self.relief(description.normal_texture.as_ref())?;
+        if let Some(occlusion) = &description.occlusion_texture {
+            named.occlusion = self.occlusion(occlusion)?;
+        }
+        Ok(named)
+    }
+
+    fn surface(&mut self, description: &MaterialJson) -> Result<GltfSurface, LoadError> {
+        let (pbr, all) = (&description.pbr_metallic_roughness, &description.extensions);
+        let strength = all.emissive_strength.as_ref().map_or(1.0, |extension| extension.emissive_strength);
+        let emissive = rgb(description.emissive_factor) * f64::from(strength.max(0.0));
+        let metal_rough = pbr.metallic_roughness_texture.as_ref();
+        let mut surface = GltfSurface {
+            base: Base::MetallicRoughness {
+                color: self.tinted(pbr.base_color_texture.as_ref(), opaque(pbr.base_color_factor))?,
+                metallic: self.value(metal_rough, Channel::Blue, pbr.metallic_factor)?,
+                roughness: self.value(metal_rough, Channel::Green, pbr.roughness_factor)?,
+            },
+            emission: self.tint(description.emissive_texture.as_ref(), emissive)?,
+            unlit: all.unlit.is_some(),
+            ..GltfSurface::default()
+        };
+        if surface.unlit {
+            return Ok(surface);
+        }
+        if let Some(other) = &all.specular_glossiness {
+            surface.base = self.specular_glossiness(other)?;
+            // The extension stands for itself: others are not combined with it.
+            return Ok(surface);
+        }
+        if let Some(ior) = all.ior.as_ref().map(|extension| f64::from(extension.ior)) {
+            if ior == 0.0 || ior >= 1.0 {
+                surface.ior = ior;
+            } else {
+                self.warn("its index of refraction is below 1; that of glass is used");
+            }
+        }
+        self.read_layers(description, &mut surface)?;
+        self.read_body(description, &mut surface)?;
+        Ok(surface)
+    }
+
+    /// What lies over the base.
+    fn read_layers(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
+        let all = &description.extensions;
+        if let Some(specular) = &all.specular {
+            surface.specular =
+                self.value(specular.specular_texture.as_ref(), Channel::Alpha, specular.specular_factor)?;
+            let color = rgb(specular.specular_color_factor);
+            surface.specular_color = self.tint(specular.specular_color_texture.as_ref(), color)?;
+        }
+        if let Some(coat) = &all.clearcoat {
+            surface.coat = self.value(coat.clearcoat_texture.as_ref(), Channel::Red, coat.clearcoat_factor)?;
+            let roughness = coat.clearcoat_roughness_texture.as_ref();
+            surface.coat_roughness = self.value(roughness, Channel::Green, coat.clearcoat_roughness_factor)?;
+            surface.coat_relief = self.relief(coat.clearcoat_normal_texture.as_ref())?;
+        }
+        if let Some(sheen) = &all.sheen {
+            surface.sheen_color = self.tint(sheen.sheen_color_texture.as_ref(), rgb(sheen.sheen_color_factor))?;
+            let roughness = sheen.sheen_roughness_texture.as_ref();
+            surface.sheen_roughness = self.value(roughness, Channel::Alpha, sheen.sheen_roughness_factor)?;
+        }
+        if let Some(anisotropy) = &all.anisotropy {
+            let texture = anisotropy.anisotropy_texture.as_ref();
+            surface.anisotropy = self.value(texture, Channel::Blue, anisotropy.anisotropy_strength)?;
+            surface.anisotropy_rotation = f64::from(anisotropy.anisotropy_rotation);
+            surface.anisotropy_direction = self.texture(texture, PixelEncoding::Numbers)?;
+        }
+        Ok(())
+    }
+
+    /// What lies behind the surface.
+    fn read_body(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
+        let all = &description.extensions;
+        if let Some(transmission) = &all.transmission {
+            let texture = transmission.transmission_texture.as_ref();
+            surface.transmission = self.value(texture, Channel::Red, transmission.transmission_factor)?;
+        }
+        if let Some(volume) = all.volume.as_ref().filter(|volume| volume.thickness_factor > 0.0) {
+            surface.is_thin = false;
+            surface.attenuation =
+                Some((f64::from(volume.attenuation_distance), rgb(volume.attenuation_color).map(|c| c.min(1.0))));
+        }
+        surface.dispersion = all.dispersion.as_ref().map_or(0.0, |d| f64::from(d.dispersion.max(0.0)));
+        Ok(())
+    }
+
+    /// KHR_materials_pbrSpecularGlossiness. The classical surface has but one colour: metals have theirs in the specular
+    /// texture and a black diffuse one, so the sum of both serves.
+    fn specular_glossiness(&mut self, other: &SpecularGlossiness) -> Result<Base, LoadError> {
+        let (diffuse_factor, specular_factor) = (opaque(other.diffuse_factor), rgb(other.specular_factor));
+        let shine = other.specular_glossiness_texture.as_ref();
+        let diffuse = self.tinted(other.diffuse_texture.as_ref(), diffuse_factor)?;
+        let mut base = Base::SpecularGlossiness {
+            color: diffuse,
+            diffuse,
+            specular: self.tint(shine, specular_factor)?,
+            glossiness: self.glossiness(shine, other.glossiness_factor)?,
+            mean_specular: specular_factor,
+        };
+        let Some(info) = shine else { return Ok(base) };
+        let Some(shine) = self.textures.bitmap(info, PixelEncoding::Colors, self.place, self.model)? else {
+            return Ok(base);
+        };
+        let matt = match &other.diffuse_texture {
+            Some(info) => self.textures.bitmap(info, PixelEncoding::Colors, self.place, self.model)?,
+            None => None,
+        };
+        let matt = matt.unwrap_or_else(|| Arc::new(Bitmap::opaque(1, 1, vec![[1.0; 3]])));
+        let bitmap = sum_of(&matt, diffuse_factor, &shine, specular_factor);
+        self.textures.count(&bitmap)?;
+        let sampler = self.textures.document.textures().nth(info.index).map(|texture| texture.sampler());
+        let id = self.model.add_texture(image_texture(Arc::new(bitmap), sampler.as_ref()));
+        if let Base::SpecularGlossiness { color, mean_specular, .. } = &mut base {
+            *color = ColorFactor { texture: Some(id), colour: Rgb::WHITE };
+            *mean_specular = specular_factor * mean(&shine);
+        }
+        Ok(base)
+    }
+
+    /// Glossiness stands in the alpha of an image of colours.
+    fn glossiness(&mut self, info: Option<&TextureInfo>, factor: f32) -> Result<FloatFactor, LoadError> {
+        let factor = f64::from(factor).clamp(0.0, 1.0);
+        let Some(texture) = self.texture(info, PixelEncoding::Colors)? else {
+            return Ok(FloatFactor::constant(factor));
+        };
+        let alpha = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| mean_alpha(bitmap));
+        Ok(FloatFactor { scalar: FloatTexture::Textured(texture, Channel::Alpha, factor), mean: factor * alpha })
+    }
+
+    fn coverage(&mut self, description: &MaterialJson, surface: &GltfSurface) -> Result<Coverage, LoadError> {
+        let gloss = description.extensions.specular_glossiness.as_ref().filter(|_| !surface.unlit);
+        let pbr = &description.pbr_metallic_roughness;
+        let (info, factor) = match gloss {
+            Some(other) => (other.diffuse_texture.as_ref(), other.diffuse_factor[3]),
+            None => (pbr.base_color_texture.as_ref(), pbr.base_color_factor[3]),
+        };
+        let alpha = match description.alpha_mode {
+            AlphaMode::Opaque => Alpha::Opaque,
+            AlphaMode::Mask => Alpha::Mask(f64::from(description.alpha_cutoff)),
+            AlphaMode::Blend => Alpha::Blend,
+        };
+        let texture = if alpha == Alpha::Opaque { None } else { self.texture(info, PixelEncoding::Colors)? };
+        let texture = texture
+            .filter(|id| self.model.textures[id.0 as usize].bitmap().is_some_and(|bitmap| !bitmap.alpha.is_empty()));
+        let factor = f64::from(factor).clamp(0.0, 1.0);
+        // What nothing makes translucent is opaque, and traced faster.
+        let is_whole = texture.is_none() && !self.has_colors && factor == 1.0;
+        let alpha = if is_whole && alpha == Alpha::Blend { Alpha::Opaque } else { alpha };
+        // Light that comes through a body leaves it by the back of its surface.
+        let has_front_only = !description.double_sided && surface.transmission.scalar.is_zero();
+        Ok(Coverage { alpha, factor, texture, has_front_only })
+    }
+
+    /// Occlusion is 1 + strength · (texture − 1): a texture of its own says that with one factor.
+    fn occlusion(&mut self, info: &TextureInfo) -> Result<FloatTexture, LoadError> {
+        let whole = FloatTexture::Constant(1.0);
+        let Some(texture) = self.texture(Some(info), PixelEncoding::Numbers)? else { return Ok(whole) };
+        let strength = info.strength.clamp(0.0, 1.0);
+        if strength == 1.0 {
+            return Ok(FloatTexture::Textured(texture, Channel::Red, 1.0));
+        }
+        let faded = |bitmap: &Bitmap| {
+            let pixels = bitmap.pixels.iter().map(|pixel| [1.0 + strength * (pixel[0] - 1.0); 3]).collect();
+            Arc::new(Bitmap::opaque(bitmap.width, bitmap.height, pixels))
+        };
+        let texture = match self.model.textures[texture.0 as usize].clone() {
+            Texture::Image { bitmap, wrap, smooth } => Texture::Image { bitmap: faded(&bitmap), wrap, smooth },
+            Texture::Mapped { texture, map } => match &*texture {
+                Texture::Image { bitmap, wrap, smooth } => {
+                    let (wrap, smooth) = (*wrap, *smooth);
+                    Texture::Mapped { texture: Arc::new(Texture::Image { bitmap: faded(bitmap), wrap, smooth }), map }
+                }
+                _ => return Ok(whole),
+            },
+            _ => return Ok(whole),
+        };
+        if let Some(bitmap) = texture.bitmap() {
+            self.textures.count(bitmap)?;
+        }
+        Ok(FloatTexture::Textured(self.model.add_texture(texture), Channel::Red, 1.0))
+    }
+
+    fn texture(&mut self, info: Option<&TextureInfo>, pixels: PixelEncoding) -> Result<Option<TextureId>, LoadError> {
+        match info {
+            Some(info) => self.textures.texture(info, pixels, self.sets, self.place, self.model),
+            None => Ok(None),
+        }
+    }
+
+    fn relief(&mut self, info: Option<&TextureInfo>) -> Result<Option<Relief>, LoadError> {
+        let scale = info.map_or(1.0, |info| f64::from(info.scale));
+        Ok(self.texture(info, PixelEncoding::Numbers)?.map(|texture| Relief { texture, scale }))
+    }
+
+    fn tint(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<ColorFactor, LoadError> {
+        let texture = if colour.is_black() { None } else { self.texture(info, PixelEncoding::Colors)? };
+        Ok(ColorFactor { texture, colour })
+    }
+
+    /// A colour that the colours of vertices multiply, if there are any.
+    fn tinted(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<ColorFactor, LoadError> {
+        let tint = self.tint(info, colour)?;
+        if !self.has_colors || colour.is_black() {
+            return Ok(tint);
+        }
+        let below = tint.texture.map(|id| Arc::new(self.model.textures[id.0 as usize].clone()));
+        Ok(ColorFactor { texture: Some(self.model.add_texture(Texture::VertexColor(below))), colour })
+    }
+
+    fn value(&mut self, info: Option<&TextureInfo>, channel: Channel, factor: f32) -> Result<FloatFactor, LoadError> {
+        let factor = f64::from(factor).clamp(0.0, 1.0);
+        let info = info.filter(|_| factor > 0.0);
+        let Some(texture) = self.texture(info, PixelEncoding::Numbers)? else {
+            return Ok(FloatFactor::constant(factor));
+        };
+        let mean = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| match channel {
+            Channel::Red => mean(bitmap).r,
+            Channel::Green => mean(bitmap).g,
+            Channel::Blue => mean(bitmap).b,
+            Channel::Alpha => mean_alpha(bitmap),
+        });
+        Ok(FloatFactor { scalar: FloatTexture::Textured(texture, channel, factor), mean: factor * mean })
+    }
+}
+
+/// The mean colour, from at most some 8000 pixels.
+fn mean(bitmap: &Bitmap) -> Rgb {
+    let step = (bitmap.pixels.len() / 4096).max(1);
+    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
+    for pixel in bitmap.pixels.iter().step_by(step) {
+        sum += rgb(*pixel);
+        count += 1.0;
+    }
+    sum / count
+}
+
+/// The mean of what pixels cover, from as many of them.
+fn mean_alpha(bitmap: &Bitmap) -> f64 {
+    let step = (bitmap.alpha.len() / 4096).max(1);
+    let some = bitmap.alpha.iter().step_by(step);
+    let count = some.len();
+    if count == 0 { 1.0 } else { some.map(|alpha| f64::from(*alpha)).sum::<f64>() / count as f64 }
+}
+
+/// Diffuse colour plus what the specular colour has above the 4 % of a dielectric, at the resolution of the diffuse
+/// colour.
+fn sum_of(matt: &Bitmap, diffuse: Rgb, shine: &Bitmap, specular: Rgb) -> Bitmap {
+    let (width, height) = if matt.pixels.len() == 1 { (shine.width, shine.height) } else { (matt.width, matt.height) };
+    let nearest = |bitmap: &Bitmap, x: u32, y: u32| {
+        let scaled = |i: u32, to: u32, from: u32| u64::from(i) * u64::from(to) / u64::from(from);
+        let (x, y) = (scaled(x, bitmap.width, width), scaled(y, bitmap.height, height));
+        rgb(bitmap.pixels[(y * u64::from(bitmap.width) + x) as usize])
+    };
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| {
+        let metal = (nearest(shine, x, y) * specular).map(|c| (c - 0.04).max(0.0));
+        (nearest(matt, x, y) * diffuse + metal).to_array().map(|c| c.min(1.0) as f32)
+    });
+    Bitmap::opaque(width, height, pixels.collect())
+}
+
+fn opaque([r, g, b, _]: [f32; 4]) -> Rgb {
+    rgb([r, g, b])
+}
+
+/// A colour without negative or infinite components.
+fn rgb(colour: [f32; 3]) -> Rgb {
+    Rgb::from(colour.map(f64::from)).map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_colour_of_metals_is_added_to_the_diffuse_colour() {
+        let matt = Bitmap::opaque(2, 1, vec![[0.5; 3], [0.0; 3]]);
+        let shine = Bitmap::opaque(1, 2, vec![[0.04, 0.54, 1.0], [0.0; 3]]);
+        let sum = sum_of(&matt, Rgb::WHITE, &shine, Rgb::WHITE);
+        assert_eq!((sum.width, sum.height), (2, 1));
+        assert_eq!(sum.pixels, [[0.5, 1.0, 1.0], [0.0, 0.5, 0.96]]);
+    }
+}

@@ -1,0 +1,296 @@
+//! The tree of nodes, with cameras and lights in world space.
+
+use std::{collections::HashSet, path::Path};
+
+use gltf::{
+    Document, Node as Source,
+    json::{camera::Type as CameraType, extensions::scene::khr_lights_punctual as lights, validation::Checked},
+    scene::Transform as Matrix,
+};
+use rt_camera::{CameraSettings, FovAxis, Projection};
+use rt_math::{AnimatedTransform, DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
+use rt_shading::{Falloff, Light, LightKind, LightUnits};
+
+use super::{MeshPart, buffers::Buffers, instancing, node_pose::Poses};
+use crate::{Content, LoadError, LoadErrorKind, Model, NamedCamera, Node, limits};
+
+/// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.
+pub(super) fn walk(
+    buffers: &Buffers<'_>,
+    poses: &Poses<'_>,
+    model: &mut Model,
+    mut parts_of: impl FnMut(&Source<'_>, &gltf::Mesh<'_>, &mut Model) -> Result<Vec<MeshPart>, LoadError>,
+) -> Result<(), LoadError> {
+    let (document, path) = (buffers.document(), buffers.path());
+    let nodes: Vec<Source<'_>> = document.nodes().collect();
+    let mut instances = 0;
+    for root in roots(document, path)? {
+        let mut stack: Vec<OpenNode> = Vec::new();
+        stack.extend(open(&nodes[root], poses, &WorldTransforms::IDENTITY, model));
+        while let Some(mut frame) = stack.pop() {
+            if let Some(child) = frame.children.pop() {
+                let world = frame.world;
+                stack.push(frame);
+                stack.extend(open(&nodes[child], poses, &world, model));
+                continue;
+            }
+            let source = &nodes[frame.index];
+            if let Some(mesh) = source.mesh() {
+                let parts = parts_of(source, &mesh, model)?;
+                place(source, &mut frame.node, &parts, buffers, &mut instances, model)?;
+            }
+            place_camera(source, document, &frame.world, model);
+            place_light(source, document, &frame.world.opens, model);
+            match stack.last_mut() {
+                Some(parent) => parent.node.children.push(frame.node),
+                None => model.nodes.push(frame.node),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A node whose children are being visited.
+struct OpenNode {
+    index: usize,
+    node: Node,
+    world: WorldTransforms,
+    /// Still to be visited, last first.
+    children: Vec<usize>,
+}
+
+/// Takes the space of a node to the world, when the shutter opens and when it closes.
+#[derive(Clone, Copy)]
+struct WorldTransforms {
+    opens: Transform,
+    closes: Transform,
+}
+
+impl WorldTransforms {
+    const IDENTITY: Self = Self { opens: Transform::IDENTITY, closes: Transform::IDENTITY };
+
+    fn compose(&self, node: &Node) -> Self {
+        Self {
+            opens: self.opens.compose(&node.parent_from_local),
+            closes: self.closes.compose(&node.moves_to.unwrap_or(node.parent_from_local)),
+        }
+    }
+}
+
+/// Starts a node, unless its transform is unusable.
+fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model: &mut Model) -> Option<OpenNode> {
+    let parent_from_local = match transform(poses.opens.matrix(source.index())?) {
+        Ok(transform) => transform,
+        Err(error) => {
+            warn(source, &format!("{error}; it is left out, with all below"), model);
+            return None;
+        }
+    };
+    let mut children: Vec<usize> = source.children().map(|child| child.index()).collect();
+    children.reverse();
+    let moves_to = moves_to(source, poses, &parent_from_local, model);
+    let node = Node { parent_from_local, moves_to, ..empty(source) };
+    Some(OpenNode { index: source.index(), world: parent.compose(&node), node, children })
+}
+
+/// Where a node goes while the shutter is open, if it goes anywhere.
+fn moves_to(source: &Source<'_>, poses: &Poses<'_>, start: &Transform, model: &mut Model) -> Option<Transform> {
+    let end = transform(poses.closes?.matrix(source.index())?);
+    if end.is_ok_and(|end| end == *start) {
+        return None;
+    }
+    let end = end.ok().filter(|end| AnimatedTransform::new(start, end).is_ok());
+    if end.is_none() {
+        warn(source, "what it moves to while the shutter is open is unusable; it stands still", model);
+    }
+    end
+}
+
+/// The nodes to start from: those of the chosen scene, or all that have no parent. Each node must have at most one
+/// parent, and those of a scene none, so that the walk meets every node once and ends.
+fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
+    let mut parents = vec![None; document.nodes().len()];
+    for node in document.nodes() {
+        for child in node.children() {
+            if let Some(other) = parents[child.index()].replace(node.index()) {
+                let message = format!("has two parents, {other} and {}; the nodes must form trees", node.index());
+                return Err(LoadErrorKind::Syntax(message).at(path, format!("nodes[{}]", child.index())));
+            }
+        }
+    }
+    let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
+        let free: Vec<usize> = (0..parents.len()).filter(|i| parents[*i].is_none()).collect();
+        if free.is_empty() && !parents.is_empty() {
+            return Err(
+                LoadErrorKind::Syntax("every node is below another: they form a cycle".to_owned()).at(path, "nodes")
+            );
+        }
+        return Ok(free);
+    };
+    let mut seen = HashSet::new();
+    let mut roots = Vec::new();
+    for node in scene.nodes() {
+        if let Some(parent) = parents[node.index()] {
+            let message =
+                format!("is a root of the scene, but also below the node {parent}; the nodes must form trees");
+            return Err(LoadErrorKind::Syntax(message).at(path, format!("nodes[{}]", node.index())));
+        }
+        if seen.insert(node.index()) {
+            roots.push(node.index());
+        }
+    }
+    Ok(roots)
+}
+
+/// The map that a node's matrix, or its translation, rotation and scale stand for.
+pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
+    match matrix {
+        Matrix::Matrix { matrix } => {
+            // Columns in the file.
+            let rows = std::array::from_fn(|row| std::array::from_fn(|column| f64::from(matrix[column][row])));
+            Transform::from_rows(rows)
+        }
+        Matrix::Decomposed { translation, rotation, scale } => {
+            let translation = DVec3::from(translation.map(f64::from));
+            if !translation.is_finite() {
+                return Err(TransformError::NonFinite);
+            }
+            let rotate = Transform::rotate_quaternion(DQuat::from_array(rotation.map(f64::from)))?;
+            let scale = Transform::scale(DVec3::from(scale.map(f64::from)))?;
+            Ok(Transform::translate(translation).compose(&rotate).compose(&scale))
+        }
+    }
+}
+
+/// Puts a mesh where its node is, where the node's instances are, or, if it follows bones, into the world.
+fn place(
+    source: &Source<'_>,
+    node: &mut Node,
+    parts: &[MeshPart],
+    buffers: &Buffers<'_>,
+    instances: &mut u64,
+    model: &mut Model,
+) -> Result<(), LoadError> {
+    if source.skin().is_some() {
+        let mut bound = empty(source);
+        place_mesh(&mut bound, parts);
+        model.nodes.push(bound);
+        return Ok(());
+    }
+    let Some((placements, lost)) = instancing::placements(source, buffers)? else {
+        place_mesh(node, parts);
+        return Ok(());
+    };
+    *instances += placements.len() as u64;
+    if *instances > limits::GLTF_INSTANCES {
+        let reason = LoadErrorKind::too_large("the number of instances", *instances, limits::GLTF_INSTANCES);
+        return Err(reason.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME)));
+    }
+    if lost > 0 {
+        warn(source, &format!("{lost} of its instances have an unusable transform; they are left out"), model);
+    }
+    for parent_from_local in placements {
+        // Names of instances would take more room than they are worth.
+        let mut instance = Node { name: String::new(), parent_from_local, ..empty(source) };
+        place_mesh(&mut instance, parts);
+        node.children.push(instance);
+    }
+    Ok(())
+}
+
+/// A node without content at its parent's place.
+fn empty(source: &Source<'_>) -> Node {
+    Node::empty(source.name().unwrap_or_default().to_owned(), Transform::IDENTITY)
+}
+
+/// One mesh stands at the node itself, several at children of it.
+fn place_mesh(node: &mut Node, parts: &[MeshPart]) {
+    if let [(mesh, material)] = *parts {
+        node.content = Some(Content::Mesh(mesh));
+        node.material = material;
+        return;
+    }
+    node.children.extend(
+        parts
+            .iter()
+            .map(|(mesh, material)| Node { name: node.name.clone(), ..Node::new(Content::Mesh(*mesh), *material) }),
+    );
+}
+
+fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransforms, model: &mut Model) {
+    let Some(json) = source.camera().and_then(|camera| document.as_json().cameras.get(camera.index())) else { return };
+    let projection = match (json.type_, &json.perspective, &json.orthographic) {
+        (Checked::Valid(CameraType::Perspective), Some(camera), _) => {
+            let fov = f64::from(camera.yfov);
+            let usable = fov > 0.0 && fov < std::f64::consts::PI;
+            usable.then_some(Projection::Perspective { fov, axis: FovAxis::Vertical })
+        }
+        (Checked::Valid(CameraType::Orthographic), _, Some(camera)) => {
+            let height = 2.0 * f64::from(camera.ymag.abs());
+            (height > 0.0 && height.is_finite()).then_some(Projection::Orthographic { height })
+        }
+        _ => None,
+    };
+    // Cameras have a place and a direction, but no scale.
+    let view = |world: &Transform| {
+        let eye = world.point(DVec3::ZERO);
+        Transform::look_at(eye, eye + world.vector(DVec3::NEG_Z).normalize_or_zero(), world.vector(DVec3::Y))
+    };
+    let views = view(&world.opens).and_then(|opens| Ok((opens, view(&world.closes)?)));
+    let (Some(projection), Ok((world_from_camera, closes))) = (projection, views) else {
+        warn(source, "its camera has no usable field of view or direction; it is left out", model);
+        return;
+    };
+    let wanted = [json.name.as_deref(), source.name()].into_iter().flatten().find(|name| !name.is_empty());
+    let wanted = wanted.unwrap_or("camera");
+    let taken = |name: &str| model.cameras.iter().any(|camera| camera.name == name);
+    let name = if taken(wanted) { format!("{wanted} (node {})", source.index()) } else { wanted.to_owned() };
+    if taken(&name) {
+        warn(source, "its camera has the name of another one; it is left out", model);
+        return;
+    }
+    let moves_to = (world.closes != world.opens).then_some(closes);
+    let settings = CameraSettings { moves_to, ..CameraSettings::new(world_from_camera, projection) };
+    model.cameras.push(NamedCamera { name, settings, medium: None });
+}
+
+fn place_light(source: &Source<'_>, document: &Document, world: &Transform, model: &mut Model) {
+    let all = document.as_json().extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+    let Some(json) = source.light().and_then(|light| all?.lights.get(light.index())) else { return };
+    let intensity = Rgb::from(json.color.map(f64::from)) * f64::from(json.intensity);
+    let position = world.point(DVec3::ZERO);
+    let direction = world.vector(DVec3::NEG_Z).try_normalize();
+    let falloff = Falloff::InverseSquare;
+    let kind = match (json.type_, &json.spot, direction) {
+        (Checked::Valid(lights::Type::Point), ..) => Some(LightKind::Point { position, falloff, lamp_radius: 0.0 }),
+        (Checked::Valid(lights::Type::Directional), _, Some(direction)) => Some(LightKind::Directional { direction }),
+        (Checked::Valid(lights::Type::Spot), Some(spot), Some(direction)) => {
+            let (cos_inner, cos_outer) = cone(spot.inner_cone_angle, spot.outer_cone_angle);
+            Some(LightKind::Spot { position, direction, cos_inner, cos_outer, falloff })
+        }
+        _ => None,
+    };
+    let dark = [intensity.r, intensity.g, intensity.b].into_iter().any(|c| !(c.is_finite() && c >= 0.0));
+    let Some(kind) = kind.filter(|_| position.is_finite() && !dark) else {
+        warn(source, "its light has no usable direction or intensity; it is left out", model);
+        return;
+    };
+    let name = json.name.as_deref().or(source.name()).unwrap_or("light").to_owned();
+    model.lights.push(Light { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true });
+    model.is_photometric = true;
+}
+
+/// Cosines of the angles of a spot. Where both angles are the same the edge is as sharp as can be.
+fn cone(inner: f32, outer: f32) -> (f64, f64) {
+    let cosine = |angle: f32| cos(f64::from(angle).clamp(0.0, std::f64::consts::FRAC_PI_2));
+    let outer = cosine(outer).min(1.0_f64.next_down());
+    (cosine(inner).max(outer.next_up()), outer)
+}
+
+fn warn(source: &Source<'_>, message: &str, model: &mut Model) {
+    let place = match source.name() {
+        Some(name) => format!("node `{name}`"),
+        None => format!("nodes[{}]", source.index()),
+    };
+    model.warn(place, message);
+}

@@ -1,0 +1,15 @@
+//! Memory of loading: an estimate before a file is read, an account of the bytes held, and the error beyond the budget.
+
+#[cfg(feature = "format")]
+mod budget;
+mod error;
+#[cfg(feature = "format")]
+mod estimate;
+
+#[cfg(feature = "format")]
+pub use budget::MemoryBudget;
+#[cfg(feature = "format")]
+pub(crate) use budget::Reservation;
+pub use error::MemoryError;
+#[cfg(feature = "format")]
+pub(crate) use estimate::{FileSample, load_within_budget, reserve_scene, tree_bytes};

@@ -1,0 +1,43 @@
+//! Limits on the size of the tree, measured before anyone unfolds it.
+
+use crate::{Content, Group, GroupId, LoadErrorKind, Node, limits};
+
+/// Depth of a tree and number of objects in it, instances unfolded.
+#[derive(Clone, Copy, Default)]
+struct TreeSize {
+    depth: u64,
+    objects: u64,
+}
+
+/// Checks the limits for a tree and the groups that it places, each after those that it contains.
+pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), LoadErrorKind> {
+    let mut sizes = Vec::with_capacity(groups.len());
+    for group in groups {
+        sizes.push(size(&group.nodes, &sizes));
+    }
+    let TreeSize { depth, objects } = size(nodes, &sizes);
+    if depth > limits::NODE_DEPTH {
+        Err(LoadErrorKind::too_large("the depth of the tree, instances unfolded,", depth, limits::NODE_DEPTH))
+    } else if objects > limits::OBJECTS {
+        let what = "the number of objects, instances unfolded,";
+        Err(LoadErrorKind::too_large(what, objects, limits::OBJECTS))
+    } else {
+        Ok(())
+    }
+}
+
+fn size(nodes: &[Node], groups: &[TreeSize]) -> TreeSize {
+    let mut total = TreeSize::default();
+    let mut open: Vec<(&Node, u64)> = nodes.iter().map(|node| (node, 1)).collect();
+    while let Some((node, depth)) = open.pop() {
+        let here = match node.content {
+            None => TreeSize::default(),
+            Some(Content::Shape(_) | Content::Mesh(_)) => TreeSize { depth: 0, objects: 1 },
+            Some(Content::Instance(GroupId(id))) => groups.get(id as usize).copied().unwrap_or_default(),
+        };
+        total.depth = total.depth.max(depth.saturating_add(here.depth));
+        total.objects = total.objects.saturating_add(here.objects);
+        open.extend(node.children.iter().map(|child| (child, depth + 1)));
+    }
+    total
+}

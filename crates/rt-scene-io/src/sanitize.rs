@@ -1,0 +1,40 @@
+//! Text from files in messages: on one line, and without orders for the terminal.
+
+use std::fmt::{self, Display, Write};
+
+/// Shows a value with its control characters written as escapes such as `\n` and `\u{1b}`: a file may call things by names that
+/// forge messages, or that terminals obey.
+pub(crate) struct SingleLine<T>(pub(crate) T);
+
+impl<T: Display> Display for SingleLine<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(Escaped(f), "{}", self.0)
+    }
+}
+
+struct Escaped<'a, 'f>(&'a mut fmt::Formatter<'f>);
+
+impl Write for Escaped<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for part in text.split_inclusive(char::is_control) {
+            let mut chars = part.chars();
+            match chars.next_back() {
+                Some(last) if last.is_control() => write!(self.0, "{}{}", chars.as_str(), last.escape_default())?,
+                _ => self.0.write_str(part)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_written_out() {
+        assert_eq!(SingleLine("a\nb\u{1b}[2Jc\r").to_string(), "a\\nb\\u{1b}[2Jc\\r");
+        assert_eq!(SingleLine("Würfel „1“ \u{9b}x").to_string(), "Würfel „1“ \\u{9b}x");
+        assert_eq!(SingleLine("").to_string(), "");
+    }
+}

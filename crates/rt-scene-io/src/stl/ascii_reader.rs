@@ -1,0 +1,98 @@
+//! Text that is read line by line, so that the line is known where reading stops.
+
+use std::io::{self, Read, Seek, SeekFrom};
+
+/// What a solid begins with, in the one form that the reader takes.
+const SOLID: &[u8] = b"solid \n";
+
+/// What a facet begins with whose normal is no number, as programs write it for slivers. Normals are not looked at.
+const FACET: &[u8] = b"facet normal 0 0 0\n";
+
+fn has_no_normal(line: &[u8]) -> bool {
+    let begins = line.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"facet"));
+    begins && line.windows(3).any(|word| word.eq_ignore_ascii_case(b"nan"))
+}
+
+/// Whether a line begins a solid, in letters of either case.
+pub(super) fn begins_solid(line: &[u8]) -> bool {
+    line.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+}
+
+/// The lines of a file. Each read gives one line at most; the line that begins a solid is replaced by [`SOLID`].
+pub(super) struct AsciiReader<'a> {
+    bytes: &'a [u8],
+    /// Where the next line begins.
+    next: usize,
+    /// Where the lines of the solid begin.
+    start: usize,
+    /// What is left of `SOLID` or `FACET`.
+    head: &'static [u8],
+}
+
+impl<'a> AsciiReader<'a> {
+    pub(super) const fn of(bytes: &'a [u8]) -> Self {
+        Self { bytes, next: 0, start: 0, head: &[] }
+    }
+
+    /// The number of the line that was read last, counted from 1.
+    pub(super) fn line(&self) -> usize {
+        let read = &self.bytes[..self.next];
+        let ends = read.iter().filter(|byte| **byte == b'\n').count();
+        if read.is_empty() || read.ends_with(b"\n") { ends.max(1) } else { ends + 1 }
+    }
+
+    fn next_line(&self) -> &'a [u8] {
+        let rest = &self.bytes[self.next..];
+        let length = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
+        &rest[..length]
+    }
+
+    /// Goes to the lines after the next one that is not empty; false at the end of the file.
+    pub(super) fn begin_solid(&mut self) -> Result<bool, (usize, io::Error)> {
+        while self.next < self.bytes.len() {
+            let line = self.next_line();
+            self.next += line.len();
+            match line.trim_ascii() {
+                b"" => {}
+                text if begins_solid(text) => {
+                    (self.start, self.head) = (self.next, SOLID);
+                    return Ok(true);
+                }
+                _ => {
+                    let message = "expected `solid` or the end of the file";
+                    return Err((self.line(), io::Error::new(io::ErrorKind::InvalidData, message)));
+                }
+            }
+        }
+        Ok(false)
+    }
+}
+
+impl Read for AsciiReader<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if !self.head.is_empty() {
+            return self.head.read(buffer);
+        }
+        let mut line = self.next_line();
+        if has_no_normal(line) {
+            (self.next, self.head) = (self.next + line.len(), FACET);
+            return self.head.read(buffer);
+        }
+        let count = line.read(buffer)?;
+        // The reader knows the words of the format in lower case alone.
+        buffer[..count].make_ascii_lowercase();
+        self.next += count;
+        Ok(count)
+    }
+}
+
+impl Seek for AsciiReader<'_> {
+    /// Goes back to the beginning of the solid, the one place that the reader asks for.
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        if place != SeekFrom::Start(0) {
+            return Err(io::ErrorKind::Unsupported.into());
+        }
+        (self.next, self.head) = (self.start, SOLID);
+        Ok(0)
+    }
+}

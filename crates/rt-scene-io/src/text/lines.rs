@@ -1,0 +1,94 @@
+//! Logical lines of OBJ and MTL files.
+
+use std::borrow::Cow;
+
+/// A line with its number in the file, counted from 1, without surrounding white space.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Line<'a> {
+    pub(crate) number: usize,
+    pub(crate) text: Cow<'a, str>,
+}
+
+impl Line<'_> {
+    /// The first word and the rest, trimmed.
+    pub(crate) fn split(&self) -> (&str, &str) {
+        match self.text.split_once(char::is_whitespace) {
+            Some((keyword, rest)) => (keyword, rest.trim_start()),
+            None => (&self.text, ""),
+        }
+    }
+
+    /// The words after the first, up to a comment.
+    pub(crate) fn arguments(&self) -> impl Iterator<Item = &str> {
+        self.split().1.split_whitespace().take_while(|word| !word.starts_with('#'))
+    }
+}
+
+/// The text of a file: a byte order mark is dropped, the line ends of all systems become `\n`, and bytes that are not
+/// UTF-8 become U+FFFD. The second value is the number of the first line with such bytes.
+pub(crate) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let bad = std::str::from_utf8(bytes).err().map(|error| {
+        let good = &bytes[..error.valid_up_to()];
+        1 + good.iter().filter(|&&byte| byte == b'\n').count()
+    });
+    let text = String::from_utf8_lossy(bytes);
+    if text.contains('\r') { (text.replace("\r\n", "\n").replace('\r', "\n").into(), bad) } else { (text, bad) }
+}
+
+/// Lines that are neither empty nor comments; a line that ends in `\` is joined with the next.
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let mut physical = text.split('\n').zip(1..);
+    std::iter::from_fn(move || {
+        loop {
+            let (first, number) = physical.next()?;
+            let mut text = Cow::Borrowed(first.trim());
+            // A comment may end in the name of a folder.
+            while !text.starts_with('#') && text.ends_with('\\') {
+                let joined = text.to_mut();
+                joined.pop();
+                joined.push(' ');
+                match physical.next() {
+                    Some((next, _)) => joined.push_str(next.trim()),
+                    None => break,
+                }
+            }
+            if !text.is_empty() && !text.starts_with('#') {
+                return Some(Line { number, text });
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(bytes: &[u8]) -> Vec<(usize, String)> {
+        let (text, _) = decode(bytes);
+        lines(&text).map(|l| (l.number, l.text.into_owned())).collect()
+    }
+
+    #[test]
+    fn a_comment_that_ends_in_a_folder_swallowed_the_next_line() {
+        assert_eq!(all(b"# C:\\models\\\nv 1 2 3"), [(2, "v 1 2 3".to_owned())]);
+    }
+
+    #[test]
+    fn marks_line_ends_comments_and_continuations() {
+        let expected = vec![(1, "v 1 2 3".to_owned()), (3, "f 1 2  3 4".to_owned()), (6, "g a".to_owned())];
+        let unix = "v 1 2 3\n# c\n  f 1 2 \\\n 3 4\n\ng a";
+        assert_eq!(all(unix.as_bytes()), expected);
+        assert_eq!(all(unix.replace('\n', "\r\n").as_bytes()), expected);
+        assert_eq!(all(unix.replace('\n', "\r").as_bytes()), expected);
+        assert_eq!(all(format!("\u{feff}{unix}").as_bytes()), expected);
+        assert_eq!(all(b"v 1\\"), [(1, "v 1 ".to_owned())]);
+        assert_eq!(all(b""), []);
+    }
+
+    #[test]
+    fn foreign_bytes_are_replaced_and_reported() {
+        let (text, bad) = decode(b"v 1 2 3\nusemtl K\xfcche\n");
+        assert_eq!((text.as_ref(), bad), ("v 1 2 3\nusemtl K\u{fffd}che\n", Some(2)));
+    }
+}

@@ -1,0 +1,149 @@
+//! Samplers that are wrong on purpose, put into the path tracer itself.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use rt_camera::{PixelSampler, SamplerKind};
+use rt_geometry::{InsideRule, InteractionFlags, Plane, Polygon, RayKind, Shape};
+use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
+use rt_shading::{
+    Appearance, BsdfCache, Clamp, ColorTexture, Follows, Lighting, Material, Needs, PathSettings, PathTracer, Phong,
+    Seen, SurfaceHit, Tracer,
+    emitter::{EmitterRef, EmitterSet, LightSampling, Sides},
+};
+
+use super::{
+    Fallible, closed_form,
+    lamp::{ALBEDO, Lamp},
+};
+
+/// Sample pattern and samples of each estimate with a fault.
+pub(super) const PATTERN: SamplerKind = SamplerKind::Jittered;
+pub(super) const SPP: u32 = 256;
+
+/// A unit square of light, 1 above the ground.
+pub(super) fn lamp() -> Lamp {
+    Lamp::square(1.0, 0.0)
+}
+
+/// Mean irradiance of the unit square under the light.
+pub(super) fn truth() -> f64 {
+    PI * closed_form::parallel_squares(1.0)
+}
+
+/// Says the same pair over and over.
+pub(super) fn repeating(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    #[derive(Clone)]
+    struct Repeating<S>(S);
+
+    impl<S: Sampler + Clone> Sampler for Repeating<S> {
+        fn next_1d(&mut self) -> f64 {
+            self.0.clone().next_1d()
+        }
+
+        fn next_2d(&mut self) -> [f64; 2] {
+            self.0.clone().next_2d()
+        }
+    }
+
+    if is_wrong { mean(seed, Repeating) } else { mean(seed, |sample| sample) }
+}
+
+/// Leaves out what is near to the border, as half-jittered positions do.
+pub(super) fn half_jittered(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    #[derive(Clone)]
+    struct Narrow<S>(S);
+
+    impl<S: Sampler> Sampler for Narrow<S> {
+        fn next_1d(&mut self) -> f64 {
+            0.25 + 0.5 * self.0.next_1d()
+        }
+
+        fn next_2d(&mut self) -> [f64; 2] {
+            self.0.next_2d().map(|u| 0.25 + 0.5 * u)
+        }
+    }
+
+    if is_wrong { mean(seed, Narrow) } else { mean(seed, |sample| sample) }
+}
+
+/// Begins each pair with the second number of the one before.
+pub(super) fn shifted(is_wrong: bool, seed: u64) -> Fallible<f64> {
+    #[derive(Clone)]
+    struct Shifted<S>(S, f64);
+
+    impl<S: Sampler> Sampler for Shifted<S> {
+        fn next_1d(&mut self) -> f64 {
+            self.next_2d()[0]
+        }
+
+        fn next_2d(&mut self) -> [f64; 2] {
+            let [_, next] = self.0.next_2d();
+            [std::mem::replace(&mut self.1, next), next]
+        }
+    }
+
+    if is_wrong {
+        mean(seed, |mut sample| {
+            let first = sample.next_1d();
+            Shifted(sample, first)
+        })
+    } else {
+        mean(seed, |sample| sample)
+    }
+}
+
+/// The ground, and the light over it.
+struct World([Shape; 2]);
+
+impl World {
+    fn new() -> Fallible<Self> {
+        let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]].map(|[x, y]| DVec3::new(x, y, 1.0));
+        let square = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex)?;
+        Ok(Self([Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Z)?), Shape::Polygon(Arc::new(square))]))
+    }
+}
+
+impl Tracer for World {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
+        let hits = (0..2).filter_map(|index| Some((index, self.0[index].intersect(ray, span)?)));
+        let (index, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
+        let interaction = self.0[index].surface(ray, &hit, needs);
+        let emitter = (index == 1).then_some(EmitterRef { index: 0, triangle: None });
+        Some(SurfaceHit { t: hit.t, interaction, object: index as u32, material: index as u32, emitter })
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.0.iter().any(|shape| shape.intersect(ray, span).is_some())
+    }
+}
+
+fn appearance() -> Appearance {
+    let gray = |value| ColorTexture::Constant(Rgb::gray(value));
+    let ground = Phong { ambient: ColorTexture::ZERO, diffuse: gray(ALBEDO), ..Phong::default() };
+    let shining = Phong { diffuse: ColorTexture::ZERO, emission: gray(1.0), ..ground };
+    let lamp = Material { shines: Sides::Front, ..Material::new("lamp".into(), shining) };
+    Appearance { materials: vec![Material::new("ground".into(), ground), lamp], ..Appearance::default() }
+}
+
+/// The mean irradiance as the path tracer finds it, by a sampler that is made of the right one.
+fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream) -> S) -> Fallible<f64> {
+    let mut world = World::new()?;
+    let appearance = appearance();
+    let emitters = EmitterSet::new(vec![lamp().emitter()?], LightSampling::Tree, 1.0);
+    let settings = PathSettings { max_depth: 2, roulette_from: 3, follows: Follows::Everything, clamp: Clamp::NONE };
+    let bsdfs = BsdfCache::new(&appearance, |_| true);
+    let lighting = Lighting { appearance: &appearance, emitters: &emitters, bsdfs: &bsdfs };
+    let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));
+    let sampler = PixelSampler::new(PATTERN, SPP, seed);
+    let (mut rays, mut samplers) = (Vec::new(), Vec::new());
+    for index in 0..sampler.spp() {
+        let mut sample = wrapped(sampler.sample([0, 0], index));
+        let [x, y] = sample.next_2d();
+        rays.push((Ray::new(DVec3::new(x - 0.5, y - 0.5, 0.5), DVec3::NEG_Z), Interval::FORWARD));
+        samplers.push(sample);
+    }
+    let mut seen = vec![Seen::NOTHING; rays.len()];
+    paths.radiance_of(&mut world, lighting, &rays, &samplers, &mut seen);
+    let sum: f64 = seen.iter().map(|seen| seen.radiance.g).sum();
+    Ok(sum / rays.len() as f64 * PI / ALBEDO)
+}

@@ -1,0 +1,113 @@
+//! Every structure gives the bits of brute force, on every shape.
+
+use rt_accel::Accelerator;
+use rt_geometry::{Hit, NoProbe, Primitives};
+use rt_math::{Aabb, DVec3, Interval, Ray, Transform};
+use rt_tests::{Draw, Seams, ShapeKind, ShapeSet, span_at};
+
+use super::{
+    Case, Conditions, Found, Tally, cases,
+    scenes::{Named, all_structures, key},
+};
+
+cases! {
+    "differential", "all structures × all shapes, random and adversarial rays",
+        "closest, any and all hits of brute force", "bits", every_shape;
+    "S46", "mixed shapes at offsets 0…1e7 and scale 1e-4, adversarial rays",
+        "the hits of brute force", "bits", far_and_small;
+}
+
+/// Rays among which the seldom ones stand.
+const ALL_HITS_EVERY: u64 = 32;
+
+/// Shapes that can reach out of the unit cube by what they are scaled to.
+const AROUND: Aabb = Aabb::new(DVec3::splat(-1.4), DVec3::splat(1.4));
+
+fn every_shape(conditions: &Conditions) -> Found {
+    let random = conditions.count(2_000, 1_000_000);
+    let adversarial = conditions.count(2_000, 100_000);
+    let mut all = Tally::default();
+    for (index, kind) in ShapeKind::ALL.iter().enumerate() {
+        let mut draw = Draw::of(33, index as u64);
+        let set = ShapeSet::scattered(std::slice::from_ref(kind), 40, &Transform::IDENTITY, &mut draw);
+        let seams = Seams::of(&set, AROUND, &mut draw).including(set.corners());
+        let trial = Trial { set: &set, structures: all_structures(&set)?, seed: index as u64 };
+        let plain = Tally::of_all(random, |ray, tally| {
+            let mut draw = Draw::of(trial.seed + 100, ray);
+            trial.compare(ray, &seams.random(&mut draw), kind.name, &mut draw, tally);
+        });
+        let hard = Tally::of_all(adversarial, |ray, tally| {
+            let mut draw = Draw::of(trial.seed + 200, ray);
+            trial.compare(ray, &seams.adversarial(&mut draw), kind.name, &mut draw, tally);
+        });
+        all = all.and(plain).and(hard);
+    }
+    let kinds = rt_accel::AcceleratorKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+    let shapes = ShapeKind::ALL.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ");
+    all.note(format!(
+        "{random} random and {adversarial} adversarial rays for each of: {kinds}; with each of: {shapes}"
+    ));
+    Ok(all)
+}
+
+fn far_and_small(conditions: &Conditions) -> Found {
+    let rays = conditions.count(4_000, 200_000);
+    let direction = DVec3::new(1.0, -0.7, 0.3);
+    let small = Transform::scale(DVec3::splat(1e-4))?;
+    let moved = |distance: f64| Transform::translate(direction * distance);
+    let places = [moved(0.0), moved(1e3), moved(1e5), moved(1e7), small, moved(1e3).compose(&small)];
+    let mut all = Tally::default();
+    for (index, place) in places.iter().enumerate() {
+        let mut draw = Draw::of(46, index as u64);
+        let set = ShapeSet::scattered(ShapeKind::ALL, 130, place, &mut draw);
+        let seams = Seams::of(&set, place.aabb(&AROUND), &mut draw).including(set.corners());
+        let trial = Trial { set: &set, structures: all_structures(&set)?, seed: index as u64 };
+        all = all.and(Tally::of_all(rays, |ray, tally| {
+            let mut draw = Draw::of(trial.seed + 300, ray);
+            trial.compare(ray, &seams.adversarial(&mut draw), "mixed", &mut draw, tally);
+        }));
+    }
+    Ok(all)
+}
+
+/// Structures over one set of shapes.
+struct Trial<'s> {
+    set: &'s ShapeSet,
+    /// Brute force first.
+    structures: Vec<Named>,
+    seed: u64,
+}
+
+impl Trial<'_> {
+    fn compare(&self, index: u64, ray: &Ray, what: &str, draw: &mut Draw, tally: &mut Tally) {
+        let Some((linear, others)) = self.structures.split_first() else { return };
+        let ahead = linear.closest(self.set, ray, Interval::FORWARD);
+        let span = span_at(ahead.map_or(1.0, |hit| hit.t), draw);
+        let expected = linear.closest(self.set, ray, span);
+        let looks_for_all = index.is_multiple_of(ALL_HITS_EVERY);
+        let all_expected = looks_for_all.then(|| all_hits(linear, self.set, ray, span));
+        for structure in others {
+            let found = structure.closest(self.set, ray, span);
+            let name = structure.name();
+            tally.check(key(found) == key(expected), || {
+                format!("{name}, {what}: {found:?} instead of {expected:?} for {ray:?} {span:?}")
+            });
+            let blocked = structure.structure.occluded(self.set, ray, span, &mut NoProbe);
+            tally.check(blocked == expected.is_some(), || {
+                format!("{name}, {what}: occluded {blocked} beside {expected:?} for {ray:?} {span:?}")
+            });
+            if let Some(expected) = &all_expected {
+                let found = all_hits(structure, self.set, ray, span);
+                tally.check(found == *expected, || format!("{name}, {what}: other hits along {ray:?} {span:?}"));
+            }
+        }
+    }
+}
+
+/// The bits of all hits in order.
+fn all_hits<P: Primitives>(structure: &Named, primitives: &P, ray: &Ray, span: Interval) -> Vec<Option<[u64; 5]>> {
+    use rt_accel::AcceleratorQueries;
+    let mut hits: Vec<Hit> = Vec::new();
+    structure.structure.all_hits(primitives, ray, span, &mut hits, &mut NoProbe);
+    hits.into_iter().map(|hit| key(Some(hit))).collect()
+}

@@ -1,0 +1,59 @@
+//! `numerics`: the cases at which ray tracers break, with what is exactly right.
+//!
+//! Each chapter is a file of its own with its list of cases; a case counts what it tried and what failed. Expected
+//! values are closed forms, or roots that were computed with 80 digits from the numbers as `f64` has them.
+
+use super::{
+    suite::{self, Case, Conditions, Fallible, Found, cases},
+    tally::{FOUR_U, Tally, Tolerance},
+    unit::Unit,
+};
+
+mod accelerators;
+mod boxes_planes;
+mod differential;
+mod exact;
+mod invariance;
+mod meshes;
+mod optics;
+mod pictures;
+mod polygons;
+mod quadrics;
+mod scenes;
+mod spawn;
+mod spheres;
+
+static CHAPTERS: [&[Case]; 11] = [
+    spheres::CASES,
+    boxes_planes::CASES,
+    quadrics::CASES,
+    meshes::CASES,
+    polygons::CASES,
+    spawn::CASES,
+    accelerators::CASES,
+    differential::CASES,
+    optics::CASES,
+    pictures::CASES,
+    invariance::CASES,
+];
+
+/// One unit per case.
+pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
+    suite::units("numerics", &CHAPTERS)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_case_of_the_table_is_here_once() {
+        let ids: Vec<&str> = CHAPTERS.into_iter().flatten().map(|case| case.id).collect();
+        let numbers = (1..=57).chain([70, 71, 80]).map(|number| format!("S{number:02}"));
+        let expected: BTreeSet<String> = numbers.chain(["differential".to_owned()]).collect();
+        assert_eq!(ids.len(), expected.len(), "{ids:?}");
+        assert_eq!(ids.into_iter().map(str::to_owned).collect::<BTreeSet<_>>(), expected);
+    }
+}
