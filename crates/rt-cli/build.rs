@@ -1,4 +1,4 @@
-//! Tells the program what it was compiled with, so that measured times can be told apart.
+//! Passes compiler and flags to the program, for the reports of measured times.
 
 use std::env;
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! Files of what is known of pixels beside their radiance.
+//! Per-pixel outputs other than radiance.
 
 use std::path::PathBuf;
 
@@ -6,11 +6,10 @@ use rt_image::{Development, Image, ImageFormat, write_image};
 use rt_render::Rendering;
 
 use crate::args::{Aov, AovArg};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::{OutputError, OutputFile};
 use crate::picture_file;
 
-/// What goes where.
 #[derive(Debug)]
 pub(crate) struct AovFile {
     aov: Aov,
@@ -19,48 +18,46 @@ pub(crate) struct AovFile {
 }
 
 impl AovFile {
-    /// Checks that the file can be written, and is none of `inputs`.
-    fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, Failure> {
+    fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, CliError> {
         let format = picture_file::format_of(&arg.file)?;
         Ok(Self { aov: arg.aov, format, output: OutputFile::prepare(&arg.file, inputs)? })
     }
 
-    /// All of them: none may go where another does, or one of `others`.
+    /// Prepares all files, which must differ from each other and from `others`.
     pub(crate) fn prepare_all(
         args: &[AovArg],
         inputs: &[PathBuf],
         others: &[&OutputFile],
-    ) -> Result<Vec<Self>, Failure> {
+    ) -> Result<Vec<Self>, CliError> {
         let mut aovs: Vec<Self> = Vec::with_capacity(args.len());
         for arg in args {
             let aov = Self::prepare(arg, inputs)?;
             if aovs.iter().map(Self::output).chain(others.iter().copied()).any(|other| other.is_same_file(&aov.output))
             {
-                return Err(Failure::Usage(format!("something else goes to {} already", arg.file.display())));
+                return Err(CliError::Usage(format!("two outputs would go to {}", arg.file.display())));
             }
             aovs.push(aov);
         }
         Ok(aovs)
     }
 
-    /// The file.
     const fn output(&self) -> &OutputFile {
         &self.output
     }
 
-    /// Refuses what cannot be known or stored, before it is rendered.
-    pub(crate) fn check(&self, size: [u32; 2], several_passes: bool) -> Result<(), Failure> {
-        if self.aov == Aov::Variance && !several_passes {
-            let message = "--aov variance needs more than one pass to compare: add --passes 4";
-            return Err(Failure::Usage(message.to_owned()));
+    /// Refuses outputs that cannot be estimated or stored.
+    pub(crate) fn check(&self, size: [u32; 2], several_passes: bool) -> Result<(), CliError> {
+        if self.aov == Aov::Stderr && !several_passes {
+            let message = "--aov stderr needs at least two passes: add --passes 4";
+            return Err(CliError::Usage(message.to_owned()));
         }
         picture_file::check(self.format, size, false)
     }
 
-    /// Writes the file, if the render has kept what goes there; if need be to one of the refuges.
-    pub(crate) fn write(&self, rendering: &Rendering, refuges: &[PathBuf]) -> Result<(), OutputError> {
+    /// Writes the file, if need be to a fallback directory.
+    pub(crate) fn write(&self, rendering: &Rendering, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
         let film = match self.aov {
-            Aov::Variance => &rendering.standard_error,
+            Aov::Stderr => &rendering.standard_error,
             Aov::Samples => &rendering.sample_counts,
         };
         let Some(film) = film else { return Ok(()) };
@@ -71,11 +68,12 @@ impl AovFile {
         } else {
             film
         };
-        self.output.write_or_rescue(refuges, |file| write_image(film, &Development::default(), self.format, file))
+        self.output
+            .write_with_fallback(fallback_dirs, |file| write_image(film, &Development::default(), self.format, file))
     }
 }
 
-/// Numbers as a share of the largest finite one.
+/// Values relative to the largest finite one.
 fn relative_to_largest(film: &Image) -> Image {
     let finite = film.pixels().as_flattened().iter().copied().filter(|value| value.is_finite());
     let largest = finite.fold(f32::MIN_POSITIVE, f32::max);

@@ -1,15 +1,15 @@
-//! What the user may type.
+//! Command-line options, as typed.
 
+mod checkpoint;
 mod compare;
 mod converge;
+mod default_command;
 mod frames;
-mod keep;
 mod memory;
 mod merge;
 mod picture;
-mod startup;
+mod raw_options;
 mod stop;
-mod typed;
 mod values;
 
 #[cfg(feature = "view")]
@@ -20,105 +20,105 @@ use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use rt_image::ImageFormat;
 use rt_scene_io::{InMemoryFile, LoadErrorKind, StudioLights};
 
+pub(crate) use checkpoint::{CheckpointArgs, CheckpointInterval};
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
-pub(crate) use converge::{Against, ConvergeArgs, Variation};
-pub(crate) use frames::{FrameChoice, Frames, FramesArgs, PaceArgs};
-pub(crate) use keep::{Every, KeepArgs};
+pub(crate) use converge::{ConvergeArgs, ReferenceKind, Variation};
+pub(crate) use default_command::with_default_command;
+pub(crate) use frames::{FrameChoice, Frames, FramesArgs, TimingArgs};
 pub(crate) use memory::{Amount, MemoryArgs};
 pub(crate) use merge::MergeArgs;
 pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
-pub(crate) use startup::with_default_command;
 pub(crate) use stop::{Aov, AovArg, StopArgs};
 #[cfg(feature = "view")]
 pub(crate) use values::TONE_CURVES;
 pub(crate) use values::{tone_name, tone_of_name};
 
-/// The commands, and what needs no command.
+/// Name of an enum value on the command line.
+pub(crate) fn name_of(value: impl ValueEnum) -> String {
+    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}
+
 #[derive(Debug, Parser)]
 #[command(
     name = "rt-cli",
     bin_name = "rt-cli",
     version,
-    about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures",
-    long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to pictures.\n\n\
-                  `rt-cli SCENE` is short for `rt-cli render SCENE`, with the same options. Without any argument, it renders a built-in \
-                  showcase to showcase.png.\n\n\
-                  The name `-` stands for standard input where a scene or an image is read, and for standard output where a file is \
-                  written; reports then go to standard error.",
-    after_help = "Exit codes: 0 done, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output could not be written, 5 finished but damaged, 130 interrupted (the picture so far is saved).",
+    about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to images",
+    long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to images.\n\n\
+                  `rt-cli SCENE` is short for `rt-cli render SCENE` and takes the same options. Without arguments, a built-in scene is \
+                  rendered to showcase.png. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
+                  The file name `-` means standard input for inputs and standard output for outputs. Reports then go to standard error.",
+    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 finished with damage, 130 interrupted (the image so far is saved).",
     disable_help_subcommand = true,
     args_conflicts_with_subcommands = true
 )]
 pub(crate) struct Cli {
-    /// Print every limit on what is read, and which option changes it
+    /// Print every limit on input, and the option that changes it
     #[arg(long)]
     pub(crate) limits: bool,
 
-    /// What to do.
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
 }
 
-/// The commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Render a scene or model to a picture
+    /// Render a scene or model to an image
     Render(Box<RenderArgs>),
     /// View a scene in the browser: move the camera, pick objects, watch the error fall
     #[cfg(feature = "view")]
     View(Box<BrowserArgs>),
-    /// Show what a render would use, what it would leave out and why, and its memory
+    /// Print the render plan: used and removed features with reasons, predicted memory
     Explain(ExplainArgs),
-    /// Report on the numerical health of a scene: sizes, transforms, meshes, glass, precision
+    /// Check the numerical health of a scene: sizes, transforms, meshes, glass, precision
     Check(CheckArgs),
-    /// Turn a scene or model into a scene file to edit
+    /// Convert a scene or model to a scene file
     Convert(ConvertArgs),
-    /// Turn an image of linear light into a picture: exposure, tone curve, gamma
+    /// Tone-map a linear image: exposure, tone curve, gamma
     Develop(DevelopArgs),
-    /// Join the parts of a picture that machines have rendered
+    /// Join the parts of an image rendered with --shard
     #[command(long_about = merge::MERGE_HELP)]
     Merge(MergeArgs),
-    /// Measure how much an image differs from a reference: errors, PSNR, SSIM, FLIP, heat map
+    /// Measure the difference from a reference image: errors, PSNR, SSIM, FLIP, heat map
     #[command(long_about = compare::COMPARE_HELP)]
     Compare(CompareArgs),
-    /// Measure the error of methods against their run time: table, plot, page
+    /// Measure error against run time for several methods: table, plot, HTML page
     #[command(long_about = converge::CONVERGE_HELP)]
     Converge(ConvergeArgs),
     /// Print the JSON Schema of scene files, for editors
     Schema {
-        /// Print the reference page of scene files, in Markdown, instead
+        /// Print the reference page in Markdown instead
         #[arg(long)]
         markdown: bool,
     },
-    /// Print completions for a shell
+    /// Print shell completions
     Completions {
-        /// The shell
+        /// Shell
         shell: clap_complete::Shell,
     },
-    /// Print the manual, or write it to a folder, one page a command
+    /// Print the manual, or write one page per command
     Man {
-        /// Folder to write the pages to; it must exist
-        #[arg(short, long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+        /// Write the pages to this existing directory
+        #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
         output: Option<PathBuf>,
     },
 }
 
-/// Arguments of `render`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
-    /// Picture to write: .png, .jpg, .exr, .hdr or .pfm, or - for standard output; with --shard, a .part file
+    /// Write the image to this file: .png, .jpg, .exr, .hdr, .pfm, or - [default: SCENE.png]
     ///
-    /// By default the scene's name with .png, or .I-of-N.part, in the current folder. An older file is replaced when the new one is
-    /// complete, and survives any failure. Standard output gets a .png unless --output-format says otherwise, and no checkpoint is
-    /// kept of it unless --checkpoint says where.
-    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    /// With --shard, a .part file is written [default: SCENE.I-of-N.part]. An older file is replaced when the new one is complete,
+    /// and survives any failure. Standard output gets a PNG unless --output-format is given, and has no checkpoint unless
+    /// --checkpoint is given.
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Format of the picture, whatever its name says; by default told by the ending of the name, and png for `-`
-    #[arg(long, value_name = "NAME", value_parser = values::image_format())]
+    /// Set the image format [default: by file extension, png for -]
+    #[arg(long, value_name = "FORMAT", value_parser = values::image_format(), help_heading = "Output")]
     pub(crate) output_format: Option<ImageFormat>,
 
     #[command(flatten)]
@@ -133,12 +133,12 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
 
-    /// Write what is known of each pixel beside its radiance: `variance` or `samples`, to any format
-    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov, long_help = stop::AOV_HELP)]
+    /// Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
+    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov, long_help = stop::AOV_HELP, help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]
-    pub(crate) keep: KeepArgs,
+    pub(crate) checkpoint: CheckpointArgs,
 
     #[command(flatten)]
     pub(crate) run: RunArgs,
@@ -157,7 +157,7 @@ pub(crate) struct BrowserArgs {
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
 
-    /// Number of threads; by default one for each processor
+    /// Set the number of threads [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Running")]
     pub(crate) threads: Option<u16>,
 
@@ -177,7 +177,6 @@ pub(crate) struct BrowserArgs {
     pub(crate) no_open: bool,
 }
 
-/// Arguments of `explain`.
 #[derive(Debug, Args)]
 pub(crate) struct ExplainArgs {
     #[command(flatten)]
@@ -186,27 +185,25 @@ pub(crate) struct ExplainArgs {
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 
-    /// Take warnings for errors (exit code 3)
-    #[arg(long)]
+    /// Treat warnings as errors (exit code 3)
+    #[arg(long, help_heading = "Running")]
     pub(crate) strict: bool,
 }
 
-/// Arguments of `check`.
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
-    /// How to print the report
+    /// Set the report format
     #[arg(long, value_enum, default_value_t = ReportFormat::Text, long_help = CHECK_FORMAT_HELP)]
     pub(crate) format: ReportFormat,
 
-    /// Exit with code 3 if there is a warning or an error
+    /// Exit with code 3 on warnings as well
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
-/// How a report is printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ReportFormat {
     Text,
@@ -214,51 +211,49 @@ pub(crate) enum ReportFormat {
 }
 
 const CHECK_FORMAT_HELP: &str = "\
-How to print the report
+Set the report format
 
-In JSON, `measures` holds what was measured of the scene as a whole, lengths in world units. `findings` lists what was \
-found, the severest first: its `severity` (error, warning, info), its `kind` (a name that stays the same between \
-versions), the `object`, measured `values` by name (null for infinite), a `message`, and `advice`. Of many findings of \
-one kind, the first are listed, and `more` holds the count of the others. `errors`, `warnings` and `notes` count all.";
+In JSON, `measures` holds measurements of the whole scene, lengths in world units. `findings` lists the findings, most severe \
+first: `severity` (error, warning, info), `kind` (a name that is stable across versions), `object`, measured `values` by name \
+(null for infinite), `message` and `advice`. The first findings of each kind are listed; `more` counts the others. `errors`, \
+`warnings` and `notes` count all findings.";
 
-/// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
-    /// Scene file to write: .ron or .json, or - for standard output
+    /// Write the scene to this file: .ron, .json, or -
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
 
-    /// Format of the scene file, whatever its name says; by default told by the ending of the name, and ron for `-`
-    #[arg(long, value_name = "NAME", value_parser = ["ron", "json"])]
+    /// Set the format of the scene file [default: by file extension, ron for -]
+    #[arg(long, value_name = "FORMAT", value_parser = ["ron", "json"])]
     pub(crate) output_format: Option<String>,
 
-    /// Take warnings for errors (exit code 3), and write no file
+    /// Treat warnings as errors (exit code 3), and write no file
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
-/// Arguments of `develop`.
 #[derive(Debug, Args)]
 pub(crate) struct DevelopArgs {
-    /// Image of linear light: .exr, .hdr or .pfm, or - for standard input
+    /// Linear image: .exr, .hdr, .pfm, or - for standard input
     #[arg(value_hint = ValueHint::FilePath)]
     pub(crate) image: PathBuf,
 
-    /// Picture to write: .png or .jpg, or - for standard output
+    /// Write the image to this file: .png, .jpg, or -
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
 
-    /// Format of the picture, whatever its name says; by default told by the ending of the name, and png for `-`
-    #[arg(long, value_name = "NAME", value_parser = values::image_format())]
+    /// Set the image format [default: by file extension, png for -]
+    #[arg(long, value_name = "FORMAT", value_parser = values::image_format())]
     pub(crate) output_format: Option<ImageFormat>,
 
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
 
-    /// Encode with this exponent rather than the sRGB curve; 1 stores linear light
+    /// Encode with a power law of this exponent instead of the sRGB curve; 1 stores linear values
     #[arg(long, value_name = "GAMMA", value_parser = values::gamma)]
     pub(crate) gamma: Option<f64>,
 
@@ -266,102 +261,96 @@ pub(crate) struct DevelopArgs {
     pub(crate) memory: MemoryArgs,
 }
 
-/// What is read.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct InputArgs {
     /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl), or - for standard input
     ///
-    /// What comes from standard input refers to files in the current folder, and goes by the name of `stdin`.
+    /// A scene from standard input refers to files in the current directory, and is called `stdin`.
     #[arg(value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
 
-    /// Format of what `-` reads; by default told by the content of .ron, .json, .gltf, .glb and .ply
-    #[arg(long, value_name = "NAME", value_parser = crate::stdin::FORMATS)]
+    /// Set the format of standard input [default: detected for .ron, .json, .gltf, .glb, .ply]
+    #[arg(long, value_name = "FORMAT", value_parser = crate::stdin::FORMATS)]
     pub(crate) input_format: Option<String>,
 
-    /// What came from standard input.
+    /// Content of standard input.
     #[arg(skip)]
     pub(crate) piped: Option<InMemoryFile>,
 
-    /// Folder that all files must lie below which the scene refers to; by default that of the scene
-    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
-    pub(crate) root: Option<PathBuf>,
+    /// Only read assets below this directory [default: the scene's directory]
+    #[arg(long, alias = "root", value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) asset_root: Option<PathBuf>,
 
-    /// Put a ground under a bare model
+    /// Put a ground plane under a bare model
     #[arg(long)]
     pub(crate) ground: bool,
 
-    /// Add studio lights: `auto` to scenes without a light of any kind, `none` never, `studio` always [default: auto]
+    /// Add studio lights: auto (only to unlit scenes), none, or studio (always)
     ///
-    /// Studio lights are a key light, a fill light, ambient light and a backdrop. Lights of any kind are lights of the file,
-    /// emissive materials, an image around the scene and, where it lights the scene, a background that is not black.
-    #[arg(long, value_name = "NAME", value_parser = values::choice(StudioLights::ALL, StudioLights::name))]
-    pub(crate) lights: Option<StudioLights>,
+    /// Studio lights are a key light, a fill light, ambient light and a background. A scene is unlit without lights, emissive
+    /// materials and environment image, and without a non-black background if the integrator takes light from it.
+    #[arg(long, value_name = "NAME", value_parser = values::named(&StudioLights::ALL, StudioLights::name), default_value = "auto")]
+    pub(crate) lights: StudioLights,
 
-    /// Pose the scene and its models (.gltf, .glb) as their animations have them at this moment, in seconds
+    /// Evaluate animations of the scene and of glTF models at this time in seconds
     ///
-    /// Without it, a model rests as its nodes say, and what a scene file animates is as at 0. Before the first and after the
-    /// last key, that key holds.
-    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_negative_numbers = true)]
+    /// Without it, models are in their rest pose and scene files at time 0. Times before the first key and after the last key clamp.
+    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_negative_numbers = true, group = "time_of_animation")]
     pub(crate) at_time: Option<f64>,
 
     #[command(flatten)]
-    pub(crate) pace: PaceArgs,
+    pub(crate) timing: TimingArgs,
 
-    /// The animation of models for --at-time: its name, its index from 0 on, or `all`; by default the first
-    #[arg(long, value_name = "NAME|INDEX")]
+    /// Choose the animation of models by name or index, or `all` [default: the first]
+    #[arg(long, value_name = "NAME|INDEX", requires = "time_of_animation")]
     pub(crate) animation: Option<String>,
 
-    /// Show models (.gltf, .glb) in this variant of their materials
+    /// Choose the material variant of glTF models
     #[arg(long, value_name = "NAME")]
     pub(crate) variant: Option<String>,
 
-    /// Most memory to take, as 512M, 4GiB or 75%; what is predicted to need more is refused
-    ///
-    /// By default 75 % of what the machine has, or of what the control group allows; no limit where neither can be told.
-    /// Percentages are of the same. K, M, G and T are powers of 1000, Ki, Mi, Gi and Ti of 1024.
-    #[arg(long, value_name = "BYTES", value_parser = memory::amount, help_heading = "Limits")]
-    pub(crate) memory: Option<Amount>,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
 
-    /// Largest file to read, as 2GiB; 1GiB by default
+    /// Refuse files larger than this, such as 2GiB [default: 1GiB]
     #[arg(long, value_name = "BYTES", value_parser = memory::bytes, help_heading = "Limits")]
     pub(crate) max_file_size: Option<u64>,
 }
 
-/// What changes nothing in the picture.
+/// Options without influence on the image.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Running")]
 pub(crate) struct RunArgs {
-    /// Number of threads; by default one for each processor. Any number gives the same picture
+    /// Set the number of threads [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 
-    /// Write statistics to a JSON file, or to standard output (-), and count what each ray costs
+    /// Write statistics in JSON to this file or to -, and count the cost per ray
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, long_help = STATS_HELP)]
     pub(crate) stats: Option<PathBuf>,
 
-    /// Show the picture in the image viewer tev as it grows
+    /// Show the image in the viewer tev while it renders
     ///
-    /// The viewer must be there before; if it is lost, the render goes on.
+    /// Start tev first. If the connection is lost, the render continues.
     #[cfg(feature = "display")]
     #[arg(long, value_name = "HOST:PORT")]
     pub(crate) display_server: Option<String>,
 
-    /// Take warnings for errors (exit code 3), and bad samples too (exit code 5)
+    /// Treat warnings as errors (exit code 3), and bad samples too (exit code 5)
     #[arg(long)]
     pub(crate) strict: bool,
 
-    /// Print nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,
 
-    /// Print all statistics: rays by kind, times, memory, what was left out
+    /// Print all statistics: rays by kind, times, memory, removed features
     #[arg(short, long, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
 }
 
 impl RunArgs {
-    /// Where the viewer is that shows the picture as it grows.
+    /// Address of the viewer tev.
     pub(crate) fn display_server(&self) -> Option<&str> {
         #[cfg(feature = "display")]
         return self.display_server.as_deref();
@@ -371,19 +360,17 @@ impl RunArgs {
 }
 
 const STATS_HELP: &str = "\
-Write statistics to a JSON file, or to standard output (-), and count what each ray costs
+Write statistics in JSON to this file or to -, and count the cost per ray
 
-`rays` has an entry for each kind of ray and for their `total`: how many were traced (`rays`), and how many nodes, \
-primitive tests and hits that took. `camera_hits` are samples that met a surface. `primary_rays_spared` are camera rays that were \
-not traced, as there is nothing in their part of the view; `pixel_samples` are the samples that pixels are made of, \
-`simple_pixels` took fewer as they show no edge (--adaptive), \
-`stopped` is what ended the render (samples, time, target-error), `unconverged_pixels` have not reached --target-error (null without \
---target-error-pixels), `clamping` is what --clamp has taken away (null without it), and \
-`estimated_error` is null where there was but one pass; `shading` counts the work of materials, `seconds` are wall-clock times. Counts \
-are the same in every run; `seconds`, `mega_rays_per_second` and `peak_memory_bytes` (null where the system does not \
-say) are not.";
+`rays` has an entry for each kind of ray and for their `total`: traced `rays`, visited nodes, primitive tests and hits. \
+`camera_hits` counts camera samples that hit a surface. `primary_rays_spared` counts camera rays that were skipped because \
+their part of the view is empty. `pixel_samples` are the samples per pixel; `simple_pixels` took fewer because they show no edge \
+(--adaptive). `stopped` is the reason of the end (samples, time, target-error). `unconverged_pixels` missed --target-error (null \
+without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `estimated_error` is null after a single \
+pass. `shading` counts the work of materials. `seconds` are wall-clock times. Counts are the same in every run; `seconds`, \
+`mega_rays_per_second` and `peak_memory_bytes` (null where unknown) are not.";
 
-/// What is wrong with a word that should be one of those known, and which of them is nearest.
+/// Message for an unknown word, with the nearest known one.
 fn unknown_word(kind: &'static str, found: &str, known: Vec<String>) -> String {
     LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known }.to_string()
 }

@@ -1,4 +1,4 @@
-//! The commands, one a file.
+//! Commands, one per file.
 
 mod check;
 mod compare;
@@ -17,10 +17,9 @@ mod showcase;
 mod view;
 
 use crate::args::{Cli, Command};
-use crate::error::Failure;
+use crate::error::CliError;
 
-/// Does what the user asks for.
-pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
+pub(crate) fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         None if cli.limits => limits::run(),
         None => showcase::run(),

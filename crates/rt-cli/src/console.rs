@@ -1,34 +1,32 @@
-//! Text for people: reports on standard output, complaints on standard error.
+//! Terminal output: reports on standard output, warnings and errors on standard error.
 
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::error::Failure;
+use crate::error::CliError;
 
-/// A result goes to standard output, which is to hold nothing else.
+/// True if standard output is reserved for a result.
 static STDOUT_IS_RESERVED: AtomicBool = AtomicBool::new(false);
 
-/// From here on, reports go to standard error: standard output is for a result.
+/// Reserves standard output for a result; reports go to standard error from now on.
 pub(crate) fn reserve_stdout() {
     STDOUT_IS_RESERVED.store(true, Ordering::Relaxed);
 }
 
-/// Where a command talks to its user.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Console {
-    /// Say nothing but why the command failed.
+    /// Print errors only.
     pub(crate) quiet: bool,
 }
 
 impl Console {
-    /// Reports with a line break: on standard output, unless a result goes there.
-    pub(crate) fn say(self, text: impl Display) -> Result<(), Failure> {
+    /// Prints a line of the report.
+    pub(crate) fn println(self, text: impl Display) -> Result<(), CliError> {
         if self.quiet { Ok(()) } else { show(format_args!("{text}\n")) }
     }
 
-    /// Warns on standard error, with a line break.
     pub(crate) fn warn(self, text: impl Display) {
         if !self.quiet {
             to_stderr(format_args!("warning: {text}\n"));
@@ -36,8 +34,8 @@ impl Console {
     }
 }
 
-/// Writes text for people to standard output, or to standard error if a result goes to the former.
-pub(crate) fn show(text: impl Display) -> Result<(), Failure> {
+/// Prints a report to standard output, or to standard error if the former is reserved.
+pub(crate) fn show(text: impl Display) -> Result<(), CliError> {
     if STDOUT_IS_RESERVED.load(Ordering::Relaxed) {
         to_stderr(text);
         return Ok(());
@@ -45,45 +43,43 @@ pub(crate) fn show(text: impl Display) -> Result<(), Failure> {
     print(visible(&text.to_string()))
 }
 
-/// Writes what was asked for to standard output, as it is.
-///
-/// A reader that has left, as `head` does, has seen enough: that is no failure.
-pub(crate) fn print(text: impl Display) -> Result<(), Failure> {
+/// Writes a result to standard output. A broken pipe means graceful termination.
+pub(crate) fn print(text: impl Display) -> Result<(), CliError> {
     let mut stdout = io::stdout().lock();
     match write!(stdout, "{text}").and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Stdout(error)),
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::Stdout(error)),
         _ => Ok(()),
     }
 }
 
-/// Says why the command failed: one line for each problem.
-pub(crate) fn complain(failure: &Failure) {
+/// Prints the error, one line per problem.
+pub(crate) fn print_error(failure: &CliError) {
     for line in failure.to_string().lines() {
-        // The line of a file below a message is indented.
+        // Excerpts of the file are indented.
         let head = if line.starts_with(' ') { "" } else { "error: " };
         to_stderr(format_args!("{head}{line}\n"));
     }
 }
 
-/// Writes a line to standard error if that is a terminal: for a person who waits, beside a progress bar.
-pub(crate) fn tell_terminal(text: &str) {
+/// Prints a line below the progress bar if standard error is a terminal.
+pub(crate) fn print_to_terminal(text: &str) {
     if io::stderr().is_terminal() {
         to_stderr(format_args!("\n{text}\n"));
     }
 }
 
-/// Nobody is left to be told if this fails.
+/// Ignores failures, which cannot be reported.
 fn to_stderr(text: impl Display) {
     let _ = io::stderr().lock().write_all(visible(&text.to_string()).as_bytes());
 }
 
-/// Writes control characters out, but for line breaks and tabs: names in files may hold orders for the terminal.
+/// Escapes control characters except line breaks and tabs: names in files may contain terminal sequences.
 fn visible(text: &str) -> Cow<'_, str> {
-    let is_order = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
-    if !text.contains(is_order) {
+    let is_control = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if !text.contains(is_control) {
         return Cow::Borrowed(text);
     }
-    let shown = |c: char| if is_order(c) { c.escape_default().to_string() } else { c.to_string() };
+    let shown = |c: char| if is_control(c) { c.escape_default().to_string() } else { c.to_string() };
     Cow::Owned(text.chars().map(shown).collect())
 }
 
@@ -92,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn orders_for_the_terminal_are_written_out() {
+    fn terminal_sequences_are_escaped() {
         assert_eq!(visible("plan for 'a\u{1b}]0;b\u{7}'\n\tc"), "plan for 'a\\u{1b}]0;b\\u{7}'\n\tc");
         assert!(matches!(visible("Würfel\n"), Cow::Borrowed(_)));
     }

@@ -1,7 +1,7 @@
-//! A render shown by the image viewer tev while it goes on.
+//! Live view of a render in the image viewer tev.
 //!
-//! Tiles are sent by a thread of their own: a viewer that is slow, stuck or gone costs the render nothing. What it has no
-//! time for is left out, and made up for by the whole picture at the end.
+//! A thread sends the tiles, so that a slow or lost viewer does not delay the render. Tiles are dropped while the queue is full; the
+//! whole image is sent at the end.
 
 use std::io;
 use std::net::{TcpStream, ToSocketAddrs};
@@ -16,42 +16,42 @@ use rt_render::{Crop, RenderSnapshot};
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 
-/// Time for the viewer to answer, and to take some of what waits for it.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Time limit for connecting, and for progress of the queue.
+const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Tiles that wait at most; there is no time for more.
-const QUEUE: usize = 256;
+/// Maximum number of queued tiles.
+const MAX_QUEUE: usize = 256;
 
-/// Rows of the whole picture that are sent at a time, in pixels.
+/// Pixels of the final image that are sent at a time.
 const STRIP: usize = 1 << 18;
 
-/// The channels of a picture that is not transparent are the first three.
+/// Channels; an opaque image has the first three.
 const CHANNELS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// A connection to tev.
 #[derive(Debug)]
 pub(crate) struct Display {
     address: String,
-    /// What is shown, in pixels of the whole image.
+    /// Rendered rectangle of the image.
     part: Crop,
     console: Console,
     /// `None` once the connection is lost.
     link: Option<Link>,
 }
 
-/// The way to the thread that sends.
+/// Connection to the sending thread.
 #[derive(Debug)]
 struct Link {
     updates: Sender<Update>,
-    /// Updates that are not sent yet.
+    /// Number of queued updates.
     waiting: Arc<AtomicUsize>,
-    /// Tells how the thread has ended.
+    /// Result of the thread.
     ended: Receiver<io::Result<()>>,
 }
 
-/// A rectangle of the picture, from its upper left corner, with the values of its channels, pixel by pixel.
+/// Rectangle of the image with interleaved channels.
 #[derive(Debug)]
 struct Update {
     part: Crop,
@@ -59,23 +59,23 @@ struct Update {
 }
 
 impl Display {
-    /// Connects to a viewer and shows a black image: a part of the whole, with an alpha channel if it has `alpha`.
+    /// Connects to a viewer and shows a black image, with an alpha channel if `alpha` is set.
     ///
     /// # Errors
-    /// [`Failure::Usage`] if there is no viewer at this address.
+    /// [`CliError::Usage`] if no viewer listens at this address.
     pub(crate) fn connect(
         address: &str,
         name: &str,
         part: Crop,
         alpha: bool,
         console: Console,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, CliError> {
         let refused = |error: io::Error| {
-            let advice = "start the viewer first, as `tev`, or leave --display-server out";
-            Failure::Usage(format!("--display-server {address}: {error}; {advice}"))
+            let advice = "start `tev` first, or remove --display-server";
+            CliError::Usage(format!("--display-server {address}: {error}; {advice}"))
         };
         let mut client = open(address).map(TevClient::wrap).map_err(refused)?;
-        // The protocol ends names by a zero.
+        // Names are zero-terminated.
         let name = name.replace('\0', " ");
         let channels = &CHANNELS[..if alpha { 4 } else { 3 }];
         client
@@ -97,22 +97,22 @@ impl Display {
                 to_send.fetch_sub(1, Ordering::Relaxed);
                 Ok(())
             });
-            // Nobody may be left to be told.
+            // The receiver may be gone.
             let _ = end.send(sent);
         });
         Ok(Self { address: address.to_owned(), part, console, link: Some(Link { updates, waiting, ended }) })
     }
 
-    /// Shows the tile that has just been done, if the viewer has time for it.
+    /// Sends the finished tile, unless the queue is full.
     pub(crate) fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
-        if self.link.as_ref().is_some_and(|link| link.waiting.load(Ordering::Relaxed) < QUEUE) {
+        if self.link.as_ref().is_some_and(|link| link.waiting.load(Ordering::Relaxed) < MAX_QUEUE) {
             let tile = so_far.tile();
             let part = Crop { x: tile.x - self.part.x, y: tile.y - self.part.y, ..tile };
             self.show(Update { part, values: interleaved(&so_far.pixels(), so_far.alpha().as_deref()) });
         }
     }
 
-    /// Shows the finished picture.
+    /// Sends the finished image.
     pub(crate) fn finish(mut self, film: &Image) {
         let width = film.width() as usize;
         let rows = (STRIP / width.max(1)).max(1);
@@ -127,16 +127,16 @@ impl Display {
         drop(updates);
         loop {
             let before = waiting.load(Ordering::Relaxed);
-            match ended.recv_timeout(PATIENCE) {
+            match ended.recv_timeout(TIMEOUT) {
                 Ok(Ok(())) => return,
                 Ok(Err(error)) => return self.warn(&error.to_string()),
                 Err(RecvTimeoutError::Timeout) if waiting.load(Ordering::Relaxed) < before => {}
-                Err(_) => return self.warn("it does not take the picture"),
+                Err(_) => return self.warn("it does not receive the image"),
             }
         }
     }
 
-    /// Hands an update over to be sent. If nobody sends any more, says why, and that is that.
+    /// Queues an update; warns once if the thread has ended.
     fn show(&mut self, update: Update) {
         let Some(link) = &self.link else { return };
         link.waiting.fetch_add(1, Ordering::Relaxed);
@@ -149,17 +149,17 @@ impl Display {
     }
 
     fn warn(&self, reason: &str) {
-        self.console.warn(format_args!("the display server at {} is lost: {reason}; the render goes on", self.address));
+        self.console.warn(format_args!("lost the display server at {}: {reason}; the render continues", self.address));
     }
 }
 
-/// The first address of the host at which someone answers.
+/// Connects to the first address of the host that accepts.
 fn open(address: &str) -> io::Result<TcpStream> {
     let mut last = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
     for address in address.to_socket_addrs()? {
-        match TcpStream::connect_timeout(&address, PATIENCE) {
+        match TcpStream::connect_timeout(&address, TIMEOUT) {
             Ok(stream) => {
-                stream.set_write_timeout(Some(PATIENCE))?;
+                stream.set_write_timeout(Some(TIMEOUT))?;
                 return Ok(stream);
             }
             Err(error) => last = error,
@@ -178,7 +178,7 @@ fn interleaved(pixels: &[[f32; 3]], alpha: Option<&[f32]>) -> Vec<f32> {
 fn send(client: &mut TevClient, name: &str, channels: &[&str], update: &Update) -> io::Result<()> {
     let count = channels.len() as u64;
     let Crop { x, y, width, height } = update.part;
-    // The client panics unless the values end with the last channel of the last pixel. A tile that was lost has none.
+    // The client panics unless the values are complete. A failed tile has none.
     if update.values.is_empty() || update.values.len() as u64 != count * u64::from(width) * u64::from(height) {
         return Ok(());
     }

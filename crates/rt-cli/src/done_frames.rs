@@ -1,26 +1,25 @@
-//! The content of a frame log: JSON text to a list of frames, and back.
+//! Content of a frame log in JSON.
 //!
-//! The module stands for itself, so that the fuzz target of frame logs can include it.
+//! The module has no dependencies within the crate, so that the fuzz target of frame logs can include it.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// Bytes of the longest frame log that is read: that of 10⁶ frames.
+/// Maximum size of a frame log in bytes: that of 10⁶ frames.
 pub(crate) const MAX_LOG_BYTES: u64 = 1 << 27;
 
 /// Hexadecimal digits of an identity.
 const IDENTITY_DIGITS: usize = 64;
 
-/// Frames that are done.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DoneFrames {
-    /// Identities of their pictures, by their numbers.
+    /// Identity of the image, by frame index.
     pub(crate) frames: BTreeMap<u32, String>,
 }
 
-/// Reads a frame log; an empty file has no frames. `None` if it is something else.
+/// Parses a frame log; an empty file has no frames. `None` for anything else.
 pub(crate) fn parse(text: &[u8]) -> Option<DoneFrames> {
     if text.is_empty() {
         return Some(DoneFrames::default());

@@ -1,12 +1,12 @@
-//! Which frames of an animation are done: a small JSON file beside their pictures.
+//! Log of the finished frames of an animation: a small JSON file next to the images.
 //!
 //! ```text
 //!   out-####.png  ->  out-####.png.frames.json, or with --shard 2/8 out-####.png.frames.2-of-8.json
 //!   { "frames": { "0": "5e1c...", "1": "90ab..." } }
 //! ```
 //!
-//! Each frame is known by the [`Identity`] of its picture. Each machine has a file of its own. Programs that share one add their
-//! frames in turn: whoever adds holds a lock on the file, reads what others have added, and puts a new file in its place.
+//! Each frame has the [`Identity`] of its image. Each machine has its own file. Programs that share a file lock it, read the entries
+//! of the others, and replace the file.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -16,57 +16,55 @@ use std::path::{Path, PathBuf};
 use rt_render::Share;
 
 use crate::args::Frames;
+use crate::checkpoint_file::ArtifactError;
 use crate::done_frames::{self, DoneFrames, MAX_LOG_BYTES};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::identity::Identity;
-use crate::kept_file::KeptError;
 use crate::output::OutputFile;
 
-/// The frames that are done.
 #[derive(Debug)]
 pub(crate) struct FrameLog {
     output: OutputFile,
-    /// What is known of frames of an earlier run that is to be continued.
+    /// Frames of an earlier run that is continued.
     done: DoneFrames,
-    /// Entries of an earlier run that this one begins anew.
+    /// Entries of an earlier run that this run replaces.
     stale: BTreeMap<u32, String>,
 }
 
 impl FrameLog {
-    /// The log of pictures whose names are made by this pattern. Nothing is known of the frames of this run, unless an earlier one
-    /// is to be continued.
+    /// Opens the log of an image name pattern. Without `resume`, the frames of this run count as unfinished.
     ///
     /// # Errors
-    /// [`Failure`] if it could not be written, or is there and is no such file.
-    pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, Failure> {
+    /// [`CliError`] if the log cannot be written, or is not a log.
+    pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, CliError> {
         let output = OutputFile::prepare_over_link(&beside(pattern, shard), &[])?;
         let DoneFrames { frames } = read(output.path())?;
         let (stale, frames) = frames.into_iter().partition(|(frame, _)| !resume && own.contains(*frame));
         Ok(Self { output, done: DoneFrames { frames }, stale })
     }
 
-    /// True if a frame is done already.
+    /// True if a frame is finished.
     ///
     /// # Errors
-    /// [`Failure`] if what is done is the frame of another scene, or of other options.
-    pub(crate) fn has(&self, frame: u32, identity: &Identity, scene: &Path) -> Result<bool, Failure> {
+    /// [`CliError`] if the finished frame is of another scene, or of other options.
+    pub(crate) fn has(&self, frame: u32, identity: &Identity, scene: &Path) -> Result<bool, CliError> {
         match self.done.frames.get(&frame) {
             Some(known) if *known == identity.to_string() => Ok(true),
-            Some(_) => Err(KeptError::Foreign {
+            Some(_) => Err(ArtifactError::Foreign {
                 file: self.output.path().to_owned(),
                 scene: scene.display().to_string(),
-                advice: "; begin anew with --restart",
+                advice: "; start over with --restart",
             }
             .into()),
             None => Ok(false),
         }
     }
 
-    /// Adds a frame whose picture is written.
-    pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), Failure> {
+    /// Adds a finished frame.
+    pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), CliError> {
         let _lock = lock(self.output.path());
         let mut done = read(self.output.path())?;
-        // Entries that other runs have made meanwhile stay.
+        // Keep entries that other runs added meanwhile.
         done.frames.retain(|frame, identity| self.stale.get(frame) != Some(identity));
         self.stale.remove(&frame);
         done.frames.insert(frame, identity.to_string());
@@ -75,9 +73,9 @@ impl FrameLog {
     }
 }
 
-/// What is in the file; nothing if there is none.
-fn read(path: &Path) -> Result<DoneFrames, KeptError> {
-    let other = || KeptError::Log(path.to_owned());
+/// Reads the log; empty if there is none.
+fn read(path: &Path) -> Result<DoneFrames, ArtifactError> {
+    let other = || ArtifactError::Log(path.to_owned());
     match path.metadata() {
         Err(_) => return Ok(DoneFrames::default()),
         Ok(metadata) if !metadata.is_file() || metadata.len() > MAX_LOG_BYTES => return Err(other()),
@@ -86,13 +84,13 @@ fn read(path: &Path) -> Result<DoneFrames, KeptError> {
     let mut text = Vec::new();
     File::open(path)
         .and_then(|file| file.take(MAX_LOG_BYTES).read_to_end(&mut text))
-        .map_err(|source| KeptError::Read { file: path.to_owned(), source })?;
+        .map_err(|source| ArtifactError::Read { file: path.to_owned(), source })?;
     done_frames::parse(&text).ok_or_else(other)
 }
 
-/// Locks the log, which is created if need be, until the file is dropped. Where nothing can be locked, runs must not overlap.
+/// Creates the log if it is missing, and locks it until the file is dropped. Without locks, runs must not overlap.
 ///
-/// Whoever writes the log replaces it, so that a lock counts only if it is on the file that has the name now.
+/// Each write replaces the file, so that a lock is valid only on the file that has the name now.
 #[cfg(unix)]
 fn lock(path: &Path) -> Option<File> {
     use std::fs::OpenOptions;
@@ -100,7 +98,7 @@ fn lock(path: &Path) -> Option<File> {
     use std::os::unix::fs::MetadataExt;
 
     loop {
-        // Never follows a link.
+        // Does not follow links.
         let created = OpenOptions::new().read(true).write(true).create_new(true).open(path);
         let file = match created {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
@@ -110,7 +108,7 @@ fn lock(path: &Path) -> Option<File> {
                 }
                 match OpenOptions::new().read(true).write(true).open(path) {
                     Err(error) if error.kind() == ErrorKind::NotFound => continue,
-                    // Of another user, in a folder that both may write to.
+                    // File of another user in a shared directory.
                     Err(_) => File::open(path).ok()?,
                     Ok(file) => file,
                 }
@@ -126,13 +124,13 @@ fn lock(path: &Path) -> Option<File> {
     }
 }
 
-/// Files that are open cannot be replaced here.
+/// Open files cannot be replaced on this system.
 #[cfg(not(unix))]
 const fn lock(_path: &Path) -> Option<File> {
     None
 }
 
-/// The name of a pattern with `.frames.json` behind it.
+/// Name pattern with `.frames.json` appended.
 fn beside(pattern: &Path, shard: Option<Share>) -> PathBuf {
     let mut name = pattern.as_os_str().to_owned();
     match shard {
@@ -147,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frame_logs_that_are_links_were_written_through() {
+    fn frame_logs_that_are_links_are_replaced() {
         let folder = tempfile::tempdir().expect("a folder");
         let (log, target) = (folder.path().join("log.json"), folder.path().join("target"));
         std::os::unix::fs::symlink(&target, &log).expect("linked");
@@ -161,7 +159,7 @@ mod tests {
         let log = folder.path().join("log.json");
         let first = lock(&log).expect("locked");
         std::fs::rename(&log, folder.path().join("older.json")).expect("renamed");
-        // The older file is still locked, and in nobody's way.
+        // The older file is still locked, and does not matter.
         let second = lock(&log).expect("locked");
         assert!(File::open(&log).expect("there").try_lock().is_err());
         drop((first, second));

@@ -1,4 +1,4 @@
-//! What a picture is made of, as a number: two runs with the same one make the same picture.
+//! Identity of an image: a hash of everything that it depends on.
 
 use std::fmt;
 use std::fs::File;
@@ -9,29 +9,29 @@ use rt_scene_io::{InputHashes, LoadErrorKind};
 use serde::{Deserialize, Serialize};
 
 use crate::args::{InputArgs, PictureArgs};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::stdin::{self, is_dash};
 
-/// Bytes that are hashed at a time, on all processors.
+/// Size of the blocks that are hashed in parallel, in bytes.
 const BLOCK: usize = 1 << 24;
 
-/// A hash of the version of the program, of all files that a scene is made of, and of the options that change its picture.
+/// Hash of the program version, of all input files, and of the options that change the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Identity([u8; 32]);
 
 impl Identity {
-    /// Of a picture that is made with these options of these files, one of which is the scene. Files are known by their place
-    /// beside the scene, so that each machine may have them in a folder of its own.
+    /// Identity of an image with these options and input files, some with `known` hashes. Files are named relative to the scene, so
+    /// that each machine may have its own directory.
     pub(crate) fn new(
         input: &InputArgs,
         picture: &PictureArgs,
         files: &[PathBuf],
         known: &InputHashes,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, CliError> {
         let folder = input.scene.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_default();
         let named = files.iter().map(|file| Ok((name_in(&folder, file), hash_of(file, known)?)));
-        let mut named = named.collect::<Result<Vec<_>, Failure>>()?;
+        let mut named = named.collect::<Result<Vec<_>, CliError>>()?;
         named.sort_unstable();
         named.dedup();
         let mut hasher = blake3::Hasher::new();
@@ -41,7 +41,7 @@ impl Identity {
         };
         add(env!("CARGO_PKG_VERSION").as_bytes());
         add(choices(input, picture).as_bytes());
-        // By itself: it may be a file of the scene as well.
+        // The environment image may also be a texture of the scene.
         add(input.piped.as_ref().map_or(&[][..], |piped| &piped.bytes));
         add(&picture.env.as_deref().map_or(Ok(Vec::new()), |file| hash_of(file, known).map(Vec::from))?);
         for (name, hash) in &named {
@@ -51,7 +51,7 @@ impl Identity {
         Ok(Self(*hasher.finalize().as_bytes()))
     }
 
-    /// Of the same picture, made with these further options.
+    /// Identity with further options.
     pub(crate) fn with(&self, options: &str) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&self.0).update(options.as_bytes());
@@ -59,7 +59,6 @@ impl Identity {
     }
 }
 
-/// In hexadecimal digits.
 impl fmt::Display for Identity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
@@ -77,11 +76,11 @@ pub(crate) fn hash_bytes(bytes: &[u8]) -> [u8; 32] {
 }
 
 /// Hash of a file: the known one, or else that of its present content.
-fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], Failure> {
+fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], CliError> {
     if let Some(hash) = known.get(file) {
         return Ok(hash);
     }
-    let failed = |error: std::io::Error| Failure::from(LoadErrorKind::Io(error).at(file, ""));
+    let failed = |error: std::io::Error| CliError::from(LoadErrorKind::Io(error).at(file, ""));
     if is_dash(file) {
         return Ok(hash_bytes(&stdin::content(None)?));
     }
@@ -95,17 +94,17 @@ fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], Failure> {
     Ok(*hasher.finalize().as_bytes())
 }
 
-/// The options that change a picture, in words. Every option is named here, so that a new one is thought of.
+/// Text of all options that change the image. The patterns are exhaustive, so that a new option cannot be forgotten.
 fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
     let InputArgs {
         scene: _,
         input_format: _,
         piped: _,
-        root: _,
+        asset_root: _,
         ground,
         lights,
         at_time,
-        pace,
+        timing,
         animation,
         variant,
         memory: _,
@@ -116,8 +115,8 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         spp,
         passes,
         adaptive,
-        least,
-        depth,
+        min_spp,
+        max_depth,
         seed,
         clamp,
         integrator,
@@ -125,15 +124,15 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         light_sampling,
         accel: _,
         simd: _,
-        quality: _,
+        build_quality: _,
         full_plan: _,
         view,
         crop,
         background,
         env: _,
     } = picture;
-    let of_input = (ground, lights.unwrap_or_default(), at_time, pace, animation, variant);
-    let how_much = (size, spp, passes, adaptive, least, depth, seed, clamp);
+    let of_input = (ground, lights, at_time, timing, animation, variant);
+    let how_much = (size, spp, passes, adaptive, min_spp, max_depth, seed, clamp);
     format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, view, crop, background))
 }
 
@@ -158,14 +157,14 @@ mod tests {
     }
 
     #[test]
-    fn content_and_options_count_and_places_and_speed_do_not() {
+    fn identities_depend_on_content_and_options_and_not_on_paths_and_speed() {
         let [one, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
         for folder in [&one, &other] {
             fs::write(folder.path().join("scene.ron"), "a scene").expect("written");
             fs::write(folder.path().join("model.obj"), vec![7; BLOCK + 1]).expect("written");
         }
         let plain = identity(one.path(), "");
-        assert_eq!(plain, identity(other.path(), "--accel bvh --quality high -o other.png --threads 3"));
+        assert_eq!(plain, identity(other.path(), "--accel bvh --build-quality high -o other.png --threads 3"));
         let env = format!("--env {}", one.path().join("model.obj").display());
         let options = [
             env.as_str(),

@@ -1,26 +1,24 @@
-//! How much memory the process used at most, and how much there is.
+//! Memory limit, available memory, and peak memory of the process.
 
 use std::path::Path;
 
 use rt_scene_io::MemoryError;
 
-use crate::error::Failure;
+use crate::error::CliError;
 
-/// Refuses to read files that need more memory than is allowed, with the name of the first. Each need has a name, which finishes
-/// the sentence "most of it is for ...".
-pub(crate) fn check(limit: Option<u64>, file: &Path, needs: &[(String, u64)]) -> Result<(), Failure> {
+/// Refuses files that need more memory than the limit. The names of the needs complete the sentence "most of it, ... for ...".
+pub(crate) fn check(limit: Option<u64>, file: &Path, needs: &[(String, u64)]) -> Result<(), CliError> {
     let predicted = needs.iter().fold(0_u64, |sum, (_, bytes)| sum.saturating_add(*bytes));
     match (limit, needs.iter().max_by_key(|(_, bytes)| *bytes)) {
         (Some(budget), Some((largest, most))) if predicted > budget => {
             let shortage = MemoryError { predicted, budget, largest: largest.clone(), most: *most };
-            Err(Failure::Memory { file: file.to_owned(), shortage })
+            Err(CliError::Memory { file: file.to_owned(), shortage })
         }
         _ => Ok(()),
     }
 }
 
-/// Bytes of memory that the process may use: what its control groups allow, or what the machine has, whichever is less.
-/// `None` where the system says neither.
+/// Available memory in bytes: the minimum of the control groups and the machine; `None` if unknown.
 #[cfg(target_os = "linux")]
 pub(crate) fn available_bytes() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
@@ -30,14 +28,14 @@ pub(crate) fn available_bytes() -> Option<u64> {
     allowed.chain(machine).min()
 }
 
-/// Bytes of memory that the process may use; `None` where the system does not say.
+/// Unknown on this system.
 #[cfg(not(target_os = "linux"))]
 pub(crate) const fn available_bytes() -> Option<u64> {
     None
 }
 
-/// The files that hold the limits of the control groups that a process is in, by the text of `/proc/self/cgroup`: of each group
-/// and those around it (cgroups(7)). A group without a limit says `max`, or a number beyond all memory.
+/// Limit files of the control groups of `/proc/self/cgroup` and of their parents (cgroups(7)). A group without a limit has `max`, or
+/// a huge number.
 #[cfg(any(target_os = "linux", test))]
 fn group_files(groups: &str) -> Vec<String> {
     let mut files = Vec::new();
@@ -54,26 +52,26 @@ fn group_files(groups: &str) -> Vec<String> {
         let mut path = path.trim_end_matches('/');
         loop {
             files.push(format!("{root}{path}/{file}"));
-            let Some((around, _)) = path.rsplit_once('/') else { break };
-            path = around;
+            let Some((parent, _)) = path.rsplit_once('/') else { break };
+            path = parent;
         }
     }
     files
 }
 
-/// Bytes of physical memory that the process occupied at its peak; `None` where the system does not say.
+/// Peak physical memory of the process in bytes; `None` if unknown.
 #[cfg(target_os = "linux")]
 pub(crate) fn peak_bytes() -> Option<u64> {
     kibibytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes of physical memory that the process occupied at its peak; `None` where the system does not say.
+/// Peak physical memory of the process in bytes; `None` if unknown.
 #[cfg(not(target_os = "linux"))]
 pub(crate) const fn peak_bytes() -> Option<u64> {
     None
 }
 
-/// The value of a line in the texts of proc(5), which count in units of 1024 bytes.
+/// Value of a line of a proc(5) file, which has units of 1024 bytes.
 #[cfg(any(target_os = "linux", test))]
 fn kibibytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
@@ -93,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_are_looked_for_in_all_groups_around() {
+    fn limits_of_parent_groups_count() {
         assert_eq!(
             group_files("0::/user/shell\n"),
             ["/sys/fs/cgroup/user/shell/memory.max", "/sys/fs/cgroup/user/memory.max", "/sys/fs/cgroup/memory.max"]

@@ -1,20 +1,19 @@
-//! In the place of `display.rs` in a program that is built without the feature `display`.
+//! Substitute for `display.rs` without the feature `display`.
 
 use rt_image::Image;
 use rt_render::{Crop, RenderSnapshot};
 
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 
-/// A connection that there cannot be.
 #[derive(Debug)]
 pub(crate) enum Display {}
 
 impl Display {
     /// # Errors
     /// Always.
-    pub(crate) fn connect(address: &str, _: &str, _: Crop, _: bool, _: Console) -> Result<Self, Failure> {
-        Err(Failure::Usage(format!("--display-server {address}: this program is built without the feature `display`")))
+    pub(crate) fn connect(address: &str, _: &str, _: Crop, _: bool, _: Console) -> Result<Self, CliError> {
+        Err(CliError::Usage(format!("--display-server {address}: this program is built without the feature `display`")))
     }
 
     pub(crate) const fn tile_done(&mut self, _: &RenderSnapshot<'_>) {

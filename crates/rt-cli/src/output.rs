@@ -1,7 +1,7 @@
-//! Files that are written whole or not at all.
+//! Atomic output files.
 //!
-//! A file is written under a temporary name in its own folder, synchronised, and renamed: whoever looks sees the older
-//! file or the new one, never a part, and an older file survives every failure.
+//! A file is written under a temporary name in its own directory, synchronised, and renamed. Readers see the older file or the new
+//! one, never a part; an older file survives every failure.
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -14,111 +14,67 @@ use bytesize::ByteSize;
 use tempfile::NamedTempFile;
 
 use crate::console::reserve_stdout;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::stdin::is_dash;
 
-/// A place that was found fit to write a file to.
+/// Output path that was checked to be writable.
 #[derive(Debug)]
 pub(crate) struct OutputFile {
-    /// As the user names it.
+    /// Path as typed.
     path: PathBuf,
-    /// Where it really goes: symbolic links followed.
+    /// Path with symbolic links followed.
     target: PathBuf,
     folder: PathBuf,
-    /// It is no file, but standard output.
     is_stdout: bool,
 }
 
-/// The name of standard output in messages.
 const STDOUT: &str = "standard output";
 
-/// Why a file cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum OutputError {
-    /// The path ends in no name.
     #[error("cannot write `{}`: it names no file", .0.display())]
     NoName(PathBuf),
-    /// The folder is missing, or is no folder.
-    #[error("cannot write `{}`: {} is not a folder; create it, or choose another", path.display(), folder.display())]
-    NoFolder {
-        /// The file.
-        path: PathBuf,
-        /// Where it should go.
-        folder: PathBuf,
-    },
-    /// A folder, a pipe or a device.
+    #[error("cannot write `{}`: {} is not a directory; create it, or choose another", path.display(), folder.display())]
+    NoFolder { path: PathBuf, folder: PathBuf },
     #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]
     NotAFile(PathBuf),
-    /// The older file is protected.
     #[error("cannot write `{}`: it exists and is read-only; remove it, or choose another name", .0.display())]
     ReadOnly(PathBuf),
-    /// A file that the command reads.
     #[error("cannot write `{}`: it is an input; choose another name", .0.display())]
     IsInput(PathBuf),
-    /// The folder does not take files.
-    #[error("cannot write `{}`: the folder {} takes no files: {source}", path.display(), folder.display())]
-    Folder {
-        /// The file.
-        path: PathBuf,
-        /// Where it should go.
-        folder: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// There is no room for the file.
+    #[error("cannot write `{}`: the directory {} is not writable: {source}", path.display(), folder.display())]
+    Folder { path: PathBuf, folder: PathBuf, source: io::Error },
     #[error(
-        "cannot write `{}`: it may take {}, and {} has room for {}",
-        path.display(), ByteSize(*bytes), folder.display(), ByteSize(*available)
+        "cannot write `{}`: it may take {}, and only {} are free in {}",
+        path.display(), ByteSize(*bytes), ByteSize(*available), folder.display()
     )]
-    NoSpace {
-        /// The file.
-        path: PathBuf,
-        /// Where it should go.
-        folder: PathBuf,
-        /// Bytes that are free.
-        available: u64,
-        /// Bytes that the file may take.
-        bytes: u64,
-    },
-    /// Writing failed halfway. Nothing of it is left.
+    NoSpace { path: PathBuf, folder: PathBuf, available: u64, bytes: u64 },
+    /// Writing failed, and left nothing behind.
     #[error("cannot write `{}`: {reason}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the writer or the system says.
-        reason: String,
-    },
-    /// Writing failed, but the content was put elsewhere.
-    #[error("{original}; it was saved as `{}` instead", rescued.display())]
-    Rescued {
-        /// Why it is not where it should be.
-        original: Box<Self>,
-        /// Where it is.
-        rescued: PathBuf,
-    },
+    Write { path: PathBuf, reason: String },
+    #[error("{original}; it was saved as `{}` instead", path.display())]
+    WrittenElsewhere { original: Box<Self>, path: PathBuf },
 }
 
-/// The place that a link leads to, or the path itself. What a link leads to need not exist.
+/// Target of a link, which need not exist, or the path itself.
 fn followed(path: &Path) -> Result<PathBuf, OutputError> {
     if let Ok(target) = path.canonicalize() {
         return Ok(target);
     }
     let Ok(link) = path.read_link() else { return Ok(path.to_owned()) };
     let target = folder_of(path).join(link);
-    // Pipes, as of /dev/stdout, have a link to them but no place of their own.
+    // Links to pipes, such as /dev/stdout, have no path as their target.
     if path.exists() || target.is_symlink() { Err(OutputError::NotAFile(path.to_owned())) } else { Ok(target) }
 }
 
 impl OutputFile {
-    /// Checks that a file can be written to `path`, before work is spent on its content: the folder takes files, and
-    /// nothing is there but perhaps an older file that is not one of `inputs`. A link is written through: the file that it leads to
-    /// is replaced, not the link. The path `-` is standard output, which reports keep clear of from then on.
+    /// Checks that `path` is writable: its directory takes files, and the path is free or an older file that is not one of
+    /// `inputs`. A link is written through. The path `-` is standard output, which is then reserved for the file.
     pub(crate) fn prepare(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         Self::prepare_target(path, followed(path)?, inputs)
     }
 
-    /// Does the same for a file whose name the program chooses, or others can guess: a checkpoint, a part, a frame log. A link is
-    /// replaced, and what it leads to is left alone.
+    /// Version of [`Self::prepare`] that replaces links. For predictable names: checkpoints, parts and frame logs.
     pub(crate) fn prepare_over_link(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         Self::prepare_target(path, path.to_owned(), inputs)
     }
@@ -144,12 +100,11 @@ impl OutputFile {
                 return Err(OutputError::ReadOnly(path.to_owned()));
             }
         }
-        let is_same =
-            |place: PathBuf| inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == place));
+        let is_same = |path: PathBuf| inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == path));
         if path.canonicalize().is_ok_and(is_same) {
             return Err(OutputError::IsInput(path.to_owned()));
         }
-        // An anonymous file proves that the folder takes files, and leaves nothing behind whatever happens later.
+        // An anonymous file proves that the directory is writable, and leaves nothing behind.
         match tempfile::tempfile_in(folder) {
             Ok(_) => {
                 clear_away(folder, &target);
@@ -159,26 +114,22 @@ impl OutputFile {
         }
     }
 
-    /// The path as the user names it.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// True for standard output.
     pub(crate) const fn is_stdout(&self) -> bool {
         self.is_stdout
     }
 
-    /// True if `other` is written to the same file.
     pub(crate) fn is_same_file(&self, other: &Self) -> bool {
         if self.is_stdout || other.is_stdout {
             return self.is_stdout && other.is_stdout;
         }
-        let place = |file: &Self| Some((file.folder.canonicalize().ok()?, file.target.file_name()?.to_owned()));
-        place(self) == place(other)
+        let location = |file: &Self| Some((file.folder.canonicalize().ok()?, file.target.file_name()?.to_owned()));
+        location(self) == location(other)
     }
 
-    /// Writes the file.
     pub(crate) fn write<E: Display>(
         &self,
         content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
@@ -191,21 +142,23 @@ impl OutputFile {
         written.map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
     }
 
-    /// Writes the file; if that fails, writes it under a new name in the first of the folders `refuges` that takes it, so that
-    /// its content is not lost, and says so in the error.
-    pub(crate) fn write_or_rescue<E: Display>(
+    /// Writes the file; if that fails, writes it under a new name to the first writable fallback directory.
+    ///
+    /// # Errors
+    /// [`OutputError::WrittenElsewhere`] if the fallback succeeded.
+    pub(crate) fn write_with_fallback<E: Display>(
         &self,
-        refuges: &[PathBuf],
+        fallback_dirs: &[PathBuf],
         content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
     ) -> Result<(), OutputError> {
         let Err(original) = self.write(&content) else { return Ok(()) };
-        match rescue(&self.target, refuges, content) {
-            Some(rescued) => Err(OutputError::Rescued { original: Box::new(original), rescued }),
+        match write_elsewhere(&self.target, fallback_dirs, content) {
+            Some(path) => Err(OutputError::WrittenElsewhere { original: Box::new(original), path }),
             None => Err(original),
         }
     }
 
-    /// Refuses to begin what will not fit on the disk: the new file lies beside an older one until it is whole.
+    /// Checks the free disk space; an older file stays until the new one is complete.
     pub(crate) fn check_space(&self, bytes: u64) -> Result<(), OutputError> {
         if self.is_stdout {
             return Ok(());
@@ -214,33 +167,33 @@ impl OutputFile {
             Ok(available) if available < bytes => {
                 Err(OutputError::NoSpace { path: self.path.clone(), folder: self.folder.clone(), available, bytes })
             }
-            // A system that does not say is no reason to stop.
+            // Unknown on this system.
             _ => Ok(()),
         }
     }
 }
 
-/// Folders for what cannot be written where it should, the user's own first.
-pub(crate) fn refuges(fallback: Option<&Path>) -> Vec<PathBuf> {
+/// Fallback directories, the given one first.
+pub(crate) fn fallback_dirs(fallback: Option<&Path>) -> Vec<PathBuf> {
     fallback.map(Path::to_owned).into_iter().chain([env::temp_dir(), PathBuf::from(".")]).collect()
 }
 
-/// Writes everything, whatever becomes of some of it.
-pub(crate) fn write_all(results: impl IntoIterator<Item = Result<(), OutputError>>) -> Result<(), Failure> {
+/// Collects the errors of several files.
+pub(crate) fn write_all(results: impl IntoIterator<Item = Result<(), OutputError>>) -> Result<(), CliError> {
     let failed: Vec<_> = results.into_iter().filter_map(Result::err).collect();
-    if failed.is_empty() { Ok(()) } else { Err(Failure::Outputs(failed)) }
+    if failed.is_empty() { Ok(()) } else { Err(CliError::Outputs(failed)) }
 }
 
-/// Refuses to write what is no text to a terminal.
-pub(crate) fn refuse_terminal(path: &Path) -> Result<(), Failure> {
+/// Refuses binary output to a terminal.
+pub(crate) fn refuse_terminal(path: &Path) -> Result<(), CliError> {
     if is_dash(path) && io::stdout().is_terminal() {
-        let message = "standard output is a terminal, which shows no such file: redirect it, or name a file";
-        return Err(Failure::Usage(message.to_owned()));
+        let message = "standard output is a terminal: redirect it, or name a file";
+        return Err(CliError::Usage(message.to_owned()));
     }
     Ok(())
 }
 
-/// Writes what is complete to standard output. A reader that has left has seen enough: that is no failure.
+/// Writes complete content to standard output. A broken pipe is not an error.
 fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>) -> Result<(), String> {
     let mut file = tempfile::tempfile().map_err(|error| error.to_string())?;
     let mut writer = BufWriter::new(&mut file);
@@ -255,7 +208,7 @@ fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -
     }
 }
 
-/// Writes a file, whole or not at all, in the place of whatever has its name: a link is replaced, not followed.
+/// Writes a file atomically; a link of its name is replaced, not followed.
 pub(crate) fn write_over_link<E: Display>(
     target: &Path,
     content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
@@ -263,31 +216,30 @@ pub(crate) fn write_over_link<E: Display>(
     write_atomically(target, folder_of(target), content)
 }
 
-/// Writes what cannot go to `target` under a new name in the first of the folders `refuges` that takes it, and returns its path.
-/// No file or link that is there is replaced or followed: nobody can know the name beforehand.
-pub(crate) fn rescue<E: Display>(
+/// Writes the content of `target` under a new, unpredictable name to the first writable fallback directory, and returns its path.
+/// Existing files and links are neither replaced nor followed.
+pub(crate) fn write_elsewhere<E: Display>(
     target: &Path,
-    refuges: &[PathBuf],
+    fallback_dirs: &[PathBuf],
     content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
 ) -> Option<PathBuf> {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
-    let rescue_to = |refuge: &PathBuf| {
+    let write_to = |dir: &PathBuf| {
         let suffix = format!("-{name}{UNFINISHED}");
         let mut builder = tempfile::Builder::new();
         builder.prefix(".rt-cli-").suffix(&suffix);
-        let mut file = create(&builder, refuge).ok()?;
+        let mut file = create(&builder, dir).ok()?;
         fill(&mut file, &content).ok()?;
         file.as_file().sync_all().ok()?;
         let hidden = file.path().file_name()?.to_str()?;
-        let rescued = refuge.join(hidden.strip_prefix('.')?.strip_suffix(UNFINISHED)?);
-        file.persist_noclobber(&rescued).ok()?;
-        sync_folder(refuge);
-        Some(rescued)
+        let path = dir.join(hidden.strip_prefix('.')?.strip_suffix(UNFINISHED)?);
+        file.persist_noclobber(&path).ok()?;
+        sync_folder(dir);
+        Some(path)
     };
-    refuges.iter().find_map(rescue_to)
+    fallback_dirs.iter().find_map(write_to)
 }
 
-/// The folder that a file lies in.
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
@@ -313,12 +265,12 @@ fn write_atomically<E: Display>(
     Ok(())
 }
 
-/// Not all systems let a folder be synchronised, so a refusal is no failure: the file itself is complete.
+/// Synchronises a directory. Some systems refuse that, which is harmless: the file itself is complete.
 fn sync_folder(folder: &Path) {
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
-/// Puts a finished file in the place of an older one, whose permissions it takes.
+/// Renames a finished file over an older one, and keeps its permissions.
 fn replace(target: &Path, file: NamedTempFile) -> io::Result<()> {
     if let Some(older) = fs::symlink_metadata(target).ok().filter(fs::Metadata::is_file) {
         file.as_file().set_permissions(older.permissions())?;
@@ -328,10 +280,10 @@ fn replace(target: &Path, file: NamedTempFile) -> io::Result<()> {
     Ok(())
 }
 
-/// Ending of the names of files that are being written.
+/// Extension of unfinished files.
 const UNFINISHED: &str = ".unfinished";
 
-/// How names of files begin that are being written and will be called `target`.
+/// Prefix of the unfinished files of `target`.
 fn unfinished_name(target: &Path) -> OsString {
     let mut name = OsString::from(".");
     name.push(target.file_name().unwrap_or_default());
@@ -339,7 +291,7 @@ fn unfinished_name(target: &Path) -> OsString {
     name
 }
 
-/// A file that is removed unless it is renamed, with the permissions of any new file. It is locked as long as it is being written.
+/// Locked file that is removed unless it is renamed.
 fn temporary_file(folder: &Path, target: &Path) -> io::Result<NamedTempFile> {
     let prefix = unfinished_name(target);
     let mut builder = tempfile::Builder::new();
@@ -355,12 +307,12 @@ fn create(builder: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<Name
         builder
     };
     let file = builder.tempfile_in(folder)?;
-    // Where nothing can be locked, what a kill leaves stays.
+    // Without locks, unfinished files of killed runs stay.
     let _ = file.as_file().try_lock();
     Ok(file)
 }
 
-/// Removes what a program that was killed has left of the same file. What another one is writing is locked.
+/// Removes unfinished files of `target` that killed runs left. Files of running programs are locked.
 fn clear_away(folder: &Path, target: &Path) {
     let prefix = unfinished_name(target);
     let is_unfinished = |name: &OsStr| {
@@ -368,11 +320,11 @@ fn clear_away(folder: &Path, target: &Path) {
         name.starts_with(prefix.as_encoded_bytes()) && name.ends_with(UNFINISHED.as_bytes())
     };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        // Whoever opens a pipe waits for its other end.
+        // Opening a pipe would block.
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         let is_free = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
         if is_unfinished(&entry.file_name()) && is_file && is_free() {
-            // If it stays, it is in nobody's way.
+            // A leftover is harmless.
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -406,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_kill_has_left_is_cleared_away_and_what_is_being_written_is_not() {
+    fn files_of_killed_runs_are_removed_and_files_being_written_are_not() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.txt");
         let left = folder.path().join(".a.txt-K1ll3d.unfinished");
@@ -441,27 +393,27 @@ mod tests {
     }
 
     #[test]
-    fn content_is_rescued_if_the_folder_is_gone() {
+    fn content_goes_to_a_fallback_directory_if_the_folder_is_gone() {
         let folder = tempfile::tempdir().expect("a folder");
         let refuge = tempfile::tempdir().expect("a folder");
         let gone = folder.path().join("gone");
         fs::create_dir(&gone).expect("created");
         let output = prepare(&gone.join("a.txt")).expect("fit");
         fs::remove_dir(&gone).expect("removed");
-        let Err(OutputError::Rescued { rescued, .. }) =
-            output.write_or_rescue(&[PathBuf::from("/nowhere"), refuge.path().to_owned()], text("precious"))
+        let Err(OutputError::WrittenElsewhere { path: rescued, .. }) =
+            output.write_with_fallback(&[PathBuf::from("/nowhere"), refuge.path().to_owned()], text("precious"))
         else {
             panic!("not rescued")
         };
         assert_eq!(rescued.parent(), Some(refuge.path()));
         assert_eq!(rescued.extension().and_then(|e| e.to_str()), Some("txt"));
         assert_eq!(fs::read_to_string(&rescued).expect("there"), "precious");
-        let lost = output.write_or_rescue(core::slice::from_ref(&gone), text("precious"));
+        let lost = output.write_with_fallback(core::slice::from_ref(&gone), text("precious"));
         assert!(matches!(lost, Err(OutputError::Write { .. })), "{lost:?}");
     }
 
     #[test]
-    fn unfit_places_are_refused() {
+    fn unwritable_paths_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("file.txt");
         fs::write(&file, "x").expect("written");
@@ -504,7 +456,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn links_at_names_that_can_be_guessed_were_followed() {
+    fn links_at_predictable_names_are_not_followed() {
         use std::os::unix::fs::symlink;
         let folder = tempfile::tempdir().expect("a folder");
         let (precious, link) = (folder.path().join("precious.txt"), folder.path().join("link.txt"));
@@ -513,10 +465,11 @@ mod tests {
         OutputFile::prepare_over_link(&link, &[]).expect("fit").write(text("new")).expect("written");
         assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
         assert!(!link.is_symlink() && fs::read_to_string(&link).expect("there") == "new");
-        // The name of a rescued file was that of the process.
+        // The fallback name is not that of the process.
         let name = folder.path().join(format!("rt-cli-{}-a.txt", std::process::id()));
         symlink(&precious, &name).expect("linked");
-        let rescued = rescue(Path::new("gone/a.txt"), &[folder.path().to_owned()], text("rescued")).expect("room");
+        let rescued =
+            write_elsewhere(Path::new("gone/a.txt"), &[folder.path().to_owned()], text("rescued")).expect("room");
         assert!(rescued != name && fs::read_to_string(&rescued).expect("there") == "rescued");
         assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
         // A link to an input is not replaced either.

@@ -1,23 +1,23 @@
-//! Which picture files can hold what.
+//! Image files: formats and their limits.
 
 use std::path::Path;
 
 use rt_image::{Image, ImageFormat, decode_image, format_of_bytes, image_format, read_image};
 
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::refuse_terminal;
 use crate::stdin::{self, is_dash};
 
-/// Longest side of a JPEG in pixels: its header has 16 bits for it.
+/// Maximum side of a JPEG in pixels: its header has 16 bits.
 const MAX_JPEG_SIDE: u32 = u16::MAX as u32;
 
-/// The format that the ending of the name asks for.
-pub(crate) fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
-    ImageFormat::from_path(path).map_err(|error| Failure::Usage(error.to_string()))
+/// Format by file extension.
+pub(crate) fn format_of(path: &Path) -> Result<ImageFormat, CliError> {
+    ImageFormat::from_path(path).map_err(|error| CliError::Usage(error.to_string()))
 }
 
-/// The format of a picture: the one that is given, or else the one of the name; PNG for standard output.
-pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<ImageFormat, Failure> {
+/// The given format, or else that of the file extension; PNG for standard output.
+pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<ImageFormat, CliError> {
     refuse_terminal(path)?;
     match given {
         Some(format) => Ok(format),
@@ -26,8 +26,8 @@ pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<I
     }
 }
 
-/// The image in a file, or from standard input.
-pub(crate) fn read(path: &Path) -> Result<Image, Failure> {
+/// Reads an image from a file or standard input.
+pub(crate) fn read(path: &Path) -> Result<Image, CliError> {
     if is_dash(path) {
         Ok(decode_image(&stdin::content(None)?, Path::new("standard input"))?)
     } else {
@@ -35,8 +35,8 @@ pub(crate) fn read(path: &Path) -> Result<Image, Failure> {
     }
 }
 
-/// The format of an image in a file, or from standard input, by its content.
-pub(crate) fn format_by_content(path: &Path) -> Result<ImageFormat, Failure> {
+/// Format of an image by its content.
+pub(crate) fn format_by_content(path: &Path) -> Result<ImageFormat, CliError> {
     if is_dash(path) {
         Ok(format_of_bytes(&stdin::content(None)?, Path::new("standard input"))?)
     } else {
@@ -44,27 +44,27 @@ pub(crate) fn format_by_content(path: &Path) -> Result<ImageFormat, Failure> {
     }
 }
 
-/// Refuses pictures that the format cannot hold, before they are rendered.
-pub(crate) fn check(format: ImageFormat, [width, height]: [u32; 2], transparent: bool) -> Result<(), Failure> {
+/// Refuses images that the format cannot hold.
+pub(crate) fn check(format: ImageFormat, [width, height]: [u32; 2], transparent: bool) -> Result<(), CliError> {
     let has_alpha = matches!(format, ImageFormat::Png | ImageFormat::Exr);
     if transparent && !has_alpha {
-        return Err(Failure::Usage("a transparent background needs a .png or .exr file".to_owned()));
+        return Err(CliError::Usage("a transparent background requires a .png or .exr file".to_owned()));
     }
     if format == ImageFormat::Jpeg && width.max(height) > MAX_JPEG_SIDE {
         let message = format!("a .jpg file holds at most {MAX_JPEG_SIDE} pixels a side, not {width}x{height}");
-        return Err(Failure::Usage(message));
+        return Err(CliError::Usage(message));
     }
     Ok(())
 }
 
-/// Bytes that a picture takes at most.
-pub(crate) const fn most_bytes(format: ImageFormat, [width, height]: [u32; 2]) -> u64 {
+/// Maximum size of an image file in bytes.
+pub(crate) const fn max_bytes(format: ImageFormat, [width, height]: [u32; 2]) -> u64 {
     let pixels = width as u64 * height as u64;
-    // A byte or a float for each of four channels, and some for headers and the tables of rows.
+    // Four channels of a byte or a float, and headers and row tables.
     pixels * if is_developed(format) { 4 } else { 16 } + 65_536 + 32 * height as u64
 }
 
-/// True if the format holds bytes for display rather than linear light.
+/// True if the format holds display bytes instead of linear radiance.
 pub(crate) const fn is_developed(format: ImageFormat) -> bool {
     matches!(format, ImageFormat::Png | ImageFormat::Jpeg)
 }

@@ -1,4 +1,4 @@
-//! How far a render has come: a bar on a terminal, now and then a line elsewhere.
+//! Progress of a render: a bar on a terminal, or a line every few seconds.
 
 use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
@@ -8,13 +8,12 @@ use rt_render::{PassProgress, Progress, Towards};
 
 use crate::report::shown_percent;
 
-/// Time between two lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Remaining seconds that are shown at most: 30 years.
-const LONGEST: f64 = 1e9;
+/// Maximum remaining time that is shown, in seconds: 30 years.
+const MAX_REMAINING: f64 = 1e9;
 
-/// Shows progress on standard error.
+/// Progress on standard error.
 #[derive(Debug)]
 pub(crate) struct ProgressDisplay {
     started: Instant,
@@ -27,15 +26,14 @@ pub(crate) struct ProgressDisplay {
 enum Form {
     Bar(ProgressBar),
     Lines { next: Instant },
-    Nothing,
+    Quiet,
 }
 
 impl ProgressDisplay {
-    /// A display that suits where standard error goes, of a render that has come so far already.
     pub(crate) fn new(quiet: bool, earlier_samples: u64, earlier_rays: u64) -> Self {
         let started = Instant::now();
         let form = if quiet {
-            Form::Nothing
+            Form::Quiet
         } else if io::stderr().is_terminal() {
             Form::Bar(ProgressBar::no_length().with_style(bar_style()))
         } else {
@@ -44,8 +42,8 @@ impl ProgressDisplay {
         Self { started, earlier: (earlier_samples, earlier_rays), form }
     }
 
-    /// Shows that the render has come this far.
     pub(crate) fn update(&mut self, progress: Progress) {
+        let progress = capped(progress);
         match &mut self.form {
             Form::Bar(bar) => {
                 bar.set_length(progress.total_samples);
@@ -58,33 +56,44 @@ impl ProgressDisplay {
                     *next = now + LINE_INTERVAL;
                     let percent = progress.samples * 100 / progress.total_samples;
                     let status = status(progress, self.earlier, self.started.elapsed());
-                    // A closed standard error is no reason to stop rendering.
+                    // A closed standard error does not stop the render.
                     let _ = writeln!(io::stderr().lock(), "{percent} %, {status}");
                 }
             }
-            Form::Nothing => {}
+            Form::Quiet => {}
         }
     }
 
-    /// Removes the bar.
-    pub(crate) fn finish(self) {
-        if let Form::Bar(bar) = self.form {
+    pub(crate) fn finish(&self) {
+        if let Form::Bar(bar) = &self.form {
             bar.finish_and_clear();
         }
     }
+}
+
+/// Shows at most 99 % until a target error is reached: the total is a forecast, and may be too low.
+fn capped(progress: Progress) -> Progress {
+    let is_reached = match progress.pass.and_then(|pass| pass.towards) {
+        None => true,
+        Some(Towards::Image { error, target }) => error <= target,
+        Some(Towards::Pixels { share, target }) => share >= target,
+    };
+    let min_total = progress.samples.saturating_add((progress.samples / 99).max(1));
+    let total_samples = if is_reached { progress.total_samples } else { progress.total_samples.max(min_total) };
+    Progress { total_samples, ..progress }
 }
 
 fn bar_style() -> ProgressStyle {
     ProgressStyle::with_template("{bar:40} {percent} %, {msg}").unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// Rate and remaining time, if the rest takes as long a sample as what is done.
+/// Rate, and remaining time at the average time per sample so far.
 fn status(progress: Progress, (earlier_samples, earlier_rays): (u64, u64), elapsed: Duration) -> String {
     let Progress { samples, total_samples, rays, pass } = progress;
     let done = samples.saturating_sub(earlier_samples);
     let rate = rays.saturating_sub(earlier_rays) as f64 / elapsed.as_secs_f64().max(1e-9) * 1e-6;
     let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / done.max(1) as f64);
-    let left = HumanDuration(Duration::from_secs_f64(left.min(LONGEST)));
+    let left = HumanDuration(Duration::from_secs_f64(left.min(MAX_REMAINING)));
     let pass = match pass {
         Some(PassProgress { finished, spp, rmse: Some(rmse), towards }) => {
             let error = match towards {
@@ -133,6 +142,23 @@ mod tests {
         assert!(image.starts_with("pass 7, 32 spp, error 7.10 % of 5 %, "), "{image}");
         let pixels = towards(Towards::Pixels { share: 0.931, target: 0.99 });
         assert!(pixels.starts_with("pass 7, 32 spp, 93.1 % of the pixels done of 99 %, "), "{pixels}");
+    }
+
+    #[test]
+    fn progress_stays_below_100_percent_until_the_target_is_reached() {
+        let percent = |towards| {
+            let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), towards });
+            let shown = capped(Progress { samples: 5000, total_samples: 5000, rays: 1, pass });
+            100 * shown.samples / shown.total_samples
+        };
+        assert_eq!(percent(Some(Towards::Pixels { share: 0.98, target: 0.99 })), 99);
+        assert_eq!(percent(Some(Towards::Pixels { share: 0.99, target: 0.99 })), 100);
+        assert_eq!(percent(Some(Towards::Image { error: 0.06, target: 0.05 })), 99);
+        assert_eq!((percent(Some(Towards::Image { error: 0.05, target: 0.05 })), percent(None)), (100, 100));
+        let open = Some(Towards::Pixels { share: 0.1, target: 0.99 });
+        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), towards: open });
+        let early = Progress { samples: 50, total_samples: 5000, rays: 1, pass };
+        assert_eq!(capped(early).total_samples, 5000);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What a render took, as text for people.
+//! Statistics of a render as text.
 
 use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
@@ -11,8 +11,7 @@ use rt_render::{
 use crate::memory;
 use crate::stats::Outcome;
 
-/// The statistics of a render, ending without a line break. With `costs`, also what each ray cost; only a render that
-/// counted this knows it.
+/// All statistics. `costs` adds the cost per ray, which only a render with `--stats` counts.
 pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
     let statistics = &outcome.rendering.statistics;
     let threads = match statistics.threads {
@@ -37,20 +36,20 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
     lines.join("\n")
 }
 
-/// Samples of each pixel of a picture.
+/// Samples per pixel.
 pub(crate) fn samples(rendering: &Rendering) -> String {
     let SampleRange { least, mean, most } = rendering.samples_per_pixel;
     if least == most { format!("{most} spp") } else { format!("{least} to {most} spp, {mean:.1} on average") }
 }
 
-/// Time that a render took, and rays.
+/// Render time and rays.
 pub(crate) fn effort(outcome: &Outcome<'_>) -> String {
     let statistics = &outcome.rendering.statistics;
     let rays = HumanCount(statistics.counters.total().rays);
     format!("in {:.3} s: {rays} rays, {:.2} Mrays/s", statistics.render_seconds, statistics.mega_rays_per_second())
 }
 
-/// The cause of the end where time or the error decides, the estimated error, and the effect of clamping, in one line.
+/// One line: effect of the stop rule, estimated error, and effect of clamping.
 pub(crate) fn ending_and_error(outcome: &Outcome<'_>) -> String {
     let ending = outcome.rule.map(|rule| ending(outcome, &rule));
     let clamped = outcome.plan.clamping(outcome.rendering).map(|clamping| clamped(&clamping));
@@ -63,7 +62,7 @@ fn clamped(clamping: &Clamping) -> String {
     format!("biased: clamping to {bound} reduced {contributions} contributions and took {percent:.2} % of the light")
 }
 
-/// How many pixels took few samples.
+/// Share of the pixels with the minimum of samples.
 fn shared_out(outcome: &Outcome<'_>) -> Option<String> {
     let least = outcome.plan.least_samples_per_pixel()?;
     let Rendering { film, statistics, samples_per_pixel: SampleRange { mean, .. }, .. } = outcome.rendering;
@@ -71,7 +70,7 @@ fn shared_out(outcome: &Outcome<'_>) -> Option<String> {
     Some(format!("{share:.1} % of the pixels show no edge and took {least} samples: {mean:.1} on average"))
 }
 
-/// The cause of the end where time or the error decides.
+/// Condition that ended the render.
 fn ending(outcome: &Outcome<'_>, rule: &StopRule) -> String {
     let rendering = outcome.rendering;
     let option = match rendering.stopped {
@@ -85,7 +84,6 @@ fn ending(outcome: &Outcome<'_>, rule: &StopRule) -> String {
     if rendering.stopped == Stopped::Target {
         return format!("stopped by {option} {percent} %");
     }
-    // The cap is no word of the user's.
     let option = match rendering.stopped {
         Stopped::Samples => format!("the cap of {} samples per pixel (--spp)", rule.max_spp),
         _ => option.to_owned(),
@@ -95,7 +93,7 @@ fn ending(outcome: &Outcome<'_>, rule: &StopRule) -> String {
             let pixels = rendering.film.pixels().len();
             format!("stopped by {option}: {percent} % is not reached in {missing} of {pixels} pixels")
         }
-        // Fewer passes than a test takes may have ended with less.
+        // A render with fewer passes than a test needs may be below the target.
         None if rendering.error.is_some_and(|error| error.relative_rmse() <= target.relative) => {
             format!("stopped by {option}")
         }
@@ -103,12 +101,12 @@ fn ending(outcome: &Outcome<'_>, rule: &StopRule) -> String {
     }
 }
 
-/// A share in percent, without the digits that binary fractions add.
+/// Share in percent, without the rounding error of binary fractions.
 pub(crate) fn shown_percent(share: f64) -> f64 {
     (share * 1e8).round() / 1e6
 }
 
-/// The estimated error relative to the mean, or the reason why there is none.
+/// Estimated error relative to the mean, or the reason for its absence.
 fn short_error(outcome: &Outcome<'_>) -> String {
     match &outcome.rendering.error {
         Some(error) => {
@@ -120,7 +118,7 @@ fn short_error(outcome: &Outcome<'_>) -> String {
     }
 }
 
-/// The estimated error in all units, or the reason why there is none.
+/// Estimated error in all units, or the reason for its absence.
 fn error(outcome: &Outcome<'_>) -> String {
     match outcome.rendering.error {
         Some(ErrorEstimate { rmse, interval: [low, high], relative, mean, .. }) => {
@@ -141,9 +139,9 @@ fn bias(outcome: &Outcome<'_>) -> String {
 
 fn no_error(outcome: &Outcome<'_>) -> String {
     if outcome.plan.passes_differ() {
-        "error not estimated: one pass has nothing to be compared with (--passes 4 splits the samples)".to_owned()
+        "no error estimate: needs at least two passes (try --passes 4)".to_owned()
     } else {
-        format!("error not estimated: {} samples are the same in every pass", outcome.scene.settings.pattern.name())
+        format!("no error estimate: {} samples are the same in every pass", outcome.scene.settings.pattern.name())
     }
 }
 
@@ -164,17 +162,15 @@ fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
     }
     table.add_row(ray_row("total", counters.total(), costs));
     let Statistics { primary_rays_spared, shading, .. } = outcome.rendering.statistics;
-    for (what, spared) in [("primary, spared", primary_rays_spared), ("shadow, spared", shading.shadow_rays_spared)] {
-        if spared > 0 {
-            table.add_row([what.to_owned(), HumanCount(spared).to_string()]);
+    for (kind, skipped) in [("primary, skipped", primary_rays_spared), ("shadow, skipped", shading.shadow_rays_spared)]
+    {
+        if skipped > 0 {
+            table.add_row([kind.to_owned(), HumanCount(skipped).to_string()]);
         }
     }
     let ShadingCounts { interior_overflows, .. } = shading;
     if interior_overflows > 0 {
-        table.add_row([
-            "surfaces ignored inside of too many bodies".to_owned(),
-            HumanCount(interior_overflows).to_string(),
-        ]);
+        table.add_row(["surfaces ignored: medium stack full".to_owned(), HumanCount(interior_overflows).to_string()]);
     }
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -192,6 +188,7 @@ fn ray_row(name: &str, tally: RayStats, costs: bool) -> Vec<String> {
 }
 
 fn left_out(explanation: &Explanation) -> Option<String> {
-    let things: Vec<_> = explanation.left_out.iter().map(|left| left.what).collect();
-    (!things.is_empty()).then(|| format!("left out: {} (`explain` says why)", things.join(", ")))
+    let removed: Vec<_> = explanation.left_out.iter().map(|left| left.what).collect();
+    (!removed.is_empty())
+        .then(|| format!("removed from the plan: {} (`explain` prints the reasons)", removed.join(", ")))
 }

@@ -1,22 +1,21 @@
-//! What a render took, as a JSON file for other programs. The text of `--stats --help` describes it.
+//! Statistics of a render as JSON; `--stats` in `render --help` documents the fields.
 
 use std::path::Path;
 
-use indexmap::IndexMap;
 use rt_render::{
-    Clamping, Criterion, ErrorEstimate, Explanation, PlanOptions, RayKind, RayStats, RenderPlan, Rendering,
-    SampleRange, ShadingCounts, StopRule, Stopped,
+    Clamping, Criterion, ErrorEstimate, PlanOptions, RayKind, RayStats, RenderPlan, Rendering, ShadingCounts, StopRule,
+    Stopped,
 };
 use rt_scene_io::Scene;
-use serde::Serialize;
+use serde_json::{Map, Value, json};
 
 use crate::memory;
 
-/// What is known after a render.
+/// Inputs and result of a render.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outcome<'a> {
     pub(crate) scene_file: &'a Path,
-    /// With the options of the command line applied.
+    /// Scene with all options applied.
     pub(crate) scene: &'a Scene,
     pub(crate) options: &'a PlanOptions,
     pub(crate) plan: &'a RenderPlan<'a>,
@@ -26,183 +25,41 @@ pub(crate) struct Outcome<'a> {
     pub(crate) output_seconds: f64,
 }
 
-/// The file.
-#[derive(Debug, Serialize)]
-pub(crate) struct StatsFile<'a> {
-    program: &'static str,
-    version: &'static str,
-    scene: String,
-    settings: SettingsStats<'a>,
-    plan: PlanStats,
-    samples: u64,
-    /// Camera samples that met a surface.
-    camera_hits: u64,
-    /// Those that pixels are made of.
-    pixel_samples: PixelSamples,
-    /// Pixels that show no edge and took the least samples.
-    simple_pixels: u64,
-    passes: u32,
-    stopped: &'static str,
-    /// Pixels that have not reached the error that was asked for; `null` if none was.
-    unconverged_pixels: Option<u64>,
-    /// `null` if there is nothing to tell it by.
-    estimated_error: Option<ErrorStats>,
-    /// `null` unless indirect light is bounded.
-    clamping: Option<ClampingStats>,
-    /// NaN, infinite or negative; they count as black.
-    bad_samples: u64,
-    /// Not traced, because there is nothing in their part of the view.
-    primary_rays_spared: u64,
-    /// By kind, and their total.
-    rays: IndexMap<&'static str, RayTotals>,
-    shading: ShadingStats,
-    seconds: Seconds,
-    mega_rays_per_second: f64,
-    /// `null` where the system does not say.
-    peak_memory_bytes: Option<u64>,
-}
-
-#[derive(Debug, Serialize)]
-struct PixelSamples {
-    least: u32,
-    mean: f64,
-    most: u32,
-}
-
-#[derive(Debug, Serialize)]
-struct ErrorStats {
-    rmse: f64,
-    /// With a confidence of 95 %.
-    rmse_interval: [f64; 2],
-    relative: f64,
-    largest: f64,
-    /// Mean radiance of the picture.
-    mean: f64,
-    /// `rmse / mean`; `null` if it is infinite.
-    relative_rmse: f64,
-    /// With a confidence of 95 %.
-    relative_rmse_interval: [f64; 2],
-}
-
-/// Effect of a bound on indirect light.
-#[derive(Debug, Serialize)]
-struct ClampingStats {
-    bound: f64,
-    contributions: u64,
-    lost_share: f64,
-}
-
-/// All that the picture depends on beside the scene; and the number of threads, which changes no bit.
-#[derive(Debug, Serialize)]
-struct SettingsStats<'a> {
-    width: u32,
-    height: u32,
-    /// Left, top, width and height in pixels; `null` for the whole image.
-    crop: Option<[u32; 4]>,
-    camera: &'a str,
-    integrator: &'static str,
-    sampler: &'static str,
-    /// The most that are taken, if time or error decides.
-    samples_per_pixel: u32,
-    /// Of pixels that show no edge; `null` if all take the same number.
-    least_samples_per_pixel: Option<u32>,
-    seconds: Option<f64>,
-    target_error: Option<f64>,
-    /// `null` where the error of the image decides.
-    target_error_pixels: Option<f64>,
-    two_stage: bool,
-    /// `null` for none.
-    clamp: Option<f64>,
-    depth: u32,
-    min_contribution: f64,
-    accel: &'static str,
-    seed: u64,
-    transparent: bool,
-    full_plan: bool,
-    threads: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct PlanStats {
-    used: Vec<String>,
-    /// What is left out, and why.
-    left_out: IndexMap<&'static str, String>,
-    /// Predicted.
-    memory_bytes: IndexMap<&'static str, u64>,
-}
-
-/// The cost of the rays of one kind.
-#[derive(Debug, Serialize)]
-struct RayTotals {
-    rays: u64,
-    nodes: u64,
-    primitive_tests: u64,
-    hits: u64,
-}
-
-#[derive(Debug, Serialize)]
-struct ShadingStats {
-    /// Not traced, because the light stands behind the surface, or the surface reflects none of it.
-    shadow_rays_spared: u64,
-    highlights: u64,
-    mirrors: u64,
-    refractions: u64,
-    fresnel: u64,
-    absorption: u64,
-    /// Surfaces that did nothing to a ray: the same was on both sides of them.
-    passages: u64,
-    /// Paths that ended at a mirror or at glass because there were as many bounces as allowed.
-    depth_limited: u64,
-    /// Surfaces of transparent bodies that were ignored, because the ray was inside of too many others.
-    interior_overflows: u64,
-}
-
-/// Wall-clock times.
-#[derive(Debug, Serialize)]
-struct Seconds {
-    load: f64,
-    build: f64,
-    render: f64,
-    output: f64,
-}
-
-impl<'a> StatsFile<'a> {
-    /// The file of a render that counted nodes, tests and hits.
-    pub(crate) fn new(outcome: &Outcome<'a>) -> Self {
-        let rendering = outcome.rendering;
-        let statistics = &rendering.statistics;
-        let SampleRange { least, mean, most } = rendering.samples_per_pixel;
-        let counters = &statistics.counters;
-        let by_kind = RayKind::ALL.map(|kind| (kind.name(), RayTotals::from(counters.of(kind))));
-        Self {
-            program: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
-            scene: outcome.scene_file.display().to_string(),
-            settings: SettingsStats::new(outcome),
-            plan: PlanStats::from(outcome.plan.explain()),
-            samples: statistics.samples,
-            camera_hits: statistics.camera_hits,
-            pixel_samples: PixelSamples { least, mean, most },
-            simple_pixels: statistics.simple_pixels,
-            passes: statistics.passes,
-            stopped: stopped_by(rendering.stopped),
-            unconverged_pixels: rendering.unconverged,
-            estimated_error: rendering.error.map(ErrorStats::from),
-            clamping: outcome.plan.clamping(rendering).map(ClampingStats::from),
-            bad_samples: statistics.bad_samples,
-            primary_rays_spared: statistics.primary_rays_spared,
-            rays: by_kind.into_iter().chain([("total", counters.total().into())]).collect(),
-            shading: statistics.shading.into(),
-            seconds: Seconds {
-                load: outcome.load_seconds,
-                build: statistics.build_seconds,
-                render: statistics.render_seconds,
-                output: outcome.output_seconds,
-            },
-            mega_rays_per_second: statistics.mega_rays_per_second(),
-            peak_memory_bytes: memory::peak_bytes(),
-        }
-    }
+/// Statistics of a render that counted nodes, tests and hits.
+pub(crate) fn json(outcome: &Outcome<'_>) -> Value {
+    let rendering = outcome.rendering;
+    let statistics = &rendering.statistics;
+    let samples = rendering.samples_per_pixel;
+    json!({
+        "program": env!("CARGO_PKG_NAME"),
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": outcome.scene_file.display().to_string(),
+        "settings": settings(outcome),
+        "plan": plan(outcome),
+        "samples": statistics.samples,
+        "camera_hits": statistics.camera_hits,
+        "pixel_samples": { "least": samples.least, "mean": samples.mean, "most": samples.most },
+        "simple_pixels": statistics.simple_pixels,
+        "passes": statistics.passes,
+        "stopped": stopped_by(rendering.stopped),
+        "unconverged_pixels": rendering.unconverged,
+        "estimated_error": rendering.error.as_ref().map(estimated_error),
+        "clamping": outcome.plan.clamping(rendering).map(|Clamping { bound, contributions, lost_share }| {
+            json!({ "bound": bound, "contributions": contributions, "lost_share": lost_share })
+        }),
+        "bad_samples": statistics.bad_samples,
+        "primary_rays_spared": statistics.primary_rays_spared,
+        "rays": rays(rendering),
+        "shading": shading(statistics.shading),
+        "seconds": {
+            "load": outcome.load_seconds,
+            "build": statistics.build_seconds,
+            "render": statistics.render_seconds,
+            "output": outcome.output_seconds,
+        },
+        "mega_rays_per_second": statistics.mega_rays_per_second(),
+        "peak_memory_bytes": memory::peak_bytes(),
+    })
 }
 
 const fn stopped_by(stopped: Stopped) -> &'static str {
@@ -214,101 +71,79 @@ const fn stopped_by(stopped: Stopped) -> &'static str {
     }
 }
 
-impl From<ErrorEstimate> for ErrorStats {
-    fn from(estimate: ErrorEstimate) -> Self {
-        let ErrorEstimate { rmse, interval, mean, relative, largest } = estimate;
-        Self {
-            rmse,
-            rmse_interval: interval,
-            relative,
-            largest,
-            mean,
-            relative_rmse: estimate.relative_rmse(),
-            relative_rmse_interval: estimate.relative_interval(),
-        }
-    }
+fn estimated_error(estimate: &ErrorEstimate) -> Value {
+    json!({
+        "rmse": estimate.rmse,
+        "rmse_interval": estimate.interval,
+        "relative": estimate.relative,
+        "largest": estimate.largest,
+        "mean": estimate.mean,
+        "relative_rmse": estimate.relative_rmse(),
+        "relative_rmse_interval": estimate.relative_interval(),
+    })
 }
 
-impl From<Clamping> for ClampingStats {
-    fn from(Clamping { bound, contributions, lost_share }: Clamping) -> Self {
-        Self { bound, contributions, lost_share }
-    }
+/// Settings that the image depends on besides the scene, and the number of threads, which does not change it.
+fn settings(outcome: &Outcome<'_>) -> Value {
+    let Outcome { scene, options, plan, rule, .. } = outcome;
+    let (film, settings) = (&scene.film, &scene.settings);
+    let target = rule.and_then(|rule| rule.target);
+    json!({
+        "width": film.width,
+        "height": film.height,
+        "crop": options.crop.map(|crop| [crop.x, crop.y, crop.width, crop.height]),
+        "camera": scene.cameras.get(options.camera).map_or("", |camera| &camera.name),
+        "integrator": settings.integrator.name(),
+        "sampler": settings.pattern.name(),
+        // The maximum with a stop rule.
+        "samples_per_pixel": rule.map_or(plan.samples_per_pixel(), |rule| rule.max_spp),
+        "least_samples_per_pixel": plan.least_samples_per_pixel(),
+        "seconds": rule.and_then(|rule| rule.time).map(|time| time.as_secs_f64()),
+        "target_error": target.map(|target| target.relative),
+        "target_error_pixels": target.and_then(|target| match target.criterion {
+            Criterion::Image => None,
+            Criterion::Pixels { share } => Some(share),
+        }),
+        "two_stage": target.is_some_and(|target| target.two_stage),
+        "clamp": settings.clamp,
+        "depth": settings.depth,
+        "min_contribution": settings.min_contribution,
+        "accel": settings.accel.name(),
+        "seed": settings.seed,
+        "transparent": options.transparent,
+        "full_plan": options.full,
+        "threads": outcome.rendering.statistics.threads,
+    })
 }
 
-impl<'a> SettingsStats<'a> {
-    fn new(outcome: &Outcome<'a>) -> Self {
-        let Outcome { scene, options, .. } = outcome;
-        let (film, settings) = (&scene.film, &scene.settings);
-        let target = outcome.rule.and_then(|rule| rule.target);
-        Self {
-            width: film.width,
-            height: film.height,
-            crop: options.crop.map(|crop| [crop.x, crop.y, crop.width, crop.height]),
-            camera: scene.cameras.get(options.camera).map_or("", |camera| &camera.name),
-            integrator: settings.integrator.name(),
-            sampler: settings.pattern.name(),
-            samples_per_pixel: outcome.rule.map_or(outcome.plan.samples_per_pixel(), |rule| rule.max_spp),
-            least_samples_per_pixel: outcome.plan.least_samples_per_pixel(),
-            seconds: outcome.rule.and_then(|rule| rule.time).map(|time| time.as_secs_f64()),
-            target_error: target.map(|target| target.relative),
-            target_error_pixels: target.and_then(|target| match target.criterion {
-                Criterion::Image => None,
-                Criterion::Pixels { share } => Some(share),
-            }),
-            two_stage: target.is_some_and(|target| target.two_stage),
-            clamp: settings.clamp,
-            depth: settings.depth,
-            min_contribution: settings.min_contribution,
-            accel: settings.accel.name(),
-            seed: settings.seed,
-            transparent: options.transparent,
-            full_plan: options.full,
-            threads: outcome.rendering.statistics.threads,
-        }
-    }
+fn plan(outcome: &Outcome<'_>) -> Value {
+    let explanation = outcome.plan.explain();
+    let used: Vec<_> = explanation.used.iter().map(|line| line.trim()).collect();
+    let left_out: Map<_, _> =
+        explanation.left_out.iter().map(|left| (left.what.to_owned(), left.reason.as_str().into())).collect();
+    let memory: Map<_, _> =
+        explanation.memory.parts().into_iter().map(|(part, bytes)| (part.to_owned(), bytes.into())).collect();
+    json!({ "used": used, "left_out": left_out, "memory_bytes": memory })
 }
 
-impl From<Explanation> for PlanStats {
-    fn from(explanation: Explanation) -> Self {
-        Self {
-            used: explanation.used.into_iter().map(|line| line.trim().to_owned()).collect(),
-            left_out: explanation.left_out.into_iter().map(|left| (left.what, left.reason)).collect(),
-            memory_bytes: explanation.memory.parts().into_iter().collect(),
-        }
-    }
+/// Cost of the rays by kind, and in total.
+fn rays(rendering: &Rendering) -> Map<String, Value> {
+    let counters = &rendering.statistics.counters;
+    let kinds = RayKind::ALL.map(|kind| (kind.name(), counters.of(kind)));
+    let cost = |RayStats { rays, nodes, tests, hits }| json!({ "rays": rays, "nodes": nodes, "primitive_tests": tests, "hits": hits });
+    kinds.into_iter().chain([("total", counters.total())]).map(|(name, stats)| (name.to_owned(), cost(stats))).collect()
 }
 
-impl From<RayStats> for RayTotals {
-    fn from(RayStats { rays, nodes, tests, hits }: RayStats) -> Self {
-        Self { rays, nodes, primitive_tests: tests, hits }
-    }
-}
-
-impl From<ShadingCounts> for ShadingStats {
-    fn from(counts: ShadingCounts) -> Self {
-        let ShadingCounts {
-            shadow_rays_spared,
-            highlights,
-            mirrors,
-            refractions,
-            fresnel,
-            absorption,
-            passages,
-            depth_limited,
-            interior_overflows,
-            clamped: _,
-            clamped_units: _,
-        } = counts;
-        Self {
-            shadow_rays_spared,
-            highlights,
-            mirrors,
-            refractions,
-            fresnel,
-            absorption,
-            passages,
-            depth_limited,
-            interior_overflows,
-        }
-    }
+fn shading(counts: ShadingCounts) -> Value {
+    json!({
+        "shadow_rays_spared": counts.shadow_rays_spared,
+        "highlights": counts.highlights,
+        "mirrors": counts.mirrors,
+        "refractions": counts.refractions,
+        "fresnel": counts.fresnel,
+        "absorption": counts.absorption,
+        "passages": counts.passages,
+        "depth_limited": counts.depth_limited,
+        "interior_overflows": counts.interior_overflows,
+    })
 }

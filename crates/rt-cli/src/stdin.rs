@@ -1,4 +1,4 @@
-//! Standard input as a file: read once, and known by the name `-`.
+//! Standard input as a file: read once, under the name `-`.
 
 use std::ffi::OsStr;
 use std::io::{self, IsTerminal, Read};
@@ -9,30 +9,30 @@ use rt_scene_io::{InMemoryFile, LoadErrorKind, limits};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::error::Failure;
+use crate::error::CliError;
 
-/// The name of a scene that comes from standard input, but for its ending.
+/// File stem of a scene from standard input.
 const STEM: &str = "stdin";
 
-/// Endings of the formats that `--input-format` names.
+/// Formats of `--input-format`, by file extension.
 pub(crate) const FORMATS: [&str; 9] = ["ron", "json", "gltf", "glb", "obj", "nff", "pbrt", "ply", "stl"];
 
-/// True for the name that stands for standard input and output.
+/// True for `-`, the name of standard input and output.
 pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == OsStr::new("-")
 }
 
-/// All of standard input: at most as many bytes as a file may have, by default or by `--max-file-size`.
-pub(crate) fn content(most: Option<u64>) -> Result<Arc<[u8]>, Failure> {
+/// Content of standard input; at most `max_bytes`, or the default limit of a file.
+pub(crate) fn content(max_bytes: Option<u64>) -> Result<Arc<[u8]>, CliError> {
     static CONTENT: OnceLock<Arc<[u8]>> = OnceLock::new();
     if let Some(content) = CONTENT.get() {
         return Ok(content.clone());
     }
     if io::stdin().is_terminal() {
-        return Err(Failure::Usage("standard input is a terminal: pipe a file into it, or name one".to_owned()));
+        return Err(CliError::Usage("standard input is a terminal: pipe a file into it, or name one".to_owned()));
     }
-    let failed = |reason: LoadErrorKind| Failure::from(reason.at(Path::new("standard input"), ""));
-    let limit = most.unwrap_or(limits::FILE_BYTES);
+    let failed = |reason: LoadErrorKind| CliError::from(reason.at(Path::new("standard input"), ""));
+    let limit = max_bytes.unwrap_or(limits::FILE_BYTES);
     let mut bytes = Vec::new();
     let read = io::stdin().lock().take(limit.saturating_add(1)).read_to_end(&mut bytes);
     read.map_err(|error| failed(error.into()))?;
@@ -46,17 +46,17 @@ pub(crate) fn content(most: Option<u64>) -> Result<Arc<[u8]>, Failure> {
     Ok(CONTENT.get_or_init(|| bytes.into()).clone())
 }
 
-/// The scene or model that comes from standard input, under a name in the current folder that tells its format.
-pub(crate) fn scene(format: Option<&str>, most: Option<u64>) -> Result<InMemoryFile, Failure> {
-    let bytes = content(most)?;
+/// Scene or model from standard input, named by its format.
+pub(crate) fn scene(format: Option<&str>, max_bytes: Option<u64>) -> Result<InMemoryFile, CliError> {
+    let bytes = content(max_bytes)?;
     let format = format.or_else(|| format_of(&bytes)).ok_or_else(|| {
         let known = FORMATS.join(", ");
-        Failure::Usage(format!("the format of standard input cannot be told: add --input-format with one of {known}"))
+        CliError::Usage(format!("the format of standard input is unknown: add --input-format with one of {known}"))
     })?;
     Ok(InMemoryFile { path: PathBuf::from(format!("{STEM}.{format}")), bytes })
 }
 
-/// The format of a file by its content, where that leaves no doubt.
+/// Format of a file by its content, if unambiguous.
 fn format_of(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"glTF") {
         return Some("glb");
@@ -71,7 +71,7 @@ fn format_of(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The content from its first character on that is no white space and in no comment of RON.
+/// Content without leading white space and RON comments.
 fn beginning(bytes: &[u8]) -> Option<&[u8]> {
     let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     loop {
@@ -88,7 +88,7 @@ fn beginning(bytes: &[u8]) -> Option<&[u8]> {
     }
 }
 
-/// True for JSON with the field that every glTF file has, and no scene.
+/// True for JSON with `asset`, which every glTF file has, and no scene file.
 fn is_gltf(bytes: &[u8]) -> bool {
     #[derive(Deserialize)]
     struct Head {
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_are_told_by_the_content_where_that_leaves_no_doubt() {
+    fn formats_are_detected_by_unambiguous_content() {
         for (content, format) in [
             ("(nodes: [])", Some("ron")),
             ("\u{feff}// a scene\n/* of\n nothing */ (nodes: [])", Some("ron")),

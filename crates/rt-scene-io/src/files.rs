@@ -143,6 +143,9 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
         // The joined path reads better in messages than the canonical one.
         Ok(path)
     } else {
-        Err(bad(&format!("lies outside of {}: copy it there, or choose another root folder (--root)", root.display())))
+        Err(bad(&format!(
+            "lies outside of {}: copy it there, or choose another root folder (--asset-root)",
+            root.display()
+        )))
     }
 }

@@ -3,60 +3,59 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, ValueHint};
+use clap::{Args, ValueEnum, ValueHint};
 
+use super::InputArgs;
 use super::picture::DevelopmentArgs;
-use super::typed::{TypedOptions, variable_names};
-use super::values::{self, choice};
-use super::{InputArgs, unknown_word};
+use super::raw_options::{RawOptions, variable_option};
+use super::values;
 
-/// As many samples per pixel as `--spp` of `render` takes.
-const MOST_SAMPLES: u32 = 1 << 31;
+/// Maximum of `render --spp`.
+const MAX_SPP: u32 = 1 << 31;
 
-/// Arguments of `converge`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvergeArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
 
-    /// Folder to write to; by default the scene's name with -converge, in the current folder
+    /// Write to this directory [default: SCENE-converge]
     ///
-    /// It gets converge.csv, converge.json, converge.svg, converge.png and converge.html, which replace older ones.
-    #[arg(short, long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    /// The files are converge.csv, converge.json, converge.svg, converge.png and converge.html. Older ones are replaced.
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) output: Option<PathBuf>,
 
-    /// Option of `render` and its values to compare, as sampler=random,sobol. Of several, all combinations are compared
-    #[arg(long, value_name = "KEY=A,B,C", value_parser = variation, help_heading = "What is compared")]
+    /// Compare these values of a `render` option, such as sampler=random,sobol; several options are combined
+    #[arg(long, value_name = "KEY=A,B,C", value_parser = variation, help_heading = "Experiment")]
     pub(crate) vary: Vec<Variation>,
 
-    /// Samples per pixel: doublings as 1..256, or a list as 4,16,64; rounded up to what each sampler needs
-    #[arg(long, value_name = "SERIES", value_parser = series, default_value = "1..256", help_heading = "What is compared")]
+    /// Measure at these samples per pixel: doublings as 1..256, or a list as 4,16,64
+    #[arg(long, value_name = "SERIES", value_parser = series, default_value = "1..256", help_heading = "Experiment")]
     pub(crate) spp: Series,
 
-    /// Independent repetitions of each render, whose spread gives the intervals
+    /// Repeat each render with this many seeds, for confidence intervals
     #[arg(
         long,
         value_name = "N",
         value_parser = clap::value_parser!(u32).range(2..=1000),
         default_value_t = 8,
-        help_heading = "What is compared"
+        help_heading = "Experiment"
     )]
     pub(crate) seeds: u32,
 
-    /// What errors are measured against; by default the first of these that there is
-    #[arg(long, value_name = "NAME", value_parser = choice(Against::ALL, Against::name), help_heading = "Measure")]
-    pub(crate) against: Option<Against>,
+    /// Choose the kind of reference [default: the first available of the possible values]
+    #[arg(long, alias = "against", value_name = "NAME", value_enum, help_heading = "Error measurement")]
+    pub(crate) reference_kind: Option<ReferenceKind>,
 
-    /// Image to measure against: .exr, .hdr or .pfm; or .png or .jpg, with which developed pictures are compared
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Measure")]
+    /// Measure against this image: .exr, .hdr or .pfm; with .png or .jpg, tone-mapped images are compared
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Error measurement")]
     pub(crate) reference: Option<PathBuf>,
 
-    /// Tell the time to reach this RMSE; by default the least that all methods reach
-    #[arg(long, value_name = "RMSE", value_parser = values::positive, help_heading = "Measure")]
-    pub(crate) error_goal: Option<f64>,
+    /// Report the time to reach this RMSE [default: lowest RMSE reached by all methods]
+    #[arg(long, alias = "error-goal", value_name = "RMSE", value_parser = values::positive, help_heading = "Error measurement")]
+    pub(crate) target_rmse: Option<f64>,
 
     #[command(flatten)]
-    pub(crate) fixed: TypedOptions,
+    pub(crate) fixed: RawOptions,
 
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
@@ -65,68 +64,54 @@ pub(crate) struct ConvergeArgs {
     pub(crate) run: ConvergeRunArgs,
 }
 
-/// What changes no error.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Running")]
 pub(crate) struct ConvergeRunArgs {
-    /// End within this time, such as 90s, 10m or 1h, with what was measured by then
+    /// Stop after this time, such as 90s, 10m or 1h, with the measurements so far
     ///
-    /// Numbers of samples that there is no time for are left out and told. The first is measured in any case.
+    /// Sample counts that do not fit are skipped and reported. The first is always measured.
     #[arg(long, value_name = "TIME", value_parser = values::time)]
     pub(crate) time: Option<Duration>,
 
-    /// Number of threads; by default one for each processor
+    /// Set the number of threads [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 
-    /// Print nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }
 
-/// An option of `render`, and the values that it takes in turn.
+/// Option of `render` with its values to compare: at least one, none twice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Variation {
     pub(crate) key: String,
-    /// At least one, none twice.
     pub(crate) values: Vec<String>,
 }
 
-/// Samples per pixel, ascending; at least one number.
+/// Samples per pixel, ascending; at least one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Series(pub(crate) Vec<u32>);
 
-/// What errors are measured against, the best first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Against {
+/// Kind of reference, in order of preference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ReferenceKind {
+    /// Mean radiance that the scene file declares
     Truth,
+    /// Image of --reference
     Reference,
+    /// Mean of two renders by another sampler
     Split,
-}
-
-impl Against {
-    pub(crate) const ALL: [Self; 3] = [Self::Truth, Self::Reference, Self::Split];
-
-    /// The name that users type.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Truth => "truth",
-            Self::Reference => "reference",
-            Self::Split => "split",
-        }
-    }
 }
 
 /// `KEY=A,B,C`.
 fn variation(text: &str) -> Result<Variation, String> {
-    let (key, values) = text.split_once('=').ok_or("write an option and its values as sampler=random,sobol")?;
+    let (key, values) =
+        text.split_once('=').ok_or("expected an option and its values, such as sampler=random,sobol")?;
     if key == "spp" {
         return Err("samples per pixel are varied by --spp 1..256 or --spp 4,16,64".to_owned());
     }
-    let known = variable_names();
-    if !known.iter().any(|name| name == key) {
-        return Err(unknown_word("option to vary", key, known));
-    }
+    let key = variable_option(key)?;
     let values: Vec<String> = values.split(',').map(|value| value.trim().to_owned()).collect();
     for (index, value) in values.iter().enumerate() {
         if value.is_empty() {
@@ -136,14 +121,14 @@ fn variation(text: &str) -> Result<Variation, String> {
             return Err(format!("{value} is there twice"));
         }
     }
-    Ok(Variation { key: key.to_owned(), values })
+    Ok(Variation { key, values })
 }
 
 /// `FIRST..LAST` or `A,B,C`.
 fn series(text: &str) -> Result<Series, String> {
     let number = |text: &str| {
-        let number = text.trim().parse().ok().filter(|number| (1..=MOST_SAMPLES).contains(number));
-        number.ok_or_else(|| format!("write numbers from 1 to {MOST_SAMPLES}, as 1..256 or 4,16,64"))
+        let number = text.trim().parse().ok().filter(|number| (1..=MAX_SPP).contains(number));
+        number.ok_or_else(|| format!("expected numbers from 1 to {MAX_SPP}, such as 1..256 or 4,16,64"))
     };
     let numbers: Vec<u32> = match text.split_once("..") {
         Some((first, last)) => {
@@ -160,22 +145,21 @@ fn series(text: &str) -> Result<Series, String> {
 }
 
 pub(super) const CONVERGE_HELP: &str = "\
-Measure the error of methods against their run time, with confidence
+Measure error against run time for several methods, with confidence intervals
 
-Each method, which is a combination of the values that --vary lists, is rendered at each of a series of sample counts with \
-several seeds. Errors are measured against what is best of: the truth that the scene declares, a closed form of the mean \
-radiance over all pixels; the image that --reference names; or a reference of its own, rendered in two halves by another \
-sampler with other seeds. A quarter of the mean squared difference of the halves is its own error (the floor), which is \
-printed, drawn, and subtracted; points below three times the floor are not trusted: neither drawn nor fitted.
+A method is a combination of the --vary values. Each is rendered at a series of sample counts with several seeds. Errors are measured \
+against the first available reference: the mean radiance that the scene declares (truth), the image of --reference, or a reference \
+rendered in two halves by another sampler with other seeds (split). The error of a split reference is a quarter of the mean squared \
+difference of its halves (the floor). It is printed, plotted, and subtracted; points below three times the floor are excluded from \
+plots and fits.
 
-RMSE is the root of the mean squared error over pixels, channels and seeds; with a truth, that of the mean over the image. \
-relMSE is the mean of (A - B)^2 / (B^2 + 0.01). Bias is the mean of A - B with its standard error, from the spread between seeds and \
-the error of the reference. FLIP is that of the first seed. Seconds are processor time of all threads for rendering, the median \
-over seeds; building is apart. Efficiency is 1 / (MSE seconds): twice as much is half of the time to the same error, for methods \
-whose squared error falls as 1/N. Slopes are those of log RMSE against log N (samples per pixel) and log seconds, fitted for each \
-seed; their 95 % intervals are by Student's t over the seeds, and so are those of the plot, which shows the mean of log MSE. With a \
-truth, whose error is a single number and may be zero, logarithms are taken of the mean over seeds, and the spread is that of leaving \
-out one seed after the other.";
+RMSE is the root of the mean squared error over pixels, channels and seeds; with a truth, that of the image mean. relMSE is the mean of \
+(A - B)^2 / (B^2 + 0.01). Bias is the mean of A - B with its standard error, from the spread between seeds and the error of the \
+reference. FLIP is that of the first seed. Seconds are processor time of all threads for rendering, without building, as the median over \
+seeds. Efficiency is 1 / (MSE seconds); for methods whose squared error falls as 1/N, twice the efficiency means half the time to the \
+same error. Slopes are those of log RMSE against log N (samples per pixel) and log seconds, fitted per seed. Their 95 % intervals, and \
+those of the plot, are by Student's t over the seeds. The error of a truth is a single number and may be zero: logarithms are then taken \
+of the mean over seeds, with the jackknife for the spread.";
 
 #[cfg(test)]
 mod tests {
@@ -199,7 +183,7 @@ mod tests {
         let expected = Variation { key: "sampler".to_owned(), values };
         assert_eq!(variation("sampler=random, no-such-sampler"), Ok(expected));
         for (bad, message) in [
-            ("sampler", "as sampler=random,sobol"),
+            ("sampler", "such as sampler=random,sobol"),
             ("sampelr=a", "did you mean `sampler`"),
             ("size=1x1,2x2", "unknown option to vary `size`"),
             ("spp=1,2", "--spp 4,16,64"),

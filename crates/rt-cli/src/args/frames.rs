@@ -7,33 +7,28 @@ use clap::Args;
 
 use super::values;
 
-/// Which frames to render.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "What")]
+#[command(next_help_heading = "Camera and scene")]
 pub(crate) struct FramesArgs {
-    /// Render these frames of an animation, from A to B, both included; or the single frame N; or all
-    #[arg(long, value_name = "A..B|N|all", value_parser = choice, conflicts_with = "at_time", long_help = FRAMES_HELP)]
+    /// Render the frames A to B of an animation (inclusive), the single frame N, or all
+    #[arg(long, value_name = "A..B|N|all", value_parser = choice, conflicts_with = "at_time", group = "time_of_animation", long_help = FRAMES_HELP)]
     pub(crate) frames: Option<FrameChoice>,
 }
 
-/// The frames that are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FrameChoice {
-    /// Those of the animation.
     All,
-    /// These.
     Some(Frames),
 }
 
 const FRAMES_HELP: &str = "\
-Render these frames of an animation, from A to B, both included; or the single frame N; or all
+Render the frames A to B of an animation (inclusive), the single frame N, or all
 
-Frame N shows the moment N / FPS, as --at-time does with the same --fps, and is a render of its own. `all` are the frames whose moments \
-lie before the last key of all animations: 48 of one that takes 2 s, at 24 frames a second. In the names of all files \
-that are written, the last run of # stands for the number of the frame, with zeros before it: frame 7 of -o out-####.png goes \
-to out-0007.png. By default, that is the scene's name with -####.png, in the current folder.";
+Frame N is at time N / FPS, and is rendered like --at-time with the same --fps. `all` are the frames before the last key of all \
+animations: 48 for 2 s at 24 frames per second. In all output names, the last run of # is replaced by the frame number, padded with \
+zeros: frame 7 of -o out-####.png is out-0007.png [default output: SCENE-####.png].";
 
-/// Frames in a row, by their numbers.
+/// Range of frame indices, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Frames {
     first: u32,
@@ -41,18 +36,15 @@ pub(crate) struct Frames {
 }
 
 impl Frames {
-    /// True if there is but one.
     pub(crate) const fn is_single(self) -> bool {
         self.first == self.last
     }
 
-    /// True if that is one of them.
     pub(crate) fn contains(self, frame: u32) -> bool {
-        self.numbers().contains(&frame)
+        self.indices().contains(&frame)
     }
 
-    /// Their numbers.
-    pub(crate) const fn numbers(self) -> RangeInclusive<u32> {
+    pub(crate) const fn indices(self) -> RangeInclusive<u32> {
         self.first..=self.last
     }
 }
@@ -65,7 +57,7 @@ impl fmt::Display for Frames {
 }
 
 impl Frames {
-    /// All frames of an animation that takes so many seconds, at least one; `None` if there are too many to be numbered.
+    /// All frames of an animation of this length, at least one; `None` if there are too many to number.
     pub(crate) fn of_animation(seconds: f64, fps: f64) -> Option<Self> {
         // The product may be off a whole number by rounding.
         let count = (seconds * fps * (1.0 - 1e-9)).ceil().max(1.0);
@@ -90,23 +82,22 @@ fn frames(text: &str) -> Result<Frames, String> {
     Ok(frames)
 }
 
-/// The pace of an animation, and what of it is seen at once.
 #[derive(Clone, Debug, Args)]
-pub(crate) struct PaceArgs {
-    /// Frames of a second, for --frames; and for the blur of what moves, with --at-time
+pub(crate) struct TimingArgs {
+    /// Set the frames per second of --frames and of motion blur
     #[arg(long, value_name = "F", value_parser = values::positive, default_value = "24")]
     pub(crate) fps: f64,
 
-    /// When the shutters of all cameras open and close: 0,0.5 blurs what moves in the first half of a frame
+    /// Set the shutter interval of all cameras as a share of a frame: 0,0.5 blurs motion in its first half
     ///
-    /// From 0, the moment of a frame, to 1, that of the next. By default as the scene says: an animation is sharp without.
+    /// 0 is the time of a frame and 1 that of the next [default: as in the scene; closed, without motion blur].
     #[arg(long, value_name = "OPENS,CLOSES", value_parser = shutter)]
     pub(crate) shutter: Option<[f64; 2]>,
 }
 
-impl PaceArgs {
-    /// The moment of a frame, in seconds.
-    pub(crate) fn moment(&self, frame: u32) -> f64 {
+impl TimingArgs {
+    /// Time of a frame in seconds.
+    pub(crate) fn time_of(&self, frame: u32) -> f64 {
         f64::from(frame) / self.fps
     }
 }
@@ -124,7 +115,7 @@ mod tests {
 
     #[test]
     fn both_ends_of_frames_are_included() {
-        let numbers = |text: &str| frames(text).expect("frames").numbers().collect::<Vec<_>>();
+        let numbers = |text: &str| frames(text).expect("frames").indices().collect::<Vec<_>>();
         assert_eq!(numbers("3..5"), [3, 4, 5]);
         assert_eq!((numbers("7"), numbers("0..0")), (vec![7], vec![0]));
         for bad in ["", "..", "1..", "..2", "5..3", "-1..2", "1..+2", "1..2..3", "a", "1.5", "1-3", "0..4294967296"] {
@@ -134,7 +125,7 @@ mod tests {
 
     #[test]
     fn all_frames_lie_before_the_end() {
-        let count = |seconds, fps| Frames::of_animation(seconds, fps).map(|frames| frames.numbers().count());
+        let count = |seconds, fps| Frames::of_animation(seconds, fps).map(|frames| frames.indices().count());
         for (seconds, fps, expected) in
             [(2.0, 24.0, 48), (0.5, 8.0, 4), (0.55, 10.0, 6), (0.1, 30.0, 3), (0.0, 24.0, 1), (-3.0, 24.0, 1)]
         {

@@ -1,45 +1,43 @@
-//! Amounts of memory as users write them.
+//! Memory limits.
 
 use bytesize::ByteSize;
 use clap::Args;
 
 use crate::memory;
 
-/// Limits of commands that read files other than scenes.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct MemoryArgs {
-    /// Most memory to take, as 512M, 4GiB or 75%; what is predicted to need more is refused
+    /// Refuse work that is predicted to need more memory, such as 512M, 4GiB or 75%
     ///
-    /// By default 75 % of what the machine has, or of what the control group allows; no limit where neither can be told.
-    /// Percentages are of the same. K, M, G and T are powers of 1000, Ki, Mi, Gi and Ti of 1024.
-    #[arg(long, value_name = "BYTES", value_parser = amount, help_heading = "Limits")]
-    memory: Option<Amount>,
+    /// Percentages are of the memory of the machine or of its control group; without a limit if neither is known. K, M, G and T are
+    /// powers of 1000; Ki, Mi, Gi and Ti of 1024.
+    #[arg(long, value_name = "BYTES", value_parser = amount, default_value = "75%", help_heading = "Limits")]
+    memory: Amount,
 }
 
 impl MemoryArgs {
-    /// Most bytes of memory that the command may take, if there is a limit.
+    /// Limit in bytes, if there is one.
     pub(crate) fn limit(self) -> Option<u64> {
-        self.memory.unwrap_or_default().of(memory::available_bytes())
+        self.memory.of(memory::available_bytes())
     }
 }
 
-/// How much memory a command may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Amount {
     Bytes(u64),
-    /// A share of what there is.
+    /// Share of the available memory.
     Share(f64),
 }
 
 impl Default for Amount {
-    /// The rest is for the system, and for what predictions miss.
+    /// Leaves a quarter for the system and for errors of the prediction.
     fn default() -> Self {
         Self::Share(0.75)
     }
 }
 
 impl Amount {
-    /// The same in bytes, of so many that there are; `None` for a share of what is not known.
+    /// Bytes; `None` for a share of an unknown amount.
     pub(crate) fn of(self, available: Option<u64>) -> Option<u64> {
         match self {
             Self::Bytes(bytes) => Some(bytes),

@@ -1,52 +1,52 @@
-//! When a render has enough, and what is told of its pixels.
+//! Stop rules and per-pixel outputs.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rt_render::{Criterion, StopRule, TargetError};
 
 use super::values;
 
-/// What ends a render other than a fixed number of samples.
+/// Stop rules other than a fixed number of samples.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "How much")]
+#[command(next_help_heading = "Sampling")]
 pub(crate) struct StopArgs {
-    /// Render pass after pass for as long as this: 10s, 1.5min, 2h
+    /// Stop after this time, such as 10s, 1.5min or 2h
     ///
-    /// A pass begins only if it can be expected to be over in time. Loading and writing are not counted.
+    /// A pass starts only if it is expected to finish in time. Loading and writing are not counted.
     #[arg(long, value_name = "TIME", value_parser = values::time, conflicts_with = "passes", allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
 
-    /// Render until the relative error of the image is at most this, such as 1%, or at 4096 samples per pixel (--spp)
+    /// Stop at this relative error of the image, such as 1%, or at --spp samples [default: 4096]
     ///
     /// The error is the relative root mean square error, estimated from the differences of independent passes:
     ///
     ///   sqrt(mean of v) / (mean of m)
     ///
-    /// m is the radiance of a pixel in a channel, v the variance of its mean, and both means are over all pixels and channels. All
-    /// pixels take the same number of samples, and the error is tested after each pass, from 16 samples on. The result has a 95 %
-    /// interval. Images of fewer than 1024 pixels are made of new samples, as with --two-stage.
+    /// m is the radiance of a pixel in a channel, v the variance of its mean; both means are over all pixels and channels. All
+    /// pixels take the same number of samples. The error is tested after each pass, from 16 samples on, and has a 95 % confidence
+    /// interval. Images of fewer than 1024 pixels are rendered again with new samples, as with --two-stage.
     #[arg(long, value_name = "PERCENT", value_parser = values::percentage, conflicts_with = "passes", allow_hyphen_values = true)]
     pub(crate) target_error: Option<f64>,
 
-    /// Require --target-error of this share of the pixels, such as 99%, each by itself, rather than of the image
+    /// Require --target-error of this share of the pixels, such as 99%, instead of the image
     ///
-    /// A pixel has to be within the error of its radiance plus 0.01 with a confidence of 95 %, in each channel, and is tested at
-    /// 64, 128, 256, ... samples. Pixels that have reached it take no more samples, which biases them, noisy ones by some
-    /// per cent of their radiance; --two-stage removes the bias.
+    /// A pixel must be within the error of its radiance plus 0.01 with 95 % confidence in each channel, and is tested at 64, 128,
+    /// 256, ... samples. Converged pixels take no more samples. This biases them, noisy ones by some per cent of their radiance;
+    /// --two-stage removes the bias.
     #[arg(long, value_name = "PERCENT", value_parser = values::share_of_pixels, requires = "target_error", allow_hyphen_values = true)]
     pub(crate) target_error_pixels: Option<f64>,
 
-    /// Make the picture of new samples, as many as --target-error needed
+    /// Render the image again with as many new samples as --target-error needed
     ///
-    /// Samples that decide when there is enough are biased by the decision, if little. This takes twice the time and is not.
+    /// The stop rule biases the samples that it tests, if little. This takes twice the time and is unbiased.
     #[arg(long, requires = "target_error")]
     pub(crate) two_stage: bool,
 }
 
 impl StopArgs {
-    /// The rule, if there is one, with the most samples of a pixel.
+    /// Stop rule with a cap of `spp` samples per pixel, if time or error ends the render.
     pub(crate) fn rule(&self, spp: Option<u32>) -> Option<StopRule> {
         let criterion = self.target_error_pixels.map_or(Criterion::Image, |share| Criterion::Pixels { share });
         let two_stage = self.two_stage;
@@ -57,28 +57,15 @@ impl StopArgs {
     }
 }
 
-/// What can be told of a pixel beside its radiance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Per-pixel output other than radiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Aov {
     /// Standard error of each channel.
-    Variance,
-    /// Samples taken.
+    #[value(alias = "variance")]
+    Stderr,
     Samples,
 }
 
-impl Aov {
-    pub(crate) const ALL: [Self; 2] = [Self::Variance, Self::Samples];
-
-    /// The name that users type.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Variance => "variance",
-            Self::Samples => "samples",
-        }
-    }
-}
-
-/// `NAME=FILE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct AovArg {
     pub(crate) aov: Aov,
@@ -86,9 +73,8 @@ pub(crate) struct AovArg {
 }
 
 pub(super) const AOV_HELP: &str = "\
-Write what is known of each pixel beside its radiance: `variance` or `samples`, to any format
+Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
 
-`variance=FILE` holds the standard error of each channel, the square root of the variance of the mean of all passes, in units of \
-radiance; it takes at least two passes, and is infinite after one. `samples=FILE` holds the number of samples, in all channels. \
-In .exr, .hdr and .pfm, the numbers are as they are; a .png or .jpg shows them relative to the largest of the image, from \
-black to white. Can be given more than once.";
+`stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
+needs at least two passes. `samples` is the number of samples, in all channels. The formats .exr, .hdr and .pfm hold the numbers; .png \
+and .jpg show them relative to the largest of the image, from black to white. May be given more than once.";

@@ -1,20 +1,19 @@
-//! Values as users write them. Each parser refuses with the rule that was broken.
+//! Parsers of option values. Each error states the expected form.
 
 use std::path::Path;
 use std::time::Duration;
 
+use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rt_camera::FilmSettings;
 use rt_image::{Development, Encoding, ImageFormat, ToneCurve, metrics::Flip};
 use rt_math::{DVec3, Rgb};
-use rt_render::{Crop, Quality, Share, SimdLevel};
+use rt_render::{Crop, Share, SimdLevel};
 
-use super::{Aov, AovArg, BackgroundChoice, Every};
+use super::{Aov, AovArg, BackgroundChoice, CheckpointInterval, unknown_word};
 
-/// The tone curves.
 pub(crate) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
 
-/// The name that users type.
 pub(crate) const fn tone_name(tone: ToneCurve) -> &'static str {
     match tone {
         ToneCurve::Clamp => "clamp",
@@ -23,42 +22,45 @@ pub(crate) const fn tone_name(tone: ToneCurve) -> &'static str {
     }
 }
 
-/// The tone curve of this name.
 pub(crate) fn tone_of_name(name: &str) -> Option<ToneCurve> {
     TONE_CURVES.into_iter().find(|&tone| tone_name(tone) == name)
 }
 
-/// A choice among values that have names.
-pub(super) fn choice<T: Copy + Send + Sync + 'static, const N: usize>(
-    all: [T; N],
+/// Names on the command line and their older spellings, which scene files have.
+const RENAMED: [(&str, &str); 4] =
+    [("bvh8", "wide"), ("sphere-tree", "spheres"), ("cylinder-tree", "cylinders"), ("path-caustics", "caustics")];
+
+/// Parser for an enum of another crate.
+pub(super) fn named<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(all.map(name))
-        .try_map(move |typed| all.into_iter().find(|&value| name(value) == typed).ok_or("no such choice"))
-}
-
-/// Instructions that this processor has.
-pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
-    let names = PossibleValuesParser::new(SimdLevel::ALL.iter().map(|level| level.name()));
-    names.try_map(|typed| {
-        let known = SimdLevel::ALL.iter().find(|level| level.name() == typed);
-        known.copied().filter(|level| level.is_available()).ok_or("this processor does not have it")
+    let names = all.iter().map(move |&value| {
+        let shown = current_name(name(value));
+        PossibleValue::new(shown).aliases(RENAMED.iter().filter(|(new, _)| *new == shown).map(|(_, old)| *old))
+    });
+    PossibleValuesParser::new(names).try_map(move |typed| {
+        let is_typed = |value: &T| current_name(name(*value)) == current_name(&typed);
+        all.iter().copied().find(is_typed).ok_or("unknown name")
     })
 }
 
-/// How much time the builder of the wide tree may take.
-pub(super) fn quality() -> impl TypedValueParser<Value = Quality> {
-    let names = PossibleValuesParser::new(Quality::ALL.iter().map(|quality| quality.name()));
-    names.try_map(|typed| Quality::ALL.iter().copied().find(|quality| quality.name() == typed).ok_or("no such quality"))
+fn current_name(name: &str) -> &str {
+    RENAMED.iter().find(|(_, old)| *old == name).map_or(name, |(new, _)| new)
 }
 
-/// True to dither.
+/// SIMD instructions of this processor.
+pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
+    named(SimdLevel::ALL, SimdLevel::name)
+        .try_map(|level| Some(level).filter(|level| level.is_available()).ok_or("this processor does not have it"))
+}
+
 pub(super) fn dither() -> impl TypedValueParser<Value = bool> {
     PossibleValuesParser::new([PossibleValue::new("on"), PossibleValue::new("none").alias("off")])
         .map(|typed| typed == "on")
 }
 
-/// The format of a picture, by the ending of its name.
+/// Image format by file extension.
 pub(super) fn image_format() -> impl TypedValueParser<Value = ImageFormat> {
     let names = ImageFormat::ALL.into_iter().map(|format| {
         let [usual, others @ ..] = format.extensions() else { return PossibleValue::new("") };
@@ -71,117 +73,129 @@ pub(super) fn image_format() -> impl TypedValueParser<Value = ImageFormat> {
 /// `WxH`.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    let [width, height] = sides.ok_or("write width and height in pixels as 640x480")?;
+    let [width, height] = sides.ok_or("expected width and height in pixels, such as 640x480")?;
     FilmSettings { width, height, ..FilmSettings::default() }.validate().map_err(|error| error.to_string())?;
     Ok([width, height])
 }
 
 /// `X,Y,Z`.
 pub(super) fn point(text: &str) -> Result<DVec3, String> {
-    finite_numbers(text).map(DVec3::from_array).ok_or_else(|| "write three finite numbers as 1,-2,0.5".to_owned())
+    finite_numbers(text)
+        .map(DVec3::from_array)
+        .ok_or_else(|| "expected three finite numbers, such as 1,-2,0.5".to_owned())
 }
 
 /// `X,Y,W,H`.
 pub(super) fn crop(text: &str) -> Result<Crop, String> {
-    let [x, y, width, height] = numbers(text).ok_or("write left, top, width and height in pixels as 100,50,320,200")?;
+    let [x, y, width, height] =
+        numbers(text).ok_or("expected left, top, width and height in pixels, such as 100,50,320,200")?;
     if width == 0 || height == 0 {
         return Err("width and height must be at least 1".to_owned());
     }
     Ok(Crop { x, y, width, height })
 }
 
-/// Degrees, in (0, 180).
+/// Angle in degrees, in (0, 180).
 pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
     let degrees = text.parse().ok().filter(|&degrees: &f64| degrees > 0.0 && degrees < 180.0);
-    degrees.ok_or_else(|| "it must lie between 0 and 180 degrees".to_owned())
+    degrees.ok_or_else(|| "expected an angle between 0 and 180 degrees".to_owned())
 }
 
-/// Stops.
+/// Exposure in stops.
 pub(super) fn exposure(text: &str) -> Result<f64, String> {
     let exposure = number(text)?;
     check(&Development { exposure, ..Development::default() }).map(|()| exposure)
 }
 
-/// The exponent of a power law.
+/// Exponent of a power law.
 pub(super) fn gamma(text: &str) -> Result<f64, String> {
     let gamma = number(text)?;
     check(&Development { encoding: Encoding::Power(gamma), ..Development::default() }).map(|()| gamma)
 }
 
-/// Any finite number.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
-    number(text).ok().filter(|value| value.is_finite()).ok_or_else(|| "write a finite number".to_owned())
+    number(text).ok().filter(|value| value.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
 }
 
-/// A finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
-    finite(text).ok().filter(|&value| value > 0.0).ok_or_else(|| "write a number above 0".to_owned())
+    finite(text).ok().filter(|&value| value > 0.0).ok_or_else(|| "expected a number greater than 0".to_owned())
 }
 
-/// A time above zero with its unit.
 pub(super) fn time(text: &str) -> Result<Duration, String> {
     let time = humantime::parse_duration(text).ok().filter(|time| !time.is_zero());
-    time.ok_or_else(|| "write a time above 0 with its unit, as 500ms, 10s, 1.5min or 2h".to_owned())
+    time.ok_or_else(|| "expected a time greater than 0 with its unit, such as 500ms, 10s, 1.5min or 2h".to_owned())
 }
 
-/// A time with its unit, or "never".
-pub(super) fn every(text: &str) -> Result<Every, String> {
-    if text == "never" { Ok(Every::Never) } else { time(text).map(Every::Time).map_err(|error| error + ", or never") }
+/// A time with its unit, or `never`.
+pub(super) fn checkpoint_interval(text: &str) -> Result<CheckpointInterval, String> {
+    match text {
+        "never" => Ok(CheckpointInterval::Never),
+        _ => time(text).map(CheckpointInterval::Time).map_err(|error| error + ", or never"),
+    }
 }
 
-/// Part I of N, from 1 on.
+/// Part I of N; I starts at 1.
 pub(super) fn share(text: &str) -> Result<Share, String> {
     let numbers =
         text.split_once('/').and_then(|(index, count)| Some((index.parse::<u32>().ok()?, count.parse().ok()?)));
-    numbers
-        .and_then(|(index, count)| Share::new(index.checked_sub(1)?, count))
-        .ok_or_else(|| format!("write which part of how many, as 1/8 to 8/8; there are at most {}", Share::MOST))
+    numbers.and_then(|(index, count)| Share::new(index.checked_sub(1)?, count)).ok_or_else(|| {
+        format!("expected a part and the number of parts, such as 1/8 to 8/8, with at most {} parts", Share::MOST)
+    })
 }
 
-/// A percentage above zero, as a share.
+/// Percentage greater than zero, as a fraction.
 pub(super) fn percentage(text: &str) -> Result<f64, String> {
     let percent = text.strip_suffix('%').and_then(|number| positive(number.trim_end()).ok());
     percent
         .map(|percent| percent / 100.0)
         .filter(|&share| share > 0.0)
-        .ok_or_else(|| "write a percentage above 0, as 1%".to_owned())
+        .ok_or_else(|| "expected a percentage greater than 0, such as 1%".to_owned())
 }
 
-/// A percentage above zero and up to a hundred, as a share.
+/// Percentage in (0, 100], as a fraction.
 pub(super) fn share_of_pixels(text: &str) -> Result<f64, String> {
     percentage(text)
         .ok()
         .filter(|share| *share <= 1.0)
-        .ok_or_else(|| "write a percentage above 0 and up to 100, as 99%".to_owned())
+        .ok_or_else(|| "expected a percentage greater than 0 and at most 100, such as 99%".to_owned())
 }
 
 /// `NAME=FILE`.
 pub(super) fn aov(text: &str) -> Result<AovArg, String> {
     let parts = text.split_once('=').filter(|(_, file)| !file.is_empty());
-    let known = parts.and_then(|(name, file)| Some((Aov::ALL.into_iter().find(|aov| aov.name() == name)?, file)));
-    let (aov, file) = known.ok_or_else(|| "write variance=FILE or samples=FILE".to_owned())?;
+    let known = parts.and_then(|(name, file)| Some((Aov::from_str(name, false).ok()?, file)));
+    let (aov, file) = known.ok_or_else(|| "expected stderr=FILE or samples=FILE".to_owned())?;
     Ok(AovArg { aov, file: file.into() })
 }
 
-/// What ꟻLIP accepts.
+/// Pixels per degree of ꟻLIP.
 pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     Flip::new(value).map(|_| value).map_err(|error| error.to_string())
 }
 
-/// A colour, or `transparent`.
+/// A color, as scene files write it, or its name.
 pub(super) fn background(text: &str) -> Result<BackgroundChoice, String> {
-    let colour = match text {
+    const FORMS: &str = "#RRGGBB, #RGB, one or three linear numbers as 0.5 or 0.2,0.4,1";
+    let color = match text {
         "transparent" => return Ok(BackgroundChoice::Transparent),
         "black" => Some(Rgb::BLACK),
         "white" => Some(Rgb::WHITE),
+        _ if text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.parse::<f64>().is_err() => {
+            let known = ["black", "white", "transparent"].map(str::to_owned).into();
+            return Err(unknown_word("color", text, known) + "; write others as " + FORMS);
+        }
         _ => match text.strip_prefix('#') {
             Some(digits) => hexadecimal(digits),
-            None => finite_numbers(text).filter(|rgb| rgb.iter().all(|&c| c >= 0.0)).map(Rgb::from),
+            None => finite_numbers(text)
+                .or_else(|| finite(text).ok().map(|gray| [gray; 3]))
+                .filter(|rgb| rgb.iter().all(|&c| c >= 0.0))
+                .map(Rgb::from),
         },
     };
-    let rule = "write #RRGGBB, three linear numbers as 0.2,0.4,1, `black`, `white` or `transparent`";
-    colour.map(BackgroundChoice::Colour).ok_or_else(|| rule.to_owned())
+    color
+        .map(BackgroundChoice::Color)
+        .ok_or_else(|| format!("expected {FORMS}, `black`, `white` or `transparent`; numbers must not be negative"))
 }
 
 fn check(development: &Development) -> Result<(), String> {
@@ -189,12 +203,17 @@ fn check(development: &Development) -> Result<(), String> {
 }
 
 fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "write a number".to_owned())
+    text.parse().map_err(|_| "expected a number".to_owned())
 }
 
-/// Six hexadecimal digits in the sRGB encoding.
+/// Three or six hexadecimal digits in the sRGB encoding.
 fn hexadecimal(digits: &str) -> Option<Rgb> {
-    let value = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6 && !digits.starts_with('+'))?;
+    let digits = match digits.as_bytes() {
+        [r, g, b] => vec![*r, *r, *g, *g, *b, *b],
+        six => six.to_vec(),
+    };
+    let is_sound = digits.len() == 6 && digits.iter().all(u8::is_ascii_hexdigit);
+    let value = u32::from_str_radix(std::str::from_utf8(&digits).ok().filter(|_| is_sound)?, 16).ok()?;
     let [_, r, g, b] = value.to_be_bytes().map(|byte| f64::from(Encoding::Srgb.decode(byte)));
     Some(Rgb::new(r, g, b))
 }
@@ -203,7 +222,7 @@ fn finite_numbers(text: &str) -> Option<[f64; 3]> {
     numbers(text).filter(|values| values.iter().all(|value: &f64| value.is_finite()))
 }
 
-/// Exactly `N` numbers with commas between.
+/// Exactly `N` numbers, separated by commas.
 fn numbers<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let values: Option<Vec<T>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     values?.try_into().ok()
@@ -242,7 +261,7 @@ mod tests {
     #[test]
     fn backgrounds_are_decoded_from_the_display() {
         let colour = |text: &str| match background(text) {
-            Ok(BackgroundChoice::Colour(rgb)) => rgb,
+            Ok(BackgroundChoice::Color(rgb)) => rgb,
             other => panic!("{text}: {other:?}"),
         };
         assert_eq!(background("transparent"), Ok(BackgroundChoice::Transparent));
@@ -250,9 +269,17 @@ mod tests {
         let mid = colour("#bc0000");
         assert!((mid.r - 0.502_886).abs() < 1e-6 && mid.g == 0.0, "{mid:?}");
         assert_eq!(colour("0.5,1,20"), Rgb::new(0.5, 1.0, 20.0));
-        for bad in ["", "blue", "#fff", "#gggggg", "#+ffff0", "#ff00000", "1,2", "-1,0,0", "nan,0,0"] {
-            assert!(background(bad).is_err(), "{bad}");
+        assert_eq!((colour("#f00"), colour("0.5")), (colour("#ff0000"), Rgb::new(0.5, 0.5, 0.5)));
+        for bad in ["", "#ff", "#ggg", "#gggggg", "#+ffff0", "#ff00000", "1,2", "-1", "-1,0,0", "nan", "inf", "nan,0,0"]
+        {
+            let error = background(bad).expect_err(bad);
+            assert!(error.contains("#RRGGBB"), "{error}");
         }
+        let error = background("whit").expect_err("no color");
+        assert!(
+            error.starts_with("unknown color `whit`; did you mean `white`?") && error.contains("#RRGGBB"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -279,8 +306,9 @@ mod tests {
 
     #[test]
     fn aovs_have_a_name_and_a_file() {
-        let samples = AovArg { aov: Aov::Samples, file: "a=b.exr".into() };
-        assert_eq!(aov("samples=a=b.exr"), Ok(samples));
+        for (name, kind) in [("samples", Aov::Samples), ("stderr", Aov::Stderr), ("variance", Aov::Stderr)] {
+            assert_eq!(aov(&format!("{name}=a=b.exr")), Ok(AovArg { aov: kind, file: "a=b.exr".into() }));
+        }
         for bad in ["", "samples", "samples=", "depth=a.exr", "=a.exr", "variance a.exr"] {
             assert!(aov(bad).is_err(), "{bad}");
         }

@@ -1,4 +1,4 @@
-//! `compare`: how much an image differs from a reference.
+//! `compare`: difference of an image from a reference.
 
 mod measures;
 mod pair;
@@ -10,31 +10,30 @@ use rt_image::{Development, write_image};
 use self::measures::Measures;
 use self::pair::Images;
 use self::report::{Comparison, HeatMap};
-use crate::args::{CompareArgs, HeatMapOf, Metric};
+use crate::args::{CompareArgs, HeatMapOf, Metric, name_of};
 use crate::console::{print, show};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::OutputFile;
 use crate::picture_file;
 use crate::stdin::is_dash;
 
-/// The part of all errors that the colours of a heat map tell apart by default. The few that are greater would make the
-/// others look alike.
+/// Quantile of the errors at the end of the default color scale. The few larger ones would hide all others.
 const SHOWN_ERRORS: f64 = 0.999;
 
-pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &CompareArgs) -> Result<(), CliError> {
     let output = args.heat_map.file.as_ref().map(|file| {
         if is_dash(file) && args.json {
-            return Err(Failure::Usage("the heat map and the report cannot both go to standard output".to_owned()));
+            return Err(CliError::Usage("the heat map and the report cannot both go to standard output".to_owned()));
         }
         if !picture_file::is_developed(picture_file::chosen_format(file, None)?) {
-            return Err(Failure::Usage(format!("a heat map is a picture: {} must be .png or .jpg", file.display())));
+            return Err(CliError::Usage(format!("--heat-map {} must be .png or .jpg", file.display())));
         }
         Ok(OutputFile::prepare(file, &[args.test.clone(), args.reference.clone()])?)
     });
     let output = output.transpose()?;
     let images = Images::read(args)?;
-    if let Some(asked) = needs_radiance(args).filter(|_| !images.are_radiance()) {
-        return Err(Failure::Usage(format!("{asked} hdr-flip compares linear radiance: .exr, .hdr or .pfm")));
+    if let Some(option) = needs_radiance(args).filter(|_| !images.are_radiance()) {
+        return Err(CliError::Usage(format!("{option} hdr-flip requires linear images: .exr, .hdr or .pfm")));
     }
     let pair = images.pair(args)?;
     let measures = Measures::new(&pair, &images, args)?;
@@ -48,14 +47,14 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
         verdict: verdict(args, &measures)?,
     };
     if args.json {
-        print(comparison.json()?)?;
+        print(comparison.json())?;
     } else {
         show(comparison.text())?;
     }
     comparison.failure().map_or(Ok(()), Err)
 }
 
-/// What asks for HDR-FLIP.
+/// Option that requires HDR-FLIP.
 fn needs_radiance(args: &CompareArgs) -> Option<&'static str> {
     if args.metric == Metric::HdrFlip {
         Some("--metric")
@@ -66,7 +65,7 @@ fn needs_radiance(args: &CompareArgs) -> Option<&'static str> {
     }
 }
 
-/// The metric that decides.
+/// Metric of the exit code.
 #[derive(Clone, Copy, Debug)]
 struct Verdict {
     metric: Metric,
@@ -74,7 +73,7 @@ struct Verdict {
     threshold: f64,
 }
 
-fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict, Failure> {
+fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict, CliError> {
     let (metric, threshold) = match args.max_rmse {
         Some(threshold) => (Metric::Rmse, threshold),
         None => (args.metric, args.threshold.unwrap_or(args.metric.best())),
@@ -82,12 +81,13 @@ fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict, Failure> 
     match measures.value(metric) {
         Some(value) => Ok(Verdict { metric, value, threshold }),
         None if metric == Metric::Coverage => Ok(Verdict { metric, value: 0.0, threshold }),
-        None => Err(Failure::Usage(format!("--metric {} needs images of at least 11 by 11 pixels", metric.name()))),
+        None => {
+            Err(CliError::Usage(format!("--metric {} requires images of at least 11 by 11 pixels", name_of(metric))))
+        }
     }
 }
 
-/// Draws and writes the heat map.
-fn draw(args: &CompareArgs, measures: &Measures, output: &OutputFile) -> Result<HeatMap, Failure> {
+fn draw(args: &CompareArgs, measures: &Measures, output: &OutputFile) -> Result<HeatMap, CliError> {
     let shows = args.heat_map.shows;
     let (map, scale, limit) = match shows {
         HeatMapOf::Error => {

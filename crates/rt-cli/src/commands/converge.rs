@@ -1,72 +1,112 @@
-//! `converge`: the error of methods against their run time.
+//! `converge`: error of several methods against their run time.
 
-mod axis;
-mod choice;
-mod files;
-mod laboratory;
-mod machine;
-mod measure;
+mod log_axis;
 mod methods;
-mod outputs;
 mod page;
 mod plot;
+mod reference;
 mod report;
-mod split;
+mod run_info;
+mod runner;
+mod split_reference;
 mod statistics;
 mod summary;
 mod table;
-mod yardstick;
 
 use std::path::PathBuf;
 
-use self::laboratory::{Clock, Laboratory};
-use self::measure::Extent;
-use self::outputs::Outputs;
-use self::report::{Report, Setting};
-use crate::args::ConvergeArgs;
+use rt_scene_io::Scene;
+
+use self::methods::Method;
+use self::reference::Reference;
+use self::report::{Outputs, Report, Setting};
+use self::runner::{BenchRunner, Clock, Extent};
+use crate::args::{ConvergeArgs, PictureArgs, ReferenceKind};
 use crate::console::Console;
-use crate::error::Failure;
-use crate::input::{self, Input};
+use crate::error::CliError;
+use crate::input;
 use crate::progress::ProgressDisplay;
 
-pub(super) fn run(args: &ConvergeArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     let clock = Clock::start(args.run.time);
     let console = Console { quiet: args.run.quiet };
-    let picture = args.fixed.with(&[]).map_err(Failure::Usage)?;
-    let Input { scene, files, options: loaded } = input::read(&args.input, Some(&picture), console)?;
-    input::say_notes(&scene, console)?;
-    let mut methods = methods::resolve(args, &loaded, &scene)?;
-    let against = choice::choose(args, &scene, &picture)?;
-    let Some(first) = methods.first() else { return Err(Failure::Usage("there is no method".to_owned())) };
+    let picture = args.fixed.with(&[]).map_err(CliError::Usage)?;
+    let input = input::read(&args.input, Some(&picture), console)?;
+    let scene = &input.scene;
+    input::print_notes(scene, console)?;
+    let mut methods = methods::resolve(args, &input)?;
+    let kind = reference_kind(args, scene, &picture)?;
+    let Some(first) = methods.first() else { return Err(CliError::Usage("there is no method".to_owned())) };
     let development = first.scene.film.development;
-    let given = choice::given(args, against, first, &scene, &development)?;
-    let outputs = Outputs::prepare(&folder(args), &files)?;
+    let given = given_reference(args, kind, first, scene)?;
+    let outputs = Outputs::prepare(&folder(args), &input.files)?;
 
     let extent = Extent { series: &args.spp.0, seeds: args.seeds };
     let planned = extent.samples(&methods);
     let progress = ProgressDisplay::new(args.run.quiet, 0, 0);
     let threads = args.run.threads.unwrap_or(0).into();
-    let mut laboratory = Laboratory::new(&args.input.scene, threads, clock, progress, planned);
-    let yardstick = match given {
-        Some(yardstick) => yardstick,
-        None => split::render(&mut laboratory, &methods, args.spp.0[args.spp.0.len() - 1], planned)?,
+    let mut runner = BenchRunner::new(&args.input.scene, threads, clock, progress, planned);
+    let reference = match given {
+        Some(reference) => reference,
+        None => split_reference::render(&mut runner, &methods, args.spp.0[args.spp.0.len() - 1], planned)?,
     };
-    let setting = Setting { args, scene: &scene, against, yardstick: &yardstick, development };
-    let study = measure::run(&mut laboratory, &mut methods, extent, &yardstick, |so_far| {
+    let setting = Setting { args, scene, kind, reference: &reference, development };
+    let experiment = runner::run(&mut runner, &mut methods, extent, &reference, |so_far| {
         Report::new(setting, so_far).write(&outputs)
     })?;
-    laboratory.close();
-    let report = Report::new(setting, &study);
+    runner.close();
+    let report = Report::new(setting, &experiment);
     report.write(&outputs)?;
-    console.say(report.text())?;
-    console.say(format_args!("wrote {}", outputs.folder.display()))?;
-    if study.bad_samples > 0 {
-        console.warn(format_args!("{} samples were NaN, infinite or negative and count as black", study.bad_samples));
+    console.println(report.text())?;
+    console.println(format_args!("wrote {}", outputs.folder.display()))?;
+    if experiment.bad_samples > 0 {
+        let bad = experiment.bad_samples;
+        console.warn(format_args!("{bad} samples were NaN, infinite or negative and count as black"));
     }
     Ok(())
 }
 
-/// The scene's name with `-converge`, in the current folder, unless another is asked for.
+/// Kind of reference: the given one, or the best available.
+fn reference_kind(args: &ConvergeArgs, scene: &Scene, picture: &PictureArgs) -> Result<ReferenceKind, CliError> {
+    let view = &picture.view;
+    let is_other_view = picture.crop.is_some()
+        || picture.background.is_some()
+        || view.camera.is_some()
+        || view.look_from.is_some()
+        || view.look_at.is_some()
+        || view.up.is_some()
+        || view.fov.is_some();
+    let refuse = |message: &str| Err(CliError::Usage(format!("--reference-kind {message}")));
+    match args.reference_kind {
+        Some(ReferenceKind::Truth) if scene.truth.is_none() => refuse("truth: the scene declares none"),
+        Some(ReferenceKind::Truth) if is_other_view => {
+            refuse("truth: it holds for the view of the scene only, which other options change")
+        }
+        Some(ReferenceKind::Reference) if args.reference.is_none() => refuse("reference requires --reference FILE"),
+        Some(kind) => Ok(kind),
+        None if scene.truth.is_some() && !is_other_view => Ok(ReferenceKind::Truth),
+        None if args.reference.is_some() => Ok(ReferenceKind::Reference),
+        None => Ok(ReferenceKind::Split),
+    }
+}
+
+/// Reference that needs no render.
+fn given_reference(
+    args: &ConvergeArgs,
+    kind: ReferenceKind,
+    first: &Method,
+    scene: &Scene,
+) -> Result<Option<Reference>, CliError> {
+    match (kind, &scene.truth, &args.reference) {
+        (ReferenceKind::Truth, Some(truth), _) => Ok(Some(Reference::Truth(truth.clone()))),
+        (ReferenceKind::Reference, _, Some(path)) => {
+            Reference::of_file(path, first.size(), &first.scene.film.development).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Output directory: `--output`, or the name of the scene with `-converge`.
 fn folder(args: &ConvergeArgs) -> PathBuf {
     let default = || {
         let mut name = args.input.scene.file_stem().unwrap_or_default().to_owned();

@@ -1,4 +1,4 @@
-//! `convert`: a scene file to edit.
+//! `convert`: writes a scene file.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,25 +8,25 @@ use rt_scene_io::{Converted, convert};
 
 use crate::args::ConvertArgs;
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input;
 use crate::output::OutputFile;
 use crate::stdin::is_dash;
 
-pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
-    // The ending of this name tells the format, and its folder where references are relative to.
+pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
+    // The extension gives the format; references are relative to the directory.
     let name = match (&args.output_format, is_dash(&args.output)) {
         (Some(format), _) => args.output.with_file_name(format!("scene.{format}")),
         (None, true) => PathBuf::from("scene.ron"),
         (None, false) => args.output.clone(),
     };
     if !is_scene_file(&name) {
-        let message = format!("cannot tell the format of `{}`: use .ron or .json", args.output.display());
-        return Err(Failure::Usage(message));
+        let message = format!("unknown format of `{}`: use .ron or .json", args.output.display());
+        return Err(CliError::Usage(message));
     }
     if args.input.piped.is_some() && !is_scene_file(&args.input.scene) {
-        let message = "a scene refers to its model by name: write the model to a file, and convert that";
-        return Err(Failure::Usage(message.to_owned()));
+        let message = "a scene refers to its model by file name: write the model to a file, and convert that";
+        return Err(CliError::Usage(message.to_owned()));
     }
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
     let Converted { text, warnings, notes } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
@@ -35,11 +35,11 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
         input::refuse_warnings(&args.input.scene, &warnings)?;
     }
     output.write(|file| file.write_all(text.as_bytes()))?;
-    // Standard output belongs to the text where that goes there.
+    // Do not mix notes with a scene on standard output.
     let console = Console { quiet: args.output == Path::new("-") };
-    notes.iter().try_for_each(|note| console.say(format_args!("note: {note}")))
+    notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))
 }
 
 fn is_scene_file(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ["ron", "json"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+    path.extension().is_some_and(|extension| ["ron", "json"].iter().any(|known| extension.eq_ignore_ascii_case(known)))
 }

@@ -1,20 +1,20 @@
-//! `develop`: from linear light to bytes, after the fact.
+//! `develop`: tone-maps a linear image.
 
 use std::slice;
 
 use rt_image::{Development, Dither, Encoding, ImageFormat, image_header, write_image};
 
 use crate::args::DevelopArgs;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::OutputFile;
 use crate::stdin::is_dash;
 use crate::{memory, picture_file};
 
-pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
     let format = picture_file::chosen_format(&args.output, args.output_format)?;
     if !picture_file::is_developed(format) {
-        let message = format!("{} would hold linear light; develop to .png or .jpg", args.output.display());
-        return Err(Failure::Usage(message));
+        let message = format!("{} would hold linear radiance; write .png or .jpg", args.output.display());
+        return Err(CliError::Usage(message));
     }
     let standard = Development::default();
     let development = Development {
@@ -25,9 +25,9 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), Failure> {
     };
     if !is_dash(&args.image) {
         let header = image_header(&args.image)?;
-        // Bytes for display are made when what was decoded is gone.
-        let beside = header.decoded_bytes.max(4 * header.pixels());
-        let needs = [("the image".to_owned(), header.film_bytes), ("what it is decoded to".to_owned(), beside)];
+        // The decoded file is freed before the display bytes are allocated.
+        let transient = header.decoded_bytes.max(4 * header.pixels());
+        let needs = [("the image".to_owned(), header.film_bytes), ("what it is decoded to".to_owned(), transient)];
         memory::check(args.memory.limit(), &args.image, &needs)?;
     }
     let film = picture_file::read(&args.image)?;

@@ -1,21 +1,28 @@
-//! `explain`: the plan in words.
+//! `explain`: prints the render plan.
 
 use rt_render::RenderPlan;
 
 use crate::args::ExplainArgs;
 use crate::console::{Console, show};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input::{self, Input};
-use crate::overrides;
+use crate::settings::{self, Overrides};
 
-pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &ExplainArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
-    let Input { mut scene, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
+    let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
     if args.strict {
         input::refuse_warnings(&args.input.scene, &scene.warnings)?;
     }
-    let options = overrides::apply(&args.picture, &loaded, &mut scene)?;
-    let plan = RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
-    input::say_notes(&scene, console)?;
+    let overrides = Overrides {
+        picture: &args.picture,
+        development: None,
+        environment: environment.as_ref(),
+        memory: loaded.memory.limit(),
+        progressive: false,
+    };
+    let (scene, options) = settings::resolve(scene, overrides)?;
+    let plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
+    input::print_notes(&scene, console)?;
     show(plan.explain())
 }

@@ -1,4 +1,4 @@
-//! `--limits`: what is refused, and which option changes that.
+//! `--limits`: table of all limits on input.
 
 use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
@@ -7,10 +7,10 @@ use rt_scene_io::limits::{self, Amount};
 
 use crate::args;
 use crate::console::print;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::memory;
 
-pub(super) fn run() -> Result<(), Failure> {
+pub(super) fn run() -> Result<(), CliError> {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header(["limit", "at most", "applies to", "changed by"]);
@@ -27,9 +27,9 @@ pub(super) fn run() -> Result<(), Failure> {
         table.add_row([limit.what, &limit.max.to_string(), limit.applies_to, flag]);
     }
     let read = Amount::Count(MAX_READ_PIXELS).to_string();
-    table.add_row(["pixels of a picture that is read", &read, "compare, develop", ""]);
+    table.add_row(["pixels of an image that is read", &read, "compare, develop", ""]);
     let joined = Amount::Count(Image::MAX_PIXELS).to_string();
-    table.add_row(["pixels of a picture whose parts are joined", &joined, "merge", ""]);
+    table.add_row(["pixels of an image that is joined", &joined, "merge", ""]);
     if let Some(column) = table.column_mut(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }

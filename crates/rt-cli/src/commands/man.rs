@@ -1,4 +1,4 @@
-//! `man`: the manual, made of the same texts as `--help`.
+//! `man`: manual pages from the texts of `--help`.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -8,17 +8,17 @@ use clap_mangen::Man;
 
 use crate::args::Cli;
 use crate::console::print;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::output::OutputFile;
 
-pub(super) fn run(folder: Option<&Path>) -> Result<(), Failure> {
+pub(super) fn run(folder: Option<&Path>) -> Result<(), CliError> {
     let mut program = Cli::command();
-    // Gives each command the full name that its page carries.
+    // Set the full name of each command.
     program.build();
     let name = program.get_name().to_owned();
     let subcommands = program.get_subcommands().map(|command| (format!("{name}-{}", command.get_name()), command));
     for (name, command) in [(name.clone(), &program)].into_iter().chain(subcommands) {
-        let page = page(&name, command).map_err(Failure::Stdout)?;
+        let page = page(&name, command).map_err(CliError::Stdout)?;
         match folder {
             Some(folder) => {
                 OutputFile::prepare(&folder.join(format!("{name}.1")), &[])?.write(|file| file.write_all(&page))?

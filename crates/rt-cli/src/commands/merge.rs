@@ -1,4 +1,4 @@
-//! `merge`: the picture of all parts.
+//! `merge`: joins the parts of an image.
 
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,13 @@ use rt_render::{JoinError, Part, Rendering};
 
 use crate::aov_file::AovFile;
 use crate::args::MergeArgs;
+use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
 use crate::console::Console;
-use crate::error::Failure;
-use crate::kept_file::{self, KeptError, KeptKind, Label};
-use crate::output::{OutputFile, refuges, write_all};
-use crate::{memory, overrides, picture_file};
+use crate::error::CliError;
+use crate::output::{OutputFile, fallback_dirs, write_all};
+use crate::{memory, picture_file, settings};
 
-pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     let console = Console { quiet: args.quiet };
     let format = picture_file::chosen_format(&args.output, args.output_format)?;
     let output = OutputFile::prepare(&args.output, &args.parts)?;
@@ -30,13 +30,15 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
         aov.check(size, statistics.passes > 1)?;
     }
     let mut development = label.development();
-    overrides::apply_development(&args.development, &mut development);
-    let refuges = refuges(args.fallback.as_deref());
+    settings::apply_development(&args.development, &mut development);
+    let fallback_dirs = fallback_dirs(args.fallback.dir.as_deref());
     write_all(
-        core::iter::once(output.write_or_rescue(&refuges, |file| write_image(film, &development, format, file)))
-            .chain(aovs.iter().map(|aov| aov.write(&rendering, &refuges))),
+        core::iter::once(
+            output.write_with_fallback(&fallback_dirs, |file| write_image(film, &development, format, file)),
+        )
+        .chain(aovs.iter().map(|aov| aov.write(&rendering, &fallback_dirs))),
     )?;
-    console.say(format_args!(
+    console.println(format_args!(
         "joined {count} parts: {} samples, {} rays, {} of rendering",
         HumanCount(statistics.samples),
         HumanCount(statistics.counters.total().rays),
@@ -44,17 +46,17 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     ))?;
     if let Some(error) = &rendering.error {
         let [low, high] = error.interval;
-        console.say(format_args!("estimated RMSE {:.3e} (95 %: {low:.3e} to {high:.3e})", error.rmse))?;
+        console.println(format_args!("estimated RMSE {:.3e} (95 %: {low:.3e} to {high:.3e})", error.rmse))?;
     }
-    console.say(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
+    console.println(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
 }
 
-/// All parts, and the label that they share. What they will take is known from their sizes before they are read, and what their
-/// picture will take from the first.
-fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Failure> {
+/// Reads all parts and their common label. Predicts the memory of the parts from the file sizes, and that of the image from the first
+/// part.
+fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), CliError> {
     let Some(first) = files.first() else { return Err(named(files, JoinError::Nothing)) };
-    let lengths = files.iter().map(|file| kept_file::length(file)).collect::<Result<Vec<_>, _>>()?;
-    let decoded = lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(kept_file::decoded_bytes(length)));
+    let lengths = files.iter().map(|file| checkpoint_file::length(file)).collect::<Result<Vec<_>, _>>()?;
+    let decoded = lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(checkpoint_file::decoded_bytes(length)));
     let reading = lengths.iter().copied().max().unwrap_or(0);
     let of_parts = [
         (format!("what the {} parts hold", files.len()), decoded),
@@ -63,19 +65,19 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Fa
     let mut label: Option<Label> = None;
     let mut parts = Vec::with_capacity(files.len());
     for file in files {
-        // A file that is no part at all is told by its first bytes, which is the better message.
-        kept_file::label(file, KeptKind::Part)?;
+        // Report files that are not parts before the memory limit.
+        checkpoint_file::label(file, ArtifactKind::Part)?;
         if label.is_none() {
             memory::check(memory, first, &of_parts)?;
         }
-        let (of_part, part) = kept_file::read::<Part>(file, KeptKind::Part, memory)?;
+        let (of_part, part) = checkpoint_file::read::<Part>(file, ArtifactKind::Part, memory)?;
         match &label {
             Some(label) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
             Some(_) => {}
             None => {
-                // When the picture is made, no part is being read. Encoding it takes a copy of its colours.
+                // No part is read while the image is made. Encoding copies the colors.
                 let bytes = part.rendering_bytes();
-                let picture = ("the picture".to_owned(), bytes.saturating_add(bytes / 2));
+                let picture = ("the image".to_owned(), bytes.saturating_add(bytes / 2));
                 memory::check(memory, first, &[of_parts[0].clone(), picture])?;
                 label = Some(of_part);
             }
@@ -85,20 +87,20 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Fa
     label.map(|label| (label, parts)).ok_or_else(|| named(files, JoinError::Nothing))
 }
 
-fn foreign(file: &Path, scene: String) -> Failure {
-    KeptError::Foreign { file: file.to_owned(), scene, advice: " as those of the parts before it" }.into()
+fn foreign(file: &Path, scene: String) -> CliError {
+    ArtifactError::Foreign { file: file.to_owned(), scene, advice: " from those of the earlier parts" }.into()
 }
 
-/// Says of files what the library says of their places in the list.
-fn named(files: &[PathBuf], error: JoinError) -> Failure {
+/// Replaces list indices of the error by file names.
+fn named(files: &[PathBuf], error: JoinError) -> CliError {
     let name = |number: usize| files.get(number).map(|file| file.display().to_string()).unwrap_or_default();
-    Failure::Join(match error {
+    CliError::Join(match error {
         JoinError::Damaged(part, reason) => {
-            format!("{}: is no sound part of a picture, or not together with those before: {reason}", name(part))
+            format!("{}: is not a valid part of an image, or not together with the earlier parts: {reason}", name(part))
         }
         JoinError::Foreign(part) => {
             format!(
-                "{}: is of a picture of another size, or was made with other options (--stats must be given for all parts, or for none)",
+                "{}: has another size, or was made with other options (give --stats for all parts, or for none)",
                 name(part)
             )
         }

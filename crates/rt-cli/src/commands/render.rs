@@ -1,4 +1,4 @@
-//! `render`: a picture of a scene, or a part of it.
+//! `render`: an image of a scene, or a part of it.
 
 mod frames;
 
@@ -9,64 +9,69 @@ use rt_image::ImageFormat;
 use rt_render::Share;
 
 use crate::aov_file::AovFile;
-use crate::args::{FrameChoice, KeepArgs, RenderArgs};
+use crate::args::{CheckpointArgs, FrameChoice, RenderArgs};
+use crate::checkpoint::{self, CheckpointOptions};
 use crate::console::{Console, reserve_stdout};
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::identity::Identity;
-use crate::input::Input;
-use crate::job::{Job, JobResult, Keep};
+use crate::input::{self, Input};
+use crate::job::{Job, JobOutput};
 use crate::output::{OutputError, OutputFile, refuse_terminal};
+use crate::picture_file;
+use crate::settings::{self, Overrides};
 use crate::stdin::is_dash;
-use crate::{checkpoints, input, overrides, picture_file};
 
-pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &RenderArgs) -> Result<(), CliError> {
     if args.output.iter().chain(&args.run.stats).any(|path| is_dash(path)) {
-        // Before anything is said.
+        // Before anything is printed.
         reserve_stdout();
     }
     match args.frames.frames {
-        Some(FrameChoice::Some(frames)) => frames::each(args, frames, picture),
-        Some(FrameChoice::All) => frames::each(args, frames::all(args)?, picture),
-        None => picture(args),
+        Some(FrameChoice::Some(frames)) => frames::each(args, frames, image),
+        Some(FrameChoice::All) => frames::each(args, frames::all(args)?, image),
+        None => image(args),
     }
 }
 
-/// Renders a single picture.
-fn picture(args: &RenderArgs) -> Result<(), Failure> {
-    refuse_what_parts_cannot(args)?;
+/// Renders a single image.
+fn image(args: &RenderArgs) -> Result<(), CliError> {
+    refuse_for_parts(args)?;
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();
-    let picture = args.output.clone().unwrap_or_else(|| default_output(scene_file, args.keep.shard));
-    let ending = Ending::of(&picture, args.keep.shard, args.output_format)?;
-    if is_dash(&picture) && args.keep.resume && args.keep.checkpoint.is_none() {
-        let message = "--resume needs --checkpoint FILE where the picture goes to standard output";
-        return Err(Failure::Usage(message.to_owned()));
+    let shard = args.checkpoint.shard;
+    let path = args.output.clone().unwrap_or_else(|| default_output(scene_file, shard));
+    let kind = OutputKind::of(&path, shard, args.output_format)?;
+    if is_dash(&path) && args.checkpoint.resume && args.checkpoint.checkpoint.is_none() {
+        let message = "--resume requires --checkpoint FILE for an image on standard output";
+        return Err(CliError::Usage(message.to_owned()));
     }
 
     let started = Instant::now();
-    let Input { mut scene, mut files, options: loaded } = input::read(&args.input, Some(&args.picture), console)?;
+    let Input { scene, environment, files, options: loaded } = input::read(&args.input, Some(&args.picture), console)?;
     let load_seconds = started.elapsed().as_secs_f64();
     if args.run.strict {
         input::refuse_warnings(scene_file, &scene.warnings)?;
     }
-    let mut options = overrides::apply(&args.picture, &loaded, &mut scene)?;
-    options.progressive = args.stop.rule(args.picture.spp).is_some() || !args.aov.is_empty();
-    overrides::apply_development(&args.development, &mut scene.film.development);
-    if let (Some(dither), Some(crop)) = (&mut scene.film.development.dither, options.crop) {
-        dither.origin = [crop.x, crop.y];
-    }
-    files.extend(args.picture.env.clone());
+    let rule = args.stop.rule(args.picture.spp);
+    let overrides = Overrides {
+        picture: &args.picture,
+        development: Some(&args.development),
+        environment: environment.as_ref(),
+        memory: loaded.memory.limit(),
+        progressive: rule.is_some() || !args.aov.is_empty(),
+    };
+    let (scene, options) = settings::resolve(scene, overrides)?;
 
-    let output = match ending {
-        Ending::Picture(_) => OutputFile::prepare(&picture, &files)?,
-        Ending::Part => OutputFile::prepare_over_link(&picture, &files)?,
+    let file = match kind {
+        OutputKind::Image(_) => OutputFile::prepare(&path, &files)?,
+        OutputKind::Part => OutputFile::prepare_over_link(&path, &files)?,
     };
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
-    if stats.as_ref().is_some_and(|stats| stats.is_same_file(&output)) {
-        return Err(Failure::Usage("the picture and the statistics cannot go to the same file".to_owned()));
+    if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
+        return Err(CliError::Usage("the image and the statistics cannot go to the same file".to_owned()));
     }
-    let checkpoint = prepare_checkpoint(&args.keep, &output, stats.as_ref(), &files)?;
-    let others: Vec<_> = stats.iter().chain([&output]).chain(&checkpoint).collect();
+    let checkpoint = prepare_checkpoint(&args.checkpoint, &file, stats.as_ref(), &files)?;
+    let others: Vec<_> = stats.iter().chain([&file]).chain(&checkpoint).collect();
     let aovs = AovFile::prepare_all(&args.aov, &files, &others)?;
     let identity = Identity::new(&args.input, &args.picture, &files, &loaded.input_hashes)?;
     let job = Job {
@@ -74,13 +79,14 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
         scene: &scene,
         load_seconds,
         options,
-        result: match ending {
-            Ending::Picture(format) => JobResult::Picture { format, output, aovs },
-            Ending::Part => JobResult::Part(output),
+        checkpoint: Some(CheckpointOptions::new(&args.checkpoint, &file, identity)),
+        fallback_dir: args.checkpoint.fallback.dir.as_deref(),
+        output: match kind {
+            OutputKind::Image(format) => JobOutput::Image { format, file, aovs },
+            OutputKind::Part => JobOutput::Part(file),
         },
         stats,
-        rule: args.stop.rule(args.picture.spp),
-        keep: Some(Keep { args: &args.keep, identity }),
+        rule,
         threads: args.run.threads.unwrap_or(0).into(),
         strict: args.run.strict,
         verbose: args.run.verbose,
@@ -90,71 +96,68 @@ fn picture(args: &RenderArgs) -> Result<(), Failure> {
     job.run()
 }
 
-/// Refuses a checkpoint that would go to the file of something else, which would be removed with it. Where none can be written at
-/// all, the render does without.
+/// Refuses a checkpoint in the place of another file, which would be removed with it. An unwritable path is no error: the render
+/// then has no checkpoint.
 fn prepare_checkpoint(
-    args: &KeepArgs,
+    args: &CheckpointArgs,
     output: &OutputFile,
     stats: Option<&OutputFile>,
     inputs: &[PathBuf],
-) -> Result<Option<OutputFile>, Failure> {
-    if output.is_stdout() && args.checkpoint.is_none() {
-        return Ok(None);
-    }
-    match OutputFile::prepare_over_link(&checkpoints::place(args, output), inputs) {
-        Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => Err(
-            Failure::Usage(format!("the checkpoint and something else would go to {}", checkpoint.path().display())),
-        ),
+) -> Result<Option<OutputFile>, CliError> {
+    let Some(path) = checkpoint::default_path(args, output) else { return Ok(None) };
+    match OutputFile::prepare_over_link(&path, inputs) {
+        Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => {
+            Err(CliError::Usage(format!(
+                "the checkpoint and another output would both go to {}",
+                checkpoint.path().display()
+            )))
+        }
         Ok(checkpoint) => Ok(Some(checkpoint)),
         Err(error @ OutputError::IsInput(_)) => Err(error.into()),
         Err(_) => Ok(None),
     }
 }
 
-/// Refuses options that need all of a picture, where a part of it is rendered.
-fn refuse_what_parts_cannot(args: &RenderArgs) -> Result<(), Failure> {
+/// Refuses options that need the whole image for a part.
+fn refuse_for_parts(args: &RenderArgs) -> Result<(), CliError> {
     let whole = [
         ("--time", args.stop.time.is_some()),
         ("--target-error", args.stop.target_error.is_some()),
         ("--aov", !args.aov.is_empty()),
     ];
-    match whole.into_iter().find(|(_, is_given)| *is_given && args.keep.shard.is_some()) {
+    match whole.into_iter().find(|(_, is_given)| *is_given && args.checkpoint.shard.is_some()) {
         None => Ok(()),
-        Some(("--aov", _)) => Err(Failure::Usage("--aov is for all of a picture: give it to `merge`".to_owned())),
-        Some((option, _)) => Err(Failure::Usage(format!(
-            "{option} cannot be used with --shard, unless that shares out frames (--frames)"
+        Some(("--aov", _)) => Err(CliError::Usage("--aov cannot be used with --shard: give it to `merge`".to_owned())),
+        Some((option, _)) => Err(CliError::Usage(format!(
+            "{option} cannot be used with --shard, except with --frames, which shares out whole frames"
         ))),
     }
 }
 
-/// What the name of a result says of it.
-enum Ending {
-    Picture(ImageFormat),
+enum OutputKind {
+    Image(ImageFormat),
     Part,
 }
 
-impl Ending {
-    fn of(path: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> Result<Self, Failure> {
+impl OutputKind {
+    fn of(path: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> Result<Self, CliError> {
         let is_part = path.extension().is_some_and(|extension| extension == PART) || (shard.is_some() && is_dash(path));
         match (shard, is_part) {
             (Some(_), true) => refuse_terminal(path).map(|()| Self::Part),
-            (None, false) => Ok(Self::Picture(picture_file::chosen_format(path, format)?)),
-            (Some(_), false) => Err(Failure::Usage(format!(
-                "{} is no .part file, which --shard writes; `merge` makes the picture of all parts",
+            (None, false) => Ok(Self::Image(picture_file::chosen_format(path, format)?)),
+            (Some(_), false) => Err(CliError::Usage(format!(
+                "{} is not a .part file, which --shard writes; `merge` joins all parts to an image",
                 path.display()
             ))),
-            (None, true) => Err(Failure::Usage(format!(
-                "{} would be a part of a picture: say which with --shard I/N",
-                path.display()
-            ))),
+            (None, true) => Err(CliError::Usage(format!("{} is a part of an image: add --shard I/N", path.display()))),
         }
     }
 }
 
-/// Ending of the names of parts.
+/// Extension of parts.
 const PART: &str = "part";
 
-/// The scene's name with `.png`, or with the number of the part, in the current folder.
+/// Name of the scene with `.png` or the index of the part, in the current directory.
 fn default_output(scene: &Path, shard: Option<Share>) -> PathBuf {
     let mut name = scene.file_stem().unwrap_or_default().to_owned();
     match shard {
@@ -169,7 +172,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_go_to_the_current_folder_by_default() {
+    fn images_go_to_the_current_directory_by_default() {
         for (scene, picture) in
             [("a/b.ron", "b.png"), ("/x/c.tar.gltf", "c.tar.png"), ("d", "d.png"), ("e.png.ron", "e.png.png")]
         {

@@ -1,11 +1,11 @@
-//! `schema`: what scene files may hold, for editors or for people.
+//! `schema`: JSON Schema or reference page of scene files.
 
 use rt_scene_io::format::{json_schema, reference_page};
 
 use crate::console::print;
-use crate::error::Failure;
+use crate::error::CliError;
 
-pub(super) fn run(markdown: bool) -> Result<(), Failure> {
+pub(super) fn run(markdown: bool) -> Result<(), CliError> {
     let text = if markdown { reference_page() } else { json_schema() };
     print(format_args!("{}\n", text.trim_end()))
 }

@@ -1,4 +1,4 @@
-//! No command at all: a picture, and what to try next.
+//! No command: renders the built-in scene, and prints commands to try next.
 
 use std::env;
 use std::path::Path;
@@ -8,8 +8,8 @@ use rt_scene_io::format::parse_ron;
 use rt_scene_io::{LoadOptions, Scene, resolve};
 
 use crate::console::Console;
-use crate::error::Failure;
-use crate::job::{Job, JobResult};
+use crate::error::CliError;
+use crate::job::{Job, JobOutput};
 use crate::output::OutputFile;
 use crate::picture_file;
 
@@ -18,7 +18,7 @@ const SCENE: &str = include_str!("../../../../scenes/gallery/showcase.ron");
 const SCENE_NAME: &str = "showcase.ron";
 const PICTURE: &str = "showcase.png";
 
-pub(super) fn run() -> Result<(), Failure> {
+pub(super) fn run() -> Result<(), CliError> {
     let console = Console { quiet: false };
     let started = Instant::now();
     let scene = scene()?;
@@ -27,32 +27,33 @@ pub(super) fn run() -> Result<(), Failure> {
         scene: &scene,
         load_seconds: started.elapsed().as_secs_f64(),
         options: rt_render::PlanOptions::default(),
-        result: JobResult::Picture {
+        output: JobOutput::Image {
             format: picture_file::format_of(Path::new(PICTURE))?,
-            output: OutputFile::prepare(Path::new(PICTURE), &[])?,
+            file: OutputFile::prepare(Path::new(PICTURE), &[])?,
             aovs: Vec::new(),
         },
         stats: None,
         rule: None,
-        keep: None,
+        checkpoint: None,
+        fallback_dir: None,
         threads: 0,
         strict: false,
         verbose: false,
         display_server: None,
         console,
     };
-    console.say("rendering a built-in scene; `--help` lists what else there is")?;
+    console.println("rendering a built-in scene; --help lists all commands")?;
     job.run()?;
-    console.say(next_steps())
+    console.println(next_steps())
 }
 
-fn scene() -> Result<Scene, Failure> {
+fn scene() -> Result<Scene, CliError> {
     let name = Path::new(SCENE_NAME);
     Ok(resolve(&parse_ron(SCENE, name)?, name, &LoadOptions::default())?)
 }
 
 fn next_steps() -> String {
-    // Cargo tells the programs that it runs.
+    // Cargo sets this variable for programs that it runs.
     let program = if env::var_os("CARGO").is_some() { "cargo run -p rt-cli --" } else { "rt-cli" };
     format!(
         "\ntry next\n  \

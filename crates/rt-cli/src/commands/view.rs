@@ -29,9 +29,9 @@ use rt_scene_io::Scene;
 
 use crate::args::BrowserArgs;
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::input::{self, Input};
-use crate::overrides;
+use crate::settings::{self, Overrides};
 
 use access::Access;
 use camera_controller::CameraController;
@@ -40,31 +40,37 @@ use render_thread::Renderer;
 use routes::Session;
 use shared_state::{SharedState, State, View};
 
-pub(super) fn run(args: &BrowserArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
     refuse_what_is_for_render(args)?;
-    let Input { mut scene, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
+    let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
     let of_scene = scene.film.development;
-    let mut options = overrides::apply(&args.picture, &loaded, &mut scene)?;
-    options.progressive = true;
+    let overrides = Overrides {
+        picture: &args.picture,
+        development: None,
+        environment: environment.as_ref(),
+        memory: loaded.memory.limit(),
+        progressive: true,
+    };
+    let (mut scene, options) = settings::resolve(scene, overrides)?;
     let mut developments = [of_scene, Development { encoding: of_scene.encoding, ..Development::default() }];
     developments[usize::from(!scene.settings.integrator.follows_light())] = scene.film.development;
-    developments.iter_mut().for_each(|development| overrides::apply_development(&args.development, development));
+    developments.iter_mut().for_each(|development| settings::apply_development(&args.development, development));
     // All pixels are sampled alike, pass after pass.
     (scene.settings.adaptive, scene.settings.passes) = (None, None);
-    let mut plan = RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
-    input::say_notes(&scene, console)?;
+    let mut plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
+    input::print_notes(&scene, console)?;
 
     let named = &scene.cameras[options.camera];
     let controller = CameraController::new(named.settings, distance_to_target(&scene, &named.settings, &plan))
-        .ok_or_else(|| Failure::Usage(format!("camera '{}' has no direction to move in", named.name)))?;
+        .ok_or_else(|| CliError::Usage(format!("camera '{}' has no direction to move in", named.name)))?;
     let size = [scene.film.width, scene.film.height];
     let (mut integrator, spp) = (scene.settings.integrator, scene.settings.spp);
     let view = View { number: 0, camera: named.settings, size, integrator, max_spp: spp };
     let medium = named.medium.and_then(|medium| scene.appearance.materials.get(medium.0 as usize));
     let medium = medium.map(|medium| medium.name.clone());
 
-    let failed = |error: std::io::Error| Failure::Server(SocketAddr::new(args.bind, args.port), error);
+    let failed = |error: std::io::Error| CliError::Server(SocketAddr::new(args.bind, args.port), error);
     let listener = TcpListener::bind((args.bind, args.port)).map_err(failed)?;
     let address = listener.local_addr().map_err(failed)?;
     let access = Access::new(address.ip()).map_err(failed)?;
@@ -78,7 +84,7 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), Failure> {
             args.bind
         ));
     }
-    console.say(format_args!("view of {} at {url}\nCtrl-C ends it", scene.name))?;
+    console.println(format_args!("view of {} at {url}\nCtrl-C ends it", scene.name))?;
     thread::spawn({
         let session = Arc::clone(&session);
         move || server::serve(&listener, &session)
@@ -105,23 +111,23 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), Failure> {
                 session.shared.show(|state| state.message = Some(message));
                 scene.settings.integrator = before;
                 plan =
-                    RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
+                    RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
             }
         }
     }
 }
 
 /// Refuses options of `render` that have no meaning here.
-fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), Failure> {
+fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), CliError> {
     let picture = &args.picture;
     let given = [
         ("--crop", picture.crop.is_some()),
         ("--passes", picture.passes.is_some()),
         ("--adaptive", picture.adaptive.is_some()),
-        ("--least", picture.least.is_some()),
+        ("--min-spp", picture.min_spp.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => Err(Failure::Usage(format!(
+        Some((option, _)) => Err(CliError::Usage(format!(
             "{option} is for `render`: `view` shows the whole image, all pixels sampled alike"
         ))),
         None => Ok(()),

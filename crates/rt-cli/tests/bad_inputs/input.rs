@@ -1,4 +1,4 @@
-//! One bad input, and what the program must make of it.
+//! Bad input and its expected outcome.
 
 use std::{
     fs::{self, File},
@@ -15,7 +15,7 @@ const MAX_SECONDS: f64 = 1.0;
 /// Greatest memory of a run.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// A file that is not as it should be, with those beside it.
+/// Bad input file with its companions.
 pub(crate) struct Input {
     name: String,
     files: Vec<(String, Content)>,
@@ -57,10 +57,10 @@ enum Outcome {
     Shown(&'static [&'static str]),
 }
 
-/// What a run did.
+/// Result of a run.
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
-    /// What it printed to standard error, and its notes.
+    /// Standard error and notes.
     pub(crate) said: String,
     seconds: f64,
     bytes: u64,
@@ -97,7 +97,7 @@ impl Input {
         Self::of(name, Some(prepare))
     }
 
-    /// Another file beside it.
+    /// Adds a companion file.
     pub(crate) fn beside(mut self, name: &str, content: impl AsRef<[u8]>) -> Self {
         self.files.push((name.to_owned(), Content::short(content.as_ref())));
         self

@@ -1,4 +1,4 @@
-//! Scene files that say what cannot be.
+//! Invalid scene files.
 
 use std::fmt::Write;
 
@@ -255,7 +255,7 @@ pub(crate) fn no_camera_and_no_lights() -> Vec<Input> {
     vec![Input::node("shape: sphere()").shown(&["note: The camera has no place", "note: There are no lights"])]
 }
 
-/// What people write who come from other programs, or from another notation. All of them: `rt-scene-io/tests/friendly.rs`.
+/// Notations of other programs. `rt-scene-io/tests/friendly.rs` has all of them.
 pub(crate) fn first_mistakes() -> Vec<Input> {
     let camera = |fields: &str| with(&format!("camera: ({fields})"));
     let json = |text: &str| Input::file("scene.json", text);

@@ -1,4 +1,4 @@
-//! Files and references as a disk holds them.
+//! Files and references on disk.
 
 use std::{
     fs::{self, Permissions},
@@ -21,7 +21,7 @@ pub(crate) fn directory() -> Vec<Input> {
 }
 
 pub(crate) fn unreadable_file() -> Vec<Input> {
-    // Whoever may read everything gets an error from this one as well: nothing is mapped at its beginning.
+    // Unreadable even for root: nothing is mapped at its beginning.
     let memory = |folder: &Path| symlink("/proc/self/mem", folder.join("scene.ron")).expect("a link");
     let lock = |folder: &Path| {
         let path = folder.join("scene.ron");

@@ -99,7 +99,7 @@ fn names_that_frames_would_share_are_refused() {
         ("-o out-#.png --aov samples=n.pfm", "n.pfm"),
     ] {
         let run = place.run(&format!("render flight.ron --frames 0..1 {options}"));
-        let message = format!("all frames would be written to {name}: write #### where the number of the frame goes");
+        let message = format!("all frames would be written to {name}: put #### in place of the frame number");
         assert!(run.code == Some(2) && run.stderr.contains(&message), "{run:?}");
     }
     for options in
@@ -139,12 +139,12 @@ fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
     for other in ["--seed 7", "--shutter 0,1", "--size 8x8", "--target-error 50%", "--exposure 1"] {
         let run = render(&format!("--frames 0..3 --resume {other}"));
         assert_eq!(run.code, Some(3), "{other}: {run:?}");
-        assert!(run.stderr.contains("out-#.pfm.frames.json: is of another picture"), "{run:?}");
+        assert!(run.stderr.contains("out-#.pfm.frames.json: is of another image"), "{run:?}");
     }
     assert!(place.read("out-1.pfm") == first, "nothing was touched");
     assert_eq!(done(&render("--frames 0..3 --seed 7 --restart")), [false; 4]);
     assert!(place.read("out-1.pfm") != first);
-    // Files that were not asked for before are made now; frames of other runs stay known.
+    // New outputs are written; frames of other runs stay in the log.
     assert_eq!(done(&render("--frames 2..3 --seed 7 --resume --aov samples=n-#.pfm")), [false; 2]);
     assert_eq!(done(&render("--frames 2..3 --seed 7 --resume --aov samples=n-#.pfm")), [true; 2]);
     assert_eq!(done(&render("--frames 4..5 --seed 7")), [false; 2]);

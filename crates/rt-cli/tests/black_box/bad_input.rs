@@ -155,21 +155,24 @@ fn wrong_usage_ends_with_code_2() {
             ("error of a fixed pattern", GOOD, "render scene.ron --target-error 1% --sampler centre"),
             ("edges of a random picture", GOOD, "render scene.ron --adaptive object-space --integrator path"),
             ("edges until it is time", GOOD, "render scene.ron --adaptive object-space --time 10s"),
-            ("least of all the same", GOOD, "render scene.ron --least 4"),
+            ("minimum without adaptive sampling", GOOD, "render scene.ron --min-spp 4"),
             ("stages without an error", GOOD, "render scene.ron --two-stage"),
             ("no passes", GOOD, "render scene.ron --passes 0"),
             ("no such AOV", GOOD, "render scene.ron --aov albedo=a.exr"),
-            ("variance of one pass", GOOD, "render scene.ron --aov variance=a.exr"),
+            ("standard error of one pass", GOOD, "render scene.ron --aov stderr=a.exr"),
             ("two AOVs in one", GOOD, "render scene.ron --aov samples=a.exr --aov samples=./a.exr"),
             ("NaN", GOOD, "render scene.ron --look-from 0,nan,0"),
             ("along up", GOOD, "render scene.ron --look-from 0,5,0 --look-at 0,0,0"),
+            ("no such color", GOOD, "render scene.ron --background blakc"),
+            ("no color", GOOD, "render scene.ron --background #12"),
+            ("animation without a time", GOOD, "render scene.ron --animation walk"),
             ("no such camera", GOOD, "render scene.ron --camera camara"),
             ("no field of view", flat, "render scene.ron --fov 30"),
             ("crop outside", GOOD, "render scene.ron --crop 4,4,5,4"),
             ("no such format", GOOD, "render scene.ron -o a.tiff"),
             ("no alpha", GOOD, "render scene.ron -o older.jpg --background transparent"),
             ("two in one", GOOD, "render scene.ron -o older.png --stats ./older.png"),
-            ("no such root", GOOD, "render scene.ron --root missing"),
+            ("no such root", GOOD, "render scene.ron --asset-root missing"),
             ("developed twice", GOOD, "develop older.png -o a.exr"),
         ],
     );
@@ -185,7 +188,7 @@ fn warnings_are_errors_under_strict() {
     assert!(lenient.stderr.starts_with("warning: m.obj"), "{lenient:?}");
     let strict = place.run("render m.obj --size 8x8 --strict -o strict.png");
     assert_eq!(strict.code, Some(3), "{strict:?}");
-    assert!(strict.stderr.contains("error: m.obj: 1 warning; mend the scene"), "{strict:?}");
+    assert!(strict.stderr.contains("error: m.obj: 1 warning; fix the scene"), "{strict:?}");
     for (command, output) in [("explain m.obj", ""), ("convert m.obj", " -o m.ron")] {
         let strict = place.run(&format!("{command} --strict{output}"));
         assert_eq!((strict.code, strict.stdout.as_str()), (Some(3), ""), "{strict:?}");

@@ -1,11 +1,10 @@
-//! Completions in the shells that are there.
+//! Completions in the installed shells.
 
-use std::io::{Write as _, stdout};
 use std::process::Command;
 
 use crate::program::Workplace;
 
-/// What bash offers for the last of these words, after `source`ing the script.
+/// Completions that bash offers for the last of these words.
 fn offers(place: &Workplace, words: &str) -> Option<Vec<String>> {
     let script = r#"
         source completions.bash || exit 3
@@ -21,9 +20,7 @@ fn offers(place: &Workplace, words: &str) -> Option<Vec<String>> {
     Some(String::from_utf8_lossy(&run.stdout).lines().map(str::to_owned).collect())
 }
 
-/// The generator of the script took the hyphen in the program's name for the end of a command: no option of any was offered.
 #[test]
-#[allow(clippy::print_stdout, reason = "a skipped test says so")]
 fn bash_completes_commands_and_their_options() {
     let place = Workplace::new();
     place.write("completions.bash", place.succeed("completions bash").stdout);
@@ -41,15 +38,13 @@ fn bash_completes_commands_and_their_options() {
         ("rt-cli scene.ron --sp", "--spp"),
     ] {
         let Some(offers) = offers(&place, words) else {
-            let _ = writeln!(stdout(), "skipped: there is no bash");
-            return;
+            return rt_tests::skip("there is no bash");
         };
         assert!(offers.iter().any(|offer| offer == expected), "{words}: {offers:?}");
     }
 }
 
 #[test]
-#[allow(clippy::print_stdout, reason = "a skipped test says so")]
 fn other_shells_read_their_scripts() {
     let place = Workplace::new();
     for (shell, check) in [("zsh", "-n"), ("fish", "--no-execute")] {
@@ -58,7 +53,7 @@ fn other_shells_read_their_scripts() {
         place.write("script", script);
         match Command::new(shell).args([check, "script"]).current_dir(place.path("")).output() {
             Ok(run) => assert!(run.status.success(), "{shell}: {run:?}"),
-            Err(_) => drop(writeln!(stdout(), "skipped: there is no {shell}")),
+            Err(_) => rt_tests::skip(format_args!("there is no {shell}")),
         }
     }
 }

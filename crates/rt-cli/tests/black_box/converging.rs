@@ -1,4 +1,4 @@
-//! Error against run time.
+//! `converge`: error against run time.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::program::{Run, Workplace};
 
-/// An edge, and an area that fades: half of the pixels have noise.
+/// Edges and a smooth area: half of the pixels are noisy.
 const SCENE: &str = r#"(
     camera: (look_from: (0, 0, 6), look_at: (0, 0, 0), fov: 30),
     film: (size: (16, 12)),
@@ -20,7 +20,7 @@ const SCENE: &str = r#"(
     ],
 )"#;
 
-/// The lower half of the picture is white: its mean is 1/2, but no pixel is.
+/// Image whose lower half is white: the mean is 1/2.
 const HALF: &str = r#"(
     camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), orthographic: 2),
     film: (size: (5, 5)),
@@ -37,10 +37,10 @@ fn place() -> Workplace {
     place
 }
 
-/// The JSON file of a run that succeeds.
+/// JSON report of a successful run.
 fn json(place: &Workplace, arguments: &str) -> Value {
     place.succeed(&format!("converge {arguments} -o out"));
-    serde_json::from_slice(&place.read("out/converge.json")).expect("JSON")
+    place.json("out/converge.json")
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn slopes_are_those_of_the_samplers() {
 }
 
 #[test]
-fn the_page_needs_nothing_else_and_all_files_are_there() {
+fn the_page_is_self_contained_and_all_files_are_written() {
     let place = place();
     let run = place.succeed("converge edge.ron --vary sampler=random,sobol --spp 1..4 --seeds 2");
     assert!(run.stdout.ends_with("wrote edge-converge\n"), "{run:?}");
@@ -122,7 +122,7 @@ fn a_truth_is_measured_against() {
     // Another view is not that of the truth.
     let report = json(&place, "half.ron --spp 1 --seeds 2 --crop 0,0,2,2 --quiet");
     assert_eq!(report["against"], "split");
-    let report = json(&place, "half.ron --spp 1 --seeds 2 --against split --quiet");
+    let report = json(&place, "half.ron --spp 1 --seeds 2 --reference-kind split --quiet");
     assert_eq!(report["against"], "split");
 }
 
@@ -147,7 +147,7 @@ fn a_reference_is_measured_against() {
 }
 
 #[test]
-fn numbers_are_the_same_in_every_run_but_for_times() {
+fn results_are_reproducible_except_times() {
     let place = place();
     let errors = |arguments: &str| {
         let report = json(&place, &format!("edge.ron --vary accel=bvh,linear --spp 1,4 --seeds 2 --quiet {arguments}"));
@@ -166,22 +166,19 @@ fn numbers_are_the_same_in_every_run_but_for_times() {
 }
 
 #[test]
-fn the_time_ends_between_renders_and_says_what_is_left_out() {
+fn the_time_limit_reports_skipped_sample_counts() {
     let place = place();
     let started = std::time::Instant::now();
     let run = place.succeed("converge edge.ron --spp 1..1073741824 --seeds 2 --time 3s -o out");
     assert!(started.elapsed().as_secs_f64() < 30.0, "{run:?}");
-    assert!(
-        run.stdout.contains("the time did not suffice for ") && run.stdout.contains("1073741824 samples"),
-        "{run:?}"
-    );
-    let report: Value = serde_json::from_slice(&place.read("out/converge.json")).expect("JSON");
+    assert!(run.stdout.contains("the time limit left out ") && run.stdout.contains("1073741824 samples"), "{run:?}");
+    let report = place.json("out/converge.json");
     let points = report["methods"][0]["points"].as_array().expect("a list").len();
     let left_out = report["left_out"].as_array().expect("a list").len();
     assert!(points > 0 && points + left_out == 31, "{points} {left_out}");
 }
 
-/// The report with everything replaced that depends on the machine: times, and what follows from them.
+/// Report without values that depend on times.
 fn without_times(run: &Run) -> String {
     let mut text = String::new();
     for line in run.stdout.lines().filter(|line| !line.contains("rustc")) {
@@ -199,14 +196,14 @@ fn without_times(run: &Run) -> String {
 }
 
 #[test]
-fn the_tables_are_for_people() {
+fn tables_have_this_shape() {
     let run =
         place().succeed("converge edge.ron --vary sampler=random,sobol --vary depth=0,1 --spp 1,4,16 --threads 2");
     insta::assert_snapshot!("tables", without_times(&run));
 }
 
 #[test]
-fn what_cannot_be_measured_is_refused_before_anything_is_rendered() {
+fn invalid_experiments_are_refused_before_rendering() {
     let place = place();
     place.write("broken.ron", "(nodes: [(shape: sphere(radius: -1))])");
     place.write("text.exr", "hello");
@@ -216,34 +213,29 @@ fn what_cannot_be_measured_is_refused_before_anything_is_rendered() {
     rt_image::write_image(&small, &rt_image::Development::default(), rt_image::ImageFormat::Exr, &mut bytes)
         .expect("EXR");
     place.write("small.exr", bytes);
-    let before = place.files();
-    let mut said = String::new();
-    for (code, arguments) in [
-        (2, "edge.ron --vary sampelr=random"),
-        (2, "edge.ron --vary sampler=random,jitered"),
-        (2, "edge.ron --vary size=4x4,8x8"),
-        (2, "edge.ron --vary sampler=random --vary sampler=sobol"),
-        (2, "edge.ron --vary sampler=random --sampler sobol"),
-        (2, "edge.ron --spp 8..4"),
-        (2, "edge.ron --seeds 1"),
-        (2, "edge.ron --against truth"),
-        (2, "edge.ron --against reference"),
-        (2, "edge.ron --error-goal 0"),
-        (2, "edge.ron --time soon"),
-        (2, "edge.ron --crop 10,10,10,10"),
-        (3, "missing.ron"),
-        (3, "broken.ron"),
-        (3, "edge.ron --reference missing.exr"),
-        (3, "edge.ron --reference text.exr"),
-        (3, "edge.ron --reference small.exr"),
-        (4, "edge.ron -o file"),
-        (4, "edge.ron -o missing/out"),
-    ] {
-        let run = place.run(&format!("converge {arguments}"));
-        assert_eq!((run.code, run.stdout.as_str()), (Some(code), ""), "{arguments}: {run:?}");
-        let message = run.stderr.split("\n\n").next().unwrap_or_default();
-        writeln!(said, "# {arguments}\n{code}: {}\n", message.trim_end()).expect("memory");
-    }
-    assert_eq!(place.files(), before);
+    let said = place.refusals(
+        "converge",
+        &[
+            (2, "edge.ron --vary sampelr=random"),
+            (2, "edge.ron --vary sampler=random,jitered"),
+            (2, "edge.ron --vary size=4x4,8x8"),
+            (2, "edge.ron --vary sampler=random --vary sampler=sobol"),
+            (2, "edge.ron --vary sampler=random --sampler sobol"),
+            (2, "edge.ron --spp 8..4"),
+            (2, "edge.ron --seeds 1"),
+            (2, "edge.ron --reference-kind truth"),
+            (2, "edge.ron --reference-kind reference"),
+            (2, "edge.ron --target-rmse 0"),
+            (2, "edge.ron --time soon"),
+            (2, "edge.ron --crop 10,10,10,10"),
+            (3, "missing.ron"),
+            (3, "broken.ron"),
+            (3, "edge.ron --reference missing.exr"),
+            (3, "edge.ron --reference text.exr"),
+            (3, "edge.ron --reference small.exr"),
+            (4, "edge.ron -o file"),
+            (4, "edge.ron -o missing/out"),
+        ],
+    );
     insta::assert_snapshot!("refused", said);
 }

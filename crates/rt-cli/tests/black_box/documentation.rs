@@ -15,6 +15,21 @@ fn help() {
 }
 
 #[test]
+fn help_is_a_command_as_well() {
+    let place = Workplace::new();
+    for command in ["render", "explain"] {
+        let help = place.succeed(&format!("{command} --help")).stdout;
+        assert_eq!(place.succeed(&format!("help {command}")).stdout, help);
+        // Hidden older spellings are not shown.
+        for old in ["--least", "--quality", "--root", "--fallback <", "variance=", "caustics,", "wide,"] {
+            assert!(!help.contains(&format!(" {old}")), "{old}");
+        }
+    }
+    assert_eq!(place.succeed("help").stdout, place.succeed("--help").stdout);
+    assert_eq!(place.run("help rendr").code, Some(2));
+}
+
+#[test]
 fn a_plan_is_explained() {
     let place = Workplace::with_scene();
     let run = place.succeed("explain scene.ron --accel grid");

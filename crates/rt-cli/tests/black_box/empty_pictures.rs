@@ -24,12 +24,12 @@ fn a_camera_that_looks_away_is_told() {
         let run = render(&away, options);
         let [warning] = warnings(&run)[..] else { panic!("{options}: {run:?}") };
         assert!(
-            warning.contains("no camera ray meets an object") && warning.contains("--look-at 0.0000,0.0000,0.0000"),
+            warning.contains("no camera ray hits an object") && warning.contains("--look-at 0.0000,0.0000,0.0000"),
             "{run:?}"
         );
         assert_eq!(run.code, Some(0));
         let strict = render(&away, &format!("{options} --strict"));
-        assert!(strict.code == Some(5) && strict.stderr.contains("the picture was written to a.png"), "{strict:?}");
+        assert!(strict.code == Some(5) && strict.stderr.contains("the image was written to a.png"), "{strict:?}");
     }
     // A part of an image may well show nothing, and the cost of nothing is worth a picture.
     for options in ["--crop 0,0,2,2", "--integrator cost"] {
@@ -41,7 +41,7 @@ fn a_camera_that_looks_away_is_told() {
 fn a_scene_without_objects_is_told() {
     let run = render("(nodes: [])", "");
     let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
-    assert!(warning.contains("the scene has none"), "{run:?}");
+    assert!(warning.contains("the scene has no objects"), "{run:?}");
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn a_scene_without_light_is_told_before_it_is_rendered() {
     for integrator in ["whitted", "path", "direct"] {
         let run = render(&dark, &format!("--integrator {integrator}"));
         let [warning] = warnings(&run)[..] else { panic!("{integrator}: {run:?}") };
-        assert!(warning.contains("nothing in the scene gives light"), "{run:?}");
+        assert!(warning.contains("the scene has no light"), "{run:?}");
         assert_eq!(run.code, Some(0));
         assert_eq!(render(&dark, &format!("--integrator {integrator} --strict")).code, Some(3));
     }
@@ -72,7 +72,7 @@ fn a_black_picture_of_a_lit_scene_is_told() {
     );
     let run = render(&behind, "");
     let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
-    assert!(warning.contains("the picture is black: no light reaches what the camera sees"), "{run:?}");
+    assert!(warning.contains("the image is black: no light reaches the visible surfaces"), "{run:?}");
     let lit = behind.replace("(0, 0, -5)", "(0, 0, 5)");
     assert!(warnings(&render(&lit, "")).is_empty());
     let run = render(&lit, "--exposure -30");

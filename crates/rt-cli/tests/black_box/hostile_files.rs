@@ -1,8 +1,8 @@
-//! Checkpoints, parts and frame logs that somebody has made on purpose, and links in the way of them.
+//! Crafted checkpoints, parts and frame logs, and links of their names.
 
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use rt_render::Part;
@@ -16,7 +16,7 @@ const MAGIC: usize = b"rt-cli kept 1\n".len();
 
 const HASH: usize = blake3::OUT_LEN;
 
-/// A part of the scene, and a file of a label, content and hash.
+/// Part file: label, content and hash.
 struct PartFile {
     label: Vec<u8>,
     part: Value,
@@ -33,9 +33,9 @@ impl PartFile {
         Self { label: content[..at].to_vec(), part: serde_json::to_value(part).expect("numbers") }
     }
 
-    /// The bytes of the part with a number of it, which had so many bytes, replaced by others.
+    /// File with a number of the part replaced.
     fn with(&self, number: &str, value: u64) -> Vec<u8> {
-        // A number that no other has marks its place.
+        // A unique number marks the position.
         const MARK: u64 = 0x7A11_7A11_7A11;
         let mut part = self.part.clone();
         *part.pointer_mut(number).unwrap_or_else(|| panic!("{number}")) = MARK.into();
@@ -64,7 +64,7 @@ fn with_parts() -> Workplace {
 }
 
 #[test]
-fn merging_a_crafted_part_overflowed() {
+fn crafted_parts_are_refused() {
     let place = with_parts();
     let part = PartFile::read(&place.read("1.part"));
     assert_eq!(
@@ -86,7 +86,7 @@ fn merging_a_crafted_part_overflowed() {
             for order in ["crafted.part 2.part", "2.part crafted.part"] {
                 let run = place.run(&format!("merge {order} -o scene.exr"));
                 assert_eq!(run.code, Some(3), "{number} = {value}: {run:?}");
-                let is_told = run.stderr.contains("crafted.part: is no sound part of a picture: the number of");
+                let is_told = run.stderr.contains("crafted.part: is not a valid part of an image: the number of");
                 assert!(is_told && run.stderr.lines().count() == 1, "{number} = {value}: {run:?}");
                 assert!(!place.path("scene.exr").exists());
             }
@@ -97,10 +97,10 @@ fn merging_a_crafted_part_overflowed() {
     place.succeed("merge crafted.part 2.part -o scene.exr");
 }
 
-/// Runs a command that must end at once, whatever it is given.
+/// Runs a command that must end at once.
 fn at_once(place: &Workplace, arguments: &str) -> Run {
     let started = Instant::now();
-    let mut child = place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut child = place.spawn(arguments);
     while child.try_wait().expect("it can be asked").is_none() {
         if started.elapsed() > Duration::from_secs(20) {
             child.kill().expect("it runs");
@@ -108,13 +108,11 @@ fn at_once(place: &Workplace, arguments: &str) -> Run {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    let output = child.wait_with_output().expect("it ended");
-    let text = |bytes| String::from_utf8(bytes).expect("text");
-    Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    Run::end(child)
 }
 
 #[test]
-fn pipes_and_devices_were_waited_for() {
+fn pipes_and_devices_do_not_block() {
     let place = with_parts();
     assert!(Command::new("mkfifo").arg(place.path("pipe")).status().expect("mkfifo").success());
     fs::create_dir(place.path("folder")).expect("created");
@@ -156,7 +154,7 @@ fn pipes_and_devices_were_waited_for() {
 }
 
 #[test]
-fn links_in_the_way_of_checkpoints_parts_and_frame_logs_were_followed() {
+fn links_named_like_checkpoints_parts_and_frame_logs_are_not_followed() {
     let place = Workplace::with_scene();
     place.write("precious", "precious");
     let names = [
@@ -194,7 +192,7 @@ fn links_in_the_way_of_checkpoints_parts_and_frame_logs_were_followed() {
 }
 
 #[test]
-fn runs_that_overlapped_lost_frames_of_their_log() {
+fn overlapping_runs_log_all_frames() {
     let place = Workplace::with_scene();
     let render = |frames: &str| {
         let arguments = format!("render scene.ron --size 4x4 --spp 1 --frames {frames} -o out-##.pfm --quiet");
@@ -204,7 +202,7 @@ fn runs_that_overlapped_lost_frames_of_their_log() {
     for mut run in runs {
         assert_eq!(run.wait().expect("it ended").code(), Some(0));
     }
-    let log: Value = serde_json::from_slice(&place.read("out-##.pfm.frames.json")).expect("a log");
+    let log = place.json("out-##.pfm.frames.json");
     let frames = log["frames"].as_object().expect("frames");
     let missing: Vec<_> = (0..60).filter(|frame| !frames.contains_key(&frame.to_string())).collect();
     assert!(missing.is_empty(), "{missing:?} are missing");

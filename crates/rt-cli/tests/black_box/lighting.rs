@@ -1,4 +1,4 @@
-//! Units of lamps, studio lights, and integrators of bare models.
+//! Units of lights, studio lights, and integrators of bare models.
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 use std::fmt::Write;
@@ -8,9 +8,9 @@ use rt_math::{Rgb, transcendental::sincos};
 
 use crate::program::{Run, Workplace};
 
-const FOLLOWING_LIGHT: [&str; 5] = ["path", "direct", "distributed", "caustics", "whitted"];
+const LIGHT_TRANSPORT: [&str; 5] = ["path", "direct", "distributed", "caustics", "whitted"];
 
-/// A document of one square of side 20 that faces +y, with this material and further members of the top level, seen from above.
+/// glTF file of a square of side 20 that faces +y, seen from above.
 fn floor(material: &str, more: &str) -> String {
     let corners = [[-10.0f32, 0.0, 10.0], [10.0, 0.0, 10.0], [10.0, 0.0, -10.0], [-10.0, 0.0, -10.0]];
     let floats: Vec<u8> = corners.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
@@ -31,13 +31,13 @@ fn floor(material: &str, more: &str) -> String {
 
 const CAMERA: &str = r#"{"camera": 0, "translation": [0, 5, 0], "rotation": [-0.70710678, 0, 0, 0.70710678]}"#;
 
-/// The floor, without a light.
+/// Floor without a light.
 fn unlit_floor(material: &str) -> String {
     let nodes = format!(r#""nodes": [{{"mesh": 0}}, {CAMERA}], "scenes": [{{"nodes": [0, 1]}}]"#);
     floor(material, &nodes)
 }
 
-/// The floor, and a light of 1 cd at a height of 1 above the point that is seen.
+/// Floor with a light of 1 cd at height 1 above the visible point.
 fn lit_floor(material: &str, extensions: &str) -> String {
     let more = format!(
         r#""extensionsUsed": ["KHR_lights_punctual", {extensions}],
@@ -51,7 +51,7 @@ fn lit_floor(material: &str, extensions: &str) -> String {
 const WHITE: &str = r#"{"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1},
     "extensions": {"KHR_materials_specular": {"specularFactor": 0}}}"#;
 
-/// A ball of Lambert's law and this albedo as an OBJ file with normals.
+/// Sphere as an OBJ file with normals.
 fn ball() -> String {
     let mut text = "mtllib m.mtl\nusemtl m\n".to_owned();
     let (rows, columns) = (32, 64);
@@ -75,6 +75,11 @@ fn ball() -> String {
     text
 }
 
+/// HDR image of one pixel: mantissas in 256ths, and an exponent above 128.
+fn sky(rgbe: [u8; 4]) -> Vec<u8> {
+    [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &rgbe].concat()
+}
+
 fn mean(place: &Workplace, arguments: &str) -> Rgb {
     place.succeed(&format!("render {arguments} -o out.exr -q"));
     let film = place.film("out.exr");
@@ -87,10 +92,10 @@ fn notes(run: &Run, of: &str) -> Vec<String> {
 }
 
 #[test]
-fn gltf_lamps_were_pi_times_too_bright() {
+fn gltf_lights_have_physical_units() {
     let place = Workplace::new();
     place.write("m.gltf", lit_floor(WHITE, r#""KHR_materials_specular""#));
-    for integrator in FOLLOWING_LIGHT {
+    for integrator in LIGHT_TRANSPORT {
         let arguments = format!("m.gltf --size 4x4 --spp 4 --integrator {integrator}");
         let seen = mean(&place, &arguments).r;
         assert!((seen - FRAC_1_PI).abs() < 1e-4, "{integrator}: {seen}, not 1/pi");
@@ -103,13 +108,11 @@ fn gltf_lamps_were_pi_times_too_bright() {
 }
 
 #[test]
-fn scenes_with_an_image_around_them_were_lit_twice() {
+fn environment_images_replace_studio_lights() {
     let place = Workplace::new();
     place.write("m.gltf", unlit_floor(WHITE));
     place.write("m.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n");
-    // One pixel: the exponent 128 stands for mantissas of 256ths, here 128.
-    let sky = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[128, 64, 32, 128]].concat();
-    place.write("sky.hdr", sky);
+    place.write("sky.hdr", sky([128, 64, 32, 128]));
     for model in ["m.gltf", "m.obj"] {
         let run = place.succeed(&format!("explain {model} --env sky.hdr"));
         assert!(run.stdout.contains("0 lights, 0 casting shadows"), "{model}: {run:?}");
@@ -158,7 +161,7 @@ fn a_white_surface_shows_its_albedo_under_every_integrator() {
     );
     for mtl in ["newmtl m\nKd 0.8 0.8 0.8\nillum 1\n", "newmtl m\nKd 0.8 0.8 0.8\nPr 1\nPm 0\n"] {
         place.write("m.mtl", mtl);
-        for integrator in FOLLOWING_LIGHT {
+        for integrator in LIGHT_TRANSPORT {
             for model in ["m.obj", "scene.ron"] {
                 place.succeed(&format!("render {model} --integrator {integrator} --size 32x32 --spp 64 -o out.exr -q"));
                 let film = place.film("out.exr");
@@ -172,14 +175,14 @@ fn a_white_surface_shows_its_albedo_under_every_integrator() {
             }
         }
     }
-    for integrator in FOLLOWING_LIGHT {
+    for integrator in LIGHT_TRANSPORT {
         let seen = mean(&place, &format!("wall.gltf --integrator {integrator} --size 4x4 --spp 1024"));
         assert!([seen.r, seen.g, seen.b].iter().all(|c| (c - 0.8).abs() < 0.1), "{integrator}: {seen:?}");
     }
 }
 
 #[test]
-fn bare_models_of_physical_materials_were_shown_as_phong() {
+fn bare_models_of_physical_materials_are_path_traced() {
     let place = Workplace::new();
     place.write("m.gltf", unlit_floor(WHITE));
     place.write("pbr.obj", "mtllib pbr.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
@@ -200,7 +203,7 @@ fn bare_models_of_physical_materials_were_shown_as_phong() {
 }
 
 #[test]
-fn convert_wrote_phong_for_physical_materials() {
+fn convert_keeps_physical_materials() {
     let place = Workplace::new();
     let metal = r#"{"name": "gold", "pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.6, 0.2, 1], "metallicFactor": 1, "roughnessFactor": 0.25},
         "emissiveFactor": [0.1, 0, 0], "doubleSided": true}"#;
@@ -223,16 +226,13 @@ fn convert_wrote_phong_for_physical_materials() {
 }
 
 #[test]
-fn lamps_are_exposed_for_what_they_light() {
+fn exposure_suits_the_lights() {
     let place = Workplace::new();
     place.write("m.gltf", lit_floor(WHITE, r#""KHR_materials_specular""#));
-    place.write(
-        "sky.hdr",
-        [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[128, 64, 32, 128]].concat(),
-    );
+    place.write("sky.hdr", sky([128, 64, 32, 128]));
     let run = place.succeed("render m.gltf --size 8x8 --spp 1 -o out.png");
     assert_eq!(notes(&run, "lx; exposure").len(), 1, "{run:?}");
-    // Beside an image of radiance about 1 faint lamps do not decide.
+    // An environment of radiance about 1 outweighs faint lights.
     let run = place.succeed("render m.gltf --size 8x8 --spp 1 --env sky.hdr -o out.png");
     assert!(notes(&run, "lx; exposure -0.0").len() == 1 || notes(&run, "lx; exposure 0 ").len() == 1, "{run:?}");
     let run = place.succeed("explain m.gltf");
@@ -240,7 +240,7 @@ fn lamps_are_exposed_for_what_they_light() {
 }
 
 #[test]
-fn suns_without_shadows_reached_nothing_in_absorbing_water() {
+fn suns_without_shadows_reach_absorbing_water() {
     let place = Workplace::new();
     let scene = r#"(
         camera: (look_from: (0, 3, 0), look_at: (0, 0, 0), up: (0, 0, -1), orthographic: 1, medium: "sea"),
@@ -264,7 +264,7 @@ fn suns_without_shadows_reached_nothing_in_absorbing_water() {
 }
 
 #[test]
-fn layered_materials_before_a_background_were_lit_twice_under_distributed() {
+fn layered_materials_are_lit_once_under_distributed() {
     let place = Workplace::new();
     place.write("floor.gltf", unlit_floor(WHITE));
     for integrator in ["path", "direct", "distributed"] {
@@ -275,11 +275,9 @@ fn layered_materials_before_a_background_were_lit_twice_under_distributed() {
 }
 
 #[test]
-fn ambient_light_was_added_to_that_of_an_image_under_distributed() {
+fn environment_images_replace_ambient_light_under_distributed() {
     let place = Workplace::new();
-    // One pixel of radiance 1.
-    let sky = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".as_slice(), &[128, 128, 128, 129]].concat();
-    place.write("sky.hdr", sky);
+    place.write("sky.hdr", sky([128, 128, 128, 129]));
     let scene = r#"(
         camera: (look_from: (0, 3, 0), look_at: (0, 0, 0), up: (0, 0, -1), orthographic: 1),
         background: image(file: "sky.hdr"),

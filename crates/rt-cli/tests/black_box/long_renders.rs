@@ -1,4 +1,4 @@
-//! Renders that are interrupted, killed, and continued, and results that cannot be written where they should.
+//! Interrupted, killed and resumed renders, and unwritable outputs.
 
 use std::fs;
 use std::path::Path;
@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use crate::program::{Run, Workplace};
 
-/// Some seconds of noise, in small tiles.
+/// Render of some seconds.
 const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 96 -o scene.exr";
 
-/// Far more than anybody waits for, in tiles that take long.
+/// Endless render of slow tiles.
 const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 -o scene.exr";
 
 /// Sends a signal by its name.
@@ -19,11 +19,7 @@ fn signal(child: &Child, name: &str) {
     assert!(sent.success(), "{name} could not be sent");
 }
 
-fn spawn(place: &Workplace, arguments: &str) -> Child {
-    place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts")
-}
-
-/// Waits until it is true, for a generous time.
+/// Waits for a condition.
 fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     let started = Instant::now();
     while !is_so() {
@@ -32,36 +28,30 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-fn end(child: Child) -> Run {
-    let output = child.wait_with_output().expect("it ended");
-    let text = |bytes| String::from_utf8(bytes).expect("text");
-    Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
-}
-
 /// Interrupts a long render once it has written a checkpoint.
 fn interrupted(place: &Workplace, options: &str) -> Run {
-    let child = spawn(place, &format!("{LONG} --checkpoint-every 1ms {options}"));
+    let child = place.spawn(&format!("{LONG} --checkpoint-every 1ms {options}"));
     wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
     signal(&child, "INT");
-    end(child)
+    Run::end(child)
 }
 
 #[test]
 #[cfg(unix)]
-fn the_first_signal_saves_what_there_is_and_resume_goes_on_to_the_same_bits() {
+fn the_first_signal_saves_and_resume_is_bit_identical() {
     let whole = Workplace::with_scene();
     whole.succeed(LONG);
-    for options in ["", "--passes 7", "--aov samples=samples.pfm --aov variance=variance.exr --passes 3"] {
+    for options in ["", "--passes 7", "--aov samples=samples.pfm --aov stderr=variance.exr --passes 3"] {
         let place = Workplace::with_scene();
         let run = interrupted(&place, options);
         assert_eq!(run.code, Some(130), "{run:?}");
         assert!(run.stderr.contains("interrupted after"), "{run:?}");
         assert!(
-            run.stderr.contains("the picture was written to scene.exr; --resume goes on from scene.exr.checkpoint")
+            run.stderr.contains("the image was written to scene.exr; --resume continues from scene.exr.checkpoint")
         );
         assert_eq!(place.film("scene.exr").width(), 160);
         let resumed = place.succeed(&format!("{LONG} --resume {options}"));
-        assert!(resumed.stdout.contains("note: goes on from scene.exr.checkpoint, with"), "{resumed:?}");
+        assert!(resumed.stdout.contains("note: continues from scene.exr.checkpoint, with"), "{resumed:?}");
         assert!(!place.path("scene.exr.checkpoint").exists());
         let reference = Workplace::with_scene();
         reference.succeed(&format!("{LONG} {options}"));
@@ -74,12 +64,12 @@ fn the_first_signal_saves_what_there_is_and_resume_goes_on_to_the_same_bits() {
 
 #[test]
 #[cfg(unix)]
-fn what_batch_systems_send_is_an_interruption_as_well() {
+fn sigterm_interrupts_as_well() {
     let place = Workplace::with_scene();
-    let child = spawn(&place, &format!("{LONG} --checkpoint-every 1ms --target-error 0.5%"));
+    let child = place.spawn(&format!("{LONG} --checkpoint-every 1ms --target-error 0.5%"));
     wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
     signal(&child, "TERM");
-    let run = end(child);
+    let run = Run::end(child);
     assert_eq!(run.code, Some(130), "{run:?}");
     assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint", "scene.ron"]);
 }
@@ -88,26 +78,26 @@ fn what_batch_systems_send_is_an_interruption_as_well() {
 #[cfg(unix)]
 fn the_second_signal_stops_at_once() {
     let place = Workplace::with_scene();
-    let mut child = spawn(&place, ENDLESS);
+    let mut child = place.spawn(ENDLESS);
     std::thread::sleep(Duration::from_millis(500));
     signal(&child, "INT");
     std::thread::sleep(Duration::from_millis(600));
     assert!(child.try_wait().expect("it lives").is_none(), "tiles that are begun are finished first");
     signal(&child, "INT");
-    assert_eq!(end(child).code, Some(130));
+    assert_eq!(Run::end(child).code, Some(130));
     assert_eq!(place.files(), ["scene.ron"]);
 }
 
-/// Some seconds of a render whose tiles take long enough for a second signal to come before they are finished.
+/// Render whose tiles take long enough for a second signal.
 #[cfg(unix)]
 const SLOW: &str = "render scene.ron --integrator path --spp 1500 -o scene.exr";
 
-/// Sends signals, by the words of a shell in which `$1` is the process, and renders to the end.
+/// Sends signals by a shell command, in which `$1` is the process, and waits for the end.
 #[cfg(unix)]
 fn signalled(words: &str) -> (Workplace, Run) {
     use std::os::unix::process::CommandExt;
     let place = Workplace::with_scene();
-    // Whoever runs the tests may ignore SIGHUP.
+    // The parent of the tests may ignore SIGHUP.
     let mut command = Command::new("env");
     command.arg("--default-signal=HUP").arg(env!("CARGO_BIN_EXE_rt-cli")).args(SLOW.split_whitespace());
     command.args(["--checkpoint-every", "1ms"]).current_dir(place.path("")).process_group(0);
@@ -115,12 +105,12 @@ fn signalled(words: &str) -> (Workplace, Run) {
     wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
     let sent = Command::new("bash").args(["-c", words, "bash", &child.id().to_string()]).status().expect("a shell");
     assert!(sent.success(), "{words}");
-    (place, end(child))
+    (place, Run::end(child))
 }
 
 #[test]
 #[cfg(unix)]
-fn a_signal_that_came_twice_cost_the_picture() {
+fn repeated_signals_save_the_image() {
     for words in [
         "kill -INT $1 $1",
         "kill -TERM $1 $1 $1",
@@ -134,7 +124,7 @@ fn a_signal_that_came_twice_cost_the_picture() {
     ] {
         let (place, run) = signalled(words);
         assert_eq!(run.code, Some(130), "{words}: {run:?}");
-        assert!(run.stderr.contains("the picture was written to scene.exr; --resume goes on"), "{words}: {run:?}");
+        assert!(run.stderr.contains("the image was written to scene.exr; --resume continues"), "{words}: {run:?}");
         assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint", "scene.ron"], "{words}");
         assert_eq!(place.film("scene.exr").width(), 48, "{words}");
     }
@@ -150,20 +140,20 @@ fn nohup_is_obeyed() {
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
     signal(&child, "HUP");
-    let run = end(child);
+    let run = Run::end(child);
     if cfg!(target_os = "linux") {
         assert_eq!(run.code, Some(0), "{run:?}");
     }
 }
 
 #[test]
-fn kills_at_random_moments_change_no_bit() {
+fn kills_at_random_times_change_no_bit() {
     let whole = Workplace::with_scene();
     whole.succeed(LONG);
     let place = Workplace::with_scene();
     let mut kills = 0;
     for milliseconds in [150, 400, 90, 600, 260] {
-        let mut child = spawn(&place, &format!("{LONG} --resume --checkpoint-every 10ms"));
+        let mut child = place.spawn(&format!("{LONG} --resume --checkpoint-every 10ms"));
         std::thread::sleep(Duration::from_millis(milliseconds));
         if child.try_wait().expect("it can be asked").is_none() {
             child.kill().expect("it runs");
@@ -178,7 +168,21 @@ fn kills_at_random_moments_change_no_bit() {
 }
 
 #[test]
-fn a_checkpoint_that_a_kill_left_half_written_is_cleared_away() {
+fn a_kill_leaves_the_older_image_and_nothing_else() {
+    let place = Workplace::with_scene();
+    place.write("scene.png", "older");
+    for milliseconds in [20, 100, 400] {
+        let mut child = place.command("render scene.ron --size 4000x4000 --spp 64 --quiet").spawn().expect("it starts");
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        child.kill().expect("it runs");
+        child.wait().expect("it ended");
+        assert_eq!(place.files(), ["scene.png", "scene.ron"]);
+        assert_eq!(place.read("scene.png"), b"older");
+    }
+}
+
+#[test]
+fn unfinished_checkpoints_of_killed_runs_are_removed() {
     let place = Workplace::with_scene();
     place.write(".scene.exr.checkpoint-K1ll3d.unfinished", "half of it");
     place.succeed(&format!("{LONG} --resume --checkpoint-every never"));
@@ -187,16 +191,16 @@ fn a_checkpoint_that_a_kill_left_half_written_is_cleared_away() {
 
 #[test]
 #[cfg(unix)]
-fn checkpoints_of_another_picture_are_refused_and_none_is_overwritten_unasked() {
+fn checkpoints_of_another_image_are_not_resumed_and_none_is_overwritten() {
     let place = Workplace::with_scene();
     assert_eq!(interrupted(&place, "").code, Some(130));
     let kept = place.read("scene.exr.checkpoint");
     let plain = place.run(LONG);
     assert_eq!(plain.code, Some(2));
-    assert!(plain.stderr.contains("go on with --resume, or begin anew with --restart"), "{plain:?}");
+    assert!(plain.stderr.contains("continue with --resume, or start over with --restart"), "{plain:?}");
     let other = place.run(&format!("{LONG} --resume --seed 7"));
     assert_eq!(other.code, Some(3));
-    assert!(other.stderr.contains("scene.exr.checkpoint: is of another picture"), "{other:?}");
+    assert!(other.stderr.contains("scene.exr.checkpoint: is of another image"), "{other:?}");
     place.write("scene.ron", crate::program::SCENE.replace("0.7", "0.71"));
     assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3));
     assert_eq!(place.read("scene.exr.checkpoint"), kept);
@@ -206,43 +210,40 @@ fn checkpoints_of_another_picture_are_refused_and_none_is_overwritten_unasked() 
 
 #[test]
 #[cfg(unix)]
-fn a_checkpoint_of_another_picture_stood_in_the_way() {
+fn a_checkpoint_of_another_image_is_kept_aside() {
     let place = Workplace::with_scene();
     assert_eq!(interrupted(&place, "").code, Some(130));
     let kept = place.read("scene.exr.checkpoint");
     let other = Workplace::with_scene();
     other.succeed(&format!("{LONG} --seed 7"));
-    // Killed before it has a checkpoint of its own, it leaves that of the other picture.
-    let mut child = spawn(&place, &format!("{LONG} --seed 7 --checkpoint-every never"));
-    std::thread::sleep(Duration::from_millis(200));
-    child.kill().expect("it is there");
-    child.wait().expect("it ended");
-    assert_eq!(place.read("scene.exr.checkpoint"), kept);
-    let mut damaged = kept.clone();
-    damaged.truncate(20);
-    for content in [&kept[..], &damaged, b""] {
+    for (content, aside) in [(&kept[..], "scene.exr.checkpoint.old"), (&kept[..20], "scene.exr.checkpoint.old.2")] {
         place.write("scene.exr.checkpoint", content);
         let run = place.succeed(&format!("{LONG} --seed 7"));
         let notes: Vec<_> = run.stdout.lines().filter(|line| line.contains("scene.exr.checkpoint")).collect();
         assert!(notes.len() == 1 && notes[0].starts_with("note: scene.exr.checkpoint: is "), "{run:?}");
-        assert!(notes[0].contains("; this render begins anew, and replaces that checkpoint"), "{run:?}");
-        assert_eq!(place.read("scene.exr"), other.read("scene.exr"));
-        assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
+        let fate = format!("; it is kept as {aside}, and this render starts from the beginning");
+        assert!(notes[0].ends_with(&fate), "{run:?}");
+        assert_eq!((place.read(aside), place.read("scene.exr")), (content.to_vec(), other.read("scene.exr")));
+        assert!(!place.path("scene.exr.checkpoint").exists());
     }
-    // Interrupted, it replaces the older one by its own.
+    // The longer render continues from the file that was moved aside.
+    place.succeed(&format!("{LONG} --resume --checkpoint scene.exr.checkpoint.old"));
+    assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint.old.2", "scene.ron"]);
+    // An interrupted render has a checkpoint of its own.
     place.write("scene.exr.checkpoint", &kept);
-    let child = spawn(&place, &format!("{LONG} --seed 7 --checkpoint-every 1ms"));
-    wait_until("its checkpoint", || place.read("scene.exr.checkpoint") != kept);
+    let child = place.spawn(&format!("{LONG} --seed 7 --checkpoint-every 1ms"));
+    wait_until("its checkpoint", || fs::read(place.path("scene.exr.checkpoint")).is_ok_and(|content| content != kept));
     signal(&child, "INT");
-    assert_eq!(end(child).code, Some(130));
+    assert_eq!(Run::end(child).code, Some(130));
+    assert_eq!(place.read("scene.exr.checkpoint.old"), kept);
     place.succeed(&format!("{LONG} --seed 7 --resume"));
     assert_eq!(place.read("scene.exr"), other.read("scene.exr"));
-    // A part is no checkpoint, whatever is asked for.
+    // A part is not a checkpoint.
     place.succeed("render scene.ron --shard 1/2 -o scene.part");
     let part = place.read("scene.part");
     for options in ["", "--resume", "--restart"] {
         let run = place.run(&format!("{LONG} --checkpoint scene.part {options}"));
-        assert!(run.code == Some(3) && run.stderr.contains("scene.part: is no checkpoint"), "{run:?}");
+        assert!(run.code == Some(3) && run.stderr.contains("scene.part: is not a checkpoint"), "{run:?}");
     }
     assert_eq!(place.read("scene.part"), part);
 }
@@ -260,7 +261,7 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
         place.write("scene.exr.checkpoint", &damaged);
         let run = place.run(&format!("{LONG} --resume"));
         assert_eq!(run.code, Some(3), "byte {at}: {run:?}");
-        let is_told = run.stderr.contains("is damaged") || run.stderr.contains("is no checkpoint");
+        let is_told = run.stderr.contains("is damaged") || run.stderr.contains("is not a checkpoint");
         assert!(is_told && run.stderr.lines().count() == 1, "byte {at}: {run:?}");
     }
     for length in [0, 5, 20, kept.len() / 2, kept.len() - 1] {
@@ -271,26 +272,26 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
 
 #[test]
 #[cfg(unix)]
-fn what_resume_must_be_given_again_is_named() {
+fn options_that_resume_needs_again_are_named() {
     let place = Workplace::with_scene();
     assert_eq!(interrupted(&place, "").code, Some(130));
     let run = place.run(&format!("{LONG} --resume --stats stats.json"));
     assert_eq!(run.code, Some(3), "{run:?}");
-    assert!(run.stderr.contains("scene.exr.checkpoint: was made with other options: --stats"), "{run:?}");
+    assert!(run.stderr.contains("scene.exr.checkpoint: was made with other options: give --stats"), "{run:?}");
 }
 
 #[test]
-fn a_checkpoint_took_the_place_of_the_scene_or_of_the_picture() {
+fn checkpoints_never_replace_the_scene_or_the_image() {
     let place = Workplace::with_scene();
     place.write("notes.txt", "mine");
     let files = place.files();
     for (options, code, message) in [
         ("--checkpoint scene.ron --restart", 4, "it is an input"),
-        ("--checkpoint scene.png", 2, "the checkpoint and something else would go to scene.png"),
-        ("--stats s.json --checkpoint s.json", 2, "the checkpoint and something else would go to s.json"),
-        ("--stats scene.png.checkpoint", 2, "the checkpoint and something else would go to scene.png.checkpoint"),
-        ("--aov samples=c.pfm --checkpoint c.pfm", 2, "something else goes to c.pfm already"),
-        ("--checkpoint notes.txt --restart", 3, "notes.txt: is no checkpoint"),
+        ("--checkpoint scene.png", 2, "the checkpoint and another output would both go to scene.png"),
+        ("--stats s.json --checkpoint s.json", 2, "the checkpoint and another output would both go to s.json"),
+        ("--stats scene.png.checkpoint", 2, "the checkpoint and another output would both go to scene.png.checkpoint"),
+        ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs would go to c.pfm"),
+        ("--checkpoint notes.txt --restart", 3, "notes.txt: is not a checkpoint"),
     ] {
         let run = place.run(&format!("render scene.ron {options}"));
         assert!(run.code == Some(code) && run.stderr.contains(message), "{options}: {run:?}");
@@ -305,22 +306,22 @@ fn resume_without_a_checkpoint_begins() {
     assert_eq!(place.files(), ["scene.png", "scene.ron"]);
 }
 
-/// Renders to a folder that is gone, or full, when the picture is there.
+/// Renders to a directory that is removed meanwhile.
 fn after_the_folder_is_gone(place: &Workplace, options: &str, gone: impl FnOnce(&Path)) -> Run {
     let folder = place.path("pictures");
     fs::create_dir(&folder).expect("created");
     let options = format!("{LONG} {options}").replace("-o scene.exr", "-o pictures/scene.exr");
-    let child = spawn(place, &format!("{options} --checkpoint-every 1ms --checkpoint kept"));
+    let child = place.spawn(&format!("{options} --checkpoint-every 1ms --checkpoint kept"));
     wait_until("a checkpoint", || place.path("kept").exists());
     gone(&folder);
-    end(child)
+    Run::end(child)
 }
 
 #[test]
-fn a_picture_whose_folder_is_gone_goes_to_the_fallback() {
+fn an_image_whose_directory_is_gone_goes_to_the_fallback() {
     let place = Workplace::with_scene();
     fs::create_dir(place.path("refuge")).expect("created");
-    let options = "--fallback refuge --aov samples=pictures/samples.exr --stats pictures/stats.json";
+    let options = "--fallback-dir refuge --aov samples=pictures/samples.exr --stats pictures/stats.json";
     let run = after_the_folder_is_gone(&place, options, |folder| fs::remove_dir_all(folder).expect("removed"));
     assert_eq!(run.code, Some(4), "{run:?}");
     // The picture, the samples and the statistics: each is named, with where it is.
@@ -353,8 +354,8 @@ fn a_picture_for_a_disk_that_became_read_only_goes_to_the_fallback() {
     spoil_the_disk("mount -o remount,ro full", "Read-only file system");
 }
 
-/// Renders to a small file system of its own, where the system lets one be mounted, which a shell command spoils meanwhile. What the
-/// system says of that is told, and the picture is saved elsewhere.
+/// Renders to a small file system, which a shell command spoils meanwhile. Expects the error of the system and an image in the
+/// fallback directory.
 #[cfg(target_os = "linux")]
 fn spoil_the_disk(command: &str, reason: &str) {
     let place = Workplace::with_scene();
@@ -370,8 +371,8 @@ fn spoil_the_disk(command: &str, reason: &str) {
         wait $!; code=$?
         cat full/scene.exr; exit $code"
     );
-    let options =
-        LONG.replace("-o scene.exr", "-o full/scene.exr --fallback refuge --checkpoint kept --checkpoint-every 1ms");
+    let options = LONG
+        .replace("-o scene.exr", "-o full/scene.exr --fallback-dir refuge --checkpoint kept --checkpoint-every 1ms");
     let mut command = Command::new("unshare");
     command.current_dir(place.path("")).args(["--user", "--map-root-user", "--mount", "sh", "-c", &script]);
     command.arg(env!("CARGO_BIN_EXE_rt-cli")).args(options.split_whitespace());
@@ -394,11 +395,10 @@ fn spoil_the_disk(command: &str, reason: &str) {
 
 #[test]
 #[cfg(unix)]
-fn checkpoints_that_cannot_be_written_cost_a_warning_and_no_picture() {
+fn unwritable_checkpoints_only_warn() {
     let place = Workplace::with_scene();
     let run = place.succeed(&format!("{LONG} --checkpoint-every 1ms --checkpoint nowhere/kept"));
-    let warnings =
-        run.stderr.lines().filter(|line| line.contains("no checkpoint can be written to nowhere/kept")).count();
+    let warnings = run.stderr.lines().filter(|line| line.contains("cannot write the checkpoint nowhere/kept")).count();
     assert_eq!(warnings, 1, "{run:?}");
     assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
 }

@@ -14,7 +14,6 @@ mod documentation;
 mod empty_pictures;
 #[cfg(unix)]
 mod hostile_files;
-mod interruption;
 mod lighting;
 mod long_renders;
 mod piping;

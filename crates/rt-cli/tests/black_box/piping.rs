@@ -1,9 +1,8 @@
-//! Standard input and output in place of files, by the name `-`.
+//! Standard input and output as files, by the name `-`.
 
-use std::io::{Write as _, stdout};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
-use crate::program::{SCENE, Workplace};
+use crate::program::{Run, SCENE, Workplace};
 
 fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
@@ -35,7 +34,7 @@ fn a_scene_comes_from_standard_input() {
 }
 
 #[test]
-fn what_comes_from_standard_input_refers_to_the_current_folder() {
+fn scenes_from_standard_input_refer_to_the_current_directory() {
     let place = Workplace::new();
     let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nusemtl red\nf 1 2 3\n";
     place.write("m.obj", obj);
@@ -54,17 +53,17 @@ fn what_comes_from_standard_input_refers_to_the_current_folder() {
 fn standard_input_that_is_no_scene_is_refused_with_advice() {
     let place = Workplace::with_scene();
     for (input, arguments, code, message) in [
-        ("v 0 0 0\n", "render -", 2, "cannot be told: add --input-format with one of ron, json"),
+        ("v 0 0 0\n", "render -", 2, "is unknown: add --input-format with one of ron, json"),
         ("", "render -", 3, "standard input: is empty"),
         ("(nodes: [(shape: spere())])", "render -", 3, "stdin.ron:1:18: unknown"),
         (SCENE, "render - --max-file-size 10", 3, "standard input: the size in bytes is 11, the limit is 10"),
-        (SCENE, "render scene.ron --input-format ron", 2, "--input-format is for standard input"),
-        (SCENE, "render - --env -", 2, "cannot both come from it"),
+        (SCENE, "render scene.ron --input-format ron", 2, "--input-format requires standard input"),
+        (SCENE, "render - --env -", 2, "cannot be both the scene and --env"),
         ("v 0 0 0\n", "convert - --input-format obj -o -", 2, "write the model to a file, and convert that"),
-        ("", "compare - -", 2, "standard input is one image"),
+        ("", "compare - -", 2, "standard input cannot be both images"),
         (SCENE, "render scene.ron -o - --stats -", 2, "cannot go to the same file"),
         (SCENE, "render scene.ron -o - --frames 0..1", 2, "all frames would be written to -"),
-        (SCENE, "render scene.ron -o - --resume", 2, "--resume needs --checkpoint FILE"),
+        (SCENE, "render scene.ron -o - --resume", 2, "--resume requires --checkpoint FILE"),
     ] {
         let output = place.pipe(input.as_bytes(), arguments);
         let said = stderr(&output);
@@ -76,7 +75,7 @@ fn standard_input_that_is_no_scene_is_refused_with_advice() {
 }
 
 #[test]
-fn a_picture_goes_to_standard_output_and_reports_keep_clear_of_it() {
+fn images_go_to_standard_output_without_reports() {
     let place = Workplace::with_scene();
     for (format, options) in
         [("png", ""), ("png", "--output-format png"), ("exr", "--output-format exr"), ("jpg", "--output-format jpeg")]
@@ -87,7 +86,7 @@ fn a_picture_goes_to_standard_output_and_reports_keep_clear_of_it() {
         assert!(stderr(&piped).contains("wrote standard output (48x32, "), "{}", stderr(&piped));
     }
     assert_eq!(place.files(), ["file.exr", "file.jpg", "file.png", "scene.ron"]);
-    // A name with another ending holds the format that is asked for.
+    // --output-format overrides the extension.
     place.succeed("render scene.ron -o odd.name --output-format exr");
     assert!(place.read("odd.name") == place.read("file.exr"));
 }
@@ -138,29 +137,33 @@ fn pictures_are_developed_compared_merged_and_converted_through_pipes() {
     assert!(!place.path("-").exists());
 }
 
-/// `rt-cli ... | head -c 10` ends quietly.
+/// `rt-cli ... | head -c 10` ends quietly, and leaves its files.
 #[test]
-fn a_reader_that_has_left_is_no_failure() {
+fn a_broken_pipe_is_no_failure() {
     let place = Workplace::with_scene();
-    for arguments in ["render scene.ron -o - --quiet", "render scene.ron --stats - --quiet", "convert scene.ron -o -"] {
-        let mut command = place.command(arguments);
-        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    for arguments in [
+        "render scene.ron -o - --quiet",
+        "render scene.ron --stats - --quiet",
+        "render scene.ron -o report.png",
+        "convert scene.ron -o -",
+        "schema",
+    ] {
+        let mut child = place.spawn(arguments);
         drop(child.stdout.take());
-        let output = child.wait_with_output().expect("it ends");
-        assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(0), ""), "{arguments}");
+        let run = Run::end(child);
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{arguments}");
     }
+    assert_eq!(place.files(), ["report.png", "scene.png", "scene.ron"]);
 }
 
 #[test]
-#[allow(clippy::print_stdout, reason = "a skipped test says so")]
 fn pictures_are_not_written_to_a_terminal() {
     let place = Workplace::with_scene();
     let program = env!("CARGO_BIN_EXE_rt-cli");
     let script = format!("{program} render scene.ron -o -");
     let run = Command::new("script").args(["-qec", &script, "/dev/null"]).current_dir(place.path("")).output();
     let Ok(run) = run else {
-        let _ = writeln!(stdout(), "skipped: there is no `script` to make a terminal with");
-        return;
+        return rt_tests::skip("there is no `script` to make a terminal with");
     };
     assert_eq!(run.status.code(), Some(2), "{run:?}");
     assert!(String::from_utf8_lossy(&run.stdout).contains("standard output is a terminal"), "{run:?}");
@@ -168,7 +171,7 @@ fn pictures_are_not_written_to_a_terminal() {
 
 #[cfg(unix)]
 #[test]
-fn links_to_pipes_were_replaced_by_files() {
+fn links_to_pipes_are_not_replaced() {
     use std::os::unix::fs::symlink;
 
     let place = Workplace::with_scene();

@@ -1,14 +1,15 @@
-//! Runs the binary and looks at what it leaves.
+//! Fixture: runs the binary in a directory of its own.
 
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 
 use rt_image::{Image, read_image};
+use serde_json::Value;
 use tempfile::TempDir;
 
-/// One of everything small: three spheres, one of glass, one a mirror, a texture, two lights.
+/// Small scene: three spheres, one of glass, one a mirror, a texture, two lights.
 pub(crate) const SCENE: &str = r#"(
     camera: (look_from: (0, 1, 6), look_at: (0, 0.5, 0), fov: 40),
     film: (size: (48, 32)),
@@ -34,12 +35,12 @@ pub(crate) const SCENE: &str = r#"(
     ],
 )"#;
 
-/// A folder that the program works in.
+/// Working directory of the program.
 pub(crate) struct Workplace {
     folder: TempDir,
 }
 
-/// What a run left.
+/// Exit code and output of a run.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
@@ -47,12 +48,24 @@ pub(crate) struct Run {
     pub(crate) stderr: String,
 }
 
+impl Run {
+    pub(crate) fn of(output: Output) -> Self {
+        let text = |bytes| String::from_utf8(bytes).expect("text");
+        Self { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+
+    /// Waits for the end of the program.
+    pub(crate) fn end(child: Child) -> Self {
+        Self::of(child.wait_with_output().expect("it ended"))
+    }
+}
+
 impl Workplace {
     pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
-    /// A folder that holds [`SCENE`] as `scene.ron`.
+    /// Directory with [`SCENE`] as `scene.ron`.
     pub(crate) fn with_scene() -> Self {
         let place = Self::new();
         place.write("scene.ron", SCENE);
@@ -71,6 +84,10 @@ impl Workplace {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
+    pub(crate) fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&self.read(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
     pub(crate) fn film(&self, name: &str) -> Image {
         read_image(&self.path(name)).unwrap_or_else(|error| panic!("{error}"))
     }
@@ -84,7 +101,7 @@ impl Workplace {
         names
     }
 
-    /// The program, in this folder, with arguments separated by spaces.
+    /// Command in this directory; arguments are separated by spaces.
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rt-cli"));
         command.current_dir(self.folder.path()).env("COLUMNS", "100").env_remove("CARGO");
@@ -92,16 +109,33 @@ impl Workplace {
         command
     }
 
-    /// Runs the program. It never panics, whatever it is asked for.
+    /// Starts the program with its output in pipes.
+    pub(crate) fn spawn(&self, arguments: &str) -> Child {
+        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts")
+    }
+
+    /// Runs the program, which never panics.
     pub(crate) fn run(&self, arguments: &str) -> Run {
-        let Output { status, stdout, stderr } = self.command(arguments).output().expect("it starts");
-        let text = |bytes| String::from_utf8(bytes).expect("text");
-        let run = Run { code: status.code(), stdout: text(stdout), stderr: text(stderr) };
+        let run = Run::of(self.command(arguments).output().expect("it starts"));
         assert!(!run.stderr.contains("panicked"), "{arguments}: {run:?}");
         run
     }
 
-    /// Runs the program with this as its standard input, and returns what it leaves as it is.
+    /// Runs commands that are refused without output and without a new file; returns their messages.
+    pub(crate) fn refusals(&self, command: &str, cases: &[(i32, &str)]) -> String {
+        let before = self.files();
+        let mut messages = String::new();
+        for (code, arguments) in cases {
+            let run = self.run(&format!("{command} {arguments}"));
+            assert_eq!((run.code, run.stdout.as_str()), (Some(*code), ""), "{arguments}: {run:?}");
+            let message = run.stderr.split("\n\n").next().unwrap_or_default().trim_end();
+            messages += &format!("# {arguments}\n{code}: {message}\n\n");
+        }
+        assert_eq!(self.files(), before);
+        messages
+    }
+
+    /// Runs the program with this standard input.
     pub(crate) fn pipe(&self, input: &[u8], arguments: &str) -> Output {
         let mut command = self.command(arguments);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -114,7 +148,7 @@ impl Workplace {
         output
     }
 
-    /// Runs the program, which succeeds.
+    /// Runs the program and expects success.
     pub(crate) fn succeed(&self, arguments: &str) -> Run {
         let run = self.run(arguments);
         assert_eq!(run.code, Some(0), "{arguments}: {run:?}");

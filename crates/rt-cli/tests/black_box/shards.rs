@@ -21,8 +21,8 @@ fn parts(order: &[u32], count: u32) -> String {
 fn parts_in_any_order_make_the_picture_of_one_run() {
     let place = with_parts(5, "");
     let whole = Workplace::with_scene();
-    whole.succeed(&format!("{RENDER} -o scene.exr --aov samples=samples.exr --aov variance=variance.pfm"));
-    let aovs = "--aov samples=samples.exr --aov variance=variance.pfm";
+    whole.succeed(&format!("{RENDER} -o scene.exr --aov samples=samples.exr --aov stderr=variance.pfm"));
+    let aovs = "--aov samples=samples.exr --aov stderr=variance.pfm";
     let run = place.succeed(&format!("merge {} -o scene.exr {aovs}", parts(&[4, 1, 5, 3, 2], 5)));
     assert!(run.stdout.starts_with("joined 5 parts: 112,000 samples"), "{run:?}");
     for file in ["scene.exr", "samples.exr", "variance.pfm"] {
@@ -65,12 +65,12 @@ fn what_is_missing_doubled_or_foreign_is_named() {
     for (files, message) in [
         (two.clone(), "1 of 3 shares missing: 2/3".to_owned()),
         (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same part".to_owned()),
-        (format!("{two} foreign.part"), "foreign.part: is of another picture".to_owned()),
+        (format!("{two} foreign.part"), "foreign.part: is of another image".to_owned()),
         (format!("{two} half.part"), "half.part: is one of 2 parts, and scene.1-of-3.part is one of 3".to_owned()),
-        (format!("{two} text.part"), "text.part: is no part of a picture".to_owned()),
+        (format!("{two} text.part"), "text.part: is not a part of an image".to_owned()),
         (format!("{two} damaged.part"), "damaged.part: is damaged".to_owned()),
         (format!("{two} nowhere.part"), "nowhere.part: cannot be read".to_owned()),
-        (format!("{two} scene.ron"), "scene.ron: is no part of a picture".to_owned()),
+        (format!("{two} scene.ron"), "scene.ron: is not a part of an image".to_owned()),
     ] {
         let run = place.run(&format!("merge {files} -o scene.exr"));
         assert_eq!(run.code, Some(3), "{files}: {run:?}");
@@ -101,19 +101,19 @@ fn a_part_that_is_there_is_not_rendered_again() {
     assert_eq!(place.read("scene.1-of-2.part"), before);
     let other = place.run(&format!("{RENDER} --shard 1/2 --resume --seed 3"));
     assert_eq!(other.code, Some(3), "{other:?}");
-    assert!(other.stderr.contains("scene.1-of-2.part: is of another picture"), "{other:?}");
+    assert!(other.stderr.contains("scene.1-of-2.part: is of another image"), "{other:?}");
 }
 
 #[test]
 fn parts_that_make_no_sense_are_refused() {
     let place = Workplace::with_scene();
     for (options, message) in [
-        ("--shard 0/8", "write which part of how many, as 1/8 to 8/8"),
-        ("--shard 9/8", "write which part of how many"),
-        ("--shard 1/0", "write which part of how many"),
-        ("--shard one", "write which part of how many"),
-        ("--shard 1/8 -o scene.png", "is no .part file"),
-        ("-o scene.part", "say which with --shard I/N"),
+        ("--shard 0/8", "expected a part and the number of parts, such as 1/8 to 8/8"),
+        ("--shard 9/8", "expected a part and the number of parts"),
+        ("--shard 1/0", "expected a part and the number of parts"),
+        ("--shard one", "expected a part and the number of parts"),
+        ("--shard 1/8 -o scene.png", "is not a .part file"),
+        ("-o scene.part", "add --shard I/N"),
         ("--shard 1/2 --time 3s", "--time cannot be used with --shard"),
         ("--shard 1/2 --target-error 1%", "--target-error cannot be used with --shard"),
         ("--shard 1/2 --aov samples=s.exr", "give it to `merge`"),

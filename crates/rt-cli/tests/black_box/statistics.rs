@@ -1,4 +1,4 @@
-//! The figures that a render reports.
+//! Statistics of a render.
 
 use serde_json::{Value, json};
 
@@ -6,10 +6,10 @@ use crate::program::Workplace;
 
 fn stats(place: &Workplace, options: &str) -> Value {
     place.succeed(&format!("render scene.ron --stats stats.json {options}"));
-    serde_json::from_slice(&place.read("stats.json")).expect("JSON")
+    place.json("stats.json")
 }
 
-/// Counts and times are told by other tests; here the names matter.
+/// Other tests check counts and times; this one checks the names.
 fn blank_numbers(value: &mut Value) {
     match value {
         Value::Number(_) => *value = json!(0),
@@ -73,7 +73,7 @@ fn totals_are_sums_and_counts_are_the_same_in_every_run() {
 fn the_table_lists_the_rays_of_the_file() {
     let place = Workplace::with_scene();
     let run = place.succeed("render scene.ron --stats stats.json -v");
-    let stats: Value = serde_json::from_slice(&place.read("stats.json")).expect("JSON");
+    let stats = place.json("stats.json");
     let row = |kind: &str| {
         let line = run.stdout.lines().find(|line| line.trim_start().starts_with(kind)).expect("a row");
         line.split_whitespace().nth(1).expect("a count").replace(',', "").parse::<u64>().expect("a number")
@@ -83,5 +83,5 @@ fn the_table_lists_the_rays_of_the_file() {
     }
     assert!(run.stdout.contains("tests/ray"));
     assert!(!place.succeed("render scene.ron -v").stdout.contains("tests/ray"), "uncounted costs are not shown");
-    assert!(run.stdout.contains("left out: "), "{run:?}");
+    assert!(run.stdout.contains("removed from the plan: "), "{run:?}");
 }

@@ -1,14 +1,10 @@
-//! Renders that end by time or by error, and what they tell of it.
+//! Stop rules and error estimates.
 
 use std::time::Instant;
 
 use serde_json::Value;
 
 use crate::program::Workplace;
-
-fn stats(place: &Workplace) -> Value {
-    serde_json::from_slice(&place.read("stats.json")).expect("JSON")
-}
 
 #[test]
 fn time_ends_a_heavy_render_and_the_picture_is_whole() {
@@ -17,7 +13,7 @@ fn time_ends_a_heavy_render_and_the_picture_is_whole() {
     let run = place.succeed("render scene.ron --size 96x64 --depth 8 --time 500ms -o a.exr --stats stats.json");
     let wall = started.elapsed().as_secs_f64();
     assert!(run.stdout.contains("stopped by --time; relative RMSE "), "{run:?}");
-    let stats = stats(&place);
+    let stats = place.json("stats.json");
     let seconds = stats["seconds"]["render"].as_f64().expect("a number");
     // Passes have 16 samples or fewer; twice a pass, because other programs may slow the last one down.
     let samples = stats["pixel_samples"]["most"].as_f64().expect("a number");
@@ -33,11 +29,14 @@ fn a_target_is_reached_or_not_and_says_so() {
     let run = place.succeed("render scene.ron --target-error 90% --stats stats.json");
     assert!(run.stdout.contains("stopped by --target-error 90 %; relative RMSE "), "{run:?}");
     assert_eq!(
-        (&stats(&place)["stopped"], &stats(&place)["unconverged_pixels"]),
+        (&place.json("stats.json")["stopped"], &place.json("stats.json")["unconverged_pixels"]),
         (&"target-error".into(), &Value::Null)
     );
     place.succeed("render scene.ron --target-error 90% --target-error-pixels 100% --stats stats.json");
-    assert_eq!((&stats(&place)["stopped"], &stats(&place)["unconverged_pixels"]), (&"target-error".into(), &0.into()));
+    assert_eq!(
+        (&place.json("stats.json")["stopped"], &place.json("stats.json")["unconverged_pixels"]),
+        (&"target-error".into(), &0.into())
+    );
     let strict = "render scene.ron --target-error 1% --target-error-pixels 99% --spp 64 --two-stage";
     let run = place.succeed(strict);
     let cap = "stopped by the cap of 64 samples per pixel (--spp): 1 % is not reached";
@@ -52,8 +51,8 @@ fn a_target_has_a_cap_that_is_named() {
     let run = place.succeed("render scene.ron --target-error 0.0001% --crop 20,12,4,4 --stats stats.json");
     let cap = "stopped by the cap of 4096 samples per pixel (--spp): 0.0001 % is not reached; relative RMSE ";
     assert!(run.stdout.contains(cap), "{run:?}");
-    assert_eq!(stats(&place)["pixel_samples"]["most"], 4096);
-    assert_eq!(stats(&place)["settings"]["samples_per_pixel"], 4096);
+    assert_eq!(place.json("stats.json")["pixel_samples"]["most"], 4096);
+    assert_eq!(place.json("stats.json")["settings"]["samples_per_pixel"], 4096);
 }
 
 #[test]
@@ -61,7 +60,7 @@ fn the_worst_pixel_of_the_cornell_box_does_not_decide() {
     let place = Workplace::with_scene();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/lecture/cornell.ron");
     let run = place.succeed(&format!("render {scene} --size 64x64 --target-error 5% --stats stats.json"));
-    let stats = stats(&place);
+    let stats = place.json("stats.json");
     let reached = stats["estimated_error"]["relative_rmse"].as_f64().expect("a number");
     assert!((0.03..=0.05).contains(&reached), "{reached}: {run:?}");
     let samples = stats["pixel_samples"]["most"].as_u64().expect("a number");
@@ -85,7 +84,7 @@ fn statistics_are_two_lines_unless_more_is_asked_for() {
     for option in ["-v", "--verbose"] {
         let all = lines(option);
         let has = |text: &str| all.iter().any(|line| line.contains(text));
-        assert!(has("primary") && has("load ") && has(" Mrays/s on ") && has("left out: "), "{all:?}");
+        assert!(has("primary") && has("load ") && has(" Mrays/s on ") && has("removed from the plan: "), "{all:?}");
         assert!(all[all.len() - 2].starts_with("wrote scene.png (48x32, "), "{all:?}");
     }
 }
@@ -96,19 +95,19 @@ fn clamping_is_said_to_be_biased_and_counted() {
     place.write("room.ron", ROOM);
     let run = place.succeed("render room.ron --clamp 0.02 --stats stats.json");
     assert!(run.stdout.contains("; biased: clamping to 0.02 reduced "), "{run:?}");
-    let clamping = &stats(&place)["clamping"];
+    let clamping = &place.json("stats.json")["clamping"];
     assert!(clamping["contributions"].as_u64().is_some_and(|count| count > 0), "{clamping}");
     assert!(clamping["lost_share"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0), "{clamping}");
     let run = place.succeed("explain room.ron --clamp 0.02");
     assert!(run.stdout.contains("indirect light clamped to 0.02 (biased)"), "{run:?}");
     let run = place.succeed("render room.ron --stats stats.json");
     assert!(!run.stdout.contains("biased"), "{run:?}");
-    assert_eq!(stats(&place)["clamping"], Value::Null);
+    assert_eq!(place.json("stats.json")["clamping"], Value::Null);
     let run = place.succeed("render room.ron --integrator direct --clamp 0.02");
-    assert!(run.stdout.contains("note: clamp does nothing: "), "{run:?}");
+    assert!(run.stdout.contains("note: --clamp has no effect: "), "{run:?}");
 }
 
-/// A closed room with a small lamp.
+/// Closed room with a small light.
 const ROOM: &str = r#"(
     camera: (look_from: (0, 1, 3.9), look_at: (0, 1, 0), fov: 60),
     film: (size: (24, 18)),
@@ -134,10 +133,10 @@ fn shares_of_pixels_need_an_error() {
 fn the_error_is_estimated_where_there_are_passes() {
     let place = Workplace::with_scene();
     let run = place.succeed("render scene.ron");
-    assert!(run.stdout.contains("error not estimated: one pass"), "{run:?}");
+    assert!(run.stdout.contains("no error estimate: needs at least two passes (try --passes 4)"), "{run:?}");
     let run = place.succeed("render scene.ron --spp 16 --passes 4 --stats stats.json");
     assert!(run.stdout.contains("relative RMSE "), "{run:?}");
-    let error = &stats(&place)["estimated_error"];
+    let error = &place.json("stats.json")["estimated_error"];
     let number = |value: &Value| value.as_f64().expect("a number");
     let [low, high] = [0, 1].map(|end| number(&error["rmse_interval"][end]));
     assert!(0.0 < low && low < number(&error["rmse"]) && number(&error["rmse"]) < high, "{error}");
@@ -150,20 +149,20 @@ fn the_error_is_estimated_where_there_are_passes() {
 #[test]
 fn standard_errors_and_sample_counts_are_written() {
     let place = Workplace::with_scene();
-    place.succeed("render scene.ron --spp 16 --passes 4 --aov variance=error.exr --aov samples=count.pfm");
+    place.succeed("render scene.ron --spp 16 --passes 4 --aov stderr=error.exr --aov samples=count.pfm");
     assert!(place.film("count.pfm").pixels().iter().all(|count| *count == [16.0; 3]));
     let error = place.film("error.exr");
     assert_eq!((error.width(), error.height()), (48, 32));
     let largest = error.pixels().as_flattened().iter().copied().fold(0.0, f32::max);
     assert!(largest > 0.01 && largest < 1.0, "{largest}");
     let run = place.succeed(
-        "render scene.ron --adaptive object-space --least 2 --spp 16 --aov samples=count.pfm --stats stats.json -v",
+        "render scene.ron --adaptive object-space --min-spp 2 --spp 16 --aov samples=count.pfm --stats stats.json -v",
     );
     let counts = place.film("count.pfm");
     let few = counts.pixels().iter().filter(|count| **count == [2.0; 3]).count();
     let all = counts.pixels().iter().filter(|count| **count == [16.0; 3]).count();
     assert!(few > 0 && all > 0 && few + all == counts.pixels().len(), "{few} and {all}");
-    assert_eq!(stats(&place)["simple_pixels"], few);
+    assert_eq!(place.json("stats.json")["simple_pixels"], few);
     assert!(run.stdout.contains(" of the pixels show no edge and took 2 samples"), "{run:?}");
     place.succeed("render scene.ron --target-error 20% --target-error-pixels 100% --spp 256 --aov samples=count.png");
     let shown = place.film("count.png");

@@ -326,7 +326,7 @@ fn failures_are_told_in_the_terminal() {
         ("scene.ron --crop 0,0,8,8".to_owned(), 2, "--crop is for `render`"),
         ("scene.ron --passes 2".to_owned(), 2, "--passes is for `render`"),
         ("scene.ron --adaptive object-space".to_owned(), 2, "--adaptive is for `render`"),
-        ("scene.ron --least 1".to_owned(), 2, "--least is for `render`"),
+        ("scene.ron --min-spp 1".to_owned(), 2, "--min-spp is for `render`"),
     ] {
         let run = place.run(&format!("view --no-open {arguments}"));
         assert_eq!(run.code, Some(code), "{arguments}: {run:?}");

@@ -21,7 +21,7 @@ const MAX_SECONDS: f64 = 2.0;
 /// Greatest memory of a refusal.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// What a command that was refused said.
+/// Message of a refused command.
 fn refused(place: &Workplace, arguments: &str) -> String {
     let before = place.files();
     let log = File::create(place.path("log.txt")).expect("a file");
@@ -207,11 +207,11 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
     let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 12M");
     assert!(said.contains("1.part: needs ") && said.contains("for what the 2 parts hold"), "{said}");
     let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 30M");
-    assert!(said.contains("for the picture"), "{said}");
+    assert!(said.contains("for the image"), "{said}");
     let at_rest = peak(&place, "--version");
     let taken = peak(&place, "merge 1.part 2.part -o a.exr --memory 60M") - at_rest;
     assert!(taken < 60_000_000, "{taken}");
-    // Whoever claims to be a part, and is far larger than any.
+    // File with the header of a part, and larger than any.
     let mut head = [0; 300];
     File::open(place.path("1.part")).and_then(|mut file| file.read_exact(&mut head)).expect("read");
     sparse(&place, "long.part", &head, 1 << 40);
@@ -221,7 +221,7 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
     assert!(said.contains("for what the 2 parts hold"), "{said}");
     let resumed = "render scene.ron --size 1000x800 --spp 1 --shard 1/2 --resume --memory 1GiB";
     let said = refused(&place, &format!("{resumed} -o long.part"));
-    assert!(said.contains("for the part of a picture long.part"), "{said}");
+    assert!(said.contains("for the part of an image long.part"), "{said}");
 }
 
 /// A black Radiance picture that claims this size, with so many bytes of pixels.

@@ -81,7 +81,7 @@ impl Cluster {
         false
     }
 
-    /// What the daemons say, for whoever looks for the reason of a failure.
+    /// Logs of the daemons.
     pub(crate) fn logs(&self) -> String {
         ["munged.log", "slurmctld.log", "slurmd.log"]
             .map(|name| fs::read_to_string(self.path(name)).unwrap_or_default())

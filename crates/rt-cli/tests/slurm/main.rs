@@ -18,7 +18,7 @@ const PARTS: usize = 8;
 fn wait_for(cluster: &Cluster, queued_again: &str, file: &str) {
     let mut hurried = Instant::now();
     let is_there = || {
-        // Refused as long as the job is not waiting; asked too often, the scheduler never comes to it.
+        // Fails until the job waits; frequent requests starve the scheduler.
         if hurried.elapsed() > Duration::from_secs(8) {
             let _ = cluster.slurm("scontrol", &["update", &format!("JobId={queued_again}"), "StartTime=now"]);
             hurried = Instant::now();
@@ -74,7 +74,7 @@ fn eight_parts_on_slurm_one_of_them_killed_have_the_bits_of_one_run() {
     assert!(Command::new("kill").args(["-s", "KILL", &process]).status().expect("there is a kill").success());
     wait_for(&cluster, &format!("{array}_5"), "picture.exr");
     let log = fs::read_to_string(cluster.path("picture.exr.parts/5.log")).expect("a log");
-    assert!(log.contains("note: goes on from picture.exr.parts/5-of-8.part.checkpoint"), "{log}");
+    assert!(log.contains("note: continues from picture.exr.parts/5-of-8.part.checkpoint"), "{log}");
     assert_eq!(fs::read(cluster.path("picture.exr")).expect("there"), render_alone(&cluster, &scene));
 }
 
@@ -96,5 +96,5 @@ fn a_job_that_runs_out_of_time_saves_and_queues_itself_again() {
     assert!(cluster.slurm("scancel", &["--batch", "--signal=TERM", &job]).expect("scancel").status.success());
     wait_for(&cluster, &job, "1-of-1.part");
     let log = fs::read_to_string(cluster.path("1.log")).expect("a log");
-    assert!(log.contains("interrupted after") && log.contains("note: goes on from"), "{log}");
+    assert!(log.contains("interrupted after") && log.contains("note: continues from"), "{log}");
 }

@@ -7,9 +7,8 @@ use rt_image::metrics::{
 
 use super::pair::Images;
 use crate::args::{CompareArgs, Metric};
-use crate::error::Failure;
+use crate::error::CliError;
 
-/// What was measured.
 #[derive(Debug)]
 pub(super) struct Measures {
     pub(super) mean_squared: PerChannel,
@@ -24,14 +23,14 @@ pub(super) struct Measures {
     pub(super) ssim: Option<f64>,
     pub(super) signed_error: ErrorMap,
     pub(super) flip: ErrorMap,
-    /// `None` for images that were developed.
+    /// `None` for tone-mapped images.
     pub(super) hdr_flip: Option<(ErrorMap, ExposureRange)>,
 }
 
 impl Measures {
-    pub(super) fn new(pair: &ImagePair<'_>, images: &Images, args: &CompareArgs) -> Result<Self, Failure> {
+    pub(super) fn new(pair: &ImagePair<'_>, images: &Images, args: &CompareArgs) -> Result<Self, CliError> {
         let flip = match args.pixels_per_degree {
-            Some(number) => Flip::new(number).map_err(|error| Failure::Usage(error.to_string()))?,
+            Some(number) => Flip::new(number).map_err(|error| CliError::Usage(error.to_string()))?,
             None => Flip::default(),
         };
         let development = &images.development;
@@ -54,7 +53,7 @@ impl Measures {
         })
     }
 
-    /// A metric over all channels; `None` where it cannot be computed.
+    /// Metric over all channels; `None` if it cannot be computed.
     pub(super) fn value(&self, metric: Metric) -> Option<f64> {
         match metric {
             Metric::Rmse => Some(self.mean_squared.mean().sqrt()),
@@ -70,7 +69,7 @@ impl Measures {
         }
     }
 
-    /// A metric in red, green and blue; `None` where it is not known for each.
+    /// Metric in red, green and blue; `None` if it is not defined per channel.
     pub(super) fn channels(&self, metric: Metric) -> Option<[f64; 3]> {
         match metric {
             Metric::Rmse => Some(self.mean_squared.map(f64::sqrt).to_array()),

@@ -1,37 +1,36 @@
-//! The two images, as they are compared.
+//! The two images of a comparison.
 
 use std::path::Path;
 
 use rt_image::{Development, Dither, Encoding, Image, ImageFormat, image_header, metrics::ImagePair};
 
 use crate::args::CompareArgs;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::stdin::is_dash;
 use crate::{memory, picture_file};
 
-/// An image that was read.
 #[derive(Debug)]
 pub(super) struct LoadedImage {
     pub(super) film: Image,
     pub(super) format: ImageFormat,
-    /// It was radiance, and became light of bytes.
+    /// True for radiance that was tone-mapped to match the other image.
     pub(super) developed: bool,
 }
 
-/// Both images, in the same kind of light.
+/// Both images, either linear or tone-mapped.
 #[derive(Debug)]
 pub(super) struct Images {
     pub(super) test: LoadedImage,
     pub(super) reference: LoadedImage,
-    /// What shows them to a viewer.
+    /// Tone mapping for display.
     pub(super) development: Development,
 }
 
 impl Images {
-    /// Reads both images. Where one holds bytes and the other one radiance, the latter is developed to bytes as well.
-    pub(super) fn read(args: &CompareArgs) -> Result<Self, Failure> {
+    /// Reads both images. If only one holds bytes, the other one is tone-mapped as well.
+    pub(super) fn read(args: &CompareArgs) -> Result<Self, CliError> {
         if is_dash(&args.test) && is_dash(&args.reference) {
-            return Err(Failure::Usage("standard input is one image, and two are compared: name the other".to_owned()));
+            return Err(CliError::Usage("standard input cannot be both images: name a file for one".to_owned()));
         }
         let standard = Development::default();
         let development = Development {
@@ -51,17 +50,16 @@ impl Images {
                 image.developed = true;
             }
         }
-        // Both are now as they are shown.
+        // Both are tone-mapped now.
         Ok(Self { test, reference, development: standard })
     }
 
-    /// True if both hold linear radiance, and neither was developed.
     pub(super) fn are_radiance(&self) -> bool {
         !self.test.holds_bytes() && !self.reference.holds_bytes()
     }
 
-    pub(super) fn pair(&self, args: &CompareArgs) -> Result<ImagePair<'_>, Failure> {
-        ImagePair::new(&self.test.film, &self.reference.film).map_err(|source| Failure::Pair {
+    pub(super) fn pair(&self, args: &CompareArgs) -> Result<ImagePair<'_>, CliError> {
+        ImagePair::new(&self.test.film, &self.reference.film).map_err(|source| CliError::Pair {
             test: args.test.clone(),
             reference: args.reference.clone(),
             source,
@@ -69,13 +67,13 @@ impl Images {
     }
 }
 
-/// Bytes per pixel of what is measured beside the images, and of a heat map (`docs/MEMORY.md`).
+/// Memory of the metrics, and of a heat map, in bytes per pixel (`docs/MEMORY.md`).
 const MEASURE_BYTES: u64 = 16;
 
-/// Refuses images that need too much memory, by their headers.
-fn check_memory(args: &CompareArgs) -> Result<(), Failure> {
+/// Predicts the memory from the headers.
+fn check_memory(args: &CompareArgs) -> Result<(), CliError> {
     if is_dash(&args.test) || is_dash(&args.reference) {
-        // What comes from a pipe has no header to look at before it is read.
+        // The header of a pipe cannot be read in advance.
         return Ok(());
     }
     let headers = [image_header(&args.test)?, image_header(&args.reference)?];
@@ -92,7 +90,7 @@ fn check_memory(args: &CompareArgs) -> Result<(), Failure> {
 }
 
 impl LoadedImage {
-    fn read(path: &Path) -> Result<Self, Failure> {
+    fn read(path: &Path) -> Result<Self, CliError> {
         Ok(Self { film: picture_file::read(path)?, format: picture_file::format_by_content(path)?, developed: false })
     }
 
@@ -100,11 +98,10 @@ impl LoadedImage {
         picture_file::is_developed(self.format)
     }
 
-    /// What kind of numbers the file holds.
     pub(super) fn description(&self) -> &'static str {
         match (self.holds_bytes(), self.developed) {
             (true, _) => "bytes for display",
-            (false, true) => "linear radiance, developed to bytes to match the other",
+            (false, true) => "linear radiance, tone-mapped to match the other image",
             (false, false) => "linear radiance",
         }
     }

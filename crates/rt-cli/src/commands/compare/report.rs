@@ -1,21 +1,20 @@
-//! What was measured, as a table for people and as JSON for programs.
+//! Report of a comparison, as a table and as JSON.
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
-use indexmap::IndexMap;
 use rt_image::metrics::ImagePair;
-use serde::Serialize;
+use serde_json::{Map, Value, json};
 
 use super::Verdict;
 use super::measures::Measures;
 use super::pair::{Images, LoadedImage};
-use crate::args::{CompareArgs, HeatMapOf, Metric};
-use crate::error::Failure;
+use crate::args::{CompareArgs, HeatMapOf, Metric, name_of};
+use crate::error::CliError;
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// A finished comparison.
 #[derive(Debug)]
 pub(super) struct Comparison<'a> {
     pub(super) args: &'a CompareArgs,
@@ -26,7 +25,6 @@ pub(super) struct Comparison<'a> {
     pub(super) verdict: Verdict,
 }
 
-/// A heat map that was written.
 #[derive(Debug)]
 pub(super) struct HeatMap {
     pub(super) file: PathBuf,
@@ -36,21 +34,20 @@ pub(super) struct HeatMap {
 }
 
 impl Comparison<'_> {
-    /// Why the images do not count as equal.
-    pub(super) fn failure(&self) -> Option<Failure> {
+    /// Error if the images differ.
+    pub(super) fn failure(&self) -> Option<CliError> {
         let Verdict { metric, value, threshold } = self.verdict;
         let non_finite = self.pair.non_finite().different;
-        (non_finite > 0 || metric.is_worse(value, threshold)).then(|| Failure::Different {
+        (non_finite > 0 || metric.is_worse(value, threshold)).then(|| CliError::Different {
             test: self.args.test.clone(),
             reference: self.args.reference.clone(),
-            metric: metric.name(),
+            metric: name_of(metric),
             value,
             threshold,
             non_finite,
         })
     }
 
-    /// The report for people, ending with a line break.
     pub(super) fn text(&self) -> String {
         let CompareArgs { test, reference, .. } = self.args;
         let mut lines = vec![
@@ -60,7 +57,7 @@ impl Comparison<'_> {
         let non_finite = self.pair.non_finite();
         if non_finite.test + non_finite.reference > 0 {
             lines.push(format!(
-                "pixels that are NaN or infinite: {} of A, {} of B, {} of them not alike; metrics of radiance leave them out",
+                "NaN or infinite pixels: {} of A, {} of B, {} of them different; metrics of radiance leave them out",
                 non_finite.test, non_finite.reference, non_finite.different
             ));
         }
@@ -73,7 +70,7 @@ impl Comparison<'_> {
         let mut table = Table::new();
         table.load_style(presets::NOTHING);
         table.set_header(["", "all", CHANNELS[0], CHANNELS[1], CHANNELS[2]]);
-        for metric in Metric::ALL {
+        for &metric in Metric::value_variants() {
             if let Some(value) = self.measures.value(metric) {
                 table.add_row(row(self.title(metric), value, self.measures.channels(metric)));
             }
@@ -89,7 +86,6 @@ impl Comparison<'_> {
         table
     }
 
-    /// What a metric is called in the table.
     fn title(&self, metric: Metric) -> String {
         match (metric, &self.measures.hdr_flip) {
             (Metric::Rmse, _) => "RMSE".to_owned(),
@@ -121,47 +117,54 @@ impl Comparison<'_> {
         )
     }
 
-    /// The report for programs, ending with a line break. The text of `compare --help` describes it.
-    pub(super) fn json(&self) -> Result<String, Failure> {
+    /// JSON report; `compare --help` documents it.
+    pub(super) fn json(&self) -> String {
         let Self { args, images, pair, measures, verdict, .. } = self;
-        let (largest, bias) = (&measures.largest, &measures.bias);
-        let file = ReportFile {
-            program: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
-            test: ImageEntry::new(&args.test, &images.test, pair.non_finite().test),
-            reference: ImageEntry::new(&args.reference, &images.reference, pair.non_finite().reference),
-            differently_finite: pair.non_finite().different,
-            width: pair.width(),
-            height: pair.height(),
-            metrics: Metric::ALL.map(|metric| (metric.name(), measures.value(metric))).into_iter().collect(),
-            channels: Metric::ALL
-                .into_iter()
-                .filter_map(|metric| Some((metric.name(), measures.channels(metric)?)))
-                .collect(),
-            bias_standard_error: bias.all.standard_error,
-            largest_difference: LargestEntry {
-                pixel: largest.pixel,
-                channel: CHANNELS[largest.channel],
-                test: largest.test,
-                reference: largest.reference,
+        let (largest, non_finite) = (&measures.largest, pair.non_finite());
+        let metrics = Metric::value_variants().iter().copied();
+        let values: Map<_, _> =
+            metrics.clone().map(|metric| (name_of(metric), measures.value(metric).into())).collect();
+        let channels: Map<_, _> =
+            metrics.filter_map(|metric| Some((name_of(metric), measures.channels(metric)?.to_vec().into()))).collect();
+        let report = json!({
+            "program": env!("CARGO_PKG_NAME"),
+            "version": env!("CARGO_PKG_VERSION"),
+            "test": image_json(&args.test, &images.test, non_finite.test),
+            "reference": image_json(&args.reference, &images.reference, non_finite.reference),
+            "differently_finite": non_finite.different,
+            "width": pair.width(),
+            "height": pair.height(),
+            "metrics": values,
+            "channels": channels,
+            "bias_standard_error": measures.bias.all.standard_error,
+            "largest_difference": {
+                "pixel": largest.pixel,
+                "channel": CHANNELS[largest.channel],
+                "test": largest.test,
+                "reference": largest.reference,
             },
-            exposures: measures.hdr_flip.as_ref().map(|(_, range)| range.exposures().collect()),
-            heat_map: self.heat_map.as_ref().map(|map| HeatMapEntry {
-                file: map.file.display().to_string(),
-                shows: map.shows.name(),
-                limit: map.limit,
+            "exposures": measures.hdr_flip.as_ref().map(|(_, range)| range.exposures().collect::<Vec<_>>()),
+            "heat_map": self.heat_map.as_ref().map(|map| {
+                json!({ "file": map.file.display().to_string(), "shows": name_of(map.shows), "limit": map.limit })
             }),
-            metric: verdict.metric.name(),
-            threshold: verdict.threshold,
-            different: self.failure().is_some(),
-        };
-        let text = serde_json::to_string_pretty(&file).map_err(|error| Failure::Stdout(error.into()))?;
-        Ok(text + "\n")
+            "metric": name_of(verdict.metric),
+            "threshold": verdict.threshold,
+            "different": self.failure().is_some(),
+        });
+        format!("{report:#}\n")
     }
 }
 
+fn image_json(path: &Path, image: &LoadedImage, non_finite: u64) -> Value {
+    json!({
+        "file": path.display().to_string(),
+        "format": image.format.extensions().first(),
+        "developed": image.developed,
+        "non_finite": non_finite,
+    })
+}
+
 impl HeatMap {
-    /// What its colours mean.
     fn legend(&self) -> String {
         let limit = digits(self.limit);
         let scale = match self.shows {
@@ -180,7 +183,7 @@ fn row(title: String, all: f64, channels: Option<[f64; 3]>) -> Vec<String> {
     [title, digits(all)].into_iter().chain(channels.into_iter().flatten().map(digits)).collect()
 }
 
-/// A number with six significant digits.
+/// Number with six significant digits.
 fn digits(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -191,57 +194,6 @@ fn digits(value: f64) -> String {
             format!("{value:.*}", 6 - whole as usize)
         }
     }
-}
-
-/// The report as JSON.
-#[derive(Debug, Serialize)]
-struct ReportFile {
-    program: &'static str,
-    version: &'static str,
-    test: ImageEntry,
-    reference: ImageEntry,
-    differently_finite: u64,
-    width: u32,
-    height: u32,
-    metrics: IndexMap<&'static str, Option<f64>>,
-    channels: IndexMap<&'static str, [f64; 3]>,
-    bias_standard_error: f64,
-    largest_difference: LargestEntry,
-    exposures: Option<Vec<f64>>,
-    heat_map: Option<HeatMapEntry>,
-    metric: &'static str,
-    threshold: f64,
-    different: bool,
-}
-
-#[derive(Debug, Serialize)]
-struct ImageEntry {
-    file: String,
-    format: &'static str,
-    developed: bool,
-    non_finite: u64,
-}
-
-impl ImageEntry {
-    fn new(path: &Path, image: &LoadedImage, non_finite: u64) -> Self {
-        let format = image.format.extensions().first().copied().unwrap_or_default();
-        Self { file: path.display().to_string(), format, developed: image.developed, non_finite }
-    }
-}
-
-#[derive(Debug, Serialize)]
-struct LargestEntry {
-    pixel: [u32; 2],
-    channel: &'static str,
-    test: [f64; 3],
-    reference: [f64; 3],
-}
-
-#[derive(Debug, Serialize)]
-struct HeatMapEntry {
-    file: String,
-    shows: &'static str,
-    limit: f64,
 }
 
 #[cfg(test)]

@@ -1,32 +1,31 @@
-//! The methods that are compared: all combinations of the values that vary.
+//! Methods of an experiment: all combinations of the varied values.
 
 use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, RenderPlan};
-use rt_scene_io::{LoadOptions, Scene};
+use rt_scene_io::Scene;
 use serde::Serialize;
 
 use crate::args::{ConvergeArgs, Variation};
-use crate::error::Failure;
-use crate::overrides;
+use crate::error::CliError;
+use crate::input::Input;
+use crate::settings::{self, Overrides};
 
-/// More than this no plot tells apart.
-const MOST_METHODS: usize = 64;
+/// Limit of the readable plot.
+const MAX_METHODS: usize = 64;
 
-/// A way to render the scene.
 #[derive(Debug)]
 pub(super) struct Method {
     pub(super) name: MethodName,
-    /// With all options laid over it.
+    /// Scene with all options applied.
     pub(super) scene: Scene,
     pub(super) options: PlanOptions,
 }
 
-/// What tells a method from the others, and what it is.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct MethodName {
-    /// Unique.
+    /// Unique label.
     pub(super) label: String,
-    /// The values that vary, in the order of the command line.
+    /// Varied options and values, in the order of the command line.
     pub(super) choices: Vec<(String, String)>,
     pub(super) integrator: &'static str,
     pub(super) sampler: &'static str,
@@ -34,21 +33,21 @@ pub(super) struct MethodName {
     pub(super) depth: u32,
 }
 
-/// All methods that the arguments ask for, each found fit to be rendered.
-pub(super) fn resolve(args: &ConvergeArgs, loaded: &LoadOptions, scene: &Scene) -> Result<Vec<Method>, Failure> {
+/// Resolves all methods, and checks that each can be rendered.
+pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>, CliError> {
     let keys: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
     if let Some(twice) = keys.iter().enumerate().find(|(index, key)| keys[..*index].contains(key)) {
-        let message = format!("--vary {} is there twice; list all values in one, as {0}=A,B,C", twice.1);
-        return Err(Failure::Usage(message));
+        let message = format!("--vary {} is given twice; list all values at once, as {0}=A,B,C", twice.1);
+        return Err(CliError::Usage(message));
     }
     let count = args.vary.iter().try_fold(1usize, |count, vary| count.checked_mul(vary.values.len()));
-    if count.is_none_or(|count| count > MOST_METHODS) {
-        return Err(Failure::Usage(format!("--vary asks for more than {MOST_METHODS} combinations")));
+    if count.is_none_or(|count| count > MAX_METHODS) {
+        return Err(CliError::Usage(format!("--vary has more than {MAX_METHODS} combinations")));
     }
-    combinations(&args.vary).iter().map(|choices| Method::new(args, loaded, scene, choices)).collect()
+    combinations(&args.vary).iter().map(|choices| Method::new(args, input, choices)).collect()
 }
 
-/// The cartesian product, the last key running fastest.
+/// Cartesian product; the last key varies fastest.
 fn combinations(vary: &[Variation]) -> Vec<Vec<(&str, &str)>> {
     vary.iter().fold(vec![Vec::new()], |combinations, Variation { key, values }| {
         let extended = combinations.iter().flat_map(|combination| {
@@ -59,30 +58,29 @@ fn combinations(vary: &[Variation]) -> Vec<Vec<(&str, &str)>> {
 }
 
 impl Method {
-    fn new(
-        args: &ConvergeArgs,
-        loaded: &LoadOptions,
-        scene: &Scene,
-        choices: &[(&str, &str)],
-    ) -> Result<Self, Failure> {
-        let picture = args.fixed.with(choices).map_err(|message| Failure::Usage(format!("--vary: {message}")))?;
-        let mut scene = scene.clone();
-        let options = overrides::apply(&picture, loaded, &mut scene)?;
-        overrides::apply_development(&args.development, &mut scene.film.development);
+    fn new(args: &ConvergeArgs, input: &Input, choices: &[(&str, &str)]) -> Result<Self, CliError> {
+        let picture = args.fixed.with(choices).map_err(|message| CliError::Usage(format!("--vary: {message}")))?;
+        let overrides = Overrides {
+            picture: &picture,
+            development: Some(&args.development),
+            environment: input.environment.as_ref(),
+            memory: input.options.memory.limit(),
+            progressive: false,
+        };
+        let (mut scene, options) = settings::resolve(input.scene.clone(), overrides)?;
         let settings = &mut scene.settings;
         settings.spp = args.spp.0[0];
-        // The seeds tell the spread, so that there is no need of passes that cost some of what the pattern gains.
+        // The spread comes from the seeds; passes would weaken the sample pattern.
         settings.passes.get_or_insert(1);
         let [integrator, sampler] = [settings.integrator.name(), settings.pattern.name()];
         let choices: Vec<_> = choices.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         let label = if choices.is_empty() { format!("{integrator}, {sampler}") } else { label(&choices) };
         let (accel, depth) = (settings.accel.name(), settings.depth);
         let name = MethodName { label, choices, integrator, sampler, accel, depth };
-        RenderPlan::compile(&scene, &options).map_err(|error| Failure::plan(&args.input.scene, error))?;
+        RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
         Ok(Self { name, scene, options })
     }
 
-    /// The same method with another sampler.
     pub(super) fn with_sampler(&self, pattern: SamplerKind) -> Self {
         let mut scene = self.scene.clone();
         scene.settings.pattern = pattern;
@@ -90,20 +88,20 @@ impl Method {
         Self { name, scene, options: self.options }
     }
 
-    /// Width and height of the picture in pixels.
+    /// Width and height in pixels.
     pub(super) fn size(&self) -> [u32; 2] {
         let film = &self.scene.film;
         self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height])
     }
 
-    /// Samples of a picture with `spp` samples per pixel, about: the plan may round them up further.
+    /// Approximate samples of an image; the plan may round `spp` up further.
     pub(super) fn samples(&self, spp: u32) -> u64 {
         let [width, height] = self.size();
         u64::from(width) * u64::from(height) * u64::from(self.scene.settings.pattern.round_up(spp))
     }
 }
 
-/// The values that vary; with their keys where they are numbers, which say nothing by themselves.
+/// Varied values; numbers with their keys.
 fn label(choices: &[(String, String)]) -> String {
     let part = |(key, value): &(String, String)| match value.parse::<f64>() {
         Ok(_) => format!("{key} {value}"),

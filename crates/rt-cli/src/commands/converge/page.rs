@@ -1,17 +1,17 @@
-//! One page with all of it, which needs no other file.
+//! HTML page of an experiment, self-contained.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use rt_image::metrics::{ColourScale, ErrorMap, heat_map};
 use rt_image::{Development, Image, ImageFormat, write_image};
 
-use super::files::Circumstances;
-use super::measure::Study;
+use super::reference::Reference;
+use super::run_info::RunInfo;
+use super::runner::Experiment;
 use super::summary::Summary;
-use super::table::{self, Sheet};
-use super::yardstick::Yardstick;
+use super::table::{self, TextTable};
 
-/// The part of all errors that the colours of the heat maps tell apart.
+/// Quantile of the errors at the end of the color scale.
 const SHOWN_ERRORS: f64 = 0.999;
 
 const STYLE: &str = "
@@ -33,7 +33,7 @@ const STYLE: &str = "
   .scale { display: inline-block; width: 220px; height: 12px; vertical-align: middle; }
 ";
 
-/// Lets the user choose what is compared, and where the one picture ends and the other begins.
+/// Script of the before-and-after slider.
 const SCRIPT: &str = "
   const pictures = [...document.querySelectorAll('img.shown')];
   const [before, after] = ['before', 'after'].map(id => document.getElementById(id));
@@ -53,47 +53,44 @@ const SCRIPT: &str = "
   show();
 ";
 
-/// The page.
 #[derive(Debug)]
 pub(super) struct Page<'a> {
-    pub(super) circumstances: &'a Circumstances,
-    pub(super) study: &'a Study,
+    pub(super) info: &'a RunInfo,
+    pub(super) experiment: &'a Experiment,
     pub(super) summary: &'a Summary,
-    pub(super) yardstick: &'a Yardstick,
-    /// What shows the pictures.
+    pub(super) reference: &'a Reference,
+    /// Tone mapping of the images.
     pub(super) development: Development,
-    /// The plot as SVG, if there is one.
+    /// Plot as SVG, if there is one.
     pub(super) plot: Option<&'a str>,
-    /// Sentences below the tables.
     pub(super) notes: &'a [String],
 }
 
 impl Page<'_> {
-    /// The text of the page.
     pub(super) fn html(&self) -> Result<String, String> {
-        let circumstances = self.circumstances;
-        let title = format!("{}: error against run time", circumstances.scene);
+        let info = self.info;
+        let title = format!("{}: error against run time", info.scene);
         let mut page = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>{STYLE}</style>\n<h1>{0}</h1>\n",
             escape(&title)
         );
-        // Inside of a page, SVG needs no name space.
-        let plot = self.plot.unwrap_or("<p>No point is above the error of the reference.</p>");
+        // Inline SVG needs no name space.
+        let plot = self.plot.unwrap_or("<p>No measurement is above the error of the reference.</p>");
         page.push_str(&plot.replace(" xmlns=\"http://www.w3.org/2000/svg\"", ""));
-        page.push_str(&sheet(&table::methods(self.summary)));
-        page.push_str(&sheet(&table::points(self.summary, self.yardstick.reference().is_some())));
+        page.push_str(&html_table(&table::methods(self.summary)));
+        page.push_str(&html_table(&table::points(self.summary, self.reference.image().is_some())));
         for note in self.notes {
             page.push_str(&format!("<p>{}</p>\n", escape(note)));
         }
         page.push_str(&self.slider());
         page.push_str(&self.pictures()?);
         page.push_str(&self.error_maps()?);
-        page.push_str(&format!("<h2>Measured on</h2>\n<p>{}</p>\n", escape(&circumstances.machine.line())));
+        page.push_str(&format!("<h2>Measured on</h2>\n<p>{}</p>\n", escape(&info.machine.line())));
         page.push_str(&format!("<script>{SCRIPT}</script>\n</html>\n"));
         Ok(page)
     }
 
-    /// Two pictures over each other, filled by the script.
+    /// Two images over each other, filled by the script.
     fn slider(&self) -> String {
         "<h2>Before and after</h2>\n<p><select id=\"before\"></select> left, <select id=\"after\"></select> right of the bar; \
          drag it</p>\n<div id=\"slider\"><img class=\"before\" alt=\"left\"><img class=\"after\" alt=\"right\">\
@@ -102,16 +99,16 @@ impl Page<'_> {
             .to_owned()
     }
 
-    /// All pictures, and the reference last.
+    /// All images, the reference last.
     fn pictures(&self) -> Result<String, String> {
         let mut figures = String::new();
-        for measured in &self.study.methods {
+        for measured in &self.experiment.methods {
             for picture in measured.pictures.iter().flatten() {
                 let caption = format!("{}, {} spp", measured.name.label, picture.spp);
                 figures.push_str(&figure(&picture.film, &self.development, &caption, "shown")?);
             }
         }
-        if let Some(reference) = self.yardstick.reference() {
+        if let Some(reference) = self.reference.image() {
             let development = reference.development(&self.development);
             figures.push_str(&figure(&reference.film, &development, "reference", "shown")?);
         }
@@ -120,13 +117,13 @@ impl Page<'_> {
         ))
     }
 
-    /// The errors of all methods with the most samples, on one scale.
+    /// Heat maps of all methods with the most samples, on one scale.
     fn error_maps(&self) -> Result<String, String> {
-        let Some(reference) = self.yardstick.reference() else {
-            let text = "<p>The truth is that of the image as a whole: there is no error of a pixel to show.</p>";
+        let Some(reference) = self.reference.image() else {
+            let text = "<p>The truth is the mean over the image; errors of single pixels are unknown.</p>";
             return Ok(format!("<h2>Errors</h2>\n{text}\n"));
         };
-        let pictures = self.study.methods.iter().filter_map(|method| Some((method, method.last_picture()?)));
+        let pictures = self.experiment.methods.iter().filter_map(|method| Some((method, method.last_picture()?)));
         let maps = pictures.map(|(method, picture)| {
             let map = reference.error_map(&picture.film).map_err(|error| error.to_string())?;
             Ok((format!("{}, {} spp", method.name.label, picture.spp), map))
@@ -142,7 +139,7 @@ impl Page<'_> {
     }
 }
 
-/// The colours of the scale.
+/// Color scale.
 fn legend(limit: f64) -> String {
     let stops = (-4..=4).map(|step| {
         let [r, g, b] = ColourScale::Signed.colour(f64::from(step), 4.0);
@@ -156,7 +153,6 @@ fn legend(limit: f64) -> String {
     )
 }
 
-/// An image with its caption.
 fn figure(film: &Image, development: &Development, caption: &str, class: &str) -> Result<String, String> {
     let mut png = Vec::new();
     write_image(film, development, ImageFormat::Png, &mut png).map_err(|error| error.to_string())?;
@@ -169,14 +165,14 @@ fn figure(film: &Image, development: &Development, caption: &str, class: &str) -
 }
 
 /// A table.
-fn sheet(sheet: &Sheet) -> String {
+fn html_table(table: &TextTable) -> String {
     let row = |cells: &[&str], tag: &str| {
         let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
         format!("<tr>{cells}</tr>\n")
     };
     let text = |cells: &Vec<String>| row(&cells.iter().map(String::as_str).collect::<Vec<_>>(), "td");
-    let rows: String = sheet.rows.iter().map(text).collect();
-    format!("<div class=\"wide\"><table>\n{}{rows}</table></div>\n", row(&sheet.header, "th"))
+    let rows: String = table.rows.iter().map(text).collect();
+    format!("<div class=\"wide\"><table>\n{}{rows}</table></div>\n", row(&table.header, "th"))
 }
 
 /// Text as HTML shows it literally.
@@ -190,7 +186,7 @@ mod tests {
 
     #[test]
     fn text_is_escaped() {
-        let sheet = sheet(&Sheet { header: vec!["a<b"], rows: vec![vec!["\"x\" & y".to_owned()]] });
+        let sheet = html_table(&TextTable { header: vec!["a<b"], rows: vec![vec!["\"x\" & y".to_owned()]] });
         assert!(sheet.contains("<th>a&lt;b</th>") && sheet.contains("<td>&quot;x&quot; &amp; y</td>"), "{sheet}");
     }
 

@@ -1,6 +1,6 @@
-//! The plot: log RMSE against log seconds, one line a method, drawn as SVG and as pixels by the same code.
+//! Plot of log RMSE against log seconds, one line per method, as SVG and as pixels.
 //!
-//! Text is set in DejaVu Sans, which is compiled in, so that the plot does not depend on the fonts of the system.
+//! The font DejaVu Sans is compiled in, so that the plot does not depend on the fonts of the system.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -8,17 +8,16 @@ use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use rt_image::{Encoding, Image};
 
-use super::axis::{Axis, exponent};
+use super::log_axis::{LogAxis, exponent};
+use super::reference::Floor;
 use super::summary::{PointSummary, Summary};
-use super::yardstick::Floor;
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (1100, 720);
 
 const FONT: &str = "DejaVu Sans";
 
-/// Eight colours that people tell apart who see colours in different ways (Okabe and Ito 2008), but for yellow, which is hard
-/// to see on white.
+/// Palette for all kinds of color vision (Okabe and Ito 2008), without yellow, which is hard to see on white.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -33,27 +32,26 @@ const GUIDE: RGBColor = RGBColor(150, 150, 150);
 const GUIDE_TEXT: RGBColor = RGBColor(110, 110, 110);
 const FLOOR: RGBColor = RGBColor(180, 0, 0);
 
-/// What is drawn.
 #[derive(Debug)]
 pub(super) struct Plot {
     title: String,
     lines: Vec<Line>,
-    /// RMSE of the reference, as an exponent of ten.
+    /// Exponent of ten of the RMSE of the reference.
     floor: Option<f64>,
-    seconds: Axis,
-    errors: Axis,
+    seconds: LogAxis,
+    errors: LogAxis,
 }
 
-/// A method.
+/// Line of a method.
 #[derive(Debug)]
 struct Line {
     label: String,
-    marks: Vec<Mark>,
+    marks: Vec<PlotPoint>,
 }
 
-/// A method at one number of samples, as exponents of ten.
+/// Measurement at one sample count, as exponents of ten.
 #[derive(Clone, Copy, Debug)]
-struct Mark {
+struct PlotPoint {
     seconds: f64,
     low: f64,
     mean: f64,
@@ -61,13 +59,13 @@ struct Mark {
 }
 
 impl Plot {
-    /// The plot of all points that are trusted; `None` if there are none.
+    /// Plot of all trusted points; `None` if there are none.
     pub(super) fn new(title: String, summary: &Summary, floor: Option<Floor>) -> Option<Self> {
         let lines = summary.methods.iter().map(|method| {
             let trusted = method.points.iter().filter(|point| point.is_trusted && point.seconds > 0.0);
             let mark = |point: &PointSummary| {
                 let interval = point.rmse_interval?.map(exponent);
-                Some(Mark {
+                Some(PlotPoint {
                     seconds: exponent(point.seconds),
                     low: interval.low,
                     mean: interval.mean,
@@ -79,21 +77,20 @@ impl Plot {
         let lines: Vec<Line> = lines.collect();
         let marks = || lines.iter().flat_map(|line| &line.marks);
         let floor = floor.map(|floor| exponent(floor.mse.sqrt())).filter(|floor| floor.is_finite());
-        let seconds = Axis::around(marks().map(|mark| mark.seconds), 0.1)?;
-        // A wild interval is cut off rather than shown in full beside lines that look flat.
-        let ends = |mark: &Mark| [mark.mean, mark.low.max(mark.mean - 1.0), mark.high.min(mark.mean + 1.0)];
-        let errors = Axis::around(marks().flat_map(ends).chain(floor), 0.15)?;
+        let seconds = LogAxis::around(marks().map(|mark| mark.seconds), 0.1)?;
+        // Clip wide intervals, which would flatten all lines.
+        let ends = |mark: &PlotPoint| [mark.mean, mark.low.max(mark.mean - 1.0), mark.high.min(mark.mean + 1.0)];
+        let errors = LogAxis::around(marks().flat_map(ends).chain(floor), 0.15)?;
         Some(Self { title, lines, floor, seconds, errors })
     }
 
-    /// The plot as an SVG file.
     pub(super) fn svg(&self) -> Result<String, String> {
         let mut text = String::new();
         self.draw(SVGBackend::with_string(&mut text, SIZE).into_drawing_area())?;
         Ok(text)
     }
 
-    /// The plot as an image, which the standard development shows.
+    /// Plot as an image for the default tone mapping.
     pub(super) fn film(&self) -> Result<Image, String> {
         let (width, height) = SIZE;
         let mut bytes = vec![255; width as usize * height as usize * 3];
@@ -145,15 +142,15 @@ impl Plot {
         }
         for (index, line) in self.lines.iter().enumerate() {
             let colour = COLOURS[index % COLOURS.len()];
-            let bar = |mark: &Mark| {
+            let bar = |mark: &PlotPoint| {
                 let [low, high] = [mark.low, mark.high].map(|end| end.clamp(self.errors.low, self.errors.high));
                 PathElement::new([(mark.seconds, low), (mark.seconds, high)], colour)
             };
             chart.draw_series(line.marks.iter().map(bar))?;
-            let dot = |mark: &Mark| Circle::new((mark.seconds, mark.mean), 4, colour.filled());
+            let dot = |mark: &PlotPoint| Circle::new((mark.seconds, mark.mean), 4, colour.filled());
             chart.draw_series(line.marks.iter().map(dot))?;
             let path = line.marks.iter().map(|mark| (mark.seconds, mark.mean));
-            // Where colours come back, lines are dashed, in another way each time.
+            // Lines of a repeated color have different dashes.
             let series = match i32::try_from(index / COLOURS.len()).unwrap_or(i32::MAX) {
                 0 => chart.draw_series(LineSeries::new(path, colour.stroke_width(2)))?,
                 turn => chart.draw_series(DashedLineSeries::new(path, 16 / turn, 6, colour.stroke_width(2)))?,
@@ -171,7 +168,7 @@ impl Plot {
         area.present()
     }
 
-    /// Both ends of a line of this slope, from the upper left corner down to a border.
+    /// End points of a line of this slope through the upper left corner.
     fn guide(&self, slope: f64) -> [(f64, f64); 2] {
         let (left, top) = (self.seconds.low, self.errors.high);
         let right = (left + (self.errors.low - top) / slope).min(self.seconds.high);
@@ -184,14 +181,14 @@ mod tests {
     use super::*;
 
     fn plot(methods: usize) -> Plot {
-        let mark = |at: f64| Mark { seconds: at, low: -at - 0.2, mean: -at, high: -at + 0.1 };
+        let mark = |at: f64| PlotPoint { seconds: at, low: -at - 0.2, mean: -at, high: -at + 0.1 };
         let line = |index| Line { label: format!("<{index}>"), marks: [0.0, 0.5, 1.0].map(mark).to_vec() };
         Plot {
             title: "title".to_owned(),
             lines: (0..methods).map(line).collect(),
             floor: Some(-2.0),
-            seconds: Axis { low: -0.1, high: 1.1 },
-            errors: Axis { low: -2.1, high: 0.2 },
+            seconds: LogAxis { low: -0.1, high: 1.1 },
+            errors: LogAxis { low: -2.1, high: 0.2 },
         }
     }
 

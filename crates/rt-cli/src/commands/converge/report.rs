@@ -1,131 +1,152 @@
-//! What is told of a study: text, files, and a page.
+//! Report of an experiment: text, CSV, JSON, plot and HTML page.
 
+use std::fs;
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use rt_image::{Development, ImageFormat, write_image};
 use rt_scene_io::Scene;
+use serde::Serialize;
 
-use super::files::{self, Circumstances, JsonFile};
-use super::machine::Machine;
-use super::measure::Study;
-use super::outputs::Outputs;
 use super::page::Page;
 use super::plot::Plot;
+use super::reference::Reference;
+use super::run_info::{RunInfo, machine};
+use super::runner::Experiment;
 use super::summary::{Precision, Summary, TRUSTED};
 use super::table;
-use super::yardstick::Yardstick;
-use crate::args::{Against, ConvergeArgs};
-use crate::error::Failure;
-use crate::output::OutputError;
+use crate::args::{ConvergeArgs, ReferenceKind, name_of};
+use crate::error::CliError;
+use crate::output::{OutputError, OutputFile};
 
-/// What holds for all of a study, whatever is measured.
+/// Output directory and files.
+#[derive(Debug)]
+pub(super) struct Outputs {
+    pub(super) folder: PathBuf,
+    pub(super) csv: OutputFile,
+    pub(super) json: OutputFile,
+    pub(super) svg: OutputFile,
+    pub(super) png: OutputFile,
+    pub(super) html: OutputFile,
+}
+
+impl Outputs {
+    /// Creates the directory if it is missing, and checks that the files are writable.
+    pub(super) fn prepare(folder: &Path, inputs: &[PathBuf]) -> Result<Self, CliError> {
+        if !folder.is_dir() {
+            fs::create_dir(folder).map_err(|error| OutputError::Write {
+                path: folder.to_owned(),
+                reason: format!("the directory cannot be created: {error}"),
+            })?;
+        }
+        let file = |extension: &str| OutputFile::prepare(&folder.join(format!("converge.{extension}")), inputs);
+        let [csv, json, svg, png, html] = ["csv", "json", "svg", "png", "html"].map(file);
+        Ok(Self { folder: folder.to_owned(), csv: csv?, json: json?, svg: svg?, png: png?, html: html? })
+    }
+}
+
+/// Settings of an experiment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting<'a> {
     pub(super) args: &'a ConvergeArgs,
     pub(super) scene: &'a Scene,
-    pub(super) against: Against,
-    pub(super) yardstick: &'a Yardstick,
-    /// What shows the pictures.
+    pub(super) kind: ReferenceKind,
+    pub(super) reference: &'a Reference,
+    /// Tone mapping of the images.
     pub(super) development: Development,
 }
 
-/// All that is told of a study.
 #[derive(Debug)]
 pub(super) struct Report<'a> {
-    circumstances: Circumstances,
-    study: &'a Study,
+    info: RunInfo,
+    experiment: &'a Experiment,
     summary: Summary,
-    yardstick: &'a Yardstick,
+    reference: &'a Reference,
     development: Development,
 }
 
 impl<'a> Report<'a> {
-    pub(super) fn new(setting: Setting<'a>, study: &'a Study) -> Self {
-        let Setting { args, scene, against, yardstick, development } = setting;
-        let measured_against = match yardstick {
-            Yardstick::Truth(truth) => {
+    pub(super) fn new(setting: Setting<'a>, experiment: &'a Experiment) -> Self {
+        let Setting { args, scene, kind, reference, development } = setting;
+        let measured_against = match reference {
+            Reference::Truth(truth) => {
                 let [r, g, b] = truth.mean.to_array();
                 format!("the mean radiance {r} {g} {b} that the scene declares: {}", truth.note)
             }
-            Yardstick::Image(reference) => reference.note.clone(),
+            Reference::Image(image) => image.note.clone(),
         };
-        let picture = study.methods.iter().find_map(|method| method.last_picture());
+        let picture = experiment.methods.iter().find_map(|method| method.last_picture());
         let [width, height] = picture.map_or([0; 2], |picture| [picture.film.width(), picture.film.height()]);
-        let circumstances = Circumstances {
+        let info = RunInfo {
             scene: scene.name.clone(),
             width,
             height,
-            against: against.name(),
+            against: name_of(kind),
             measured_against,
-            floor: yardstick.floor(),
+            floor: reference.floor(),
             seeds: args.seeds,
-            threads: study.threads,
-            machine: Machine::here(),
-            left_out: study.left_out.clone(),
-            bad_samples: study.bad_samples,
+            threads: experiment.threads,
+            machine: machine(),
+            left_out: experiment.left_out.clone(),
+            bad_samples: experiment.bad_samples,
         };
-        let summary = Summary::new(study, Precision::of(yardstick), args.error_goal);
-        Self { circumstances, study, summary, yardstick, development }
+        let summary = Summary::new(experiment, Precision::of(reference), args.target_rmse);
+        Self { info, experiment, summary, reference, development }
     }
 
-    /// The report for people.
     pub(super) fn text(&self) -> String {
-        let tables =
-            [table::points(&self.summary, self.yardstick.reference().is_some()), table::methods(&self.summary)];
+        let tables = [table::points(&self.summary, self.reference.image().is_some()), table::methods(&self.summary)];
         let mut lines = vec![tables[0].text(), String::new(), tables[1].text(), String::new()];
         lines.extend(self.notes());
-        lines.push(self.circumstances.machine.line());
+        lines.push(self.info.machine.line());
         lines.join("\n")
     }
 
-    /// Sentences about the numbers.
     fn notes(&self) -> Vec<String> {
-        let Circumstances { against, measured_against, floor, seeds, threads, width, height, left_out, .. } =
-            &self.circumstances;
+        let RunInfo { against, measured_against, floor, seeds, threads, width, height, left_out, .. } = &self.info;
         let mut notes = vec![format!("measured against ({against}) {measured_against}")];
         if let Some(floor) = floor {
             let [rmse, relative] = [floor.mse.sqrt(), floor.relative_mse].map(table::number);
-            notes.push(format!("its own RMSE is {rmse} (relMSE {relative}), which is subtracted"));
+            notes.push(format!("the RMSE of the reference is {rmse} (relMSE {relative}) and is subtracted"));
         }
         let mut points = self.summary.methods.iter().flat_map(|method| &method.points);
         if points.any(|point| !point.is_trusted) {
             notes.push(format!(
-                "errors marked * are neither drawn nor fitted: they are below {:.2} times that of {}",
+                "errors marked * are excluded from plot and fits: they are below {:.2} times the error of {}",
                 TRUSTED.sqrt(),
                 if floor.is_some() { "the reference" } else { "rounding" },
             ));
         }
         notes.push(format!("{width}x{height} pixels, {seeds} seeds, {threads} threads"));
-        if self.summary.error_goal > 0.0 {
-            notes.push(format!("the goal is an RMSE of {}", table::number(self.summary.error_goal)));
+        if self.summary.target_rmse > 0.0 {
+            notes.push(format!("the target RMSE is {}", table::number(self.summary.target_rmse)));
         }
         if !left_out.is_empty() {
             let list = left_out.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-            notes.push(format!("the time did not suffice for {list} samples per pixel, which are left out"));
+            notes.push(format!("the time limit left out {list} samples per pixel"));
         }
         notes
     }
 
-    /// Writes all files, each of them whole.
-    pub(super) fn write(&self, outputs: &Outputs) -> Result<(), Failure> {
-        let title = format!("{}: error against run time", self.circumstances.scene);
-        let plot = Plot::new(title, &self.summary, self.circumstances.floor);
+    pub(super) fn write(&self, outputs: &Outputs) -> Result<(), CliError> {
+        let title = format!("{}: error against run time", self.info.scene);
+        let plot = Plot::new(title, &self.summary, self.info.floor);
         let failed = |reason| OutputError::Write { path: outputs.folder.clone(), reason };
         let svg = plot.as_ref().map(Plot::svg).transpose().map_err(failed)?;
         let film = plot.as_ref().map(Plot::film).transpose().map_err(failed)?;
         let notes = self.notes();
         let page = Page {
-            circumstances: &self.circumstances,
-            study: self.study,
+            info: &self.info,
+            experiment: self.experiment,
             summary: &self.summary,
-            yardstick: self.yardstick,
+            reference: self.reference,
             development: self.development,
             plot: svg.as_deref(),
             notes: &notes,
         };
         let html = page.html().map_err(failed)?;
-        let csv = files::csv(&self.circumstances, &self.summary).map_err(failed)?;
-        let json = JsonFile { circumstances: &self.circumstances, summary: &self.summary };
+        let csv = csv(&self.info, &self.summary).map_err(failed)?;
+        let json = JsonFile { info: &self.info, summary: &self.summary };
         outputs.csv.write(|file| file.write_all(&csv))?;
         outputs.json.write(|file| serde_json::to_writer_pretty(file, &json))?;
         if let (Some(svg), Some(film)) = (&svg, &film) {
@@ -134,4 +155,73 @@ impl<'a> Report<'a> {
         }
         Ok(outputs.html.write(|file| file.write_all(html.as_bytes()))?)
     }
+}
+
+#[derive(Debug, Serialize)]
+struct JsonFile<'a> {
+    #[serde(flatten)]
+    pub(super) info: &'a RunInfo,
+    #[serde(flatten)]
+    pub(super) summary: &'a Summary,
+}
+
+/// Line of the CSV file.
+#[derive(Debug, Serialize)]
+struct Row<'a> {
+    method: &'a str,
+    integrator: &'a str,
+    sampler: &'a str,
+    accel: &'a str,
+    depth: u32,
+    spp: u32,
+    seeds: usize,
+    threads: usize,
+    cpu_seconds: f64,
+    wall_seconds: f64,
+    build_seconds: f64,
+    rmse: Option<f64>,
+    rmse_median: Option<f64>,
+    rmse_low: Option<f64>,
+    rmse_high: Option<f64>,
+    relative_mse: f64,
+    bias: f64,
+    bias_standard_error: f64,
+    flip: Option<f64>,
+    efficiency: Option<f64>,
+    floor_rmse: Option<f64>,
+    is_trusted: bool,
+}
+
+fn csv(info: &RunInfo, summary: &Summary) -> Result<Vec<u8>, String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for method in &summary.methods {
+        for point in &method.points {
+            let row = Row {
+                method: &method.name.label,
+                integrator: method.name.integrator,
+                sampler: method.name.sampler,
+                accel: method.name.accel,
+                depth: method.name.depth,
+                spp: point.spp,
+                seeds: point.runs.len(),
+                threads: info.threads,
+                cpu_seconds: point.seconds,
+                wall_seconds: point.wall_seconds,
+                build_seconds: point.build_seconds,
+                rmse: point.rmse,
+                rmse_median: point.rmse_median,
+                rmse_low: point.rmse_interval.map(|interval| interval.low),
+                rmse_high: point.rmse_interval.map(|interval| interval.high),
+                relative_mse: point.relative_mse,
+                bias: point.bias,
+                bias_standard_error: point.bias_standard_error,
+                flip: point.flip,
+                efficiency: point.efficiency,
+                floor_rmse: info.floor.map(|floor| floor.mse.sqrt()),
+                is_trusted: point.is_trusted,
+            };
+            writer.serialize(row).map_err(|error| error.to_string())?;
+        }
+    }
+    writer.into_inner().map_err(|error| error.to_string())
 }

@@ -1,16 +1,16 @@
-//! Means with intervals, slopes, and when a level is reached.
+//! Means with confidence intervals, slopes, and times to an error.
 //!
-//! Whatever is repeated is repeated with independent seeds. Each seed gives one value (a logarithm of an error, a slope), and
-//! Student's t over the seeds gives the interval, whatever the errors of one seed have to do with each other.
+//! Repetitions have independent seeds. Each seed gives one value (a logarithm of an error, a slope), and Student's t over the seeds
+//! gives the interval. Errors of one seed may be correlated.
 
 use rt_math::stats::student_t;
 use rt_math::transcendental::{exp, log};
 use serde::Serialize;
 
-/// Part of all intervals that hold what they are about.
+/// Confidence level.
 const CONFIDENCE: f64 = 0.95;
 
-/// A mean, and the interval that holds what it estimates in 95 of 100 cases.
+/// Mean with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Interval {
     pub(super) low: f64,
@@ -19,20 +19,20 @@ pub(super) struct Interval {
 }
 
 impl Interval {
-    /// The interval by Student's t; `None` for fewer than two values, or if one is not finite.
+    /// Interval by Student's t; `None` for fewer than two values, or if one is not finite.
     pub(super) fn of(values: &[f64]) -> Option<Self> {
         let (mean, error) = mean_and_error(values)?;
         let half = error * student_t(CONFIDENCE, values.len() as f64 - 1.0);
         Some(Self { low: mean - half, mean, high: mean + half })
     }
 
-    /// Applies a function that never falls.
+    /// Applies a monotonically increasing function.
     pub(super) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self { low: f(self.low), mean: f(self.mean), high: f(self.high) }
     }
 }
 
-/// The mean of independent values and its standard error; `None` for fewer than two, or if one is not finite.
+/// Mean of independent values and its standard error; `None` for fewer than two, or if one is not finite.
 pub(super) fn mean_and_error(values: &[f64]) -> Option<(f64, f64)> {
     let count = values.len() as f64;
     if values.len() < 2 || !values.iter().all(|value| value.is_finite()) {
@@ -43,12 +43,12 @@ pub(super) fn mean_and_error(values: &[f64]) -> Option<(f64, f64)> {
     Some((mean, (squares / (count * (count - 1.0))).sqrt()))
 }
 
-/// The mean; NaN of nothing.
+/// Mean; NaN of no values.
 pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The value in the middle, or the mean of the two there; NaN of nothing.
+/// Median; NaN of no values.
 pub(super) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -59,19 +59,19 @@ pub(super) fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// How a logarithm of an error is taken from repetitions.
+/// Estimator of logarithms of errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Repetitions {
-    /// Of each by itself, which needs every error to be a mean over much.
+    /// Logarithm per repetition, for errors that are means over many pixels.
     Each,
-    /// Of the mean over all, with the spread that leaving out one after the other has (the jackknife, Tukey 1958): for
-    /// errors that are single numbers, any of which may be zero.
+    /// Logarithm of the mean over all repetitions, with the jackknife (Tukey 1958) for the spread. For errors that are single
+    /// numbers and may be zero.
     Together,
 }
 
 impl Repetitions {
-    /// One value of a statistic for each of the repetitions, which are rows of equal length; their mean estimates what the
-    /// statistic estimates, and their spread tells how well.
+    /// Value of a statistic for each repetition, which is a row. The values have the mean of the statistic and the spread of its
+    /// error.
     fn values(self, rows: &[Vec<f64>], statistic: impl Fn(&[f64]) -> Option<f64>) -> Option<Vec<f64>> {
         match self {
             Self::Each => rows.iter().map(|row| statistic(row)).collect(),
@@ -89,7 +89,7 @@ impl Repetitions {
         }
     }
 
-    /// The root of mean squared errors, as the mean of its logarithm and its interval.
+    /// Root of mean squared errors, by the mean of its logarithm.
     pub(super) fn root_mean(self, squares: &[f64]) -> Option<Interval> {
         let rows: Vec<Vec<f64>> = squares.iter().map(|&square| vec![square]).collect();
         let logs = self.values(&rows, |row| Some(0.5 * log(row[0])))?;
@@ -105,7 +105,7 @@ impl Repetitions {
     }
 }
 
-/// The slope of the line with the least sum of squared distances in `y`.
+/// Least-squares slope.
 fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
     let (mean_x, mean_y) = (mean(x), mean(y));
     let products = x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>();
@@ -113,28 +113,28 @@ fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
     Some(products / squares).filter(|slope| x.len() == y.len() && slope.is_finite())
 }
 
-/// When an error falls to a goal.
+/// Time at which an error falls to a target, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "reached", content = "seconds")]
-pub(super) enum Arrival {
-    /// Not after this time, the longest measured.
+pub(super) enum TimeToError {
+    /// Later than the longest measurement.
     NotWithin(f64),
-    /// At this time, on the straight line in logarithms between two measurements.
+    /// Interpolated linearly in logarithms between two measurements.
     At(f64),
-    /// At the latest after this time, the shortest measured.
+    /// Earlier than the shortest measurement.
     Before(f64),
 }
 
-/// When the error falls to `goal`, by (seconds, error) in the order of measurement; `None` without any.
-pub(super) fn arrival(measured: &[(f64, f64)], goal: f64) -> Option<Arrival> {
+/// Time at which the error falls to `goal`, by (seconds, error) in the order of measurement; `None` without measurements.
+pub(super) fn time_to_error(measured: &[(f64, f64)], goal: f64) -> Option<TimeToError> {
     let reached = measured.iter().position(|&(_, error)| error <= goal);
     Some(match reached {
-        None => Arrival::NotWithin(measured.last()?.0),
-        Some(0) => Arrival::Before(measured[0].0),
+        None => TimeToError::NotWithin(measured.last()?.0),
+        Some(0) => TimeToError::Before(measured[0].0),
         Some(index) => {
             let ((from, above), (to, below)) = (measured[index - 1], measured[index]);
             let part = if below > 0.0 { log(above / goal) / log(above / below) } else { 1.0 };
-            Arrival::At(from * exp(part * log(to / from)))
+            TimeToError::At(from * exp(part * log(to / from)))
         }
     })
 }
@@ -146,13 +146,13 @@ mod tests {
 
     use super::*;
 
-    /// A number of the standard normal distribution (Box and Muller 1958).
+    /// Standard normal random number (Box and Muller 1958).
     fn normal(words: &[u64]) -> f64 {
         let uniform = |index| unit(hash(&[words, &[index]].concat()));
         (-2.0 * log(1.0 - uniform(0))).sqrt() * cos(core::f64::consts::TAU * uniform(1))
     }
 
-    /// Squares of errors that fall as N^slope, times a factor of its own for each repetition and each measurement.
+    /// Squared errors that fall as N^slope, with a random factor per repetition and per measurement.
     fn errors(x: &[f64], slope: f64, repetitions: u64, trial: u64) -> Vec<Vec<f64>> {
         let repetition = |r| {
             let own = 0.1 * normal(&[trial, r]);
@@ -200,7 +200,7 @@ mod tests {
         assert!(Repetitions::Together.slope(&x, &[y, vec![1.0, 0.0, 1.0], vec![2.0; 3]]).is_some());
     }
 
-    /// How often an interval holds the truth.
+    /// Share of intervals that contain the truth.
     fn coverage(interval: impl Fn(u64) -> Option<Interval>, truth: f64) -> f64 {
         let trials = 2000;
         let holds = |&trial: &u64| {
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_truth_as_often_as_they_say() {
+    fn intervals_contain_the_truth_at_their_confidence_level() {
         // The standard deviation of a share of 2000 is 0.5 %.
         let x = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
         for repetitions in [Repetitions::Each, Repetitions::Together] {
@@ -250,11 +250,11 @@ mod tests {
     #[test]
     fn goals_are_reached_between_measurements() {
         let measured = [(1.0, 0.1), (4.0, 0.05), (16.0, 0.025)];
-        let Some(Arrival::At(seconds)) = arrival(&measured, 0.1 / 2f64.sqrt()) else { panic!("within") };
+        let Some(TimeToError::At(seconds)) = time_to_error(&measured, 0.1 / 2f64.sqrt()) else { panic!("within") };
         assert!((seconds - 2.0).abs() < 1e-12, "{seconds}");
-        assert_eq!(arrival(&measured, 0.2), Some(Arrival::Before(1.0)));
-        assert_eq!(arrival(&measured, 0.01), Some(Arrival::NotWithin(16.0)));
-        assert_eq!(arrival(&[(1.0, 0.1), (2.0, 0.0)], 0.01), Some(Arrival::At(2.0)));
-        assert_eq!(arrival(&[], 0.1), None);
+        assert_eq!(time_to_error(&measured, 0.2), Some(TimeToError::Before(1.0)));
+        assert_eq!(time_to_error(&measured, 0.01), Some(TimeToError::NotWithin(16.0)));
+        assert_eq!(time_to_error(&[(1.0, 0.1), (2.0, 0.0)], 0.01), Some(TimeToError::At(2.0)));
+        assert_eq!(time_to_error(&[], 0.1), None);
     }
 }

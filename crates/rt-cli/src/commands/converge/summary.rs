@@ -1,24 +1,22 @@
-//! What a study says, in numbers: each point, and each method as a whole.
+//! Results of an experiment: per sample count, and per method.
 
 use serde::Serialize;
 
-use super::measure::{Measured, Point, Run, Study};
 use super::methods::MethodName;
-use super::statistics::{Arrival, Interval, Repetitions, arrival, mean, mean_and_error, median};
-use super::yardstick::{Floor, Yardstick};
+use super::reference::{Floor, Reference};
+use super::runner::{Experiment, Measured, Point, Run};
+use super::statistics::{Interval, Repetitions, TimeToError, mean, mean_and_error, median, time_to_error};
 
-/// Squared errors below this many times that of the reference say more about the reference.
+/// Minimum ratio of a trusted squared error to that of the reference.
 pub(super) const TRUSTED: f64 = 3.0;
 
-/// All numbers.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Summary {
     pub(super) methods: Vec<MethodSummary>,
-    /// The RMSE that times are told for.
-    pub(super) error_goal: f64,
+    #[serde(rename = "error_goal")]
+    pub(super) target_rmse: f64,
 }
 
-/// A method as a whole.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct MethodSummary {
     #[serde(flatten)]
@@ -28,23 +26,23 @@ pub(super) struct MethodSummary {
     pub(super) slope_of_samples: Option<Interval>,
     /// Slope of log RMSE against log seconds.
     pub(super) slope_of_seconds: Option<Interval>,
-    /// When the goal is reached.
-    pub(super) arrival: Option<Arrival>,
+    /// Time to the target RMSE.
+    #[serde(rename = "arrival")]
+    pub(super) time_to_error: Option<TimeToError>,
 }
 
-/// A method at one number of samples.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct PointSummary {
     pub(super) spp: u32,
-    /// Root of the mean squared error over all seeds, without that of the reference; `None` if the reference has more.
+    /// Root of the mean squared error over all seeds minus that of the reference; `None` if negative.
     pub(super) rmse: Option<f64>,
-    /// The same of the median over the seeds, which single bright pixels hardly move.
+    /// RMSE of the median over the seeds, which is robust to fireflies.
     pub(super) rmse_median: Option<f64>,
     /// Mean of log RMSE over the seeds and its interval, as errors.
     pub(super) rmse_interval: Option<Interval>,
     pub(super) relative_mse: f64,
     pub(super) bias: f64,
-    /// Of the seeds and of the reference together.
+    /// Includes the error of the reference.
     pub(super) bias_standard_error: f64,
     pub(super) flip: Option<f64>,
     /// Processor seconds of rendering, the median over the seeds.
@@ -53,45 +51,44 @@ pub(super) struct PointSummary {
     pub(super) build_seconds: f64,
     /// 1 / (MSE · seconds).
     pub(super) efficiency: Option<f64>,
-    /// False if the error is too near to that of the reference to be drawn and fitted.
+    /// False if the error is too close to that of the reference to be plotted and fitted.
     pub(super) is_trusted: bool,
     pub(super) runs: Vec<Run>,
 }
 
-/// What the yardstick does to what is measured with it.
+/// Influence of the reference on the measurements.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Precision {
     floor: Floor,
-    /// Squared errors that are less say nothing.
-    least_mse: f64,
+    /// Smallest trusted squared error.
+    min_mse: f64,
     repetitions: Repetitions,
 }
 
 impl Precision {
-    /// That of a yardstick.
-    pub(super) fn of(yardstick: &Yardstick) -> Self {
-        let floor = yardstick.floor().unwrap_or(Floor { mse: 0.0, relative_mse: 0.0, mean_error: 0.0 });
-        let least_mse = TRUSTED * floor.mse.max(yardstick.resolution());
-        Self { floor, least_mse, repetitions: yardstick.repetitions() }
+    pub(super) fn of(reference: &Reference) -> Self {
+        let floor = reference.floor().unwrap_or(Floor { mse: 0.0, relative_mse: 0.0, mean_error: 0.0 });
+        let min_mse = TRUSTED * floor.mse.max(reference.resolution());
+        Self { floor, min_mse, repetitions: reference.repetitions() }
     }
 }
 
 impl Summary {
-    /// The numbers of a study; the goal is by default the least RMSE that all methods reach.
-    pub(super) fn new(study: &Study, precision: Precision, error_goal: Option<f64>) -> Self {
+    /// Summary of an experiment. The target is by default the lowest RMSE that all methods reach.
+    pub(super) fn new(experiment: &Experiment, precision: Precision, target_rmse: Option<f64>) -> Self {
         let points = |measured: &Measured| -> Vec<_> {
             measured.points.iter().map(|point| PointSummary::new(point, precision)).collect()
         };
-        let points: Vec<Vec<PointSummary>> = study.methods.iter().map(points).collect();
-        let error_goal = error_goal.unwrap_or_else(|| common_error(&points));
-        let methods = study.methods.iter().zip(points);
+        let points: Vec<Vec<PointSummary>> = experiment.methods.iter().map(points).collect();
+        let target_rmse = target_rmse.unwrap_or_else(|| common_error(&points));
+        let methods = experiment.methods.iter().zip(points);
         let methods =
-            methods.map(|(measured, points)| MethodSummary::new(measured.name.clone(), points, precision, error_goal));
-        Self { methods: methods.collect(), error_goal }
+            methods.map(|(measured, points)| MethodSummary::new(measured.name.clone(), points, precision, target_rmse));
+        Self { methods: methods.collect(), target_rmse }
     }
 }
 
-/// The least error that all methods reach at their best.
+/// Lowest error that all methods reach.
 fn common_error(methods: &[Vec<PointSummary>]) -> f64 {
     let best = |points: &Vec<PointSummary>| {
         points.iter().filter(|point| point.is_trusted).filter_map(|point| point.rmse).fold(f64::INFINITY, f64::min)
@@ -100,7 +97,7 @@ fn common_error(methods: &[Vec<PointSummary>]) -> f64 {
 }
 
 impl MethodSummary {
-    fn new(name: MethodName, points: Vec<PointSummary>, precision: Precision, goal: f64) -> Self {
+    fn new(name: MethodName, points: Vec<PointSummary>, precision: Precision, target: f64) -> Self {
         let fitted: Vec<&PointSummary> = points.iter().filter(|point| point.is_trusted).collect();
         let seeds = fitted.first().map_or(0, |point| point.runs.len());
         let of_seed = |seed: usize| -> Vec<f64> {
@@ -114,7 +111,7 @@ impl MethodSummary {
         Self {
             slope_of_samples: against(&|point| f64::from(point.spp)),
             slope_of_seconds: against(&|point| point.seconds),
-            arrival: arrival(&measured, goal),
+            time_to_error: time_to_error(&measured, target),
             name,
             points,
         }
@@ -122,7 +119,6 @@ impl MethodSummary {
 }
 
 impl PointSummary {
-    /// The numbers of a point, less what the reference adds to them.
     fn new(point: &Point, precision: Precision) -> Self {
         let floor = precision.floor;
         let of = |value: fn(&Run) -> f64| -> Vec<f64> { point.runs.iter().map(value).collect() };
@@ -145,7 +141,7 @@ impl PointSummary {
             wall_seconds: median(&of(|run| run.wall_seconds)),
             build_seconds: median(&of(|run| run.build_seconds)),
             efficiency: Some(1.0 / (mse * seconds)).filter(|efficiency| efficiency.is_finite() && *efficiency > 0.0),
-            is_trusted: mse >= precision.least_mse && rmse_interval.is_some(),
+            is_trusted: mse >= precision.min_mse && rmse_interval.is_some(),
             runs: point.runs.clone(),
         }
     }
@@ -155,7 +151,7 @@ impl PointSummary {
 mod tests {
     use rt_math::transcendental::{hypot, pow};
 
-    use super::super::yardstick::Errors;
+    use super::super::reference::Errors;
     use super::*;
 
     fn name(label: &str) -> MethodName {
@@ -170,7 +166,7 @@ mod tests {
         }
     }
 
-    /// Errors of c N^slope and 2 % from seed to seed, as a reference of this floor shows them; a microsecond a sample.
+    /// Errors of c N^slope with 2 % spread between seeds, plus this floor; one microsecond per sample.
     fn measured(label: &str, slope: f64, floor: f64) -> Measured {
         let point = |spp: u32| {
             let run = |seed: u64| {
@@ -184,21 +180,20 @@ mod tests {
         Measured { name: name(label), points: [1, 4, 16, 64, 256].map(point).to_vec(), pictures: [None, None] }
     }
 
-    /// A yardstick that is an image with this error.
     fn precision(floor: Floor) -> Precision {
-        Precision { floor, least_mse: TRUSTED * floor.mse, repetitions: Repetitions::Each }
+        Precision { floor, min_mse: TRUSTED * floor.mse, repetitions: Repetitions::Each }
     }
 
     const EXACT: Floor = Floor { mse: 0.0, relative_mse: 0.0, mean_error: 0.0 };
 
-    fn study(methods: Vec<Measured>) -> Study {
-        Study { methods, left_out: Vec::new(), bad_samples: 0, threads: 1 }
+    fn experiment(methods: Vec<Measured>) -> Experiment {
+        Experiment { methods, left_out: Vec::new(), bad_samples: 0, threads: 1 }
     }
 
     #[test]
     fn the_floor_is_subtracted_and_points_near_it_are_not_trusted() {
         let floor = Floor { mse: 1e-6, relative_mse: 1e-5, mean_error: 0.003 };
-        let summary = Summary::new(&study(vec![measured("a", -0.75, floor.mse)]), precision(floor), None);
+        let summary = Summary::new(&experiment(vec![measured("a", -0.75, floor.mse)]), precision(floor), None);
         let method = &summary.methods[0];
         for point in &method.points {
             let expected = 0.1 * pow(f64::from(point.spp), -0.75);
@@ -217,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_floor_that_is_kept_flattens_the_slope() {
-        let summary = Summary::new(&study(vec![measured("a", -0.75, 1e-5)]), precision(EXACT), None);
+        let summary = Summary::new(&experiment(vec![measured("a", -0.75, 1e-5)]), precision(EXACT), None);
         let slope = summary.methods[0].slope_of_samples.expect("five points");
         assert!(slope.mean > -0.65, "{slope:?}");
     }
@@ -225,18 +220,20 @@ mod tests {
     #[test]
     fn the_goal_is_what_all_reach_unless_it_is_given() {
         let methods = || vec![measured("fast", -1.0, 0.0), measured("slow", -0.5, 0.0)];
-        let summary = Summary::new(&study(methods()), precision(EXACT), None);
-        assert_eq!(Some(summary.error_goal), summary.methods[1].points[4].rmse);
-        let Some(Arrival::At(fast)) = summary.methods[0].arrival else { panic!("{:?}", summary.methods[0].arrival) };
+        let summary = Summary::new(&experiment(methods()), precision(EXACT), None);
+        assert_eq!(Some(summary.target_rmse), summary.methods[1].points[4].rmse);
+        let Some(TimeToError::At(fast)) = summary.methods[0].time_to_error else {
+            panic!("{:?}", summary.methods[0].time_to_error)
+        };
         // 256^-0.5 = 16^-1.
         assert!((fast / 16e-6 - 1.0).abs() < 1e-6, "{fast}");
-        let given = Summary::new(&study(methods()), precision(EXACT), Some(1e-9));
-        assert_eq!(given.methods[0].arrival, Some(Arrival::NotWithin(256e-6)));
+        let given = Summary::new(&experiment(methods()), precision(EXACT), Some(1e-9));
+        assert_eq!(given.methods[0].time_to_error, Some(TimeToError::NotWithin(256e-6)));
     }
 
     #[test]
     fn efficiency_is_the_inverse_of_squared_error_times_seconds() {
-        let summary = Summary::new(&study(vec![measured("a", -0.5, 0.0)]), precision(EXACT), None);
+        let summary = Summary::new(&experiment(vec![measured("a", -0.5, 0.0)]), precision(EXACT), None);
         for point in &summary.methods[0].points {
             let rmse = point.rmse.expect("positive");
             let product = point.efficiency.expect("positive") * rmse * rmse * point.seconds;

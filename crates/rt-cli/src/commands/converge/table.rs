@@ -1,22 +1,20 @@
-//! The numbers as tables for people.
+//! Tables of the results.
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use super::statistics::{Arrival, Interval};
+use super::statistics::{Interval, TimeToError};
 use super::summary::{MethodSummary, PointSummary, Summary};
 
-/// A table of texts.
 #[derive(Debug)]
-pub(super) struct Sheet {
+pub(super) struct TextTable {
     pub(super) header: Vec<&'static str>,
     pub(super) rows: Vec<Vec<String>>,
 }
 
-/// What is shown where there is nothing to tell.
-const NOTHING: &str = "-";
+const NO_VALUE: &str = "-";
 
-/// One row for each method at each number of samples. With `flip`, what is seen of the error as well.
-pub(super) fn points(summary: &Summary, flip: bool) -> Sheet {
+/// One row per method and sample count, with a column for FLIP if `flip` is set.
+pub(super) fn points(summary: &Summary, flip: bool) -> TextTable {
     let mut header = vec!["method", "spp", "seconds", "RMSE", "95 %", "relMSE", "bias", "efficiency"];
     if flip {
         header.insert(7, "FLIP");
@@ -25,55 +23,58 @@ pub(super) fn points(summary: &Summary, flip: bool) -> Sheet {
         method.points.iter().map(move |point| {
             let mut row = point_row(method, point);
             if flip {
-                row.insert(7, point.flip.map_or(NOTHING.to_owned(), number));
+                row.insert(7, point.flip.map_or(NO_VALUE.to_owned(), number));
             }
             row
         })
     });
-    Sheet { header, rows: rows.collect() }
+    TextTable { header, rows: rows.collect() }
 }
 
 fn point_row(method: &MethodSummary, point: &PointSummary) -> Vec<String> {
-    // What is known of an error near that of the reference is that it is small.
+    // Errors near that of the reference are unreliable.
     let mark = if point.is_trusted { "" } else { "*" };
     vec![
         method.name.label.clone(),
         point.spp.to_string(),
         number(point.seconds),
-        point.rmse.map_or(NOTHING.to_owned(), number) + mark,
-        point.rmse_interval.filter(|_| point.is_trusted).map_or(NOTHING.to_owned(), |interval| range(interval, number)),
+        point.rmse.map_or(NO_VALUE.to_owned(), number) + mark,
+        point
+            .rmse_interval
+            .filter(|_| point.is_trusted)
+            .map_or(NO_VALUE.to_owned(), |interval| range(interval, number)),
         number(point.relative_mse),
         format!("{} ± {}", signed(point.bias), number(point.bias_standard_error)),
-        point.efficiency.filter(|_| point.is_trusted).map_or(NOTHING.to_owned(), number),
+        point.efficiency.filter(|_| point.is_trusted).map_or(NO_VALUE.to_owned(), number),
     ]
 }
 
-/// One row for each method.
-pub(super) fn methods(summary: &Summary) -> Sheet {
-    let header = vec!["method", "slope by N", "95 %", "slope by seconds", "95 %", "seconds to goal"];
+/// One row per method.
+pub(super) fn methods(summary: &Summary) -> TextTable {
+    let header = vec!["method", "slope by N", "95 %", "slope by seconds", "95 %", "seconds to target"];
     let rows = summary.methods.iter().map(|method| {
         let mut row = vec![method.name.label.clone()];
         for slope in [method.slope_of_samples, method.slope_of_seconds] {
-            row.push(slope.map_or(NOTHING.to_owned(), |slope| fixed(slope.mean)));
-            row.push(slope.map_or(NOTHING.to_owned(), |slope| range(slope, fixed)));
+            row.push(slope.map_or(NO_VALUE.to_owned(), |slope| fixed(slope.mean)));
+            row.push(slope.map_or(NO_VALUE.to_owned(), |slope| range(slope, fixed)));
         }
-        row.push(match method.arrival {
-            None => NOTHING.to_owned(),
-            Some(Arrival::At(seconds)) => number(seconds),
-            Some(Arrival::Before(seconds)) => format!("< {}", number(seconds)),
-            Some(Arrival::NotWithin(seconds)) => format!("> {}", number(seconds)),
+        row.push(match method.time_to_error {
+            None => NO_VALUE.to_owned(),
+            Some(TimeToError::At(seconds)) => number(seconds),
+            Some(TimeToError::Before(seconds)) => format!("< {}", number(seconds)),
+            Some(TimeToError::NotWithin(seconds)) => format!("> {}", number(seconds)),
         });
         row
     });
-    Sheet { header, rows: rows.collect() }
+    TextTable { header, rows: rows.collect() }
 }
 
-impl Sheet {
-    /// The table for a terminal.
+impl TextTable {
+    /// Table for a terminal.
     pub(super) fn text(&self) -> String {
         let mut table = Table::new();
         table.load_style(presets::NOTHING);
-        // A line of a table that is broken cannot be read; terminals break or cut it as they like.
+        // Broken lines would be unreadable; the terminal may wrap or cut them.
         table.set_header(self.header.iter()).set_content_arrangement(comfy_table::ContentArrangement::Disabled);
         table.add_rows(&self.rows);
         for column in table.column_iter_mut().skip(1) {
@@ -83,7 +84,7 @@ impl Sheet {
     }
 }
 
-/// Three digits that count.
+/// Number with three significant digits.
 pub(super) fn number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -98,7 +99,7 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
-/// Three digits that count, and the sign.
+/// Number with sign and three significant digits.
 fn signed(value: f64) -> String {
     if value > 0.0 { format!("+{}", number(value)) } else { number(value) }
 }

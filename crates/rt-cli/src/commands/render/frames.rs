@@ -1,4 +1,4 @@
-//! Frame after frame of an animation, each a render of its own.
+//! Frames of an animation, each rendered by itself.
 
 use std::path::{Path, PathBuf};
 
@@ -6,37 +6,37 @@ use rt_render::Share;
 
 use rt_scene_io::InputHashes;
 
-use crate::args::{AovArg, Frames, InputArgs, KeepArgs, RenderArgs, RunArgs};
+use crate::args::{AovArg, CheckpointArgs, Frames, InputArgs, RenderArgs, RunArgs};
 use crate::console::Console;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::frame_log::FrameLog;
 use crate::identity::Identity;
-use crate::{input, interruption};
+use crate::{input, signals};
 
-/// Renders the frames that are asked for, one after the other. It ends at the first that fails.
+/// Renders the frames in order; stops at the first failure.
 pub(super) fn each(
     args: &RenderArgs,
     frames: Frames,
-    render: impl Fn(&RenderArgs) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+    render: impl Fn(&RenderArgs) -> Result<(), CliError>,
+) -> Result<(), CliError> {
     let console = Console { quiet: args.run.quiet };
-    let say = |frame: u32, what: String| console.say(format_args!("frame {frame} of {frames}{what}"));
-    let at = |frame: u32| format!(", at {:.3} s", args.input.pace.moment(frame));
-    let share = args.keep.shard.unwrap_or(Share::ALL);
+    let say = |frame: u32, what: String| console.println(format_args!("frame {frame} of {frames}{what}"));
+    let at = |frame: u32| format!(", at {:.3} s", args.input.timing.time_of(frame));
+    let share = args.checkpoint.shard.unwrap_or(Share::ALL);
     if frames.is_single() {
-        // Machines that take a frame each have no file in common.
-        return frames.numbers().filter(|frame| share.holds(*frame as usize)).try_for_each(|frame| {
+        // A single frame has no frame log.
+        return frames.indices().filter(|frame| share.holds(*frame as usize)).try_for_each(|frame| {
             say(frame, at(frame))?;
             render(&of_frame(args, frame)).map_err(|source| failed(frame, source))
         });
     }
     refuse_shared_files(args)?;
-    let mut log = FrameLog::open(&output(args), args.keep.shard, frames, args.keep.resume)?;
+    let mut log = FrameLog::open(&output(args), args.checkpoint.shard, frames, args.checkpoint.resume)?;
     let mut files = None;
-    for frame in frames.numbers().filter(|frame| share.holds(*frame as usize)) {
-        if interruption::is_interrupted() {
-            // It came when the frame before was finished.
-            return Err(failed(frame, Failure::Interrupted { percent: 0.0, picture: None, checkpoint: None }));
+    for frame in frames.indices().filter(|frame| share.holds(*frame as usize)) {
+        if signals::is_interrupted() {
+            // The signal came after the previous frame was finished.
+            return Err(failed(frame, CliError::Interrupted { percent: 0.0, image: None, checkpoint: None }));
         }
         let args = of_frame(args, frame);
         if files.is_none() {
@@ -44,7 +44,7 @@ pub(super) fn each(
         }
         let identity =
             Identity::new(&args.input, &args.picture, files.as_deref().unwrap_or_default(), &InputHashes::default())?;
-        // A frame that is finished does not go on: what ends and develops it must be the same.
+        // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
         if log.has(frame, &identity, &args.input.scene)? && results(&args).all(Path::exists) {
             say(frame, " is there already".to_owned())?;
@@ -52,74 +52,76 @@ pub(super) fn each(
         }
         say(frame, at(frame))?;
         render(&args).map_err(|source| failed(frame, source))?;
-        let _listening = interruption::listen();
+        let _guard = signals::guard();
         log.add(frame, &identity)?;
     }
     Ok(())
 }
 
-/// All frames of what is animated in the scene or its models.
-pub(super) fn all(args: &RenderArgs) -> Result<Frames, Failure> {
+/// All frames of the animations of the scene and its models.
+pub(super) fn all(args: &RenderArgs) -> Result<Frames, CliError> {
     let input = InputArgs { at_time: Some(0.0), ..args.input.clone() };
     let loaded = input::read(&input, Some(&args.picture), Console { quiet: true })?;
-    let (scene, fps) = (args.input.scene.display(), args.input.pace.fps);
+    let (scene, fps) = (args.input.scene.display(), args.input.timing.fps);
     let Some(end) = loaded.options.animation_end.seconds() else {
-        return Err(Failure::Usage(format!(
-            "--frames all: nothing in {scene} is animated; leave it out for a single picture"
+        return Err(CliError::Usage(format!(
+            "--frames all: nothing in {scene} is animated; remove it to render a single image"
         )));
     };
     Frames::of_animation(end, fps).ok_or_else(|| {
-        Failure::Usage(format!(
-            "--frames all: {end} s at {fps} frames a second are too many; give the first and the last as 0..47"
+        CliError::Usage(format!(
+            "--frames all: {end} s at {fps} frames a second are too many; give a range such as 0..47"
         ))
     })
 }
 
-/// All files that a frame is written to.
+/// Output files of a frame.
 fn results(args: &RenderArgs) -> impl Iterator<Item = &Path> {
     let aovs = args.aov.iter().map(|aov| aov.file.as_path());
     args.output.as_deref().into_iter().chain(args.run.stats.as_deref()).chain(aovs)
 }
 
-fn failed(frame: u32, source: Failure) -> Failure {
-    Failure::Frame { frame, source: Box::new(source) }
+fn failed(frame: u32, source: CliError) -> CliError {
+    CliError::Frame { frame, source: Box::new(source) }
 }
 
-/// The files that a frame is made of, which are those of all frames.
-fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
-    let mut files = input::read(&args.input, Some(&args.picture), Console { quiet: true })?.files;
-    files.extend(args.picture.env.clone());
-    Ok(files)
+/// Input files, which are the same for all frames.
+fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, CliError> {
+    Ok(input::read(&args.input, Some(&args.picture), Console { quiet: true })?.files)
 }
 
-/// The arguments that render a frame by itself.
+/// Arguments of a single frame.
 fn of_frame(args: &RenderArgs, frame: u32) -> RenderArgs {
     let name = |path: &Path| numbered(path, frame).unwrap_or_else(|| path.to_owned());
     RenderArgs {
-        input: InputArgs { at_time: Some(args.input.pace.moment(frame)), ..args.input.clone() },
+        input: InputArgs { at_time: Some(args.input.timing.time_of(frame)), ..args.input.clone() },
         output: Some(name(&output(args))),
         aov: args.aov.iter().map(|arg| AovArg { aov: arg.aov, file: name(&arg.file) }).collect(),
-        keep: KeepArgs { shard: None, checkpoint: args.keep.checkpoint.as_deref().map(name), ..args.keep.clone() },
+        checkpoint: CheckpointArgs {
+            shard: None,
+            checkpoint: args.checkpoint.checkpoint.as_deref().map(name),
+            ..args.checkpoint.clone()
+        },
         run: RunArgs { stats: args.run.stats.as_deref().map(name), ..args.run.clone() },
         ..args.clone()
     }
 }
 
-/// Refuses names that all frames would be written to.
-fn refuse_shared_files(args: &RenderArgs) -> Result<(), Failure> {
+/// Refuses output names without a place for the frame number.
+fn refuse_shared_files(args: &RenderArgs) -> Result<(), CliError> {
     let output = output(args);
-    let others = [args.run.stats.as_deref(), args.keep.checkpoint.as_deref(), Some(output.as_path())];
+    let others = [args.run.stats.as_deref(), args.checkpoint.checkpoint.as_deref(), Some(output.as_path())];
     let mut all = args.aov.iter().map(|arg| arg.file.as_path()).chain(others.into_iter().flatten());
     match all.find(|path| numbered(path, 0).is_none()) {
         None => Ok(()),
-        Some(path) => Err(Failure::Usage(format!(
-            "all frames would be written to {}: write #### where the number of the frame goes, as in out-####.png",
+        Some(path) => Err(CliError::Usage(format!(
+            "all frames would be written to {}: put #### in place of the frame number, such as out-####.png",
             path.display()
         ))),
     }
 }
 
-/// Where pictures go; by default the scene's name with `-####.png`, in the current folder.
+/// Pattern of the image names: `--output`, or the name of the scene with `-####.png`.
 fn output(args: &RenderArgs) -> PathBuf {
     args.output.clone().unwrap_or_else(|| {
         let mut name = args.input.scene.file_stem().unwrap_or_default().to_owned();
@@ -128,7 +130,7 @@ fn output(args: &RenderArgs) -> PathBuf {
     })
 }
 
-/// The path with a number, padded with zeros, in place of the last run of `#` in the name of the file; `None` if there is none.
+/// Replaces the last run of `#` in the file name by a zero-padded number; `None` without `#`.
 fn numbered(path: &Path, frame: u32) -> Option<PathBuf> {
     let name = path.file_name()?.to_str()?;
     let end = name.rfind('#')? + 1;
@@ -142,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_run_of_hashes_is_the_number() {
+    fn the_last_run_of_hashes_becomes_the_number() {
         for (pattern, frame, expected) in [
             ("out-####.png", 7, "out-0007.png"),
             ("a/b#/out.##.exr", 123, "a/b#/out.123.exr"),

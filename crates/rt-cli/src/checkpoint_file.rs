@@ -1,10 +1,10 @@
-//! Files of what is kept of a render: checkpoints, to go on from, and parts, to be joined.
+//! File format of checkpoints and of parts of an image.
 //!
 //! ```text
-//!   "rt-cli kept 1\n" | what it is of | what is kept | hash of all that
+//!   "rt-cli kept 1\n" | label | content | BLAKE3 hash of all before
 //! ```
 //!
-//! Numbers are written by postcard. A file is only as good as its hash: a flipped bit is found before anything is read.
+//! Label and content are encoded by postcard. The hash detects any flipped bit before the content is decoded.
 
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read as _, Write};
@@ -19,124 +19,76 @@ use serde::{Deserialize, Serialize};
 use crate::args::{tone_name, tone_of_name};
 use crate::identity::Identity;
 
-/// How each such file begins.
 const MAGIC: &[u8] = b"rt-cli kept 1\n";
 
-/// Bytes of the hash at its end.
 const HASH: usize = blake3::OUT_LEN;
 
-/// Bytes of the longest label.
+/// Maximum size of a label in bytes.
 const MAX_LABEL: u64 = 8192;
 
-/// Bytes of the longest name of a version or of a scene's file.
+/// Maximum length of a version or of the name of a scene file in bytes.
 const MAX_NAME: usize = 1024;
 
-/// What a file is of.
+/// Identity and tone mapping of the image.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Label {
-    kind: KeptKind,
+    kind: ArtifactKind,
     version: String,
     pub(crate) identity: Identity,
-    /// Name of the scene's file, for messages.
+    /// Name of the scene file, for messages.
     pub(crate) scene: String,
     exposure: f64,
     tone: String,
     gamma: Option<f64>,
-    /// Where the upper left pixel lies in the full image, if colours are dithered.
+    /// Position of the upper left pixel in the full image, for dithering.
     dither_origin: Option<[u32; 2]>,
 }
 
-/// What is kept in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum KeptKind {
-    /// A render in the midst of it.
+pub(crate) enum ArtifactKind {
+    /// State of an unfinished render.
     Checkpoint,
-    /// A share of a picture, finished.
+    /// Finished share of an image.
     Part,
 }
 
-/// Why a file is no use.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum KeptError {
-    /// It cannot be read.
+pub(crate) enum ArtifactError {
     #[error("{}: cannot be read: {source}", file.display())]
-    Read {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// It is a folder, a pipe or a device.
+    Read { file: PathBuf, source: io::Error },
     #[error("{}: is not a regular file", .0.display())]
     NotAFile(PathBuf),
-    /// Reading it would take more memory than is allowed.
     #[error("{}: {shortage}", file.display())]
-    Memory {
-        /// The file.
-        file: PathBuf,
-        /// How much more.
-        shortage: MemoryError,
-    },
-    /// It has the right hash, and a number in it cannot be right.
-    #[error("{}: is no sound {kind}: {reason}", file.display())]
-    Content {
-        /// The file.
-        file: PathBuf,
-        /// What it should be.
-        kind: KeptKind,
-        /// The number.
-        reason: String,
-    },
-    /// It is something else.
-    #[error("{}: is no {kind}", file.display())]
-    OtherKind {
-        /// The file.
-        file: PathBuf,
-        /// What it should be.
-        kind: KeptKind,
-    },
-    /// It is not what was written.
-    #[error("{}: is damaged: its content does not have the hash at its end", .0.display())]
+    Memory { file: PathBuf, shortage: MemoryError },
+    /// The hash is right, and a value is not.
+    #[error("{}: is not a valid {kind}: {reason}", file.display())]
+    Content { file: PathBuf, kind: ArtifactKind, reason: String },
+    #[error("{}: is not a {kind}", file.display())]
+    OtherKind { file: PathBuf, kind: ArtifactKind },
+    #[error("{}: is damaged: its content does not match its hash", .0.display())]
     Damaged(PathBuf),
-    /// A list of frames that is none.
-    #[error("{}: is no list of the frames that are done; remove it to begin anew", .0.display())]
+    #[error("{}: is not a list of finished frames; remove it to start over", .0.display())]
     Log(PathBuf),
-    /// Its content makes no sense to this program.
-    #[error("{}: was written by version {version} of this program, and this is version {}", file.display(), env!("CARGO_PKG_VERSION"))]
-    Version {
-        /// The file.
-        file: PathBuf,
-        /// What wrote it.
-        version: String,
-    },
-    /// It is of the same picture, and something else was wanted of it.
-    #[error("{}: was made with other options: --stats, --aov, --time and --target-error must be given again, or not, as they were at \
-             first; begin anew with --restart", .0.display())]
+    #[error("{}: was written by version {version} of this program; this is version {}", file.display(), env!("CARGO_PKG_VERSION"))]
+    Version { file: PathBuf, version: String },
+    #[error("{}: was made with other options: give --stats, --aov, --time and --target-error exactly as at first, or start over \
+             with --restart", .0.display())]
     OtherOptions(PathBuf),
-    /// It is of another picture.
-    #[error("{}: is of another picture: its scene ({scene}), a file of it, or an option is not the same{advice}", file.display())]
-    Foreign {
-        /// The file.
-        file: PathBuf,
-        /// The scene that it is of.
-        scene: String,
-        /// What can be done.
-        advice: &'static str,
-    },
+    #[error("{}: is of another image: its scene ({scene}), a file of it, or an option differs{advice}", file.display())]
+    Foreign { file: PathBuf, scene: String, advice: &'static str },
 }
 
-impl core::fmt::Display for KeptKind {
+impl core::fmt::Display for ArtifactKind {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Checkpoint => "checkpoint",
-            Self::Part => "part of a picture",
+            Self::Part => "part of an image",
         })
     }
 }
 
 impl Label {
-    /// The label of what this version of the program keeps of a scene.
-    pub(crate) fn new(kind: KeptKind, identity: Identity, scene: &Path, development: &Development) -> Self {
+    pub(crate) fn new(kind: ArtifactKind, identity: Identity, scene: &Path, development: &Development) -> Self {
         Self {
             kind,
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -152,25 +104,25 @@ impl Label {
         }
     }
 
-    /// Checks that it is one that this program writes.
-    fn check(&self, file: &Path, kind: KeptKind) -> Result<(), KeptError> {
-        let content = |reason: String| KeptError::Content { file: file.to_owned(), kind, reason };
+    /// Checks version, kind and values.
+    fn check(&self, file: &Path, kind: ArtifactKind) -> Result<(), ArtifactError> {
+        let content = |reason: String| ArtifactError::Content { file: file.to_owned(), kind, reason };
         if self.version.len() > MAX_NAME || self.scene.len() > MAX_NAME {
-            return Err(content("its label is too long".to_owned()));
+            return Err(content("the label is too long".to_owned()));
         }
         if self.version != env!("CARGO_PKG_VERSION") {
-            return Err(KeptError::Version { file: file.to_owned(), version: self.version.clone() });
+            return Err(ArtifactError::Version { file: file.to_owned(), version: self.version.clone() });
         }
         if self.kind != kind {
-            return Err(KeptError::OtherKind { file: file.to_owned(), kind });
+            return Err(ArtifactError::OtherKind { file: file.to_owned(), kind });
         }
         if tone_of_name(&self.tone).is_none() {
-            return Err(content("there is no such tone curve".to_owned()));
+            return Err(content("unknown tone curve".to_owned()));
         }
         self.development().validate().map_err(|error| content(error.to_string()))
     }
 
-    /// How the scene wants its picture developed.
+    /// Tone mapping of the scene.
     pub(crate) fn development(&self) -> Development {
         let standard = Development::default();
         Development {
@@ -182,12 +134,10 @@ impl Label {
     }
 }
 
-/// What is kept in a file, and checked when it is read.
+/// Content of a file, validated after decoding.
 pub(crate) trait Content: Sized {
-    /// What is decoded.
     type Unchecked: DeserializeOwned;
 
-    /// Checks all numbers.
     fn check(unchecked: Self::Unchecked) -> Result<Self, ContentError>;
 }
 
@@ -207,28 +157,25 @@ impl Content for Checkpoint {
     }
 }
 
-/// Opens a regular file, and tells its length. Whoever opens a pipe waits for its other end, so that this comes first.
-fn open(file: &Path) -> Result<(File, u64), KeptError> {
-    let failed = |source| KeptError::Read { file: file.to_owned(), source };
+/// Opens a regular file and returns its length. Checks the type first, because opening a pipe blocks.
+fn open(file: &Path) -> Result<(File, u64), ArtifactError> {
+    let failed = |source| ArtifactError::Read { file: file.to_owned(), source };
     let metadata = file.metadata().map_err(failed)?;
     if !metadata.is_file() {
-        return Err(KeptError::NotAFile(file.to_owned()));
+        return Err(ArtifactError::NotAFile(file.to_owned()));
     }
     Ok((File::open(file).map_err(failed)?, metadata.len()))
 }
 
-/// Length of a file of this kind, before it is read.
-pub(crate) fn length(file: &Path) -> Result<u64, KeptError> {
+/// Length of a regular file.
+pub(crate) fn length(file: &Path) -> Result<u64, ArtifactError> {
     open(file).map(|(_, length)| length)
 }
 
-/// The label of a file, if there is a file. Nothing but its beginning is read, so that its hash is not checked.
-///
-/// # Errors
-/// [`KeptError`] if it is damaged, of another kind or version, or something else.
-pub(crate) fn label(file: &Path, kind: KeptKind) -> Result<Option<Label>, KeptError> {
+/// Reads the label of a file, if it exists. The hash is not checked.
+pub(crate) fn label(file: &Path, kind: ArtifactKind) -> Result<Option<Label>, ArtifactError> {
     let (opened, _) = match open(file) {
-        Err(KeptError::Read { source, .. })
+        Err(ArtifactError::Read { source, .. })
             if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
         {
             return Ok(None);
@@ -239,35 +186,34 @@ pub(crate) fn label(file: &Path, kind: KeptKind) -> Result<Option<Label>, KeptEr
     opened
         .take(MAGIC.len() as u64 + MAX_LABEL)
         .read_to_end(&mut head)
-        .map_err(|source| KeptError::Read { file: file.to_owned(), source })?;
+        .map_err(|source| ArtifactError::Read { file: file.to_owned(), source })?;
     if MAGIC.starts_with(&head) {
-        return Err(KeptError::Damaged(file.to_owned()));
+        return Err(ArtifactError::Damaged(file.to_owned()));
     }
     let Some(head) = head.strip_prefix(MAGIC) else {
-        return Err(KeptError::OtherKind { file: file.to_owned(), kind });
+        return Err(ArtifactError::OtherKind { file: file.to_owned(), kind });
     };
-    let (label, _) = postcard::take_from_bytes::<Label>(head).map_err(|_| KeptError::Damaged(file.to_owned()))?;
+    let (label, _) = postcard::take_from_bytes::<Label>(head).map_err(|_| ArtifactError::Damaged(file.to_owned()))?;
     label.check(file, kind)?;
     Ok(Some(label))
 }
 
-/// Writes a file.
 pub(crate) fn write(file: impl Write, label: &Label, content: &impl Serialize) -> Result<(), String> {
     let mut hashed = BufWriter::with_capacity(1 << 18, Hashed { file, hasher: blake3::Hasher::new() });
     hashed.write_all(MAGIC).map_err(|error| error.to_string())?;
-    for_postcard(&mut hashed, label)?;
-    for_postcard(&mut hashed, content)?;
+    write_postcard(&mut hashed, label)?;
+    write_postcard(&mut hashed, content)?;
     let Hashed { mut file, hasher } = hashed.into_inner().map_err(|error| error.error().to_string())?;
     file.write_all(hasher.finalize().as_bytes()).map_err(|error| error.to_string())
 }
 
-/// What the system says of a failure matters more than that there was one.
-fn for_postcard(mut writer: impl Write, value: &impl Serialize) -> Result<(), String> {
-    struct Watched<W> {
+/// Encodes a value. Postcard drops the reason of a failed write, so that it is stored here.
+fn write_postcard(mut writer: impl Write, value: &impl Serialize) -> Result<(), String> {
+    struct Recorder<W> {
         writer: W,
         error: Option<String>,
     }
-    impl<W: Write> Write for &mut Watched<W> {
+    impl<W: Write> Write for &mut Recorder<W> {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             self.writer.write(bytes).inspect_err(|error| self.error = Some(error.to_string()))
         }
@@ -275,21 +221,25 @@ fn for_postcard(mut writer: impl Write, value: &impl Serialize) -> Result<(), St
             Ok(())
         }
     }
-    let mut watched = Watched { writer: &mut writer, error: None };
-    let written = postcard::to_io(value, &mut watched).map(|_| ()).map_err(|error| error.to_string());
-    written.map_err(|error| watched.error.take().unwrap_or(error))
+    let mut recorder = Recorder { writer: &mut writer, error: None };
+    let written = postcard::to_io(value, &mut recorder).map(|_| ()).map_err(|error| error.to_string());
+    written.map_err(|error| recorder.error.take().unwrap_or(error))
 }
 
-/// Reads a file of this kind, unless that would take more bytes of memory than `memory`.
-pub(crate) fn read<T: Content>(file: &Path, kind: KeptKind, memory: Option<u64>) -> Result<(Label, T), KeptError> {
-    let failed = |source| KeptError::Read { file: file.to_owned(), source };
-    let damaged = || KeptError::Damaged(file.to_owned());
+/// Reads a file within `memory` bytes.
+pub(crate) fn read<T: Content>(
+    file: &Path,
+    kind: ArtifactKind,
+    memory: Option<u64>,
+) -> Result<(Label, T), ArtifactError> {
+    let failed = |source| ArtifactError::Read { file: file.to_owned(), source };
+    let damaged = || ArtifactError::Damaged(file.to_owned());
     let (opened, length) = open(file)?;
     let mut bytes = Vec::new();
     let mut reader = opened.take(length);
     reader.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(failed)?;
     if bytes != MAGIC {
-        return Err(KeptError::OtherKind { file: file.to_owned(), kind });
+        return Err(ArtifactError::OtherKind { file: file.to_owned(), kind });
     }
     check_memory(file, kind, length, memory)?;
     reader.read_to_end(&mut bytes).map_err(failed)?;
@@ -303,30 +253,29 @@ pub(crate) fn read<T: Content>(file: &Path, kind: KeptKind, memory: Option<u64>)
     let Ok((unchecked, [])) = postcard::take_from_bytes::<T::Unchecked>(content) else { return Err(damaged()) };
     let content = T::check(unchecked).map_err(|error| {
         let reason = error.to_string();
-        KeptError::Content { file: file.to_owned(), kind, reason }
+        ArtifactError::Content { file: file.to_owned(), kind, reason }
     })?;
     Ok((label, content))
 }
 
-/// Refuses a file whose bytes and content take too much memory.
-fn check_memory(file: &Path, kind: KeptKind, length: u64, memory: Option<u64>) -> Result<(), KeptError> {
+fn check_memory(file: &Path, kind: ArtifactKind, length: u64, memory: Option<u64>) -> Result<(), ArtifactError> {
     let predicted = length.saturating_add(decoded_bytes(length));
     match memory {
         Some(budget) if predicted > budget => {
             let largest = format!("the {kind} {}", file.display());
             let shortage = MemoryError { predicted, budget, largest, most: predicted };
-            Err(KeptError::Memory { file: file.to_owned(), shortage })
+            Err(ArtifactError::Memory { file: file.to_owned(), shortage })
         }
         _ => Ok(()),
     }
 }
 
-/// Bytes of memory that the content of a file of this length takes: numbers as they are, and some for each tile.
+/// Memory of the decoded content in bytes: the numbers, and overhead per tile.
 pub(crate) const fn decoded_bytes(length: u64) -> u64 {
     length.saturating_add(length / 8)
 }
 
-/// Hashes what goes to a file.
+/// Writer that hashes its output.
 struct Hashed<W> {
     file: W,
     hasher: blake3::Hasher,

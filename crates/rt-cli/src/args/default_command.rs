@@ -1,4 +1,4 @@
-//! A scene without a command is rendered: `rt-cli scene.ron` is `rt-cli render scene.ron`.
+//! Default command: `rt-cli scene.ron` means `rt-cli render scene.ron`, and `rt-cli help X` means `rt-cli X --help`.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -8,15 +8,20 @@ use clap::CommandFactory;
 use super::Cli;
 use crate::stdin::{FORMATS, is_dash};
 
-/// Options of the program itself, which need no command.
+/// Options of the program itself.
 const OWN: [&str; 5] = ["-h", "--help", "-V", "--version", "--limits"];
 
-/// The arguments, beginning with the program's name, with `render` before them where a file stands in place of a command.
+/// Inserts `render` if a file stands in place of a command. The first argument is the program's name.
 ///
-/// A word that may be a mistyped command is left for the parser, which suggests the nearest one.
+/// Words that may be mistyped commands are left to the parser, which suggests the nearest one.
 pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut arguments: Vec<OsString> = arguments.collect();
     let [_, first, rest @ ..] = arguments.as_slice() else { return arguments };
+    if first == "help" {
+        arguments.remove(1);
+        arguments.push("--help".into());
+        return arguments;
+    }
     let is_option = |word: &OsStr| word.as_encoded_bytes().starts_with(b"-") && !is_dash(Path::new(word));
     let renders = if is_option(first) {
         // Options of `render` may come before the scene.
@@ -33,12 +38,12 @@ pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) ->
     arguments
 }
 
-/// True for standard input, for what is named as a file that can be read or lies in a folder, and for any file that is there.
+/// True for `-`, for paths with a known extension or several components, and for existing files.
 fn is_file(word: &OsStr) -> bool {
     let path = Path::new(word);
-    let has_known_ending =
-        path.extension().is_some_and(|ending| FORMATS.iter().any(|known| ending.eq_ignore_ascii_case(known)));
-    is_dash(path) || has_known_ending || path.components().nth(1).is_some() || path.is_file()
+    let has_known_extension =
+        path.extension().is_some_and(|extension| FORMATS.iter().any(|known| extension.eq_ignore_ascii_case(known)));
+    is_dash(path) || has_known_extension || path.components().nth(1).is_some() || path.is_file()
 }
 
 #[cfg(test)]
@@ -68,5 +73,7 @@ mod tests {
             assert_eq!(line(&format!("rt-cli {left}")), format!("rt-cli {left}"));
         }
         assert_eq!(line("rt-cli"), "rt-cli");
+        assert_eq!(line("rt-cli help render"), "rt-cli render --help");
+        assert_eq!(line("rt-cli help"), "rt-cli --help");
     }
 }

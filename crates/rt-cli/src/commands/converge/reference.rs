@@ -1,4 +1,4 @@
-//! What errors are measured against: a closed form, an image, or a reference in two halves.
+//! Reference of the error measurements: a closed form, an image, or the mean of two renders.
 
 use std::path::Path;
 
@@ -11,31 +11,28 @@ use rt_scene_io::Truth;
 use serde::Serialize;
 
 use super::statistics::Repetitions;
-use crate::error::Failure;
+use crate::error::CliError;
 use crate::picture_file;
 
-/// What is known of the right picture.
 #[derive(Debug)]
-pub(super) enum Yardstick {
-    /// Its mean radiance, exactly.
+pub(super) enum Reference {
+    /// Exact mean radiance.
     Truth(Truth),
-    /// All of its pixels, more or less.
-    Image(Reference),
+    Image(ReferenceImage),
 }
 
-/// An image to measure against.
 #[derive(Debug)]
-pub(super) struct Reference {
+pub(super) struct ReferenceImage {
     pub(super) film: Image,
-    /// Where it comes from, for people.
+    /// Origin, for the report.
     pub(super) note: String,
-    /// Its own error; `None` if that is not known.
+    /// Error of the reference itself, if known.
     pub(super) floor: Option<Floor>,
-    /// If it holds light of bytes for display, what develops other pictures to such bytes.
+    /// Tone mapping of the renders, if the reference is a .png or .jpg file.
     displayed: Option<Development>,
 }
 
-/// The error of a reference, of which E \[measured\] = error + floor.
+/// Error of a reference: E \[measured\] = error + floor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Floor {
     /// Mean squared error.
@@ -46,40 +43,39 @@ pub(super) struct Floor {
     pub(super) mean_error: f64,
 }
 
-/// The errors of one picture, those of the yardstick included.
+/// Errors of one image, including those of the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Errors {
     /// Mean squared error over pixels and channels.
     pub(super) mse: f64,
-    /// Mean of squared errors by (right² + 0.01).
+    /// Mean of squared errors divided by (reference² + 0.01).
     pub(super) relative_mse: f64,
     /// Mean signed error.
     pub(super) bias: f64,
 }
 
-impl Yardstick {
-    /// The file's image as a reference; nothing is known of its error.
-    pub(super) fn of_file(path: &Path, size: [u32; 2], development: &Development) -> Result<Self, Failure> {
+impl Reference {
+    /// Reference from a file, with unknown error.
+    pub(super) fn of_file(path: &Path, size: [u32; 2], development: &Development) -> Result<Self, CliError> {
         let film = read_image(path)?;
         let found = [film.width(), film.height()];
         if found != size {
             let source = PairError::Size { test: size, reference: found };
-            return Err(Failure::Pair { test: "the render".into(), reference: path.to_owned(), source });
+            return Err(CliError::Pair { test: "the render".into(), reference: path.to_owned(), source });
         }
         if !film.pixels().as_flattened().iter().all(|value| value.is_finite()) {
-            let reason = "a reference cannot have pixels that are NaN or infinite".to_owned();
+            let reason = "the reference has NaN or infinite pixels".to_owned();
             return Err(ImageFileError::Decode { path: path.to_owned(), reason }.into());
         }
         let displayed = picture_file::is_developed(image_format(path)?).then_some(*development);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let kind =
-            if displayed.is_some() { ", bytes for display, with which developed pictures are compared" } else { "" };
-        let note = format!("{name}{kind}; its own error is not known, and not subtracted");
-        Ok(Self::Image(Reference { film, note, floor: None, displayed }))
+        let kind = if displayed.is_some() { " (tone-mapped; renders are tone-mapped for the comparison)" } else { "" };
+        let note = format!("{name}{kind}; its own error is unknown and not subtracted");
+        Ok(Self::Image(ReferenceImage { film, note, floor: None, displayed }))
     }
 
-    /// The mean of two independent halves, whose difference tells its error:
-    /// `MSE((A + B) / 2) ≈ mean((A − B)²) / 4`, the mean squared distance of a half from the mean of both.
+    /// Mean of two independent renders. Their difference estimates its error: `MSE((A + B) / 2) ≈ mean((A − B)²) / 4`, which is the
+    /// mean squared distance of a render from the mean of both.
     pub(super) fn of_halves(a: &Image, b: &Image, note: String) -> Result<Self, PairError> {
         let mut film = Image::new(a.width(), a.height(), false);
         for ((mean, a), b) in film.pixels_mut().iter_mut().zip(a.pixels()).zip(b.pixels()) {
@@ -91,10 +87,9 @@ impl Yardstick {
             relative_mse: relative_mean_squared_error(&halves).mean(),
             mean_error: bias(&halves).all.standard_error,
         };
-        Ok(Self::Image(Reference { film, note, floor: Some(floor), displayed: None }))
+        Ok(Self::Image(ReferenceImage { film, note, floor: Some(floor), displayed: None }))
     }
 
-    /// The errors of a picture.
     pub(super) fn measure(&self, film: &Image) -> Result<Errors, PairError> {
         match self {
             Self::Truth(truth) => Ok(errors_of_mean(film, truth)),
@@ -110,7 +105,7 @@ impl Yardstick {
         }
     }
 
-    /// Its own error, where it is known: a closed form has none.
+    /// Error of the reference itself, if known; a closed form has none.
     pub(super) fn floor(&self) -> Option<Floor> {
         match self {
             Self::Truth(_) => None,
@@ -118,7 +113,7 @@ impl Yardstick {
         }
     }
 
-    /// The squared error that rounding to `f32` may make: films hold radiance so, and smaller errors mean nothing.
+    /// Squared error of rounding to `f32`, the precision of images.
     pub(super) fn resolution(&self) -> f64 {
         let rounding = f64::from(f32::EPSILON) / 2.0;
         let squares: f64 = match self {
@@ -131,7 +126,7 @@ impl Yardstick {
         squares * rounding * rounding
     }
 
-    /// How the errors of the seeds are put together.
+    /// Combination of the errors of the seeds.
     pub(super) const fn repetitions(&self) -> Repetitions {
         match self {
             Self::Truth(_) => Repetitions::Together,
@@ -139,8 +134,7 @@ impl Yardstick {
         }
     }
 
-    /// The image, if it is one.
-    pub(super) fn reference(&self) -> Option<&Reference> {
+    pub(super) fn image(&self) -> Option<&ReferenceImage> {
         match self {
             Self::Truth(_) => None,
             Self::Image(reference) => Some(reference),
@@ -148,8 +142,8 @@ impl Yardstick {
     }
 }
 
-impl Reference {
-    /// What a viewer sees of the error: the mean of ꟻLIP.
+impl ReferenceImage {
+    /// Mean ꟻLIP.
     pub(super) fn flip(&self, film: &Image, development: &Development) -> Result<f64, PairError> {
         let developed = self.developed(film);
         let pair = ImagePair::new(developed.as_ref().unwrap_or(film), &self.film)?;
@@ -157,24 +151,22 @@ impl Reference {
         Ok(Flip::default().ldr(&pair, &shown).mean())
     }
 
-    /// The signed error of each pixel.
     pub(super) fn error_map(&self, film: &Image) -> Result<ErrorMap, PairError> {
         let developed = self.developed(film);
         Ok(signed_error(&ImagePair::new(developed.as_ref().unwrap_or(film), &self.film)?))
     }
 
-    /// What develops the reference for people to look at.
+    /// Tone mapping of the reference for display.
     pub(super) fn development(&self, of_pictures: &Development) -> Development {
         if self.displayed.is_some() { Development::default() } else { *of_pictures }
     }
 
-    /// The picture as bytes hold it, if the reference is made of such.
+    /// Image as stored in bytes, if the reference is.
     fn developed(&self, film: &Image) -> Option<Image> {
         self.displayed.map(|development| development.develop_over_black(film).decode(Encoding::Srgb))
     }
 }
 
-/// The error of the mean over all pixels.
 fn errors_of_mean(film: &Image, truth: &Truth) -> Errors {
     let mut sum = [0.0; 3];
     for pixel in film.pixels() {
@@ -200,7 +192,7 @@ mod tests {
 
     use super::*;
 
-    /// A grey picture with uniform noise of a mean squared `amplitude² / 3`.
+    /// Gray image with uniform noise of mean square `amplitude² / 3`.
     fn noisy(amplitude: f64, seed: u64) -> Image {
         let mut film = Image::new(100, 100, false);
         for (index, value) in (0..).zip(film.pixels_mut().as_flattened_mut()) {
@@ -210,28 +202,28 @@ mod tests {
     }
 
     #[test]
-    fn the_halves_of_a_reference_tell_its_error() {
+    fn the_halves_of_a_reference_estimate_its_error() {
         let (a, b) = (noisy(0.2, 1), noisy(0.2, 2));
-        let yardstick = Yardstick::of_halves(&a, &b, String::new()).expect("alike");
-        let floor = yardstick.floor().expect("known");
+        let reference = Reference::of_halves(&a, &b, String::new()).expect("alike");
+        let floor = reference.floor().expect("known");
         let expected = 0.2 * 0.2 / 3.0 / 2.0;
         assert!((floor.mse / expected - 1.0).abs() < 0.03, "{floor:?}");
         assert!((floor.relative_mse / (expected / 0.26) - 1.0).abs() < 0.1, "{floor:?}");
-        // What the truth says of the reference is what its halves say.
-        let reference = &yardstick.reference().expect("an image").film;
+        // Compare the estimate with the true error.
+        let film = &reference.image().expect("an image").film;
         let mut grey = Image::new(100, 100, false);
         grey.pixels_mut().fill([0.5; 3]);
-        let real = mean_squared_error(&ImagePair::new(reference, &grey).expect("alike")).mean();
+        let real = mean_squared_error(&ImagePair::new(film, &grey).expect("alike")).mean();
         assert!((floor.mse / real - 1.0).abs() < 0.05, "{} {real}", floor.mse);
     }
 
     #[test]
-    fn measured_errors_are_those_of_the_picture_and_the_floor() {
-        let yardstick = Yardstick::of_halves(&noisy(0.2, 1), &noisy(0.2, 2), String::new()).expect("alike");
-        let errors = yardstick.measure(&noisy(0.3, 3)).expect("alike");
-        let subtracted = errors.mse - yardstick.floor().expect("known").mse;
+    fn measured_errors_include_the_floor() {
+        let reference = Reference::of_halves(&noisy(0.2, 1), &noisy(0.2, 2), String::new()).expect("alike");
+        let errors = reference.measure(&noisy(0.3, 3)).expect("alike");
+        let subtracted = errors.mse - reference.floor().expect("known").mse;
         assert!((subtracted / (0.3 * 0.3 / 3.0) - 1.0).abs() < 0.03, "{subtracted}");
-        let error = yardstick.floor().expect("known").mean_error;
+        let error = reference.floor().expect("known").mean_error;
         assert!(errors.bias.abs() < 4.0 * (error + 0.3 / 300.0), "{errors:?} {error}");
     }
 
@@ -240,7 +232,7 @@ mod tests {
         let mut film = Image::new(2, 1, false);
         film.pixels_mut().copy_from_slice(&[[1.0, 0.0, 0.0], [3.0, 0.0, 0.5]]);
         let truth = Truth { mean: Rgb::new(1.5, 0.0, 0.0), note: String::new() };
-        let errors = Yardstick::Truth(truth).measure(&film).expect("any");
+        let errors = Reference::Truth(truth).measure(&film).expect("any");
         let expected = Errors {
             mse: (0.25 + 0.0625) / 3.0,
             relative_mse: (0.25 / 2.26 + 0.0625 / 0.01) / 3.0,

@@ -1,25 +1,24 @@
-//! Options of `render` as text, so that a command can lay others over them.
+//! Options of `render` as text, to be combined with the values of `converge --vary`.
 
 use std::ffi::OsString;
 
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches, Parser};
 
-use super::PictureArgs;
+use super::{PictureArgs, unknown_word};
 
-/// How much to render is not for the user of such a command to say.
-const DECIDED: [&str; 3] = ["spp", "time", "target-error"];
+/// Options that `converge` sets itself.
+const MANAGED: [&str; 3] = ["spp", "time", "target-error"];
 
-/// What is seen, and with it the picture that is approached, stays the same.
-const SEEN: [&str; 9] = ["size", "crop", "camera", "look-from", "look-at", "up", "fov", "background", "seed"];
+/// Options that change the converged image, and so cannot vary.
+const FIXED: [&str; 10] = ["size", "crop", "camera", "look-from", "look-at", "up", "fov", "background", "env", "seed"];
 
-/// The options of `render` that were typed: whatever [`PictureArgs`] has, but for how much to render.
+/// Options of [`PictureArgs`] as typed, without the managed ones.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct TypedOptions {
+pub(crate) struct RawOptions {
     words: Vec<OsString>,
 }
 
-/// [`PictureArgs`] as a command of its own.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
 struct Picture {
@@ -27,11 +26,11 @@ struct Picture {
     picture: PictureArgs,
 }
 
-impl TypedOptions {
-    /// What was typed and these options and values together, read as `render` reads them.
+impl RawOptions {
+    /// Parses the typed options together with the added ones.
     ///
     /// # Errors
-    /// What the parser says: of a value that is none, or of an option that was typed already.
+    /// Message of the parser: an invalid value, or an option that is given twice.
     pub(crate) fn with(&self, added: &[(&str, &str)]) -> Result<PictureArgs, String> {
         let added = added.iter().map(|(name, value)| OsString::from(format!("--{name}={value}")));
         let parsed = Picture::try_parse_from(self.words.iter().cloned().chain(added));
@@ -39,7 +38,7 @@ impl TypedOptions {
     }
 }
 
-impl Args for TypedOptions {
+impl Args for RawOptions {
     fn augment_args(command: Command) -> Command {
         command.args(options())
     }
@@ -49,7 +48,7 @@ impl Args for TypedOptions {
     }
 }
 
-impl FromArgMatches for TypedOptions {
+impl FromArgMatches for RawOptions {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let mut words = Vec::new();
         for option in options() {
@@ -78,21 +77,30 @@ impl FromArgMatches for TypedOptions {
     }
 }
 
-/// Names of the options whose values make another method for the same picture.
-pub(super) fn variable_names() -> Vec<String> {
-    let names = options().into_iter().filter(|option| option.get_action().takes_values());
-    let names = names.filter_map(|option| option.get_long().map(str::to_owned));
-    names.filter(|name| !SEEN.contains(&name.as_str())).collect()
+/// Long name of an option that may vary, given by its name or an alias.
+pub(super) fn variable_option(name: &str) -> Result<String, String> {
+    let options: Vec<Arg> = options()
+        .into_iter()
+        .filter(|option| option.get_action().takes_values() && !FIXED.contains(&option.get_long().unwrap_or_default()))
+        .collect();
+    let is_called = |option: &&Arg| {
+        option.get_long() == Some(name) || option.get_all_aliases().into_iter().flatten().any(|alias| alias == name)
+    };
+    let long = |option: &Arg| option.get_long().unwrap_or_default().to_owned();
+    match options.iter().find(is_called) {
+        Some(option) => Ok(long(option)),
+        None => Err(unknown_word("option to vary", name, options.iter().map(long).collect())),
+    }
 }
 
-/// The options of `render`, without those that say how much.
+/// Options of [`PictureArgs`] without the managed ones.
 fn options() -> Vec<Arg> {
     let all = PictureArgs::augment_args(Command::new("render"));
-    let is_left = |option: &&Arg| option.get_long().is_some_and(|name| !DECIDED.contains(&name));
-    all.get_arguments().filter(is_left).cloned().collect()
+    let is_unmanaged = |option: &&Arg| option.get_long().is_some_and(|name| !MANAGED.contains(&name));
+    all.get_arguments().filter(is_unmanaged).cloned().collect()
 }
 
-/// The message of the parser, without its hints at a help page.
+/// Message of the parser without its references to help pages.
 fn in_one_line(error: &Error) -> String {
     let text = error.to_string();
     let message = text.split("\n\n").filter(|part| !part.starts_with("For more") && !part.starts_with("Usage"));
@@ -111,24 +119,24 @@ mod tests {
     #[derive(Debug, Parser)]
     struct Program {
         #[command(flatten)]
-        options: TypedOptions,
+        options: RawOptions,
     }
 
-    fn typed(words: &[&str]) -> TypedOptions {
+    fn typed(words: &[&str]) -> RawOptions {
         Program::try_parse_from(["program"].iter().chain(words)).expect("valid").options
     }
 
     #[test]
-    fn what_was_typed_is_kept_and_added_to() {
+    fn typed_options_are_kept_and_extended() {
         let options = typed(&["--size", "8x4", "--depth=3", "--full-plan"]);
         let picture = options.with(&[("sampler", "halton")]).expect("valid");
-        assert_eq!((picture.size, picture.depth, picture.full_plan), (Some([8, 4]), Some(3), true));
+        assert_eq!((picture.size, picture.max_depth, picture.full_plan), (Some([8, 4]), Some(3), true));
         assert_eq!((picture.sampler, picture.spp), (Some(SamplerKind::Halton), None));
-        assert_eq!(typed(&[]).with(&[]).expect("valid").depth, None);
+        assert_eq!(typed(&[]).with(&[]).expect("valid").max_depth, None);
     }
 
     #[test]
-    fn bad_values_are_told_with_the_nearest_right_one() {
+    fn bad_values_are_reported_with_the_nearest_valid_one() {
         let error = typed(&[]).with(&[("sampler", "jitered")]).expect_err("no sampler");
         assert!(error.starts_with("invalid value 'jitered' for '--sampler") && error.contains("'jittered'"), "{error}");
         assert!(!error.contains('\n'), "{error}");
@@ -138,12 +146,12 @@ mod tests {
 
     #[test]
     fn only_options_that_make_a_method_vary() {
-        let names = variable_names();
-        for name in ["sampler", "integrator", "accel", "quality", "simd", "depth"] {
-            assert!(names.iter().any(|known| known == name), "{name} in {names:?}");
+        for name in ["sampler", "integrator", "accel", "build-quality", "simd", "max-depth"] {
+            assert_eq!(variable_option(name).as_deref(), Ok(name));
         }
-        for name in DECIDED.iter().chain(&SEEN) {
-            assert!(!names.iter().any(|known| known == name), "{name}");
+        assert_eq!(variable_option("depth").as_deref(), Ok("max-depth"));
+        for name in MANAGED.iter().chain(&FIXED) {
+            assert!(variable_option(name).is_err(), "{name}");
         }
         Program::command().debug_assert();
         assert!(Program::try_parse_from(["program", "--spp", "4"]).is_err());

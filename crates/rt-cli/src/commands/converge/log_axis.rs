@@ -1,4 +1,4 @@
-//! A logarithmic axis: coordinates are exponents of ten.
+//! Logarithmic axis; coordinates are exponents of ten.
 
 use core::f64::consts::LN_10;
 
@@ -7,19 +7,19 @@ use core::ops::Range;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use rt_math::transcendental::{log, pow};
 
-/// Over so many decades, decades alone are labelled.
+/// Only decades are labelled above this range.
 const MANY_DECADES: f64 = 2.5;
 
-/// From the lowest exponent to the highest.
+/// Range of exponents.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Axis {
+pub(super) struct LogAxis {
     pub(super) low: f64,
     pub(super) high: f64,
 }
 
-impl Axis {
-    /// The axis for these exponents, with room on both sides; `None` without any, or if one is not finite.
-    pub(super) fn around(exponents: impl Iterator<Item = f64>, room: f64) -> Option<Self> {
+impl LogAxis {
+    /// Axis of these exponents with a margin; `None` without exponents, or if one is not finite.
+    pub(super) fn around(exponents: impl Iterator<Item = f64>, margin: f64) -> Option<Self> {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for exponent in exponents {
             if !exponent.is_finite() {
@@ -27,10 +27,10 @@ impl Axis {
             }
             (low, high) = (low.min(exponent), high.max(exponent));
         }
-        (low <= high).then_some(Self { low: low - room, high: high + room })
+        (low <= high).then_some(Self { low: low - margin, high: high + margin })
     }
 
-    /// Exponents on the axis of the numbers with these first digits.
+    /// Exponents of the numbers with these leading digits.
     fn marks(self, digits: &[f64]) -> Vec<f64> {
         let decades = self.low.floor() as i32..=self.high.ceil() as i32;
         let marks = decades.flat_map(|decade| digits.iter().map(move |&digit| f64::from(decade) + exponent(digit)));
@@ -38,12 +38,12 @@ impl Axis {
     }
 }
 
-impl Ranged for Axis {
+impl Ranged for LogAxis {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
     fn map(&self, exponent: &f64, (start, end): (i32, i32)) -> i32 {
-        // What is far outside is drawn outside all the same.
+        // Keep distant points near the plot, but outside.
         let part = ((exponent - self.low) / (self.high - self.low)).clamp(-1.0, 2.0);
         start + (part * f64::from(end - start)).round() as i32
     }
@@ -61,18 +61,18 @@ impl Ranged for Axis {
     }
 }
 
-impl ValueFormatter<f64> for Axis {
+impl ValueFormatter<f64> for LogAxis {
     fn format_ext(&self, exponent: &f64) -> String {
         label(*exponent)
     }
 }
 
-/// The exponent of ten that gives the number.
+/// Decimal logarithm.
 pub(super) fn exponent(value: f64) -> f64 {
     log(value) / LN_10
 }
 
-/// The number with this exponent, as its one digit shows it.
+/// Number of this exponent with one significant digit.
 fn label(exponent: f64) -> String {
     if (-4.0..5.0).contains(&exponent) {
         let text = format!("{:.5}", pow(10.0, exponent));
@@ -87,24 +87,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_hold_all_numbers_and_some_room() {
-        assert_eq!(Axis::around([0.0, 2.0].into_iter(), 0.5), Some(Axis { low: -0.5, high: 2.5 }));
+    fn axes_contain_all_numbers_and_a_margin() {
+        assert_eq!(LogAxis::around([0.0, 2.0].into_iter(), 0.5), Some(LogAxis { low: -0.5, high: 2.5 }));
         for bad in [&[][..], &[f64::NEG_INFINITY, 1.0], &[f64::NAN], &[1.0, f64::INFINITY]] {
-            assert_eq!(Axis::around(bad.iter().copied(), 0.1), None, "{bad:?}");
+            assert_eq!(LogAxis::around(bad.iter().copied(), 0.1), None, "{bad:?}");
         }
     }
 
     #[test]
-    fn what_is_infinitely_far_outside_is_drawn_outside() {
-        let axis = Axis { low: 0.0, high: 1.0 };
+    fn infinitely_distant_points_are_drawn_outside() {
+        let axis = LogAxis { low: 0.0, high: 1.0 };
         assert_eq!([0.0, 1.0, f64::NEG_INFINITY, f64::INFINITY].map(|at| axis.map(&at, (100, 0))), [100, 0, 200, -100]);
     }
 
     #[test]
     fn a_narrow_axis_has_few_marks_and_a_wide_one_decades() {
-        let marks = |axis: Axis, digits: &[f64]| axis.marks(digits).into_iter().map(label).collect::<Vec<_>>();
-        let narrow = Axis { low: exponent(0.015), high: exponent(0.06) };
+        let marks = |axis: LogAxis, digits: &[f64]| axis.marks(digits).into_iter().map(label).collect::<Vec<_>>();
+        let narrow = LogAxis { low: exponent(0.015), high: exponent(0.06) };
         assert_eq!(marks(narrow, &[1.0, 2.0, 5.0]), ["0.02", "0.05"]);
-        assert_eq!(marks(Axis { low: -6.5, high: -3.5 }, &[1.0]), ["1e-6", "1e-5", "0.0001"]);
+        assert_eq!(marks(LogAxis { low: -6.5, high: -3.5 }, &[1.0]), ["1e-6", "1e-5", "0.0001"]);
     }
 }

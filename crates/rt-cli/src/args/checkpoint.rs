@@ -1,0 +1,54 @@
+//! Options of long renders: checkpoints, shards, fallback directories.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueHint};
+use rt_render::Share;
+
+use super::values;
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Long renders")]
+pub(crate) struct CheckpointArgs {
+    /// Continue from the checkpoint of an earlier run of the same scene and options, if there is one
+    ///
+    /// The image is bit-identical to that of an uninterrupted run, except with --time. A checkpoint of another scene or of other
+    /// options is moved aside with a note, and needs neither this option nor --restart.
+    #[arg(long)]
+    pub(crate) resume: bool,
+
+    /// Start over, and discard the checkpoint of an earlier run
+    #[arg(long, conflicts_with = "resume")]
+    pub(crate) restart: bool,
+
+    /// Write checkpoints to this file [default: IMAGE.checkpoint]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) checkpoint: Option<PathBuf>,
+
+    /// Write a checkpoint at this interval, such as 30s or 10min, or never; Ctrl-C always writes one
+    #[arg(long, value_name = "TIME", value_parser = values::checkpoint_interval, default_value = "1min")]
+    pub(crate) checkpoint_every: CheckpointInterval,
+
+    #[command(flatten)]
+    pub(crate) fallback: FallbackArgs,
+
+    /// Render part I of N of the tiles to a .part file; with --frames, every N-th frame
+    ///
+    /// `merge` joins the parts to an image that is bit-identical to that of a single run.
+    #[arg(long, value_name = "I/N", value_parser = values::share)]
+    pub(crate) shard: Option<Share>,
+}
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct FallbackArgs {
+    /// Directory for results whose output path is not writable [default: $TMPDIR, then .]
+    #[arg(long = "fallback-dir", alias = "fallback", value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) dir: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CheckpointInterval {
+    Time(Duration),
+    Never,
+}

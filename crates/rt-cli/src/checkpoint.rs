@@ -1,0 +1,166 @@
+//! Checkpoints: periodic snapshots of an unfinished render.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use rt_render::{Checkpoint, Kept, RenderSnapshot, Share};
+
+use crate::args::{CheckpointArgs, CheckpointInterval};
+use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
+use crate::console::Console;
+use crate::error::CliError;
+use crate::identity::Identity;
+use crate::output::{self, OutputFile};
+
+/// Checkpointing and sharing of a render.
+#[derive(Debug)]
+pub(crate) struct CheckpointOptions {
+    pub(crate) identity: Identity,
+    pub(crate) resume: bool,
+    restart: bool,
+    /// Path of the checkpoint; `None` for an image on standard output without `--checkpoint`.
+    pub(crate) file: Option<PathBuf>,
+    interval: Option<Duration>,
+    pub(crate) share: Option<Share>,
+}
+
+impl CheckpointOptions {
+    pub(crate) fn new(args: &CheckpointArgs, output: &OutputFile, identity: Identity) -> Self {
+        let interval = match args.checkpoint_every {
+            CheckpointInterval::Time(time) => Some(time),
+            CheckpointInterval::Never => None,
+        };
+        let CheckpointArgs { resume, restart, shard: share, .. } = *args;
+        Self { identity, resume, restart, file: default_path(args, output), interval, share }
+    }
+}
+
+/// `--checkpoint`, or the name of the image with `.checkpoint` appended.
+pub(crate) fn default_path(args: &CheckpointArgs, output: &OutputFile) -> Option<PathBuf> {
+    args.checkpoint.clone().or_else(|| (!output.is_stdout()).then(|| with_suffix(output.path(), ".checkpoint")))
+}
+
+/// Writer of the checkpoints of one render.
+#[derive(Debug)]
+pub(crate) struct Checkpointer {
+    file: PathBuf,
+    interval: Option<Duration>,
+    label: Label,
+    last: Instant,
+    console: Console,
+    has_warned: bool,
+}
+
+impl Checkpointer {
+    pub(crate) fn new(file: &Path, options: &CheckpointOptions, label: Label, console: Console) -> Self {
+        let interval = options.interval;
+        Self { file: file.to_owned(), interval, label, last: Instant::now(), console, has_warned: false }
+    }
+
+    pub(crate) fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Reads the checkpoint of an earlier run to continue, within `memory` bytes. A checkpoint of another image, or an unusable one,
+    /// is moved aside with a note.
+    ///
+    /// # Errors
+    /// [`CliError`] if the file is not a checkpoint, or cannot be continued. Also if it is of this image, and neither `--resume`
+    /// nor `--restart` is given.
+    pub(crate) fn earlier(
+        &self,
+        options: &CheckpointOptions,
+        memory: Option<u64>,
+    ) -> Result<Option<Checkpoint>, CliError> {
+        let unusable = match checkpoint_file::label(&self.file, ArtifactKind::Checkpoint) {
+            Ok(None) => return Ok(None),
+            Ok(Some(label)) if label.identity == self.label.identity => None,
+            Ok(Some(label)) => Some(self.foreign(label, "")),
+            Err(
+                error @ (ArtifactError::Damaged(_) | ArtifactError::Version { .. } | ArtifactError::Content { .. }),
+            ) => Some(error),
+            // Links are replaced, not followed.
+            Err(ArtifactError::OtherKind { .. } | ArtifactError::NotAFile(_))
+                if self.file.is_symlink() && !options.resume =>
+            {
+                return Ok(None);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        match unusable {
+            _ if options.restart => Ok(None),
+            _ if options.resume => {
+                let (label, checkpoint) =
+                    checkpoint_file::read::<Checkpoint>(&self.file, ArtifactKind::Checkpoint, memory)?;
+                if label.identity != self.label.identity {
+                    return Err(self.foreign(label, "; start over with --restart").into());
+                }
+                Ok(Some(checkpoint))
+            }
+            None => Err(CliError::Usage(format!(
+                "{} is the checkpoint of an unfinished render: continue with --resume, or start over with --restart",
+                self.file.display()
+            ))),
+            Some(error) => {
+                let fate = match self.move_aside() {
+                    Some(aside) => format!("it is kept as {}", aside.display()),
+                    None => "it cannot be moved aside, and will be replaced".to_owned(),
+                };
+                self.console
+                    .println(format_args!("note: {error}; {fate}, and this render starts from the beginning"))?;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Renames the file to the first free name of `.old`, `.old.2`, ...; `None` if that fails.
+    fn move_aside(&self) -> Option<PathBuf> {
+        let names = (1_u32..1000).map(|n| if n == 1 { ".old".to_owned() } else { format!(".old.{n}") });
+        let mut paths = names.map(|suffix| with_suffix(&self.file, &suffix));
+        let free = paths.find(|path| path.symlink_metadata().is_err())?;
+        fs::rename(&self.file, &free).ok().map(|()| free)
+    }
+
+    fn foreign(&self, label: Label, advice: &'static str) -> ArtifactError {
+        ArtifactError::Foreign { file: self.file.clone(), scene: label.scene, advice }
+    }
+
+    /// Writes a checkpoint if the interval has passed.
+    pub(crate) fn tick(&mut self, so_far: &RenderSnapshot<'_>) {
+        if self.interval.is_none_or(|interval| self.last.elapsed() < interval) {
+            return;
+        }
+        if let Err(reason) = self.write(&so_far.checkpoint())
+            && !self.has_warned
+        {
+            self.has_warned = true;
+            let file = self.file.display();
+            self.console.warn(format_args!("cannot write the checkpoint {file}: {reason}; the render continues"));
+        }
+        // The interval starts after writing, so that large checkpoints do not take most of the time.
+        self.last = Instant::now();
+    }
+
+    fn write(&self, kept: &Kept<'_>) -> Result<(), String> {
+        output::write_over_link(&self.file, |file| checkpoint_file::write(file, &self.label, kept))
+    }
+
+    /// Writes the last checkpoint, if need be to a fallback directory, and returns its path.
+    pub(crate) fn write_last(&self, kept: &Kept<'_>, fallback_dirs: &[PathBuf]) -> Result<PathBuf, String> {
+        let Err(reason) = self.write(kept) else { return Ok(self.file.clone()) };
+        output::write_elsewhere(&self.file, fallback_dirs, |file| checkpoint_file::write(file, &self.label, kept))
+            .ok_or(reason)
+    }
+
+    /// Removes the checkpoint of a finished render. A failure is harmless: `--resume` would find nothing left to do.
+    pub(crate) fn remove(&self) {
+        let _ = fs::remove_file(&self.file);
+    }
+}
+
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}
