@@ -60,7 +60,7 @@ impl WatertightRay {
     /// and vertices belong to the triangle; both sides are hit; `None` exactly edge-on.
     #[inline(always)]
     pub fn intersect(&self, vertices: [DVec3; 3], span: Interval) -> Option<ShapeHit> {
-        let ray_space = self.to_ray_space(vertices);
+        let ray_space = self.in_ray_space(vertices);
         let [u, v, w] = ray_space.areas;
         // No early exit: the signs are random, and a mispredicted branch costs more than the test.
         let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
@@ -94,7 +94,7 @@ impl WatertightRay {
     }
 
     #[inline(always)]
-    fn to_ray_space(&self, vertices: [DVec3; 3]) -> RaySpaceTriangle {
+    fn in_ray_space(&self, vertices: [DVec3; 3]) -> RaySpaceTriangle {
         let [a, b, c] = [self.map(vertices[0]), self.map(vertices[1]), self.map(vertices[2])];
         // Side by side, as vectors: each coordinate of the three vertices twice, turned by one and by two.
         let (x_one, y_one) = ([c.x, a.x, b.x, 0.0], [c.y, a.y, b.y, 0.0]);

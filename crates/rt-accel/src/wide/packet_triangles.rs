@@ -40,7 +40,7 @@ impl<S: Simd> Shear<S> {
     }
 
     #[inline(always)]
-    fn to_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
+    fn in_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
         let [x, y, z] = self.axes;
         let x = F64x8::splat(simd, corner[x]).sub(simd, rays.origin[x]);
         let y = F64x8::splat(simd, corner[y]).sub(simd, rays.origin[y]);
@@ -83,9 +83,9 @@ pub(super) fn intersect<S: Simd>(
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis % 3];
     let shear = Shear::new(simd, [x, y, z], rays);
     let scale = shear.scale;
-    let a = shear.to_ray_space(simd, rays, vertices[0]);
-    let b = shear.to_ray_space(simd, rays, vertices[1]);
-    let c = shear.to_ray_space(simd, rays, vertices[2]);
+    let a = shear.in_ray_space(simd, rays, vertices[0]);
+    let b = shear.in_ray_space(simd, rays, vertices[1]);
+    let c = shear.in_ray_space(simd, rays, vertices[2]);
     let ((u, u_is_certain), (v, v_is_certain), (w, w_is_certain)) =
         (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let has_certain_signs = u_is_certain & v_is_certain & w_is_certain;
@@ -128,9 +128,9 @@ pub(super) fn resolve_certain<S: Simd>(
 ) -> [F64x8<S>; 3] {
     let [x, y, z] = axes.map(|axis| axis % 3);
     let shear = Shear::new(simd, [x, y, z], rays);
-    let a = shear.to_ray_space(simd, rays, vertices[0]);
-    let b = shear.to_ray_space(simd, rays, vertices[1]);
-    let c = shear.to_ray_space(simd, rays, vertices[2]);
+    let a = shear.in_ray_space(simd, rays, vertices[0]);
+    let b = shear.in_ray_space(simd, rays, vertices[1]);
+    let c = shear.in_ray_space(simd, rays, vertices[2]);
     let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let [mut t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     // No hit precedes the entry into the padded bounds.
