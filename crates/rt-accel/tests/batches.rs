@@ -50,49 +50,14 @@ fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {
     hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive, hit.uv.map(f64::to_bits)))
 }
 
-/// Closest and any hits of a batch, from trees and from small sets.
-trait TraceBatch {
-    /// Writes the closest hit and the occlusion of each ray.
-    fn trace<P: Primitives>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        occluded: &mut [bool],
-        counters: &mut Counters,
-    );
-}
-
-macro_rules! impl_trace_batch {
-    ($($accel:ty),*) => {$(
-        impl TraceBatch for $accel {
-            fn trace<P: Primitives>(
-                &self,
-                primitives: &P,
-                rays: &[(Ray, Interval)],
-                hits: &mut [Option<Hit>],
-                occluded: &mut [bool],
-                counters: &mut Counters,
-            ) {
-                self.closest_batch(primitives, rays, hits, counters);
-                self.occluded_batch(primitives, rays, occluded, counters);
-            }
-        }
-    )*};
-}
-
-impl_trace_batch!(Linear, SmallSet, WideBvh);
-
-/// Traces a batch for closest and any hits.
-fn trace_batch<A: TraceBatch, P: Primitives>(
-    accel: &A,
-    primitives: &P,
-    rays: &[(Ray, Interval)],
-    counters: &mut Counters,
-) -> (Vec<Option<Hit>>, Vec<bool>) {
-    let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
-    accel.trace(primitives, rays, &mut hits, &mut occluded, counters);
-    (hits, occluded)
+/// Traces a batch for closest and any hits: of trees and of small sets, which share no trait.
+macro_rules! trace_batch {
+    ($accel:expr, $primitives:expr, $rays:expr, $counters:expr) => {{
+        let (mut hits, mut occluded) = (vec![None; $rays.len()], vec![false; $rays.len()]);
+        $accel.closest_batch($primitives, $rays, &mut hits, $counters);
+        $accel.occluded_batch($primitives, $rays, &mut occluded, $counters);
+        (hits, occluded)
+    }};
 }
 
 /// Compares batches of all sizes with single queries.
@@ -341,9 +306,9 @@ fn small_sets_equal_brute_force() {
             while first < rays.len() {
                 let len = draw.pick(&[1, 3, 5, 8, 13, 64, 300]).min(rays.len() - first);
                 let rays = &rays[first..first + len];
-                let (of_all, blocked) = trace_batch(&all, &soup, rays, &mut counted[0]);
-                let (of_linear, blocked_by_linear) = trace_batch(&linear, &soup, rays, &mut counted[1]);
-                let (of_some, blocked_by_some) = trace_batch(&some, &soup, rays, &mut counted[2]);
+                let (of_all, blocked) = trace_batch!(all, &soup, rays, &mut counted[0]);
+                let (of_linear, blocked_by_linear) = trace_batch!(linear, &soup, rays, &mut counted[1]);
+                let (of_some, blocked_by_some) = trace_batch!(some, &soup, rays, &mut counted[2]);
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&soup, ray, *span, &mut expected);
@@ -475,8 +440,8 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
             let wide = WideBvh::build(&yard).unwrap().with_level(level);
             let [mut counted, mut expected] = [Counters::default(); 2];
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
-                let (hits, blocked) = trace_batch(&small_set, &yard, rays, &mut counted);
-                let (wide_hits, wide_blocked) = trace_batch(&wide, &yard, rays, &mut Counters::default());
+                let (hits, blocked) = trace_batch!(small_set, &yard, rays, &mut counted);
+                let (wide_hits, wide_blocked) = trace_batch!(wide, &yard, rays, &mut Counters::default());
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&yard, ray, *span, &mut expected);
@@ -529,9 +494,9 @@ fn packets_enter_instances_together() {
             for rays in rays.chunks(together) {
                 let counters = &mut Counters::default();
                 let (h, b) = if wide {
-                    trace_batch(&tree, &yard, rays, counters)
+                    trace_batch!(tree, &yard, rays, counters)
                 } else {
-                    trace_batch(&small_set, &yard, rays, counters)
+                    trace_batch!(small_set, &yard, rays, counters)
                 };
                 hits.extend(h);
                 blocked.extend(b);

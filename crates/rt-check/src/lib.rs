@@ -12,6 +12,13 @@
 //!
 //! Limits bound the running time; a check that reaches one reports it ([`Kind::LimitReached`]).
 //!
+//! | group | examples |
+//! |---|---|
+//! | triangles | degenerate, duplicate, very thin; disagreeing orientation and normals |
+//! | topology | open glass, glass that touches something, coincident and coplanar surfaces |
+//! | transforms | condition numbers, mirrored or flattened objects |
+//! | cameras | precision of hit points in parts of a pixel, cameras inside objects |
+//!
 //! ```
 //! use rt_check::{Severity, check};
 //! use rt_scene_io::Scene;
