@@ -37,3 +37,8 @@ pub use skip::{
     REQUIRE_ALL, SHARED, SKIPPED, report_skipped, requires_all, shared, shared_or_skip, skip, skipped_file,
 };
 pub use spawned::{SPAWN_SETUPS, SpawnSetup, Spawned};
+
+/// The library example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

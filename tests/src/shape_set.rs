@@ -200,7 +200,7 @@ mod tests {
         for kind in ShapeKind::ALL {
             let shape = kind.shape(&mut draw).expect("a shape");
             let name = format!("{shape:?}").split_once('(').expect("a variant").0.to_lowercase();
-            assert!(name.contains(&kind.name.replace(' ', "").replace("box", "axisbox")), "{name}");
+            assert!(name.contains(&kind.name.replace(' ', "").replace("box", "cuboid")), "{name}");
         }
         let set = ShapeSet::scattered(ShapeKind::ALL, 100, &Transform::IDENTITY, &mut draw);
         assert_eq!(set.len(), 100);

@@ -22,7 +22,7 @@ const TIMEOUT: Duration = Duration::from_secs(3600);
 /// Options of `table1`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Table1Options {
-    /// Replace the table between the markers in README.md.
+    /// Replace the table between the markers in docs/REPORT.md.
     #[arg(long)]
     write: bool,
 }
@@ -51,7 +51,7 @@ pub(crate) fn run(workspace: &Workspace, options: &Table1Options) -> Result<(), 
     let table = table(&rows).to_string();
     print!("{table}");
     if options.write {
-        let path = workspace.root.join("README.md");
+        let path = workspace.root.join("docs/REPORT.md");
         files::replace_block(&path, "table1", &table)?;
     }
     Ok(())

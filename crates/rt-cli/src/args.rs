@@ -46,7 +46,7 @@ pub(crate) fn name_of(value: impl ValueEnum) -> String {
     about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to images",
     long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to images.\n\n\
                   `rt-cli SCENE` is short for `rt-cli render SCENE` and takes the same options. Without arguments, a built-in scene is \
-                  rendered to showcase.png. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
+                  rendered to still_life.png. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
                   The file name `-` means standard input for inputs and standard output for outputs. Reports then go to standard error.",
     after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 finished with damage, 130 interrupted (the image so far is saved).",
     disable_help_subcommand = true,

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! ```text
-//! rt-cli                                  renders the built-in scene to showcase.png
+//! rt-cli                                  renders the built-in scene to still_life.png
 //! rt-cli scene.ron                        same as rt-cli render scene.ron
 //! rt-cli render scene.ron -o image.exr    also reads .json, .gltf, .glb, .obj, .nff, .pbrt, .ply, .stl; writes .png, .jpg, .hdr, .pfm
 //! rt-cli view scene.ron                   interactive view in the browser

@@ -13,10 +13,10 @@ use crate::job::{Job, JobOutput};
 use crate::output::OutputFile;
 use crate::picture_file;
 
-const SCENE: &str = include_str!("../../../../scenes/gallery/showcase.ron");
+const SCENE: &str = include_str!("../../../../scenes/gallery/still_life.ron");
 /// For messages.
-const SCENE_NAME: &str = "showcase.ron";
-const PICTURE: &str = "showcase.png";
+const SCENE_NAME: &str = "still_life.ron";
+const PICTURE: &str = "still_life.png";
 
 pub(super) fn run() -> Result<(), CliError> {
     let console = Console { quiet: false };
@@ -57,9 +57,9 @@ fn next_steps() -> String {
     let program = if env::var_os("CARGO").is_some() { "cargo run -p rt-cli --" } else { "rt-cli" };
     format!(
         "\ntry next\n  \
-         {program} explain scenes/gallery/showcase.ron\n  \
-         {program} render scenes/gallery/showcase.ron --size 1280x800 --look-from 4,2,9 -o larger.png\n  \
-         {program} render scenes/report/whitted.ron --stats whitted.json"
+         {program} view scenes/gallery/still_life.ron\n  \
+         {program} explain scenes/gallery/still_life.ron\n  \
+         {program} render scenes/gallery/showcase.ron --size 1280x800 --look-from 4,2,9 -o larger.png"
     )
 }
 

@@ -18,8 +18,8 @@ fn three_lines_are_a_scene() {
 fn no_command_renders_the_showcase_and_tells_what_to_try() {
     let place = Workplace::new();
     let run = place.succeed("");
-    assert_eq!(place.files(), ["showcase.png"]);
-    let film = place.film("showcase.png");
+    assert_eq!(place.files(), ["still_life.png"]);
+    let film = place.film("still_life.png");
     assert_eq!((film.width(), film.height()), (640, 400));
     let next: Vec<_> = run.stdout.lines().skip_while(|line| *line != "try next").skip(1).collect();
     assert_eq!(next.len(), 3, "{run:?}");

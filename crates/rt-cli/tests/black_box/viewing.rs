@@ -248,11 +248,11 @@ fn a_closed_page_stops_the_work_which_goes_on_later() {
     let view = ViewServer::start(BALLS, &options(1 << 20));
     thread::sleep(Duration::from_millis(500));
     assert!(view.processor_seconds() < 0.4, "nothing is rendered before a page is open");
-    let (measured, _) = view.watch(|state| state["spp"].as_u64() >= Some(16));
+    let (measured, _) = view.watch(|state| state["spp"].as_u64() >= Some(64));
     let rate = measured["spp"].as_f64().expect("a number") / measured["seconds"].as_f64().expect("a number");
 
-    // Six seconds of work, after four of which the page has not been heard of for too long.
-    let spp = (6.0 * rate) as u64 + 32;
+    // Ten seconds of work at a rate that may be measured too low. The page counts as closed after four seconds.
+    let spp = (10.0 * rate) as u64 + 32;
     view.post("settings", &json!({ "spp": spp }).to_string());
     thread::sleep(Duration::from_secs(5));
     let paused = view.processor_seconds();

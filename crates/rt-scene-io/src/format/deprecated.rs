@@ -20,6 +20,11 @@ const DEPRECATED: [Deprecated; 5] = [
     Deprecated { parents: &["object_space"], old: "least", new: "min_spp" },
 ];
 
+/// Present spelling of a deprecated one; `None` for all other words.
+pub(super) fn present_spelling(old: &str) -> Option<&'static str> {
+    DEPRECATED.iter().find(|spelling| spelling.old == old).map(|spelling| spelling.new)
+}
+
 /// One warning per deprecated spelling in the sound text of a scene. `file` is named in them.
 pub(super) fn warnings(text: &str, file: &str) -> Vec<Warning> {
     let mut found: [Option<(usize, usize)>; DEPRECATED.len()] = [None; DEPRECATED.len()];

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::SceneFile;
 use super::cursor::Key;
+use super::deprecated;
 
 /// Notation of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +52,10 @@ impl Schema {
         let of = |name: &str| slot.alternatives.iter().filter_map(|any| any.get(name)).collect::<Vec<_>>();
         let inner = match key {
             Key::Name(name) => {
-                let known = of("properties").into_iter().find_map(|fields| fields.as_object()?.get_key_value(name));
+                let find = |name: &str| {
+                    of("properties").into_iter().find_map(|fields| fields.as_object()?.get_key_value(name))
+                };
+                let known = find(name).or_else(|| find(deprecated::present_spelling(name)?));
                 match known {
                     Some((name, field)) => return Some(self.expand(vec![field], name)),
                     None => of("additionalProperties").into_iter().filter(|any| any.is_object()).collect(),
