@@ -199,7 +199,7 @@ pub(crate) fn no_or_too_many_samples() -> Vec<Input> {
 pub(crate) fn negative_depth() -> Vec<Input> {
     let mut inputs = refused(&["settings: (max_depth: -1)"], &["scene.ron:1:", "from 0 up for `max_depth`"]);
     // Earlier spellings are explained as well.
-    inputs.extend(refused(&["settings: (depth: -1)"], &["scene.ron:1:", "from 0 up for `max_depth`"]));
+    inputs.extend(refused(&["settings: (depth: -1)"], &["scene.ron:1:", "from 0 up for `depth`"]));
     inputs.extend(refused(&["settings: (max_depth: 10001)"], &["scene.ron: settings.max_depth", "10001"]));
     inputs
 }
