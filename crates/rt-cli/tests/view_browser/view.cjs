@@ -12,6 +12,8 @@ const path = require("node:path");
 const { chromium } = require("playwright-core");
 
 const [address, executablePath, folder] = process.argv.slice(2);
+/** Samples per pixel of the command line. */
+const SPP = 24;
 const PATIENCE = 60_000;
 const FLAGS = [
   "--no-sandbox",
@@ -84,12 +86,17 @@ async function middle(page) {
 
 async function onTheDesktop(browser) {
   const { page, problems } = await open(browser, { viewport: { width: 1280, height: 800 } });
-  await page.waitForFunction(() => document.querySelectorAll("#plot .line").length > 0);
-  assert.equal(await page.getAttribute("body", "data-state"), "rendering");
+  // So many samples that the render lasts, and then those of the command line.
+  const samples = (spp) =>
+    page.evaluate((spp) => fetch("settings", { method: "POST", body: JSON.stringify({ spp }) }).then((r) => r.ok), spp);
+  assert(await samples(1 << 16), "the number of samples cannot be set");
+  await page.waitForFunction(
+    () => document.body.dataset.state === "rendering" && document.querySelectorAll("#plot .line").length > 0,
+  );
   await page.screenshot({ path: file("rendering.png") });
   step("a picture while it is rendered");
 
-  await finished(page);
+  await rendersAnew(page, () => samples(SPP));
   const pixels = await page.evaluate(() => {
     const { width, height } = document.getElementById("image");
     const { data } = document.getElementById("image").getContext("2d").getImageData(0, 0, width, height);

@@ -372,11 +372,14 @@ addEventListener("keydown", (event) => {
   const isControl = event.target.closest("select, input, textarea, dialog") !== null;
   if (isControl || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.code in FLIGHT) {
-    if (held.size === 0) {
-      flown = performance.now() - 16;
-      requestAnimationFrame(fly);
-    }
+    const isFirst = held.size === 0;
     held.add(event.code);
+    if (isFirst) {
+      // One step at once, so that a short press moves the camera however long the next frame takes.
+      const now = performance.now();
+      flown = now - 16;
+      fly(now);
+    }
     event.preventDefault();
     return;
   }
