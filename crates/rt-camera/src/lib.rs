@@ -23,14 +23,10 @@
 //! | where on the aperture it starts, and where it is sharp | [`Lens`] |
 //! | when it is cast, and where the camera is then | [`Camera::moment`], [`CameraSettings::moves_to`] |
 //! | boxes that none of these rays meets | [`ViewVolume`] |
-//! | linear radiance of every pixel | [`Image`] |
-//! | bytes | [`Development`]; thresholds that keep gradients smooth: [`Dither`] |
-//! | files (feature `files`, on by default) | `write_image`, `read_image` |
-//! | how much one image differs from another | [`metrics`] |
+//! | size, sample position, filter, development of the image | [`FilmSettings`] |
 //!
-//! **Owns** the camera, the sample patterns, the reconstruction filters, the film, its development, image files, and how
-//! images are compared.
-//! **Does not own** what the rays meet, how much light they bring, who owns which pixel, or how a file is put in place.
+//! **Owns** cameras, sample patterns, reconstruction filters and the settings of the film.
+//! **Does not own** pixels, tone mapping and image files (rt-image), what the rays hit, or the radiance that they carry.
 //!
 //! A tiny film, exposed to a sky that is bright above and dark below:
 //!
