@@ -38,9 +38,9 @@ pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, Transfor
     }
     for light in &mut scene.appearance.lights {
         let falloff = match &mut light.kind {
-            LightKind::Point { position, falloff, lamp_radius } => {
+            LightKind::Point { position, falloff, shadow_near } => {
                 *position = *position * scale + offset;
-                *lamp_radius *= scale;
+                *shadow_near *= scale;
                 *falloff
             }
             LightKind::Spot { position, falloff, .. } => {

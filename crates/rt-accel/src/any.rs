@@ -210,3 +210,35 @@ impl Accelerator for AnyAccelerator {
         dispatch!(self, accelerator => accelerator.occluded_batch(primitives, rays, occluded, probe))
     }
 }
+
+#[cfg(all(test, feature = "parallel"))]
+mod tests {
+    use glam::DVec3;
+    use rt_math::Aabb;
+    use rt_math::random::{hash, unit};
+
+    use super::{AcceleratorKind, AnyAccelerator};
+    use crate::Boxes;
+
+    /// Small boxes, enough of them for every builder to fork.
+    fn boxes(count: u64) -> Vec<Aabb> {
+        let vector = |i, k| DVec3::new(unit(hash(&[i, k])), unit(hash(&[i, k + 1])), unit(hash(&[i, k + 2])));
+        let corners = |i| (vector(i, 0), vector(i, 3) * 0.02 * unit(hash(&[i, 6])));
+        (0..count).map(corners).map(|(centre, half)| Aabb::new(centre - half, centre + half)).collect()
+    }
+
+    #[test]
+    fn every_accelerator_is_independent_of_the_number_of_threads() {
+        let boxes = boxes(20_000);
+        for &kind in AcceleratorKind::ALL {
+            let on = |n_threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().expect("a pool");
+                pool.install(|| AnyAccelerator::build(kind, &Boxes(&boxes)).expect("boxes"))
+            };
+            let serial = on(1);
+            for n_threads in [2, 7] {
+                assert!(on(n_threads) == serial, "{}, {n_threads} threads", kind.name());
+            }
+        }
+    }
+}

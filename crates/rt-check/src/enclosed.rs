@@ -23,13 +23,13 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
             "" => format!("light number {index}, not counting ambient light"),
             name => name.to_owned(),
         };
-        let (position, lamp_radius) = match light.kind {
-            LightKind::Point { position, lamp_radius, .. } => (position, lamp_radius),
+        let (position, shadow_near) = match light.kind {
+            LightKind::Point { position, shadow_near, .. } => (position, shadow_near),
             LightKind::Spot { position, .. } => (position, 0.0),
             LightKind::Directional { .. } => continue,
         };
         if light.casts_shadows {
-            let enclosures = solids.containing(objects, position).filter(|enclosure| enclosure.wall > lamp_radius);
+            let enclosures = solids.containing(objects, position).filter(|enclosure| enclosure.wall > shadow_near);
             for enclosure in enclosures.filter(|enclosure| hides_light(objects, enclosure, solids)) {
                 let message = format!("is inside {}, which blocks its light", objects.name(enclosure.object));
                 findings.add(Finding::new(

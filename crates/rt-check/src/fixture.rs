@@ -57,8 +57,8 @@ pub(crate) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
     NamedCamera { name: "main".into(), settings, medium: None }
 }
 
-pub(crate) fn point_light(position: DVec3, lamp_radius: f64) -> Light {
-    let kind = LightKind::Point { position, falloff: Falloff::None, lamp_radius };
+pub(crate) fn point_light(position: DVec3, shadow_near: f64) -> Light {
+    let kind = LightKind::Point { position, falloff: Falloff::None, shadow_near };
     Light { name: "lamp".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
 }
 

@@ -145,7 +145,7 @@ kinds! {
     CameraInside = "camera-inside", Warning, "move the camera out, or put a light inside if this is a room";
     /// A light is inside of an opaque solid.
     LightEnclosed = "light-enclosed", Warning,
-        "move it out, give it a `lamp_radius` beyond the wall, or let the object cast no shadow";
+        "move it out, give it a `shadow_near` beyond the wall, or let the object cast no shadow";
     /// A light is so far away that its directions lose digits.
     LightFar = "light-far", Warning, "make it a directional light: from so far away its rays are parallel";
     /// A material reflects more light than arrives.

@@ -33,6 +33,11 @@ pub(crate) fn guard() -> SignalGuard {
     SignalGuard(())
 }
 
+/// Lets signals end the program, even if the parent process ignores SIGINT, as shells do for jobs in the background.
+pub(crate) fn end_on_signals() {
+    drop(guard());
+}
+
 /// True after the first signal.
 pub(crate) fn is_interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)

@@ -362,8 +362,8 @@ impl RenderPlan<'_> {
             Follows::Everything | Follows::AllButCaustics => "paths",
             Follows::Reflections => "reflected and refracted paths",
         };
-        let roulette = if settings.max_depth > settings.roulette_from {
-            format!(", roulette after {}", settings.roulette_from)
+        let roulette = if settings.max_depth > settings.rr_start_depth {
+            format!(", roulette after {}", settings.rr_start_depth)
         } else {
             String::new()
         };

@@ -22,7 +22,7 @@ impl IntegratorState {
     pub(crate) fn new(settings: &Settings, depth_range: [f64; 2]) -> Self {
         let path = |max_depth, follows| {
             let clamp = settings.clamp.and_then(Clamp::new).unwrap_or_default();
-            Self::Path(PathSettings { max_depth, roulette_from: settings.roulette_from, follows, clamp })
+            Self::Path(PathSettings { max_depth, rr_start_depth: settings.rr_start_depth, follows, clamp })
         };
         match settings.integrator {
             Integrator::Whitted => Self::Whitted,
@@ -52,7 +52,7 @@ impl IntegratorState {
     pub(crate) const fn path_settings(&self) -> PathSettings {
         match self {
             Self::Path(settings) => *settings,
-            _ => PathSettings { max_depth: 0, roulette_from: 0, follows: Follows::Everything, clamp: Clamp::NONE },
+            _ => PathSettings { max_depth: 0, rr_start_depth: 0, follows: Follows::Everything, clamp: Clamp::NONE },
         }
     }
 }

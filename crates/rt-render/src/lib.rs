@@ -26,7 +26,7 @@
 //! #     Transform::translate(DVec3::Z * 4.0),
 //! #     Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
 //! # );
-//! # let lamp = LightKind::Point { position: DVec3::ONE * 5.0, falloff: Falloff::None, lamp_radius: 0.0 };
+//! # let lamp = LightKind::Point { position: DVec3::ONE * 5.0, falloff: Falloff::None, shadow_near: 0.0 };
 //! # let scene = Scene {
 //! #     cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
 //! #     film: FilmSettings { width: 32, height: 24, ..FilmSettings::default() },

@@ -188,13 +188,13 @@ fn light(light: &Light) -> format::Light {
     let casts_shadows = light.casts_shadows;
     let units = light.units.into();
     match light.kind {
-        LightKind::Point { position, falloff: f, lamp_radius } => format::Light::Point {
+        LightKind::Point { position, falloff: f, shadow_near } => format::Light::Point {
             name,
             position: position.to_array(),
             intensity,
             units,
             falloff: f.into(),
-            shadow_near: lamp_radius,
+            shadow_near,
             casts_shadows,
         },
         LightKind::Directional { direction } => {
@@ -327,7 +327,7 @@ mod tests {
     }
 
     fn point(position: DVec3) -> LightKind {
-        LightKind::Point { position, falloff: Falloff::InverseSquare, lamp_radius: 0.0 }
+        LightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 }
     }
 
     #[test]

@@ -177,7 +177,7 @@ pub struct Settings {
     /// Selection of one of many area lights.
     pub light_sampling: LightSampling,
     /// Bounces before Russian roulette may end a path.
-    pub roulette_from: u32,
+    pub rr_start_depth: u32,
     /// Largest component of a contribution of indirect light, in units of radiance; unbounded and without bias if `None`.
     pub clamp: Option<f64>,
     /// Maximum distance of occluders for ambient occlusion, in world units; may be infinite.
@@ -197,7 +197,7 @@ impl Default for Settings {
             accel: Accel::Auto,
             seed: 0,
             light_sampling: LightSampling::default(),
-            roulette_from: 3,
+            rr_start_depth: 3,
             clamp: None,
             occlusion_distance: f64::INFINITY,
         }

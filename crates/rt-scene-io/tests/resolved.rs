@@ -168,7 +168,7 @@ fn lights_are_as_written() {
     let scene = resolved(SCENE);
     assert_eq!(scene.appearance.ambient, Rgb::new(0.5, 0.25, 0.25));
     let [point, spot] = &scene.appearance.lights[..] else { panic!("{:?}", scene.appearance.lights) };
-    assert!(matches!(point.kind, LightKind::Point { lamp_radius: 0.5, .. }) && point.casts_shadows);
+    assert!(matches!(point.kind, LightKind::Point { shadow_near: 0.5, .. }) && point.casts_shadows);
     let LightKind::Spot { direction, cos_inner, cos_outer, .. } = spot.kind else { panic!("{spot:?}") };
     assert_eq!(direction, DVec3::NEG_Y);
     assert!((cos_inner - 0.939_692_620_785_908_4).abs() < 1e-15);

@@ -32,7 +32,7 @@
 //!     }
 //! }
 //!
-//! let light = LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, lamp_radius: 0.0 };
+//! let light = LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 };
 //! let appearance = Appearance {
 //!     materials: vec![Material::new("grey".into(), Phong::default())],
 //!     textures: vec![],

@@ -30,8 +30,8 @@ pub enum LightKind {
         position: DVec3,
         /// Falloff.
         falloff: Falloff,
-        /// Radius of the lamp around the light: surfaces at this distance or nearer don't shadow it. 0 for none.
-        lamp_radius: f64,
+        /// Surfaces at this distance from the light or nearer cast no shadow in it; 0 for none. No established term.
+        shadow_near: f64,
     },
     /// Parallel rays from infinitely far away.
     Directional {
@@ -174,9 +174,9 @@ impl Light {
     pub fn shadow_ray(&self, from: &ShadowRays<'_>, light: &Illumination, time: f64) -> (Ray, Interval) {
         match self.kind {
             LightKind::Directional { .. } => (from.towards(light.direction, time), Interval::SPAWNED),
-            LightKind::Point { position, lamp_radius, .. } if lamp_radius > 0.0 => {
+            LightKind::Point { position, shadow_near, .. } if shadow_near > 0.0 => {
                 let ray = from.to(position, time);
-                let free = 1.0 - lamp_radius / ray.direction.length() - LAMP_MARGIN;
+                let free = 1.0 - shadow_near / ray.direction.length() - LAMP_MARGIN;
                 (ray, Interval { max: free, ..Interval::SEGMENT })
             }
             LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
@@ -204,8 +204,8 @@ mod tests {
     #[test]
     fn falloff_is_as_asked() {
         let at = DVec3::new(0.0, 2.0, 0.0);
-        let none = light(LightKind::Point { position: at, falloff: Falloff::None, lamp_radius: 0.0 });
-        let square = light(LightKind::Point { position: at, falloff: Falloff::InverseSquare, lamp_radius: 0.0 });
+        let none = light(LightKind::Point { position: at, falloff: Falloff::None, shadow_near: 0.0 });
+        let square = light(LightKind::Point { position: at, falloff: Falloff::InverseSquare, shadow_near: 0.0 });
         assert_eq!(none.illuminate(DVec3::ZERO).expect("lit").strength, Rgb::gray(8.0));
         let lit = square.illuminate(DVec3::ZERO).expect("lit");
         assert_eq!((lit.strength, lit.direction, lit.distance), (Rgb::gray(2.0), DVec3::Y, 2.0));
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn lights_behind_a_surface_are_known_without_their_distance() {
-        let at = |position: DVec3| light(LightKind::Point { position, falloff: Falloff::None, lamp_radius: 0.0 });
+        let at = |position: DVec3| light(LightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 });
         let (point, normal) = (DVec3::new(0.3, -1.7, 2.9), DVec3::new(0.48, -0.6, 0.64));
         let mut n_behind = 0;
         for i in 0..10_000u32 {
@@ -254,7 +254,7 @@ mod tests {
 
     #[test]
     fn the_lamp_around_a_light_does_not_shadow_it() {
-        let kind = LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, lamp_radius: 1.0 };
+        let kind = LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, shadow_near: 1.0 };
         let surface = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y, [0.0; 2]);
         let light = light(kind);
         let (ray, span) =
@@ -265,7 +265,7 @@ mod tests {
 
     #[test]
     fn a_lifted_shadow_ray_ends_in_front_of_the_lamp() {
-        let lamp = light(LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, lamp_radius: 1.0 });
+        let lamp = light(LightKind::Point { position: DVec3::Y * 4.0, falloff: Falloff::None, shadow_near: 1.0 });
         for lift in [0.5, -0.5] {
             let surface = SurfaceInteraction {
                 shadow_point: DVec3::Y * lift,

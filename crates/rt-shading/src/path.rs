@@ -31,7 +31,7 @@ pub struct PathSettings {
     /// Bounces after the first surface: 0 for emission and direct light.
     pub max_depth: u32,
     /// Bounces before Russian roulette may end a path.
-    pub roulette_from: u32,
+    pub rr_start_depth: u32,
     /// Light transport beyond the first surface.
     pub follows: Follows,
     /// Bound of what a path adds to its pixel where indirect light arrives; none by default.

@@ -15,7 +15,7 @@
 //! **Traversal**: as in a kd-tree, with a dot product for each plane.
 //!
 //! **Why it equals brute force**: the height of a point above a slanted plane has a rounding error with a known bound.
-//! Where the ray is nearer to the plane than that, both sides are visited. A primitive is listed on both sides if its
+//! Both sides are visited if the ray is nearer to the plane than that. A primitive is listed on both sides if its
 //! padded bounds are as near. Primitives are never split, as this would move their edges.
 //!
 //! # Cost

@@ -71,6 +71,6 @@ mod tests {
     fn the_showcase_is_a_sound_scene() {
         let scene = scene().expect("sound");
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
-        assert_eq!((scene.film.width, scene.film.height), (592, 370));
+        assert_eq!((scene.film.width, scene.film.height), (576, 360));
     }
 }

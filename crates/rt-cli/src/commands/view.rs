@@ -32,6 +32,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::input::{self, Input};
 use crate::settings::{self, Overrides};
+use crate::signals;
 
 use access::Access;
 use camera_controller::CameraController;
@@ -79,11 +80,12 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let session = Arc::new(Session { access, shared, name: scene.name.clone(), medium, size, spp });
     if !address.ip().is_loopback() {
         console.warn(format_args!(
-            "--bind {} opens the view to the network: whoever learns the address sees the scene and steers the render, and \
+            "--bind {} opens the view to the network: the address alone gives access to scene and render, and \
              nothing is encrypted",
             args.bind
         ));
     }
+    signals::end_on_signals();
     console.println(format_args!("view of {} at {url}\nCtrl-C ends it", scene.name))?;
     thread::spawn({
         let session = Arc::clone(&session);

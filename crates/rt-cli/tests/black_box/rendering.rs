@@ -20,7 +20,7 @@ fn no_command_renders_the_showcase_and_tells_what_to_try() {
     let run = place.succeed("");
     assert_eq!(place.files(), ["still_life.png"]);
     let film = place.film("still_life.png");
-    assert_eq!((film.width(), film.height()), (592, 370));
+    assert_eq!((film.width(), film.height()), (576, 360));
     let next: Vec<_> = run.stdout.lines().skip_while(|line| *line != "try next").skip(1).collect();
     assert_eq!(next.len(), 3, "{run:?}");
     assert!(next.iter().all(|line| line.starts_with("  rt-cli ")), "{run:?}");

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -57,7 +57,12 @@ impl ViewServer {
     }
 
     pub(crate) fn start_in(place: Workplace, arguments: &str) -> Self {
-        let mut command = place.command(&format!("view {arguments} --no-open"));
+        let command = place.command(&format!("view {arguments} --no-open"));
+        Self::start_command(place, command)
+    }
+
+    /// Starts a command that views a scene.
+    pub(crate) fn start_command(place: Workplace, mut command: Command) -> Self {
         let mut program = command.stdout(Stdio::piped()).spawn().expect("it starts");
         let mut lines = BufReader::new(program.stdout.take().expect("a pipe")).lines().map_while(Result::ok);
         let url = lines.find_map(|line| Some(line.split_once(" at http://")?.1.to_owned())).expect("an address");

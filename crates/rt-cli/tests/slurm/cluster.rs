@@ -19,7 +19,7 @@ pub(crate) struct Cluster {
 }
 
 impl Cluster {
-    /// Starts one; tells what is missing where that cannot be done.
+    /// Starts a cluster; returns the reason where that cannot be done.
     pub(crate) fn start() -> Result<Self, String> {
         if let Some(missing) = PROGRAMS.iter().find(|program| find(program).is_none()) {
             return Err(format!("there is no {missing}"));
@@ -69,7 +69,7 @@ impl Cluster {
         command
     }
 
-    /// Waits until it is true, and tells if it ever was.
+    /// Waits until the condition is true; returns false after the deadline.
     pub(crate) fn wait(&self, at_most: Duration, mut is_so: impl FnMut() -> bool) -> bool {
         let started = Instant::now();
         while started.elapsed() < at_most {

@@ -14,7 +14,7 @@ use cluster::Cluster;
 const OPTIONS: [&str; 6] = ["--size", "320x240", "--spp", "64", "--checkpoint-every", "20ms"];
 const PARTS: usize = 8;
 
-/// Waits for a file. Slurm lets a job that is queued again wait for two minutes, which this spares it.
+/// Waits for a file. Slurm delays a requeued job by two minutes; this skips the delay.
 fn wait_for(cluster: &Cluster, queued_again: &str, file: &str) {
     let mut hurried = Instant::now();
     let is_there = || {

@@ -28,7 +28,7 @@ pub(super) struct LightShaft {
     /// Place of the light; `None` for light from infinitely far away.
     place: Option<DVec3>,
     /// Radius around the place within which nothing casts a shadow.
-    lamp_radius: f64,
+    shadow_near: f64,
 }
 
 /// Occlusion of a shaft.
@@ -44,9 +44,9 @@ pub(super) enum Occlusion {
 
 impl LightShaft {
     pub(super) fn new(patch: &SurfacePatch, light: &Light) -> Self {
-        let (place, lamp_radius) = match light.kind {
+        let (place, shadow_near) = match light.kind {
             LightKind::Directional { .. } => (None, 0.0),
-            LightKind::Point { position, lamp_radius, .. } => (Some(position), lamp_radius),
+            LightKind::Point { position, shadow_near, .. } => (Some(position), shadow_near),
             LightKind::Spot { position, .. } => (Some(position), 0.0),
         };
         let line = match light.kind {
@@ -55,7 +55,7 @@ impl LightShaft {
                 Ray::new(patch.centre, position - patch.centre)
             }
         };
-        Self { line, slab: SlabRay::new(&line), radius: patch.radius, place, lamp_radius }
+        Self { line, slab: SlabRay::new(&line), radius: patch.radius, place, shadow_near }
     }
 
     /// Occlusion by all primitives except that of the patch: a convex surface does not
@@ -89,7 +89,7 @@ impl LightShaft {
 
     fn blocked_by_ball(&self, centre: DVec3, radius: f64) -> Occlusion {
         let from_light = self.place.map_or(f64::INFINITY, |place| (centre - place).length());
-        if from_light + radius <= self.lamp_radius {
+        if from_light + radius <= self.shadow_near {
             return Occlusion::Nowhere;
         }
         let Ray { origin, direction, .. } = self.line;
@@ -97,7 +97,7 @@ impl LightShaft {
         let nearest = if self.place.is_some() { nearest.min(1.0) } else { nearest };
         let distance = (self.line.at(nearest) - centre).length();
         let ends_are_outside =
-            (centre - origin).length() > radius + self.radius && from_light > radius + self.lamp_radius;
+            (centre - origin).length() > radius + self.radius && from_light > radius + self.shadow_near;
         if distance > radius + self.radius {
             Occlusion::Nowhere
         } else if ends_are_outside && distance + self.radius < radius {
@@ -115,7 +115,7 @@ impl LightShaft {
             Occlusion::Somewhere
         } else if (height > 0.0) == (end > 0.0) {
             Occlusion::Nowhere
-        } else if self.lamp_radius == 0.0 {
+        } else if self.shadow_near == 0.0 {
             Occlusion::Everywhere
         } else {
             Occlusion::Somewhere

@@ -136,7 +136,7 @@ fn a_slab_of_glass_lets_light_through_as_snell_and_fresnel_say() {
     let position = DVec3::Y * lamp;
     let camera = Transform::look_at(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view");
     let slab = block([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
-    let kind = LightKind::Point { position, falloff: Falloff::InverseSquare, lamp_radius: 0.0 };
+    let kind = LightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
     let nodes = nodes(&[(floor(), 0), (slab, 1)]);
     let mut scene = scene(camera, vec![diffuse(0.6), body(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
     // Light that goes to and fro within the glass falls elsewhere.
@@ -172,7 +172,7 @@ fn a_flat_mirror_shows_its_lamps_again() {
     let white = ColorTexture::Constant(Rgb::gray(0.8));
     let materials = vec![diffuse(0.5), physical(Physical::Mirror { reflectance: white })];
     let position = DVec3::new(0.4, 1.0, 0.2);
-    let point = |falloff| LightKind::Point { position, falloff, lamp_radius: 0.0 };
+    let point = |falloff| LightKind::Point { position, falloff, shadow_near: 0.0 };
     let spot = LightKind::Spot {
         position,
         direction: DVec3::NEG_Y,

@@ -177,7 +177,7 @@ fn clutter(seed: u64, light: Light) -> Scene {
 #[test]
 fn no_simple_pixel_has_an_edge_in_it() {
     let lamp = Light {
-        kind: LightKind::Point { position: DVec3::new(3e4, 8e4, 2e4), falloff: Falloff::None, lamp_radius: 0.0 },
+        kind: LightKind::Point { position: DVec3::new(3e4, 8e4, 2e4), falloff: Falloff::None, shadow_near: 0.0 },
         ..sun(DVec3::NEG_Y)
     };
     let mut simple_pixels = 0;

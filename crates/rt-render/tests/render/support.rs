@@ -16,7 +16,7 @@ pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
 }
 
 pub(crate) fn point_light(position: [f64; 3], strength: f64) -> Light {
-    let kind = LightKind::Point { position: position.into(), falloff: Falloff::None, lamp_radius: 0.0 };
+    let kind = LightKind::Point { position: position.into(), falloff: Falloff::None, shadow_near: 0.0 };
     Light {
         name: "lamp".into(),
         kind,

@@ -32,7 +32,7 @@ pub enum Light {
         /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
-        /// Distance from the light up to which surfaces cast no shadow, such as the bulb around it.
+        /// Distance from the light up to which surfaces cast no shadow, such as the bulb around it. No established term.
         ///
         /// Unit: units of the scene. Default: `0`. Example: `shadow_near: 0.1`.
         #[serde(default, skip_serializing_if = "is_zero", alias = "lamp_radius")]

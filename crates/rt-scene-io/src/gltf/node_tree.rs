@@ -262,7 +262,7 @@ fn place_light(source: &Source<'_>, document: &Document, world: &Transform, mode
     let direction = world.vector(DVec3::NEG_Z).try_normalize();
     let falloff = Falloff::InverseSquare;
     let kind = match (json.type_, &json.spot, direction) {
-        (Checked::Valid(lights::Type::Point), ..) => Some(LightKind::Point { position, falloff, lamp_radius: 0.0 }),
+        (Checked::Valid(lights::Type::Point), ..) => Some(LightKind::Point { position, falloff, shadow_near: 0.0 }),
         (Checked::Valid(lights::Type::Directional), _, Some(direction)) => Some(LightKind::Directional { direction }),
         (Checked::Valid(lights::Type::Spot), Some(spot), Some(direction)) => {
             let (cos_inner, cos_outer) = cone(spot.inner_cone_angle, spot.outer_cone_angle);

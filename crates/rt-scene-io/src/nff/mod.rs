@@ -275,7 +275,7 @@ impl<'p> NffReader<'p> {
         }
         self.model.lights.extend(self.lights.iter().enumerate().map(|(i, &(position, colour))| Light {
             name: format!("light {}", i + 1),
-            kind: LightKind::Point { position, falloff: Falloff::None, lamp_radius: 0.0 },
+            kind: LightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 },
             intensity: colour.unwrap_or(plain),
             units: LightUnits::Classical,
             casts_shadows: true,

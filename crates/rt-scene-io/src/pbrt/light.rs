@@ -57,7 +57,7 @@ pub(super) fn read(
         "point" => {
             let falloff = Falloff::InverseSquare;
             let factor = level(parameters, "power", 1.0 / (2.0 * TAU))?;
-            delta_light(parameters, LightKind::Point { position, falloff, lamp_radius: 0.0 }, intensity * factor)
+            delta_light(parameters, LightKind::Point { position, falloff, shadow_near: 0.0 }, intensity * factor)
         }
         "distant" => {
             let kind = LightKind::Directional { direction: aim(parameters, place)? };

@@ -64,7 +64,7 @@ pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, de
     });
     let depth = report.check("settings.max_depth", within(settings.max_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
-    let roulette_from =
+    let rr_start_depth =
         report.check("settings.rr_start_depth", within(settings.rr_start_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     let clamp = settings.clamp.and_then(|clamp| report.check("settings.clamp", positive(clamp)));
     let occlusion_distance = settings
@@ -81,7 +81,7 @@ pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, de
         accel: settings.accel,
         seed: settings.seed,
         light_sampling: settings.light_sampling.into(),
-        roulette_from: roulette_from as u32,
+        rr_start_depth: rr_start_depth as u32,
         clamp,
         occlusion_distance: occlusion_distance.unwrap_or(f64::INFINITY),
     }

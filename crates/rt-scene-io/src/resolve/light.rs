@@ -41,9 +41,9 @@ fn single(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
     let intensity = report.check(format_args!("{path}.intensity"), colour(intensity));
     let kind = match light {
         format::Light::Point { position, falloff, shadow_near, .. } => {
-            let lamp_radius = report.check(format_args!("{path}.shadow_near"), not_negative(*shadow_near));
+            let shadow_near = report.check(format_args!("{path}.shadow_near"), not_negative(*shadow_near));
             let position = report.check(format_args!("{path}.position"), vector(*position))?;
-            LightKind::Point { position, falloff: (*falloff).into(), lamp_radius: lamp_radius? }
+            LightKind::Point { position, falloff: (*falloff).into(), shadow_near: shadow_near? }
         }
         format::Light::Directional { direction: travel, .. } => {
             LightKind::Directional { direction: aim(report, path, *travel)? }

@@ -128,7 +128,7 @@ impl BsdfSample {
     }
 }
 
-/// What a surface does to light at a point: one [`Bxdf`], or a [`Mix`] of several.
+/// Scattering function of a surface at a point: one [`Bxdf`], or a [`Mix`] of several.
 ///
 /// Plain data without allocations, made anew for each hit where textures ask for it.
 ///

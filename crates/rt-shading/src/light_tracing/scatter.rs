@@ -1,4 +1,4 @@
-//! What happens where a light path begins, and where it meets a surface.
+//! Emission of light paths, and their scattering at surfaces.
 
 use super::{
     CameraWiSample, LightTracingIntegrator, LightTracingScene,
@@ -171,7 +171,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         if photon.throughput.is_black() {
             return;
         }
-        let is_old = photon.bounces > self.settings.roulette_from;
+        let is_old = photon.bounces > self.settings.rr_start_depth;
         if is_old && !russian_roulette(&mut photon.throughput, 1.0, &mut photon.sampler) {
             return;
         }
@@ -181,8 +181,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
     }
 }
 
-/// What an interpolated normal adds to f of light that is traced forwards, over what it adds to its cosines (Veach 1997,
-/// 5.3.2): 1 where it is the actual normal.
+/// Correction of f for interpolated normals in light tracing (Veach 1997, 5.3.2); 1 without them.
 fn shading_normal_correction(vertex: &Vertex<'_>, sample: &BsdfSample, wi: DVec3) -> f64 {
     let surface = vertex.view.surface;
     if surface.shading_normal == surface.geometric_normal {

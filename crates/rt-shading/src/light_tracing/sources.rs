@@ -117,7 +117,7 @@ impl LightSources {
                 let power = light.intensity * (light.units.irradiance_factor() / sample.pdf);
                 return Some(LeSample { ray, span: Interval::FORWARD, power, no_falloff: false });
             }
-            LightKind::Point { position, falloff, lamp_radius } => (position, falloff, lamp_radius),
+            LightKind::Point { position, falloff, shadow_near } => (position, falloff, shadow_near),
             LightKind::Spot { position, falloff, .. } => (position, falloff, 0.0),
         };
         let sample = self.targets.sample_direction(position, ball, u).unwrap_or_else(|| {

@@ -194,7 +194,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if path.throughput.is_black() {
             return;
         }
-        let is_old = path.bounces > self.settings.roulette_from;
+        let is_old = path.bounces > self.settings.rr_start_depth;
         if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, &mut path.sampler) {
             return;
         }

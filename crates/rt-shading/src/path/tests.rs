@@ -103,11 +103,11 @@ impl Scene {
 }
 
 const fn paths(max_depth: u32) -> PathSettings {
-    PathSettings { max_depth, roulette_from: 2, follows: Follows::Everything, clamp: Clamp::NONE }
+    PathSettings { max_depth, rr_start_depth: 2, follows: Follows::Everything, clamp: Clamp::NONE }
 }
 
 const DISTRIBUTED: PathSettings =
-    PathSettings { max_depth: 4, roulette_from: 9, follows: Follows::Reflections, clamp: Clamp::NONE };
+    PathSettings { max_depth: 4, rr_start_depth: 9, follows: Follows::Reflections, clamp: Clamp::NONE };
 
 fn floor() -> Shape {
     Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane"))
@@ -203,7 +203,7 @@ fn glass_neither_makes_nor_loses_light() {
     };
     let ray = Ray::new(DVec3::new(0.4, 0.1, 5.0), DVec3::NEG_Z);
     // Without roulette, which ends one path in a thousand and makes the others brighter: too few to tell how wide they spread.
-    let unending = PathSettings { roulette_from: 500, ..paths(500) };
+    let unending = PathSettings { rr_start_depth: 500, ..paths(500) };
     furnace(glass(1.5, 0.0, 0.0)).assert_shows(unending, ray, 1.0);
     // Rough surfaces lose what facets pass to each other.
     let (mean, _) = furnace(glass(1.5, 0.0, 0.2)).estimate(paths(500), ray, 20_000);
@@ -226,7 +226,7 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
         let plane = Plane::new(DVec3::NEG_Z * f64::from(z), DVec3::Z).expect("a plane");
         scene = scene.with(Shape::Plane(plane), 0, None);
     }
-    let unending = PathSettings { roulette_from: 100, ..paths(100) };
+    let unending = PathSettings { rr_start_depth: 100, ..paths(100) };
     let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
     let (mean, _) = scene.estimate(unending, ray, 4);
     let left = rt_math::transcendental::pow(0.95, 40.0);
@@ -239,7 +239,7 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
 #[test]
 fn lights_without_extent_keep_the_brightness_of_whitteds() {
     let kind =
-        LightKind::Point { position: DVec3::new(0.0, 2.0, 0.0), falloff: Falloff::InverseSquare, lamp_radius: 0.0 };
+        LightKind::Point { position: DVec3::new(0.0, 2.0, 0.0), falloff: Falloff::InverseSquare, shadow_near: 0.0 };
     let light = Light {
         name: String::new(),
         kind,

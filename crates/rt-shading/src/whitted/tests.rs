@@ -200,7 +200,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
 fn local_light_is_phongs_sum() {
     let light = |casts_shadows| Light {
         name: String::new(),
-        kind: LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, lamp_radius: 0.0 },
+        kind: LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 },
         intensity: Rgb::gray(2.0),
         units: LightUnits::Classical,
         casts_shadows,
@@ -228,7 +228,7 @@ fn local_light_is_phongs_sum() {
 
 #[test]
 fn lights_behind_the_surface_cost_no_shadow_ray() {
-    let kind = LightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, lamp_radius: 0.0 };
+    let kind = LightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, shadow_near: 0.0 };
     let mut appearance = white_room(Phong { diffuse: gray(1.0), ..BARE });
     appearance.lights = vec![Light {
         name: String::new(),

@@ -67,7 +67,7 @@ fn convert(scene: exchange_scene::ExchangeScene) -> SceneFile {
 }
 
 fn light(light: &exchange_scene::Light) -> Option<Light> {
-    let (position, color, lamp_radius) = match light {
+    let (position, color, shadow_near) = match light {
         exchange_scene::Light::Point { p, color } => (*p, *color, 0.0),
         exchange_scene::Light::Sphere { p, r, color } => (*p, *color, *r),
         // The light is an object as well, with an emissive material.
@@ -79,7 +79,7 @@ fn light(light: &exchange_scene::Light) -> Option<Light> {
         intensity: Color::from_rgb(color),
         units: LightUnits::Classical,
         falloff: Falloff::None,
-        shadow_near: lamp_radius,
+        shadow_near,
         casts_shadows: true,
     })
 }

@@ -131,7 +131,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream)
     let mut world = TwoShapes::new()?;
     let appearance = appearance();
     let emitters = EmitterSet::new(vec![area_light().emitter()?], LightSampling::Tree, 1.0);
-    let settings = PathSettings { max_depth: 2, roulette_from: 3, follows: Follows::Everything, clamp: Clamp::NONE };
+    let settings = PathSettings { max_depth: 2, rr_start_depth: 3, follows: Follows::Everything, clamp: Clamp::NONE };
     let bsdfs = BsdfCache::new(&appearance, |_| true);
     let lighting = Lighting { appearance: &appearance, emitters: &emitters, bsdfs: &bsdfs };
     let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));

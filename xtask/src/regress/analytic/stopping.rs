@@ -139,7 +139,7 @@ fn mean_of(rendering: &Rendering) -> f64 {
 /// A room whose paths end at each surface with probability ½: radiance 2 with a skewed distribution.
 fn enclosure() -> Fallible<TestImage> {
     let mut image = Enclosure::Quads.emissive(0.5, 100)?;
-    image.scene.settings.roulette_from = 0;
+    image.scene.settings.rr_start_depth = 0;
     Ok(image)
 }
 

@@ -39,7 +39,7 @@ pub(super) enum CameraCommand {
     Reset,
 }
 
-/// A camera, equal to the scene's to the bit until it is moved.
+/// A camera, bit-identical to the scene's until it is moved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraController {
     home: CameraSettings,

@@ -8,8 +8,8 @@ use rt_scene_io::format::{self, Step};
 
 use super::pose::Pose;
 
-/// Field `camera` of a scene file for a camera that stands still in this pose. It is read as the same camera to the bit, except
-/// for angles that no number of degrees stands for.
+/// Field `camera` of a scene file for a camera that stands still in this pose. Reading it gives a bit-identical camera, except for
+/// angles without an exact number of degrees.
 pub(super) fn camera_text(pose: &Pose, settings: &CameraSettings, medium: Option<&str>) -> String {
     let mut camera = format::Camera {
         shutter: Some((settings.shutter[0], settings.shutter[1])).filter(|&shutter| shutter != (0.0, 1.0)),

@@ -41,7 +41,7 @@ impl Renderer<'_> {
         loop {
             match self.shared.next_task(integrator) {
                 Task::Compile(integrator) => return integrator,
-                Task::Pick(picks) => answer(&plan, picks),
+                Task::Pick(view, picks) => answer(&plan, view, picks),
                 Task::Render(view) => {
                     let rendered = self
                         .check_memory(&plan.memory(), view.size)
@@ -126,10 +126,11 @@ impl Renderer<'_> {
     }
 }
 
-fn answer(plan: &RenderPlan<'_>, picks: Vec<Pick>) {
+/// Answers picks with a plan for the view of this number.
+fn answer(plan: &RenderPlan<'_>, view: u64, picks: Vec<Pick>) {
     for ([x, y], answer) in picks {
         // The page may have gone meanwhile.
-        drop(answer.send(plan.pick(x, y)));
+        drop(answer.send((view, plan.pick(x, y))));
     }
 }
 
@@ -208,7 +209,7 @@ impl Observer for &mut Canvas<'_> {
                 self.add_error(so_far.error());
             }
         }
-        answer(self.plan, self.shared.take_picks());
+        answer(self.plan, self.picture.view, self.shared.take_picks());
         self.shared.pause_without_client();
         let interval = Duration::from_secs_f64(seconds * INTERVAL_SHARE).clamp(INTERVAL[0], INTERVAL[1]);
         if self.shown.elapsed() >= interval && !self.shared.is_outdated() {

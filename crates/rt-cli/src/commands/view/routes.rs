@@ -186,12 +186,13 @@ impl Session {
         Ok(())
     }
 
+    /// Hit of a pixel, null for the background, and the number of the view.
     fn pick(&self, pixel: [u32; 2]) -> Result<Response, Response> {
         let (sender, answer) = channel();
         self.shared.pick((pixel, sender));
-        let picked = answer.recv_timeout(PICK_WAIT);
-        let picked = picked.map_err(|_| Response::refusal(Status::BUSY, "the renderer is busy"))?;
-        Ok(response(&picked.map_or(Value::Null, |picked| {
+        let answer = answer.recv_timeout(PICK_WAIT);
+        let (view, picked) = answer.map_err(|_| Response::refusal(Status::BUSY, "the renderer is busy"))?;
+        let hit = picked.map_or(Value::Null, |picked| {
             json!({
                 "object": picked.object,
                 "material": picked.material,
@@ -200,7 +201,8 @@ impl Session {
                 "position": picked.point.to_array(),
                 "normal": picked.normal.to_array(),
             })
-        })))
+        });
+        Ok(response(&json!({ "view": view, "hit": hit })))
     }
 }
 

@@ -80,8 +80,8 @@ pub(super) struct State {
     last_request: Option<Instant>,
 }
 
-/// Pixel to be picked, and the channel for the answer.
-pub(super) type Pick = ([u32; 2], Sender<Option<PickResult>>);
+/// Pixel to be picked, and the channel for the number of the view and what the pixel shows there.
+pub(super) type Pick = ([u32; 2], Sender<(u64, Option<PickResult>)>);
 
 /// Next work of the renderer.
 #[derive(Debug)]
@@ -90,8 +90,8 @@ pub(super) enum Task {
     Render(Box<View>),
     /// Compile the scene for the integrator of the view.
     Compile(Integrator),
-    /// Answer these.
-    Pick(Vec<Pick>),
+    /// Answer these in the view of this number, which was rendered last.
+    Pick(u64, Vec<Pick>),
 }
 
 impl State {
@@ -173,8 +173,10 @@ impl SharedState {
         self.changed.notify_all();
     }
 
+    /// Takes the picks. While the view that is being rendered is outdated there are none: they wait for the next one.
     pub(super) fn take_picks(&self) -> Vec<Pick> {
-        core::mem::take(&mut self.lock().picks)
+        let mut state = self.lock();
+        if state.is_pending { Vec::new() } else { core::mem::take(&mut state.picks) }
     }
 
     /// Waits until pages see a later version, or for the given time.
@@ -191,8 +193,8 @@ impl SharedState {
     pub(super) fn next_task(&self, integrator: Integrator) -> Task {
         let mut state = self.lock();
         loop {
-            if !state.picks.is_empty() {
-                return Task::Pick(core::mem::take(&mut state.picks));
+            if !state.is_pending && !state.picks.is_empty() {
+                return Task::Pick(state.view.number, core::mem::take(&mut state.picks));
             }
             if state.is_pending && state.has_client() {
                 if state.view.integrator != integrator {
@@ -277,7 +279,19 @@ mod tests {
         assert!(matches!(shared.next_task(Integrator::Path), Task::Compile(Integrator::Depth)));
         assert_eq!(render(&shared, Integrator::Depth).number, 3);
         shared.pick(([1, 2], channel().0));
-        assert!(matches!(shared.next_task(Integrator::Depth), Task::Pick(picks) if picks[0].0 == [1, 2]));
+        assert!(matches!(shared.next_task(Integrator::Depth), Task::Pick(3, picks) if picks[0].0 == [1, 2]));
+    }
+
+    #[test]
+    fn picks_wait_for_the_view_that_replaces_an_outdated_one() {
+        let shared = shared();
+        shared.see_client();
+        render(&shared, Integrator::Path);
+        shared.change_view(|state| state.view.max_spp = 2);
+        shared.pick(([1, 2], channel().0));
+        assert!(shared.take_picks().is_empty(), "the renderer still has the outdated view");
+        assert_eq!(render(&shared, Integrator::Path).number, 1);
+        assert_eq!(shared.take_picks().len(), 1);
     }
 
     #[test]

@@ -28,7 +28,7 @@ const ALL_SETTINGS: [PathSettings; 4] = [
     paths(0),
     paths(3),
     DISTRIBUTED,
-    PathSettings { max_depth: 3, roulette_from: 2, follows: Follows::AllButCaustics, clamp: Clamp::NONE },
+    PathSettings { max_depth: 3, rr_start_depth: 2, follows: Follows::AllButCaustics, clamp: Clamp::NONE },
 ];
 
 /// A plane whose front is above. It is not at height 0, where numbers are so dense that shadow rays start on the plane itself.

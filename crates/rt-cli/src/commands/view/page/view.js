@@ -22,6 +22,8 @@ let session = null;
 let state = { version: 0, view: -1 };
 let errors = [];
 let picked = null;
+/** View that the marker of the last pick belongs to. */
+let markedView = -1;
 
 // Requests
 
@@ -39,15 +41,19 @@ async function post(path, value) {
 /** Sends values one after the other; those that wait are merged. */
 function sender(path, merge) {
   const waiting = [];
-  const send = async (value) => {
-    const last = waiting.at(-1);
-    if (last === undefined || !merge(last, value)) waiting.push(value);
-    if (send.isBusy) return;
+  const sendAll = async () => {
     send.isBusy = true;
     while (waiting.length > 0) await post(path, waiting.shift());
     send.isBusy = false;
   };
+  const send = (value) => {
+    const last = waiting.at(-1);
+    if (last === undefined || !merge(last, value)) waiting.push(value);
+    if (!send.isBusy) send.done = sendAll();
+  };
   send.isBusy = false;
+  /** Settles when all values are sent. */
+  send.done = Promise.resolve();
   return send;
 }
 
@@ -112,7 +118,7 @@ function show(next) {
   if (isOtherView || next.first_error === 0) errors = [];
   errors.length = Math.min(errors.length, next.first_error);
   errors.push(...next.errors);
-  if (isOtherView) get("marker").hidden = true;
+  if (next.view > markedView) get("marker").hidden = true;
   const samples = next.spp === 0 ? "preview" : `${next.spp} <small>of ${next.max_spp > 1 << 20 ? "∞" : next.max_spp}</small>`;
   get("samples").innerHTML = samples;
   get("progress").value = next.is_finished ? 1 : next.spp / next.max_spp;
@@ -285,12 +291,16 @@ async function pick(event) {
   const box = image.getBoundingClientRect();
   const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
   const inside = (share, length) => Math.min(Math.max(Math.floor(share * length), 0), length - 1);
-  const found = await post("pick", [inside(x, image.width), inside(y, image.height)]);
-  if (found === undefined) return;
+  // Moves of the camera that wait to be sent came before the click.
+  await sendCamera.done;
+  const answer = await post("pick", [inside(x, image.width), inside(y, image.height)]);
+  if (answer === undefined) return;
+  showPicked(answer.hit);
+  if (answer.view < state.view) return;
+  markedView = answer.view;
   const marker = get("marker");
   [marker.style.left, marker.style.top] = [`${100 * x}%`, `${100 * y}%`];
   marker.hidden = false;
-  showPicked(found);
 }
 
 function showPicked(found) {
