@@ -45,15 +45,16 @@ pub(super) fn run(workspace: &Workspace, options: &BuiltinOptions) -> Result<(),
 
 fn page(tables: &str, rays: u32, reps: u32, provenance: &str) -> String {
     format!(
-        "# How fast each accelerator is\n\n\
+        "# Benchmarks of the accelerators\n\n\
+         After reading this page you can compare rays per second, build time and memory of all accelerators.\n\n\
          Written by `cargo xtask bench --write --rays {rays} --reps {reps}` on {provenance}. Times vary with the machine and \
-         its load: compare the ratios, in brackets. Rays are traced on one thread, by the clock of that thread, and \
-         accelerators take turns. Trees are built on all threads, by wall time. Each time is the minimum of all \
-         measurements. All accelerators give the same answers, bit for bit, on every ray of a table.\n\n\
+         its load: compare the ratios in brackets. Rays are traced on one thread and timed by its CPU clock; the accelerators \
+         alternate. Trees are built on all threads and timed by wall clock. Each time is the minimum of all \
+         measurements. All accelerators give bit-identical answers on every ray of a table.\n\n\
          * `mound`: the report's heap of overlapping spheres of similar size.\n\
          * `balls`: spheres on spheres, after Haines, \"A Proposal for Standard Graphics Environments\", 1987.\n\
          * `rock`: a closed mesh of small triangles.\n\n\
-         Shadow rays are any-hit queries, the others closest-hit queries; diffuse and random rays are incoherent.\n\n\
+         Shadow rays are any-hit queries, the others closest-hit queries. Diffuse and random rays are incoherent.\n\n\
          {tables}"
     )
 }

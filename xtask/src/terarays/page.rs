@@ -44,24 +44,26 @@ pub(super) fn table(whole: &Whole) -> Table {
 /// The whole page `docs/TERARAYS.md`.
 pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
     format!(
-        "# The trillion rays of the Cornell box\n\n\
-         The lecture shows a Cornell box of {SIZE}×{SIZE} pixels with {STRATA}×{STRATA} jittered primary rays in each, a \
-         trillion rays in all, that took two years of processor time. Those are {} primary rays. This is how long they take \
-         here, extrapolated from a part of the image.\n\n\
-         Written by `cargo xtask terarays --write` on one {processor}, with one thread, at commit {commit}. The command works for as long as \
-         `--budget` says and goes on where it stopped: `cargo xtask terarays --budget 8h --write` makes the intervals \
-         narrower.\n\n{}\n\
-         The scene is `scenes/lecture/cornell.ron`: the published geometry, reflectances and light, paths with a shadow ray at \
-         each hit, at most 14 bounces, and Russian roulette. The lecture does not say how long its paths were, nor what it \
-         counts as a ray. Here \"rays of all kinds\" are the primary, bounced and shadow rays that are traced. The whole image \
-         is that of all primary rays with all that they lead to.\n\n\
-         The image is cut into {} tiles of {TILE_PIXELS} pixels, which are rendered in random order, each with all of its \
-         {STRATA}×{STRATA} strata, by the program as users have it; time is processor time of the whole program, starts \
-         included. Each tile is rendered twice, with different seeds: half of the mean squared difference is the mean squared \
-         error of one, and one is what the time is of. Rays are counted by a third render. Intervals are of the logarithm, by \
-         the jackknife over tiles and Student's t; they tell how much tiles differ, not how much another day's load or another \
-         machine would.\n\n\
-         The same tiles are rendered by `{BEST}`, the sampler that reaches an error first, and its error is extrapolated by a \
+        "# 10¹² rays\n\n\
+         After reading this page you know how long the lecture's Cornell box of a trillion rays takes here, and how to \
+         repeat the estimate.\n\n\
+         The lecture shows a Cornell box of {SIZE}×{SIZE} pixels with {STRATA}×{STRATA} jittered primary rays per pixel. It \
+         gives the total as a trillion rays and two years of processor time. These are {} primary rays. The table is \
+         extrapolated from a random part of the image.\n\n\
+         Written by `cargo xtask terarays --write` on one {processor}, with one thread, at commit {commit}. The command \
+         stops after the time of `--budget` and continues in the next run. `cargo xtask terarays --budget 8h --write` makes \
+         the intervals narrower.\n\n{}\n\
+         ## Method\n\n\
+         The scene is `scenes/lecture/cornell.ron`: the published geometry, reflectances and light, one shadow ray per hit, \
+         at most 14 bounces, and Russian roulette. The lecture states neither the length of its paths nor which rays it \
+         counts. Here \"rays of all kinds\" are all traced primary, secondary and shadow rays.\n\n\
+         The image is divided into {} tiles of {TILE_PIXELS} pixels. They are rendered in random order, each with all \
+         {STRATA}×{STRATA} strata, by the installed program. Time is processor time of the whole program, with its start. \
+         Each tile is rendered twice with different seeds: half of the mean squared difference is the mean squared error of \
+         one render. The time is that of one render. A third render counts the rays.\n\n\
+         Intervals are of the logarithm, by the jackknife over tiles and Student's t. They contain the variation between \
+         tiles, and not that of machine and load.\n\n\
+         The same tiles are rendered with `{BEST}`, the sampler that reaches an error first. Its error is extrapolated by a \
          line through the logarithms to that of the whole image.\n",
         grouped(PRIMARY_RAYS),
         table(whole),
