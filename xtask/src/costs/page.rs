@@ -20,6 +20,7 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display, provenanc
     let command = if full { "cargo xtask costs --full --write" } else { "cargo xtask costs --write" };
     let mut text = format!(
         "# Costs of the accelerators\n\n\
+         After reading this page you can choose an accelerator by its build time, memory and work per ray.\n\n\
          Written by `{command}` on {provenance}. Nodes, tests and bytes are equal in every run and on every machine. Times \
          vary with the machine and its load: compare their ratios only. Rays are traced on one thread, trees are built \
          on all. All accelerators gave the same answers, bit for bit, on every counted ray. Where rays are very \
