@@ -167,7 +167,8 @@ pub(crate) struct BrowserArgs {
 
     /// Listen on this address; all but loopback addresses open the view to the network
     ///
-    /// The printed address, token included, gives access to scene and render. The connection is not encrypted. From another machine, a forwarded port is safer: `ssh -t -L 8080:localhost:8080 HOST` and `--port 8080`.
+    /// The printed address, token included, gives access to scene and render. The connection is not encrypted. From
+    /// another machine, a forwarded port is safer: `ssh -t -L 8080:localhost:8080 HOST` and `--port 8080`.
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Server")]
     pub(crate) bind: IpAddr,
 

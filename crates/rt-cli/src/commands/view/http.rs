@@ -275,7 +275,7 @@ mod tests {
         assert_eq!(with(" folded: line"), Status::BAD_REQUEST);
         assert_eq!(with("no colon"), Status::BAD_REQUEST);
         assert_eq!(with(&"a: b\r\n".repeat(MAX_HEADERS)), Status::HEAD);
-        for line in ["GET  / HTTP/1.1", "GET http://a/ HTTP/1.1", "G\u{e9}T / HTTP/1.1"] {
+        for line in ["GET  / HTTP/1.1", "GET http://a/ HTTP/1.1", "G\u{e9}T / HTTP/1.1", "GET /", "GET"] {
             assert_eq!(status(&format!("{line}\r\n\r\n")), Status::BAD_REQUEST, "{line}");
         }
         for line in ["GET / HTTP/2.0", "GET / FTP/1.1"] {
