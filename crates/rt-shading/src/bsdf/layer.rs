@@ -1,82 +1,75 @@
-//! How much light a layer of dielectric over a diffuse base reflects, from any angle.
+//! Directional albedo of a rough dielectric layer over a diffuse base.
 
-use super::Ggx;
+use super::{Ggx, metallic_roughness::schlick_weight};
 use crate::optics;
 use rt_math::DVec3;
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
-const COSINES: usize = 33;
-const ROUGHNESSES: usize = 33;
-/// Numbers per axis of the square that facets are chosen by.
-const NUMBERS: usize = 20;
+const COSINES: usize = 97;
+const ROUGHNESSES: usize = 65;
 
-/// The directional albedo E of facets with the Fresnel term of a dielectric of glTF, and its mean Ē over the hemisphere by
-/// the cosine. It is a table that is made at first use, in some hundredths of a second.
+/// Points of the Fibonacci lattice that integrates one entry, and its generator: two consecutive Fibonacci numbers.
+const LATTICE: [u32; 2] = [610, 377];
+
+/// Reflectance along the normal of a dielectric of index 1.5.
+const F0: f64 = 0.04;
+
+/// A number as its parts for f0 and f90 of Schlick's Fresnel term f0 + (f90 − f0)(1 − cos)⁵, which is linear in both.
+type Split = [f64; 2];
+
+/// Row of one roughness of the table of directional albedos E of GGX facets, by the cosine to the normal.
 ///
 /// Entries are closest where cosine and roughness are small: E changes most where the slope of the facets is about the
-/// cosine. Towards smooth facets E is a convex function of the cosine, so that lines between entries make no light.
-struct Layer {
-    albedo: [[f64; COSINES]; ROUGHNESSES],
-    mean: [f64; ROUGHNESSES],
+/// cosine. Between entries, E is within 0.001 of its integral.
+struct Row {
+    albedo: [Split; COSINES],
+    /// Cosine-weighted mean Ē over the hemisphere.
+    mean: Split,
 }
 
-static LAYER: LazyLock<Layer> = LazyLock::new(|| Layer::measure(super::metallic_roughness::dielectric_fresnel));
-
-/// Facets that reflect all light.
-static FACETS: LazyLock<Layer> = LazyLock::new(|| Layer::measure(|_| 1.0));
-
-/// Reflectance along the normal of the layer in the table.
-const F0: f64 = 0.04;
+/// Rows are integrated when a surface of their roughness is shaded first: most scenes need two.
+static ROWS: [OnceLock<Row>; ROUGHNESSES] = [const { OnceLock::new() }; ROUGHNESSES];
 
 /// The layer of roughness `roughness`: between two rows of the table.
 pub(super) struct LayerOf {
-    row: usize,
+    rows: [&'static Row; 2],
     fraction: f64,
 }
 
 impl LayerOf {
     /// `roughness` is taken for the nearer end of \[0, 1\], NaN for 0.
     pub(super) fn roughness(roughness: f64) -> Self {
-        let (row, fraction) = place(roughness, ROUGHNESSES);
-        Self { row, fraction }
+        let (below, fraction) = place(roughness, ROUGHNESSES);
+        let row = |index: usize| ROWS[index].get_or_init(|| Row::integrate(entry(index, ROUGHNESSES)));
+        Self { rows: [row(below), row(below + 1)], fraction }
     }
 
-    /// Part of the light under the angle of the cosine that is reflected: E.
+    /// Part of the light under the angle of the cosine that a dielectric of index 1.5 reflects: E.
     pub(super) fn reflects(&self, cos: f64) -> f64 {
-        self.directional(&LAYER, cos)
+        dielectric(self.reflects_split(cos))
     }
 
-    /// Part of light from everywhere that is reflected: Ē.
+    /// Part of light from everywhere that a dielectric of index 1.5 reflects: Ē.
     pub(super) fn reflects_on_average(&self) -> f64 {
-        self.mean(&LAYER)
+        dielectric(self.reflects_split_on_average())
     }
 
-    /// E of facets with other Fresnel terms f0 + (f90 − f0)(1 − cos)⁵: it is f0 times the first number and f90 times the
-    /// second.
-    pub(super) fn reflects_split(&self, cos: f64) -> [f64; 2] {
-        split(self.reflects(cos), self.directional(&FACETS, cos))
-    }
-
-    /// Ē in the same parts.
-    pub(super) fn reflects_split_on_average(&self) -> [f64; 2] {
-        split(self.reflects_on_average(), self.mean(&FACETS))
-    }
-
-    fn directional(&self, table: &Layer, cos: f64) -> f64 {
+    /// E of facets with other Fresnel terms: f0 times the first number plus f90 times the second.
+    pub(super) fn reflects_split(&self, cos: f64) -> Split {
         let (column, fraction) = place(cos, COSINES);
-        let along = |row: usize| between(table.albedo[row][column], table.albedo[row][column + 1], fraction);
-        between(along(self.row), along(self.row + 1), self.fraction)
+        let [below, above] = self.rows.map(|row| between(row.albedo[column], row.albedo[column + 1], fraction));
+        between(below, above, self.fraction)
     }
 
-    fn mean(&self, table: &Layer) -> f64 {
-        between(table.mean[self.row], table.mean[self.row + 1], self.fraction)
+    /// Ē in the parts of [`LayerOf::reflects_split`].
+    pub(super) fn reflects_split_on_average(&self) -> Split {
+        let [below, above] = self.rows;
+        between(below.mean, above.mean, self.fraction)
     }
 }
 
-/// What reflects `layer` with f0 = 0.04 and f90 = 1, and `whole` with both 1, in the parts of f0 and f90.
-fn split(layer: f64, whole: f64) -> [f64; 2] {
-    let along = (whole - layer) / (1.0 - F0);
-    [along, whole - along]
+fn dielectric([along, grazing]: Split) -> f64 {
+    F0 * along + grazing
 }
 
 /// The entry at or below `x`, taken for the nearer end of \[0, 1\], NaN for 0, and the way to the next.
@@ -94,47 +87,90 @@ fn entry(index: usize, count: usize) -> f64 {
     root * root
 }
 
-fn between(a: f64, b: f64, fraction: f64) -> f64 {
-    a + (b - a) * fraction
+fn between(a: Split, b: Split, fraction: f64) -> Split {
+    [0, 1].map(|part| a[part] + (b[part] - a[part]) * fraction)
 }
 
-impl Layer {
-    fn measure(fresnel: impl Fn(f64) -> f64) -> Self {
-        let albedo: [[f64; COSINES]; ROUGHNESSES] = core::array::from_fn(|row| {
-            let roughness = entry(row, ROUGHNESSES);
-            core::array::from_fn(|column| directional_albedo(entry(column, COSINES), roughness, &fresnel))
-        });
+impl Row {
+    fn integrate(roughness: f64) -> Self {
+        let albedo: [Split; COSINES] =
+            core::array::from_fn(|column| directional_albedo(entry(column, COSINES), roughness));
         // ∫ E · 2 cos d cos, where E is a line a + b · cos between two entries.
-        let mean = albedo.map(|row| {
-            let part = |column: usize| {
+        let mean = [0, 1].map(|part| {
+            let segment = |column: usize| {
                 let (from, to) = (entry(column, COSINES), entry(column + 1, COSINES));
-                let b = (row[column + 1] - row[column]) / (to - from);
-                let a = row[column] - b * from;
+                let b = (albedo[column + 1][part] - albedo[column][part]) / (to - from);
+                let a = albedo[column][part] - b * from;
                 let integral = |cos: f64| (a + 2.0 / 3.0 * b * cos) * cos * cos;
                 integral(to) - integral(from)
             };
-            (0..COSINES - 1).map(part).sum()
+            (0..COSINES - 1).map(segment).sum()
         });
         Self { albedo, mean }
     }
 }
 
-/// ∫ f cos dω: the mean of the weights of well-spread samples.
-fn directional_albedo(cos: f64, roughness: f64, fresnel: impl Fn(f64) -> f64) -> f64 {
+/// ∫ f cos dω: mean weight of samples of the visible normals.
+///
+/// The integrand is even in the azimuth, so that half of the azimuths suffice. A lattice, unlike a grid, has no lines of
+/// points along the edge beyond which facets reflect into the surface.
+fn directional_albedo(cos: f64, roughness: f64) -> Split {
     let Some(facets) = Ggx::from_roughness(roughness) else {
-        return fresnel(cos);
+        let w = schlick_weight(cos);
+        return [1.0 - w, w];
     };
-    // In the plane of the surface itself there is nothing to see.
+    // The limit towards 90°: at 90° itself no facet is visible.
     let cos = cos.max(1e-6);
     let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
-    let at = |index: usize| (index as f64 + 0.5) / NUMBERS as f64;
-    let weight = |index: usize| {
-        let m = facets.sample(wo, [at(index % NUMBERS), at(index / NUMBERS)]);
+    let [points, generator] = LATTICE;
+    let mut sum = [0.0; 2];
+    for index in 0..points {
+        let azimuth = f64::from(index * generator % points) / f64::from(points);
+        let m = facets.sample(wo, [0.5 * azimuth, (f64::from(index) + 0.5) / f64::from(points)]);
         let wi = optics::reflect(-wo, m);
-        if !(wi.z > 0.0) {
-            return 0.0;
+        if wi.z > 0.0 {
+            let weight = facets.reflection(wo, wi, m) * wi.z / facets.reflection_pdf(wo, m);
+            let w = schlick_weight(wo.dot(m));
+            sum[0] += weight * (1.0 - w);
+            sum[1] += weight * w;
         }
-        fresnel(wo.dot(m)) * facets.reflection(wo, wi, m) * wi.z / facets.reflection_pdf(wo, m)
-    };
-    (0..NUMBERS * NUMBERS).map(weight).sum::<f64>() / (NUMBERS * NUMBERS) as f64
+    }
+    sum.map(|sum| sum / f64::from(points))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::metallic_roughness::dielectric_fresnel, *};
+
+    /// Midpoint rule on a grid that is finer by far than the lattice.
+    fn albedo_by_grid(cos: f64, roughness: f64, steps: u32) -> f64 {
+        let facets = Ggx::from_roughness(roughness).unwrap();
+        let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
+        let at = |index: u32| (f64::from(index) + 0.5) / f64::from(steps);
+        let weight = |index: u32| {
+            let m = facets.sample(wo, [at(index % steps), at(index / steps)]);
+            let wi = optics::reflect(-wo, m);
+            // f · cos / pdf of perfectly reflecting facets is G₂/G₁.
+            let shadowing =
+                (wo.z + facets.stretched(wo)) * wi.z / (wo.z * facets.stretched(wi) + wi.z * facets.stretched(wo));
+            if wi.z > 0.0 { dielectric_fresnel(wo.dot(m)) * shadowing } else { 0.0 }
+        };
+        (0..steps * steps).map(weight).sum::<f64>() / f64::from(steps * steps)
+    }
+
+    /// White plastic of roughness 0.4 at 89° was 0.33 % too dark: entries were sums over a grid of 20² points.
+    #[test]
+    fn the_albedo_of_a_layer_is_its_integral_at_grazing_angles() {
+        for roughness in [0.1, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0] {
+            for degrees in [0.0f64, 45.0, 60.0, 75.0, 85.0, 89.0, 89.5, 89.9] {
+                let cos = rt_math::transcendental::cos(degrees.to_radians());
+                let expected = albedo_by_grid(cos, roughness, 400);
+                let found = LayerOf::roughness(roughness).reflects(cos);
+                assert!(
+                    (found - expected).abs() < 1e-3,
+                    "roughness {roughness}, {degrees}°: {found:.5} instead of {expected:.5}"
+                );
+            }
+        }
+    }
 }

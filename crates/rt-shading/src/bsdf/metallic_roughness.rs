@@ -21,7 +21,7 @@ pub enum Coupling {
     FresnelMix,
     /// What passes the layer is what it does not reflect: (1 − E(wo)) · (1 − E(wi)) / (1 − Ē), where E is the albedo of the
     /// layer towards a direction and Ē its mean (Kulla, Conty 2017, which the specification recommends). White plastic
-    /// reflects 1 at any angle, within half a per cent.
+    /// reflects 1 ± 0.001 at any angle.
     Albedo,
 }
 

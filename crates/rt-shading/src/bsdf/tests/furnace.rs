@@ -66,7 +66,7 @@ fn no_surface_is_brighter_than_the_furnace() {
     }
 }
 
-/// The base gets what the layer leaves, but for what the table of the layer rounds.
+/// The base receives the rest of the light, up to the interpolation error of the albedo table.
 #[test]
 fn plastic_with_albedo_coupling_keeps_all_light() {
     for roughness in [0.0, 0.03, 0.1, 0.23, 0.4, 0.6, 0.85, 1.0] {
@@ -74,8 +74,7 @@ fn plastic_with_albedo_coupling_keeps_all_light() {
             let seed = 500 + step as u64;
             let Brightness { mean, error, .. } = brightness(&plastic(roughness).into(), at_angle(degrees, 0.4), seed);
             println!("plastic {roughness} at {degrees}°: {mean:.5} ± {error:.5}");
-            assert!(mean <= 1.0 + 5.0 * error, "{roughness} at {degrees}°: {mean} ± {error}");
-            assert!(mean >= 0.995 - 5.0 * error, "{roughness} at {degrees}°: {mean} ± {error}");
+            assert!((mean - 1.0).abs() <= 1e-3 + 5.0 * error, "{roughness} at {degrees}°: {mean} ± {error}");
         }
     }
 }
