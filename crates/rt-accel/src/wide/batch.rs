@@ -5,12 +5,13 @@
 //!
 //! Kocberber, Falsafi and Grot, "Asynchronous Memory Access Chaining", 2015, interleave lookups in other trees.
 
+use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
 use super::frustum::{BundleFrustum, EntryPoints, same_octant_prefix};
-use super::leaf::{BoxTest, Lane, LeafKind, LeafTest, SphereTest, TriangleTest};
+use super::leaf::{Lane, LeafTest};
 use super::node::Child;
 use super::packet::{PacketStack, PacketTraversal, SWITCH_THRESHOLD};
 use super::packet_rays::{PACKET, is_coherent, pad_to_packet};
@@ -34,10 +35,11 @@ const MIN_PRIMS_TO_CULL: u32 = 256;
 /// Rays are interleaved in trees of more bytes. In smaller ones a ray takes fewer instructions by itself.
 const INTERLEAVE_MIN_BYTES: usize = 8 << 20;
 
-/// Traces a batch through a tree.
-pub(super) struct BatchTraversal<'q, 'j, O> {
+/// Traces a batch through a tree whose leaves have the test `F`.
+pub(super) struct BatchTraversal<'q, 'j, O, F> {
     pub(super) tree: &'q WideBvh,
     pub(super) context: &'q mut BatchContext<'j, O>,
+    pub(super) leaf_test: PhantomData<F>,
 }
 
 /// Exact tests and statistics of a batch.
@@ -46,21 +48,9 @@ pub(crate) struct BatchContext<'j, O> {
     pub(super) stats: TraversalStats,
 }
 
-impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTraversal<'_, '_, O> {
+impl<O: Output, F: LeafTest> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTraversal<'_, '_, O, F> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
-        match self.tree.leaves.kind {
-            LeafKind::Watertight => self.trace::<S, TriangleTest<true>>(simd, rays, outputs),
-            LeafKind::Triangles => self.trace::<S, TriangleTest<false>>(simd, rays, outputs),
-            LeafKind::Spheres => self.trace::<S, SphereTest>(simd, rays, outputs),
-            LeafKind::Boxes => self.trace::<S, BoxTest>(simd, rays, outputs),
-        }
-    }
-}
-
-impl<O: Output> BatchTraversal<'_, '_, O> {
-    #[inline(always)]
-    fn trace<S: Simd, F: LeafTest>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
         let mut pool = RayPool::<S, F, O> {
             simd,
             tree: self.tree,

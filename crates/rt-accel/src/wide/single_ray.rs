@@ -1,12 +1,13 @@
 //! Traversal of a single ray.
 
 use core::hint::black_box;
+use core::marker::PhantomData;
 
 use rt_geometry::Probe;
 use rt_math::{Interval, Ray};
 
 use super::WideBvh;
-use super::leaf::{BoxTest, LeafKind, LeafTest, SphereTest, TriangleTest};
+use super::leaf::LeafTest;
 use super::node::{Child, Node};
 use super::query::{Output, PrimitiveTester, RayState, TravRay, take_lane};
 use super::simd::{Simd, WithSimd};
@@ -34,28 +35,17 @@ pub(crate) struct SingleContext<'q, O> {
     pub(super) output: &'q mut O,
 }
 
-/// Traces one ray through a tree.
-pub(super) struct SingleTraversal<'q, 'j, O> {
+/// Traces one ray through a tree whose leaves have the test `F`.
+pub(super) struct SingleTraversal<'q, 'j, O, F> {
     pub(super) tree: &'q WideBvh,
     pub(super) context: &'q mut SingleContext<'j, O>,
+    pub(super) leaf_test: PhantomData<F>,
 }
 
-impl<O: Output> WithSimd<&Ray, Interval> for SingleTraversal<'_, '_, O> {
+impl<O: Output, F: LeafTest> WithSimd<&Ray, Interval> for SingleTraversal<'_, '_, O, F> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, ray: &Ray, span: Interval) {
-        match self.tree.leaves.kind {
-            LeafKind::Watertight => self.trace::<S, TriangleTest<true>>(simd, ray, span),
-            LeafKind::Triangles => self.trace::<S, TriangleTest<false>>(simd, ray, span),
-            LeafKind::Spheres => self.trace::<S, SphereTest>(simd, ray, span),
-            LeafKind::Boxes => self.trace::<S, BoxTest>(simd, ray, span),
-        }
-    }
-}
-
-impl<O: Output> SingleTraversal<'_, '_, O> {
-    #[inline(always)]
-    fn trace<S: Simd, F: LeafTest>(self, simd: S, ray: &Ray, span: Interval) {
-        let Self { tree, context } = self;
+        let Self { tree, context, .. } = self;
         let tester = &mut *context.tester;
         let mut state = RayState::new(span);
         if !tree.unbounded.is_empty() && state.test_unbounded(tree, tester, ray).is_break() {

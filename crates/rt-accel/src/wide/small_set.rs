@@ -96,7 +96,9 @@ impl SmallSet {
             (batch.indices, indices) = indices.split_at(entries.len());
             match entries {
                 [entry] if entry.is_instance() => batch.trace_instance(entry.index, rays, outputs),
-                _ if entries.iter().any(Entry::has_kernel) => self.level.dispatch(&mut batch, rays, outputs),
+                _ if self.level.has_packets() && entries.iter().any(Entry::has_kernel) => {
+                    self.level.dispatch_packets(&mut batch, rays, outputs);
+                }
                 _ => batch.trace_singly(rays, outputs),
             }
             batch.is_first = false;

@@ -6,6 +6,8 @@ mod packet_results;
 mod ray_state;
 mod tester;
 
+use core::marker::PhantomData;
+
 use rt_geometry::Hit;
 use rt_math::{Interval, Ray};
 
@@ -15,11 +17,11 @@ pub(super) use tester::{PrimitiveTester, Tester};
 
 use super::WideBvh;
 use super::batch::{BatchContext, BatchTraversal};
-use super::leaf::{FilterTRange, Lane, LeafTest, RayF64};
+use super::leaf::{BoxTest, FilterTRange, Lane, LeafKind, LeafTest, RayF64, SphereTest, TriangleTest};
 use super::node::Child;
 use super::ray::RayF32;
 use super::simd::Simd;
-use super::single_ray::{SingleContext, SingleTraversal};
+use super::single_ray::{SingleContext, SingleTraversal, TraversalStats};
 use super::sphere_list::{ListContext, ListTraversal, SphereList};
 
 /// Result of a query for one ray.
@@ -80,7 +82,13 @@ macro_rules! entry_points {
     () => {
         #[inline(never)]
         fn trace(tree: &WideBvh, context: &mut SingleContext<'_, Self>, ray: &Ray, span: Interval) {
-            tree.level.dispatch(SingleTraversal { tree, context }, ray, span);
+            // One kernel for each kind of leaf: the time to compile a kernel grows faster than its size.
+            match tree.leaves.kind {
+                LeafKind::Watertight => trace_ray::<Self, TriangleTest<true>>(tree, context, ray, span),
+                LeafKind::Triangles => trace_ray::<Self, TriangleTest<false>>(tree, context, ray, span),
+                LeafKind::Spheres => trace_ray::<Self, SphereTest>(tree, context, ray, span),
+                LeafKind::Boxes => trace_ray::<Self, BoxTest>(tree, context, ray, span),
+            }
         }
 
         #[inline(never)]
@@ -90,7 +98,12 @@ macro_rules! entry_points {
             rays: &[(Ray, Interval)],
             outputs: &mut [Self],
         ) {
-            tree.level.dispatch(BatchTraversal { tree, context }, rays, outputs);
+            match tree.leaves.kind {
+                LeafKind::Watertight => trace_batch::<Self, TriangleTest<true>>(tree, context, rays, outputs),
+                LeafKind::Triangles => trace_batch::<Self, TriangleTest<false>>(tree, context, rays, outputs),
+                LeafKind::Spheres => trace_batch::<Self, SphereTest>(tree, context, rays, outputs),
+                LeafKind::Boxes => trace_batch::<Self, BoxTest>(tree, context, rays, outputs),
+            }
         }
 
         #[inline(never)]
@@ -98,6 +111,32 @@ macro_rules! entry_points {
             list.level().dispatch(ListTraversal { list, context }, ray, span);
         }
     };
+}
+
+#[inline(always)]
+fn trace_ray<O: Output, F: LeafTest>(tree: &WideBvh, context: &mut SingleContext<'_, O>, ray: &Ray, span: Interval) {
+    tree.level.dispatch(SingleTraversal { tree, context, leaf_test: PhantomData::<F> }, ray, span);
+}
+
+#[inline(always)]
+fn trace_batch<O: Output, F: LeafTest>(
+    tree: &WideBvh,
+    context: &mut BatchContext<'_, O>,
+    rays: &[(Ray, Interval)],
+    outputs: &mut [O],
+) {
+    if tree.level.has_packets() {
+        tree.level.dispatch_packets(BatchTraversal { tree, context, leaf_test: PhantomData::<F> }, rays, outputs);
+        return;
+    }
+    for ((ray, span), output) in rays.iter().zip(outputs) {
+        let mut single = SingleContext { tester: &mut *context.tester, stats: TraversalStats::default(), output };
+        trace_ray::<O, F>(tree, &mut single, ray, *span);
+        let TraversalStats { nodes, tests, hits } = single.stats;
+        context.stats.nodes += nodes;
+        context.stats.tests += tests;
+        context.stats.hits += hits;
+    }
 }
 
 impl Output for Option<Hit> {

@@ -212,6 +212,7 @@ level!(
     /// AVX2 and FMA.
     Avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt", ["avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"]
 );
+#[cfg(feature = "all-simd")]
 level!(
     /// AVX-512 with vectors of any length.
     Avx512,
@@ -232,6 +233,7 @@ impl Simd for Avx2 {
     }
 }
 
+#[cfg(feature = "all-simd")]
 impl Simd for Avx512 {
     common_methods!();
     methods! {
