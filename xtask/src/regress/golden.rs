@@ -26,7 +26,7 @@ pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskErr
 
 impl Unit for Golden {
     fn name(&self) -> String {
-        self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
+        format!("golden/{}", self.folder.file_name().unwrap_or_default().to_string_lossy())
     }
 
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {

@@ -39,7 +39,7 @@ const FULL_TIMEOUT: Duration = Duration::from_secs(2 * 3600);
 /// Options of `regress`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RegressOptions {
-    /// Run only units with this in their name.
+    /// Run only units with this in their name, or of one suite, such as `golden/`.
     filter: Option<String>,
     /// Replace the expected images that differ, list them, and still fail.
     #[arg(long)]
@@ -70,7 +70,7 @@ pub(crate) fn run(workspace: Workspace, options: &RegressOptions) -> Result<bool
         if options.write && filter != "physics" {
             return Err(TaskError::Other("--write needs all pairs: `regress physics --full --write`".to_owned()));
         }
-        units.retain(|unit| unit.name().contains(filter.as_str()));
+        units.retain(|unit| matches(&unit.name(), filter));
     }
     if units.is_empty() {
         return Err(TaskError::Other("nothing matches the filter".to_owned()));
@@ -100,6 +100,11 @@ pub(crate) fn run(workspace: Workspace, options: &RegressOptions) -> Result<bool
     physics::finish(&context.workspace, &outcomes, &folder, options.full, options.write)?;
     println!("{}; see {}", summary(&outcomes), context.workspace.relative(&page));
     Ok(count(&outcomes, Verdict::Failed) == 0)
+}
+
+/// True if the name contains the filter, or starts with it if that is a suite: `golden/`.
+fn matches(name: &str, filter: &str) -> bool {
+    if filter.ends_with('/') { name.starts_with(filter) } else { name.contains(filter) }
 }
 
 fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn Unit>>, TaskError> {
@@ -148,4 +153,15 @@ fn print(outcome: &Outcome) {
         lines.push_str(&line.replace('\n', "\n       "));
     }
     println!("{lines}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::matches;
+
+    #[test]
+    fn a_suite_is_a_prefix_and_other_filters_are_found_anywhere() {
+        assert!(matches("golden/cone", "golden/") && matches("golden/cone", "cone"));
+        assert!(!matches("one-picture/tests/golden/cone/scene", "golden/"));
+    }
 }
