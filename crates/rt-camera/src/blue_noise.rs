@@ -35,9 +35,9 @@ impl CurveIndex {
 
     /// The point of a block for this sample, for the pair of dimensions chosen by `key`.
     ///
-    /// Samples of a pixel, of 2×2, of 4×4 pixels and so on are whole parts of a (0, 2)-sequence: together they cover the
-    /// square evenly (Ahmed and Wonka 2020). The permutations of digits, another one for each pair of dimensions, make the
-    /// pairs independent; Owen scrambling makes each point uniform.
+    /// Samples of a pixel, of 2×2, of 4×4 pixels and so on are whole parts of a (0, 2)-sequence. Together they cover
+    /// the square evenly (Ahmed and Wonka 2020). Each pair of dimensions has its own permutation of digits, which makes
+    /// the pairs independent. Owen scrambling makes each point uniform.
     pub(crate) fn point(self, key: u64) -> [f64; 2] {
         let index = self.shuffled(mix(key));
         [(index.reverse_bits(), key ^ 1), (second_inverse(index), key ^ 2)]
@@ -53,7 +53,7 @@ impl CurveIndex {
             place -= width;
             let before = self.index >> (place + width);
             let digit = (self.index >> place) as u32 & ((1 << width) - 1);
-            // The leading one tells digits apart that differ in their place alone.
+            // The leading one distinguishes equal digits at different places.
             let node = 1 << (self.digits - place - width) | before;
             result = result << width | u64::from(permute(digit, 1 << width, mix(key ^ node)));
         }
@@ -84,8 +84,8 @@ fn second_inverse(mut index: u64) -> u64 {
     inverse
 }
 
-/// Owen's scramble of a binary fraction of 2⁶⁴ (1995): each of the first `count` digits is flipped or not as the digits before it
-/// decide, and what follows is random.
+/// Owen's scramble of a binary fraction of 2⁶⁴ (1995). The digits before each of the first `count` digits decide
+/// whether it is flipped. The digits after them are random.
 fn owen_scrambled(bits: u64, count: u32, key: u64) -> u64 {
     let mut scrambled = 0;
     for place in 0..=count {

@@ -48,8 +48,8 @@ pub struct CameraSettings {
     pub shutter: [f64; 2],
     /// The projection.
     pub projection: Projection,
-    /// Shift of the lens, as a part of the image's width and height: (0.5, 0) shows what lies half an image further
-    /// to the right, (0, 0.5) half an image further up.
+    /// Shift of the lens, as a part of the image's width and height. (0.5, 0) moves the view by half an image to the
+    /// right, (0, 0.5) by half an image up.
     pub lens_shift: DVec2,
     /// The lens that makes what is out of focus blurred; all is sharp without.
     pub lens: Option<Lens>,
@@ -89,7 +89,7 @@ pub enum CameraError {
     /// The angle of the aperture is NaN or infinite.
     #[error("the aperture is turned by {0}, which is not finite")]
     LensRotation(f64),
-    /// The shutter (its two moments) is not usable.
+    /// The shutter (its two times) is not usable.
     #[error("the shutter is open from {} to {}; it must open at 0 at the earliest and close after that, at 1 at the latest", .0[0], .0[1])]
     Shutter([f64; 2]),
     /// The camera cannot move from the one place to the other.
@@ -102,25 +102,25 @@ pub enum CameraError {
 
 /// A camera and the image that it exposes, ready to cast rays.
 ///
-/// Raster coordinates are in pixels from the image's top left corner, x to the right and y down: pixel (i, j) covers
-/// the square from (i, j) to (i + 1, j + 1). Pixels are square. With the pixel's side `s` on the image plane at
-/// distance 1 from the pinhole, and the principal point `c` (the image's centre, moved against the lens shift), the
-/// perspective ray through the raster point `r` is
+/// Raster coordinates are in pixels from the image's top left corner, x to the right and y down. Pixel (i, j) covers
+/// the square from (i, j) to (i + 1, j + 1). Pixels have the side `s` on the image plane at distance 1 from the
+/// pinhole. The principal point `c` is the image's centre, moved against the lens shift. The perspective ray through
+/// the raster point `r` is
 ///
 /// ```text
 /// direction = −z + s·(r.x − c.x)·x − s·(r.y − c.y)·y,      s = 2·tan(fov / 2) / pixels across
 /// ```
 ///
 /// in the camera's axes x, y, z. The component along the view is 1, so **the parameter `t` of a point is its depth**:
-/// its distance from the camera plane (not from the pinhole), in units of the camera's own space. The same holds for
-/// the orthographic camera, whose rays start on the camera plane, and of a [`Lens`], whose rays start at a point λ of the
-/// aperture and lead to where the ray through its centre meets the plane of focus:
+/// its distance from the camera plane (not from the pinhole), in units of the camera's own space. This holds for the
+/// orthographic camera as well, whose rays start on the camera plane. Rays of a [`Lens`] start at a point λ of the
+/// aperture. They lead to the intersection of the ray through its centre with the plane of focus:
 ///
 /// ```text
 /// origin' = origin + λ,      direction' = direction − λ / focus
 /// ```
 ///
-/// A camera that moves is, for each ray, the camera that stands where it is at the ray's moment.
+/// For each ray, a moving camera is the camera at rest where it is at the ray's time.
 ///
 /// ```
 /// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
@@ -201,11 +201,11 @@ impl Camera {
             lens: settings.lens.filter(|lens| lens.radius > 0.0),
         };
         let corners = [DVec2::ZERO, DVec2::new(size.x, 0.0), DVec2::new(0.0, size.y), size];
-        let moments = if moving.is_some() { [opens, closes] } else { [opens; 2] };
+        let times = if moving.is_some() { [opens, closes] } else { [opens; 2] };
         let all_finite = corners
             .into_iter()
             .flat_map(|corner| {
-                moments.map(|time| [camera.ray(corner, time), camera.generate_ray(corner, [1.0; 2], time)])
+                times.map(|time| [camera.ray(corner, time), camera.generate_ray(corner, [1.0; 2], time)])
             })
             .flatten()
             .all(|ray| ray.origin.is_finite() && ray.direction.is_finite());
@@ -222,8 +222,8 @@ impl Camera {
         self.motion.is_some()
     }
 
-    /// The moment at which the shutter has been open for this part of its time: 0 when it opens, 1 when it closes.
-    pub fn moment(&self, part: f64) -> f64 {
+    /// Time at which the shutter has been open for this part of its interval: 0 when it opens, 1 when it closes.
+    pub fn shutter_time(&self, part: f64) -> f64 {
         let [opens, closes] = self.shutter;
         opens + (closes - opens) * part
     }
@@ -233,7 +233,7 @@ impl Camera {
         self.shutter
     }
 
-    /// The camera where it is at a moment.
+    /// The camera at a time.
     fn at(&self, time: f64) -> Self {
         let Some(motion) = &self.motion else { return *self };
         let world_from_camera = motion.at(time);
@@ -248,8 +248,8 @@ impl Camera {
         }
     }
 
-    /// The ray through a raster point and a point of the lens, which is given by a point of the unit square; without a lens
-    /// just [`ray`](Self::ray).
+    /// Ray through a raster point and a point of the lens, given by a point of the unit square. Without a lens,
+    /// [`ray`](Self::ray).
     #[inline]
     pub fn generate_ray(&self, raster: DVec2, on_lens: [f64; 2], time: f64) -> Ray {
         let Some(lens) = &self.lens else { return self.ray(raster, time) };
@@ -266,7 +266,7 @@ impl Camera {
         self.world_from_camera.vector(DVec3::new(x, y, 0.0))
     }
 
-    /// The ray through a raster point and the pinhole, or the centre of the lens, at a moment of the shutter. Points outside
+    /// The ray through a raster point and the pinhole, or the centre of the lens, at a time of the shutter. Points outside
     /// the image are fine.
     #[inline]
     pub fn ray(&self, raster: DVec2, time: f64) -> Ray {
@@ -283,8 +283,8 @@ impl Camera {
         Ray { origin, direction, time }
     }
 
-    /// The depth of a point of the world along the view axis when the shutter opens, in units of the camera's space; negative
-    /// behind the camera.
+    /// Depth of a world-space point along the view axis when the shutter opens, in units of the camera's space.
+    /// Negative behind the camera.
     pub fn depth(&self, world: DVec3) -> f64 {
         -self.world_from_camera.inverse_point(world).z
     }
@@ -306,9 +306,9 @@ impl Camera {
         raster.is_finite().then_some(raster)
     }
 
-    /// The part of space that the rays through the raster points from `min` to `max`, and any points of the lens, run
-    /// through when the shutter opens; points outside the image are fine. For all rays of an image, widen it by the sample offset
-    /// and the filter's radius.
+    /// Volume of the rays through the raster points from `min` to `max` and any points of the lens, when the shutter
+    /// opens. Points outside the image are valid. For all rays of an image, widen it by the sample offset and the
+    /// filter's radius.
     pub fn view_volume(&self, min: DVec2, max: DVec2) -> ViewVolume {
         ViewVolume::new(&Pencil {
             origin: self.world_from_camera.translation(),

@@ -13,8 +13,8 @@ const GAUSSIAN_CUT: f64 = 3.0;
 /// Reconstruction filter of a pixel. Widths are in pixels.
 ///
 /// Instead of splatting each sample over many pixels, samples are placed where the filter is large (Ernst, Stamminger,
-/// Greiner 2006): every pixel then owns its samples, and their plain mean, weighted by the sign of the filter, is the
-/// filtered radiance.
+/// Greiner 2006). Every pixel then owns its samples. Their mean, weighted by the sign of the filter, is the filtered
+/// radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// The pixel's own square.
@@ -63,9 +63,9 @@ impl Filter {
         }
     }
 
-    /// Takes a point of `[0, 1)²` to an offset from the pixel's centre, in pixels, with density proportional to the
-    /// filter's absolute value, and the weight of a sample there: 1, or for filters with negative lobes
-    /// ±(∫|f| / ∫f), so that the mean weight is 1.
+    /// Maps a point of `[0, 1)²` to an offset from the pixel's centre, in pixels, with density proportional to the
+    /// filter's absolute value. Also returns the weight of a sample there: 1, or for filters with negative lobes ±(∫|f|
+    /// / ∫f). The mean weight is 1.
     #[inline]
     pub fn sample(self, u: [f64; 2]) -> (DVec2, f64) {
         match self {

@@ -25,9 +25,9 @@ const fn first_primes() -> [u32; DIMENSIONS] {
     primes
 }
 
-/// A coordinate of the point number `index` of `count`, of the pattern chosen by `key`, which must be another one for each
-/// dimension: the radical inverse of the index in the dimension's base, of which each digit goes through a random
-/// permutation that depends on the digits before it (Owen 1995).
+/// Coordinate of the point number `index` of `count`. `key` chooses the pattern and must differ between dimensions. It
+/// is the radical inverse of the index in the dimension's base. Each digit goes through a random permutation that
+/// depends on the digits before it (Owen 1995).
 ///
 /// The digits that `count` indices need are scrambled; what would follow them is as random as a uniform number, and is
 /// drawn as one. Dimensions beyond the 128th are random: a base that is used twice would correlate its two

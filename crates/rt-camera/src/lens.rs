@@ -201,8 +201,8 @@ mod tests {
         assert!((confusion * 1e3 - 0.320_512_820_5).abs() < 1e-10, "{confusion}");
     }
 
-    /// An edge at 4 m that hides what is left of it, seen from the raster point whose circle of confusion it cuts at half of its
-    /// radius: the part that is seen is the area of a segment of the circle.
+    /// An edge at 4 m hides everything to its left. It cuts the circle of confusion of a raster point at half of its
+    /// radius. The visible part is the area of a segment of the circle.
     #[test]
     fn an_edge_out_of_focus_is_seen_by_its_part_of_the_lens() {
         let lens = Lens { radius: 0.0125, focus: 2.0, blades: None, rotation: 0.0 };

@@ -21,7 +21,7 @@
 //! | where in and around the pixel, and with which weight | [`Filter`] |
 //! | ray through a raster point, and back | [`Camera`] |
 //! | where on the aperture it starts, and where it is sharp | [`Lens`] |
-//! | when it is cast, and where the camera is then | [`Camera::moment`], [`CameraSettings::moves_to`] |
+//! | when it is cast, and where the camera is then | [`Camera::shutter_time`], [`CameraSettings::moves_to`] |
 //! | boxes that none of these rays meets | [`ViewVolume`] |
 //! | size, sample position, filter, development of the image | [`FilmSettings`] |
 //!

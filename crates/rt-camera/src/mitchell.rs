@@ -1,6 +1,6 @@
 //! The Mitchell–Netravali filter in one dimension (1988, equation 8 with B = C = 1/3), and its sampling by inversion.
 //!
-//! With s = 2 − |x|, the outer piece factors into s²·(7s − 6)/18, so the filter changes its sign at |x| = 8/7 and all
+//! With s = 2 − |x|, the outer piece factors into s²·(7s − 6)/18. So the filter changes its sign at |x| = 8/7, and all
 //! of its integrals are fractions.
 
 /// The filter is 0 from here on, in pixels.
@@ -51,8 +51,8 @@ pub(crate) fn sample(u: f64) -> [f64; 2] {
     [side * invert_mass(target, low, high), sign * 2.0 * HALF_MASS]
 }
 
-/// The x between `low` and `high` with `mass(x) = target`: about five steps of Newton's method, with a bisection
-/// whenever it would leave the bracket (as it does next to the zeros of the density).
+/// Solution x of `mass(x) = target` between `low` and `high`. Takes about five steps of Newton's method, with a
+/// bisection whenever it would leave the bracket, as next to zeros of the density.
 fn invert_mass(target: f64, mut low: f64, mut high: f64) -> f64 {
     let mut x = 0.5 * (low + high);
     for _ in 0..53 {

@@ -56,9 +56,9 @@ impl SamplerKind {
         }
     }
 
-    /// True if the pixel's expected value differs from its true mean at every finite number of samples, so that
-    /// averaging over seeds does not converge to the truth. Centre and grid are fixed quadrature rules, and the
-    /// half-jittered pattern never looks at three quarters of the pixel's area.
+    /// True if the pixel's expected value differs from its true mean at every finite number of samples. Averages over
+    /// seeds then do not converge to the true mean. Centre and grid are fixed quadrature rules. The half-jittered
+    /// pattern never samples three quarters of the pixel's area.
     pub const fn is_biased(self) -> bool {
         matches!(self, Self::Centre | Self::Grid | Self::HalfJittered)
     }
@@ -68,8 +68,8 @@ impl SamplerKind {
         Self::ALL.into_iter().filter(|pattern| !pattern.is_biased())
     }
 
-    /// Samples per pixel that the pattern takes for a request of `spp`: the next square for patterns
-    /// on a grid, the next power of two for Sobol' and blue noise, at least 1. The largest are 65,535² and 2³¹.
+    /// Samples per pixel that the pattern takes for a request of `spp`, at least 1. Patterns on a grid take the next
+    /// square, Sobol' and blue noise the next power of two. The largest are 65,535² and 2³¹.
     ///
     /// Sobol' points are generated in blocks of 2¹⁶: beyond, independently scrambled blocks follow each other, and
     /// the error falls as that of their mean.

@@ -28,8 +28,8 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// | Halton | bases 2, 3 | the next two primes; random beyond 128 dimensions |
 /// | blue noise | dimensions 0, 1 of Sobol' | the same, ordered and scrambled anew |
 ///
-/// with n² samples per pixel and uniform ξ in [0, 1). The samples of a pixel visit the cells in a random order, drawn
-/// anew for each pair of coordinates: pairs are independent of each other, and any first part of the samples is
+/// with n² samples per pixel and uniform ξ in [0, 1). The samples of a pixel visit the cells in a random order, another
+/// one for each pair of coordinates. So pairs are independent of each other, and any first part of the samples is
 /// spread over the whole pixel. Single coordinates are stratified over all samples (random for centre and random).
 /// Pixels are independent of each other, but for blue noise, where a block of 128 by 128 pixels shares one sequence.
 ///
@@ -84,8 +84,8 @@ impl PixelSampler {
         SampleStream { sampler: *self, pixel, index, key, dimension: 0, sobol: SobolSet::EMPTY }
     }
 
-    /// The positions in the pixel of the samples from number `first` on: the first pair of each
-    /// [`sample`](Self::sample), but what all samples of a pixel have in common is computed once.
+    /// Positions in the pixel of the samples from number `first` on: the first pair of each [`sample`](Self::sample).
+    /// Values that all samples of a pixel share are computed once.
     pub fn positions(&self, pixel: [u32; 2], first: u32, positions: &mut [[f64; 2]]) {
         match self.pattern {
             SamplerKind::Centre => positions.fill([0.5; 2]),
@@ -269,9 +269,9 @@ impl Arrangement {
         [in_stratum(cell % self.side, self.side, within[0]), in_stratum(cell / self.side, self.side, within[1])]
     }
 
-    /// Multi-jittering (Chiu, Shirley, Wang 1994): a point in each cell, and in each column and row of a grid that is
-    /// finer by another factor of n. One permutation for all columns of cells, and one for all rows (Kensler 2013),
-    /// would be cheaper, but the error of a smooth integrand then falls as N^-0.8 instead of 1/N (measured).
+    /// Multi-jittering (Chiu, Shirley, Wang 1994). There is a point in each cell, and in each column and row of a grid
+    /// that is finer by another factor of n. One permutation for all columns of cells, and one for all rows (Kensler
+    /// 2013), would be cheaper, but the error of a smooth integrand then falls as N^-0.8 instead of 1/N (measured).
     fn multi_jittered(&self, cell: u32, jitter: [f64; 2]) -> [f64; 2] {
         let Self { side, spp, key, .. } = *self;
         let (column, row) = (cell % side, cell / side);

@@ -2,10 +2,10 @@
 
 use rt_math::random::mix;
 
-/// The four coordinates of the last set that a sample has drawn from.
+/// Four coordinates of the last set that a sample has used.
 ///
-/// Dimensions beyond the fourth are further sets of the same four dimensions, each with a scramble and an order of its
-/// own ("padding", Burley 2020, section 5): well distributed within a set, independent between sets.
+/// Dimensions beyond the fourth are further sets of the same four dimensions, each with its own scramble and order
+/// ("padding", Burley 2020, section 5). They are well distributed within a set, and independent between sets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SobolSet {
     number: u32,

@@ -5,8 +5,8 @@ use rt_math::{
     float::{UNIT_ROUNDOFF, cross},
 };
 
-/// Roundings, in units of their size, that lie between a plane of the volume and a hit on a box: of the plane's normal
-/// and of the test against it, of the ray, and of the slab test. Counted generously; they are fewer than 64.
+/// Bound on the roundings between a plane of the volume and a hit on a box, in units of their size. They are those of
+/// the plane's normal, the test against it, the ray and the slab test: fewer than 64.
 const ROUNDINGS: f64 = 256.0;
 
 /// Lengths within this range neither over- nor underflow when a few of them are multiplied.
@@ -45,8 +45,8 @@ struct HalfSpace {
     scale: f64,
 }
 
-/// The part of space in which camera rays can hit something: in front of the camera plane, between four planes through
-/// the edges of a part of the image.
+/// Volume in which camera rays can hit something. It lies in front of the camera plane, between four planes through the
+/// edges of a part of the image.
 ///
 /// With a lens, each edge has two planes, and what lies behind both is not met:
 ///
@@ -62,9 +62,9 @@ struct HalfSpace {
 /// Since `t` is linear in `p`, the right side is the lower of two planes. A box that lies behind both altogether has no point of a
 /// ray; one that lies behind each with different parts may have.
 ///
-/// A box that [`excludes`](Self::excludes) rules out is met by none of these rays, rounding included: neither the
-/// slab test ([`Aabb::clip`]) with a ray of [`Camera::ray`](crate::Camera::ray) nor anything that relies on it hits
-/// what is in the box. Boxes near the edges may be kept though no ray meets them.
+/// No camera ray enters a box that [`excludes`](Self::excludes) rejects, rounding included. The slab test
+/// ([`Aabb::clip`]) with a ray of [`Camera::ray`](crate::Camera::ray) misses the box, and so does everything that
+/// relies on it. Boxes near the edges may be kept though no ray meets them.
 ///
 /// ```
 /// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
@@ -166,7 +166,7 @@ impl ViewVolume {
 
     /// True only if no ray of the volume meets the ball, which may lie outside though its box does not. False where
     /// coordinates are so large or small that nothing can be promised, and for a negative or NaN radius.
-    pub fn excludes_ball(&self, centre: DVec3, radius: f64) -> bool {
+    pub fn excludes_sphere(&self, centre: DVec3, radius: f64) -> bool {
         let farthest = |normal: DVec3| normal.dot(centre - self.origin) + normal.length() * radius;
         radius >= 0.0 && self.is_behind_a_plane(centre.abs().max_element() + radius, farthest)
     }
@@ -189,13 +189,13 @@ impl ViewVolume {
 
     /// The least depth of a point of the box, up to rounding: the parameter at which a camera ray comes by
     /// ([`Camera`](crate::Camera)). Negative behind the camera plane, infinite or NaN for an empty box.
-    pub fn least_depth(&self, aabb: &Aabb) -> f64 {
+    pub fn min_depth(&self, aabb: &Aabb) -> f64 {
         let nearest = DVec3::select(self.depth.cmpge(DVec3::ZERO), aabb.min, aabb.max);
         self.depth.dot(nearest - self.origin)
     }
 
-    /// The least depth of a point of the ball, as [`least_depth`](Self::least_depth).
-    pub fn least_depth_of_ball(&self, centre: DVec3, radius: f64) -> f64 {
+    /// The least depth of a point of the ball, as [`min_depth`](Self::min_depth).
+    pub fn min_depth_of_sphere(&self, centre: DVec3, radius: f64) -> f64 {
         self.depth.dot(centre - self.origin) - self.depth.length() * radius
     }
 }
@@ -293,7 +293,7 @@ mod tests {
         ) {
             let ray = camera.generate_ray((min + (max - min) * DVec2::new(u, v)).clamp(min, max), on_lens, 0.0);
             let centre = ray.at(t) + towards.normalize_or_zero() * (radius * 0.999_999);
-            prop_assert!(!camera.view_volume(min, max).excludes_ball(centre, radius), "{ray:?} at {t}");
+            prop_assert!(!camera.view_volume(min, max).excludes_sphere(centre, radius), "{ray:?} at {t}");
         }
 
         #[test]
@@ -302,10 +302,10 @@ mod tests {
         ) {
             let volume = camera.view_volume(min, max);
             let ray = camera.ray(min + (max - min) * DVec2::new(u, v), 0.0);
-            let depth = volume.least_depth(&Aabb::from_points([ray.at(t)]));
+            let depth = volume.min_depth(&Aabb::from_points([ray.at(t)]));
             let size = ray.at(t).abs().max_element() / ray.direction.length() + t;
             prop_assert!((depth - t).abs() < 1e-9 * size, "{depth} instead of {t}");
-            prop_assert_eq!(depth, volume.least_depth_of_ball(ray.at(t), 0.0));
+            prop_assert_eq!(depth, volume.min_depth_of_sphere(ray.at(t), 0.0));
         }
     }
 
@@ -314,10 +314,10 @@ mod tests {
         let camera = camera(Projection::Orthographic { height: 4.0 });
         let volume = camera.view_volume(DVec2::ZERO, DVec2::splat(100.0));
         let centre = DVec3::new(0.0, 2.1, 0.0);
-        assert!(volume.excludes_ball(centre, 0.099) && !volume.excludes_ball(centre, 0.101));
-        assert!((volume.least_depth_of_ball(centre, 2.0) - 5.0).abs() < 1e-12);
-        assert!((volume.least_depth(&Aabb::new(DVec3::splat(-1.0), DVec3::splat(3.0))) - 4.0).abs() < 1e-12);
-        assert!(!volume.excludes_ball(centre, f64::NAN) && !volume.excludes_ball(centre * 9.0, -1.0));
+        assert!(volume.excludes_sphere(centre, 0.099) && !volume.excludes_sphere(centre, 0.101));
+        assert!((volume.min_depth_of_sphere(centre, 2.0) - 5.0).abs() < 1e-12);
+        assert!((volume.min_depth(&Aabb::new(DVec3::splat(-1.0), DVec3::splat(3.0))) - 4.0).abs() < 1e-12);
+        assert!(!volume.excludes_sphere(centre, f64::NAN) && !volume.excludes_sphere(centre * 9.0, -1.0));
     }
 
     fn camera(projection: Projection) -> Camera {

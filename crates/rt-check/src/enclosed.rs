@@ -7,7 +7,7 @@ use crate::objects::Objects;
 use crate::report::{Finding, Findings, Kind};
 use crate::solids::{Enclosure, Solids};
 
-/// Distance of a light over the extent of the scene beyond which it is practically directional: directions to it from
+/// Distance of a light over the extent of the scene beyond which it is practically directional. Directions to it from
 /// neighbouring points differ in the last digits of `f32` only.
 const FAR: f64 = 1e7;
 

@@ -10,8 +10,8 @@ use crate::welded::corners;
 /// Largest number of faces to compare.
 const MAX_FACETS: usize = 1 << 21;
 
-/// The faces of a box as pairs of triangles, counter-clockwise from outside; corner `i` of a box is at its maximum in x
-/// for odd `i`, in y for bit 2, in z for bit 4.
+/// Faces of a box as pairs of triangles, counter-clockwise from outside. Corner `i` of a box is at its maximum in x for
+/// odd `i`, in y for bit 2, in z for bit 4.
 const BOX_TRIANGLES: [[usize; 3]; 12] = [
     [0, 2, 3],
     [0, 3, 1],

@@ -16,8 +16,8 @@ pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     unused(objects, findings);
 }
 
-/// Checks the share of light that diffuse reflection and the highlight return at normal incidence: kd + ks·2π / (n + 2)
-/// (Lewis, "Making shaders more physically plausible", 1994).
+/// Checks the albedo at normal incidence of the diffuse part and the highlight, kd + ks·2π / (n + 2). Source: Lewis,
+/// "Making shaders more physically plausible", 1994.
 fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
     let phong = &material.phong;
     let lobe = TAU / (phong.exponent + 2.0);

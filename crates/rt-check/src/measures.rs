@@ -66,8 +66,8 @@ impl Measures {
                 Geometry::Shape(_) => bounds.extent().max_element(),
                 Geometry::Mesh(index, mesh) => {
                     measures.triangles += mesh.data().triangles.len() as u64;
-                    let [.., least_stretch] = singular_values(&linear);
-                    shortest[index] * least_stretch
+                    let [.., min_stretch] = singular_values(&linear);
+                    shortest[index] * min_stretch
                 }
             };
             measures.smallest = measures.smallest.min(size);

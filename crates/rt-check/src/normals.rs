@@ -18,17 +18,17 @@ fn opposed_normals(named: &NamedMesh, findings: &mut Findings) {
     if data.normals.is_empty() {
         return;
     }
-    let (mut count, mut least) = (0u64, 0.0f64);
+    let (mut count, mut min_cosine) = (0u64, 0.0f64);
     for &triangle in &data.triangles {
         let [a, b, c] = corners(&named.mesh, triangle);
         let front = rt_math::float::cross(b - a, c - a).normalize_or_zero();
         let cosine = triangle.map(|i| data.normals[i as usize].as_dvec3().dot(front));
         let cosine = cosine.into_iter().fold(1.0, f64::min);
         count += u64::from(cosine < 0.0);
-        least = least.min(cosine);
+        min_cosine = min_cosine.min(cosine);
     }
     if count > 0 {
-        let worst = acos(least.clamp(-1.0, 1.0)).to_degrees();
+        let worst = acos(min_cosine.clamp(-1.0, 1.0)).to_degrees();
         findings.add(Finding::new(
             Kind::OpposedNormals,
             &named.name,

@@ -223,9 +223,9 @@ mod tests {
     #[test]
     fn objects_are_named_by_their_path() {
         let mut scene = empty();
-        let mut lamp = sphere(DVec3::ZERO, 1.0);
-        lamp.name = "lamp".into();
-        scene.groups = vec![Group { name: "pair".into(), nodes: vec![sphere(DVec3::ZERO, 1.0), lamp] }];
+        let mut emitter = sphere(DVec3::ZERO, 1.0);
+        emitter.name = "lamp".into();
+        scene.groups = vec![Group { name: "pair".into(), nodes: vec![sphere(DVec3::ZERO, 1.0), emitter] }];
         let instance = Node::new(Content::Instance(GroupId(0)), MaterialId(0));
         let mut parent = sphere(DVec3::ZERO, 1.0);
         parent.children = vec![instance];

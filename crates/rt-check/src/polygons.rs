@@ -41,12 +41,12 @@ pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
 
 fn bent(object: String, polygon: &Polygon) -> Option<Finding> {
     let first = *polygon.rings().next()?.first()?;
-    let (mut least, mut greatest) = (0.0f64, 0.0f64);
+    let (mut min, mut max) = (0.0f64, 0.0f64);
     for corner in polygon.rings().flatten() {
         let height = (*corner - first).dot(polygon.normal());
-        (least, greatest) = (least.min(height), greatest.max(height));
+        (min, max) = (min.min(height), max.max(height));
     }
-    let deviation = (greatest - least) / 2.0;
+    let deviation = (max - min) / 2.0;
     let diameter = Aabb::from_points(polygon.rings().flatten().copied()).extent().length();
     (deviation > FLAT * diameter).then(|| {
         Finding::new(

@@ -181,8 +181,8 @@ mod tests {
     #[test]
     fn open_glass_is_warned_of() {
         let plane = Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
-        let tube = Shape::Cylinder(Cylinder::new(1.0, 0.0, 1.0, false).unwrap());
-        for open in [plane, tube] {
+        let open_cylinder = Shape::Cylinder(Cylinder::new(1.0, 0.0, 1.0, false).unwrap());
+        for open in [plane, open_cylinder] {
             let mut scene = empty();
             scene.nodes = vec![shape(open)];
             assert_eq!(only(&scene, Kind::OpenGlass).severity, Severity::Warning);

@@ -40,8 +40,8 @@ impl Topology {
         topology
     }
 
-    /// True if the surface separates an inside from an outside, with its front on one side: its triangles use every edge
-    /// equally often in both directions.
+    /// True if the surface separates an inside from an outside, with its front on one side. Its triangles use every
+    /// edge equally often in both directions.
     pub(crate) const fn is_closed(&self) -> bool {
         self.unbalanced == 0
     }

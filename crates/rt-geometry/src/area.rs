@@ -3,8 +3,8 @@
 use rt_math::DVec3;
 use rt_math::float::two_product;
 
-/// Sine of the smallest angle below which a triangle counts as a sliver: a plain cross product would keep fewer than
-/// twelve digits of the normal.
+/// Sine of the smallest angle below which a triangle counts as a sliver. A plain cross product would keep fewer than
+/// twelve digits of its normal.
 const SLIVER: f64 = 1e-3;
 
 /// Twice the area times the unit normal, on the side from which the vertices run counter-clockwise. Zero if and only

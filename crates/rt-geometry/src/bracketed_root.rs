@@ -8,8 +8,8 @@ const MAX_INTERPOLATIONS: u32 = 40;
 ///
 /// Bisects after [`MAX_INTERPOLATIONS`] steps, which bounds the work for any function.
 ///
-/// Inverse quadratic interpolation where it is safe, bisection elsewhere (Chandrupatla, "A new hybrid
-/// quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives", 1997).
+/// Inverse quadratic interpolation where it is safe, bisection elsewhere. Source: Chandrupatla, "A new hybrid
+/// quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives", 1997.
 pub(crate) fn bracketed_root(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2], tolerance: f64) -> f64 {
     let (mut fa, mut fb) = (f(a), f(b));
     let mut fraction = 0.5;

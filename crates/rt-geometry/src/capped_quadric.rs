@@ -14,15 +14,15 @@ pub(crate) struct CappedQuadric {
     pub(crate) caps: bool,
 }
 
-/// Face of a hit, stored in its `uv[0]`.
+/// QuadricFace of a hit, stored in its `uv[0]`.
 #[derive(Clone, Copy)]
-enum Face {
+enum QuadricFace {
     Side = 0,
     Bottom = 1,
     Top = 2,
 }
 
-impl Face {
+impl QuadricFace {
     fn from_number(number: f64) -> Self {
         match number as u8 {
             1 => Self::Bottom,
@@ -61,7 +61,7 @@ impl CappedQuadric {
     /// passes between the side and a cap, and one through a rim hits one of the two: the side on a tie.
     fn intersect_solid(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let (mut enter, mut leave) = self.inside_of_side(ray)?;
-        let (mut enter_face, mut leave_face) = (Face::Side, Face::Side);
+        let (mut enter_face, mut leave_face) = (QuadricFace::Side, QuadricFace::Side);
         let (origin, speed) = (ray.origin.y, ray.direction.y);
         if speed == 0.0 {
             if !(self.bottom..=self.top).contains(&origin) {
@@ -72,10 +72,10 @@ impl CappedQuadric {
             let upwards = speed > 0.0;
             let (near, far) = if upwards { (low, high) } else { (high, low) };
             if near > enter {
-                (enter, enter_face) = (near, if upwards { Face::Bottom } else { Face::Top });
+                (enter, enter_face) = (near, if upwards { QuadricFace::Bottom } else { QuadricFace::Top });
             }
             if far < leave {
-                (leave, leave_face) = (far, if upwards { Face::Top } else { Face::Bottom });
+                (leave, leave_face) = (far, if upwards { QuadricFace::Top } else { QuadricFace::Bottom });
             }
         }
         if enter > leave {
@@ -97,10 +97,10 @@ impl CappedQuadric {
     }
 
     pub(crate) fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
-        let (y, normal) = match Face::from_number(hit.uv[0]) {
-            Face::Side => return self.side_surface(ray, hit.t, needs),
-            Face::Bottom => (self.bottom, DVec3::NEG_Y),
-            Face::Top => (self.top, DVec3::Y),
+        let (y, normal) = match QuadricFace::from_number(hit.uv[0]) {
+            QuadricFace::Side => return self.side_surface(ray, hit.t, needs),
+            QuadricFace::Bottom => (self.bottom, DVec3::NEG_Y),
+            QuadricFace::Top => (self.top, DVec3::Y),
         };
         let radius = self.side.radius_at(y);
         let (point, point_error) = on_disk(ray, hit.t, y, radius);

@@ -7,7 +7,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A closed solid box with faces along the axes; its normal points outwards. It may be flat.
 ///
-/// Each face has texture coordinates from 0 to 1, upright and unmirrored from outside: `v` runs along +y on the four
+/// Each face has texture coordinates from 0 to 1, upright and unmirrored from outside. `v` runs along +y on the four
 /// sides, along −z on the top (+y) and along +z on the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
@@ -16,12 +16,12 @@ pub struct Cuboid {
 
 /// One of the six faces, numbered as in the `uv[0]` of a hit: twice the axis, plus one for the greater side.
 #[derive(Clone, Copy)]
-struct Face {
+struct CuboidFace {
     axis: usize,
     greater: bool,
 }
 
-impl Face {
+impl CuboidFace {
     fn number(self) -> f64 {
         (2 * self.axis + usize::from(self.greater)) as f64
     }
@@ -58,7 +58,7 @@ impl Cuboid {
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let inverse = ray.direction.recip();
-        let nowhere = Face { axis: 0, greater: false };
+        let nowhere = CuboidFace { axis: 0, greater: false };
         let (mut enter, mut enter_face) = (f64::NEG_INFINITY, nowhere);
         let (mut leave, mut leave_face) = (f64::INFINITY, nowhere);
         for axis in 0..3 {
@@ -68,10 +68,10 @@ impl Cuboid {
             let (near, far) = if backwards { (high, low) } else { (low, high) };
             // A ray in the plane of a face gives NaN, which fails both comparisons: the box is closed.
             if near > enter {
-                (enter, enter_face) = (near, Face { axis, greater: backwards });
+                (enter, enter_face) = (near, CuboidFace { axis, greater: backwards });
             }
             if far < leave {
-                (leave, leave_face) = (far, Face { axis, greater: !backwards });
+                (leave, leave_face) = (far, CuboidFace { axis, greater: !backwards });
             }
         }
         if enter > leave {
@@ -89,7 +89,7 @@ impl Cuboid {
     /// The surface at a hit of [`intersect`](Self::intersect). The point lies exactly on its face.
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let Aabb { min, max } = self.bounds;
-        let Face { axis, greater } = Face::from_number(hit.uv[0]);
+        let CuboidFace { axis, greater } = CuboidFace::from_number(hit.uv[0]);
         let mut point = ray.at(hit.t).max(min).min(max);
         point[axis] = if greater { max[axis] } else { min[axis] };
         let mut normal = DVec3::ZERO;

@@ -7,9 +7,9 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 /// Cylinder around the y axis, from a bottom to a top: a closed solid with caps, or an open surface without. Its normal
 /// points outwards, away from the axis on the side.
 ///
-/// Texture coordinates on the side: `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½, and `v`
-/// from 0 at the bottom to 1 at the top. On the caps they run from 0 to 1 over the square around the disk, upright and
-/// unmirrored from outside: `v` runs along −z on the top and along +z on the bottom.
+/// On the side, the texture coordinate `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½. `v`
+/// runs from 0 at the bottom to 1 at the top. On the caps they run from 0 to 1 over the square around the disk, upright
+/// and unmirrored from outside. `v` runs along −z on the top and along +z on the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder(CappedQuadric);
 
@@ -54,8 +54,8 @@ impl Cylinder {
 
     /// First intersection within `span`. `None` on a miss, and for rays without a direction.
     ///
-    /// The side is intersected as a circle in the plane across the axis: by the distance L of the ray from the axis,
-    /// from (r − L)(r + L). A ray along the axis hits the caps alone, rims included.
+    /// The side is intersected as a circle in the plane across the axis. The discriminant is (r − L)(r + L), where L is
+    /// the distance of the ray from the axis. A ray along the axis hits the caps alone, rims included.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         self.0.intersect(ray, span)
@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(error(1.0, 0.0, f64::INFINITY), ShapeError::BadCoordinate(f64::INFINITY));
     }
 
-    /// Rays through the rim into the solid, and rays from inside to the rim: rounding must not let them pass between
+    /// Rays through the rim into the solid, and rays from inside to the rim. Rounding must not let them pass between
     /// the side and a cap.
     #[test]
     fn no_ray_slips_through_the_rim() {

@@ -7,7 +7,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A flat disk around the origin in the plane y = 0, or a ring if it has a hole; its front faces +y.
 ///
-/// Texture coordinates run from 0 to 1 over the square around the disk, `u` along +x and `v` along −z: seen from above
+/// Texture coordinates run from 0 to 1 over the square around the disk, `u` along +x and `v` along −z. Seen from above
 /// with +x to the right, an image is upright and unmirrored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {

@@ -30,9 +30,10 @@ impl DoubleCone {
     /// First intersection within `span`. `None` on a miss, for rays within the surface, and for rays without a
     /// direction.
     ///
-    /// With k the slope and vectors across the axis, the crossings solve a·t² − 2b·t + c = 0 with
-    /// a = d·d − k²d_y², b = k²o_y·d_y − o·d and c = o·o − k²o_y², whose digits are kept where the terms cancel. The
-    /// discriminant is k²|o_y·d − d_y·o|² − (o × d)², factored. A ray along a generator has a = 0 and one crossing, c/2b.
+    /// The crossings solve a·t² − 2b·t + c = 0, with the slope k and vectors across the axis. The coefficients are a =
+    /// d·d − k²d_y², b = k²o_y·d_y − o·d and c = o·o − k²o_y². They keep their digits where the terms cancel. The
+    /// discriminant is k²|o_y·d − d_y·o|² − (o × d)², factored. A ray along a generator has a = 0 and one crossing,
+    /// c/2b.
     #[inline]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let t = self.0.first_crossing(ray, span, |_| true)?;

@@ -29,7 +29,7 @@ impl Hit {
 pub struct ShapeHit {
     /// Ray parameter.
     pub t: f64,
-    /// Parameters on the surface: barycentric weights of the second and third vertex for triangles, `[face, 0]` for
-    /// boxes and for solids with caps, `[distance along the ray, 0]` for tori, unused otherwise.
+    /// Parameters on the surface. Triangles: barycentric weights of the second and third vertex. Boxes and solids with
+    /// caps: `[face, 0]`. Tori: `[distance along the ray, 0]`. Unused otherwise.
     pub uv: [f64; 2],
 }

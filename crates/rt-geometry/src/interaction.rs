@@ -61,8 +61,8 @@ pub struct SurfaceInteraction {
     /// Bound on the distance of `point` from the surface by rounding, and on its apparent distance in the shape's own
     /// test, per axis. Excludes errors within the surface.
     pub point_error: DVec3,
-    /// Origin of shadow rays: `point`, or for interpolated normals the point lifted to the smooth surface of these
-    /// normals, which avoids shadow bands on flat triangles (Hanika 2021).
+    /// Origin of shadow rays: `point`, or for interpolated normals the point lifted to their smooth surface. This
+    /// avoids shadow bands on flat triangles (Hanika 2021).
     pub shadow_point: DVec3,
     /// Unit normal of the actual surface, on its front side: outside of closed shapes; for triangles the side from
     /// which the vertices run counter-clockwise.
@@ -130,8 +130,8 @@ impl SurfaceInteraction {
         self.shadow_rays(direction.dot(self.shading_normal) < 0.0).towards(direction, time)
     }
 
-    /// Origin of shadow rays to many lights, most of which are on the side of the shading normal, or all on the other
-    /// one if `is_seen_from_behind`.
+    /// Origin of shadow rays to many lights. Most of them are on the side of the shading normal, or all on the other
+    /// side if `is_seen_from_behind`.
     #[inline(always)]
     pub fn shadow_rays(&self, is_seen_from_behind: bool) -> ShadowRays<'_> {
         let is_behind = is_seen_from_behind;
@@ -189,9 +189,10 @@ impl ShadowRays<'_> {
 /// Moves each component to the next number in the direction of `side`, unless that is 0. Compensates the rounding of a
 /// sum.
 ///
-/// The increment is more than half the distance to the larger neighbour and hardly more than all of it, so that the sum
-/// is rounded there. The same holds for the smaller neighbour, also across a power of two: Rump, Zimmermann, Boldo and
-/// Melquiond, "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009, algorithm 1.
+/// The increment is more than half the distance to the larger neighbour and hardly more than all of it. So the sum is
+/// rounded to that neighbour. The smaller neighbour is reached alike, also across a power of two. Source: Rump,
+/// Zimmermann, Boldo and Melquiond, "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009,
+/// algorithm 1.
 #[inline(always)]
 fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
     /// Steps of numbers below this one may underflow.

@@ -13,8 +13,8 @@ pub fn padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> 
 
 /// Hit of primitive `index` within `span`.
 ///
-/// The **padded-bounds rule**: a hit counts only if the ray also passes the primitive's [`padded_bounds`], and its `t`
-/// is raised to the entry into that box if rounding put it before. Brute force and all accelerators accept hits through
+/// The **padded-bounds rule**: a hit counts only if the ray also passes the primitive's [`padded_bounds`]. Its `t` is
+/// raised to the entry into that box if rounding put it before. Brute force and all accelerators accept hits through
 /// this function alone. As the slab test is monotone in the box, every box around `padded_bounds` is entered at or
 /// before the accepted `t`. So an accelerator that prunes only what starts strictly behind the best hit returns the
 /// bits of brute force, ties included.

@@ -17,11 +17,10 @@
 //! scene, without an epsilon to tune.
 //!
 //! **Owns** the shapes ([`Sphere`], [`Cuboid`], [`Plane`], [`Triangle`], [`Polygon`], [`Cylinder`],
-//! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`], the enum [`Shape`]),
-//! shapes under affine maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]), their tests in
-//! `f64`, and the geometry of a hit.
-//! **Does not own** accelerators that find the closest of many hits (rt-accel), materials and light (rt-shading), or
-//! files (rt-scene-io).
+//! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`]) and their enum
+//! [`Shape`]. Shapes under affine maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets
+//! ([`Spheres`]). The intersection tests in `f64`, and the geometry of a hit. **Does not own** accelerators that find
+//! the closest of many hits (rt-accel), materials and light (rt-shading), or files (rt-scene-io).
 //!
 //! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. Inside and outside are exact,
 //! without tolerances; the triangle test is watertight ([`WatertightRay`]).

@@ -91,9 +91,9 @@ impl TriangleMesh {
         Some(SurfaceInteraction { point, point_error, shadow_point, geometric_normal, shading_normal, uv, detail })
     }
 
-    /// Interpolated normal and the lifted point: the mean of the projections of the hit point on the tangent planes of
-    /// the vertices, on the side of the ray (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021).
-    /// `None` if the normals of the vertices cancel.
+    /// Interpolated normal and lifted point. The point is the mean of the projections of the hit point on the tangent
+    /// planes of the vertices, on the side of the ray. Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing
+    /// Gems II, 2021. `None` if the normals of the vertices cancel.
     #[inline(always)]
     fn smooth(
         &self,
@@ -332,8 +332,8 @@ mod tests {
         build(MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() }).0
     }
 
-    /// Orthographic view along −z of a sphere in light of strength 1: the mean of cos θ over the sphere's image, with
-    /// zero where a shadow ray is occluded, and the number of occluded points that face the light.
+    /// Mean of cos θ over the orthographic image of a sphere along −z, with zero where a shadow ray is occluded. Also
+    /// returns the number of occluded points that face the light.
     fn lit(mesh: &TriangleMesh, light: DVec3, start: impl Fn(&SurfaceInteraction) -> Ray) -> (f64, usize) {
         const SIDE: i32 = 100;
         let (mut sum, mut covered, mut dark) = (0.0, 0, 0);
@@ -360,14 +360,14 @@ mod tests {
         let light = DVec3::new(sin, 0.0, cos);
         // Lambert's phase function of a sphere, over the area π of its disc.
         let truth = 2.0 / 3.0 * (sin + (PI - angle) * cos) / PI;
-        let ball = tessellated_sphere(8, 8);
-        let (_, dark) = lit(&ball, light, |surface| surface.spawn_ray(light, 0.0));
+        let mesh = tessellated_sphere(8, 8);
+        let (_, dark) = lit(&mesh, light, |surface| surface.spawn_ray(light, 0.0));
         assert!(dark > 100, "{dark}: the terminator is in view");
-        let (mean, dark) = lit(&ball, light, |surface| surface.spawn_shadow_ray_towards(light, 0.0));
+        let (mean, dark) = lit(&mesh, light, |surface| surface.spawn_shadow_ray_towards(light, 0.0));
         assert_eq!(dark, 0);
         assert!((mean / truth - 1.0).abs() < 0.02, "{mean} instead of {truth}");
         let far = light * 1e9;
-        let (near_mean, dark) = lit(&ball, light, |surface| surface.spawn_shadow_ray(far, 0.0));
+        let (near_mean, dark) = lit(&mesh, light, |surface| surface.spawn_shadow_ray(far, 0.0));
         assert_eq!((near_mean, dark), (mean, 0));
     }
 }

@@ -56,7 +56,7 @@ impl MeshData {
     /// True if every edge of a triangle has a counterpart of opposite direction, so that the mesh encloses space (or is
     /// empty). Vertices at the same position are one.
     ///
-    /// Each edge adds its hash and its reverse subtracts it, so that nothing is stored: the probability of taking an
+    /// Each edge adds its hash and its reverse subtracts it, so that nothing is stored. The probability of taking an
     /// open mesh for closed is 2⁻⁶⁴.
     pub fn is_closed(&self) -> bool {
         let sum = self.triangles.iter().fold(0u64, |sum, triangle| {

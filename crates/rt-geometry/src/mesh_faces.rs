@@ -26,8 +26,8 @@ impl MeshData {
     /// Maximum number of corners of a face: triangulation may take quadratic time.
     pub const MAX_CORNERS: usize = 100_000;
 
-    /// Mesh of a triangle strip, and the number of triangles that are left out because a vertex is repeated, which is
-    /// the usual way to join strips.
+    /// Mesh of a triangle strip, and the number of triangles without area that are left out. Strips are joined by
+    /// repeated vertices.
     pub fn from_strip(positions: Vec<Vec3>) -> (Self, usize) {
         Self::stitched(positions, |order| strip(order).collect())
     }
@@ -50,8 +50,8 @@ impl MeshData {
     }
 
     /// Mesh of flat faces, which may be concave and have holes. They are triangulated in the planes of their outlines:
-    /// convex ones as fans, others by ear clipping (Meisters, "Polygons have ears", 1975; Eberly, "Triangulation by Ear
-    /// Clipping", 2002).
+    /// convex ones as fans, others by ear clipping. Sources: Meisters, "Polygons have ears", 1975; Eberly,
+    /// "Triangulation by Ear Clipping", 2002.
     ///
     /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline.
     /// [`TriangleMesh::build`](crate::TriangleMesh::build) drops and counts unusable triangles.

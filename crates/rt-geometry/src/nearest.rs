@@ -6,8 +6,8 @@ use rt_math::DVec3;
 /// Point of a triangle nearest to `point`.
 ///
 /// Ericson, "Real-Time Collision Detection", 2005, section 5.1.5, classifies the point by Voronoi regions of the
-/// vertices, the edges and the face. Here the best point of the three edges is compared with the foot in the face, so
-/// that a sliver, where rounding confuses the regions, costs only the rounding of a foot.
+/// vertices, the edges and the face. Here the best point of the three edges is compared with the foot in the face.
+/// Rounding confuses the regions of slivers, and then costs only the rounding of a foot.
 pub(crate) fn nearest_on_triangle(vertices: [DVec3; 3], point: DVec3) -> DVec3 {
     let [a, b, c] = vertices;
     let edges = [[a, b], [b, c], [c, a]].map(|[from, to]| nearest_on_segment(from, to, point));

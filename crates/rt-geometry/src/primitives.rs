@@ -49,8 +49,8 @@ pub enum BatchKernel {
 /// # Contract
 ///
 /// * Indices are 0 to `len() - 1`; all results are pure functions of the arguments.
-/// * `intersect` returns the first hit at or after `span.min`, if it is not after `span.max`: shrinking `span.max`
-///   may drop the hit, but never reveals another one ([`Interval::first`] does this for two roots).
+/// * `intersect` returns the first hit at or after `span.min`, if it is not after `span.max`. Shrinking `span.max` may
+///   drop the hit, but never reveals another one ([`Interval::first`] does this for two roots).
 /// * `bounds` contains every point that `intersect` can report, up to rounding.
 pub trait Primitives: Sync {
     /// Number of primitives.

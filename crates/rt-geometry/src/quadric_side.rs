@@ -41,9 +41,9 @@ impl QuadricSide {
     /// Part of the ray inside; `None` if it is empty, and for rays with a NaN.
     ///
     /// With the radius ρ + σ·t along the ray, the crossings solve a·t² − 2b·t + c = 0. Each cancellation of the
-    /// textbook form is avoided: a, b and c are sums of products without loss of digits, the smaller root is c/q, and
-    /// by Lagrange's identity the discriminant is |ρ·d − σ·o|² − (o × d)² in the plane across the axis, as a product of
-    /// a sum and a difference of lengths.
+    /// textbook form is avoided: a, b and c are sums of products without loss of digits, and the smaller root is c/q.
+    /// By Lagrange's identity the discriminant is |ρ·d − σ·o|² − (o × d)² in the plane across the axis. It is computed
+    /// as the product of a sum and a difference of lengths.
     #[inline]
     pub(crate) fn inside(&self, ray: &Ray) -> Option<Inside> {
         let scale = power_of_two_scale(ray.direction);
@@ -111,8 +111,8 @@ fn length(x: f64, z: f64) -> f64 {
     (x * x + z * z).sqrt()
 }
 
-/// Dot product of two vectors, to the last digits even if its terms cancel: then with the errors of all products and
-/// sums added separately (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005, algorithm 5.3).
+/// Dot product of two vectors, to the last digits even if its terms cancel. Then the errors of all products and sums
+/// are added separately (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005, algorithm 5.3).
 #[inline]
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     let terms = [a[0] * b[0], a[1] * b[1], a[2] * b[2]];

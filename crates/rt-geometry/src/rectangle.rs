@@ -7,7 +7,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 
 /// A flat rectangle around the origin in the plane y = 0 with sides along x and z; its front faces +y.
 ///
-/// Texture coordinates run from 0 to 1, `u` along +x and `v` along −z: seen from above with +x to the right, an image
+/// Texture coordinates run from 0 to 1, `u` along +x and `v` along −z. Seen from above with +x to the right, an image
 /// is upright and unmirrored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {

@@ -9,8 +9,8 @@ use std::f64::consts::{PI, TAU};
 
 /// A sphere; its normal points outwards.
 ///
-/// Texture coordinates: `u` runs once around +y, from −z over −x, +z (where it is ½) and +x, so that an image appears
-/// upright and unmirrored from outside. `v` runs with the latitude from 0 at the south pole (−y) to 1 at the north.
+/// The texture coordinate `u` runs once around +y, from −z over −x, +z (where it is ½) and +x. An image appears upright
+/// and unmirrored from outside. `v` runs with the latitude from 0 at the south pole (−y) to 1 at the north.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere(SphereKernel);
 

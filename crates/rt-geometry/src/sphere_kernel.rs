@@ -18,16 +18,16 @@ pub struct SphereKernel {
 }
 
 impl SphereKernel {
-    /// Factors that make the square of a distance a lower bound and the square of a radius an upper bound: for
+    /// Factors that make the square of a distance a lower bound and the square of a radius an upper bound, for
     /// accelerators with the arithmetic of [`intersect`](Self::intersect).
     pub const REJECTION_BOUNDS: [f64; 2] = [1.0 - REJECTION, 1.0 + REJECTION];
 
     /// First of the two intersections within `span`. `None` on a miss, and for rays without a direction.
     ///
     /// With f from the centre to the ray's origin, the crossings solve a·t² − 2b·t + c = 0. Three cancellations are
-    /// avoided: the discriminant is taken from the ray's closest approach to the centre (Haines, Günther,
-    /// Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", RTG 2019, ch. 7), c from a difference of
-    /// lengths rather than of squares, and the smaller root from c/q.
+    /// avoided. The discriminant is taken from the ray's closest approach to the centre (Haines, Günther,
+    /// Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", RTG 2019, ch. 7). c is taken from a
+    /// difference of lengths rather than of squares, and the smaller root from c/q.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<f64> {
         // Most tests end here.

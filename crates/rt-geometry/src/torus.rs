@@ -60,7 +60,7 @@ impl Torus {
     ///
     /// The quartic is never expanded, as its coefficients would cancel for a thin tube. `Chord::excess` has the sign of
     /// the quartic and is evaluated from geometry. The roots of its slope split the ray into intervals in which it is
-    /// monotone, and a change of sign in an interval brackets one root.
+    /// monotone. A change of sign in an interval brackets one root.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         let chord = Chord::new(self, ray)?;
         let splits = chord.splits();
@@ -154,17 +154,17 @@ impl<'a> Chord<'a> {
 
     /// Ascending distances between which the excess is monotone; the first and the last are outside.
     ///
-    /// The distance h from the axis has h² = A·(s − v)² + K/A, with A the square of the direction's part across the
-    /// axis and K = (m × d)² for the middle m, also across. The derivative of the slope is 1 − R·K/h³: the slope falls
+    /// The distance h from the axis has h² = A·(s − v)² + K/A. A is the square of the direction's part across the axis,
+    /// and K = (m × d)² for the middle m, also across. The derivative of the slope is 1 − R·K/h³: the slope falls
     /// within a stretch around v, where h³ < R·K, and grows outside of it. So it has at most one zero in each of the
     /// three.
     fn splits(&self) -> [f64; 5] {
         let (m, d) = (self.middle, self.towards);
         let across = d.x * d.x + d.z * d.z;
-        let moment = m.x * d.z - m.z * d.x;
+        let m_cross_d = m.x * d.z - m.z * d.x;
         let nearest = -(m.x * d.x + m.z * d.z) / across;
-        let turning = cbrt(self.torus.radius * moment * moment);
-        let half = ((turning * turning - moment * moment / across) / across).max(0.0).sqrt();
+        let turning = cbrt(self.torus.radius * m_cross_d * m_cross_d);
+        let half = ((turning * turning - m_cross_d * m_cross_d / across) / across).max(0.0).sqrt();
         // If the ray meets the axis, the slope jumps there: between two places that differ.
         let half = half.max(self.reach * f64::EPSILON);
         let inside = |s: f64| s.clamp(-self.reach, self.reach);

@@ -60,9 +60,9 @@ impl TransformedShape {
         self.shape.surface(&local, hit, needs).transformed(&self.world_from_local)
     }
 
-    /// Equivalent world-space shape, texture coordinates included, or `None`. Exists for translated shapes, uniformly
-    /// scaled spheres, boxes that are scaled along their axes without mirroring, triangles under maps that do not
-    /// mirror, and translated planes and polygons.
+    /// Equivalent world-space shape, texture coordinates included, or `None`. Exists for translated shapes, planes and
+    /// polygons among them, and for uniformly scaled spheres. Boxes may be scaled along their axes without mirroring,
+    /// and triangles mapped without mirroring.
     pub fn bake_transform(&self) -> Option<Shape> {
         let linear = self.world_from_local.linear();
         let scale = diagonal(&linear).filter(|scale| scale.min_element() > 0.0);

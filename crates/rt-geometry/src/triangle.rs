@@ -57,8 +57,8 @@ pub(crate) fn weights([v, w]: [f64; 2]) -> [f64; 3] {
 
 /// The point with these barycentric weights, and the bound on its error per axis.
 ///
-/// The first part bounds the rounding of the sum (PBR 4th ed., section 6.8.5). The second is for the test of a ray that
-/// is spawned there: its shear mixes the axes, so its error depends on the largest extent.
+/// The first part bounds the rounding of the sum (PBR 4th ed., section 6.8.5). The second part is for the test of a ray
+/// that is spawned there. Its shear mixes the axes, so its error depends on the largest extent.
 #[inline]
 pub(crate) fn point_at(vertices: [DVec3; 3], weights: [f64; 3]) -> (DVec3, DVec3) {
     let [a, b, c] = [0, 1, 2].map(|i| vertices[i] * weights[i]);

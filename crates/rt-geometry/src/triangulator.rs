@@ -41,7 +41,7 @@ impl Triangulator {
 
     /// Appends the triangles of a face, with the orientation of its outline.
     ///
-    /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline: the mesh
+    /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline. The mesh
     /// drops and counts unusable triangles. All rings must have at least three corners with valid indices.
     pub(crate) fn append(&mut self, positions: &[Vec3], face: &Face<'_>, triangles: &mut Vec<[u32; 3]>) {
         let n = face.outline.len();

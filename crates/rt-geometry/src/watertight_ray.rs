@@ -11,7 +11,7 @@ use rt_math::{Interval, Ray};
 /// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, in `f64`. A vertex is mapped by a
 /// function of that vertex and the ray alone, so that triangles with a common vertex agree on its position. The sides
 /// of edges are computed with exact signs: no ray passes through an edge or a vertex of a closed mesh. The side of a
-/// triangle on which a ray starts is exact as well, so that a ray that starts in its plane hits it at 0.
+/// triangle on which a ray starts is exact as well. So a ray that starts in its plane hits it at 0.
 #[derive(Clone, Copy, Debug)]
 pub struct WatertightRay {
     origin: DVec3,
@@ -26,8 +26,8 @@ pub struct WatertightRay {
 const CYCLIC: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl WatertightRay {
-    /// If `t` is at most this fraction of the sum of the distances of the vertices along the ray, the side of the
-    /// triangle on which the ray starts is computed exactly.
+    /// Largest `t`, as a fraction of the sum of the distances of the vertices along the ray, with an exact test of the
+    /// side on which the ray starts.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
 
     /// Prepares a ray. A ray without a direction misses everything.
@@ -111,7 +111,7 @@ impl WatertightRay {
         RaySpaceTriangle { areas, determinant: u + v + w, depths: [a.z, b.z, c.z] }
     }
 
-    /// Axes that become x, y and z, the multiples of z that x and y lose, and the factor of z: for SIMD tests of lower
+    /// Axes that become x, y and z, multiples of z that x and y lose, and factor of z. For SIMD tests of lower
     /// precision.
     #[inline(always)]
     pub const fn shear(&self) -> ([usize; 3], [f64; 3]) {

@@ -56,8 +56,8 @@ fn a_ray_at_a_shared_edge_or_corner_in_a_plane_has_exactly_one_owner() {
     }
 }
 
-/// The grid of Kettner et al., "Classroom Examples of Robustness Problems in Geometric Computations", 2008: points as
-/// near as can be to a diagonal that two polygons share.
+/// Grid of the points nearest to a diagonal that two polygons share. Source: Kettner et al., "Classroom Examples of
+/// Robustness Problems in Geometric Computations", 2008.
 #[test]
 fn each_point_of_the_kettner_grid_has_exactly_one_owner() {
     let ulp = f64::EPSILON / 2.0;

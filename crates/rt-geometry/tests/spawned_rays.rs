@@ -71,8 +71,8 @@ fn transform() -> impl Strategy<Value = Transform> {
     )
 }
 
-/// Checks that a ray spawned on the outside of a convex surface does not come back to it, and that its origin moved by
-/// a tiny part of the size of things only.
+/// Checks that a ray spawned on the outside of a convex surface misses it, and that its origin moved by a tiny part of
+/// the size of the scene.
 fn leaves(
     surface: &SurfaceInteraction,
     direction: DVec3,
@@ -178,17 +178,17 @@ fn curved(scale: f64) -> Vec<Curved> {
         let enclosure = is_closed.then(|| TransformedShape::new(shape.clone(), larger));
         Curved { shape, is_convex: true, enclosure }
     });
-    let torus = |tube: f64| Shape::Torus(Torus::new(scale, tube * scale).expect("a torus"));
-    let tori = [0.4, 0.01].map(|tube| {
-        let enclosure = TransformedShape::new(torus(tube + 0.001), Transform::IDENTITY);
-        Curved { shape: torus(tube), is_convex: false, enclosure: Some(enclosure) }
+    let torus = |minor: f64| Shape::Torus(Torus::new(scale, minor * scale).expect("a torus"));
+    let tori = [0.4, 0.01].map(|minor| {
+        let enclosure = TransformedShape::new(torus(minor + 0.001), Transform::IDENTITY);
+        Curved { shape: torus(minor), is_convex: false, enclosure: Some(enclosure) }
     });
     let cone = Shape::DoubleCone(DoubleCone::new(0.7).expect("a cone"));
     convex.chain(tori).chain([Curved { shape: cone, is_convex: false, enclosure: None }]).collect()
 }
 
-/// Counts rays spawned outwards from a shape that hit it again at their origin, or miss its enclosure; and rays spawned
-/// inwards that miss the other wall. The shape has different sizes before and after the map.
+/// Counts rays spawned outwards from a shape that hit it again at their origin, or miss its enclosure. Also counts rays
+/// spawned inwards that miss the opposite wall. The shape has different sizes before and after the map.
 fn acne_and_leaks_of(curved: &Curved, map: Transform, [size, extent]: [f64; 2]) -> [usize; 3] {
     let placed = TransformedShape::new(curved.shape.clone(), map);
     let enclosure =

@@ -62,8 +62,8 @@ impl Image {
         inside.then(|| Rgb::from(self.pixels[index].map(f64::from)))
     }
 
-    /// A hash of the size and of every bit of radiance and coverage: equal for equal images, and for different ones
-    /// with probability 2⁻⁶⁴. Unlike `==`, it tells 0 from −0 and finds a NaN equal to itself.
+    /// Hash of the size and of every bit of radiance and coverage: equal for equal images, and for different ones
+    /// with probability 2⁻⁶⁴. Unlike `==`, it distinguishes 0 and −0, and a NaN equals itself.
     pub fn checksum(&self) -> u64 {
         let start = hash(&[u64::from(self.width), u64::from(self.height), u64::from(self.alpha.is_some())]);
         let values = self.pixels.as_flattened().iter().chain(self.alpha.iter().flatten());

@@ -35,10 +35,10 @@ impl ImageFormat {
         }
     }
 
-    /// The format that a file name's ending asks for, in upper or lower case.
+    /// Format of a file name by its extension, in upper or lower case.
     ///
     /// # Errors
-    /// [`ImageFileError::UnknownExtension`], which lists the endings that are known.
+    /// [`ImageFileError::UnknownExtension`], which lists the known extensions.
     pub fn from_path(path: &Path) -> Result<Self, ImageFileError> {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
         Self::ALL

@@ -14,8 +14,8 @@
 //! | [`Flip::hdr`] | linear radiance, shown at all exposures that fit it | 0 |
 //!
 //! Sums are made in `f64`, in reading order. Metrics of radiance leave out pixels that are not finite in one of the two
-//! images, which [`ImagePair::non_finite`] counts; what is displayed of them is black for NaN and as bright as can be
-//! for infinity, and metrics of the display take them so.
+//! images. [`ImagePair::non_finite`] counts them. Metrics of the display take NaN for black and infinity for the
+//! maximum.
 //!
 //! ```
 //! use rt_image::{Image, metrics::{ImagePair, bias, mean_squared_error}};

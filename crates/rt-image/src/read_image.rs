@@ -19,8 +19,8 @@ pub const MAX_READ_PIXELS: u64 = 1 << 27;
 /// Bytes that a decoder may allocate: four channels of `f32`.
 const MAX_DECODER_BYTES: u64 = 16 * MAX_READ_PIXELS;
 
-/// A file that claims to expand further is damaged: the densest compression, that of PNG and ZIP, reaches 1032 : 1, and
-/// 16-bit floats double when they are read. Without this limit a few damaged bytes cost gigabytes and seconds.
+/// A file that claims to expand further is damaged. The densest compression, that of PNG and ZIP, reaches 1032 : 1, and
+/// 16-bit floats double when they are read. Without this limit, a few damaged bytes take gigabytes and seconds.
 const MAX_EXPANSION: u64 = 4096;
 
 /// Reads an image as linear radiance. The content of the file determines the format, not its name.
@@ -45,7 +45,7 @@ pub fn decode_image(bytes: &[u8], name: &Path) -> Result<Image, ImageFileError> 
     read_stream(name, Cursor::new(bytes), bytes.len() as u64)
 }
 
-/// Size of an image, and the memory that it takes, as its header tells them.
+/// Size of an image and its memory, by its header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageHeader {
     /// Width in pixels.
@@ -68,7 +68,7 @@ impl ImageHeader {
 /// Reads the header of an image, to know what [`read_image`] would take before it does.
 ///
 /// # Errors
-/// Those of [`read_image`], as far as the header tells them.
+/// Those of [`read_image`], as far as the header shows them.
 pub fn image_header(path: &Path) -> Result<ImageHeader, ImageFileError> {
     let (mut reader, length) = open(path)?;
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
@@ -100,7 +100,7 @@ pub fn image_format(path: &Path) -> Result<ImageFormat, ImageFileError> {
     format_of_stream(path, open(path)?.0)
 }
 
-/// The format of an image file whose content is in memory, as [`image_format`] tells it; `name` is for messages.
+/// Format of an image file whose content is in memory, as [`image_format`]. `name` is for messages.
 ///
 /// # Errors
 /// [`ImageFileError::UnknownFormat`] with the name.
@@ -124,7 +124,7 @@ fn format_of_stream(path: &Path, mut reader: impl BufRead + Seek) -> Result<Imag
     }
 }
 
-/// Opens a regular file and tells its length in bytes.
+/// Opens a regular file and returns its length in bytes.
 fn open(path: &Path) -> Result<(BufReader<File>, u64), ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     // Check before opening, which would wait for the other end of a pipe.
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn the_content_tells_the_format_and_not_the_name() {
+    fn the_content_determines_the_format_and_not_the_name() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("image.png");
         std::fs::write(&path, encoded(ImageFormat::Exr)).expect("written");

@@ -20,8 +20,8 @@ const MAX_STEPS: u32 = 100;
 /// Number of time intervals of a rotation in bounds.
 const PARTS: u32 = 32;
 
-/// Bound on the roundings between the bounds of a rotating point and the transformed point, relative to its distance:
-/// fewer than 64, and those of the rotation's parts.
+/// Bound on the roundings between the bounds of a rotating point and the transformed point, relative to its distance.
+/// There are fewer than 64, and those of the rotation's parts.
 const ROUNDINGS: f64 = 256.0;
 
 /// Transform that changes from one value at time 0 to another at time 1.

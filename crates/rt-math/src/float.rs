@@ -48,8 +48,8 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     (ab - cd) + (ab_error - cd_error)
 }
 
-/// Bound relative to the sum of magnitudes above which the rounded difference of two rounded products has the exact
-/// sign: each product has a relative error of at most u, and so has the difference.
+/// Bound relative to the sum of magnitudes, above which the rounded difference of two rounded products has the exact
+/// sign. Each product has a relative error of at most u, and so has the difference.
 pub const SIGN_ERROR_BOUND: f64 = 4.0 * UNIT_ROUNDOFF;
 
 /// True if the rounded difference of two rounded products has the exact sign.

@@ -15,7 +15,7 @@ impl Interval {
 
     /// Everything in front of the origin of a spawned ray.
     ///
-    /// For exact hit points, as on a floor at height 0, the offset of the origin may be the smallest number, and the
+    /// For exact hit points, as on a floor at height 0, the offset of the origin may be the smallest number. Then the
     /// parameter of a hit on the same floor underflows to 0. So 0 and its neighbour are excluded.
     pub const SPAWNED: Self = Self { min: f64::MIN_POSITIVE, max: f64::INFINITY };
 

@@ -24,8 +24,8 @@ pub enum Interpolation {
     /// Linear interpolation.
     #[default]
     Linear,
-    /// Cubic curve with continuous velocity: zero at the first and last key, and at each other key that of the parabola
-    /// through this key and its two neighbours (Catmull and Rom 1974; Overhauser 1968).
+    /// Cubic curve with continuous velocity, which is zero at the first and last key. At each other key it is that of
+    /// the parabola through this key and its two neighbours (Catmull and Rom 1974; Overhauser 1968).
     Smooth,
 }
 
@@ -118,8 +118,8 @@ impl Keyframes {
         }
     }
 
-    /// Interpolates numbers of the keys at any time, as [`point`](Self::point), but never leaves the range of the two
-    /// adjacent keys, and has zero velocity at extrema (Fritsch and Butland 1984).
+    /// Interpolates numbers of the keys at any time, as [`point`](Self::point), but monotonically. It never leaves the
+    /// range of the two adjacent keys, and has zero velocity at extrema (Fritsch and Butland 1984).
     ///
     /// Zero if there are fewer numbers than keys.
     pub fn number(&self, numbers: &[f64], time: f64) -> f64 {

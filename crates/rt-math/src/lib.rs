@@ -9,8 +9,8 @@
 //! ```
 //!
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map with its inverse),
-//! [`AnimatedTransform`] and [`KeyframedTransform`] (transforms that change with time), [`Rgb`], [`Frame`], error-free
-//! arithmetic ([`float`]), the hash behind all random numbers ([`random`]), and the interface [`Sampler`].
+//! [`AnimatedTransform`], [`KeyframedTransform`], [`Rgb`] and [`Frame`]. Also error-free arithmetic ([`float`]), the
+//! hash behind all random numbers ([`random`]), and the interface [`Sampler`].
 //!
 //! **Does not own** shapes and their intersection (rt-geometry), accelerators, lights or cameras.
 //!

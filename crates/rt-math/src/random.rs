@@ -32,8 +32,8 @@ pub fn permute(index: u32, length: u32, seed: u64) -> u32 {
 
 /// A pseudo-random permutation of `0..length` (after Kensler 2013).
 ///
-/// Consists of a bijection of the next power of two, iterated until the result is in the range (cycle walking, Black
-/// and Rogaway), and of a rotation of the range. The rotation makes all positions of an index equally likely.
+/// A bijection of the next power of two is iterated until the result is in the range (cycle walking, Black and
+/// Rogaway). Then the range is rotated. The rotation makes all positions of an index equally likely.
 #[derive(Clone, Copy, Debug)]
 pub struct Permutation {
     length: u32,

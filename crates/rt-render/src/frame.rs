@@ -149,7 +149,7 @@ impl Frame {
 
     /// Time of a sample; it takes a random number only if something moves.
     pub(crate) fn sample_time(&self, sample: &mut SampleStream) -> f64 {
-        if self.has_motion { self.camera.moment(sample.next_1d()) } else { 0.0 }
+        if self.has_motion { self.camera.shutter_time(sample.next_1d()) } else { 0.0 }
     }
 
     /// Space in front of a part of the image.

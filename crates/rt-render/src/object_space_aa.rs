@@ -128,7 +128,7 @@ impl Pyramid {
     /// True only if no ray of the pyramid meets the primitive.
     fn passes_by<W: ShadedPrimitives>(&self, world: &W, index: u32) -> bool {
         match world.form(index) {
-            PrimitiveForm::Sphere { centre, radius } => self.volume.excludes_ball(centre, radius),
+            PrimitiveForm::Sphere { centre, radius } => self.volume.excludes_sphere(centre, radius),
             _ => padded_bounds(world, index).is_some_and(|own| self.volume.excludes(&own)),
         }
     }
@@ -164,9 +164,9 @@ impl PyramidHit {
                 };
                 self.hits.iter().zip(&front.hits).all(is_deeper)
             }
-            PrimitiveForm::Sphere { centre, radius } => volume.least_depth_of_ball(centre, radius) > patch.farthest,
+            PrimitiveForm::Sphere { centre, radius } => volume.min_depth_of_sphere(centre, radius) > patch.farthest,
             PrimitiveForm::Flat | PrimitiveForm::Faces | PrimitiveForm::Other => {
-                padded_bounds(world, self.index).is_some_and(|own| volume.least_depth(&own) > patch.farthest)
+                padded_bounds(world, self.index).is_some_and(|own| volume.min_depth(&own) > patch.farthest)
             }
         }
     }

@@ -34,7 +34,7 @@ impl RenderPlan<'_> {
     /// shutter interval. `None` for the background. Pixels outside of the image are valid.
     pub fn pick(&self, x: u32, y: u32) -> Option<PickResult> {
         let raster = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
-        let time = if self.frame.has_motion { self.frame.camera.moment(0.5) } else { 0.0 };
+        let time = if self.frame.has_motion { self.frame.camera.shutter_time(0.5) } else { 0.0 };
         let ray = self.frame.camera.ray(raster, time);
         match &self.scene.world {
             World::Spheres(world, structure) => {

@@ -13,8 +13,8 @@ use rt_math::float::difference_of_products;
 /// | `Convex` | belongs to the polygon, as for triangles: where two meet, both are hit, at the same place |
 /// | `Winding`, `EvenOdd` | belongs to one of two polygons that share it in a plane, never to both or neither |
 ///
-/// The second is the half-open rule. It decides as if the ray were moved from the edge by less than any number, to the
-/// same side for all polygons, so it leaves no gap between polygons in different planes either.
+/// The second is the half-open rule. It decides as if the ray were moved off the edge by less than any number, to the
+/// same side for all polygons. So it leaves no gap between polygons in different planes either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum InsideRule {
     /// For convex polygons: the intersection of the half-planes of the edges.

@@ -15,15 +15,15 @@ use rt_math::{Aabb, DVec3, Frame, Interval, Ray, Transform};
 /// A flat polygon: an outline and holes in it. Its front is the side from which the outline runs counter-clockwise.
 ///
 /// The intersection with the plane of the polygon gives `t`. The inside test does not use that rounded point, but the
-/// ray: all corners are mapped as [`WatertightRay`] maps those of triangles, and the [`InsideRule`] locates the origin
-/// of the image with exact signs. Polygons and triangles with common corners in one space share their image, so that no
-/// ray passes between them, at edges or at corners, for any tilt.
+/// ray. All corners are mapped as [`WatertightRay`] maps those of triangles. The [`InsideRule`] locates the origin of
+/// the image with exact signs. Polygons and triangles with common corners in one space share their image. So no ray
+/// passes between them, at edges or at corners, for any tilt.
 ///
 /// Corners may lie off the plane by a millionth of the diameter. They are projected on it for `t` and the surface, but
 /// not for the inside test, which avoids gaps to the neighbours.
 ///
-/// The texture coordinates run from 0 to 1 along the tangents that [`Frame::from_z`] gives for the normal (x and y for
-/// a polygon that faces +z), over the smallest box with such sides around the outline and holes.
+/// The texture coordinates run from 0 to 1 along the tangents of [`Frame::from_z`] of the normal: x and y for a polygon
+/// that faces +z. They cover the smallest box with such sides around the outline and holes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
     vertices: Box<[DVec3]>,

@@ -61,7 +61,7 @@ impl ErrorMap {
     }
 }
 
-/// Test minus reference, in units of radiance, of that channel of each pixel which differs most: unlike in a mean over
+/// Test minus reference, in units of radiance, of the channel of each pixel that differs most. Unlike in a mean over
 /// the channels, a red error and a green one do not cancel. NaN where a pixel is not finite in one of the images.
 pub fn signed_error(pair: &ImagePair<'_>) -> ErrorMap {
     let greater = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };

@@ -63,8 +63,8 @@ impl Flip {
         ErrorMap::new(pair, values)
     }
 
-    /// HDR-ꟻLIP (Andersson, Nilsson, Shirley and Akenine-Möller 2021): in each pixel the greatest difference at any of the
-    /// exposures, of what a display shows with the curve [`ToneCurve::Aces`].
+    /// HDR-ꟻLIP (Andersson, Nilsson, Shirley and Akenine-Möller 2021). Each pixel has the maximum difference over all
+    /// exposures of the images displayed with the curve [`ToneCurve::Aces`].
     pub fn hdr(&self, pair: &ImagePair<'_>, exposures: &ExposureRange) -> ErrorMap {
         let mut values = vec![0.0; pair.test().pixels().len()];
         for exposure in exposures.exposures() {

@@ -6,11 +6,11 @@ use crate::{Encoding, Image};
 /// Colours of an [`ErrorMap`] between two limits, beyond which the colour stays the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColourScale {
-    /// From `−limit` (blue: too dark) over 0 (white) to `limit` (red: too bright): five colours of ColorBrewer's RdBu
-    /// (Harrower and Brewer 2003), and between them straight lines in sRGB.
+    /// From `−limit` (blue: too dark) over 0 (white) to `limit` (red: too bright). Five colours of ColorBrewer's RdBu
+    /// (Harrower and Brewer 2003), interpolated linearly in sRGB.
     Signed,
-    /// From 0 (black) over violet and orange to `limit` (pale yellow): nine colours of magma (Smith and van der Walt 2015),
-    /// and between them straight lines in sRGB.
+    /// From 0 (black) over violet and orange to `limit` (pale yellow). Nine colours of magma (Smith and van der Walt
+    /// 2015), interpolated linearly in sRGB.
     Magnitude,
 }
 

@@ -1,7 +1,7 @@
 //! Parts of images, and what a separable filter makes of them.
 //!
-//! A filter looks at the surroundings of each pixel. An image is therefore cut into tiles, each of which is filtered with
-//! a margin of its surroundings, so that the memory needed does not grow with the image.
+//! A filter looks at the surroundings of each pixel. An image is therefore cut into tiles, each of which is filtered
+//! with a margin of its surroundings. So the memory does not grow with the image.
 
 use core::ops::Range;
 

@@ -7,8 +7,8 @@ use rt_math::transcendental::log;
 use super::ImagePair;
 use crate::Development;
 
-/// Peak signal-to-noise ratio in decibels, −10 log₁₀ of the mean squared difference of the signals that the development
-/// sends to the display, which reach from 0 to 1. Greater is better; infinite if the signals are equal.
+/// Peak signal-to-noise ratio in decibels: −10 log₁₀ of the mean squared difference of the display signals, which range
+/// from 0 to 1. Greater is better; infinite if the signals are equal.
 pub fn psnr(pair: &ImagePair<'_>, development: &Development) -> f64 {
     let components = |film: &crate::Image| film.pixels().as_flattened().len();
     let signals = pair.test().pixels().as_flattened().iter().zip(pair.reference().pixels().as_flattened());

@@ -16,9 +16,9 @@ const SIGMA: f64 = 1.5;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
-/// Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) of the signals that the development sends to the
-/// display, with a Gaussian window of 11 by 11 pixels: computed for red, green and blue, of which it is the mean. At most
-/// 1, which equal signals have. `None` for an image in which the window finds no place.
+/// Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) of the display signals, with a Gaussian window
+/// of 11 by 11 pixels. Mean over red, green and blue. At most 1, for equal signals. `None` for an image that is smaller
+/// than the window.
 pub fn ssim(pair: &ImagePair<'_>, development: &Development) -> Option<f64> {
     let (width, height) = (pair.width(), pair.height());
     if width.min(height) <= 2 * MARGIN {

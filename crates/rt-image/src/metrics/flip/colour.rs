@@ -14,17 +14,17 @@ const LUMINANCES: [f64; 3] = [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_8
 
 /// Exponent of the HyAB distance, q_c.
 const EXPONENT: f64 = 0.7;
-/// The part p_c of the greatest distance that is brought to the part p_t of the range; greater ones share the rest.
+/// The part p_c of the maximum distance that maps to the part p_t of the range. Greater distances share the rest.
 const KNEE: [f64; 2] = [0.4, 0.95];
 
-/// Conversions from linear sRGB, and the greatest difference of two colours.
+/// Conversions from linear sRGB, and the maximum difference of two colours.
 #[derive(Clone, Debug)]
 pub(super) struct ColourSpace {
     /// To XYZ in units of white.
     white_relative_from_rgb: DMat3,
     rgb_from_white_relative: DMat3,
     /// HyAB distance of green from blue, to the power of [`EXPONENT`].
-    greatest: f64,
+    max: f64,
 }
 
 impl ColourSpace {
@@ -37,9 +37,9 @@ impl ColourSpace {
         let white = xyz_from_rgb * DVec3::ONE;
         let white_relative_from_rgb = DMat3::from_diagonal(white.recip()) * xyz_from_rgb;
         let rgb_from_white_relative = white_relative_from_rgb.inverse();
-        let mut space = Self { white_relative_from_rgb, rgb_from_white_relative, greatest: 1.0 };
+        let mut space = Self { white_relative_from_rgb, rgb_from_white_relative, max: 1.0 };
         let [green, blue] = [DVec3::Y, DVec3::Z].map(|rgb| space.lab_of_rgb(rgb));
-        space.greatest = pow(hyab(green, blue), EXPONENT);
+        space.max = pow(hyab(green, blue), EXPONENT);
         space
     }
 
@@ -79,7 +79,7 @@ impl ColourSpace {
     /// Difference of two colours in [`lab`](Self::lab), between 0 and 1: equations 12 and 13 of the paper.
     pub(super) fn difference(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
         let [part, target] = KNEE;
-        let distance = pow(hyab(a, b), EXPONENT) / self.greatest;
+        let distance = pow(hyab(a, b), EXPONENT) / self.max;
         let difference = if distance < part {
             target / part * distance
         } else {
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn the_scale_bends_at_its_knee() {
         let space = ColourSpace::new();
-        let at = |part: f64| space.difference([pow(part * space.greatest, 1.0 / EXPONENT), 0.0, 0.0], [0.0; 3]);
+        let at = |part: f64| space.difference([pow(part * space.max, 1.0 / EXPONENT), 0.0, 0.0], [0.0; 3]);
         for (part, difference) in [(0.2, 0.475), (0.4, 0.95), (0.7, 0.975), (1.0, 1.0)] {
             assert!((at(part) - difference).abs() < 1e-12, "{part}: {}", at(part));
         }

@@ -9,8 +9,8 @@ const BRIGHT: f64 = 0.85;
 /// Luminance of nothing, where a logarithm needs one.
 const DARKEST: f64 = f32::EPSILON as f64;
 
-/// Exposures in steps of at most one stop: from the one at which the brightest pixel of the reference is displayed as
-/// bright as 0.85, to the one at which the pixel of median luminance is (Andersson et al. 2021).
+/// Exposures in steps of at most one stop. The first displays the brightest pixel of the reference at 0.85, the last
+/// the pixel of median luminance (Andersson et al. 2021).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExposureRange {
     /// The shortest exposure, in stops.
@@ -24,8 +24,8 @@ pub struct ExposureRange {
 impl ExposureRange {
     /// The range that fits a reference, of which only the finite pixels are looked at.
     ///
-    /// The exposures are those of [`ToneCurve::Aces`](crate::ToneCurve::Aces); programs that multiply radiance by 0.6 in this curve take exposures
-    /// that are higher by log₂ 1/0.6 = 0.74 for the same pictures.
+    /// The exposures are those of [`ToneCurve::Aces`](crate::ToneCurve::Aces). Programs that multiply radiance by 0.6
+    /// in this curve use exposures that are higher by log₂ 1/0.6 = 0.74.
     pub fn fitting(reference: &Image) -> Self {
         // Luminance has the weights of the metric's colour space to four digits.
         let luminances = reference.pixels().iter().map(|pixel| Rgb::from(pixel.map(f64::from)).luminance());

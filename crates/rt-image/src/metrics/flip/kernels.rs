@@ -7,7 +7,7 @@ use rt_math::transcendental::exp;
 use crate::metrics::plane::Plane;
 
 /// Contrast sensitivity of the eye as sums of Gaussians `a · √(π/b) · exp(−π² x² / b)` over x in degrees (Johnson and
-/// Fairchild 2003, as the paper has it): (a, b) for the achromatic, red–green and yellow–blue components.
+/// Fairchild 2003). Pairs (a, b) are for the achromatic, red–green and yellow–blue components.
 const SENSITIVITIES: [&[[f64; 2]]; 3] = [&[[1.0, 0.0047]], &[[1.0, 0.0053]], &[[34.1, 0.04], [13.5, 0.025]]];
 /// The greatest `b`.
 const WIDEST: f64 = 0.04;
