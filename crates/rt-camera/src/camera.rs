@@ -111,10 +111,10 @@ pub enum CameraError {
 /// direction = −z + s·(r.x − c.x)·x − s·(r.y − c.y)·y,      s = 2·tan(fov / 2) / pixels across
 /// ```
 ///
-/// in the camera's axes x, y, z. The component along the view is 1, so **the parameter `t` of a point is its depth**:
-/// its distance from the camera plane (not from the pinhole), in units of the camera's own space. This holds for the
-/// orthographic camera as well, whose rays start on the camera plane. Rays of a [`Lens`] start at a point λ of the
-/// aperture. They lead to the intersection of the ray through its centre with the plane of focus:
+/// in the camera's axes x, y, z. The component along the view is 1, so **the parameter `t` of a point is its depth**.
+/// Depth is the distance from the camera plane (not from the pinhole), in units of the camera's own space. This holds
+/// for the orthographic camera as well, whose rays start on the camera plane. Rays of a [`Lens`] start at a point λ of
+/// the aperture. They lead to the intersection of the ray through its centre with the plane of focus:
 ///
 /// ```text
 /// origin' = origin + λ,      direction' = direction − λ / focus

@@ -271,7 +271,7 @@ impl Arrangement {
 
     /// Multi-jittering (Chiu, Shirley, Wang 1994). There is a point in each cell, and in each column and row of a grid
     /// that is finer by another factor of n. One permutation for all columns of cells, and one for all rows (Kensler
-    /// 2013), would be cheaper, but the error of a smooth integrand then falls as N^-0.8 instead of 1/N (measured).
+    /// 2013), would be cheaper. But the measured error of a smooth integrand then falls as N^-0.8 instead of 1/N.
     fn multi_jittered(&self, cell: u32, jitter: [f64; 2]) -> [f64; 2] {
         let Self { side, spp, key, .. } = *self;
         let (column, row) = (cell % side, cell / side);

@@ -21,8 +21,8 @@ pub(crate) fn check(named: &NamedMesh, welded: &Welded, findings: &mut Findings)
 
 /// Triangle rotated to start with its lowest corner, with a flag for a swap that sorted the other two.
 fn canonical(mut triangle: [u32; 3]) -> ([u32; 3], bool) {
-    let least = (0..3).fold(0, |i, k| if triangle[k] < triangle[i] { k } else { i });
-    triangle.rotate_left(least);
+    let first = (0..3).fold(0, |i, k| if triangle[k] < triangle[i] { k } else { i });
+    triangle.rotate_left(first);
     let turned = triangle[1] > triangle[2];
     if turned {
         triangle.swap(1, 2);

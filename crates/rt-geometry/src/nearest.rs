@@ -100,18 +100,21 @@ mod tests {
             ..MeshData::default()
         };
         let (mesh, _) = TriangleMesh::build(data).expect("a mesh");
-        let ball = Spheres::new(vec![Sphere::new(DVec3::X, 2.0).expect("a sphere")]);
+        let spheres = Spheres::new(vec![Sphere::new(DVec3::X, 2.0).expect("a sphere")]);
         let above = DVec3::new(0.25, 0.25, 3.0);
         assert_eq!(
             (mesh.nearest_point(0, above), mesh.nearest_point(1, above)),
             (Some(DVec3::new(0.25, 0.25, 0.0)), None)
         );
-        assert_eq!((ball.nearest_point(0, DVec3::X * 9.0), ball.nearest_point(1, above)), (Some(DVec3::X * 3.0), None));
-        assert_eq!(ball.nearest_point(0, DVec3::X * 1.5), Some(DVec3::X * 3.0), "from within");
-        assert_eq!(ball.nearest_point(0, DVec3::X), Some(DVec3::new(1.0, 2.0, 0.0)), "from the centre");
+        assert_eq!(
+            (spheres.nearest_point(0, DVec3::X * 9.0), spheres.nearest_point(1, above)),
+            (Some(DVec3::X * 3.0), None)
+        );
+        assert_eq!(spheres.nearest_point(0, DVec3::X * 1.5), Some(DVec3::X * 3.0), "from within");
+        assert_eq!(spheres.nearest_point(0, DVec3::X), Some(DVec3::new(1.0, 2.0, 0.0)), "from the centre");
         for bad in [f64::NAN, f64::INFINITY] {
             let point = DVec3::new(0.0, bad, 0.0);
-            assert_eq!((mesh.nearest_point(0, point), ball.nearest_point(0, point)), (None, None));
+            assert_eq!((mesh.nearest_point(0, point), spheres.nearest_point(0, point)), (None, None));
         }
     }
 

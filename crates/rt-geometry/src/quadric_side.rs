@@ -41,7 +41,7 @@ impl QuadricSide {
     /// Part of the ray inside; `None` if it is empty, and for rays with a NaN.
     ///
     /// With the radius ρ + σ·t along the ray, the crossings solve a·t² − 2b·t + c = 0. Each cancellation of the
-    /// textbook form is avoided: a, b and c are sums of products without loss of digits, and the smaller root is c/q.
+    /// textbook form is avoided. The coefficients are sums of products without loss of digits. The smaller root is c/q.
     /// By Lagrange's identity the discriminant is |ρ·d − σ·o|² − (o × d)² in the plane across the axis. It is computed
     /// as the product of a sum and a difference of lengths.
     #[inline]

@@ -18,7 +18,7 @@ pub struct SphereKernel {
 }
 
 impl SphereKernel {
-    /// Factors that make the square of a distance a lower bound and the square of a radius an upper bound, for
+    /// Factors that make the square of a distance a lower bound and the square of a radius an upper bound. For
     /// accelerators with the arithmetic of [`intersect`](Self::intersect).
     pub const REJECTION_BOUNDS: [f64; 2] = [1.0 - REJECTION, 1.0 + REJECTION];
 

@@ -26,8 +26,8 @@ pub struct WatertightRay {
 const CYCLIC: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl WatertightRay {
-    /// Largest `t`, as a fraction of the sum of the distances of the vertices along the ray, with an exact test of the
-    /// side on which the ray starts.
+    /// Bound on `t` over the sum of the distances of the vertices along the ray. Up to it, the side on which the ray
+    /// starts is computed exactly.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
 
     /// Prepares a ray. A ray without a direction misses everything.

@@ -71,7 +71,7 @@ fn transform() -> impl Strategy<Value = Transform> {
     )
 }
 
-/// Checks that a ray spawned on the outside of a convex surface misses it, and that its origin moved by a tiny part of
+/// Checks that a ray spawned on the outside of a convex surface misses it. Its origin must have moved by a tiny part of
 /// the size of the scene.
 fn leaves(
     surface: &SurfaceInteraction,

@@ -19,9 +19,9 @@ impl Camera {
     /// Connects a point to the camera at a time; with a lens, to the lens point of a unit-square sample. `None`
     /// where [`project`](Self::project) is then, and where the point is so near to the camera that its image has no bounds.
     ///
-    /// The ray to the point at the depth t has the direction d, whose component along the view is 1. r and b are one
-    /// pixel to the right and down on the image plane. Rays through a pixel fill the solid angle `|d·(r × b)| / |d|³`
-    /// where they start. A unit of area at the distance t·|d| thus covers
+    /// The ray to the point at the depth t has the direction d, whose component along the view is 1. The vectors r and
+    /// b are one pixel to the right and down on the image plane. Rays through a pixel fill the solid angle `|d·(r × b)|
+    /// / |d|³` where they start. A unit of area at the distance t·|d| thus covers
     ///
     /// ```text
     ///   |d| / (t² |d·(r × b)|)   pixels, and     |d| / |d·(r × b)|    in a parallel projection

@@ -43,8 +43,8 @@ fn rmse(pattern: SamplerKind, spp: u32, integrand: &Integrand) -> f64 {
 fn slope(pattern: SamplerKind, integrand: &Integrand) -> f64 {
     let points = [16u32, 64, 256, 1024].map(|spp| [log2(f64::from(spp)), log2(rmse(pattern, spp, integrand))]);
     let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64);
-    let moment = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
-    moment(1) / moment(0)
+    let covariance = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
+    covariance(1) / covariance(0)
 }
 
 /// Mitchell 1996 for edges, Owen 1997 for smooth integrands.

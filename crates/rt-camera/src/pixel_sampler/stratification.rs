@@ -216,8 +216,8 @@ fn rounding_up_in_the_last_stratum_stays_below_one() {
 fn correlation(pairs: &[[f64; 2]]) -> f64 {
     let count = pairs.len() as f64;
     let mean = [0, 1].map(|axis| pairs.iter().map(|pair| pair[axis]).sum::<f64>() / count);
-    let moment = |a: usize, b: usize| pairs.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>();
-    moment(0, 1) / (moment(0, 0) * moment(1, 1)).sqrt()
+    let covariance = |a: usize, b: usize| pairs.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>();
+    covariance(0, 1) / (covariance(0, 0) * covariance(1, 1)).sqrt()
 }
 
 #[test]

@@ -31,14 +31,14 @@ impl ExposureRange {
         let luminances = reference.pixels().iter().map(|pixel| Rgb::from(pixel.map(f64::from)).luminance());
         let mut luminances: Vec<_> = luminances.filter(|luminance| luminance.is_finite()).collect();
         let middle = luminances.len() / 2;
-        let (median, greatest) = if luminances.is_empty() {
+        let (median, max) = if luminances.is_empty() {
             (DARKEST, DARKEST)
         } else {
             let (_, &mut median, above) = luminances.select_nth_unstable_by(middle, f64::total_cmp);
             (median.max(DARKEST), above.iter().copied().fold(median, f64::max).max(DARKEST))
         };
         let bright = radiance_displayed_as(BRIGHT);
-        let (start, stop) = (log2(bright / greatest), log2(bright / median));
+        let (start, stop) = (log2(bright / max), log2(bright / median));
         // The range of `f32` has 277 stops, and a few more to `DARKEST`.
         Self { start, stop, count: ((stop - start).ceil() as u32).max(2) }
     }
