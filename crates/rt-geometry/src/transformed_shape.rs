@@ -119,11 +119,11 @@ mod tests {
     use proptest::prelude::*;
 
     fn shapes() -> [Shape; 4] {
-        let ball = Sphere::new(DVec3::new(0.5, -1.0, 0.25), 2.0).expect("a sphere");
+        let sphere = Sphere::new(DVec3::new(0.5, -1.0, 0.25), 2.0).expect("a sphere");
         let solid = Cuboid::new(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(1.0, 0.5, 3.0)).expect("a box");
         let floor = Plane::new(DVec3::new(0.0, 1.0, 2.0), DVec3::new(0.5, 1.0, -0.5)).expect("a plane");
         let flat = Triangle::new([DVec3::new(-2.0, 0.0, 0.5), DVec3::new(2.0, -1.0, 0.0), DVec3::new(0.0, 2.0, 1.0)]);
-        [Shape::Sphere(ball), Shape::Cuboid(solid), Shape::Plane(floor), Shape::Triangle(flat.expect("a triangle"))]
+        [Shape::Sphere(sphere), Shape::Cuboid(solid), Shape::Plane(floor), Shape::Triangle(flat.expect("a triangle"))]
     }
 
     fn vector(range: f64) -> impl Strategy<Value = DVec3> {
