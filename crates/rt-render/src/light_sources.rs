@@ -1,7 +1,7 @@
 //! Lights that light tracing starts from, and the specular objects that it aims at.
 
 use rt_geometry::Shape;
-use rt_shading::{Appearance, Ball, LightSources, Targets, emitter::EmitterSet};
+use rt_shading::{Appearance, Ball, LightSources, Targets, light::LightSet};
 
 use crate::{
     camera_medium::reach_of_transparent_bodies,
@@ -9,8 +9,8 @@ use crate::{
     world::World,
 };
 
-/// The lights of the world as beginnings of paths; `None` if none of them can shine on a sharp mirror or glass.
-pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, world: &World) -> Option<LightSources> {
+/// Lights of the world as origins of light paths; `None` if none of them can reach a specular surface.
+pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &World) -> Option<LightSources> {
     let is_sharp =
         |material: u32| appearance.materials.get(material as usize).is_some_and(rt_shading::Material::is_sharp);
     let targets = match world {
@@ -24,7 +24,7 @@ pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, worl
         World::Instances(top, levels) => targets(&top.instances, levels, &is_sharp),
     };
     let bodies = reach_of_transparent_bodies(&appearance.materials, world);
-    let sources = LightSources::new(&appearance.lights, emitters, targets, world.bounds(), bodies);
+    let sources = LightSources::new(lights, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)
 }
 

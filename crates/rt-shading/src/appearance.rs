@@ -1,6 +1,6 @@
 //! All that decides about colour in a scene, apart from its geometry.
 
-use crate::{Light, Material, Texture, emitter::EnvironmentLight};
+use crate::{DeltaLight, Material, Texture, light::EnvironmentLight};
 use rt_math::{DVec3, Rgb};
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ impl Background {
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         match self {
             Self::Constant(rgb) => *rgb,
-            Self::Environment(light) => light.radiance(direction),
+            Self::Environment(light) => light.le(direction),
             Self::Gradient { bottom, top } => bottom.lerp(*top, 0.5 + 0.5 * direction.y / direction.length()),
         }
     }
@@ -48,7 +48,7 @@ pub struct Appearance {
     /// Textures; [`TextureId`](crate::TextureId) is an index into this list.
     pub textures: Vec<Texture>,
     /// Lights with a place or a direction.
-    pub lights: Vec<Light>,
+    pub lights: Vec<DeltaLight>,
     /// Light from everywhere, scaled by the ambient coefficient of materials.
     pub ambient: Rgb,
     /// Radiance of rays that hit nothing.

@@ -5,7 +5,7 @@ mod scatter;
 mod wave;
 
 use crate::{
-    Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, ray_queues::RayQueues,
+    Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, light::LightSet, ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
 use rt_geometry::RayKind;
@@ -75,10 +75,10 @@ pub struct PathTracer<S> {
 /// Materials and lights for an integrator.
 #[derive(Clone, Copy, Debug)]
 pub struct Lighting<'a> {
-    /// Materials, textures, lights without extent, and the background.
+    /// Materials, textures and the background.
     pub appearance: &'a Appearance,
-    /// Lights with extent.
-    pub emitters: &'a EmitterSet,
+    /// All lights.
+    pub lights: &'a LightSet,
     /// BSDFs of uniform materials of this appearance, or `default()`.
     pub bsdfs: &'a BsdfCache,
 }

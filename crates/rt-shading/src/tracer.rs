@@ -1,6 +1,6 @@
 //! Ray queries of integrators.
 
-use crate::emitter::EmitterRef;
+use crate::light::LightId;
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{Interval, Ray, Rgb};
 
@@ -15,8 +15,8 @@ pub struct SurfaceHit {
     pub object: u32,
     /// Index into [`Appearance::materials`](crate::Appearance::materials).
     pub material: u32,
-    /// The light with extent that the surface belongs to, if it is one that can be drawn from.
-    pub emitter: Option<EmitterRef>,
+    /// Area light of the surface, if it is one of the sampled lights.
+    pub light: Option<LightId>,
 }
 
 impl SurfaceHit {

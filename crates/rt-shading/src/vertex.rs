@@ -4,16 +4,10 @@ use crate::{
     Appearance, Material, PhysicalPoint,
     bsdf::{Bsdf, BsdfSample},
     interior::MediumInterface,
+    mis::power_heuristic,
     viewed_surface::ViewedSurface,
 };
 use rt_math::{DVec3, Frame, Rgb};
-
-/// The power heuristic with exponent 2, of a direction drawn with density `drawn` that could have been drawn with `other`.
-pub(crate) fn power_heuristic(drawn: f64, other: f64) -> f64 {
-    // The quotient does not overflow where squares do.
-    let ratio = other / drawn;
-    1.0 / (1.0 + ratio * ratio)
-}
 
 /// BSDF at a hit. The interface of a solid gives the media on both sides.
 pub(crate) fn bsdf_at(

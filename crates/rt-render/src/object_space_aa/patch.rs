@@ -2,7 +2,7 @@
 
 use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec3, Ray, transcendental::pow};
-use rt_shading::{Appearance, ColorTexture, Light, LightKind, Material, Phong};
+use rt_shading::{Appearance, ColorTexture, DeltaLight, DeltaLightKind, Material, Phong};
 
 use crate::{primitive_form::PrimitiveForm, world::ShadedPrimitives};
 
@@ -95,11 +95,11 @@ impl SurfacePatch {
     }
 
     /// True if the light, blocked by nothing, does not reach any point of the patch.
-    pub(super) fn turns_away_from(&self, light: &Light) -> bool {
+    pub(super) fn turns_away_from(&self, light: &DeltaLight) -> bool {
         let (place, away) = match light.kind {
-            LightKind::Directional { direction } => (None, direction),
-            LightKind::Point { position, .. } => (Some(position), DVec3::ZERO),
-            LightKind::Spot { position, direction, cos_outer, .. } => {
+            DeltaLightKind::Directional { direction } => (None, direction),
+            DeltaLightKind::Point { position, .. } => (Some(position), DVec3::ZERO),
+            DeltaLightKind::Spot { position, direction, cos_outer, .. } => {
                 let axis = self.cosine_with(position, direction);
                 if axis.is_some_and(|[_, greatest]| greatest <= cos_outer) {
                     return true;
@@ -122,11 +122,11 @@ impl SurfacePatch {
     }
 
     /// True if an unblocked light of full strength changes so little over the patch that a few samples show it.
-    pub(super) fn is_even_under(&self, light: &Light, phong: &Phong) -> bool {
+    pub(super) fn is_even_under(&self, light: &DeltaLight, phong: &Phong) -> bool {
         let turn_of_light = match light.kind {
-            LightKind::Directional { .. } => Some(0.0),
-            LightKind::Point { position, .. } => self.angle_from(position),
-            LightKind::Spot { position, direction, cos_inner, .. } => {
+            DeltaLightKind::Directional { .. } => Some(0.0),
+            DeltaLightKind::Point { position, .. } => self.angle_from(position),
+            DeltaLightKind::Spot { position, direction, cos_inner, .. } => {
                 let axis = self.cosine_with(position, direction);
                 self.angle_from(position).filter(|_| axis.is_some_and(|[least, _]| least >= cos_inner))
             }
@@ -137,13 +137,13 @@ impl SurfacePatch {
     }
 
     /// True if the highlight is wide, or elsewhere.
-    fn has_even_highlight(&self, light: &Light, phong: &Phong, turn: f64) -> bool {
+    fn has_even_highlight(&self, light: &DeltaLight, phong: &Phong, turn: f64) -> bool {
         if turn * phong.exponent.max(1.0).sqrt() <= MOST_TURN {
             return true;
         }
         let ColorTexture::Constant(specular) = phong.specular else { return false };
         let brightest = |corner: &Corner| {
-            let lit = light.illuminate(corner.point)?;
+            let lit = light.sample_li(corner.point)?;
             let cosine = phong.highlight.strength(corner.normal, corner.to_viewer, lit.direction, 1.0);
             Some(pow((cosine + turn).min(1.0), phong.exponent) * lit.strength.max_component())
         };

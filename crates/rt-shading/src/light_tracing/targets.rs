@@ -1,6 +1,6 @@
 //! Where light is sent: to what mirrors or refracts sharply, and not past it.
 
-use crate::emitter::solid_angle::uniform_sphere;
+use crate::light::solid_angle::uniform_sphere;
 use core::f64::consts::{PI, TAU};
 use rt_math::{DVec3, Frame, transcendental::sincos};
 

@@ -10,8 +10,9 @@ use crate::{
     bsdf_cache::CachedBsdf,
     hit_context::HitContext,
     interior::MediumInterface,
+    mis::power_heuristic,
     russian_roulette::russian_roulette,
-    vertex::{Vertex, bsdf_at, power_heuristic},
+    vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,
 };
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
@@ -72,7 +73,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
         // Ambient light stands for the background where the diffuse part is neither followed to it nor lit by samples of it.
         let gathers_background = !lighting.appearance.background.is_black()
-            && (vertex.bsdf.is_diffuse_below_layer() || lighting.emitters.environment().is_some());
+            && (vertex.bsdf.is_diffuse_below_layer() || lighting.lights.environment().is_some());
         if only_reflects && self.needs.ambient && !gathers_background {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
@@ -129,8 +130,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if vertex.bsdf.is_delta() {
             return;
         }
-        for light in &lighting.appearance.lights {
-            let Some(lit) = light.illuminate(surface.point) else { continue };
+        for light in lighting.lights.delta_lights() {
+            let Some(lit) = light.sample_li(surface.point) else { continue };
             let scattered = vertex.eval(lit.direction);
             // A classical surface reflects kd of a classical light, and not kd / π of it.
             let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
@@ -143,12 +144,13 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
             }
         }
-        if lighting.emitters.is_empty() {
+        let n_sampled = lighting.lights.sampled_lights().len();
+        if n_sampled == 0 {
             return;
         }
         let u = path.sampler.next_2d();
-        let choice = if lighting.emitters.emitters().len() > 1 { path.sampler.next_1d() } else { 0.0 };
-        let Some(light) = lighting.emitters.sample(surface.point, vertex.normal, choice, u) else {
+        let choice = if n_sampled > 1 { path.sampler.next_1d() } else { 0.0 };
+        let Some(light) = lighting.lights.sample_li(surface.point, vertex.normal, choice, u) else {
             self.counts.shadow_rays_spared += 1;
             return;
         };
@@ -212,15 +214,15 @@ fn within(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCount
 
 /// By how much the light of a surface counts that a path has met, as it might have been drawn.
 fn mis_weight_area<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
-    let (Some(light), Some(pdf)) = (hit.emitter, path.prev.pdf) else { return 1.0 };
+    let (Some(light), Some(pdf)) = (hit.light, path.prev.pdf) else { return 1.0 };
     let PrevVertex { point, normal, .. } = path.prev;
     let surface = &hit.interaction;
-    let drawn = lighting.emitters.pdf(point, normal, light, surface.point, surface.geometric_normal);
+    let drawn = lighting.lights.pdf_li(point, normal, light, surface.point, surface.geometric_normal);
     power_heuristic(pdf, drawn)
 }
 
 /// The same for the environment.
 fn mis_weight_env<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
-    let (Some(_), Some(pdf)) = (lighting.emitters.environment(), path.prev.pdf) else { return 1.0 };
-    power_heuristic(pdf, lighting.emitters.environment_pdf(path.prev.point, path.prev.normal, direction))
+    let (Some(_), Some(pdf)) = (lighting.lights.environment(), path.prev.pdf) else { return 1.0 };
+    power_heuristic(pdf, lighting.lights.pdf_li_environment(path.prev.point, path.prev.normal, direction))
 }

@@ -57,7 +57,7 @@ impl<S> Path<S> {
     /// True if the light that the path has met is one that [`LightTracingIntegrator`](crate::LightTracingIntegrator) brings to the camera: a light
     /// that can be drawn from, met in a single direction by a path that began at a surface which spreads light.
     pub(super) fn is_caustic_of(&self, hit: &SurfaceHit) -> bool {
-        hit.emitter.is_some() && self.first_bounce_nonspecular && self.prev.pdf.is_none()
+        hit.light.is_some() && self.first_bounce_nonspecular && self.prev.pdf.is_none()
     }
 }
 

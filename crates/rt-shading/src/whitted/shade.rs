@@ -117,7 +117,7 @@ impl Whitted {
                 self.counts.shadow_rays_spared += u64::from(shadowed);
                 continue;
             }
-            let lit = light.illuminate(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
+            let lit = light.sample_li(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
             let reflected = lit.map_or(Rgb::BLACK, |lit| {
                 let mut reflectance = diffuse * view.normal.dot(lit.direction);
                 if self.needs.highlights && !specular.is_black() {

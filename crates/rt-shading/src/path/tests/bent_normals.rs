@@ -49,7 +49,8 @@ fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, cou
     let rays = vec![(towards_wall(wo), Interval::FORWARD); count as usize];
     let mut seen = vec![Seen::NOTHING; count as usize];
     let bsdfs = BsdfCache::default();
-    let lighting = Lighting { appearance: &scene.appearance, emitters: &scene.emitters, bsdfs: &bsdfs };
+    let lights = scene.light_set();
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     tracer.radiance_of(&mut world, lighting, &rays, &samplers, &mut seen);
     let n = f64::from(count);
     let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
@@ -82,9 +83,9 @@ fn pair_facing_away(index: u64) -> Option<(DVec3, DVec3)> {
     (normal.dot(wo) < -0.01).then_some((wo, normal))
 }
 
-fn sun(towards: DVec3, casts_shadows: bool) -> Light {
-    let kind = LightKind::Directional { direction: -towards };
-    Light { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows, units: LightUnits::Classical }
+fn sun(towards: DVec3, casts_shadows: bool) -> DeltaLight {
+    let kind = DeltaLightKind::Directional { direction: -towards };
+    DeltaLight { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows, units: LightUnits::Classical }
 }
 
 fn opaque_materials() -> Vec<Material> {
@@ -113,10 +114,10 @@ fn opaque_materials() -> Vec<Material> {
 #[test]
 fn an_opaque_wall_with_bent_normals_that_is_lit_from_behind_is_black() {
     for material in opaque_materials() {
-        let emission = Emission::new(Rgb::WHITE, Sides::Both).expect("an emission");
+        let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("an emission");
         let disk = DiskLight::new(DVec3::Y * -2.0, DVec3::Y, 1.5, 0.0, emission).expect("a light");
         let glowing = Sphere::new(DVec3::Y * -5.0, 2.5).expect("a sphere");
-        let mut scene = Scene::new(vec![material, physical(diffuse(0.0), 1.0)], vec![Emitter::Disk(disk)])
+        let mut scene = Scene::new(vec![material, physical(diffuse(0.0), 1.0)], vec![Light::Disk(disk)])
             .with(wall(), 0, None)
             .with(Shape::Sphere(glowing), 1, None);
         scene.appearance.lights = vec![sun(DVec3::new(0.6, -0.8, 0.0), true), sun(DVec3::new(0.0, -0.6, 0.8), false)];

@@ -1,6 +1,6 @@
 //! Where lights are, where they shine, and how much that may matter to a point.
 
-use super::{Emission, Sides};
+use super::{Emission, EmissionSides};
 use rt_math::transcendental::{atan2, sincos};
 use rt_math::{Aabb, DVec3, Rgb};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -12,7 +12,7 @@ const LEAST_COSINE: f64 = 1.0 / (1u64 << 20) as f64;
 /// The extent of a light or of many, the cone of their normals, and their power: the node of a light tree (Conty Estevez,
 /// Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EmitterBounds {
+pub struct LightBounds {
     around: Aabb,
     axis: DVec3,
     spread: f64,
@@ -21,7 +21,18 @@ pub struct EmitterBounds {
     power: f64,
 }
 
-impl EmitterBounds {
+/// Extent of a light, as a light tree treats it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightExtent {
+    /// Light without power.
+    Black,
+    /// Light within bounds.
+    Bounded(LightBounds),
+    /// Light from all directions, as an environment.
+    Unbounded,
+}
+
+impl LightBounds {
     /// Of lights within a box (world space), of which no normal is farther than `spread` (0 to π) from the unit `axis`.
     /// Light leaves up to π/2 from each normal; a light without any, as a point, has the spread π.
     pub fn new(around: Aabb, axis: DVec3, spread: f64, power: Rgb) -> Self {
@@ -38,8 +49,8 @@ impl EmitterBounds {
     /// Of a flat light with this unit normal.
     pub(super) fn of_flat(around: Aabb, normal: DVec3, emission: &Emission, area: f64) -> Self {
         let spread = match emission.sides() {
-            Sides::Front => 0.0,
-            Sides::Both => PI,
+            EmissionSides::Front => 0.0,
+            EmissionSides::Both => PI,
         };
         Self::new(around, normal, spread, emission.power(area))
     }
@@ -189,7 +200,7 @@ mod tests {
     /// Light that leaves up to π/2 from a single normal weighs π, and from all of them 4π.
     #[test]
     fn directions_are_weighed_as_in_the_paper() {
-        let of = |spread| EmitterBounds::new(Aabb::new(DVec3::ZERO, DVec3::ONE), DVec3::Z, spread, Rgb::WHITE);
+        let of = |spread| LightBounds::new(Aabb::new(DVec3::ZERO, DVec3::ONE), DVec3::Z, spread, Rgb::WHITE);
         assert!((of(0.0).directions() - PI).abs() < 1e-14);
         assert!((of(PI).directions() - 4.0 * PI).abs() < 1e-14);
         assert!((1..20).all(|i| of(f64::from(i) * 0.15).directions() > of(f64::from(i - 1) * 0.15).directions()));
@@ -198,7 +209,7 @@ mod tests {
     #[test]
     fn importance_of_a_small_light_is_that_of_a_point() {
         let (around, axis) = (Aabb::new(DVec3::ZERO, DVec3::ZERO), DVec3::new(0.0, 0.6, 0.8));
-        let light = EmitterBounds::new(around, axis, 0.0, Rgb::gray(5.0));
+        let light = LightBounds::new(around, axis, 0.0, Rgb::gray(5.0));
         let above = light.importance(DVec3::Z * 2.0, Some(DVec3::new(0.6, 0.0, -0.8)));
         assert!((above - 5.0 * 0.8 * 0.8 / 4.0).abs() < 1e-14, "{above}");
         assert_eq!(light.importance(DVec3::NEG_Z, None), 0.0, "behind the light");

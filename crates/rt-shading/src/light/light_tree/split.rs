@@ -1,6 +1,6 @@
 //! Which lights to keep apart from which.
 
-use super::EmitterBounds;
+use super::LightBounds;
 use rt_math::Aabb;
 
 /// Places along an axis at which a split is tried.
@@ -9,7 +9,7 @@ const BUCKETS: usize = 12;
 /// Orders at least two lights so that a first half, whose length is returned, is to be kept apart from the rest: where the
 /// sum of power · M_A · M_Ω is least (the surface area orientation heuristic, section 4.2 of the paper). Lights whose
 /// centres coincide are halved as they come.
-pub(super) fn split(node: &EmitterBounds, lights: &mut [(EmitterBounds, u32)]) -> usize {
+pub(super) fn split(node: &LightBounds, lights: &mut [(LightBounds, u32)]) -> usize {
     let centres = Aabb::from_points(lights.iter().map(|(bounds, _)| bounds.around().centre()));
     let longest = node.around().extent().max_element();
     let mut best: Option<(f64, usize, usize)> = None;
@@ -25,19 +25,19 @@ pub(super) fn split(node: &EmitterBounds, lights: &mut [(EmitterBounds, u32)]) -
         }
     }
     let Some((_, axis, last)) = best else { return lights.len() / 2 };
-    let is_first = |light: &(EmitterBounds, u32)| bucket_of(&centres, axis, &light.0) <= last;
+    let is_first = |light: &(LightBounds, u32)| bucket_of(&centres, axis, &light.0) <= last;
     lights.sort_by_key(|light| !is_first(light));
     lights.partition_point(is_first)
 }
 
 /// The buckets behind which both sides have lights, and what it costs to split there.
-fn costs(centres: &Aabb, axis: usize, lights: &[(EmitterBounds, u32)]) -> Vec<(f64, usize)> {
-    let mut buckets = [None::<EmitterBounds>; BUCKETS];
+fn costs(centres: &Aabb, axis: usize, lights: &[(LightBounds, u32)]) -> Vec<(f64, usize)> {
+    let mut buckets = [None::<LightBounds>; BUCKETS];
     for (bounds, _) in lights {
         let bucket = &mut buckets[bucket_of(centres, axis, bounds)];
         *bucket = Some(bucket.map_or(*bounds, |sum| sum.union(bounds)));
     }
-    let cost = |side: &[Option<EmitterBounds>]| {
+    let cost = |side: &[Option<LightBounds>]| {
         let sum = side.iter().flatten().copied().reduce(|a, b| a.union(&b))?;
         Some(sum.power() * sum.directions() * sum.around().surface_area())
     };
@@ -45,7 +45,7 @@ fn costs(centres: &Aabb, axis: usize, lights: &[(EmitterBounds, u32)]) -> Vec<(f
     (0..BUCKETS - 1).filter_map(split).collect()
 }
 
-fn bucket_of(centres: &Aabb, axis: usize, bounds: &EmitterBounds) -> usize {
+fn bucket_of(centres: &Aabb, axis: usize, bounds: &LightBounds) -> usize {
     let along = (bounds.around().centre()[axis] - centres.min[axis]) / centres.extent()[axis];
     ((along * BUCKETS as f64) as usize).min(BUCKETS - 1)
 }
@@ -57,12 +57,12 @@ mod tests {
     use rt_math::{DVec3, Rgb};
 
     /// A lamp in a room, facing up or down.
-    fn lamp(x: f64, axis: DVec3) -> EmitterBounds {
+    fn lamp(x: f64, axis: DVec3) -> LightBounds {
         let corner = DVec3::new(x, 0.0, 0.0);
-        EmitterBounds::new(Aabb::new(corner, corner + 0.1), axis, 0.0, Rgb::WHITE)
+        LightBounds::new(Aabb::new(corner, corner + 0.1), axis, 0.0, Rgb::WHITE)
     }
 
-    fn halves(lights: &mut [(EmitterBounds, u32)]) -> [Vec<u32>; 2] {
+    fn halves(lights: &mut [(LightBounds, u32)]) -> [Vec<u32>; 2] {
         let node = union(lights).expect("bounds");
         let middle = split(&node, lights);
         let (first, second) = lights.split_at(middle);

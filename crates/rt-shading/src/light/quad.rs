@@ -1,8 +1,8 @@
 //! Rectangular lights.
 
-use super::sample::{by_solid_angle, density};
+use super::light_sample::{by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
-use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample};
+use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::ShapeError;
 use rt_math::float::gamma;
 use rt_math::transcendental::sincos;
@@ -39,7 +39,7 @@ impl QuadLight {
     ///
     /// # Errors
     /// If the parallelogram has no area, or a coordinate is not finite.
-    pub fn new(corner: DVec3, edges: [DVec3; 2], emission: Emission) -> Result<Self, EmitterError> {
+    pub fn new(corner: DVec3, edges: [DVec3; 2], emission: Emission) -> Result<Self, LightError> {
         // The check of coordinates, collinear corners included, is that of a triangle.
         let corners = [corner, corner + edges[0], corner + edges[1]];
         rt_geometry::Triangle::new(corners)?;
@@ -50,7 +50,7 @@ impl QuadLight {
         let normal = across.try_normalize().ok_or(ShapeError::NoArea(corners))?;
         let is_rectangle = axes[0].dot(axes[1]).abs() < RIGHT_ANGLE;
         if !(area > 0.0 && area.is_finite()) {
-            return Err(EmitterError::BadArea(area));
+            return Err(LightError::BadArea(area));
         }
         Ok(Self { corner, edges, lengths, axes, normal, area, is_rectangle, emission })
     }
@@ -82,9 +82,9 @@ impl QuadLight {
     }
 
     /// A direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
-    pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
+    pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let height = (self.corner - point).dot(self.normal);
-        let radiance = self.emission.seen(height);
+        let radiance = self.emission.emitted(height);
         // A point of the light itself sees it edge-on, and rounding must not put it on the side that shines.
         let rounding = self.normal.abs().dot(self.corner.abs() + point.abs()) * gamma(16);
         if radiance.is_black() || height.abs() <= rounding {
@@ -97,15 +97,15 @@ impl QuadLight {
                 (on_light, by_solid_angle(1.0 / self.area, on_light - point, height))
             }
         };
-        let at = EmitterPoint { point: on_light, normal: self.normal, triangle: 0 };
-        EmitterSample::of_surface(point, &at, self.lengths[0] + self.lengths[1], radiance, pdf)
+        let at = LightPoint { point: on_light, normal: self.normal, triangle: 0 };
+        LightLiSample::of_surface(point, &at, self.lengths[0] + self.lengths[1], radiance, pdf)
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes the direction from `point` to a point on
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes the direction from `point` to a point on
     /// the light. 0 where the light is not seen.
-    pub fn pdf_at(&self, point: DVec3, on_light: DVec3) -> f64 {
+    pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3) -> f64 {
         let height = (self.corner - point).dot(self.normal);
-        if self.emission.seen(height).is_black() {
+        if self.emission.emitted(height).is_black() {
             return 0.0;
         }
         match self.angle_to_sample(point, height) {
@@ -114,13 +114,13 @@ impl QuadLight {
         }
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction; 0 for one that passes by.
-    pub fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
-        self.intersect(point, direction).map_or(0.0, |at| self.pdf_at(point, at.point))
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes this direction; 0 for one that passes by.
+    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
+        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point))
     }
 
     /// Where a ray from `point` meets the light, from either side.
-    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
+    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let t = (self.corner - point).dot(self.normal) / direction.dot(self.normal);
         if !(t > 0.0 && t.is_finite()) {
             return None;
@@ -132,18 +132,18 @@ impl QuadLight {
         let t = self.axes[0].cross(offset).dot(self.normal);
         let across = self.axes[0].cross(self.axes[1]).dot(self.normal);
         let is_inside = (0.0..=self.lengths[0] * across).contains(&s) && (0.0..=self.lengths[1] * across).contains(&t);
-        is_inside.then_some(EmitterPoint { point: on_plane, normal: self.normal, triangle: 0 })
+        is_inside.then_some(LightPoint { point: on_plane, normal: self.normal, triangle: 0 })
     }
 
     /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
-    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
+    pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         let point = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
-        EmitterPoint { point, normal: self.normal, triangle: 0 }
+        LightPoint { point, normal: self.normal, triangle: 0 }
     }
 
     /// Radiance of the light for one who looks along `direction` at it.
-    pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.seen(direction.dot(normal))
+    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        self.emission.emitted(direction.dot(normal))
     }
 
     /// Power of all sides that shine.
@@ -152,10 +152,10 @@ impl QuadLight {
     }
 
     /// Where the light is and where it shines.
-    pub fn bounds(&self) -> EmitterBounds {
+    pub fn bounds(&self) -> LightBounds {
         let [a, b] = self.edges.map(|edge| self.corner + edge);
         let around = Aabb::from_points([self.corner, a, b, a + self.edges[1]]);
-        EmitterBounds::of_flat(around, self.normal, &self.emission, self.area)
+        LightBounds::of_flat(around, self.normal, &self.emission, self.area)
     }
 
     /// The solid angle of the light if it is sampled by that, from a point whose distance to its plane is the `height`.
@@ -207,12 +207,12 @@ mod tests {
     use super::super::test_estimate::{
         assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, irradiance_by_rays, white,
     };
-    use super::super::{Emitter, Sides, polygon_irradiance};
+    use super::super::{EmissionSides, Light, polygon_irradiance};
     use super::*;
     use rt_math::transcendental::asin;
 
     /// A unit square at z = 1 that shines downwards.
-    fn square(sides: Sides) -> QuadLight {
+    fn square(sides: EmissionSides) -> QuadLight {
         QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), [DVec3::Y, DVec3::X], white(sides)).expect("a light")
     }
 
@@ -220,14 +220,14 @@ mod tests {
     #[test]
     fn the_light_is_not_seen_from_its_own_plane_as_rounding_leaves_it() {
         let corner = DVec3::new(-0.24, 1.98, 0.16);
-        let light =
-            QuadLight::new(corner, [DVec3::NEG_Z * 0.38, DVec3::X * 0.47], white(Sides::Front)).expect("a light");
+        let light = QuadLight::new(corner, [DVec3::NEG_Z * 0.38, DVec3::X * 0.47], white(EmissionSides::Front))
+            .expect("a light");
         for y in [1.98f64.next_down().next_down(), 1.98f64.next_down(), 1.98, 1.98f64.next_up()] {
-            assert_eq!(light.sample(DVec3::new(0.1, y, -0.1), [0.3, 0.6]), None, "{y}");
+            assert_eq!(light.sample_li(DVec3::new(0.1, y, -0.1), [0.3, 0.6]), None, "{y}");
         }
         let faces_down = light.normal().y < 0.0;
         let span_after = DVec3::new(0.1, 1.98 + if faces_down { -1e-9 } else { 1e-9 }, -0.1);
-        assert!(light.sample(span_after, [0.3, 0.6]).is_some());
+        assert!(light.sample_li(span_after, [0.3, 0.6]).is_some());
     }
 
     fn corners(light: &QuadLight) -> [DVec3; 4] {
@@ -255,8 +255,8 @@ mod tests {
 
     #[test]
     fn irradiance_is_lamberts() {
-        let light = square(Sides::Front);
-        let emitter = Emitter::Quad(light);
+        let light = square(EmissionSides::Front);
+        let emitter = Light::Quad(light);
         for at in receivers() {
             let truth = polygon_irradiance(&corners(&light), at[0], at[1]);
             irradiance(&emitter, at, 100_000).assert(&format!("square from {}", at[0]), truth);
@@ -271,10 +271,11 @@ mod tests {
             [DVec3::Y * 1e3, DVec3::X * 1e3],
             [DVec3::Y, DVec3::new(1.0, 0.5, 0.0)],
         ] {
-            let light = QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), edges, white(Sides::Front)).expect("a light");
+            let light =
+                QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), edges, white(EmissionSides::Front)).expect("a light");
             let truth = polygon_irradiance(&corners(&light), point, normal);
-            irradiance(&Emitter::Quad(light), [point, normal], 100_000).assert(&format!("{edges:?}"), truth);
-            assert_samples_and_pdf_agree(&Emitter::Quad(light), point, 1e-8);
+            irradiance(&Light::Quad(light), [point, normal], 100_000).assert(&format!("{edges:?}"), truth);
+            assert_samples_and_pdf_agree(&Light::Quad(light), point, 1e-8);
         }
     }
 
@@ -284,17 +285,18 @@ mod tests {
         let (point, normal) = (DVec3::new(0.2, 0.1, -0.7), DVec3::new(0.1, -0.3, 1.0).normalize());
         for size in [1e-7, 1e-14] {
             let edges = [DVec3::Y * size, DVec3::X * size];
-            let light = QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), edges, white(Sides::Front)).expect("a light");
+            let light =
+                QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), edges, white(EmissionSides::Front)).expect("a light");
             let offset = light.corner + (edges[0] + edges[1]) / 2.0 - point;
             let square = offset.length_squared();
             let truth = light.area() * offset.dot(normal) * offset.z / (square * square);
-            irradiance(&Emitter::Quad(light), [point, normal], 1000).assert(&format!("size {size}"), truth);
+            irradiance(&Light::Quad(light), [point, normal], 1000).assert(&format!("size {size}"), truth);
         }
     }
 
     #[test]
     fn solid_angle_is_that_of_the_closed_form() {
-        let light = square(Sides::Front);
+        let light = square(EmissionSides::Front);
         assert!((light.solid_angle(DVec3::ZERO) - 4.0 * asin(0.2)).abs() < 1e-15);
         for (d, tolerance) in [(1e-6, 1e-9), (0.3, 1e-14), (40.0, 1e-14), (1e6, 1e-12)] {
             let truth = 4.0 * asin(0.25 / (0.25 + d * d));
@@ -308,8 +310,8 @@ mod tests {
 
     #[test]
     fn densities_agree_and_integrate_to_one() {
-        for sides in [Sides::Front, Sides::Both] {
-            let emitter = Emitter::Quad(square(sides));
+        for sides in [EmissionSides::Front, EmissionSides::Both] {
+            let emitter = Light::Quad(square(sides));
             for [point, _] in receivers() {
                 assert_samples_and_pdf_agree(&emitter, point, 1e-6);
                 if point.z > -10.0 && point.z < 0.99 {
@@ -322,10 +324,10 @@ mod tests {
     /// The mapping has equal areas: a quarter of the unit square comes to a quarter of the solid angle.
     #[test]
     fn directions_are_uniform() {
-        let light = square(Sides::Front);
+        let light = square(EmissionSides::Front);
         let point = DVec3::new(1.2, 0.4, 0.7);
         let at = [point, (DVec3::new(-0.2, 0.1, 1.0) - point).normalize()];
-        let rays = irradiance_by_rays(&Emitter::Quad(light), at, 400_000);
+        let rays = irradiance_by_rays(&Light::Quad(light), at, 400_000);
         rays.assert("square by rays", polygon_irradiance(&corners(&light), at[0], at[1]));
         for (part, half) in [(0, 0.5), (1, 0.5), (0, 0.1), (1, 0.9)] {
             let count = 100;
@@ -333,17 +335,18 @@ mod tests {
                 let mut u = [0.0; 2];
                 u[part] = half;
                 u[1 - part] = (f64::from(i) + 0.5) / f64::from(count);
-                light.sample(point, u).expect("a sample").point.expect("a point")
+                light.sample_li(point, u).expect("a sample").point.expect("a point")
             });
             // All lie on one great circle for the first number; for the second they part each arc in equal heights.
             let points: Vec<_> = inner.map(|p| (p - point).normalize()).collect();
             if part == 0 {
                 let circle = points[0].cross(points[99]).normalize();
                 assert!(points.iter().all(|p| p.dot(circle).abs() < 1e-12));
-                let x = light.sample(point, [half, 0.0]).expect("a sample").point.expect("a point").dot(light.axes[0]);
+                let x =
+                    light.sample_li(point, [half, 0.0]).expect("a sample").point.expect("a point").dot(light.axes[0]);
                 let x0 = light.corner.dot(light.axes[0]);
                 let edges = [light.axes[0] * (x - x0), light.edges[1]];
-                let cut = QuadLight::new(light.corner, edges, white(Sides::Front)).expect("a light");
+                let cut = QuadLight::new(light.corner, edges, white(EmissionSides::Front)).expect("a light");
                 assert!((cut.solid_angle(point) / light.solid_angle(point) - half).abs() < 1e-12);
             }
         }
@@ -351,23 +354,23 @@ mod tests {
 
     #[test]
     fn a_wrong_density_is_caught() {
-        let emitter = Emitter::Quad(square(Sides::Front));
+        let emitter = Light::Quad(square(EmissionSides::Front));
         for at in [[DVec3::ZERO, DVec3::Z], [DVec3::new(0.0, 0.0, -999.0), DVec3::Z]] {
-            let truth = polygon_irradiance(&corners(&square(Sides::Front)), at[0], at[1]);
+            let truth = polygon_irradiance(&corners(&square(EmissionSides::Front)), at[0], at[1]);
             assert!(irradiance_by(&emitter, at, 100_000, |s| s.pdf * 1.01).z(truth) > 5.0, "1 % too dense");
-            let by_area = |s: &EmitterSample| s.distance * s.distance;
+            let by_area = |s: &LightLiSample| s.distance * s.distance;
             assert!(irradiance_by(&emitter, at, 100_000, by_area).z(truth) > 5.0, "the light's cosine forgotten");
         }
     }
 
     #[test]
     fn nothing_comes_from_behind_or_from_a_plane() {
-        let (front, both) = (Emitter::Quad(square(Sides::Front)), Emitter::Quad(square(Sides::Both)));
+        let (front, both) = (Light::Quad(square(EmissionSides::Front)), Light::Quad(square(EmissionSides::Both)));
         let behind = DVec3::new(0.1, 0.1, 2.0);
-        assert_eq!((front.sample(behind, [0.5; 2]), front.pdf(behind, DVec3::NEG_Z)), (None, 0.0));
-        assert!(both.sample(behind, [0.5; 2]).is_some() && both.pdf(behind, DVec3::NEG_Z) > 0.0);
+        assert_eq!((front.sample_li(behind, [0.5; 2]), front.pdf_li(behind, DVec3::NEG_Z)), (None, 0.0));
+        assert!(both.sample_li(behind, [0.5; 2]).is_some() && both.pdf_li(behind, DVec3::NEG_Z) > 0.0);
         assert_eq!(
-            (front.radiance(DVec3::NEG_Z, DVec3::NEG_Z), both.radiance(DVec3::NEG_Z, DVec3::NEG_Z)),
+            (front.le(DVec3::NEG_Z, DVec3::NEG_Z), both.le(DVec3::NEG_Z, DVec3::NEG_Z)),
             (Rgb::BLACK, Rgb::WHITE)
         );
         for point in [
@@ -378,15 +381,15 @@ mod tests {
             DVec3::INFINITY,
         ] {
             for light in [&front, &both] {
-                assert_eq!(light.sample(point, [0.5; 2]), None, "{point}");
-                assert_eq!(light.pdf(point, DVec3::Z), 0.0, "{point}");
+                assert_eq!(light.sample_li(point, [0.5; 2]), None, "{point}");
+                assert_eq!(light.pdf_li(point, DVec3::Z), 0.0, "{point}");
             }
         }
         for u in [[f64::NAN; 2], [-1.0, 2.0], [1.0, 1.0], [f64::INFINITY; 2]] {
-            let _ = front.sample(DVec3::ZERO, u);
+            let _ = front.sample_li(DVec3::ZERO, u);
         }
-        assert_eq!(front.pdf(DVec3::ZERO, DVec3::ZERO), 0.0);
-        assert_eq!(front.pdf(DVec3::ZERO, DVec3::NAN), 0.0);
+        assert_eq!(front.pdf_li(DVec3::ZERO, DVec3::ZERO), 0.0);
+        assert_eq!(front.pdf_li(DVec3::ZERO, DVec3::NAN), 0.0);
         assert_eq!(both.power(0.0), front.power(0.0) * 2.0);
     }
 
@@ -395,10 +398,10 @@ mod tests {
         for edges in
             [[DVec3::X, DVec3::X], [DVec3::X, DVec3::ZERO], [DVec3::X, DVec3::NAN], [DVec3::X * 1e200, DVec3::Y]]
         {
-            assert!(QuadLight::new(DVec3::ZERO, edges, white(Sides::Both)).is_err(), "{edges:?}");
+            assert!(QuadLight::new(DVec3::ZERO, edges, white(EmissionSides::Both)).is_err(), "{edges:?}");
         }
-        let black = Emission::new(Rgb::BLACK, Sides::Both).expect("an emission");
+        let black = Emission::new(Rgb::BLACK, EmissionSides::Both).expect("an emission");
         let light = QuadLight::new(DVec3::Z, [DVec3::X, DVec3::Y], black).expect("a light");
-        assert_eq!((light.sample(DVec3::ZERO, [0.5; 2]), light.pdf(DVec3::ZERO, DVec3::Z)), (None, 0.0));
+        assert_eq!((light.sample_li(DVec3::ZERO, [0.5; 2]), light.pdf_li(DVec3::ZERO, DVec3::Z)), (None, 0.0));
     }
 }

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 ///
 /// ```
 /// use rt_math::DVec3;
-/// use rt_shading::emitter::polygon_irradiance;
+/// use rt_shading::light::polygon_irradiance;
 ///
 /// // A unit square from far above is as bright as its solid angle.
 /// let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 1000.0));

@@ -3,10 +3,10 @@
 #[cfg(test)]
 mod tests;
 
-use super::emission::check_radiance;
+use super::light_error::check_radiance;
+use super::light_sample::density;
 use super::piecewise_constant::{accumulate, find, probability};
-use super::sample::density;
-use super::{EmitterError, EmitterSample};
+use super::{LightError, LightLiSample};
 use rt_math::transcendental::{atan2, sin, sincos};
 use rt_math::{DMat3, DQuat, DVec3, Rgb, Transform};
 use std::f64::consts::{PI, TAU};
@@ -49,12 +49,12 @@ impl EnvironmentLight {
     ///
     /// # Errors
     /// If the number of pixels is 0 or not `width · height`, a radiance cannot be used, or the rotation is none.
-    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, rotation: DQuat) -> Result<Self, EmitterError> {
+    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, rotation: DQuat) -> Result<Self, LightError> {
         if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
-            return Err(EmitterError::BadImage { width, height, pixels: pixels.len() });
+            return Err(LightError::BadImage { width, height, pixels: pixels.len() });
         }
         if let Some(bad) = pixels.iter().position(|&pixel| check_radiance(pixel).is_err()) {
-            return Err(EmitterError::BadPixel { column: bad % width, row: bad / width, radiance: pixels[bad] });
+            return Err(LightError::BadPixel { column: bad % width, row: bad / width, radiance: pixels[bad] });
         }
         let world_from_local = Transform::rotate_quaternion(rotation)?.linear();
         let (columns, rows) = (vec![0.0; width * (height + 1)], vec![0.0; height + 1]);
@@ -82,13 +82,13 @@ impl EnvironmentLight {
     ///
     /// # Errors
     /// If a component is NaN, negative, or beyond 1e100.
-    pub fn constant(radiance: Rgb) -> Result<Self, EmitterError> {
+    pub fn constant(radiance: Rgb) -> Result<Self, LightError> {
         check_radiance(radiance)?;
         Self::new(1, 1, vec![radiance], DQuat::IDENTITY)
     }
 
     /// A direction from which light comes. `None` if the image is black.
-    pub fn sample(&self, u: [f64; 2]) -> Option<EmitterSample> {
+    pub fn sample_li(&self, u: [f64; 2]) -> Option<LightLiSample> {
         let (row, down) = find(&self.rows, u[1])?;
         let (column, right) = find(self.row_of_cells(row), u[0])?;
         // cos θ runs from the top of the cell to its bottom; sin²θ is the product of its distances to both poles.
@@ -103,7 +103,7 @@ impl EnvironmentLight {
         let pdf = density(self.probability(column, row) / self.cell_solid_angle(row));
         let lower_part = (self.rows_from_top(sin_theta, cos_theta) - row as f64).clamp(0.0, 1.0);
         let radiance = self.mixture(column, row, [right, lower_part]);
-        let sample = EmitterSample {
+        let sample = LightLiSample {
             direction,
             distance: f64::INFINITY,
             point: None,
@@ -115,8 +115,8 @@ impl EnvironmentLight {
         (pdf > 0.0 && !radiance.is_black()).then_some(sample)
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction, of any length.
-    pub fn pdf(&self, direction: DVec3) -> f64 {
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes this direction, of any length.
+    pub fn pdf_li(&self, direction: DVec3) -> f64 {
         self.place(direction).map_or(0.0, |(x, y)| {
             let (column, row) = (x as usize % self.width, (y as usize).min(self.height));
             density(self.probability(column, row) / self.cell_solid_angle(row))
@@ -124,7 +124,7 @@ impl EnvironmentLight {
     }
 
     /// Radiance that is seen by looking along `direction`, of any length; black for one that is zero or NaN.
-    pub fn radiance(&self, direction: DVec3) -> Rgb {
+    pub fn le(&self, direction: DVec3) -> Rgb {
         self.place(direction).map_or(Rgb::BLACK, |(x, y)| {
             let (column, row) = (x as usize, (y as usize).min(self.height));
             self.mixture(column % self.width, row, [x - column as f64, y - row as f64])

@@ -5,7 +5,7 @@ use rt_math::Rgb;
 
 /// A light that was chosen, and how likely that was.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
+pub struct SampledLight {
     /// Its place in the list of lights.
     pub index: u32,
     /// The probability of this choice, greater than 0.
@@ -14,11 +14,11 @@ pub struct Choice {
 
 /// Choice in proportion to power, the same for all points: cheap, and good where all lights reach everything.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PowerChoice {
+pub struct PowerLightSampler {
     sums: Vec<f64>,
 }
 
-impl PowerChoice {
+impl PowerLightSampler {
     /// The choice among lights by the luminance of these powers. Those without are never chosen.
     pub fn new(powers: impl IntoIterator<Item = Rgb>) -> Self {
         let mut sums: Vec<f64> = powers.into_iter().map(|power| power.luminance().clamp(0.0, f64::MAX)).collect();
@@ -30,13 +30,13 @@ impl PowerChoice {
     }
 
     /// The light that belongs to `u` in `[0, 1)`. `None` if no light has power.
-    pub fn choose(&self, u: f64) -> Option<Choice> {
+    pub fn sample(&self, u: f64) -> Option<SampledLight> {
         let (index, _) = find(&self.sums, u)?;
-        Some(Choice { index: u32::try_from(index).ok()?, probability: probability(&self.sums, index) })
+        Some(SampledLight { index: u32::try_from(index).ok()?, probability: probability(&self.sums, index) })
     }
 
     /// The probability with which a light is chosen; 0 for one that is not there.
-    pub fn probability(&self, index: u32) -> f64 {
+    pub fn pmf(&self, index: u32) -> f64 {
         probability(&self.sums, index as usize)
     }
 }
@@ -47,27 +47,27 @@ mod tests {
 
     #[test]
     fn lights_are_chosen_in_proportion_to_power() {
-        let choice = PowerChoice::new([0.0, 1.0, 3.0, 0.0, 4.0].map(Rgb::gray));
+        let choice = PowerLightSampler::new([0.0, 1.0, 3.0, 0.0, 4.0].map(Rgb::gray));
         for (u, index, probability) in
             [(0.0, 1, 0.125), (0.125, 2, 0.375), (0.49, 2, 0.375), (0.5, 4, 0.5), (1.0, 4, 0.5)]
         {
-            assert_eq!(choice.choose(u), Some(Choice { index, probability }), "{u}");
-            assert_eq!(choice.probability(index), probability);
+            assert_eq!(choice.sample(u), Some(SampledLight { index, probability }), "{u}");
+            assert_eq!(choice.pmf(index), probability);
         }
-        assert_eq!([0, 3, 5].map(|index| choice.probability(index)), [0.0; 3]);
-        let sum: f64 = (0..5).map(|index| choice.probability(index)).sum();
+        assert_eq!([0, 3, 5].map(|index| choice.pmf(index)), [0.0; 3]);
+        let sum: f64 = (0..5).map(|index| choice.pmf(index)).sum();
         assert_eq!(sum, 1.0);
     }
 
     #[test]
     fn powers_of_any_size_are_chosen_among() {
         for powers in [[1e-30, 1e30], [1e300, 1e308], [f64::MAX, f64::MAX], [f64::INFINITY, 1.0], [1e-300, 1e-300]] {
-            let choice = PowerChoice::new(powers.map(Rgb::gray));
-            let chosen = choice.choose(0.999).expect("a light");
+            let choice = PowerLightSampler::new(powers.map(Rgb::gray));
+            let chosen = choice.sample(0.999).expect("a light");
             assert!(chosen.probability > 0.0 && chosen.probability <= 1.0, "{powers:?}: {chosen:?}");
         }
-        assert_eq!(PowerChoice::new([Rgb::BLACK]).choose(0.5), None);
-        assert_eq!(PowerChoice::new([]).choose(0.5), None);
-        assert_eq!(PowerChoice::new([]).probability(0), 0.0);
+        assert_eq!(PowerLightSampler::new([Rgb::BLACK]).sample(0.5), None);
+        assert_eq!(PowerLightSampler::new([]).sample(0.5), None);
+        assert_eq!(PowerLightSampler::new([]).pmf(0), 0.0);
     }
 }
