@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, fmt};
 use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_geometry::{Primitives as _, Shape};
 use rt_scene_io::{Integrator, LightSampling};
-use rt_shading::{DeltaLight, Follows, Material, PathSettings};
+use rt_shading::{DeltaLight, Material, PathSettings, Transport};
 
 use crate::{
     MemoryPrediction, RenderPlan, RenderSpace,
@@ -355,9 +355,9 @@ impl RenderPlan<'_> {
 
     fn paths(&self, settings: &PathSettings) -> String {
         let bounces = count(settings.max_depth as usize, "bounce", "bounces");
-        let what = match settings.follows {
-            Follows::Everything | Follows::AllButCaustics => "paths",
-            Follows::Reflections => "reflected and refracted paths",
+        let what = match settings.transport {
+            Transport::Full | Transport::NonCaustic => "paths",
+            Transport::Specular => "reflected and refracted paths",
         };
         let roulette = if settings.max_depth > settings.rr_start_depth {
             format!(", roulette after {}", settings.rr_start_depth)

@@ -1,7 +1,7 @@
 //! Lights that light tracing starts from, and the specular objects that it aims at.
 
 use rt_geometry::Shape;
-use rt_shading::{Appearance, Ball, LightSources, Targets, light::LightSet};
+use rt_shading::{Appearance, LightSources, TargetSphere, Targets, light::LightSet};
 
 use crate::{
     camera_medium::reach_of_transparent_bodies,
@@ -17,9 +17,11 @@ pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &
         World::Spheres(world, _) => {
             let sharp = world.spheres.as_slice().iter().zip(&world.materials);
             let sharp = sharp.filter(|(_, material)| is_sharp(**material));
-            let ball =
-                |(sphere, _): (&rt_geometry::Sphere, _)| Ball { centre: sphere.centre(), radius: sphere.radius() };
-            Targets::new(sharp.map(ball).collect())
+            let sphere = |(sphere, _): (&rt_geometry::Sphere, _)| TargetSphere {
+                centre: sphere.centre(),
+                radius: sphere.radius(),
+            };
+            Targets::new(sharp.map(sphere).collect())
         }
         World::Instances(top, levels) => targets(&top.instances, levels, &is_sharp),
     };
@@ -29,12 +31,14 @@ pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &
 }
 
 fn targets(instances: &[Instance], levels: &BottomLevel, is_sharp: &impl Fn(u32) -> bool) -> Targets {
-    let ball = |instance: &Instance| match &instance.geometry {
+    let sphere = |instance: &Instance| match &instance.geometry {
         InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
-            Some(Ball { centre: sphere.centre(), radius: sphere.radius() })
+            Some(TargetSphere { centre: sphere.centre(), radius: sphere.radius() })
         }
-        _ => instance.bounds.map(|bounds| Ball { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
+        _ => instance
+            .bounds
+            .map(|bounds| TargetSphere { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
     };
     let sharp = instances.iter().filter(|instance| uses_material(instance, levels, is_sharp));
-    sharp.map(ball).collect::<Option<Vec<_>>>().map_or(Targets::EVERYWHERE, Targets::new)
+    sharp.map(sphere).collect::<Option<Vec<_>>>().map_or(Targets::EVERYWHERE, Targets::new)
 }

@@ -10,10 +10,9 @@
 //!                     |    \ refracted
 //! ```
 //!
-//! **Owns** lights ([`light`]), the classical surface ([`Phong`]), textures, the laws of reflection and
-//! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), transparent bodies within each other ([`Interior`]), and the integrators
-//! that follow camera paths ([`Whitted`], [`AovIntegrator`]).
-//! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
+//! **Owns** lights ([`light`]), classical and physically based surfaces ([`Phong`], [`bsdf`]), textures, and reflection and refraction
+//! ([`optics`]). It has nested dielectrics ([`Interior`]) and the integrators ([`Whitted`], [`PathTracer`], [`AovIntegrator`]).
+//! **Does not own** shapes (rt-geometry) or ray queries: an integrator calls a [`Tracer`].
 //!
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
@@ -84,10 +83,12 @@ pub use coverage::{Alpha, Coverage};
 pub use interior::Interior;
 pub use layered_surface::{LayeredBase, LayeredSurface};
 pub use light::{DeltaLiSample, DeltaLight, DeltaLightKind, Falloff, Light, LightUnits};
-pub use light_tracing::{Ball, CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, Targets};
+pub use light_tracing::{
+    CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, TargetSphere, Targets,
+};
 pub use material::{Channel, ColorTexture, FloatTexture, Highlight, Material, Phong, Transmission};
 pub use needs::Needs;
-pub use path::{Clamp, Follows, Lighting, PathSettings, PathTracer};
+pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use physical::{Physical, PhysicalPoint};
 pub use relief::Relief;
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};

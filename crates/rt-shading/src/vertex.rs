@@ -33,7 +33,7 @@ pub(crate) struct Vertex<'a> {
     pub(crate) frame: Frame,
     /// To the viewer, in the frame.
     pub(crate) wo: DVec3,
-    /// The normal by which lights are chosen: on the viewer's side, unless light comes through.
+    /// Normal for the sampling of lights: on the viewer's side, `None` if the surface transmits light.
     pub(crate) normal: Option<DVec3>,
     pub(crate) time: f64,
 }
@@ -68,14 +68,13 @@ impl<'a> Vertex<'a> {
         }
     }
 
-    /// The direction, in world space, in which a camera path goes on with this sample; `None` if it ends. See
-    /// [`ViewedSurface::continued`].
+    /// Next direction of a camera path with this sample, world space; `None` if the path ends. See [`ViewedSurface::continued`].
     #[inline]
     pub(crate) fn continued(&self, sample: &BsdfSample, keeps_single: bool) -> Option<DVec3> {
         self.view.continued(sample, self.frame.from_local(sample.wi), keeps_single)
     }
 
-    /// The direction in the frame; `None` where the interpolated normal and the actual one disagree about its side.
+    /// Direction in the frame; `None` if it lies on different sides of the interpolated and the geometric normal.
     #[inline]
     pub(crate) fn local(&self, wi: DVec3) -> Option<DVec3> {
         let local = self.frame.to_local(wi);
@@ -104,8 +103,8 @@ impl<'a> Vertex<'a> {
             SampledLobes::All => all * power_heuristic(pdf, other),
             SampledLobes::Nothing => all,
             SampledLobes::Some(sampled) => {
-                let (followed, other) = sampled.eval_with_pdf(self.wo, local);
-                all - followed * (1.0 - power_heuristic(pdf, other))
+                let (sampled, other) = sampled.eval_with_pdf(self.wo, local);
+                all - sampled * (1.0 - power_heuristic(pdf, other))
             }
         };
         weighted * local.z.abs()

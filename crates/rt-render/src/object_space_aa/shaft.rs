@@ -13,7 +13,7 @@ use core::ops::ControlFlow;
 
 use rt_accel::{Accelerator as _, AnyAccelerator, Region};
 use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
-use rt_shading::{DeltaLight, DeltaLightKind};
+use rt_shading::DeltaLight;
 
 use super::patch::SurfacePatch;
 use crate::primitive_form::{HasForm, PrimitiveForm};
@@ -45,12 +45,7 @@ pub(super) enum Occlusion {
 impl LightShaft {
     pub(super) fn new(patch: &SurfacePatch, light: &DeltaLight) -> Self {
         let (place, shadow_near) = (light.kind.position(), light.kind.shadow_near());
-        let line = match light.kind {
-            DeltaLightKind::Directional { direction } => Ray::new(patch.centre, -direction),
-            DeltaLightKind::Point { position, .. } | DeltaLightKind::Spot { position, .. } => {
-                Ray::new(patch.centre, position - patch.centre)
-            }
-        };
+        let line = Ray::new(patch.centre, light.kind.offset_from(patch.centre));
         Self { line, slab: SlabRay::new(&line), radius: patch.radius, place, shadow_near }
     }
 

@@ -1,4 +1,4 @@
-//! Cylinders that shine.
+//! Cylinder lights.
 
 use super::light_sample::{by_solid_angle, density};
 use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
@@ -7,17 +7,17 @@ use rt_math::transcendental::{acos, atan2, sincos};
 use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Rgb, Transform};
 use std::f64::consts::{PI, TAU};
 
-/// A tube, open or closed by caps, sampled uniformly by the area that can be seen.
+/// Cylinder with or without caps, sampled uniformly by its visible area.
 ///
 /// ```text
-///     from above:   _                 of the side the arc up to α = acos(r/ρ) each way is seen,
-///                 /   \  α            of the caps the one that the point is beyond
+///     from above:   _                 visible: of the side the arc of ±α, α = acos(r/ρ),
+///                 /   \  α            of the caps the one that faces the point
 ///                |  ·──|────● point
 ///                 \ _ /  ρ
 /// ```
 ///
-/// Where the inside shines as well and can be seen, which is from everywhere for a two-sided open tube and from within a
-/// two-sided closed one, all of the area is sampled.
+/// All of the area is sampled where the inside is visible and emits. Both hold everywhere for a two-sided open cylinder, and
+/// inside of a two-sided closed one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CylinderLight {
     placed: TransformedShape,
@@ -30,21 +30,21 @@ pub struct CylinderLight {
     emission: Emission,
 }
 
-/// What a point sees of a cylinder.
+/// Visible part of a cylinder.
 #[derive(Clone, Copy, Debug)]
 struct Visible {
-    /// Angle around the axis at which the middle of the arc is.
+    /// Angle around the axis of the middle of the arc.
     towards: f64,
-    /// Half of the angle of the arc; 0 if the side is not seen.
+    /// Half of the angle of the arc; 0 if the side is invisible.
     half_arc: f64,
-    /// Whether the bottom and the top are seen.
+    /// True for each visible cap: bottom, top.
     caps: [bool; 2],
-    /// Whether what faces away is seen as well.
+    /// True if surfaces that face away are visible as well.
     is_inside_seen: bool,
 }
 
 impl CylinderLight {
-    /// The light around the line from `base` to `top` (world space), with disks at both ends if it `has_caps`. Its front is
+    /// Light around the line from `base` to `top` (world space), with disks at both ends if it `has_caps`. Its front is
     /// outside.
     ///
     /// # Errors
@@ -59,18 +59,18 @@ impl CylinderLight {
         Ok(Self { placed, base, frame, radius, length, has_caps, emission })
     }
 
-    /// The area of one side, caps included.
+    /// Area of one side, caps included.
     pub fn area(&self) -> f64 {
         let caps = if self.has_caps { TAU * self.radius * self.radius } else { 0.0 };
         TAU * self.radius * self.length + caps
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// A direction towards the light from `point`. `None` where none of the light is seen, on the light, and if it is black.
+    /// Samples a direction towards the light from `point`. `None` where the light is invisible, on the light, and if it is black.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let visible = self.visible(point);
         let at = self.point_on(&visible, u);
@@ -80,19 +80,19 @@ impl CylinderLight {
         LightLiSample::of_surface(point, &at, extent, self.emission.emitted(along_normal), pdf)
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes the direction from `point` to a point on
-    /// the light with the given normal. 0 where the light is not seen.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point on
+    /// the light with the given normal. 0 where the light is invisible.
     pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3, normal: DVec3) -> f64 {
         self.pdf_of(&self.visible(point), point, on_light, normal)
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes the point that is first met in this
-    /// direction; 0 for one that passes by.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the first point in this
+    /// direction; 0 for a miss.
     pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
         self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point, at.normal))
     }
 
-    /// Where a ray from `point` meets the light first.
+    /// First hit of a ray from `point` with the light.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let ray = Ray::new(point, direction);
         let hit = self.placed.intersect(&ray, Interval::SPAWNED)?;
@@ -100,22 +100,22 @@ impl CylinderLight {
         Some(LightPoint { point: surface.point, normal: surface.geometric_normal, triangle: 0 })
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
     pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         self.point_on(&self.everything(), u)
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
+    /// Radiance against the viewing `direction`, of any length.
     pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area())
     }
 
-    /// Where the light is and where it shines: everywhere.
+    /// Bounds of positions; directions are unrestricted.
     pub fn bounds(&self) -> Option<LightBounds> {
         Some(LightBounds::all_around(self.placed.bounds()?, self.power()))
     }
@@ -137,7 +137,7 @@ impl CylinderLight {
         Visible { towards: atan2(local.y, local.x), half_arc, caps, is_inside_seen: false }
     }
 
-    /// Areas of bottom, top and side, as far as they are seen.
+    /// Visible areas of bottom, top and side.
     fn areas(&self, visible: &Visible) -> [f64; 3] {
         let [bottom, top] = visible.caps.map(|is_seen| if is_seen { PI * self.radius * self.radius } else { 0.0 });
         [bottom, top, 2.0 * visible.half_arc * self.radius * self.length]
@@ -154,7 +154,7 @@ impl CylinderLight {
         density(by_solid_angle(1.0 / area, offset, along_normal))
     }
 
-    /// The first number chooses the part, and what is left of it the angle.
+    /// Point by two numbers. The first selects the part, and its remainder the angle.
     fn point_on(&self, visible: &Visible, u: [f64; 2]) -> LightPoint {
         let [bottom, top, side] = self.areas(visible);
         let area = u[0] * (bottom + top + side);
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn irradiance_within_is_that_of_the_closed_form() {
-        // In the middle of the base, all but the disk at the other end shines; caps close that as well.
+        // In the middle of the base, all but the disk at the other end emits; caps close that as well.
         let at = [BASE, AXIS];
         let (r, l) = (0.7, 2.0);
         irradiance(&cylinder(r, false, EmissionSides::Both), at, 200_000)

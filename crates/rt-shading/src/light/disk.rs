@@ -1,4 +1,4 @@
-//! Disks and rings that shine.
+//! Disk and ring lights.
 
 use super::light_sample::{by_solid_angle, density};
 use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
@@ -6,7 +6,7 @@ use rt_math::transcendental::sincos;
 use rt_math::{Aabb, DVec3, Frame, Rgb};
 use std::f64::consts::{PI, TAU};
 
-/// A flat round light, or a ring, sampled uniformly by area.
+/// Disk or ring, sampled uniformly by area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiskLight {
     centre: DVec3,
@@ -19,7 +19,7 @@ pub struct DiskLight {
 }
 
 impl DiskLight {
-    /// The light around `centre` (world space) whose front faces along `normal`, of any length. A ring has an inner radius
+    /// Light around `centre` (world space) whose front faces along `normal`, of any length. A ring has an inner radius
     /// greater than 0.
     ///
     /// # Errors
@@ -41,17 +41,17 @@ impl DiskLight {
         Ok(Self { centre, frame: Frame::from_z(normal), radius, inner_radius, area, emission })
     }
 
-    /// The area of one side.
+    /// Area of one side.
     pub const fn area(&self) -> f64 {
         self.area
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// A direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
+    /// Samples a direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let height = (self.centre - point).dot(self.frame.z);
         let at = self.sample_area(u);
@@ -64,7 +64,7 @@ impl DiskLight {
         )
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
     pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         let (sin, cos) = sincos(TAU * u[0]);
         let (r, r0) = (self.radius, self.inner_radius);
@@ -73,8 +73,8 @@ impl DiskLight {
         LightPoint { point, normal: self.frame.z, triangle: 0 }
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes the direction from `point` to a point on
-    /// the light. 0 where the light is not seen.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point on
+    /// the light. 0 where the light is invisible.
     pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3) -> f64 {
         let height = (self.centre - point).dot(self.frame.z);
         if self.emission.emitted(height).is_black() {
@@ -83,12 +83,12 @@ impl DiskLight {
         density(by_solid_angle(1.0 / self.area, on_light - point, height))
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes this direction; 0 for one that passes by.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
     pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
         self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point))
     }
 
-    /// Where a ray from `point` meets the light, from either side.
+    /// Hit of a ray from `point` with the light, from either side.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let normal = self.frame.z;
         let t = (self.centre - point).dot(normal) / direction.dot(normal);
@@ -98,17 +98,17 @@ impl DiskLight {
         (t > 0.0 && is_inside).then_some(LightPoint { point: on_plane, normal, triangle: 0 })
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
+    /// Radiance against the viewing `direction`, of any length.
     pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area)
     }
 
-    /// Where the light is and where it shines.
+    /// Bounds of positions and directions.
     pub fn bounds(&self) -> LightBounds {
         // A disk reaches r·√(1 − n²) along an axis, without the cancellation: the length of what is across.
         let reach =
@@ -126,7 +126,7 @@ mod tests {
     use super::super::{EmissionSides, Light, disk_irradiance};
     use super::*;
 
-    /// A disk around the origin that shines towards +z.
+    /// Disk around the origin that emits towards +z.
     fn disk(radius: f64, inner_radius: f64, sides: EmissionSides) -> Light {
         Light::Disk(DiskLight::new(DVec3::ZERO, DVec3::Z * 3.0, radius, inner_radius, white(sides)).expect("a light"))
     }

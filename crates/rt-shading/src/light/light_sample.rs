@@ -160,7 +160,7 @@ mod tests {
         }
     }
 
-    /// A ray that comes towards the point meets the light there, and sees the side that shines.
+    /// True if the point is on the front side; a ray towards it hits the light on an emissive side.
     fn is_front(light: &Light, from: &LightLeSample) -> bool {
         let LightLeSample { surface, .. } = from;
         let outside = surface.point + surface.geometric_normal * 1e-3;
@@ -175,22 +175,22 @@ mod tests {
     fn points_are_uniform_over_the_surface() {
         let closed =
             CylinderLight::new(DVec3::ZERO, DVec3::Z * 3.0, 1.0, true, white(EmissionSides::Front)).expect("a light");
-        let ball = SphereLight::new(DVec3::ZERO, 2.0, white(EmissionSides::Front)).expect("a light");
+        let sphere = SphereLight::new(DVec3::ZERO, 2.0, white(EmissionSides::Front)).expect("a light");
         let part = |light: &Light, is_in: &dyn Fn(DVec3) -> bool| {
             let points = numbers().filter_map(|[u, v, side]| light.sample_le([u, v], side));
             points.filter(|from| is_in(from.surface.point)).count() as f64 / 4000.0
         };
-        // A cap is π of 8π; of a ball each slice of equal height is the same part.
+        // A cap is π of 8π; slices of a sphere of equal height have equal areas.
         let caps = part(&Light::Cylinder(closed), &|point| point.z == 3.0);
-        let slice = part(&Light::Sphere(ball), &|point| point.z.abs() < 0.5);
+        let slice = part(&Light::Sphere(sphere), &|point| point.z.abs() < 0.5);
         assert!((caps - 0.125).abs() < 0.025 && (slice - 0.25).abs() < 0.03, "{caps}, {slice}");
     }
 
     #[test]
     fn nothing_leaves_an_environment_or_a_black_light() {
         let black = Emission::new(Rgb::BLACK, EmissionSides::Both).expect("black");
-        let ball = SphereLight::new(DVec3::ZERO, 2.0, black).expect("a light");
-        assert_eq!(Light::Sphere(ball).sample_le([0.5; 2], 0.5), None);
+        let sphere = SphereLight::new(DVec3::ZERO, 2.0, black).expect("a light");
+        assert_eq!(Light::Sphere(sphere).sample_le([0.5; 2], 0.5), None);
         let sky = EnvironmentLight::constant(Rgb::WHITE).expect("a light");
         assert_eq!(Light::Environment(sky).sample_le([0.5; 2], 0.5), None);
     }

@@ -1,4 +1,4 @@
-//! A tree over many lights, from which those that matter to a point are drawn.
+//! Light tree: samples one of many lights by its importance for a point.
 
 mod split;
 
@@ -8,24 +8,23 @@ use super::power_sampler::SampledLight;
 use rt_math::DVec3;
 use split::split;
 
-/// A binary tree of [`LightBounds`] (Conty Estevez, Kulla 2018): the choice goes down from the root, to each side with a
+/// Binary tree of [`LightBounds`] (Conty Estevez, Kulla 2018). Sampling descends from the root, into each child with a
 /// probability in proportion to its importance for the point.
 ///
-/// Lights without bounds, as environments are, are chosen among with the same probability each, and the tree as a whole
-/// counts as one of them.
+/// Unbounded lights, as environments, have equal probabilities. The tree as a whole counts as one of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightTree {
     nodes: Vec<Node>,
-    /// Lights without bounds.
+    /// Unbounded lights.
     unbounded: Vec<u32>,
-    /// Where each light is.
+    /// Place of each light.
     places: Vec<Place>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     bounds: LightBounds,
-    /// The node above; the root's own number at the root.
+    /// Index of the parent; 0 at the root.
     parent: u32,
     content: Content,
 }
@@ -33,7 +32,7 @@ struct Node {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
     Light(u32),
-    /// Two nodes that follow each other, of which this is the first.
+    /// First of two adjacent children.
     Halves(u32),
 }
 
@@ -41,7 +40,7 @@ enum Content {
 enum Place {
     Leaf(u32),
     Unbounded,
-    /// Has no power.
+    /// Black: not in the tree.
     Nowhere,
 }
 
@@ -65,8 +64,8 @@ impl LightTree {
         tree
     }
 
-    /// The light that belongs to `u` in `[0, 1)`, for a point and, if it lies on a surface that is lit on one side alone,
-    /// the unit normal there. `None` if there is no light.
+    /// Samples a light for a point by `u` in `[0, 1)`. The unit `normal` restricts lights to the side that it points to. `None` if
+    /// there is no light.
     pub fn sample(&self, point: DVec3, normal: Option<DVec3>, u: f64) -> Option<SampledLight> {
         let u = if u >= 0.0 { u.min(BELOW_ONE) } else { 0.0 };
         let unbounded = self.probability_of_unbounded();
@@ -91,8 +90,8 @@ impl LightTree {
         }
     }
 
-    /// The probability with which [`sample`](Self::sample) takes a light for this point; 0 for one that is not there or
-    /// that cannot light the point.
+    /// Probability with which [`sample`](Self::sample) selects a light for this point. It is 0 for an index out of range and
+    /// for a light that does not reach the point.
     pub fn pmf(&self, point: DVec3, normal: Option<DVec3>, index: u32) -> f64 {
         let mut place = match self.places.get(index as usize) {
             Some(Place::Unbounded) => return self.probability_of_unbounded(),
@@ -109,17 +108,17 @@ impl LightTree {
         probability
     }
 
-    /// How many lights may be chosen.
+    /// Number of lights that are not black.
     pub fn len(&self) -> usize {
         self.unbounded.len() + self.nodes.len().div_ceil(2)
     }
 
-    /// True if no light may be chosen.
+    /// True if all lights are black.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Of each of the lights without bounds.
+    /// Probability of each unbounded light.
     fn probability_of_unbounded(&self) -> f64 {
         let sharing = self.unbounded.len() + usize::from(!self.nodes.is_empty());
         1.0 / sharing.max(1) as f64
@@ -129,8 +128,8 @@ impl LightTree {
         if self.nodes.is_empty() { 0.0 } else { self.probability_of_unbounded() }
     }
 
-    /// Of the two nodes of a pair. If neither can light the point it does not matter which one is taken, and either is as
-    /// likely: the probabilities of all lights add up to 1. Each is a quotient, since the difference from 1 may round to 0.
+    /// Probabilities of two siblings. If neither can light the point, both are 1/2, so that the probabilities of all lights sum to
+    /// 1. Each is a quotient, since the difference from 1 may round to 0.
     fn probabilities_of_pair(&self, first: usize, point: DVec3, normal: Option<DVec3>) -> [f64; 2] {
         let importance = |i| self.nodes.get(i).map_or(0.0, |node: &Node| node.bounds.importance(point, normal));
         let (a, b) = (importance(first), importance(first + 1));

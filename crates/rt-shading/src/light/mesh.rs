@@ -1,4 +1,4 @@
-//! Meshes that shine.
+//! Mesh lights.
 
 use super::light_sample::{by_solid_angle, density};
 use super::piecewise_constant::{accumulate, find, probability};
@@ -7,8 +7,8 @@ use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, Lig
 use rt_geometry::{ShapeError, Triangle, WatertightRay};
 use rt_math::{Aabb, DVec3, Interval, Ray, Rgb};
 
-/// A set of triangles. One of them is chosen in proportion to its area; within it, directions are uniform by solid angle
-/// (Arvo 1995), or points by area where the triangle subtends less than 2⁻¹⁴ sr.
+/// Set of triangles. One of them is sampled in proportion to its area, then a direction uniformly by solid angle (Arvo 1995).
+/// A triangle that subtends less than 2⁻¹⁴ sr is sampled by area.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshLight {
     faces: Vec<Face>,
@@ -22,14 +22,14 @@ pub struct MeshLight {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Face {
     vertices: [DVec3; 3],
-    /// Unit normal, and zero without area.
+    /// Unit normal; zero without area.
     normal: DVec3,
     area: f64,
 }
 
 impl MeshLight {
-    /// The light over triangles in world space, whose fronts are where their vertices run counter-clockwise. Triangles
-    /// without area are kept, so that numbers stay, and are never chosen.
+    /// Light over triangles in world space. Vertices run counter-clockwise on the front side. Triangles without area keep their
+    /// index and are never sampled.
     ///
     /// # Errors
     /// If all of them have no area together, or a coordinate is not finite.
@@ -44,18 +44,18 @@ impl MeshLight {
         Ok(Self { faces, areas, area, around, emission })
     }
 
-    /// The area of one side of all triangles.
+    /// Area of one side of all triangles.
     pub const fn area(&self) -> f64 {
         self.area
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// A direction towards a point of the mesh. `None` if its triangle is seen from behind or edge-on. The mesh may hide the
-    /// point from itself, as anything else may.
+    /// Samples a direction towards a point of the mesh. `None` if its triangle faces away or is edge-on. Other triangles of the
+    /// mesh may occlude the point.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let (index, rest) = find(&self.areas, u[0])?;
         let face = self.faces.get(index)?;
@@ -70,8 +70,8 @@ impl MeshLight {
         LightLiSample::of_surface(point, &at, extent, radiance, self.pdf_li_at(point, on_light, at.triangle))
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes the direction from `point` to a point of the
-    /// given triangle. 0 where that is not seen, and for triangles that are not there.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point of the
+    /// given triangle. 0 where it is invisible, and for an index out of range.
     pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3, triangle: u32) -> f64 {
         let Some(face) = self.faces.get(triangle as usize) else { return 0.0 };
         let height = (face.vertices[0] - point).dot(face.normal);
@@ -81,13 +81,13 @@ impl MeshLight {
         density(probability(&self.areas, triangle as usize) * face.pdf(point, height, on_light))
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes the point that is first met in this
-    /// direction; 0 for one that passes by. All triangles are tested: whoever has the hit calls [`pdf_li_at`](Self::pdf_li_at).
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the first point in this
+    /// direction; 0 for a miss. All triangles are tested: [`pdf_li_at`](Self::pdf_li_at) is faster for a known hit.
     pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
         self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point, at.triangle))
     }
 
-    /// Where a ray from `point` meets the mesh first, from either side. All triangles are tested.
+    /// First hit of a ray from `point` with the mesh, from either side. All triangles are tested.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let ray = WatertightRay::new(&Ray::new(point, direction));
         let mut nearest = None;
@@ -102,7 +102,7 @@ impl MeshLight {
         nearest
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
     pub fn sample_area(&self, u: [f64; 2]) -> Option<LightPoint> {
         let (index, rest) = find(&self.areas, u[0])?;
         let face = self.faces.get(index)?;
@@ -112,27 +112,27 @@ impl MeshLight {
         Some(LightPoint { point, normal: face.normal, triangle: u32::try_from(index).ok()? })
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
+    /// Radiance against the viewing `direction`, of any length.
     pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area)
     }
 
-    /// Where the light is and where it shines.
+    /// Bounds of positions and directions.
     pub fn bounds(&self) -> Option<LightBounds> {
         if self.emission.sides() == EmissionSides::Both {
             return Some(LightBounds::all_around(self.around, self.power()));
         }
-        let shining = self.faces.iter().filter(|face| face.area > 0.0);
+        let emissive = self.faces.iter().filter(|face| face.area > 0.0);
         let bounds = |face: &Face| {
             let around = Aabb::from_points(face.vertices);
             LightBounds::of_flat(around, face.normal, &self.emission, face.area)
         };
-        shining.map(bounds).reduce(|a, b| a.union(&b))
+        emissive.map(bounds).reduce(|a, b| a.union(&b))
     }
 }
 
@@ -253,7 +253,7 @@ mod tests {
     /// A triangle that is seen from behind gives nothing: the density integrates to the part of the area that faces the
     /// point.
     #[test]
-    fn a_cube_shines_by_the_sides_that_are_seen() {
+    fn visible_sides_of_a_cube_emit() {
         let light = mesh(&cube(DVec3::ZERO), EmissionSides::Front);
         for (point, sides) in
             [(DVec3::new(0.0, 3.0, 0.0), 1.0), (DVec3::new(2.0, 3.0, -4.0), 3.0), (DVec3::X * 1.001, 1.0)]

@@ -1,41 +1,41 @@
-//! Which of many lights to sample.
+//! Light sampler by power.
 
 use super::piecewise_constant::{accumulate, find, probability};
 use rt_math::Rgb;
 
-/// A light that was chosen, and how likely that was.
+/// Sampled light, with its probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampledLight {
-    /// Its place in the list of lights.
+    /// Index in the list of lights.
     pub index: u32,
-    /// The probability of this choice, greater than 0.
+    /// Probability of the light, greater than 0.
     pub probability: f64,
 }
 
-/// Choice in proportion to power, the same for all points: cheap, and good where all lights reach everything.
+/// Sampling in proportion to power, independent of the receiver (pbrt: `PowerLightSampler`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerLightSampler {
     sums: Vec<f64>,
 }
 
 impl PowerLightSampler {
-    /// The choice among lights by the luminance of these powers. Those without are never chosen.
+    /// Sampler by the luminance of these powers. Lights without power are never sampled.
     pub fn new(powers: impl IntoIterator<Item = Rgb>) -> Self {
         let mut sums: Vec<f64> = powers.into_iter().map(|power| power.luminance().clamp(0.0, f64::MAX)).collect();
-        // Sums of the greatest powers overflow.
+        // The sum of the greatest powers would overflow.
         let greatest = sums.iter().fold(0.0f64, |a, &b| a.max(b));
         sums.iter_mut().for_each(|power| *power /= greatest);
         accumulate(&mut sums);
         Self { sums }
     }
 
-    /// The light that belongs to `u` in `[0, 1)`. `None` if no light has power.
+    /// Samples a light by `u` in `[0, 1)`. `None` if no light has power.
     pub fn sample(&self, u: f64) -> Option<SampledLight> {
         let (index, _) = find(&self.sums, u)?;
         Some(SampledLight { index: u32::try_from(index).ok()?, probability: probability(&self.sums, index) })
     }
 
-    /// The probability with which a light is chosen; 0 for one that is not there.
+    /// Probability of a light; 0 for an index out of range.
     pub fn pmf(&self, index: u32) -> f64 {
         probability(&self.sums, index as usize)
     }

@@ -1,4 +1,4 @@
-//! Rectangular lights.
+//! Rectangle and parallelogram lights.
 
 use super::light_sample::{by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
@@ -8,19 +8,19 @@ use rt_math::float::gamma;
 use rt_math::transcendental::sincos;
 use rt_math::{Aabb, DVec3, Rgb};
 
-/// Edges whose angle differs from a right one by less than this are those of a rectangle.
+/// Greatest deviation from a right angle of a rectangle, in radians.
 const RIGHT_ANGLE: f64 = 1e-12;
 
-/// Diagonals from the plane of a light beyond which it is sampled by area.
+/// Distance to the plane, in diagonals, beyond which a light is sampled by area.
 const FAR: f64 = 2.0;
 
-/// A flat light between a corner and two edges. Its front is the side from which the first edge, then the second one,
-/// turn counter-clockwise.
+/// Parallelogram between a corner and two edges. On its front side the edges turn counter-clockwise.
 ///
-/// A rectangle is sampled uniformly by solid angle (Ureña, Fajardo, King, "An Area-Preserving Parametrization for
-/// Spherical Rectangles", 2013), so that the estimate of its irradiance varies with the receiver's cosine alone. It is sampled
-/// by area where its plane is more than twice its diagonal away, from where all of its points look much alike and an
-/// angle costs more than it is worth, where it subtends less than 2⁻¹⁴ sr, and where its edges are not perpendicular.
+/// A rectangle is sampled uniformly by solid angle (Ureña, Fajardo, King, "An Area-Preserving Parametrization for Spherical
+/// Rectangles", 2013). The estimate of its irradiance thus varies with the receiver's cosine alone.
+///
+/// Sampling is by area if the edges are not perpendicular, if the light subtends less than 2⁻¹⁴ sr, or if the plane is more than
+/// twice the diagonal away. At that distance, solid angle reduces variance little.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadLight {
     corner: DVec3,
@@ -35,7 +35,7 @@ pub struct QuadLight {
 }
 
 impl QuadLight {
-    /// The light over the parallelogram `corner + s·edges[0] + t·edges[1]`, world space, `s` and `t` from 0 to 1.
+    /// Light over the parallelogram `corner + s·edges[0] + t·edges[1]`, world space, `s` and `t` from 0 to 1.
     ///
     /// # Errors
     /// If the parallelogram has no area, or a coordinate is not finite.
@@ -60,17 +60,17 @@ impl QuadLight {
         self.normal
     }
 
-    /// The area of one side.
+    /// Area of one side.
     pub const fn area(&self) -> f64 {
         self.area
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// The solid angle that the light subtends, 0 to 2π; 0 for a point in its plane, and NaN for one on its corner.
+    /// Solid angle that the light subtends, 0 to 2π; 0 for a point in its plane, and NaN for one on its corner.
     ///
     /// For a rectangle of sides 2a and 2b seen from the distance d above its middle it is
     /// `4 asin(ab / √((a² + d²)(b² + d²)))`.
@@ -81,11 +81,11 @@ impl QuadLight {
         solid_angle::of_fan([a, b, c, d], height, self.area)
     }
 
-    /// A direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
+    /// Samples a direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let height = (self.corner - point).dot(self.normal);
         let radiance = self.emission.emitted(height);
-        // A point of the light itself sees it edge-on, and rounding must not put it on the side that shines.
+        // Rounding must not put a point of the light itself on the emissive side.
         let rounding = self.normal.abs().dot(self.corner.abs() + point.abs()) * gamma(16);
         if radiance.is_black() || height.abs() <= rounding {
             return None;
@@ -101,8 +101,8 @@ impl QuadLight {
         LightLiSample::of_surface(point, &at, self.lengths[0] + self.lengths[1], radiance, pdf)
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes the direction from `point` to a point on
-    /// the light. 0 where the light is not seen.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point on
+    /// the light. 0 where the light is invisible.
     pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3) -> f64 {
         let height = (self.corner - point).dot(self.normal);
         if self.emission.emitted(height).is_black() {
@@ -114,12 +114,12 @@ impl QuadLight {
         }
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes this direction; 0 for one that passes by.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
     pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
         self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point))
     }
 
-    /// Where a ray from `point` meets the light, from either side.
+    /// Hit of a ray from `point` with the light, from either side.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let t = (self.corner - point).dot(self.normal) / direction.dot(self.normal);
         if !(t > 0.0 && t.is_finite()) {
@@ -135,30 +135,30 @@ impl QuadLight {
         is_inside.then_some(LightPoint { point: on_plane, normal: self.normal, triangle: 0 })
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
     pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         let point = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
         LightPoint { point, normal: self.normal, triangle: 0 }
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
+    /// Radiance against the viewing `direction`, of any length.
     pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area)
     }
 
-    /// Where the light is and where it shines.
+    /// Bounds of positions and directions.
     pub fn bounds(&self) -> LightBounds {
         let [a, b] = self.edges.map(|edge| self.corner + edge);
         let around = Aabb::from_points([self.corner, a, b, a + self.edges[1]]);
         LightBounds::of_flat(around, self.normal, &self.emission, self.area)
     }
 
-    /// The solid angle of the light if it is sampled by that, from a point whose distance to its plane is the `height`.
+    /// Solid angle from a point at `height` above the plane; `None` if the light is sampled by area.
     #[inline]
     fn angle_to_sample(&self, point: DVec3, height: f64) -> Option<f64> {
         let [a, b] = self.lengths;
@@ -169,11 +169,11 @@ impl QuadLight {
         (solid_angle >= MIN_SPHERICAL).then_some(solid_angle)
     }
 
-    /// The point at which the unit square's `u` lies on the spherical rectangle.
+    /// Maps `u` of the unit square to the spherical rectangle, and returns the point on the light.
     ///
-    /// In coordinates along the edges, with the plane at z = −h: the first number cuts off a part of the solid angle by a
-    /// great circle through x = const, the second takes a part of the arc between the other two edges. Names are those of
-    /// the paper; x is found without its detour by the cosine c, whose 1 − c² cancels at grazing angles.
+    /// Coordinates are along the edges, with the plane at z = −h. The first number selects a part of the solid angle, bounded by
+    /// a great circle through x = const. The second selects a part of the arc between the other two edges. Names are those of
+    /// the paper. Here x is computed without the cosine c, whose 1 − c² cancels at grazing angles.
     fn spherical_point(&self, point: DVec3, height: f64, solid_angle: f64, u: [f64; 2]) -> DVec3 {
         let (offset, h) = (self.corner - point, height.abs());
         let [x0, y0] = self.axes.map(|axis| offset.dot(axis));
@@ -197,211 +197,10 @@ impl QuadLight {
     }
 }
 
-/// The unit vector along an edge, whose square may underflow; zero for an edge of length zero.
+/// Unit vector along an edge, whose square may underflow; zero for an edge of length zero.
 fn unit(edge: DVec3) -> DVec3 {
     (edge / edge.abs().max_element()).normalize_or_zero()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::test_estimate::{
-        assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, irradiance_by_rays, white,
-    };
-    use super::super::{EmissionSides, Light, polygon_irradiance};
-    use super::*;
-    use rt_math::transcendental::asin;
-
-    /// A unit square at z = 1 that shines downwards.
-    fn square(sides: EmissionSides) -> QuadLight {
-        QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), [DVec3::Y, DVec3::X], white(sides)).expect("a light")
-    }
-
-    /// A lamp that also reflects drew itself: rounding put points of its back in front of it, and light leaked out behind.
-    #[test]
-    fn the_light_is_not_seen_from_its_own_plane_as_rounding_leaves_it() {
-        let corner = DVec3::new(-0.24, 1.98, 0.16);
-        let light = QuadLight::new(corner, [DVec3::NEG_Z * 0.38, DVec3::X * 0.47], white(EmissionSides::Front))
-            .expect("a light");
-        for y in [1.98f64.next_down().next_down(), 1.98f64.next_down(), 1.98, 1.98f64.next_up()] {
-            assert_eq!(light.sample_li(DVec3::new(0.1, y, -0.1), [0.3, 0.6]), None, "{y}");
-        }
-        let faces_down = light.normal().y < 0.0;
-        let span_after = DVec3::new(0.1, 1.98 + if faces_down { -1e-9 } else { 1e-9 }, -0.1);
-        assert!(light.sample_li(span_after, [0.3, 0.6]).is_some());
-    }
-
-    fn corners(light: &QuadLight) -> [DVec3; 4] {
-        let [a, b] = light.edges;
-        [light.corner, light.corner + a, light.corner + a + b, light.corner + b]
-    }
-
-    /// From above the middle and the corner, near, far, next to the plane, aside, and from receivers whose horizon cuts it.
-    fn receivers() -> Vec<[DVec3; 2]> {
-        let tilted = DVec3::new(1.0, 0.3, 0.2).normalize();
-        vec![
-            [DVec3::ZERO, DVec3::Z],
-            [DVec3::new(0.5, 0.5, 0.0), DVec3::Z],
-            [DVec3::new(0.1, 0.2, 0.999), DVec3::Z],
-            [DVec3::new(0.1, 0.2, 1.0 - 1e-6), tilted],
-            [DVec3::new(0.0, 0.0, -99.0), DVec3::Z],
-            [DVec3::new(0.0, 0.0, -1e6), DVec3::Z],
-            [DVec3::new(3.0, 1.0, 0.9), DVec3::NEG_X],
-            [DVec3::new(-3.0, 0.0, 0.999), tilted],
-            [DVec3::new(0.6, 0.2, 1.0 - 1e-9), DVec3::new(-1.0, 0.0, 1.0).normalize()],
-            [DVec3::new(0.3, -0.2, 0.5), tilted],
-            [DVec3::new(-2.0, -5.0, -7.0), DVec3::new(0.2, 0.9, 0.3).normalize()],
-        ]
-    }
-
-    #[test]
-    fn irradiance_is_lamberts() {
-        let light = square(EmissionSides::Front);
-        let emitter = Light::Quad(light);
-        for at in receivers() {
-            let truth = polygon_irradiance(&corners(&light), at[0], at[1]);
-            irradiance(&emitter, at, 100_000).assert(&format!("square from {}", at[0]), truth);
-        }
-    }
-
-    #[test]
-    fn irradiance_of_thin_large_and_sheared_lights_is_lamberts() {
-        let (point, normal) = (DVec3::new(0.2, 0.1, -0.7), DVec3::new(0.1, -0.3, 1.0).normalize());
-        for edges in [
-            [DVec3::Y * 1e-3, DVec3::X * 10.0],
-            [DVec3::Y * 1e3, DVec3::X * 1e3],
-            [DVec3::Y, DVec3::new(1.0, 0.5, 0.0)],
-        ] {
-            let light =
-                QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), edges, white(EmissionSides::Front)).expect("a light");
-            let truth = polygon_irradiance(&corners(&light), point, normal);
-            irradiance(&Light::Quad(light), [point, normal], 100_000).assert(&format!("{edges:?}"), truth);
-            assert_samples_and_pdf_agree(&Light::Quad(light), point, 1e-8);
-        }
-    }
-
-    /// Lambert's formula loses the digits of lights that are this small; A cos θ cos θ′ / d² does not.
-    #[test]
-    fn irradiance_of_tiny_lights_is_that_of_points() {
-        let (point, normal) = (DVec3::new(0.2, 0.1, -0.7), DVec3::new(0.1, -0.3, 1.0).normalize());
-        for size in [1e-7, 1e-14] {
-            let edges = [DVec3::Y * size, DVec3::X * size];
-            let light =
-                QuadLight::new(DVec3::new(-0.5, -0.5, 1.0), edges, white(EmissionSides::Front)).expect("a light");
-            let offset = light.corner + (edges[0] + edges[1]) / 2.0 - point;
-            let square = offset.length_squared();
-            let truth = light.area() * offset.dot(normal) * offset.z / (square * square);
-            irradiance(&Light::Quad(light), [point, normal], 1000).assert(&format!("size {size}"), truth);
-        }
-    }
-
-    #[test]
-    fn solid_angle_is_that_of_the_closed_form() {
-        let light = square(EmissionSides::Front);
-        assert!((light.solid_angle(DVec3::ZERO) - 4.0 * asin(0.2)).abs() < 1e-15);
-        for (d, tolerance) in [(1e-6, 1e-9), (0.3, 1e-14), (40.0, 1e-14), (1e6, 1e-12)] {
-            let truth = 4.0 * asin(0.25 / (0.25 + d * d));
-            let computed = light.solid_angle(DVec3::Z * (1.0 - d));
-            assert!((computed / truth - 1.0).abs() < tolerance, "from {d}: {computed}, truth {truth}");
-        }
-        let quarter = light.solid_angle(DVec3::new(0.5, 0.5, 0.0));
-        assert!((quarter - asin(0.5)).abs() < 1e-15, "a quarter of a square of side 2: {quarter}");
-        assert_eq!(light.solid_angle(DVec3::new(3.0, 0.0, 1.0)), 0.0, "in the plane");
-    }
-
-    #[test]
-    fn densities_agree_and_integrate_to_one() {
-        for sides in [EmissionSides::Front, EmissionSides::Both] {
-            let emitter = Light::Quad(square(sides));
-            for [point, _] in receivers() {
-                assert_samples_and_pdf_agree(&emitter, point, 1e-6);
-                if point.z > -10.0 && point.z < 0.99 {
-                    integral_of_pdf(&emitter, point, 200_000).assert(&format!("pdf from {point}"), 1.0);
-                }
-            }
-        }
-    }
-
-    /// The mapping has equal areas: a quarter of the unit square comes to a quarter of the solid angle.
-    #[test]
-    fn directions_are_uniform() {
-        let light = square(EmissionSides::Front);
-        let point = DVec3::new(1.2, 0.4, 0.7);
-        let at = [point, (DVec3::new(-0.2, 0.1, 1.0) - point).normalize()];
-        let rays = irradiance_by_rays(&Light::Quad(light), at, 400_000);
-        rays.assert("square by rays", polygon_irradiance(&corners(&light), at[0], at[1]));
-        for (part, half) in [(0, 0.5), (1, 0.5), (0, 0.1), (1, 0.9)] {
-            let count = 100;
-            let inner = (0..count).map(|i| {
-                let mut u = [0.0; 2];
-                u[part] = half;
-                u[1 - part] = (f64::from(i) + 0.5) / f64::from(count);
-                light.sample_li(point, u).expect("a sample").point.expect("a point")
-            });
-            // All lie on one great circle for the first number; for the second they part each arc in equal heights.
-            let points: Vec<_> = inner.map(|p| (p - point).normalize()).collect();
-            if part == 0 {
-                let circle = points[0].cross(points[99]).normalize();
-                assert!(points.iter().all(|p| p.dot(circle).abs() < 1e-12));
-                let x =
-                    light.sample_li(point, [half, 0.0]).expect("a sample").point.expect("a point").dot(light.axes[0]);
-                let x0 = light.corner.dot(light.axes[0]);
-                let edges = [light.axes[0] * (x - x0), light.edges[1]];
-                let cut = QuadLight::new(light.corner, edges, white(EmissionSides::Front)).expect("a light");
-                assert!((cut.solid_angle(point) / light.solid_angle(point) - half).abs() < 1e-12);
-            }
-        }
-    }
-
-    #[test]
-    fn a_wrong_density_is_caught() {
-        let emitter = Light::Quad(square(EmissionSides::Front));
-        for at in [[DVec3::ZERO, DVec3::Z], [DVec3::new(0.0, 0.0, -999.0), DVec3::Z]] {
-            let truth = polygon_irradiance(&corners(&square(EmissionSides::Front)), at[0], at[1]);
-            assert!(irradiance_by(&emitter, at, 100_000, |s| s.pdf * 1.01).z(truth) > 5.0, "1 % too dense");
-            let by_area = |s: &LightLiSample| s.distance * s.distance;
-            assert!(irradiance_by(&emitter, at, 100_000, by_area).z(truth) > 5.0, "the light's cosine forgotten");
-        }
-    }
-
-    #[test]
-    fn nothing_comes_from_behind_or_from_a_plane() {
-        let (front, both) = (Light::Quad(square(EmissionSides::Front)), Light::Quad(square(EmissionSides::Both)));
-        let behind = DVec3::new(0.1, 0.1, 2.0);
-        assert_eq!((front.sample_li(behind, [0.5; 2]), front.pdf_li(behind, DVec3::NEG_Z)), (None, 0.0));
-        assert!(both.sample_li(behind, [0.5; 2]).is_some() && both.pdf_li(behind, DVec3::NEG_Z) > 0.0);
-        assert_eq!(
-            (front.le(DVec3::NEG_Z, DVec3::NEG_Z), both.le(DVec3::NEG_Z, DVec3::NEG_Z)),
-            (Rgb::BLACK, Rgb::WHITE)
-        );
-        for point in [
-            DVec3::new(0.1, 0.1, 1.0),
-            DVec3::new(-0.5, -0.5, 1.0),
-            DVec3::new(5.0, 0.0, 1.0),
-            DVec3::NAN,
-            DVec3::INFINITY,
-        ] {
-            for light in [&front, &both] {
-                assert_eq!(light.sample_li(point, [0.5; 2]), None, "{point}");
-                assert_eq!(light.pdf_li(point, DVec3::Z), 0.0, "{point}");
-            }
-        }
-        for u in [[f64::NAN; 2], [-1.0, 2.0], [1.0, 1.0], [f64::INFINITY; 2]] {
-            let _ = front.sample_li(DVec3::ZERO, u);
-        }
-        assert_eq!(front.pdf_li(DVec3::ZERO, DVec3::ZERO), 0.0);
-        assert_eq!(front.pdf_li(DVec3::ZERO, DVec3::NAN), 0.0);
-        assert_eq!(both.power(0.0), front.power(0.0) * 2.0);
-    }
-
-    #[test]
-    fn lights_without_area_are_refused_and_black_ones_give_nothing() {
-        for edges in
-            [[DVec3::X, DVec3::X], [DVec3::X, DVec3::ZERO], [DVec3::X, DVec3::NAN], [DVec3::X * 1e200, DVec3::Y]]
-        {
-            assert!(QuadLight::new(DVec3::ZERO, edges, white(EmissionSides::Both)).is_err(), "{edges:?}");
-        }
-        let black = Emission::new(Rgb::BLACK, EmissionSides::Both).expect("an emission");
-        let light = QuadLight::new(DVec3::Z, [DVec3::X, DVec3::Y], black).expect("a light");
-        assert_eq!((light.sample_li(DVec3::ZERO, [0.5; 2]), light.pdf_li(DVec3::ZERO, DVec3::Z)), (None, 0.0));
-    }
-}
+mod tests;

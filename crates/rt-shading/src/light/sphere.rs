@@ -1,4 +1,4 @@
-//! Spheres that shine.
+//! Sphere lights.
 
 use super::light_sample::density;
 use super::solid_angle::uniform_sphere;
@@ -8,42 +8,42 @@ use rt_math::transcendental::sincos;
 use rt_math::{DVec3, Frame, Interval, Ray, Rgb};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-/// A sphere, sampled uniformly within the cone that it subtends (Shirley, Wang, Zimmerman, "Monte Carlo Techniques for
+/// Sphere, sampled uniformly within the cone that it subtends (Shirley, Wang, Zimmerman, "Monte Carlo Techniques for
 /// Direct Lighting Calculations", 1996).
 ///
 /// ```text
 ///   sin²θ = r²/d²     1 − cos θ = sin²θ / (1 + cos θ)     Ω = 2π (1 − cos θ)
 /// ```
 ///
-/// From far away `1 − cos θ` is never the difference of two numbers near 1; from near the surface `cos²θ` is
-/// `(d − r)(d + r)/d²`. From within, where the light is around, it is sampled uniformly over all directions.
+/// Nothing cancels: far away, `1 − cos θ` is no difference of two numbers near 1; near the surface, `cos²θ` is
+/// `(d − r)(d + r)/d²`. From inside, sampling is uniform over all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereLight {
     sphere: Sphere,
     emission: Emission,
 }
 
-/// How a sphere is seen.
+/// Position of a point relative to a sphere.
 enum SphereView {
     Outside(Subtended),
-    /// From within and from the surface itself.
+    /// Inside or on the surface.
     Within,
-    /// By a point so far away that the distance overflows, or that is none.
+    /// Distance overflows or is NaN.
     Nowhere,
 }
 
-/// The cone in which a sphere is seen from outside.
+/// Cone that a sphere subtends from outside.
 struct Subtended {
-    /// Towards the centre, unit.
+    /// Unit vector towards the centre.
     axis: DVec3,
     /// Sine of half the angle.
     sin: f64,
-    /// One less the cosine of half the angle.
+    /// One minus the cosine of half the angle.
     one_minus_cos: f64,
 }
 
 impl SphereLight {
-    /// The light of the given radius around `centre`, world space. Its front is outside.
+    /// Light of the given radius around `centre`, world space. Its front is outside.
     ///
     /// # Errors
     /// If the radius is not positive, or a number is not finite.
@@ -51,18 +51,18 @@ impl SphereLight {
         Ok(Self { sphere: Sphere::new(centre, radius)?, emission })
     }
 
-    /// The area of one side.
+    /// Area of one side.
     pub fn area(&self) -> f64 {
         4.0 * PI * self.sphere.radius() * self.sphere.radius()
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// The solid angle in which the light is seen: that of the cone from outside; 4π within and on a two-sided light, 0
-    /// within and on a one-sided one.
+    /// Solid angle that the light subtends: that of the cone from outside. Inside and on the surface it is 4π for a two-sided
+    /// light and 0 for a one-sided one.
     pub fn solid_angle(&self, point: DVec3) -> f64 {
         match (self.view_from(point), self.emission.sides()) {
             (SphereView::Outside(cone), _) => TAU * cone.one_minus_cos,
@@ -71,7 +71,7 @@ impl SphereLight {
         }
     }
 
-    /// A direction towards the light from `point`. `None` within and on a one-sided light, if it is black, and on a
+    /// Samples a direction towards the light from `point`. `None` inside and on a one-sided light, if it is black, and on a
     /// two-sided one for directions that leave it.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         match (self.view_from(point), self.emission.sides()) {
@@ -81,17 +81,17 @@ impl SphereLight {
         }
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes any direction that meets the light.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples any direction that hits the light.
     pub fn pdf_li_at(&self, point: DVec3) -> f64 {
         if self.emission.radiance().is_black() { 0.0 } else { density(1.0 / self.solid_angle(point)) }
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) takes this direction; 0 for one that passes by.
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
     pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
         if self.intersect(point, direction).is_some() { self.pdf_li_at(point) } else { 0.0 }
     }
 
-    /// Where a ray from `point` meets the light first.
+    /// First hit of a ray from `point` with the light.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let ray = Ray::new(point, direction);
         let hit = self.sphere.intersect(&ray, Interval::SPAWNED)?;
@@ -99,22 +99,22 @@ impl SphereLight {
         Some(self.on_surface(normal))
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
     pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         self.on_surface(uniform_sphere(u))
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
+    /// Radiance against the viewing `direction`, of any length.
     pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
         self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area())
     }
 
-    /// Where the light is and where it shines: everywhere.
+    /// Bounds of positions; directions are unrestricted.
     pub fn bounds(&self) -> LightBounds {
         LightBounds::all_around(self.sphere.bounds(), self.power())
     }
@@ -137,8 +137,8 @@ impl SphereLight {
         LightPoint { point: self.sphere.centre() + normal * self.sphere.radius(), normal, triangle: 0 }
     }
 
-    /// The cone's directions are turned into points by the angle at the centre, as in PBR 4th ed., section 6.2.4: the point
-    /// is on the sphere to the last digits even if that is small and far.
+    /// Sample from outside. The angle at the centre turns directions into points, as in PBR 4th ed., section 6.2.4. The point is
+    /// thus on the sphere to the last digits, even far away from a small one.
     fn sample_outside(&self, point: DVec3, cone: &Subtended, u: [f64; 2]) -> Option<LightLiSample> {
         let one_minus_cos = u[0].clamp(0.0, 1.0) * cone.one_minus_cos;
         let sin2 = one_minus_cos * (2.0 - one_minus_cos);
@@ -155,12 +155,12 @@ impl SphereLight {
         let pdf = 1.0 / (TAU * cone.one_minus_cos);
         let (at, radiance) = (self.on_surface(normal), self.emission.radiance());
         let sample = LightLiSample::of_surface(point, &at, self.sphere.radius(), radiance, pdf)?;
-        // Next to the surface the direction to the point has fewer digits than the direction that the point was made from.
+        // Next to the surface the direction to the point has fewer digits than the sampled direction.
         Some(LightLiSample { direction, ..sample })
     }
 
-    /// True for a direction that leaves the sphere from a point of its surface. Rounding puts half of all points of the
-    /// surface within, where each direction meets the sphere: those that leave it at the point itself.
+    /// True for a direction that leaves the sphere from a point of its surface. Rounding puts half of these points inside, where
+    /// every direction hits the sphere.
     fn leaves(&self, point: DVec3, direction: DVec3) -> bool {
         /// Error of a hit point, in units of the largest number that it is computed from.
         const ROUNDING: f64 = 64.0 * f64::EPSILON;

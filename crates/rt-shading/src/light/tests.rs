@@ -1,4 +1,4 @@
-//! What holds for every light, whatever its numbers are.
+//! Properties of every light for arbitrary numbers.
 
 use super::test_estimate::white;
 use super::*;
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use rt_math::transcendental::pow;
 use rt_math::{DQuat, Ray};
 
-/// Numbers of all sizes: ordinary ones, huge and tiny ones, and those that are none.
+/// Numbers of all sizes: ordinary, huge, tiny and non-finite ones.
 fn number() -> impl Strategy<Value = f64> {
     let powers = (-1.0..1.0f64, -80i32..80).prop_map(|(x, power)| x * pow(10.0, f64::from(power)));
     let odd = prop_oneof![Just(0.0), Just(-0.0), Just(f64::NAN), Just(f64::INFINITY), any::<f64>()];
@@ -48,7 +48,7 @@ fn sides() -> impl Strategy<Value = EmissionSides> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// No numbers make a light panic, or give a sample that cannot be used.
+    /// No numbers make a light panic or give an invalid sample.
     #[test]
     fn samples_are_sound(
         [a, b, c, point, direction] in [vector(), vector(), vector(), vector(), vector()],
@@ -77,7 +77,7 @@ proptest! {
         }
     }
 
-    /// What a light gives in a direction, a ray that is sent there finds: the same point, radiance and density.
+    /// A ray in a sampled direction finds the same point, radiance and density.
     #[test]
     fn rays_find_what_samples_promise(
         [a, b, c, point] in [plain(), plain(), plain(), plain()],

@@ -19,8 +19,8 @@ use rt_math::{Aabb, Frame, Interval, Ray, Rgb, Sampler};
 ///
 /// The factor u is [`LightUnits::irradiance_factor`](crate::LightUnits::irradiance_factor), as in path tracing.
 ///
-/// Light without falloff is traced as if it had one. The square of the whole path length compensates for it at the first
-/// surface that is not specular: a flat mirror does not weaken the light.
+/// Light without falloff is traced as if it had one. At the first non-specular surface the square of the path length compensates
+/// for it: a flat mirror does not weaken the light.
 ///
 /// Lights that cast no shadows shine through everything, so that mirrors and glass do not affect them. They and the environment
 /// start no paths.
@@ -30,7 +30,7 @@ pub struct LightSources {
     targets: Targets,
     /// Length of the diagonal around all that is bounded.
     reach: f64,
-    /// Bounds of transparent bodies.
+    /// Bounds of dielectrics.
     bodies: Aabb,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct LeSample {
 
 impl LightSources {
     /// Lights of a scene whose specular surfaces are the targets. `bounds` contains all that is bounded, and `bodies` all
-    /// transparent bodies.
+    /// dielectrics.
     pub fn new(lights: &LightSet, targets: Targets, bounds: Aabb, bodies: Aabb) -> Self {
         let reach = if bounds.is_empty() { 1.0 } else { bounds.extent().length() };
         let power = |light: &Light| match light {
@@ -69,7 +69,7 @@ impl LightSources {
         &self.targets
     }
 
-    /// Bounds of transparent bodies.
+    /// Bounds of dielectrics.
     pub(super) const fn bodies(&self) -> Aabb {
         self.bodies
     }

@@ -109,17 +109,17 @@ impl Scene {
 }
 
 const fn paths(max_depth: u32) -> PathSettings {
-    PathSettings { max_depth, rr_start_depth: 2, follows: Follows::Everything, clamp: Clamp::NONE }
+    PathSettings { max_depth, rr_start_depth: 2, transport: Transport::Full, clamp: Clamp::NONE }
 }
 
 const DISTRIBUTED: PathSettings =
-    PathSettings { max_depth: 4, rr_start_depth: 9, follows: Follows::Reflections, clamp: Clamp::NONE };
+    PathSettings { max_depth: 4, rr_start_depth: 9, transport: Transport::Specular, clamp: Clamp::NONE };
 
 fn floor() -> Shape {
     Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane"))
 }
 
-fn ball(radius: f64) -> Shape {
+fn sphere(radius: f64) -> Shape {
     Shape::Sphere(Sphere::new(DVec3::ZERO, radius).expect("a sphere"))
 }
 
@@ -134,10 +134,10 @@ fn under_square(floor_material: Material, roulette: PathSettings) {
     let corner = DVec3::new(-0.5, 1.0, -0.5);
     let outline = vec![corner, corner + DVec3::X, corner + DVec3::X + DVec3::Z, corner + DVec3::Z];
     let light = QuadLight::new(corner, [DVec3::X, DVec3::Z], emission).expect("a light");
-    let mut lamp = physical(Physical::Black, 2.0);
-    lamp.shines = EmissionSides::Front;
+    let mut emissive = physical(Physical::Black, 2.0);
+    emissive.shines = EmissionSides::Front;
     let shape = Polygon::new(outline, Vec::new(), rt_geometry::InsideRule::Convex).expect("a square");
-    Scene::new(vec![floor_material, lamp], vec![Light::Quad(light)])
+    Scene::new(vec![floor_material, emissive], vec![Light::Quad(light)])
         .with(floor(), 0, None)
         .with(Shape::Polygon(shape.into()), 1, Some(0))
         // Irradiance .7522746885 for radiance 1 (Lambert), albedo one half.
@@ -155,14 +155,14 @@ fn direct_light_of_a_square_is_lamberts() {
 }
 
 #[test]
-fn a_closed_room_that_shines_sums_all_bounces() {
+fn a_closed_emissive_enclosure_sums_all_bounces() {
     for albedo in [0.5, 0.8] {
-        let shining = || Scene::new(vec![physical(diffuse(albedo), 1.0)], Vec::new()).with(ball(1.0), 0, None);
+        let enclosure = || Scene::new(vec![physical(diffuse(albedo), 1.0)], Vec::new()).with(sphere(1.0), 0, None);
         let out = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
-        shining().assert_shows(paths(1000), out, 1.0 / (1.0 - albedo));
+        enclosure().assert_shows(paths(1000), out, 1.0 / (1.0 - albedo));
         // Emission of the first surface and of five more.
         let truncated = (0..5).fold(1.0, |sum, _| 1.0 + albedo * sum);
-        shining().assert_shows(paths(4), out, truncated);
+        enclosure().assert_shows(paths(4), out, truncated);
     }
 }
 
@@ -203,7 +203,7 @@ fn glass_neither_makes_nor_loses_light() {
         material
     };
     let furnace = |material| {
-        let mut scene = Scene::new(vec![material], Vec::new()).with(ball(1.0), 0, None);
+        let mut scene = Scene::new(vec![material], Vec::new()).with(sphere(1.0), 0, None);
         scene.appearance.background = Background::Constant(Rgb::WHITE);
         scene
     };
@@ -274,7 +274,7 @@ fn what_is_seen_does_not_depend_on_the_wave() {
     let mut scene =
         Scene::new(vec![physical(diffuse(0.7), 0.0), physical(diffuse(0.3), 0.1)], vec![Light::Disk(light)])
             .with(floor(), 0, None)
-            .with(ball(0.5), 1, None);
+            .with(sphere(0.5), 1, None);
     let needs = Needs::of(&scene.appearance, |_| true);
     let ray =
         |i: u32| (Ray::new(DVec3::new(3.0, 1.0, 0.1 * f64::from(i)), DVec3::new(-3.0, -1.0, 0.0)), Interval::FORWARD);

@@ -36,7 +36,7 @@ impl Tracer for Facet {
     }
 }
 
-/// What is seen of the facet along `direction`.
+/// Radiance of the facet along `direction`.
 fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<DeltaLight>) -> (Rgb, Facet) {
     let appearance = Appearance {
         materials: vec![Material::new("facet".into(), phong)],
@@ -93,7 +93,7 @@ fn refracted_rays_start_and_stay_on_the_far_side() {
     assert!(bent > 100, "{bent}");
 }
 
-/// A light that shines from a direction, which the facet faces.
+/// Directional light on the front side of the facet.
 fn sun_from(towards: DVec3) -> DeltaLight {
     let kind = DeltaLightKind::Directional { direction: -towards };
     DeltaLight { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }

@@ -6,8 +6,8 @@ use rt_camera::{PixelSampler, SamplerKind};
 use rt_geometry::{InsideRule, InteractionFlags, Plane, Polygon, RayKind, Shape};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
-    Appearance, BsdfCache, Clamp, ColorTexture, Follows, Lighting, Material, Needs, PathSettings, PathTracer, Phong,
-    Seen, SurfaceHit, Tracer,
+    Appearance, BsdfCache, Clamp, ColorTexture, Lighting, Material, Needs, PathSettings, PathTracer, Phong, Seen,
+    SurfaceHit, Tracer, Transport,
     light::{EmissionSides, LightId, LightSampling, LightSet},
 };
 
@@ -131,7 +131,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream)
     let mut world = TwoShapes::new()?;
     let appearance = appearance();
     let lights = LightSet::new(vec![area_light().light()?], LightSampling::Tree, 1.0);
-    let settings = PathSettings { max_depth: 2, rr_start_depth: 3, follows: Follows::Everything, clamp: Clamp::NONE };
+    let settings = PathSettings { max_depth: 2, rr_start_depth: 3, transport: Transport::Full, clamp: Clamp::NONE };
     let bsdfs = BsdfCache::new(&appearance, |_| true);
     let lighting = Lighting { appearance: &appearance, lights: &lights, bsdfs: &bsdfs };
     let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));

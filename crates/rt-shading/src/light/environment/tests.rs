@@ -1,4 +1,4 @@
-//! Where pixels are seen, and whether what is sampled is what is there.
+//! Directions of pixels, and agreement of samples with radiance.
 
 use super::super::Light;
 use super::super::test_estimate::{Estimate, integral_of_pdf, irradiance, irradiance_by};
@@ -134,7 +134,7 @@ fn densities_agree_and_integrate_to_one() {
     }
 }
 
-/// Where there is light there is density, also between the last lit pixel and its black neighbour.
+/// The density is positive wherever there is light, also between the last lit pixel and its black neighbour.
 #[test]
 fn light_is_never_without_density() {
     for light in images() {

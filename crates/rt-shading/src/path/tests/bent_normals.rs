@@ -1,4 +1,4 @@
-//! Shading normals that face away from the viewer: the geometric normal decides about sides under every integrator.
+//! Shading normals that face away from the viewer: the geometric normal determines sides under every integrator.
 
 use super::*;
 use crate::Highlight;
@@ -28,7 +28,7 @@ const ALL_SETTINGS: [PathSettings; 4] = [
     paths(0),
     paths(3),
     DISTRIBUTED,
-    PathSettings { max_depth: 3, rr_start_depth: 2, follows: Follows::AllButCaustics, clamp: Clamp::NONE },
+    PathSettings { max_depth: 3, rr_start_depth: 2, transport: Transport::NonCaustic, clamp: Clamp::NONE },
 ];
 
 /// A plane whose front is above. It is not at height 0, where numbers are so dense that shadow rays start on the plane itself.
@@ -174,8 +174,8 @@ fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
     }
 }
 
-/// In light from everywhere, a white diffuse surface reflects what comes from above both the bent normal and its own: by the
-/// angle β between them, (1 + cos β) / 2 of it.
+/// Under constant light, a white diffuse surface reflects the light above both the bent normal and its own. With the
+/// angle β between them, that is (1 + cos β) / 2 of it.
 #[test]
 fn white_diffuse_surfaces_with_bent_normals_show_what_a_numeric_integral_says() {
     let mut scene = Scene::new(vec![physical(diffuse(1.0), 0.0)], vec![]).with(wall(), 0, None);
