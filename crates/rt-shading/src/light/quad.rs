@@ -19,8 +19,8 @@ const FAR: f64 = 2.0;
 /// A rectangle is sampled uniformly by solid angle (Ureña, Fajardo, King, "An Area-Preserving Parametrization for Spherical
 /// Rectangles", 2013). The estimate of its irradiance thus varies with the receiver's cosine alone.
 ///
-/// Sampling is by area if the edges are not perpendicular, if the light subtends less than 2⁻¹⁴ sr, or if the plane is more than
-/// twice the diagonal away. At that distance, solid angle reduces variance little.
+/// Sampling is by area if the edges are not perpendicular, or if the light subtends less than 2⁻¹⁴ sr. So it is, too, if the plane
+/// is more than twice the diagonal away: there, solid angle reduces variance little.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadLight {
     corner: DVec3,
