@@ -3,7 +3,7 @@
 use rt_camera::Projection;
 use rt_math::{DVec3, Transform, TransformError};
 use rt_scene_io::{Node, Scene};
-use rt_shading::{Falloff, LightKind};
+use rt_shading::{DeltaLightKind, Falloff};
 
 /// The scene enlarged and then moved, as a whole: nodes by a transform above them all, cameras and lights by their
 /// numbers. It looks the same.
@@ -38,16 +38,16 @@ pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, Transfor
     }
     for light in &mut scene.appearance.lights {
         let falloff = match &mut light.kind {
-            LightKind::Point { position, falloff, shadow_near } => {
+            DeltaLightKind::Point { position, falloff, shadow_near } => {
                 *position = *position * scale + offset;
                 *shadow_near *= scale;
                 *falloff
             }
-            LightKind::Spot { position, falloff, .. } => {
+            DeltaLightKind::Spot { position, falloff, .. } => {
                 *position = *position * scale + offset;
                 *falloff
             }
-            LightKind::Directional { .. } => Falloff::None,
+            DeltaLightKind::Directional { .. } => Falloff::None,
         };
         if falloff == Falloff::InverseSquare {
             light.intensity = light.intensity * (scale * scale);

@@ -1,7 +1,6 @@
 //! Cameras and lights inside of solids or too far away.
 
 use rt_math::DVec3;
-use rt_shading::LightKind;
 
 use crate::objects::Objects;
 use crate::report::{Finding, Findings, Kind};
@@ -23,11 +22,8 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
             "" => format!("light number {index}, not counting ambient light"),
             name => name.to_owned(),
         };
-        let (position, shadow_near) = match light.kind {
-            LightKind::Point { position, shadow_near, .. } => (position, shadow_near),
-            LightKind::Spot { position, .. } => (position, 0.0),
-            LightKind::Directional { .. } => continue,
-        };
+        let Some(position) = light.kind.position() else { continue };
+        let shadow_near = light.kind.shadow_near();
         if light.casts_shadows {
             let enclosures = solids.containing(objects, position).filter(|enclosure| enclosure.wall > shadow_near);
             for enclosure in enclosures.filter(|enclosure| hides_light(objects, enclosure, solids)) {
@@ -55,12 +51,8 @@ fn camera_inside(objects: &Objects<'_>, name: &str, eye: DVec3, enclosure: &Encl
     let &Enclosure { object, wall } = enclosure;
     let is_glass = objects.is_glass(object);
     // A solid with a camera and a light inside is a room.
-    let is_lit = objects.scene.appearance.lights.iter().any(|light| match light.kind {
-        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-            solids.contains(objects, object, position)
-        }
-        LightKind::Directional { .. } => false,
-    });
+    let mut positions = objects.scene.appearance.lights.iter().filter_map(|light| light.kind.position());
+    let is_lit = positions.any(|position| solids.contains(objects, object, position));
     let DVec3 { x, y, z } = eye;
     let message = format!("is at ({x}, {y}, {z}) inside {}, {wall:.6e} from its wall", objects.name(object));
     let finding = Finding::new(Kind::CameraInside, name, &[("distance_to_wall", wall)], message);

@@ -7,7 +7,8 @@ use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
 use rt_shading::{
-    Appearance, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId, Transmission,
+    Appearance, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Texture, TextureId,
+    Transmission,
 };
 
 pub(crate) use crate::Severity;
@@ -57,9 +58,9 @@ pub(crate) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
     NamedCamera { name: "main".into(), settings, medium: None }
 }
 
-pub(crate) fn point_light(position: DVec3, shadow_near: f64) -> Light {
-    let kind = LightKind::Point { position, falloff: Falloff::None, shadow_near };
-    Light { name: "lamp".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
+pub(crate) fn point_light(position: DVec3, shadow_near: f64) -> DeltaLight {
+    let kind = DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near };
+    DeltaLight { name: "lamp".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
 }
 
 /// The unit cube from the origin to (1, 1, 1), its front outside.

@@ -11,7 +11,9 @@ use rt_image::{ImageFormat, write_image};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
-use rt_shading::{Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong};
+use rt_shading::{
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong,
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "scene_in_code.png".to_owned());
@@ -20,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Transform::look_at(DVec3::new(0.0, 2.0, 7.0), DVec3::new(0.0, 0.8, 0.0), DVec3::Y)?,
         Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
     );
-    let lamp = LightKind::Point { position: DVec3::new(-4.0, 6.0, 5.0), falloff: Falloff::None, shadow_near: 0.0 };
+    let lamp = DeltaLightKind::Point { position: DVec3::new(-4.0, 6.0, 5.0), falloff: Falloff::None, shadow_near: 0.0 };
     let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     let clay = Phong { diffuse: ColorTexture::Constant(Rgb::new(0.8, 0.4, 0.3)), ..Phong::default() };
     let chrome = Phong { diffuse: gray(0.1), specular: gray(0.8), mirror: gray(0.7), ..Phong::default() };
@@ -32,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         film: FilmSettings { width: 480, height: 320, ..FilmSettings::default() },
         appearance: Appearance {
             materials: vec![Material::new("clay".into(), clay), Material::new("chrome".into(), chrome)],
-            lights: vec![Light {
+            lights: vec![DeltaLight {
                 name: "lamp".into(),
                 kind: lamp,
                 intensity: Rgb::WHITE,

@@ -2,10 +2,10 @@
 
 use rt_geometry::{Polygon, Shape, TriangleMesh};
 use rt_math::{Aabb, DVec3, Rgb, Transform};
-use rt_scene_io::{Background, Scene};
+use rt_scene_io::Scene;
 use rt_shading::{
     Alpha, ColorTexture,
-    emitter::{CylinderLight, DiskLight, Emission, Emitter, EmitterSet, MeshLight, QuadLight, SphereLight},
+    light::{CylinderLight, DiskLight, Emission, Light, MeshLight, QuadLight, SphereLight},
 };
 
 use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_material};
@@ -13,38 +13,35 @@ use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_m
 /// Tolerance of the parallelogram test, as a part of the side.
 const SQUARENESS: f64 = 1e-9;
 
-/// Makes emitters of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured
+/// Makes area lights of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured
 /// one, a torus, an animated one) are found by rays only.
-pub(crate) fn emitters(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> EmitterSet {
+pub(crate) fn area_lights(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> Vec<Light> {
     // Instances in a group store the index within the group; a group instance stores the index of its first light.
     let of_groups: Vec<AreaLights> = levels
         .groups
         .iter()
         .map(|group| AreaLights::of(scene, &group.instances, &Transform::IDENTITY, levels))
         .collect();
-    let AreaLights { emitters: mut collected, numbers } =
+    let AreaLights { lights: mut collected, numbers } =
         AreaLights::of(scene, &top.instances, &Transform::IDENTITY, levels);
     for (instance, number) in top.instances.iter_mut().zip(numbers) {
-        instance.emitter = number;
+        instance.light = number;
         if let InstanceGeometry::Group(level, transform) = &instance.geometry {
             let transform = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
             let placed = AreaLights::of(scene, &levels.groups[*level as usize].instances, &transform, levels);
             // A transform may turn an area light into a surface that is not sampled.
-            if !placed.emitters.is_empty() && placed.numbers == of_groups[*level as usize].numbers {
-                instance.emitter = Some(collected.len() as u32);
-                collected.extend(placed.emitters);
+            if !placed.lights.is_empty() && placed.numbers == of_groups[*level as usize].numbers {
+                instance.light = Some(collected.len() as u32);
+                collected.extend(placed.lights);
             }
         }
     }
     for (group, lights) in levels.groups.iter_mut().zip(of_groups) {
         for (instance, number) in group.instances.iter_mut().zip(lights.numbers) {
-            instance.emitter = number;
+            instance.light = number;
         }
     }
-    if let Background::Environment(light) = &scene.appearance.background {
-        collected.push(Emitter::Environment(light.as_ref().clone()));
-    }
-    EmitterSet::new(collected, scene.settings.light_sampling, radius(top))
+    collected
 }
 
 /// Name of an animated emissive object, if there is one.
@@ -59,35 +56,29 @@ pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &Botto
 
 /// Area lights among some instances.
 struct AreaLights {
-    emitters: Vec<Emitter>,
-    /// Emitter index by instance.
+    lights: Vec<Light>,
+    /// Light index by instance.
     numbers: Vec<Option<u32>>,
 }
 
 impl AreaLights {
     fn of(scene: &Scene, instances: &[Instance], world_from_parts: &Transform, levels: &BottomLevel) -> Self {
-        let mut lights = Self { emitters: Vec::new(), numbers: Vec::with_capacity(instances.len()) };
+        let mut found = Self { lights: Vec::new(), numbers: Vec::with_capacity(instances.len()) };
         let mut before = None;
         for instance in instances {
             // The inlined triangles of a mesh follow each other, and are one light.
             let number = match (&instance.geometry, before) {
                 (InstanceGeometry::Triangle(..), Some((object, number))) if object == instance.object => number,
-                _ => emitter_of(scene, instance, world_from_parts, levels).map(|emitter| {
-                    lights.emitters.push(emitter);
-                    lights.emitters.len() as u32 - 1
+                _ => light_of(scene, instance, world_from_parts, levels).map(|light| {
+                    found.lights.push(light);
+                    found.lights.len() as u32 - 1
                 }),
             };
-            lights.numbers.push(number);
+            found.numbers.push(number);
             before = Some((instance.object, number));
         }
-        lights
+        found
     }
-}
-
-/// Half of the diagonal around the bounded part of the world; 1 without one.
-fn radius(top: &Aggregate) -> f64 {
-    let bounds = top.instances.iter().filter_map(|instance| instance.bounds).fold(Aabb::EMPTY, Aabb::union);
-    if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
 }
 
 /// Emission of an instance, if it is uniform.
@@ -104,47 +95,47 @@ fn emission_of(scene: &Scene, instance: &Instance) -> Option<Emission> {
     (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.shines).ok())?
 }
 
-/// Emitter of an instance in a transformed aggregate.
-fn emitter_of(scene: &Scene, instance: &Instance, outer: &Transform, levels: &BottomLevel) -> Option<Emitter> {
+/// Light of an instance in a transformed aggregate.
+fn light_of(scene: &Scene, instance: &Instance, outer: &Transform, levels: &BottomLevel) -> Option<Light> {
     let emission = emission_of(scene, instance)?;
     match &instance.geometry {
-        InstanceGeometry::Shape(shape) => emitter_of_shape(shape, outer, emission),
+        InstanceGeometry::Shape(shape) => light_of_shape(shape, outer, emission),
         InstanceGeometry::TransformedShape(placed) => {
-            emitter_of_shape(placed.shape(), &outer.compose(placed.world_from_local()), emission)
+            light_of_shape(placed.shape(), &outer.compose(placed.world_from_local()), emission)
         }
         InstanceGeometry::Mesh(level, transform) => {
             let inner = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
-            emitter_of_mesh(&levels.meshes[*level as usize].mesh, &outer.compose(&inner), emission)
+            light_of_mesh(&levels.meshes[*level as usize].mesh, &outer.compose(&inner), emission)
         }
-        InstanceGeometry::Triangle(mesh, _) => emitter_of_mesh(mesh, outer, emission),
+        InstanceGeometry::Triangle(mesh, _) => light_of_mesh(mesh, outer, emission),
         InstanceGeometry::Group(..) | InstanceGeometry::Animated(_) => None,
     }
 }
 
-fn emitter_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
+fn light_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emission) -> Option<Light> {
     let at = |point: DVec3| world_from_local.point(point);
     match shape {
         Shape::Sphere(sphere) => {
             let radius = sphere.radius() * world_from_local.uniform_scale()?;
-            SphereLight::new(at(sphere.centre()), radius, emission).ok().map(Emitter::Sphere)
+            SphereLight::new(at(sphere.centre()), radius, emission).ok().map(Light::Sphere)
         }
         Shape::Disk(disk) => {
             let scale = world_from_local.uniform_scale()?;
             let normal = world_from_local.normal(DVec3::Y).normalize();
             let (radius, inner) = (disk.radius() * scale, disk.inner_radius() * scale);
-            DiskLight::new(at(DVec3::ZERO), normal, radius, inner, emission).ok().map(Emitter::Disk)
+            DiskLight::new(at(DVec3::ZERO), normal, radius, inner, emission).ok().map(Light::Disk)
         }
         Shape::Cylinder(cylinder) => {
             let radius = cylinder.radius() * world_from_local.uniform_scale()?;
             let [base, top] = cylinder.heights().map(|y| at(DVec3::Y * y));
-            CylinderLight::new(base, top, radius, cylinder.has_caps(), emission).ok().map(Emitter::Cylinder)
+            CylinderLight::new(base, top, radius, cylinder.has_caps(), emission).ok().map(Light::Cylinder)
         }
         Shape::Rectangle(rectangle) => {
             let (x, z) = (0.5 * rectangle.width(), 0.5 * rectangle.depth());
             let corners = [[-x, z], [x, z], [x, -z], [-x, -z]].map(|[x, z]| at(DVec3::new(x, 0.0, z)));
             quad(corners, world_from_local.normal(DVec3::Y), emission)
         }
-        Shape::Polygon(polygon) => emitter_of_polygon(polygon, world_from_local, emission),
+        Shape::Polygon(polygon) => light_of_polygon(polygon, world_from_local, emission),
         Shape::Triangle(triangle) => mesh([triangle.vertices()], world_from_local, emission),
         // A box without thickness has two faces in one place.
         Shape::Cuboid(axis_box) if axis_box.bounds().extent().min_element() > 0.0 => {
@@ -155,17 +146,17 @@ fn emitter_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emiss
 }
 
 /// The parallelogram of four corners in order; `None` if they are none.
-fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, emission: Emission) -> Option<Emitter> {
+fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, emission: Emission) -> Option<Light> {
     let size = (b - a).length().max((d - a).length());
     if !((a + c - b - d).length() <= SQUARENESS * size) {
         return None;
     }
     let edges = if (b - a).cross(d - a).dot(normal) > 0.0 { [b - a, d - a] } else { [d - a, b - a] };
-    QuadLight::new(a, edges, emission).ok().map(Emitter::Quad)
+    QuadLight::new(a, edges, emission).ok().map(Light::Quad)
 }
 
 /// A polygon without dents and holes.
-fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
+fn light_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission: Emission) -> Option<Light> {
     let mut rings = polygon.rings();
     let (Some(form), None) = (rings.next(), rings.next()) else { return None };
     if let [a, b, c, d] = form {
@@ -183,7 +174,7 @@ fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission:
     if is_fan { mesh(fan, world_from_local, emission) } else { None }
 }
 
-fn emitter_of_mesh(source: &TriangleMesh, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
+fn light_of_mesh(source: &TriangleMesh, world_from_local: &Transform, emission: Emission) -> Option<Light> {
     let data = source.data();
     if let ([a, b, c, d], [[0, 1, 2], [0, 2, 3]]) = (&data.positions[..], &data.triangles[..]) {
         let corners = [a, b, c, d].map(|corner| world_from_local.point(corner.as_dvec3()));
@@ -202,13 +193,13 @@ fn mesh(
     triangles: impl IntoIterator<Item = [DVec3; 3]>,
     world_from_local: &Transform,
     emission: Emission,
-) -> Option<Emitter> {
+) -> Option<Light> {
     let flips = world_from_local.flips_handedness();
     let placed = triangles.into_iter().map(|triangle| {
         let [a, b, c] = triangle.map(|vertex| world_from_local.point(vertex));
         if flips { [a, c, b] } else { [a, b, c] }
     });
-    MeshLight::new(placed, emission).ok().map(Emitter::Mesh)
+    MeshLight::new(placed, emission).ok().map(Light::Mesh)
 }
 
 /// The twelve triangles of a box.

@@ -3,14 +3,15 @@
 use std::borrow::Cow;
 
 use rt_scene_io::{Integrator, MaterialId, Scene};
-use rt_shading::{Appearance, BsdfCache, LightSources, Material, Needs, emitter::EmitterSet};
+use rt_shading::{Appearance, BsdfCache, LightSources, Material, Needs, light::LightSet};
 
 use crate::{
     RenderError, RenderSpace,
     accel_choice::AccelOptions,
-    area_lights::{emitters, find_animated_light},
+    area_lights::find_animated_light,
     flatten::flatten,
     instance::{Aggregate, BottomLevel, InstanceGeometry},
+    light_set::light_set,
     light_sources::light_sources,
     plan_options::PlanOptions,
     world::World,
@@ -25,10 +26,10 @@ pub(crate) struct CompiledScene<'s> {
     pub(crate) static_time: Option<f64>,
     pub(crate) accel: AccelOptions,
     pub(crate) world: World,
-    /// Materials, textures and delta lights, in render space.
+    /// Materials, textures and delta lights, in render space. `whitted` takes its lights from here.
     pub(crate) appearance: Cow<'s, Appearance>,
-    /// Area and environment lights, if the integrator samples them.
-    pub(crate) emitters: EmitterSet,
+    /// All lights, if the integrator samples area lights.
+    pub(crate) lights: LightSet,
     /// BSDFs of uniform materials, if the integrator evaluates BSDFs; empty in an untrimmed plan.
     pub(crate) bsdfs: BsdfCache,
     /// Lights that light tracing starts from, if the integrator traces light.
@@ -55,10 +56,11 @@ impl<'s> CompiledScene<'s> {
         if let (Integrator::Distributed, Some(lamp)) = (integrator, find_animated_light(source, &top, &levels)) {
             return Err(RenderError::MovingLamp(lamp));
         }
-        let emitters = if integrator.samples_area_lights() {
-            emitters(source, &mut top, &mut levels)
+        let appearance = space.appearance(&source.appearance);
+        let lights = if integrator.samples_area_lights() {
+            light_set(source, &appearance, &mut top, &mut levels)
         } else {
-            EmitterSet::default()
+            LightSet::default()
         };
         if !options.full && integrator != Integrator::Uv {
             mark_textured(source, &mut top, &mut levels);
@@ -66,14 +68,13 @@ impl<'s> CompiledScene<'s> {
         let used = used_materials(source, &top, &levels, medium);
         let used_features = features(source, &top, &levels, &used);
         let world = if options.full { World::Instances(top, levels) } else { World::specialise(top, levels) };
-        let appearance = space.appearance(&source.appearance);
         let bsdfs = if integrator.samples_area_lights() && !options.full {
             BsdfCache::new(&appearance, |material| used[material])
         } else {
             BsdfCache::default()
         };
         let light_sources = match integrator {
-            Integrator::Caustics => light_sources(&appearance, &emitters, &world),
+            Integrator::Caustics => light_sources(&appearance, &lights, &world),
             _ => None,
         };
         Ok(Self {
@@ -83,7 +84,7 @@ impl<'s> CompiledScene<'s> {
             accel,
             world,
             appearance,
-            emitters,
+            lights,
             bsdfs,
             light_sources,
             features: if options.full { Needs::ALL } else { used_features },

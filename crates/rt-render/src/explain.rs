@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, fmt};
 use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_geometry::{Primitives as _, Shape};
 use rt_scene_io::{Integrator, LightSampling};
-use rt_shading::{Follows, Light, LightKind, Material, PathSettings};
+use rt_shading::{DeltaLight, Material, PathSettings, Transport};
 
 use crate::{
     MemoryPrediction, RenderPlan, RenderSpace,
@@ -294,7 +294,7 @@ impl RenderPlan<'_> {
                 "  for camera rays: up to {MAX_LINEAR} objects, or {MAX_LINEAR_SPHERES} spheres, {what}"
             ));
         }
-        if (self.scene.features.shadows || !self.scene.emitters.is_empty()) && self.has_wide_tree() {
+        if (self.scene.features.shadows || !self.scene.lights.sampled_lights().is_empty()) && self.has_wide_tree() {
             lines.push("  for shadow rays: what blocked a ray is asked first about the next".to_owned());
         }
         if self.scene.space != RenderSpace::WORLD {
@@ -339,28 +339,25 @@ impl RenderPlan<'_> {
 
     /// Line on area and environment lights.
     fn extended_lights(&self) -> Option<String> {
-        let emitters = self.scene.emitters.emitters().len();
-        (emitters > 0).then(|| {
-            let choice = match (emitters, self.scene.source.settings.light_sampling) {
+        let lights = self.scene.lights.sampled_lights().len();
+        (lights > 0).then(|| {
+            let choice = match (lights, self.scene.source.settings.light_sampling) {
                 (1, _) => "drawn from at each surface",
                 (_, LightSampling::Uniform) => "one drawn at each surface, all alike",
                 (_, LightSampling::Power) => "one drawn at each surface, by power",
                 (_, LightSampling::Tree) => "one drawn at each surface, by a tree that knows where they shine",
             };
-            let environment = if self.scene.emitters.environment().is_some() {
-                ", the image around the scene among them"
-            } else {
-                ""
-            };
-            format!("{} with extent{environment}: {choice}", count(emitters, "light", "lights"))
+            let environment =
+                if self.scene.lights.environment().is_some() { ", the image around the scene among them" } else { "" };
+            format!("{} with extent{environment}: {choice}", count(lights, "light", "lights"))
         })
     }
 
     fn paths(&self, settings: &PathSettings) -> String {
         let bounces = count(settings.max_depth as usize, "bounce", "bounces");
-        let what = match settings.follows {
-            Follows::Everything | Follows::AllButCaustics => "paths",
-            Follows::Reflections => "reflected and refracted paths",
+        let what = match settings.transport {
+            Transport::Full | Transport::NonCaustic => "paths",
+            Transport::Specular => "reflected and refracted paths",
         };
         let roulette = if settings.max_depth > settings.rr_start_depth {
             format!(", roulette after {}", settings.rr_start_depth)
@@ -436,7 +433,7 @@ impl RenderPlan<'_> {
         let of_paths = [
             (!n.textures, "textures", "no surface uses one"),
             (!n.emission, "emission", "no surface shines by itself"),
-            (self.scene.emitters.is_empty(), "lights with extent", "there are none to be drawn from"),
+            (self.scene.lights.sampled_lights().is_empty(), "lights with extent", "there are none to be drawn from"),
             (!n.refraction, "nested dielectrics", "no ray is ever inside of a body"),
             (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
         ];
@@ -476,11 +473,11 @@ impl RenderPlan<'_> {
         let Some(sources) = &self.scene.light_sources else {
             return of("light paths", "no lamp that can be drawn from shines on a sharp mirror or on glass");
         };
-        let is_sun = |light: &Light| matches!(light.kind, LightKind::Directional { .. }) && light.casts_shadows;
+        let is_sun = |light: &DeltaLight| light.kind.position().is_none() && light.casts_shadows;
         if sources.targets().is_everywhere() && self.scene.appearance.lights.iter().any(is_sun) {
             return of("light paths of directional lights", "there is no end to what mirrors them");
         }
-        match self.scene.emitters.environment() {
+        match self.scene.lights.environment() {
             Some(_) => of("light paths of the environment", "its light is found by paths from the camera"),
             None => None,
         }

@@ -445,7 +445,7 @@ impl<'s> Flattener<'s> {
             bounds,
             object: 0,
             first_primitive: 0,
-            emitter: None,
+            light: None,
             name: Arc::from(node.name.as_str()),
         })
     }

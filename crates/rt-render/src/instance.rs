@@ -11,7 +11,7 @@ use rt_geometry::{
     TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
-use rt_shading::{Relief, SurfaceHit, Texture, emitter::EmitterRef};
+use rt_shading::{Relief, SurfaceHit, Texture, light::LightId};
 
 use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
 
@@ -29,7 +29,7 @@ pub(crate) struct Instance {
     pub(crate) first_primitive: u32,
     /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
     /// there.
-    pub(crate) emitter: Option<u32>,
+    pub(crate) light: Option<u32>,
     /// False if nothing looks at its texture coordinates.
     pub(crate) textured: bool,
     /// The normal map of its material; `None` for a group.
@@ -53,8 +53,8 @@ impl Instance {
     /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
     #[inline]
     fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
-        let emitter = self.emitter.map(|index| EmitterRef { index, triangle });
-        SurfaceHit { t, interaction, object: self.object, material: self.material, emitter }
+        let light = self.light.map(|index| LightId { index, triangle });
+        SurfaceHit { t, interaction, object: self.object, material: self.material, light }
     }
 
     /// The surface of a triangle of a mesh.
@@ -308,11 +308,11 @@ impl Instances<'_> {
                 let inner_hit = Hit { primitive: hit.primitive - inner_part.first_primitive, ..*hit };
                 let local = to_local(ray, transform.as_deref());
                 let surface = inner.surface_of(inner_part, &inner_part.geometry, &local, &inner_hit, needs)?;
-                let emitter = surface.emitter.zip(instance.emitter);
+                let light = surface.light.zip(instance.light);
                 SurfaceHit {
                     interaction: to_world(surface.interaction, transform.as_deref()),
                     object: instance.object,
-                    emitter: emitter.map(|(light, first)| EmitterRef { index: first + light.index, ..light }),
+                    light: light.map(|(light, first)| LightId { index: first + light.index, ..light }),
                     ..surface
                 }
             }

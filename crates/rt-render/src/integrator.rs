@@ -1,7 +1,7 @@
 //! Integrators: functions from camera rays to radiance.
 
 use rt_scene_io::{Integrator, Settings};
-use rt_shading::{AmbientOcclusion, AovIntegrator, Clamp, Follows, PathSettings};
+use rt_shading::{AmbientOcclusion, AovIntegrator, Clamp, PathSettings, Transport};
 
 /// Integrator of a plan with its parameters.
 #[derive(Clone, Copy, Debug)]
@@ -20,16 +20,16 @@ pub(crate) enum IntegratorState {
 impl IntegratorState {
     /// Integrator of the settings. `depth_range` is that of the scene along the view axis.
     pub(crate) fn new(settings: &Settings, depth_range: [f64; 2]) -> Self {
-        let path = |max_depth, follows| {
+        let path = |max_depth, transport| {
             let clamp = settings.clamp.and_then(Clamp::new).unwrap_or_default();
-            Self::Path(PathSettings { max_depth, rr_start_depth: settings.rr_start_depth, follows, clamp })
+            Self::Path(PathSettings { max_depth, rr_start_depth: settings.rr_start_depth, transport, clamp })
         };
         match settings.integrator {
             Integrator::Whitted => Self::Whitted,
-            Integrator::Distributed => path(settings.depth, Follows::Reflections),
-            Integrator::Path => path(settings.depth, Follows::Everything),
-            Integrator::Caustics => path(settings.depth, Follows::AllButCaustics),
-            Integrator::Direct => path(0, Follows::Everything),
+            Integrator::Distributed => path(settings.depth, Transport::Specular),
+            Integrator::Path => path(settings.depth, Transport::Full),
+            Integrator::Caustics => path(settings.depth, Transport::NonCaustic),
+            Integrator::Direct => path(0, Transport::Full),
             Integrator::AmbientOcclusion => {
                 Self::AmbientOcclusion(AmbientOcclusion { reach: settings.occlusion_distance })
             }
@@ -52,7 +52,7 @@ impl IntegratorState {
     pub(crate) const fn path_settings(&self) -> PathSettings {
         match self {
             Self::Path(settings) => *settings,
-            _ => PathSettings { max_depth: 0, rr_start_depth: 0, follows: Follows::Everything, clamp: Clamp::NONE },
+            _ => PathSettings { max_depth: 0, rr_start_depth: 0, transport: Transport::Full, clamp: Clamp::NONE },
         }
     }
 }

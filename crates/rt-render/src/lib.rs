@@ -21,18 +21,18 @@
 //! # use rt_geometry::{Shape, Sphere};
 //! # use rt_math::{DVec3, Rgb, Transform};
 //! # use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene, Settings};
-//! # use rt_shading::{Appearance, Background, Falloff, Light, LightKind, LightUnits, Material, Phong};
+//! # use rt_shading::{Appearance, Background, Falloff, DeltaLight, DeltaLightKind, LightUnits, Material, Phong};
 //! # let camera = CameraSettings::new(
 //! #     Transform::translate(DVec3::Z * 4.0),
 //! #     Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
 //! # );
-//! # let lamp = LightKind::Point { position: DVec3::ONE * 5.0, falloff: Falloff::None, shadow_near: 0.0 };
+//! # let lamp = DeltaLightKind::Point { position: DVec3::ONE * 5.0, falloff: Falloff::None, shadow_near: 0.0 };
 //! # let scene = Scene {
 //! #     cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
 //! #     film: FilmSettings { width: 32, height: 24, ..FilmSettings::default() },
 //! #     appearance: Appearance {
 //! #         materials: vec![Material::new("grey".into(), Phong::default())],
-//! #         lights: vec![Light { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
+//! #         lights: vec![DeltaLight { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
 //! #         ..Appearance::default()
 //! #     },
 //! #     nodes: vec![Node::new(Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?)), MaterialId(0))],
@@ -68,6 +68,7 @@ mod frustum_cull;
 mod instance;
 mod integrator;
 mod light_pass;
+mod light_set;
 mod light_sources;
 mod memory;
 mod object_space_aa;

@@ -98,7 +98,7 @@ impl RenderPlan<'_> {
             LightChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
         let Some(sources) = &self.scene.light_sources else { return lit };
         let lighting =
-            Lighting { appearance: &self.scene.appearance, emitters: &self.scene.emitters, bsdfs: &self.scene.bsdfs };
+            Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let mut world = SceneTracer::new(world, structure, PrimaryTarget::All(structure), S::default());
         // Sobol' points whatever the pattern of the camera's samples: they need not be arranged in a pixel.
         let seed = hash(&[pass_seed(self.frame.seed, pass.pass), LIGHT_PATHS]);

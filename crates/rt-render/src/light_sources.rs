@@ -1,7 +1,7 @@
 //! Lights that light tracing starts from, and the specular objects that it aims at.
 
 use rt_geometry::Shape;
-use rt_shading::{Appearance, Ball, LightSources, Targets, emitter::EmitterSet};
+use rt_shading::{Appearance, LightSources, TargetSphere, Targets, light::LightSet};
 
 use crate::{
     camera_medium::reach_of_transparent_bodies,
@@ -9,32 +9,36 @@ use crate::{
     world::World,
 };
 
-/// The lights of the world as beginnings of paths; `None` if none of them can shine on a sharp mirror or glass.
-pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, world: &World) -> Option<LightSources> {
+/// Lights of the world as origins of light paths; `None` if none of them can reach a specular surface.
+pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &World) -> Option<LightSources> {
     let is_sharp =
         |material: u32| appearance.materials.get(material as usize).is_some_and(rt_shading::Material::is_sharp);
     let targets = match world {
         World::Spheres(world, _) => {
             let sharp = world.spheres.as_slice().iter().zip(&world.materials);
             let sharp = sharp.filter(|(_, material)| is_sharp(**material));
-            let ball =
-                |(sphere, _): (&rt_geometry::Sphere, _)| Ball { centre: sphere.centre(), radius: sphere.radius() };
-            Targets::new(sharp.map(ball).collect())
+            let sphere = |(sphere, _): (&rt_geometry::Sphere, _)| TargetSphere {
+                centre: sphere.centre(),
+                radius: sphere.radius(),
+            };
+            Targets::new(sharp.map(sphere).collect())
         }
         World::Instances(top, levels) => targets(&top.instances, levels, &is_sharp),
     };
     let bodies = reach_of_transparent_bodies(&appearance.materials, world);
-    let sources = LightSources::new(&appearance.lights, emitters, targets, world.bounds(), bodies);
+    let sources = LightSources::new(lights, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)
 }
 
 fn targets(instances: &[Instance], levels: &BottomLevel, is_sharp: &impl Fn(u32) -> bool) -> Targets {
-    let ball = |instance: &Instance| match &instance.geometry {
+    let sphere = |instance: &Instance| match &instance.geometry {
         InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
-            Some(Ball { centre: sphere.centre(), radius: sphere.radius() })
+            Some(TargetSphere { centre: sphere.centre(), radius: sphere.radius() })
         }
-        _ => instance.bounds.map(|bounds| Ball { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
+        _ => instance
+            .bounds
+            .map(|bounds| TargetSphere { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
     };
     let sharp = instances.iter().filter(|instance| uses_material(instance, levels, is_sharp));
-    sharp.map(ball).collect::<Option<Vec<_>>>().map_or(Targets::EVERYWHERE, Targets::new)
+    sharp.map(sphere).collect::<Option<Vec<_>>>().map_or(Targets::EVERYWHERE, Targets::new)
 }

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use rt_camera::CameraSettings;
 use rt_math::{DVec3, Transform};
 use rt_scene_io::Scene;
-use rt_shading::{Appearance, LightKind};
+use rt_shading::Appearance;
 
 /// Distance over size from which on a scene is translated. Up to there, coordinates keep 43 of 53 bits.
 const FAR: f64 = 1024.0;
@@ -71,9 +71,8 @@ impl RenderSpace {
         }
         let mut translated = appearance.clone();
         for light in &mut translated.lights {
-            match &mut light.kind {
-                LightKind::Point { position, .. } | LightKind::Spot { position, .. } => *position -= self.origin,
-                LightKind::Directional { .. } => {}
+            if let Some(position) = light.kind.position_mut() {
+                *position -= self.origin;
             }
         }
         Cow::Owned(translated)

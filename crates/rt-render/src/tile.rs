@@ -83,7 +83,7 @@ impl RenderPlan<'_> {
         }
         let ThreadState { whitted, paths, occlusion, camera, hits } = worker;
         let lighting =
-            Lighting { appearance: &self.scene.appearance, emitters: &self.scene.emitters, bsdfs: &self.scene.bsdfs };
+            Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let mut tracer =
             SceneTracer::new(world, structure, primary_target, S::default()).with_buffer(core::mem::take(hits));
         let mut finished = match (&self.integrator, &self.frame.medium) {

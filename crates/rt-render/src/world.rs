@@ -3,7 +3,7 @@
 use rt_accel::AnyAccelerator;
 use rt_geometry::{BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Shape, Spheres};
 use rt_math::{Aabb, Interval, Ray};
-use rt_shading::{SurfaceHit, emitter::EmitterRef};
+use rt_shading::{SurfaceHit, light::LightId};
 
 use crate::{
     instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, Instances},
@@ -31,11 +31,11 @@ impl World {
                 let some_cast_none = top.instances.iter().any(|instance| !instance.casts_shadow);
                 let switches = top.instances.iter().map(|instance| instance.casts_shadow);
                 let casts_shadow = if some_cast_none { switches.collect() } else { Vec::new() };
-                let some_shine = top.instances.iter().any(|instance| instance.emitter.is_some());
-                let lights = top.instances.iter().map(|instance| instance.emitter);
-                let emitters = if some_shine { lights.collect() } else { Vec::new() };
+                let has_lights = top.instances.iter().any(|instance| instance.light.is_some());
+                let lights = top.instances.iter().map(|instance| instance.light);
+                let lights = if has_lights { lights.collect() } else { Vec::new() };
                 let spheres = Spheres::new(spheres);
-                Self::Spheres(SphereWorld { spheres, materials, textured, casts_shadow, emitters }, top.structure)
+                Self::Spheres(SphereWorld { spheres, materials, textured, casts_shadow, lights }, top.structure)
             }
             None => Self::Instances(top, levels),
         }
@@ -87,7 +87,7 @@ pub(crate) struct SphereWorld {
     /// By sphere: whether it casts a shadow; empty if all do.
     pub(crate) casts_shadow: Vec<bool>,
     /// By sphere: the light that it is; empty if none is.
-    pub(crate) emitters: Vec<Option<u32>>,
+    pub(crate) lights: Vec<Option<u32>>,
 }
 
 impl SphereWorld {
@@ -138,9 +138,9 @@ impl ShadedPrimitives for SphereWorld {
         let material = *self.materials.get(hit.primitive as usize)?;
         let uv = needs.uv && *self.textured.get(hit.primitive as usize)?;
         let interaction = self.spheres.surface(ray, hit, InteractionFlags { uv, ..needs })?;
-        let index = self.emitters.get(hit.primitive as usize).copied().flatten();
-        let emitter = index.map(|index| EmitterRef { index, triangle: None });
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, emitter })
+        let index = self.lights.get(hit.primitive as usize).copied().flatten();
+        let light = index.map(|index| LightId { index, triangle: None });
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, light })
     }
 }
 

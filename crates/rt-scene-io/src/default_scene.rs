@@ -4,8 +4,8 @@ use core::f64::consts::PI;
 use rt_camera::Projection;
 
 use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
-use rt_shading::emitter::Sides;
-use rt_shading::{ColorTexture, Light, LightKind, Phong, Physical};
+use rt_shading::light::EmissionSides;
+use rt_shading::{ColorTexture, DeltaLight, DeltaLightKind, Phong, Physical};
 
 use crate::bounds::tree_bounds;
 use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Material, Node, SceneFile, Shape, Step};
@@ -123,15 +123,15 @@ fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
 
 /// Typical unshadowed illuminance in a box: the geometric mean of average and maximum. A spot may light a small part only, and
 /// a light may be close to one point.
-fn typical_illuminance(lights: &[Light], bounds: &Aabb) -> f64 {
+fn typical_illuminance(lights: &[DeltaLight], bounds: &Aabb) -> f64 {
     let bounds = if bounds.is_empty() { Aabb::new(DVec3::NEG_ONE, DVec3::ONE) } else { *bounds };
     // Distances below a tenth of the size are clamped: a light may coincide with a sample point.
     let nearest = (bounds.extent().length() * 0.1).max(f64::MIN_POSITIVE);
     let at = |place: DVec3| -> f64 {
-        let lit = lights.iter().filter_map(|light| Some((light, light.illuminate(place)?)));
+        let lit = lights.iter().filter_map(|light| Some((light, light.sample_li(place)?)));
         lit.map(|(light, lit)| {
             let closeness = match light.kind {
-                LightKind::Directional { .. } => 1.0,
+                DeltaLightKind::Directional { .. } => 1.0,
                 _ => (lit.distance / nearest).min(1.0),
             };
             lit.strength.luminance() * closeness * closeness
@@ -182,13 +182,13 @@ fn matrix(transform: &Transform) -> Step {
     Step::Matrix(row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0])
 }
 
-fn light(light: &Light) -> format::Light {
+fn light(light: &DeltaLight) -> format::Light {
     let name = light.name.clone();
     let intensity = Color::from_rgb(light.intensity.to_array());
     let casts_shadows = light.casts_shadows;
     let units = light.units.into();
     match light.kind {
-        LightKind::Point { position, falloff: f, shadow_near } => format::Light::Point {
+        DeltaLightKind::Point { position, falloff: f, shadow_near } => format::Light::Point {
             name,
             position: position.to_array(),
             intensity,
@@ -197,10 +197,10 @@ fn light(light: &Light) -> format::Light {
             shadow_near,
             casts_shadows,
         },
-        LightKind::Directional { direction } => {
+        DeltaLightKind::Directional { direction } => {
             format::Light::Directional { name, direction: direction.to_array(), intensity, units, casts_shadows }
         }
-        LightKind::Spot { position, direction, cos_inner, cos_outer, falloff: f } => format::Light::Spot {
+        DeltaLightKind::Spot { position, direction, cos_inner, cos_outer, falloff: f } => format::Light::Spot {
             name,
             position: position.to_array(),
             direction: direction.to_array(),
@@ -232,7 +232,7 @@ pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
             radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)),
             emission_sides: (*shines).into(),
         },
-        _ if !(is_dark || *shines == Sides::Both) => return None,
+        _ if !(is_dark || *shines == EmissionSides::Both) => return None,
         Physical::Diffuse { albedo, roughness } => {
             Material::Diffuse { albedo: constant(albedo)?, roughness: *roughness, emission }
         }
@@ -306,11 +306,11 @@ mod tests {
     use std::path::Path;
 
     /// A box of side 2 around the origin, lit by these lights.
-    fn lit(kinds: &[LightKind], intensity: f64) -> Model {
+    fn lit(kinds: &[DeltaLightKind], intensity: f64) -> Model {
         let cube = Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap();
         let light = |&kind| {
             let (name, units) = (String::new(), LightUnits::Physical);
-            Light { name, kind, intensity: Rgb::gray(intensity), units, casts_shadows: true }
+            DeltaLight { name, kind, intensity: Rgb::gray(intensity), units, casts_shadows: true }
         };
         Model {
             materials: vec![Material::new("ground".to_owned(), Phong::default())],
@@ -326,13 +326,13 @@ mod tests {
         resolve_with(&file, Path::new("a.glb"), &LoadOptions::default(), Some(("a.glb".to_owned(), model))).unwrap().0
     }
 
-    fn point(position: DVec3) -> LightKind {
-        LightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 }
+    fn point(position: DVec3) -> DeltaLightKind {
+        DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 }
     }
 
     #[test]
     fn exposure_takes_the_light_of_a_model_to_white() {
-        let sun = LightKind::Directional { direction: DVec3::NEG_Y };
+        let sun = DeltaLightKind::Directional { direction: DVec3::NEG_Y };
         let day = scene(lit(&[sun], 65_536.0), false);
         // log2(65536/π): white paper reflects 1/π of the illuminance.
         assert_eq!(day.film.development.exposure, -14.35);
@@ -351,7 +351,7 @@ mod tests {
     #[test]
     fn lights_that_reach_nothing_leave_the_exposure_alone() {
         let up = DVec3::Y;
-        let away = LightKind::Spot {
+        let away = DeltaLightKind::Spot {
             position: up * 9.0,
             direction: up,
             cos_inner: 0.9,
@@ -360,7 +360,9 @@ mod tests {
         };
         let scene = scene(lit(&[away], 100.0), false);
         assert_eq!(scene.film.development.exposure, 0.0);
-        let LightKind::Spot { cos_inner, cos_outer, .. } = scene.appearance.lights[0].kind else { panic!("a spot") };
+        let DeltaLightKind::Spot { cos_inner, cos_outer, .. } = scene.appearance.lights[0].kind else {
+            panic!("a spot")
+        };
         assert!((cos_inner - 0.9).abs() < 1e-15 && (cos_outer - 0.8).abs() < 1e-15);
     }
 
@@ -368,14 +370,14 @@ mod tests {
     fn spots_with_a_sharp_edge_are_written_and_read() {
         for degrees in 1..=90 {
             let cos_outer = transcendental::cos(f64::from(degrees).to_radians()).max(0.0);
-            let sharp = LightKind::Spot {
+            let sharp = DeltaLightKind::Spot {
                 position: DVec3::Y * 9.0,
                 direction: DVec3::NEG_Y,
                 cos_inner: cos_outer.next_up(),
                 cos_outer,
                 falloff: Falloff::InverseSquare,
             };
-            let LightKind::Spot { cos_inner: inner, cos_outer: outer, .. } =
+            let DeltaLightKind::Spot { cos_inner: inner, cos_outer: outer, .. } =
                 scene(lit(&[sharp], 100.0), false).appearance.lights[0].kind
             else {
                 panic!("a spot")

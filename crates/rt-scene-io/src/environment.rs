@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rt_math::{DQuat, Rgb, transcendental::sincos};
-use rt_shading::{Bitmap, emitter::EnvironmentLight};
+use rt_shading::{Bitmap, light::EnvironmentLight};
 
 use crate::{LoadErrorKind, LoadOptions, read_texture};
 

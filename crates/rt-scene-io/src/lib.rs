@@ -121,7 +121,7 @@ pub use model::{Model, load_model};
 pub use options::{AnimationEnd, Hasher, InMemoryFile, InputHashes, LoadOptions, ReferencedFiles, StudioLights};
 #[cfg(feature = "format")]
 pub use resolve::resolve;
-pub use rt_shading::emitter::LightSampling;
+pub use rt_shading::light::LightSampling;
 pub use scene::{
     Accel, Adaptive, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera,
     NamedMesh, Node, Scene, Settings, Truth, Warning,

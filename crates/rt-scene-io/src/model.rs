@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rt_shading::{Light, Material, Texture};
+use rt_shading::{DeltaLight, Material, Texture};
 
 use crate::{LoadError, LoadErrorKind, LoadOptions, NamedCamera, NamedMesh, Node, Warning, format};
 
@@ -19,7 +19,7 @@ pub struct Model {
     /// Textures that materials refer to.
     pub textures: Vec<Texture>,
     /// Lights in the model's world space.
-    pub lights: Vec<Light>,
+    pub lights: Vec<DeltaLight>,
     /// True if intensities are in candela and lux, without an exposure. A bare model is exposed to suit them.
     pub is_photometric: bool,
     /// Radiance of rays that leave the scene, if specified.

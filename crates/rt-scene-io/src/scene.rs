@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, fmt, sync::Arc};
 use rt_camera::{CameraSettings, FilmSettings, SamplerKind};
 use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{AnimatedTransform, AnimatedTransformChain, AnimatedTransformError, Rgb, Transform};
-use rt_shading::{Appearance, ColorTexture, emitter::LightSampling};
+use rt_shading::{Appearance, ColorTexture, light::LightSampling};
 
 use crate::sanitize::SingleLine;
 

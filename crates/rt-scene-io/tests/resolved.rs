@@ -9,7 +9,7 @@ use rt_camera::CameraSettings;
 use rt_math::{DVec3, Rgb};
 use rt_scene_io::format::{SceneFile, json_schema, parse_json, parse_ron, reference_page};
 use rt_scene_io::{Content, LoadOptions, Node, Scene, resolve};
-use rt_shading::{ColorTexture, LightKind, Texture};
+use rt_shading::{ColorTexture, DeltaLightKind, Texture};
 
 const SCENE: &str = r##"
 (
@@ -168,8 +168,8 @@ fn lights_are_as_written() {
     let scene = resolved(SCENE);
     assert_eq!(scene.appearance.ambient, Rgb::new(0.5, 0.25, 0.25));
     let [point, spot] = &scene.appearance.lights[..] else { panic!("{:?}", scene.appearance.lights) };
-    assert!(matches!(point.kind, LightKind::Point { shadow_near: 0.5, .. }) && point.casts_shadows);
-    let LightKind::Spot { direction, cos_inner, cos_outer, .. } = spot.kind else { panic!("{spot:?}") };
+    assert!(matches!(point.kind, DeltaLightKind::Point { shadow_near: 0.5, .. }) && point.casts_shadows);
+    let DeltaLightKind::Spot { direction, cos_inner, cos_outer, .. } = spot.kind else { panic!("{spot:?}") };
     assert_eq!(direction, DVec3::NEG_Y);
     assert!((cos_inner - 0.939_692_620_785_908_4).abs() < 1e-15);
     assert!((cos_outer - 0.866_025_403_784_438_6).abs() < 1e-15);

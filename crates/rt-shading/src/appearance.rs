@@ -1,6 +1,6 @@
-//! All that decides about colour in a scene, apart from its geometry.
+//! Materials, textures, lights and background of a scene.
 
-use crate::{Light, Material, Texture, emitter::EnvironmentLight};
+use crate::{DeltaLight, Material, Texture, light::EnvironmentLight};
 use rt_math::{DVec3, Rgb};
 use std::sync::Arc;
 
@@ -16,12 +16,12 @@ pub enum Background {
         /// Radiance straight up.
         top: Rgb,
     },
-    /// An image all around, which is a light as well.
+    /// Image in all directions, which is a light as well.
     Environment(Arc<EnvironmentLight>),
 }
 
 impl Background {
-    /// True if it gives no light.
+    /// True if its radiance is zero everywhere.
     pub fn is_black(&self) -> bool {
         match self {
             Self::Constant(rgb) => rgb.is_black(),
@@ -30,11 +30,11 @@ impl Background {
         }
     }
 
-    /// The radiance that arrives against `direction` (any non-zero length, world space).
+    /// Radiance against `direction` (any non-zero length, world space).
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         match self {
             Self::Constant(rgb) => *rgb,
-            Self::Environment(light) => light.radiance(direction),
+            Self::Environment(light) => light.le(direction),
             Self::Gradient { bottom, top } => bottom.lerp(*top, 0.5 + 0.5 * direction.y / direction.length()),
         }
     }
@@ -47,8 +47,8 @@ pub struct Appearance {
     pub materials: Vec<Material>,
     /// Textures; [`TextureId`](crate::TextureId) is an index into this list.
     pub textures: Vec<Texture>,
-    /// Lights with a place or a direction.
-    pub lights: Vec<Light>,
+    /// Delta lights. Area lights come from emissive materials, the environment light from the background.
+    pub lights: Vec<DeltaLight>,
     /// Light from everywhere, scaled by the ambient coefficient of materials.
     pub ambient: Rgb,
     /// Radiance of rays that hit nothing.
@@ -56,7 +56,7 @@ pub struct Appearance {
 }
 
 impl Default for Appearance {
-    /// Nothing at all, before a black background.
+    /// Nothing, in front of a black background.
     fn default() -> Self {
         Self {
             materials: Vec::new(),

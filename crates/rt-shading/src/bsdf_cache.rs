@@ -1,6 +1,6 @@
 //! BSDFs of uniform materials, computed once.
 
-use crate::{Appearance, PhysicalPoint, bsdf::Bsdf, path::Follows};
+use crate::{Appearance, PhysicalPoint, bsdf::Bsdf, path::transport::Transport};
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
@@ -23,8 +23,8 @@ pub(crate) struct CachedBsdf {
 
 impl CachedBsdf {
     /// With all that is followed of it.
-    pub(crate) fn new(bsdf: Bsdf, follows: Follows) -> Self {
-        let without_diffuse = if follows == Follows::Reflections { bsdf.without_diffuse() } else { None };
+    pub(crate) fn new(bsdf: Bsdf, transport: Transport) -> Self {
+        let without_diffuse = if transport == Transport::Specular { bsdf.without_diffuse() } else { None };
         Self { bsdf, without_diffuse }
     }
 }
@@ -37,7 +37,7 @@ impl BsdfCache {
         let materials = || appearance.materials.iter().enumerate().map(|(index, material)| (used(index), material));
         let of = materials().map(|(is_used, material)| {
             let is_made = is_used && material.is_uniform();
-            is_made.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), Follows::Reflections)))
+            is_made.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), Transport::Specular)))
         });
         Self { of: of.collect(), n_used: materials().filter(|(is_used, _)| *is_used).count() }
     }

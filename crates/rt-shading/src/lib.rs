@@ -10,33 +10,32 @@
 //!                     |    \ refracted
 //! ```
 //!
-//! **Owns** lights without extent ([`Light`]) and with it ([`emitter`]), the classical surface ([`Phong`]), textures, the laws of reflection and
-//! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), transparent bodies within each other ([`Interior`]), and the integrators
-//! that follow camera paths ([`Whitted`], [`AovIntegrator`]).
-//! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
+//! **Owns** lights ([`light`]), classical and physically based surfaces ([`Phong`], [`bsdf`]), textures, and reflection and refraction
+//! ([`optics`]). It has nested dielectrics ([`Interior`]) and the integrators ([`Whitted`], [`PathTracer`], [`AovIntegrator`]).
+//! **Does not own** shapes (rt-geometry) or ray queries: an integrator calls a [`Tracer`].
 //!
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
 //! use rt_math::{DVec3, Interval, Ray, Rgb};
-//! use rt_shading::{Appearance, Background, Falloff, Light, LightKind, LightUnits, Material, Needs, Phong, SurfaceHit, Tracer, Whitted};
+//! use rt_shading::{Appearance, Background, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Needs, Phong, SurfaceHit, Tracer, Whitted};
 //!
 //! // A world of one sphere, lit from the camera.
 //! struct OneSphere(Shape);
 //! impl Tracer for OneSphere {
 //!     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
 //!         let hit = self.0.intersect(ray, span)?;
-//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0, emitter: None })
+//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0, light: None })
 //!     }
 //!     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
 //!         self.0.intersect(ray, span).is_some()
 //!     }
 //! }
 //!
-//! let light = LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 };
+//! let light = DeltaLightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 };
 //! let appearance = Appearance {
 //!     materials: vec![Material::new("grey".into(), Phong::default())],
 //!     textures: vec![],
-//!     lights: vec![Light { name: "lamp".into(), kind: light, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
+//!     lights: vec![DeltaLight { name: "lamp".into(), kind: light, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
 //!     ambient: Rgb::BLACK,
 //!     background: Background::Constant(Rgb::BLACK),
 //! };
@@ -55,14 +54,14 @@ mod appearance;
 pub mod bsdf;
 mod bsdf_cache;
 mod coverage;
-pub mod emitter;
 mod hit_context;
 mod interior;
 mod layered_surface;
-mod light;
+pub mod light;
 mod light_tracing;
 mod material;
 mod medium_tracker;
+mod mis;
 mod needs;
 pub mod optics;
 mod path;
@@ -83,11 +82,13 @@ pub use bsdf_cache::BsdfCache;
 pub use coverage::{Alpha, Coverage};
 pub use interior::Interior;
 pub use layered_surface::{LayeredBase, LayeredSurface};
-pub use light::{Falloff, Illumination, Light, LightKind, LightUnits};
-pub use light_tracing::{Ball, CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, Targets};
+pub use light::{DeltaLiSample, DeltaLight, DeltaLightKind, Falloff, Light, LightUnits};
+pub use light_tracing::{
+    CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, TargetSphere, Targets,
+};
 pub use material::{Channel, ColorTexture, FloatTexture, Highlight, Material, Phong, Transmission};
 pub use needs::Needs;
-pub use path::{Clamp, Follows, Lighting, PathSettings, PathTracer};
+pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use physical::{Physical, PhysicalPoint};
 pub use relief::Relief;
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};

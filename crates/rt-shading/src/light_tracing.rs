@@ -1,4 +1,4 @@
-//! Light transport along paths from the lights, by random choice, in waves.
+//! Light tracing in waves: caustics by paths from the lights.
 
 mod scatter;
 mod sources;
@@ -6,7 +6,7 @@ mod targets;
 mod wave;
 
 pub use sources::LightSources;
-pub use targets::{Ball, Targets};
+pub use targets::{TargetSphere, Targets};
 
 use crate::{
     Lighting, Needs, ShadingCounts, Tracer,
@@ -16,55 +16,55 @@ use crate::{
 use rt_math::{DVec2, DVec3, Interval, Rgb, Sampler};
 use wave::{Connection, LightPath};
 
-/// How a camera sees a point.
+/// Projection of a point to a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraWiSample {
-    /// Where the camera ray that leads to the point starts, world space.
+    /// Origin of the camera ray to the point, world space.
     pub origin: DVec3,
-    /// Where the point appears, in raster coordinates.
+    /// Position on the image, in raster coordinates.
     pub raster: DVec2,
     /// Pixels that a unit of area covers at the point, if it faces the camera.
     pub importance: f64,
 }
 
-/// What light paths do not know of the scene themselves.
+/// Scene data of light tracing.
 #[derive(Clone, Copy, Debug)]
 pub struct LightTracingScene<'a> {
     /// Materials and lights.
     pub lighting: Lighting<'a>,
-    /// Which of the lights are followed, and where to.
+    /// Lights that start paths, and their targets.
     pub sources: &'a LightSources,
 }
 
-/// Light tracing: paths from the lights that come to the camera by way of a mirror or glass (Arvo 1986; Dutré, Lafortune,
-/// Willems 1993; Veach 1997, 10.1).
+/// Light tracing for caustics: paths from lights reach the camera via specular surfaces (Arvo 1986; Dutré, Lafortune, Willems
+/// 1993; Veach 1997, 10.1).
 ///
 /// ```text
 ///                    light □                        path tracing finds   E … D S L   by chance, if the light is large,
 ///                           ╲                       and never, if it is a point
 ///   camera ◁─ ─ ─ ─ ─ ─      ╲ mirror or glass
-///                      ╲     ╱                      light tracing sends the light where it goes, and asks at each surface
-///                       ● ──●                       that spreads light whether the camera sees it
+///                      ╲     ╱                      light tracing connects each non-specular vertex to
+///                       ● ──●                       the camera
 ///                        ╲    ╲
 ///                         ●    …
 /// ```
 ///
-/// **What it finds, and nothing else.** A path is followed here if it leaves a light that can be drawn from, is scattered by
-/// its first surface into a single direction (S), and is spread by the surface that the camera sees (D):
+/// **Paths.** The light is a sampled or delta light, the first surface specular (S), and the surface that the camera sees
+/// not (D):
 ///
 /// ```text
 ///   L S (S | D)* D E
 /// ```
 ///
-/// [`Follows::AllButCaustics`](crate::Follows::AllButCaustics) leaves out exactly these, so that the sum of the two is all
-/// light. What comes from the environment or from lamps that cannot be drawn from stays with the paths from the camera, and
-/// so does what the camera sees in a mirror or through glass. Light without extent is found here for the first time.
+/// [`Transport::NonCaustic`](crate::Transport::NonCaustic) omits exactly these paths: the sum of the two is all light. Camera paths
+/// find the light of environments and of emissive surfaces that are not sampled. They also find all light that the camera sees in
+/// a mirror or through glass. Caustics of delta lights are found here alone.
 ///
-/// The power of a path over the number of paths counts, times f and the solid angle of the camera; f is that of radiance with the
-/// arguments swapped, and interpolated normals are corrected for as Veach says (1997, 5.3.2):
+/// A contribution is the power of the path over the number of paths, times f and the camera's importance. The arguments of f are
+/// swapped against radiance. Interpolated normals need the correction (Veach 1997, 5.3.2)
 ///
 /// ```text
-///   |ω·Nₛ| |ω'·N| / (|ω·N| |ω'·Nₛ|)          ω towards the light, ω' where light goes on; N the actual normal
+///   |ω·Nₛ| |ω'·N| / (|ω·N| |ω'·Nₛ|)          ω towards the light, ω' the next direction; N the geometric normal
 /// ```
 ///
 /// Keep one instance per thread: all buffers are reused.
@@ -74,7 +74,7 @@ pub struct LightTracingIntegrator<S> {
     needs: Needs,
     paths: Vec<LightPath<S>>,
     connections: Vec<Connection>,
-    /// What is traced now, while the flow after it grows.
+    /// Rays of the current wave.
     ray_queues: RayQueues<u32>,
     next: RayQueues<u32>,
     /// Rays from surfaces to the camera.
@@ -83,7 +83,7 @@ pub struct LightTracingIntegrator<S> {
 }
 
 impl<S: Sampler> LightTracingIntegrator<S> {
-    /// Follows paths as far as the settings say, and computes only what `needs` names.
+    /// Integrator with these settings. It computes only the features of `needs`.
     pub fn new(settings: PathSettings, needs: Needs) -> Self {
         Self {
             settings,
@@ -102,15 +102,17 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         core::mem::take(&mut self.counts)
     }
 
-    /// Follows a path for each sampler, at the moment that goes with it. `sample_wi` says how the camera sees a point of the world at
-    /// a moment, and may draw a point of its lens. `splat` gets what arrives at a place of the image: the mean over all paths of the sum of it
-    /// times the filter is a pixel's radiance. Infinite or NaN if the scene is; the caller decides about such light.
+    /// Traces a path for each sampler, at its time.
+    ///
+    /// `sample_wi` projects a point of the world to the camera at a time; it may sample a point of the lens. `splat` receives
+    /// contributions by raster position. Their filtered sum over the number of paths is the radiance of a pixel. Non-finite scenes
+    /// give non-finite contributions, which the caller handles.
     pub fn trace(
         &mut self,
         world: &mut impl Tracer,
         scene: LightTracingScene<'_>,
         samplers: impl IntoIterator<Item = (S, f64)>,
-        sight: impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
+        sample_wi: impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
         mut splat: impl FnMut(DVec2, Rgb),
     ) {
         self.paths.clear();
@@ -122,7 +124,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
             for (kind, queue) in ray_queues.queues() {
                 world.closest_batch(&queue.rays, kind, self.needs.surface(), |at, hit| {
                     if let Some(hit) = hit {
-                        self.shade_hit(scene.lighting, queue.paths[at], &queue.rays[at].0, hit, &sight);
+                        self.shade_hit(scene.lighting, queue.paths[at], &queue.rays[at].0, hit, &sample_wi);
                     }
                 });
             }
@@ -133,7 +135,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         }
     }
 
-    /// Traces the rays to the camera, through whatever does nothing to them.
+    /// Traces the rays to the camera, through null interfaces.
     fn resolve_connections(
         &mut self,
         world: &mut impl Tracer,

@@ -1,6 +1,6 @@
 //! Surface properties.
 
-use crate::{Coverage, Physical, PhysicalPoint, Relief, Texture, TextureId, bsdf::Bsdf, emitter::Sides};
+use crate::{Coverage, Physical, PhysicalPoint, Relief, Texture, TextureId, bsdf::Bsdf, light::EmissionSides as Sides};
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Rgb, transcendental};
 

@@ -1,48 +1,36 @@
-//! Path tracing in waves.
+//! Path tracing in waves, with next-event estimation and MIS.
 
 mod clamp;
 mod scatter;
+pub(crate) mod transport;
 mod wave;
 
 use crate::{
-    Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, emitter::EmitterSet, ray_queues::RayQueues,
+    Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, light::LightSet, ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
+pub use transport::Transport;
 use wave::{Path, ShadowRayQueue};
-
-/// Light transport beyond the first surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Follows {
-    /// All of it: the rendering equation (Kajiya 1986).
-    Everything,
-    /// All but what [`LightTracingIntegrator`](crate::LightTracingIntegrator) finds: the light of lamps that comes to a surface which is seen by
-    /// single directions at its end.
-    AllButCaustics,
-    /// Specular and glossy transport; diffuse surfaces show direct and ambient light alone ("Distributed Ray
-    /// Tracing", Cook, Porter, Carpenter 1984).
-    Reflections,
-}
 
 /// Parameters of path tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSettings {
-    /// Bounces after the first surface: 0 for emission and direct light.
+    /// Maximum bounces after the first surface: 0 for emission and direct light.
     pub max_depth: u32,
-    /// Bounces before Russian roulette may end a path.
+    /// Bounces before Russian roulette starts.
     pub rr_start_depth: u32,
     /// Light transport beyond the first surface.
-    pub follows: Follows,
-    /// Bound of what a path adds to its pixel where indirect light arrives; none by default.
+    pub transport: Transport,
+    /// Bound on contributions of indirect light; none by default.
     pub clamp: Clamp,
 }
 
 /// Unidirectional path tracing with next-event estimation (Kajiya 1986; Veach 1997, 10.2).
 ///
-/// At each surface a light with extent is drawn from, and a direction from the BSDF; where the two can find the same light,
-/// they are weighted by the power heuristic (Veach, Guibas 1995). All delta lights are sampled at each surface, since
-/// they are few. Paths end by Russian roulette, of which the chances follow what the path carries.
+/// Each vertex samples all delta lights, one area or environment light, and a direction of the BSDF. MIS weights combine the last
+/// two by the power heuristic (Veach, Guibas 1995). Russian roulette ends paths by their throughput.
 ///
 /// ```text
 ///   camera ────● x₁ ─ ─ ─ ─ □ light          L ≈ Lₑ(x₁)  +  w · f L cos / p(light)  +  f cos / p(BSDF) · [ w · Lₑ(x₂) + … ]
@@ -50,12 +38,12 @@ pub struct PathSettings {
 ///                ● x₂ ─ ─ ─ □
 /// ```
 ///
-/// Classical lights and surfaces are taken so that they keep the brightness that they have under [`Whitted`](crate::Whitted): the
-/// intensity of a light in classical units counts π times, and kd is an albedo. Transparent bodies lie within each other as they do there.
-/// Shadow rays pass through no surface: light behind glass is found by directions from the BSDF alone.
+/// Classical lights and surfaces are as bright as under [`Whitted`](crate::Whitted). The intensity of a light in classical units
+/// thus counts π times, and kd is an albedo. Dielectrics nest as they do there. Shadow rays pass through no surface: only BSDF samples
+/// find light behind glass.
 ///
-/// Many paths are followed together, each with its own sampler, so that what a camera ray sees is the same to the bit
-/// whatever else is in the wave. Keep one instance per thread: all buffers are reused.
+/// A wave traces many paths, each with its own sampler. The radiance of a camera ray is thus bit-identical in every wave. Keep one
+/// instance per thread: all buffers are reused.
 #[derive(Clone, Debug)]
 pub struct PathTracer<S> {
     settings: PathSettings,
@@ -67,7 +55,7 @@ pub struct PathTracer<S> {
     ray_queues: RayQueues<u32>,
     next: RayQueues<u32>,
     shadows: ShadowRayQueue,
-    /// True if a ray that ends at the next surface may find light.
+    /// True if the emission of the next surface or the background may contribute.
     scene_emits: bool,
     counts: ShadingCounts,
 }
@@ -75,16 +63,16 @@ pub struct PathTracer<S> {
 /// Materials and lights for an integrator.
 #[derive(Clone, Copy, Debug)]
 pub struct Lighting<'a> {
-    /// Materials, textures, lights without extent, and the background.
+    /// Materials, textures and the background.
     pub appearance: &'a Appearance,
-    /// Lights with extent.
-    pub emitters: &'a EmitterSet,
+    /// All lights.
+    pub lights: &'a LightSet,
     /// BSDFs of uniform materials of this appearance, or `default()`.
     pub bsdfs: &'a BsdfCache,
 }
 
 impl<S: Sampler + Clone> PathTracer<S> {
-    /// Follows paths as the settings say, and computes only what `needs` names.
+    /// Integrator with these settings. It computes only the features of `needs`.
     pub fn new(settings: PathSettings, needs: Needs) -> Self {
         Self {
             settings,
@@ -109,8 +97,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         core::mem::take(&mut self.counts)
     }
 
-    /// An estimate of the radiance that camera rays see: `seen[i]` answers `rays[i]`, whose path draws from `samplers[i]`. What
-    /// is beyond the shortest slice is left alone. Infinite or NaN if the scene is; the caller decides about such samples.
+    /// Estimates the radiance of camera rays: `seen[i]` is that of `rays[i]`, whose path uses `samplers[i]`. Entries beyond the
+    /// shortest slice are unchanged. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of(
         &mut self,
         world: &mut impl Tracer,
@@ -136,7 +124,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
     }
 
-    /// Traces rays of one kind, each for the path whose number belongs to its place.
+    /// Traces rays of one kind; `path` maps the index of a ray to that of its path.
     fn trace(
         &mut self,
         world: &mut impl Tracer,
@@ -152,7 +140,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         });
     }
 
-    /// Traces the shadow rays of a wave, and makes the next one that which is traced.
+    /// Traces the shadow rays of a wave, and starts the next wave.
     fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
         let (clamp, counts) = (self.settings.clamp, &mut self.counts);
         let bounded = |radiance| clamp.bounded(radiance, counts);
@@ -161,7 +149,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         core::mem::swap(&mut self.ray_queues, &mut self.next);
     }
 
-    /// Begins a path for each sampler.
+    /// Starts a path for each sampler.
     fn start(&mut self, samplers: &[S]) {
         // Lists of bodies keep their memory from wave to wave.
         self.paths.truncate(samplers.len());

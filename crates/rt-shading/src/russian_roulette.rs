@@ -2,18 +2,18 @@
 
 use rt_math::{Rgb, Sampler};
 
-/// Paths go on with at most this chance once roulette is played, so that none goes on for ever. Where all surfaces reflect ρ
-/// of the light, what paths carry has a finite variance only if ρ² is less than this chance.
-const MOST_LIKELY: f64 = 0.999;
+/// Maximum survival probability, so that every path ends. Among surfaces of albedo ρ the throughput has a finite variance only if ρ²
+/// is less than this.
+const MAX_SURVIVAL: f64 = 0.999;
 
-/// Russian roulette (Arvo, Kirk 1990): whether a path survives that carries this much, and how much it then carries. The chance
-/// follows the weight as it is in air, where media squeeze radiance by the factor `eta_scale`.
+/// Russian roulette (Arvo, Kirk 1990): returns true if the path survives, and divides its throughput by the probability. `eta_scale`
+/// converts radiance in a medium to radiance in air.
 pub(crate) fn russian_roulette(throughput: &mut Rgb, eta_scale: f64, sampler: &mut impl Sampler) -> bool {
-    let chance = (throughput.max_component() * eta_scale).min(MOST_LIKELY);
-    if sampler.next_1d() >= chance {
+    let survival = (throughput.max_component() * eta_scale).min(MAX_SURVIVAL);
+    if sampler.next_1d() >= survival {
         return false;
     }
-    *throughput = *throughput / chance;
+    *throughput = *throughput / survival;
     true
 }
 
@@ -21,7 +21,7 @@ pub(crate) fn russian_roulette(throughput: &mut Rgb, eta_scale: f64, sampler: &m
 mod tests {
     use super::*;
 
-    /// Draws the same number for ever.
+    /// Sampler of a constant number.
     struct Constant(f64);
 
     impl Sampler for Constant {
@@ -34,7 +34,7 @@ mod tests {
         }
     }
 
-    /// With a chance of 0.95 at most, what a path carried grew by 4 % at each wall of 0.99, and the variance was infinite.
+    /// With a survival probability of at most 0.95, the throughput grew by 4 % at each wall of 0.99, and the variance was infinite.
     #[test]
     fn roulette_does_not_let_the_weight_grow_among_walls_that_are_almost_white() {
         let mut throughput = Rgb::WHITE;

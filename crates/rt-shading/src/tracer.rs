@@ -1,6 +1,6 @@
 //! Ray queries of integrators.
 
-use crate::emitter::EmitterRef;
+use crate::light::LightId;
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{Interval, Ray, Rgb};
 
@@ -15,21 +15,20 @@ pub struct SurfaceHit {
     pub object: u32,
     /// Index into [`Appearance::materials`](crate::Appearance::materials).
     pub material: u32,
-    /// The light with extent that the surface belongs to, if it is one that can be drawn from.
-    pub emitter: Option<EmitterRef>,
+    /// Area light of the surface, if it is one of the sampled lights.
+    pub light: Option<LightId>,
 }
 
 impl SurfaceHit {
     /// Interval beyond this hit, for a ray that continues as if the surface were absent.
     ///
-    /// The ray stays what it is, so that everything behind is met at the same parameters to the bit. It goes as far as
-    /// rounding may have displaced the surface, as a spawned ray would: two triangles that share the edge which was hit
-    /// are one surface.
+    /// The ray is unchanged, so that hits behind it have bit-identical parameters. The interval starts beyond the error bound of the
+    /// surface, as for a spawned ray: two triangles that share the hit edge are one surface.
     pub fn span_after(&self, ray: &Ray) -> Interval {
         let normal = self.interaction.geometric_normal;
         let way = normal.abs().dot(self.interaction.point_error) / normal.dot(ray.direction).abs();
         let min = if way.is_finite() { self.t + way } else { self.t }.next_up();
-        // Nothing lies beyond infinity.
+        // The interval beyond infinity is empty.
         Interval::new(min, if min > self.t { f64::INFINITY } else { f64::NEG_INFINITY })
     }
 }

@@ -4,16 +4,10 @@ use crate::{
     Appearance, Material, PhysicalPoint,
     bsdf::{Bsdf, BsdfSample},
     interior::MediumInterface,
+    mis::power_heuristic,
     viewed_surface::ViewedSurface,
 };
 use rt_math::{DVec3, Frame, Rgb};
-
-/// The power heuristic with exponent 2, of a direction drawn with density `drawn` that could have been drawn with `other`.
-pub(crate) fn power_heuristic(drawn: f64, other: f64) -> f64 {
-    // The quotient does not overflow where squares do.
-    let ratio = other / drawn;
-    1.0 / (1.0 + ratio * ratio)
-}
 
 /// BSDF at a hit. The interface of a solid gives the media on both sides.
 pub(crate) fn bsdf_at(
@@ -39,7 +33,7 @@ pub(crate) struct Vertex<'a> {
     pub(crate) frame: Frame,
     /// To the viewer, in the frame.
     pub(crate) wo: DVec3,
-    /// The normal by which lights are chosen: on the viewer's side, unless light comes through.
+    /// Normal for the sampling of lights: on the viewer's side, `None` if the surface transmits light.
     pub(crate) normal: Option<DVec3>,
     pub(crate) time: f64,
 }
@@ -74,14 +68,13 @@ impl<'a> Vertex<'a> {
         }
     }
 
-    /// The direction, in world space, in which a camera path goes on with this sample; `None` if it ends. See
-    /// [`ViewedSurface::continued`].
+    /// Next direction of a camera path with this sample, world space; `None` if the path ends. See [`ViewedSurface::continued`].
     #[inline]
     pub(crate) fn continued(&self, sample: &BsdfSample, keeps_single: bool) -> Option<DVec3> {
         self.view.continued(sample, self.frame.from_local(sample.wi), keeps_single)
     }
 
-    /// The direction in the frame; `None` where the interpolated normal and the actual one disagree about its side.
+    /// Direction in the frame; `None` if it lies on different sides of the interpolated and the geometric normal.
     #[inline]
     pub(crate) fn local(&self, wi: DVec3) -> Option<DVec3> {
         let local = self.frame.to_local(wi);
@@ -110,8 +103,8 @@ impl<'a> Vertex<'a> {
             SampledLobes::All => all * power_heuristic(pdf, other),
             SampledLobes::Nothing => all,
             SampledLobes::Some(sampled) => {
-                let (followed, other) = sampled.eval_with_pdf(self.wo, local);
-                all - followed * (1.0 - power_heuristic(pdf, other))
+                let (sampled, other) = sampled.eval_with_pdf(self.wo, local);
+                all - sampled * (1.0 - power_heuristic(pdf, other))
             }
         };
         weighted * local.z.abs()

@@ -8,19 +8,19 @@ use crate::{Appearance, Interior, Needs, Seen, Tracer, ray_queues::RayQueues};
 pub use counts::ShadingCounts;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
-use wave::{DirectLighting, Path, PixelTree};
+use wave::{DirectLighting, PixelTree, TreePath};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
-/// It follows many camera rays together, in waves (Laine, Karras and Aila, "Megakernels Considered Harmful: Wavefront Path
-/// Tracing on GPUs", 2013): all of them to their first surface, then all shadow rays from there, then one ray that each
-/// goes on with, and so forth. The tree of rays of each is walked depth first with a stack of its own, so that depth is
-/// limited by `max_depth` and not by the machine's stack, and what a camera ray sees is the same to the bit whatever
-/// else is in the wave. Keep one instance per thread: all buffers are reused.
+/// Waves hold many camera rays (Laine, Karras and Aila, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs", 2013).
+/// A wave traces one ray of each to its closest hit, then all shadow rays from there.
 ///
-/// Rays know which transparent bodies they are inside of ([`Interior`]). Where the index of refraction is the same on both
-/// sides of a surface, nothing is mirrored by Fresnel's equations and light goes straight on; where nothing else shows the
-/// surface either ([`Phong::is_clear`](crate::Phong::is_clear)), the very same ray goes on, and no bounce is counted.
+/// The ray tree of each camera ray is traversed depth first with a stack of its own. Only `max_depth` limits the depth, and the
+/// radiance of a camera ray is bit-identical in every wave. Keep one instance per thread: all buffers are reused.
+///
+/// Rays carry the list of dielectrics that they are inside of ([`Interior`]). At equal indices of refraction on both sides of a
+/// surface, Fresnel reflection is 0 and light is not deflected. If nothing else makes the surface visible
+/// ([`Phong::is_clear`](crate::Phong::is_clear)), the same ray continues, and no bounce is counted.
 #[derive(Clone, Debug)]
 pub struct Whitted {
     max_depth: u32,
@@ -29,8 +29,8 @@ pub struct Whitted {
     /// Media around the camera.
     surroundings: Interior,
     /// Rays of the current wave.
-    wave: RayQueues<Path>,
-    next: RayQueues<Path>,
+    wave: RayQueues<TreePath>,
+    next: RayQueues<TreePath>,
     samples: Vec<PixelTree>,
     /// Samples whose path has ended in this wave.
     ended: Vec<u32>,
@@ -39,8 +39,8 @@ pub struct Whitted {
 }
 
 impl Whitted {
-    /// Follows up to `max_depth` bounces after the first hit, and none whose weight in the pixel is below
-    /// `min_contribution` in all components. Computes only what `needs` names.
+    /// Integrator of up to `max_depth` bounces after the first hit. Rays whose weight in the pixel is below `min_contribution` in all
+    /// components are not traced. It computes only the features of `needs`.
     pub fn new(max_depth: u32, min_contribution: f64, needs: Needs) -> Self {
         Self {
             max_depth,
@@ -78,8 +78,8 @@ impl Whitted {
         seen[0]
     }
 
-    /// Radiance that camera rays see: `seen[i]` answers `rays[i]`. Rays beyond the shorter slice are left alone. Infinite
-    /// or NaN if the scene is; the caller decides about such samples.
+    /// Radiance of camera rays: `seen[i]` is that of `rays[i]`. Entries beyond the shorter slice are unchanged. Non-finite scenes
+    /// give non-finite radiance, which the caller handles.
     pub fn radiance_of(
         &mut self,
         world: &mut impl Tracer,
@@ -91,7 +91,7 @@ impl Whitted {
         let (rays, seen) = (&rays[..count], &mut seen[..count]);
         seen.fill(Seen::NOTHING);
         self.start(count);
-        let camera_path = |at| Path { sample: at as u32, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
+        let camera_path = |at| TreePath { sample: at as u32, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
         self.intersect_and_shade(world, appearance, RayKind::Primary, rays, camera_path, seen);
         self.end_wave(world, seen);
         while !self.wave.is_empty() {
@@ -104,7 +104,7 @@ impl Whitted {
         }
     }
 
-    /// Makes room for the samples of so many camera rays.
+    /// Allocates state for the samples of `count` camera rays.
     fn start(&mut self, count: usize) {
         if self.samples.len() < count {
             self.samples.resize_with(count, PixelTree::default);
@@ -116,14 +116,14 @@ impl Whitted {
         }
     }
 
-    /// Traces rays of one kind, each for the path of its place.
+    /// Traces rays of one kind; `path` returns the path of a ray by its index.
     fn intersect_and_shade(
         &mut self,
         world: &mut impl Tracer,
         appearance: &Appearance,
         kind: RayKind,
         rays: &[(Ray, Interval)],
-        path: impl Fn(usize) -> Path,
+        path: impl Fn(usize) -> TreePath,
         seen: &mut [Seen],
     ) {
         world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
@@ -138,7 +138,7 @@ impl Whitted {
         self.next_wave();
     }
 
-    /// Fills the next wave with what the samples go on with.
+    /// Starts the next wave, with deferred rays of samples whose path has ended.
     fn next_wave(&mut self) {
         for &sample in &self.ended {
             self.samples[sample as usize].pop_deferred(&mut self.next);

@@ -2,7 +2,7 @@
 
 use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec3, Ray, transcendental::pow};
-use rt_shading::{Appearance, ColorTexture, Light, LightKind, Material, Phong};
+use rt_shading::{Appearance, ColorTexture, DeltaLight, Material, Phong};
 
 use crate::{primitive_form::PrimitiveForm, world::ShadedPrimitives};
 
@@ -95,18 +95,14 @@ impl SurfacePatch {
     }
 
     /// True if the light, blocked by nothing, does not reach any point of the patch.
-    pub(super) fn turns_away_from(&self, light: &Light) -> bool {
-        let (place, away) = match light.kind {
-            LightKind::Directional { direction } => (None, direction),
-            LightKind::Point { position, .. } => (Some(position), DVec3::ZERO),
-            LightKind::Spot { position, direction, cos_outer, .. } => {
-                let axis = self.cosine_with(position, direction);
-                if axis.is_some_and(|[_, greatest]| greatest <= cos_outer) {
-                    return true;
-                }
-                (Some(position), DVec3::ZERO)
+    pub(super) fn turns_away_from(&self, light: &DeltaLight) -> bool {
+        let place = light.kind.position();
+        if let (Some(position), Some(cone)) = (place, light.kind.cone()) {
+            let axis = self.cosine_with(position, cone.direction);
+            if axis.is_some_and(|[_, greatest]| greatest <= cone.cos_outer) {
+                return true;
             }
-        };
+        }
         if let PrimitiveForm::Sphere { centre, radius } = self.form {
             // (p − c)·(l − p) = (p − c)·(l − c) − r² is at most this anywhere in the ball around the patch.
             let middle = self.centre - centre;
@@ -115,20 +111,20 @@ impl SurfacePatch {
                     let light = place - centre;
                     middle.dot(light) + self.radius * light.length() <= radius * radius
                 }
-                None => self.radius - middle.dot(away) <= 0.0,
+                None => self.radius + middle.dot(light.kind.offset_from(self.centre)) <= 0.0,
             };
         }
-        self.corners.iter().all(|corner| corner.normal.dot(place.map_or(-away, |place| place - corner.point)) <= 0.0)
+        self.corners.iter().all(|corner| corner.normal.dot(light.kind.offset_from(corner.point)) <= 0.0)
     }
 
     /// True if an unblocked light of full strength changes so little over the patch that a few samples show it.
-    pub(super) fn is_even_under(&self, light: &Light, phong: &Phong) -> bool {
-        let turn_of_light = match light.kind {
-            LightKind::Directional { .. } => Some(0.0),
-            LightKind::Point { position, .. } => self.angle_from(position),
-            LightKind::Spot { position, direction, cos_inner, .. } => {
-                let axis = self.cosine_with(position, direction);
-                self.angle_from(position).filter(|_| axis.is_some_and(|[least, _]| least >= cos_inner))
+    pub(super) fn is_even_under(&self, light: &DeltaLight, phong: &Phong) -> bool {
+        let turn_of_light = match (light.kind.position(), light.kind.cone()) {
+            (None, _) => Some(0.0),
+            (Some(position), None) => self.angle_from(position),
+            (Some(position), Some(cone)) => {
+                let axis = self.cosine_with(position, cone.direction);
+                self.angle_from(position).filter(|_| axis.is_some_and(|[least, _]| least >= cone.cos_inner))
             }
         };
         let Some(turn_of_light) = turn_of_light else { return false };
@@ -137,13 +133,13 @@ impl SurfacePatch {
     }
 
     /// True if the highlight is wide, or elsewhere.
-    fn has_even_highlight(&self, light: &Light, phong: &Phong, turn: f64) -> bool {
+    fn has_even_highlight(&self, light: &DeltaLight, phong: &Phong, turn: f64) -> bool {
         if turn * phong.exponent.max(1.0).sqrt() <= MOST_TURN {
             return true;
         }
         let ColorTexture::Constant(specular) = phong.specular else { return false };
         let brightest = |corner: &Corner| {
-            let lit = light.illuminate(corner.point)?;
+            let lit = light.sample_li(corner.point)?;
             let cosine = phong.highlight.strength(corner.normal, corner.to_viewer, lit.direction, 1.0);
             Some(pow((cosine + turn).min(1.0), phong.exponent) * lit.strength.max_component())
         };

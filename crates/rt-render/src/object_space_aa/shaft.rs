@@ -13,7 +13,7 @@ use core::ops::ControlFlow;
 
 use rt_accel::{Accelerator as _, AnyAccelerator, Region};
 use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
-use rt_shading::{Light, LightKind};
+use rt_shading::DeltaLight;
 
 use super::patch::SurfacePatch;
 use crate::primitive_form::{HasForm, PrimitiveForm};
@@ -43,18 +43,9 @@ pub(super) enum Occlusion {
 }
 
 impl LightShaft {
-    pub(super) fn new(patch: &SurfacePatch, light: &Light) -> Self {
-        let (place, shadow_near) = match light.kind {
-            LightKind::Directional { .. } => (None, 0.0),
-            LightKind::Point { position, shadow_near, .. } => (Some(position), shadow_near),
-            LightKind::Spot { position, .. } => (Some(position), 0.0),
-        };
-        let line = match light.kind {
-            LightKind::Directional { direction } => Ray::new(patch.centre, -direction),
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-                Ray::new(patch.centre, position - patch.centre)
-            }
-        };
+    pub(super) fn new(patch: &SurfacePatch, light: &DeltaLight) -> Self {
+        let (place, shadow_near) = (light.kind.position(), light.kind.shadow_near());
+        let line = Ray::new(patch.centre, light.kind.offset_from(patch.centre));
         Self { line, slab: SlabRay::new(&line), radius: patch.radius, place, shadow_near }
     }
 

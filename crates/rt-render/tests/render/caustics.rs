@@ -7,8 +7,8 @@ use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical,
-    Transmission, bsdf::ComplexIor, emitter::Sides,
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Physical,
+    Transmission, bsdf::ComplexIor, light::EmissionSides,
 };
 
 use crate::support::everything;
@@ -39,7 +39,7 @@ fn diffuse(albedo: f64) -> Material {
     physical(Physical::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(albedo)), roughness: 0.0 })
 }
 
-fn lamp(radiance: f64, shines: Sides) -> Material {
+fn lamp(radiance: f64, shines: EmissionSides) -> Material {
     let phong = Phong {
         emission: ColorTexture::Constant(Rgb::gray(radiance)),
         diffuse: ColorTexture::ZERO,
@@ -61,12 +61,18 @@ fn block(min: [f64; 3], max: [f64; 3]) -> Content {
     Content::Shape(Shape::Cuboid(Cuboid::new(min.into(), max.into()).expect("a box")))
 }
 
-fn light(kind: LightKind) -> Light {
-    Light { name: "lamp".into(), kind, intensity: Rgb::gray(1.0), units: LightUnits::Classical, casts_shadows: true }
+fn light(kind: DeltaLightKind) -> DeltaLight {
+    DeltaLight {
+        name: "lamp".into(),
+        kind,
+        intensity: Rgb::gray(1.0),
+        units: LightUnits::Classical,
+        casts_shadows: true,
+    }
 }
 
 /// A pinhole camera in the middle of things, so that nothing stands between it and what it looks at.
-fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<Node>, lights: Vec<Light>) -> Scene {
+fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<Node>, lights: Vec<DeltaLight>) -> Scene {
     let camera = CameraSettings::new(camera, Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical });
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
@@ -136,7 +142,7 @@ fn a_slab_of_glass_lets_light_through_as_snell_and_fresnel_say() {
     let position = DVec3::Y * lamp;
     let camera = Transform::look_at(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view");
     let slab = block([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
-    let kind = LightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
+    let kind = DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
     let nodes = nodes(&[(floor(), 0), (slab, 1)]);
     let mut scene = scene(camera, vec![diffuse(0.6), body(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
     // Light that goes to and fro within the glass falls elsewhere.
@@ -172,8 +178,8 @@ fn a_flat_mirror_shows_its_lamps_again() {
     let white = ColorTexture::Constant(Rgb::gray(0.8));
     let materials = vec![diffuse(0.5), physical(Physical::Mirror { reflectance: white })];
     let position = DVec3::new(0.4, 1.0, 0.2);
-    let point = |falloff| LightKind::Point { position, falloff, shadow_near: 0.0 };
-    let spot = LightKind::Spot {
+    let point = |falloff| DeltaLightKind::Point { position, falloff, shadow_near: 0.0 };
+    let spot = DeltaLightKind::Spot {
         position,
         direction: DVec3::NEG_Y,
         cos_inner: 0.9,
@@ -187,11 +193,11 @@ fn a_flat_mirror_shows_its_lamps_again() {
         let square = offset.length_squared();
         0.5 * offset.y / square.sqrt() / if weakens { square } else { 1.0 }
     };
-    let cases: [(&str, LightKind, Truth<'_>); 4] = [
+    let cases: [(&str, DeltaLightKind, Truth<'_>); 4] = [
         ("point", point(Falloff::InverseSquare), &|at| from(1.0, at, true) + 0.8 * from(-1.0, at, true)),
         ("no falloff", point(Falloff::None), &|at| from(1.0, at, false) + 0.8 * from(-1.0, at, false)),
         ("spot", spot, &|at| 0.8 * from(-1.0, at, true)),
-        ("sun", LightKind::Directional { direction: sun }, &|_| 0.8 * 0.5 * -sun.y),
+        ("sun", DeltaLightKind::Directional { direction: sun }, &|_| 0.8 * 0.5 * -sun.y),
     ];
     for (what, kind, truth) in cases {
         let mut scene = scene(camera, materials.clone(), nodes.clone(), vec![light(kind)]);
@@ -229,8 +235,8 @@ fn agreeable() -> Scene {
         body(0.4, Rgb::new(0.2, 0.5, 1.0)),
         physical(Physical::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }),
         body(0.0, Rgb::new(1.5, 0.3, 0.1)),
-        lamp(4.0, Sides::Front),
-        lamp(3.0, Sides::Both),
+        lamp(4.0, EmissionSides::Front),
+        lamp(3.0, EmissionSides::Both),
         physical(coat),
     ];
     let mut scene = scene(camera, materials, nodes(&contents), vec![]);
@@ -338,7 +344,7 @@ fn without_mirrors_and_glass_it_is_path_tracing() {
     let mut scene = agreeable();
     scene.settings.spp = 4;
     scene.appearance.materials = vec![diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5)];
-    scene.appearance.materials.extend([lamp(4.0, Sides::Front), lamp(3.0, Sides::Both), diffuse(0.4)]);
+    scene.appearance.materials.extend([lamp(4.0, EmissionSides::Front), lamp(3.0, EmissionSides::Both), diffuse(0.4)]);
     let caustics = film(&scene);
     scene.settings.integrator = Integrator::Path;
     assert_eq!(caustics, film(&scene));

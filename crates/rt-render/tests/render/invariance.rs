@@ -11,7 +11,7 @@ use rt_geometry::{Shape, Sphere};
 use rt_math::{DVec3, Rgb};
 use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::{Content, Scene};
-use rt_shading::{Falloff, LightKind};
+use rt_shading::{DeltaLightKind, Falloff};
 
 const ONE_IN_A_BILLION: f64 = 1e-9;
 
@@ -38,7 +38,7 @@ fn difference(a: &[Rgb], b: &[Rgb]) -> f64 {
 fn stage() -> Scene {
     let mut scene = everything();
     for light in &mut scene.appearance.lights {
-        if let LightKind::Spot { falloff, .. } = &mut light.kind {
+        if let DeltaLightKind::Spot { falloff, .. } = &mut light.kind {
             *falloff = Falloff::None;
         }
         light.intensity = Rgb::gray(0.4);

@@ -9,7 +9,9 @@ use rt_math::{
 };
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule};
 use rt_scene_io::{Accel, Adaptive, Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
-use rt_shading::{Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong};
+use rt_shading::{
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong,
+};
 
 use crate::support::{everything, sphere, spheres};
 
@@ -57,14 +59,14 @@ fn matte() -> Material {
     Material::new("matte".into(), Phong { ambient: colour(Rgb::WHITE), ..Phong::default() })
 }
 
-fn sun(direction: DVec3) -> Light {
-    let kind = LightKind::Directional { direction: direction.normalize() };
-    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
+fn sun(direction: DVec3) -> DeltaLight {
+    let kind = DeltaLightKind::Directional { direction: direction.normalize() };
+    DeltaLight { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
 }
 
 /// A pixel is one unit wide and high; the point (x, y) is in column x and row 40 − y, counted down. The camera looks along
 /// −z.
-fn front_view(nodes: Vec<Node>, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
+fn front_view(nodes: Vec<Node>, materials: Vec<Material>, lights: Vec<DeltaLight>) -> Scene {
     let camera = CameraSettings::new(
         Transform::translate(DVec3::new(20.0, 20.0, 100.0)),
         Projection::Orthographic { height: 40.0 },
@@ -145,7 +147,7 @@ fn what_lies_behind_a_surface_does_not_matter_and_what_lies_before_it_does() {
 
 /// Any number of balls and boxes over a floor, in colours of their own. Under the sun the floor has two colours, and under a
 /// lamp far away nearly so.
-fn clutter(seed: u64, light: Light) -> Scene {
+fn clutter(seed: u64, light: DeltaLight) -> Scene {
     let draw = |index: u64, what: u64| unit(hash(&[seed, index, what]));
     let place = |index| DVec3::new(8.0 * draw(index, 0) - 4.0, 2.0 * draw(index, 1), 8.0 * draw(index, 2) - 6.0);
     let floor = Plane::new(DVec3::new(0.0, -0.5, 0.0), DVec3::Y).expect("a plane");
@@ -176,8 +178,8 @@ fn clutter(seed: u64, light: Light) -> Scene {
 
 #[test]
 fn no_simple_pixel_has_an_edge_in_it() {
-    let lamp = Light {
-        kind: LightKind::Point { position: DVec3::new(3e4, 8e4, 2e4), falloff: Falloff::None, shadow_near: 0.0 },
+    let lamp = DeltaLight {
+        kind: DeltaLightKind::Point { position: DVec3::new(3e4, 8e4, 2e4), falloff: Falloff::None, shadow_near: 0.0 },
         ..sun(DVec3::NEG_Y)
     };
     let mut simple_pixels = 0;

@@ -7,17 +7,17 @@ use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
-    Transmission,
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Texture,
+    TextureId, Transmission,
 };
 
 pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
     Content::Shape(Shape::Sphere(Sphere::new(DVec3::new(x, y, z), radius).expect("a sphere")))
 }
 
-pub(crate) fn point_light(position: [f64; 3], strength: f64) -> Light {
-    let kind = LightKind::Point { position: position.into(), falloff: Falloff::None, shadow_near: 0.0 };
-    Light {
+pub(crate) fn point_light(position: [f64; 3], strength: f64) -> DeltaLight {
+    let kind = DeltaLightKind::Point { position: position.into(), falloff: Falloff::None, shadow_near: 0.0 };
+    DeltaLight {
         name: "lamp".into(),
         kind,
         intensity: Rgb::gray(strength),
@@ -113,16 +113,16 @@ pub(crate) fn everything() -> Scene {
         material("bubble", Phong { mirror: gray(0.1), transmission: Some(whitted_glass), ..Phong::default() }),
         material("glow", Phong { emission: gray(0.3), ..Phong::default() }),
     ];
-    scene.appearance.lights.push(Light {
+    scene.appearance.lights.push(DeltaLight {
         name: "sun".into(),
-        kind: LightKind::Directional { direction: DVec3::new(0.3, -0.9, -0.3).normalize() },
+        kind: DeltaLightKind::Directional { direction: DVec3::new(0.3, -0.9, -0.3).normalize() },
         intensity: Rgb::gray(0.3),
         units: LightUnits::Classical,
         casts_shadows: true,
     });
-    scene.appearance.lights.push(Light {
+    scene.appearance.lights.push(DeltaLight {
         name: "spot".into(),
-        kind: LightKind::Spot {
+        kind: DeltaLightKind::Spot {
             position: DVec3::new(0.0, 4.0, 2.0),
             direction: DVec3::NEG_Y,
             cos_inner: 0.95,

@@ -23,11 +23,11 @@ same_variants! {
     super::Highlight, rt_shading::Highlight: Phong Blinn;
     super::InsideRule, rt_geometry::InsideRule: Convex Winding EvenOdd;
     super::Interpolation, rt_math::Interpolation: Step Linear Smooth;
-    super::LightSampling, rt_shading::emitter::LightSampling: Uniform Power Tree;
+    super::LightSampling, rt_shading::light::LightSampling: Uniform Power Tree;
     super::LightUnits, rt_shading::LightUnits: Classical Physical;
     super::Sampler, rt_camera::SamplerKind:
         Centre Grid Random Jittered HalfJittered MultiJittered Sobol Halton BlueNoise;
-    super::EmissionSides, rt_shading::emitter::Sides: Front Both;
+    super::EmissionSides, rt_shading::light::EmissionSides: Front Both;
     super::Tone, rt_image::ToneCurve: Clamp Reinhard Aces;
     super::Wrap, rt_shading::Wrap: Repeat Mirror Clamp;
 }

@@ -5,7 +5,8 @@ use std::{collections::HashMap, sync::Arc};
 use gltf::{Document, Material};
 use rt_math::Rgb;
 use rt_shading::{
-    Alpha, Bitmap, Channel, Coverage, FloatTexture, Material as Named, Relief, Texture, TextureId, emitter::Sides,
+    Alpha, Bitmap, Channel, Coverage, FloatTexture, Material as Named, Relief, Texture, TextureId,
+    light::EmissionSides as Sides,
 };
 
 use super::{

@@ -9,7 +9,7 @@ use gltf::{
 };
 use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_math::{AnimatedTransform, DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
-use rt_shading::{Falloff, Light, LightKind, LightUnits};
+use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 
 use super::{MeshPart, buffers::Buffers, instancing, node_pose::Poses};
 use crate::{Content, LoadError, LoadErrorKind, Model, NamedCamera, Node, limits};
@@ -262,11 +262,15 @@ fn place_light(source: &Source<'_>, document: &Document, world: &Transform, mode
     let direction = world.vector(DVec3::NEG_Z).try_normalize();
     let falloff = Falloff::InverseSquare;
     let kind = match (json.type_, &json.spot, direction) {
-        (Checked::Valid(lights::Type::Point), ..) => Some(LightKind::Point { position, falloff, shadow_near: 0.0 }),
-        (Checked::Valid(lights::Type::Directional), _, Some(direction)) => Some(LightKind::Directional { direction }),
+        (Checked::Valid(lights::Type::Point), ..) => {
+            Some(DeltaLightKind::Point { position, falloff, shadow_near: 0.0 })
+        }
+        (Checked::Valid(lights::Type::Directional), _, Some(direction)) => {
+            Some(DeltaLightKind::Directional { direction })
+        }
         (Checked::Valid(lights::Type::Spot), Some(spot), Some(direction)) => {
             let (cos_inner, cos_outer) = cone(spot.inner_cone_angle, spot.outer_cone_angle);
-            Some(LightKind::Spot { position, direction, cos_inner, cos_outer, falloff })
+            Some(DeltaLightKind::Spot { position, direction, cos_inner, cos_outer, falloff })
         }
         _ => None,
     };
@@ -276,7 +280,7 @@ fn place_light(source: &Source<'_>, document: &Document, world: &Transform, mode
         return;
     };
     let name = json.name.as_deref().or(source.name()).unwrap_or("light").to_owned();
-    model.lights.push(Light { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true });
+    model.lights.push(DeltaLight { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true });
     model.is_photometric = true;
 }
 

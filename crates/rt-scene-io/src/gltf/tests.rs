@@ -4,7 +4,7 @@ use super::*;
 use crate::{Content, Node};
 use rt_camera::Projection;
 use rt_math::{DVec3, Rgb, Vec3};
-use rt_shading::{ColorTexture, LightKind};
+use rt_shading::{ColorTexture, DeltaLightKind};
 
 /// A unit square: four positions, four texture coordinates as bytes, and the indices of two triangles.
 fn square() -> Vec<u8> {
@@ -127,8 +127,10 @@ fn lights_stand_where_their_nodes_are() {
                 {"type": "spot", "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.5}}]}}"#,
     );
     assert_eq!(model.lights[0].intensity, Rgb::new(10.0, 5.0, 0.0));
-    assert!(matches!(model.lights[0].kind, LightKind::Point { position, .. } if position == DVec3::new(0.0, 3.0, 0.0)));
-    let LightKind::Spot { direction, cos_inner, cos_outer, .. } = model.lights[1].kind else { panic!("a spot") };
+    assert!(
+        matches!(model.lights[0].kind, DeltaLightKind::Point { position, .. } if position == DVec3::new(0.0, 3.0, 0.0))
+    );
+    let DeltaLightKind::Spot { direction, cos_inner, cos_outer, .. } = model.lights[1].kind else { panic!("a spot") };
     assert!((direction - DVec3::NEG_Y).length() < 1e-6, "{direction}");
     assert!(cos_inner > cos_outer && cos_inner - cos_outer < 1e-12);
 }

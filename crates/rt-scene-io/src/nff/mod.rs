@@ -20,7 +20,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use rt_math::{DVec3, Rgb};
-use rt_shading::{Falloff, Light, LightKind, LightUnits, Phong};
+use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits, Phong};
 
 use self::faces::FaceList;
 use self::fill::Fill;
@@ -273,9 +273,9 @@ impl<'p> NffReader<'p> {
                 plain.r
             ));
         }
-        self.model.lights.extend(self.lights.iter().enumerate().map(|(i, &(position, colour))| Light {
+        self.model.lights.extend(self.lights.iter().enumerate().map(|(i, &(position, colour))| DeltaLight {
             name: format!("light {}", i + 1),
-            kind: LightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 },
+            kind: DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 },
             intensity: colour.unwrap_or(plain),
             units: LightUnits::Classical,
             casts_shadows: true,

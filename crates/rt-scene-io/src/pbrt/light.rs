@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use rt_math::transcendental::cos;
 use rt_math::{DVec3, Rgb, Transform};
-use rt_shading::{Falloff, Light, LightKind, LightUnits};
+use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 
 use super::FileScope;
 use super::material::unknown;
@@ -25,7 +25,7 @@ use crate::{LoadErrorKind, read_texture, resolve_path};
 /// Light source.
 #[derive(Debug)]
 pub(super) enum PbrtLight {
-    Light(Light),
+    Light(DeltaLight),
     /// Uniform radiance from all directions.
     Sky(Rgb),
     /// A light that only other programs have.
@@ -57,16 +57,16 @@ pub(super) fn read(
         "point" => {
             let falloff = Falloff::InverseSquare;
             let factor = level(parameters, "power", 1.0 / (2.0 * TAU))?;
-            delta_light(parameters, LightKind::Point { position, falloff, shadow_near: 0.0 }, intensity * factor)
+            delta_light(parameters, DeltaLightKind::Point { position, falloff, shadow_near: 0.0 }, intensity * factor)
         }
         "distant" => {
-            let kind = LightKind::Directional { direction: aim(parameters, place)? };
+            let kind = DeltaLightKind::Directional { direction: aim(parameters, place)? };
             delta_light(parameters, kind, intensity * level(parameters, "illuminance", 1.0)?)
         }
         "spot" => {
             let kind = spot(parameters, position, aim(parameters, place)?)?;
             let spread = match kind {
-                LightKind::Spot { cos_inner, cos_outer, .. } => PI * (2.0 - cos_inner - cos_outer),
+                DeltaLightKind::Spot { cos_inner, cos_outer, .. } => PI * (2.0 - cos_inner - cos_outer),
                 _ => 2.0 * TAU,
             };
             delta_light(parameters, kind, intensity * level(parameters, "power", 1.0 / spread)?)
@@ -85,9 +85,9 @@ pub(super) fn read(
     Ok((source, warnings))
 }
 
-fn delta_light(parameters: &Parameters, kind: LightKind, intensity: Rgb) -> PbrtLight {
+fn delta_light(parameters: &Parameters, kind: DeltaLightKind, intensity: Rgb) -> PbrtLight {
     let name = format!("line {}", parameters.line);
-    PbrtLight::Light(Light { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true })
+    PbrtLight::Light(DeltaLight { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true })
 }
 
 /// Factor for a light whose whole `power` or `illuminance` is given; 1 where it is not, or not positive.
@@ -108,8 +108,8 @@ fn aim(parameters: &Parameters, place: &Transform) -> Result<DVec3, LineError> {
     })
 }
 
-/// Cone of a spot light, with the squared ramp of [`LightKind::Spot`] at its edge.
-fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<LightKind, LineError> {
+/// Cone of a spot light, with the squared ramp of [`DeltaLightKind::Spot`] at its edge.
+fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<DeltaLightKind, LineError> {
     let outer = parameters.float("coneangle", 30.0)?;
     let inner = outer - parameters.float("conedeltaangle", 5.0)?;
     if !(0.0 <= inner && inner <= outer && 0.0 < outer && outer <= 90.0) {
@@ -118,7 +118,7 @@ fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<Li
     }
     let cos_outer = cos(outer.to_radians()).clamp(0.0, 1.0_f64.next_down());
     let cos_inner = cos(inner.to_radians()).max(cos_outer.next_up());
-    Ok(LightKind::Spot { position, direction, cos_inner, cos_outer, falloff: Falloff::InverseSquare })
+    Ok(DeltaLightKind::Spot { position, direction, cos_inner, cos_outer, falloff: Falloff::InverseSquare })
 }
 
 /// The mean radiance of a map of equal areas.

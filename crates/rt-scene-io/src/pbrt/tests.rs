@@ -5,8 +5,8 @@ use rt_camera::{FovAxis, Projection};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_shading::bsdf::ComplexIor;
-use rt_shading::emitter::Sides;
-use rt_shading::{ColorTexture, LightKind, Physical, Texture};
+use rt_shading::light::EmissionSides as Sides;
+use rt_shading::{ColorTexture, DeltaLightKind, Physical, Texture};
 
 /// A scene with most of the supported directives.
 const SCENE: &str = r#"
@@ -94,10 +94,10 @@ fn known_values_of_a_scene() {
     );
     assert_eq!(model.notes, ["Sampler \"halton\" is not taken over: this program's own choice holds."]);
 
-    let LightKind::Directional { direction } = model.lights[0].kind else { panic!("a sun") };
+    let DeltaLightKind::Directional { direction } = model.lights[0].kind else { panic!("a sun") };
     assert_eq!(direction, DVec3::NEG_Y);
     // The world is mirrored in z.
-    let LightKind::Point { position, .. } = model.lights[1].kind else { panic!("a lamp") };
+    let DeltaLightKind::Point { position, .. } = model.lights[1].kind else { panic!("a lamp") };
     assert_eq!(position, DVec3::new(1.0, 2.0, -3.0));
     assert!((model.lights[1].intensity.g - 6.0).abs() < 1e-12);
 

@@ -1,7 +1,7 @@
 //! Directives of the world: objects, materials, lights and shapes.
 
 use rt_math::Rgb;
-use rt_shading::emitter::Sides;
+use rt_shading::light::EmissionSides as Sides;
 use rt_shading::{ColorTexture, Coverage, Material};
 
 use super::light::PbrtLight;

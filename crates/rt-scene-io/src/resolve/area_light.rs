@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rt_geometry::{Cylinder, Disk, InsideRule, Polygon, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Rgb, Transform};
-use rt_shading::emitter::Sides;
+use rt_shading::light::EmissionSides;
 use rt_shading::{ColorTexture, Phong, Physical};
 
 use super::material::Materials;
@@ -34,20 +34,20 @@ pub(super) fn is_area_light(light: &format::Light) -> bool {
 }
 
 /// Name, radiance and emission sides of an area light; `None` for other lights.
-fn surface(light: &format::Light) -> Option<(&str, &format::Color, Sides)> {
+fn surface(light: &format::Light) -> Option<(&str, &format::Color, EmissionSides)> {
     match light {
         format::Light::Quad { name, radiance, emission_sides, .. }
         | format::Light::Disk { name, radiance, emission_sides, .. } => {
             Some((name, radiance, (*emission_sides).into()))
         }
         format::Light::Sphere { name, radiance, .. } | format::Light::Cylinder { name, radiance, .. } => {
-            Some((name, radiance, Sides::Front))
+            Some((name, radiance, EmissionSides::Front))
         }
         _ => None,
     }
 }
 
-fn light_material(name: &str, radiance: Rgb, shines: Sides) -> Material {
+fn light_material(name: &str, radiance: Rgb, shines: EmissionSides) -> Material {
     let zero = ColorTexture::ZERO;
     let emission = ColorTexture::Constant(radiance);
     let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };

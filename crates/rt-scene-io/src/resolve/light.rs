@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rt_math::{DVec3, Rgb, transcendental::cos};
-use rt_shading::{Background, Light, LightKind};
+use rt_shading::{Background, DeltaLight, DeltaLightKind};
 
 use super::texture::Textures;
 use super::value::{colour, coordinate, direction, not_negative, vector};
@@ -15,7 +15,7 @@ use crate::{LoadErrorKind, read_environment};
 const MAX_CONE_DEGREES: f64 = 90.0;
 
 /// The delta lights, and the sum of the ambient lights.
-pub(super) fn lights(report: &mut Diagnostics, lights: &[format::Light]) -> (Vec<Light>, Rgb) {
+pub(super) fn lights(report: &mut Diagnostics, lights: &[format::Light]) -> (Vec<DeltaLight>, Rgb) {
     let mut placed = Vec::new();
     let mut ambient = Rgb::BLACK;
     for (i, light) in lights.iter().enumerate() {
@@ -29,7 +29,7 @@ pub(super) fn lights(report: &mut Diagnostics, lights: &[format::Light]) -> (Vec
     (placed, ambient)
 }
 
-fn single(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option<Light> {
+fn single(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option<DeltaLight> {
     let (name, intensity, units, casts_shadows) = match light {
         format::Light::Point { name, intensity, units, casts_shadows, .. }
         | format::Light::Directional { name, intensity, units, casts_shadows, .. }
@@ -43,21 +43,21 @@ fn single(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
         format::Light::Point { position, falloff, shadow_near, .. } => {
             let shadow_near = report.check(format_args!("{path}.shadow_near"), not_negative(*shadow_near));
             let position = report.check(format_args!("{path}.position"), vector(*position))?;
-            LightKind::Point { position, falloff: (*falloff).into(), shadow_near: shadow_near? }
+            DeltaLightKind::Point { position, falloff: (*falloff).into(), shadow_near: shadow_near? }
         }
         format::Light::Directional { direction: travel, .. } => {
-            LightKind::Directional { direction: aim(report, path, *travel)? }
+            DeltaLightKind::Directional { direction: aim(report, path, *travel)? }
         }
         format::Light::Spot { position, direction: axis, inner, outer, falloff, .. } => {
             let cone = report.check(format_args!("{path}.outer"), cone(*inner, *outer));
             let position = report.check(format_args!("{path}.position"), vector(*position));
             let direction = aim(report, path, *axis)?;
             let (cos_inner, cos_outer) = cone?;
-            LightKind::Spot { position: position?, direction, cos_inner, cos_outer, falloff: (*falloff).into() }
+            DeltaLightKind::Spot { position: position?, direction, cos_inner, cos_outer, falloff: (*falloff).into() }
         }
         _ => return None,
     };
-    Some(Light { name: name.clone(), kind, intensity: intensity?, units: units.into(), casts_shadows })
+    Some(DeltaLight { name: name.clone(), kind, intensity: intensity?, units: units.into(), casts_shadows })
 }
 
 fn aim(report: &mut Diagnostics, path: &str, value: [f64; 3]) -> Option<DVec3> {

@@ -2,7 +2,7 @@
 
 use rt_math::Rgb;
 use rt_shading::bsdf::{ComplexIor, MAX_LOBES};
-use rt_shading::emitter::Sides;
+use rt_shading::light::EmissionSides as Sides;
 use rt_shading::{ColorTexture, Phong, Physical};
 
 use super::texture::Textures;

@@ -19,7 +19,7 @@ fn materials(priorities: &[i32]) -> Vec<Material> {
 
 fn hit(object: u32, material: u32) -> SurfaceHit {
     let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y, [0.0; 2]);
-    SurfaceHit { t: 1.0, interaction, object, material, emitter: None }
+    SurfaceHit { t: 1.0, interaction, object, material, light: None }
 }
 
 /// Goes through a surface; the iors on both sides of it, or `None` where it is not there.

@@ -18,16 +18,16 @@ use crate::{
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
-/// A surface that light has come to.
+/// Vertex of a light path.
 struct LightVertex<'a> {
     vertex: Vertex<'a>,
-    /// The surface with its own shading normal, which is bent in a view.
+    /// Surface with its original shading normal; a view bends it.
     surface: SurfaceInteraction,
     interface: Option<MediumInterface>,
 }
 
 impl<S: Sampler> LightTracingIntegrator<S> {
-    /// Begins a path.
+    /// Starts a path.
     pub(super) fn sample_le(
         &mut self,
         world: &mut impl Tracer,
@@ -35,8 +35,8 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         mut sampler: S,
         time: f64,
     ) {
-        let Some(departing) = scene.sources.sample_le(scene.lighting, time, &mut sampler) else { return };
-        let LeSample { ray, span, power, no_falloff } = departing;
+        let Some(sample) = scene.sources.sample_le(scene.lighting, time, &mut sampler) else { return };
+        let LeSample { ray, span, power, no_falloff } = sample;
         let mut medium_tracker = MediumTracker::default();
         if self.needs.refraction {
             let materials = &scene.lighting.appearance.materials;
@@ -54,29 +54,29 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         });
     }
 
-    /// Shows the light to the camera where the surface spreads it, and sends it on.
+    /// Connects a non-specular vertex to the camera, and samples the next ray of the path.
     pub(super) fn shade_hit(
         &mut self,
         lighting: Lighting<'_>,
         id: u32,
         ray: &Ray,
         hit: &mut SurfaceHit,
-        sight: &impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
+        sample_wi: &impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
     ) {
-        let Some(photon) = self.paths.get_mut(id as usize) else { return };
+        let Some(path) = self.paths.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
         let Some(context) = HitContext::new(&self.needs, materials, ray, hit) else { return };
-        let interface = context.interface(&mut photon.medium_tracker.interior, materials, hit);
+        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit);
         let is_visible = context.is_visible(interface.as_ref());
         let HitContext { material, direction, length, is_inside, .. } = context;
         if !is_visible {
             return self.skip_interface(hit, ray, length, interface.as_ref(), id);
         }
         if self.needs.absorption {
-            photon.medium_tracker.absorb(materials, interface.as_ref(), hit.t, length, &mut photon.throughput);
+            path.medium_tracker.absorb(materials, interface.as_ref(), hit.t, length, &mut path.throughput);
         }
-        if let Some(way) = &mut photon.no_falloff_distance {
-            *way += hit.t * length;
+        if let Some(distance) = &mut path.no_falloff_distance {
+            *distance += hit.t * length;
         }
         let surface = hit.interaction;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
@@ -84,17 +84,17 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         let constant = lighting.bsdfs.get(hit.material).map(|constant| &constant.bsdf);
         let bsdf =
             constant.unwrap_or_else(|| made.insert(bsdf_at(lighting.appearance, material, &view, interface.as_ref())));
-        let arrival = LightVertex { vertex: Vertex::new(view, bsdf, ray.time), surface, interface };
-        if photon.bounces > 0 && !arrival.vertex.bsdf.is_delta() {
-            if let Some(way) = photon.no_falloff_distance.take() {
-                photon.power = photon.power * (way * way);
+        let light_vertex = LightVertex { vertex: Vertex::new(view, bsdf, ray.time), surface, interface };
+        if path.bounces > 0 && !light_vertex.vertex.bsdf.is_delta() {
+            if let Some(distance) = path.no_falloff_distance.take() {
+                path.power = path.power * (distance * distance);
             }
-            self.connect_to_camera(id, &arrival, sight);
+            self.connect_to_camera(id, &light_vertex, sample_wi);
         }
-        self.sample_bsdf(id, &arrival);
+        self.sample_bsdf(id, &light_vertex);
     }
 
-    /// Goes on along the same ray, through a surface that does nothing to it.
+    /// Continues the same ray behind a null interface.
     fn skip_interface(
         &mut self,
         hit: &SurfaceHit,
@@ -103,62 +103,62 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         interface: Option<&MediumInterface>,
         id: u32,
     ) {
-        let Some(photon) = self.paths.get_mut(id as usize) else { return };
-        photon.medium_tracker.skip_interface(interface, hit, length, &mut photon.throughput, &mut self.counts);
-        photon.bounces += u32::from(photon.medium_tracker.null_limit_exceeded());
-        if photon.bounces > self.settings.max_depth {
+        let Some(path) = self.paths.get_mut(id as usize) else { return };
+        path.medium_tracker.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
+        path.bounces += u32::from(path.medium_tracker.null_limit_exceeded());
+        if path.bounces > self.settings.max_depth {
             self.counts.depth_limited += 1;
             return;
         }
         self.next.refracted.push(*ray, hit.span_after(ray), id);
     }
 
-    /// Sends what the surface scatters to the camera on its way there, if the camera looks at it.
+    /// Queues the ray from a vertex to the camera, if the vertex projects to the image.
     fn connect_to_camera(
         &mut self,
         id: u32,
-        arrival: &LightVertex<'_>,
-        sight: &impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
+        light_vertex: &LightVertex<'_>,
+        sample_wi: &impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
     ) {
-        let Some(photon) = self.paths.get_mut(id as usize) else { return };
-        let LightVertex { vertex, interface, .. } = arrival;
-        let mut surface = arrival.surface;
-        let Some(sight) = sight(surface.point, vertex.time, &mut photon.sampler) else { return };
-        let Some(to_camera) = (sight.origin - surface.point).try_normalize() else { return };
-        // As the camera's ray would see it.
+        let Some(path) = self.paths.get_mut(id as usize) else { return };
+        let LightVertex { vertex, interface, .. } = light_vertex;
+        let mut surface = light_vertex.surface;
+        let Some(camera) = sample_wi(surface.point, vertex.time, &mut path.sampler) else { return };
+        let Some(to_camera) = (camera.origin - surface.point).try_normalize() else { return };
+        // The surface as a camera ray hits it.
         let normal = surface.geometric_normal;
         let inside = is_inside(-to_camera, &surface);
         let from = -vertex.view.direction;
         let seen = Vertex::new(ViewedSurface::new(-to_camera, inside, &mut surface), vertex.bsdf, vertex.time);
         let cosines = to_camera.dot(normal).abs() / from.dot(normal).abs();
-        let light = photon.power * photon.throughput * seen.eval(from) * (cosines * sight.importance);
+        let light = path.power * path.throughput * seen.eval(from) * (cosines * camera.importance);
         if light.is_black() {
             self.counts.shadow_rays_spared += 1;
             return;
         }
-        let mut medium_tracker = photon.medium_tracker.clone();
+        let mut medium_tracker = path.medium_tracker.clone();
         let is_behind = inside != vertex.view.is_inside;
         medium_tracker
             .scatter(interface.as_ref(), if is_behind { Scattering::Transmission } else { Scattering::Reflection });
         let origin = surface.spawn_ray(to_camera, vertex.time).origin;
-        let ray = Ray { origin, direction: sight.origin - origin, time: vertex.time };
+        let ray = Ray { origin, direction: camera.origin - origin, time: vertex.time };
         self.to_camera.push(ray, Interval::SEGMENT, self.connections.len() as u32);
-        self.connections.push(Connection { medium_tracker, raster: sight.raster, light });
+        self.connections.push(Connection { medium_tracker, raster: camera.raster, light });
     }
 
-    /// Chooses the direction in which the path goes on, if it does.
-    fn sample_bsdf(&mut self, id: u32, arrival: &LightVertex<'_>) {
-        let Some(photon) = self.paths.get_mut(id as usize) else { return };
-        let vertex = &arrival.vertex;
-        if photon.bounces >= self.settings.max_depth {
+    /// Samples the next direction of the path.
+    fn sample_bsdf(&mut self, id: u32, light_vertex: &LightVertex<'_>) {
+        let Some(path) = self.paths.get_mut(id as usize) else { return };
+        let vertex = &light_vertex.vertex;
+        if path.bounces >= self.settings.max_depth {
             self.counts.depth_limited += 1;
             return;
         }
-        let [u, v] = photon.sampler.next_2d();
-        let lobe = if vertex.bsdf.uses_component_sample() { photon.sampler.next_1d() } else { 0.0 };
+        let [u, v] = path.sampler.next_2d();
+        let lobe = if vertex.bsdf.uses_component_sample() { path.sampler.next_1d() } else { 0.0 };
         let Some(sample) = vertex.bsdf.sample_importance(vertex.wo, [lobe, u, v]) else { return };
-        // Light that the first surface spreads is found from the camera.
-        if photon.bounces == 0 && !sample.is_delta {
+        // Camera paths find the light that the first surface scatters diffusely.
+        if path.bounces == 0 && !sample.is_delta {
             return;
         }
         let wi = vertex.frame.from_local(sample.wi);
@@ -166,16 +166,16 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         if !vertex.view.is_on_side_of(sample.kind, wi) {
             return;
         }
-        photon.throughput *= sample.weight() * shading_normal_correction(vertex, &sample, wi);
-        photon.bounces += 1;
-        if photon.throughput.is_black() {
+        path.throughput *= sample.weight() * shading_normal_correction(vertex, &sample, wi);
+        path.bounces += 1;
+        if path.throughput.is_black() {
             return;
         }
-        let is_old = photon.bounces > self.settings.rr_start_depth;
-        if is_old && !russian_roulette(&mut photon.throughput, 1.0, &mut photon.sampler) {
+        let is_old = path.bounces > self.settings.rr_start_depth;
+        if is_old && !russian_roulette(&mut path.throughput, 1.0, &mut path.sampler) {
             return;
         }
-        photon.medium_tracker.scatter(arrival.interface.as_ref(), sample.kind);
+        path.medium_tracker.scatter(light_vertex.interface.as_ref(), sample.kind);
         let ray = surface.spawn_ray(wi, vertex.time);
         self.next.push(Some(&sample), ray, Interval::SPAWNED, id);
     }

@@ -1,35 +1,35 @@
-//! Where light is sent: to what mirrors or refracts sharply, and not past it.
+//! Targets of light paths: specular surfaces.
 
-use crate::emitter::solid_angle::uniform_sphere;
+use crate::light::solid_angle::uniform_sphere;
 use core::f64::consts::{PI, TAU};
 use rt_math::{DVec3, Frame, transcendental::sincos};
 
-/// Most balls that are told apart: the density of a direction takes a look at all of them.
-const MOST: usize = 16;
+/// Maximum number of separate spheres: the density of a direction tests all of them.
+const MAX_SPHERES: usize = 16;
 
-/// A ball around something that light is to be sent to.
+/// Bounding sphere of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
+pub struct TargetSphere {
     /// World space.
     pub centre: DVec3,
     /// World units.
     pub radius: f64,
 }
 
-/// The surfaces that light paths begin at, as balls around them: the projection map of Jensen (2001), in closed form.
+/// Bounding spheres of specular surfaces: the projection map of Jensen (2001), in closed form.
 ///
-/// A direction is drawn uniformly from the cones in which a point sees the balls, a ball by its solid angle Ω:
+/// A direction is uniform within the cone of a sphere; the sphere is sampled by its solid angle Ω:
 ///
 /// ```text
-///   p(ω) = (number of balls that ω leads to) / Σ Ω
+///   p(ω) = (number of spheres that ω hits) / Σ Ω
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Targets {
-    balls: Vec<Ball>,
+    spheres: Vec<TargetSphere>,
     is_everywhere: bool,
 }
 
-/// A choice and the density of it.
+/// Sampled value and its density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DirectionSample<T> {
     pub(super) at: T,
@@ -37,78 +37,81 @@ pub(super) struct DirectionSample<T> {
 }
 
 impl Targets {
-    /// Everywhere: some of the surfaces have no bounds.
-    pub const EVERYWHERE: Self = Self { balls: Vec::new(), is_everywhere: true };
+    /// All directions: some specular surfaces are unbounded.
+    pub const EVERYWHERE: Self = Self { spheres: Vec::new(), is_everywhere: true };
 
-    /// Balls around all of the surfaces; of more than sixteen the smallest ball around them that has its centre in the middle
-    /// of theirs. Those that are not finite are everywhere.
-    pub fn new(balls: Vec<Ball>) -> Self {
-        if !balls.iter().all(|ball| ball.centre.is_finite() && ball.radius.is_finite()) {
+    /// Targets within these spheres. More than sixteen become one sphere around all, centred in their bounding box. Non-finite
+    /// spheres give [`EVERYWHERE`](Self::EVERYWHERE).
+    pub fn new(spheres: Vec<TargetSphere>) -> Self {
+        if !spheres.iter().all(|sphere| sphere.centre.is_finite() && sphere.radius.is_finite()) {
             return Self::EVERYWHERE;
         }
-        if balls.len() <= MOST {
-            return Self { balls, is_everywhere: false };
+        if spheres.len() <= MAX_SPHERES {
+            return Self { spheres, is_everywhere: false };
         }
-        let reach = |ball: &Ball| [ball.centre - ball.radius, ball.centre + ball.radius];
-        let around = rt_math::Aabb::from_points(balls.iter().flat_map(reach));
+        let reach = |sphere: &TargetSphere| [sphere.centre - sphere.radius, sphere.centre + sphere.radius];
+        let around = rt_math::Aabb::from_points(spheres.iter().flat_map(reach));
         let centre = around.centre();
-        let radius = balls.iter().map(|ball| (ball.centre - centre).length() + ball.radius).fold(0.0, f64::max);
-        Self { balls: vec![Ball { centre, radius }], is_everywhere: false }
+        let radius = spheres.iter().map(|sphere| (sphere.centre - centre).length() + sphere.radius).fold(0.0, f64::max);
+        Self { spheres: vec![TargetSphere { centre, radius }], is_everywhere: false }
     }
 
-    /// True if there is nothing to send light to.
+    /// True if there is no specular surface.
     pub fn is_empty(&self) -> bool {
-        self.balls.is_empty() && !self.is_everywhere
+        self.spheres.is_empty() && !self.is_everywhere
     }
 
-    /// True if light is sent in all directions.
+    /// True if paths start in all directions.
     pub const fn is_everywhere(&self) -> bool {
         self.is_everywhere
     }
 
-    /// The number of balls.
+    /// Number of spheres.
     pub fn len(&self) -> usize {
-        self.balls.len()
+        self.spheres.len()
     }
 
-    /// The area that all balls take of parallel light.
+    /// Total cross-section of the spheres.
     pub(super) fn area(&self) -> f64 {
-        self.balls.iter().map(|ball| PI * ball.radius * ball.radius).sum()
+        self.spheres.iter().map(|sphere| PI * sphere.radius * sphere.radius).sum()
     }
 
-    /// A direction from a point, with its density over solid angle. `None` within a ball, where all directions lead to it, and
-    /// if there are none.
+    /// Samples a direction from a point, with its density per unit solid angle. `None` inside of a sphere, which all directions
+    /// hit, and without spheres.
     pub(super) fn sample_direction(&self, point: DVec3, choice: f64, u: [f64; 2]) -> Option<DirectionSample<DVec3>> {
-        if self.is_everywhere || self.balls.iter().any(|ball| ball.one_minus_cos(point).is_none()) {
+        if self.is_everywhere || self.spheres.iter().any(|sphere| sphere.one_minus_cos(point).is_none()) {
             return None;
         }
-        let width = |ball: &Ball| ball.one_minus_cos(point).unwrap_or(0.0);
-        let total: f64 = self.balls.iter().map(width).sum();
-        let ball = chosen(&self.balls, choice * total, width)?;
-        let direction = within_cone((ball.centre - point).try_normalize()?, width(ball), u);
-        let leads_to = |ball: &&Ball| ball.is_met(point, direction);
-        // The ball that was chosen is met, whatever rounding says.
-        let met = self.balls.iter().filter(leads_to).count().max(1);
-        Some(DirectionSample { at: direction, pdf: met as f64 / (TAU * total) })
+        let width = |sphere: &TargetSphere| sphere.one_minus_cos(point).unwrap_or(0.0);
+        let total: f64 = self.spheres.iter().map(width).sum();
+        let sphere = select(&self.spheres, choice * total, width)?;
+        let direction = within_cone((sphere.centre - point).try_normalize()?, width(sphere), u);
+        let is_hit_by = |sphere: &&TargetSphere| sphere.is_hit(point, direction);
+        // The sampled sphere counts as hit in spite of rounding.
+        let n_hit = self.spheres.iter().filter(is_hit_by).count().max(1);
+        Some(DirectionSample { at: direction, pdf: n_hit as f64 / (TAU * total) })
     }
 
-    /// A point that parallel light in a unit direction goes through on its way to a ball, with its density over the area across
-    /// the light. `None` if there are none, or they are everywhere.
+    /// Samples a ray of parallel light in a unit direction: a point on the disk of a sphere, with its density per unit area. `None`
+    /// without spheres.
     pub(super) fn sample_disk(&self, direction: DVec3, choice: f64, u: [f64; 2]) -> Option<DirectionSample<DVec3>> {
-        let squared = |ball: &Ball| ball.radius * ball.radius;
-        let total: f64 = self.balls.iter().map(squared).sum();
-        let ball = chosen(&self.balls, choice * total, squared)?;
+        let squared = |sphere: &TargetSphere| sphere.radius * sphere.radius;
+        let total: f64 = self.spheres.iter().map(squared).sum();
+        let sphere = select(&self.spheres, choice * total, squared)?;
         let frame = Frame::from_z(direction);
         let (sin, cos) = sincos(TAU * u[1]);
-        let point = ball.centre + (frame.x * cos + frame.y * sin) * (ball.radius * u[0].sqrt());
-        let met =
-            self.balls.iter().filter(|ball| (ball.centre - point).cross(direction).length() <= ball.radius).count();
-        Some(DirectionSample { at: point, pdf: met.max(1) as f64 / (PI * total) })
+        let point = sphere.centre + (frame.x * cos + frame.y * sin) * (sphere.radius * u[0].sqrt());
+        let n_hit = self
+            .spheres
+            .iter()
+            .filter(|sphere| (sphere.centre - point).cross(direction).length() <= sphere.radius)
+            .count();
+        Some(DirectionSample { at: point, pdf: n_hit.max(1) as f64 / (PI * total) })
     }
 }
 
-impl Ball {
-    /// One less the cosine of half the angle in which the ball is seen; `None` from within.
+impl TargetSphere {
+    /// One minus the cosine of half the subtended angle; `None` inside.
     fn one_minus_cos(&self, point: DVec3) -> Option<f64> {
         let distance = (self.centre - point).length();
         let sin = self.radius / distance;
@@ -116,25 +119,25 @@ impl Ball {
         (distance > self.radius).then(|| sin * sin / (1.0 + cos))
     }
 
-    fn is_met(&self, point: DVec3, direction: DVec3) -> bool {
+    fn is_hit(&self, point: DVec3, direction: DVec3) -> bool {
         let offset = self.centre - point;
         offset.dot(direction) > 0.0 && offset.cross(direction).length() <= self.radius
     }
 }
 
-/// The ball whose part of the sum of all widths `at` lies in, or the last.
-fn chosen(balls: &[Ball], at: f64, width: impl Fn(&Ball) -> f64) -> Option<&Ball> {
+/// Sphere whose part of the cumulative sum of widths contains `at`, or the last.
+fn select(spheres: &[TargetSphere], at: f64, width: impl Fn(&TargetSphere) -> f64) -> Option<&TargetSphere> {
     let mut rest = at;
-    balls
+    spheres
         .iter()
-        .find(|ball| {
-            rest -= width(ball);
+        .find(|sphere| {
+            rest -= width(sphere);
             rest < 0.0
         })
-        .or(balls.last())
+        .or(spheres.last())
 }
 
-/// A direction uniform over the cone around a unit axis, given one less the cosine of half its angle.
+/// Uniform direction within a cone around a unit axis, given one minus the cosine of half its angle.
 pub(super) fn within_cone(axis: DVec3, one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
     if one_minus_cos >= 2.0 {
         return uniform_sphere(u);
@@ -150,25 +153,24 @@ mod tests {
     use super::*;
     use rt_math::random::{hash, unit};
 
-    fn balls() -> Targets {
-        let ball = |x: f64, radius: f64| Ball { centre: DVec3::new(x, 0.0, 0.0), radius };
-        Targets::new(vec![ball(4.0, 1.0), ball(5.0, 1.5), ball(-9.0, 0.5)])
+    fn spheres() -> Targets {
+        let sphere = |x: f64, radius: f64| TargetSphere { centre: DVec3::new(x, 0.0, 0.0), radius };
+        Targets::new(vec![sphere(4.0, 1.0), sphere(5.0, 1.5), sphere(-9.0, 0.5)])
     }
 
     fn numbers(count: u64) -> impl Iterator<Item = [f64; 3]> {
         (0..count).map(|i| [0, 1, 2].map(|dimension| unit(hash(&[i, dimension]))))
     }
 
-    /// The mean of 1 / p over samples is the measure of what is sampled: here of two cones, one of which lies in the other, and
-    /// a third.
+    /// The mean of 1 / p over samples is the measure of the domain: two cones, one within the other, and a third.
     #[test]
-    fn directions_have_the_density_that_is_said() {
-        let (targets, point) = (balls(), DVec3::new(0.0, 0.3, 0.0));
+    fn directions_have_the_returned_density() {
+        let (targets, point) = (spheres(), DVec3::new(0.0, 0.3, 0.0));
         let aims: Vec<_> = numbers(20_000).filter_map(|[c, u, v]| targets.sample_direction(point, c, [u, v])).collect();
         let mean = aims.iter().map(|sample| 1.0 / sample.pdf).sum::<f64>() / aims.len() as f64;
         let inside = numbers(400_000).filter(|[_, u, v]| {
             let direction = uniform_sphere([*u, *v]);
-            targets.balls.iter().any(|ball| ball.is_met(point, direction))
+            targets.spheres.iter().any(|sphere| sphere.is_hit(point, direction))
         });
         let truth = 4.0 * PI * inside.count() as f64 / 400_000.0;
         assert_eq!(aims.len(), 20_000);
@@ -176,8 +178,8 @@ mod tests {
     }
 
     #[test]
-    fn parallel_light_covers_what_stands_in_it() {
-        let targets = balls();
+    fn parallel_light_covers_the_union_of_disks() {
+        let targets = spheres();
         let direction = DVec3::NEG_Z;
         let aims: Vec<_> = numbers(20_000).filter_map(|[c, u, v]| targets.sample_disk(direction, c, [u, v])).collect();
         let mean = aims.iter().map(|sample| 1.0 / sample.pdf).sum::<f64>() / aims.len() as f64;
@@ -187,7 +189,7 @@ mod tests {
         let covered = |i: i32| {
             let at =
                 DVec3::new((f64::from(i % side) + 0.5) * cell - 12.0, (f64::from(i / side) + 0.5) * cell - 12.0, 0.0);
-            targets.balls.iter().any(|ball| (ball.centre - at).length() <= ball.radius)
+            targets.spheres.iter().any(|sphere| (sphere.centre - at).length() <= sphere.radius)
         };
         let truth = (0..side * side).filter(|i| covered(*i)).count() as f64 * cell * cell;
         assert!((mean / truth - 1.0).abs() < 0.01, "{mean} is not {truth}");
@@ -195,15 +197,15 @@ mod tests {
 
     #[test]
     fn from_within_and_to_everywhere_no_direction_is_better_than_others() {
-        assert_eq!(balls().sample_direction(DVec3::X * 4.5, 0.5, [0.5; 2]), None);
+        assert_eq!(spheres().sample_direction(DVec3::X * 4.5, 0.5, [0.5; 2]), None);
         assert_eq!(Targets::EVERYWHERE.sample_direction(DVec3::ZERO, 0.5, [0.5; 2]), None);
-        assert!(Targets::new(vec![Ball { centre: DVec3::ZERO, radius: f64::INFINITY }]).is_everywhere());
-        assert!(Targets::new(vec![]).is_empty() && !balls().is_empty());
+        assert!(Targets::new(vec![TargetSphere { centre: DVec3::ZERO, radius: f64::INFINITY }]).is_everywhere());
+        assert!(Targets::new(vec![]).is_empty() && !spheres().is_empty());
     }
 
     #[test]
     fn many_balls_become_one_around_them() {
-        let many: Vec<_> = (0..40).map(|i| Ball { centre: DVec3::X * f64::from(i), radius: 0.5 }).collect();
-        assert_eq!(Targets::new(many).balls, [Ball { centre: DVec3::X * 19.5, radius: 20.0 }]);
+        let many: Vec<_> = (0..40).map(|i| TargetSphere { centre: DVec3::X * f64::from(i), radius: 0.5 }).collect();
+        assert_eq!(Targets::new(many).spheres, [TargetSphere { centre: DVec3::X * 19.5, radius: 20.0 }]);
     }
 }

@@ -1,34 +1,34 @@
-//! What light paths keep between their surfaces and on the way to the camera.
+//! State of light paths between vertices, and of connections to the camera.
 
 use crate::{Lighting, Needs, ShadingCounts, SurfaceHit, hit_context::HitContext, medium_tracker::MediumTracker};
 use rt_math::{DVec2, Ray, Rgb};
 
-/// A path on its way from a light.
+/// State of a light path.
 #[derive(Clone, Debug)]
 pub(super) struct LightPath<S> {
     pub(super) sampler: S,
     pub(super) medium_tracker: MediumTracker,
     /// Power at the light.
     pub(super) power: Rgb,
-    /// What is left of it.
+    /// Throughput (β): fraction of the power that remains.
     pub(super) throughput: Rgb,
-    /// Surfaces that have scattered it.
+    /// Number of surfaces that have scattered it.
     pub(super) bounces: u32,
-    /// World units from the light, for light that does not weaken on its way: none once it has been spread.
+    /// Path length from a light without falloff, world units; `None` after the first non-specular surface.
     pub(super) no_falloff_distance: Option<f64>,
 }
 
-/// Light on its last way, to the camera.
+/// Connection of a vertex to the camera.
 #[derive(Clone, Debug)]
 pub(super) struct Connection {
     pub(super) medium_tracker: MediumTracker,
     pub(super) raster: DVec2,
-    /// What arrives if nothing is in the way.
+    /// Contribution if the connection is unoccluded.
     pub(super) light: Rgb,
 }
 
 impl Connection {
-    /// What arrives at the end of the ray.
+    /// Contribution after absorption along the ray.
     pub(super) fn arriving(&mut self, lighting: Lighting<'_>, needs: &Needs, ray: &Ray) -> Rgb {
         if needs.absorption {
             let materials = &lighting.appearance.materials;
@@ -37,7 +37,7 @@ impl Connection {
         self.light
     }
 
-    /// Where on the ray the connection goes on beyond a surface that does nothing to it; `None` if the surface stops it.
+    /// Start of the ray's interval behind a null interface; `None` if the surface occludes the connection.
     pub(super) fn skip_interface(
         &mut self,
         lighting: Lighting<'_>,
@@ -53,7 +53,7 @@ impl Connection {
             return None;
         }
         self.medium_tracker.skip_interface(interface.as_ref(), hit, context.length, &mut self.light, counts);
-        // The camera would have lost the path here as well.
+        // Camera paths end here as well.
         (!self.medium_tracker.null_limit_exceeded()).then(|| hit.span_after(ray).min)
     }
 }

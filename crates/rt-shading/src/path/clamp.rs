@@ -1,14 +1,13 @@
-//! Bound on indirect light: less noise, at the price of a bias.
+//! Clamping of indirect light: less noise, but biased.
 
 use crate::ShadingCounts;
 use rt_math::Rgb;
 
-/// Bound on what a path adds to its pixel where indirect light arrives.
+/// Bound on a contribution of indirect light to a pixel.
 ///
-/// Light is *indirect* if two or more surfaces have scattered it on its way to the camera; the ways of sampling direct light,
-/// by a light and by the BSDF, are both exempt. A contribution whose largest component exceeds the bound is scaled so that
-/// this component equals it, which keeps the hue. Rare bright paths (fireflies) lose most; the mean of a pixel loses light, and
-/// the picture is biased.
+/// Light is *indirect* if two or more surfaces have scattered it on its way to the camera. Direct light is exempt, whether sampled by
+/// the light or by the BSDF. A contribution whose largest component exceeds the bound is scaled so that this component equals it,
+/// which keeps the hue. Rare bright paths (fireflies) lose most; the mean of a pixel loses light, and the image is biased.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clamp {
     /// Largest component of a contribution, in units of radiance; infinite for none.
@@ -19,12 +18,12 @@ impl Clamp {
     /// No bound.
     pub const NONE: Self = Self { most: f64::INFINITY };
 
-    /// A bound in units of radiance; `None` unless it is finite and above 0.
+    /// Bound in units of radiance; `None` unless it is finite and above 0.
     pub fn new(most: f64) -> Option<Self> {
         (most.is_finite() && most > 0.0).then_some(Self { most })
     }
 
-    /// The bound in units of radiance; `None` if there is none.
+    /// Bound in units of radiance; `None` if there is none.
     pub fn bound(self) -> Option<f64> {
         self.is_set().then_some(self.most)
     }
@@ -40,7 +39,7 @@ impl Clamp {
         self.most < f64::INFINITY
     }
 
-    /// The contribution within the bound. What is no radiance is left to the caller of the integrator.
+    /// Contribution within the bound. Non-finite contributions are unchanged.
     #[inline(never)]
     pub(super) fn bounded(self, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
         let largest = contribution.max_component();
@@ -55,10 +54,10 @@ impl Clamp {
         bounded
     }
 
-    /// Units that the bound is divided into where lost light is summed: integers add up to the same in any order.
+    /// Units of the bound for sums of lost light: integer sums do not depend on the order.
     const UNITS: f64 = 65536.0;
 
-    /// Radiance, mean of channels, that the contributions in the counts have lost in sum.
+    /// Total radiance, mean of channels, that clamping has removed.
     pub fn lost(self, counts: &ShadingCounts) -> f64 {
         if self.is_set() { counts.clamped_units as f64 / Self::UNITS * self.most } else { 0.0 }
     }

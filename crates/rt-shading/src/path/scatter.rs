@@ -1,7 +1,7 @@
 //! Shading of path vertices: emission, direct lighting and BSDF sampling.
 
 use super::{
-    Clamp, Follows, Lighting, PathSettings, PathTracer,
+    Clamp, Lighting, PathSettings, PathTracer, Transport,
     wave::{Path, PrevVertex},
 };
 use crate::{
@@ -10,14 +10,15 @@ use crate::{
     bsdf_cache::CachedBsdf,
     hit_context::HitContext,
     interior::MediumInterface,
+    mis::power_heuristic,
     russian_roulette::russian_roulette,
-    vertex::{Vertex, bsdf_at, power_heuristic},
+    vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,
 };
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 impl<S: Sampler + Clone> PathTracer<S> {
-    /// Adds the light of what the ray has met to what the path sees, draws light there, and sends the path on.
+    /// Adds emission at the hit of a ray, samples direct light there, and samples the next ray of the path.
     pub(super) fn shade_hit(
         &mut self,
         lighting: Lighting<'_>,
@@ -26,7 +27,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         hit: Option<&mut SurfaceHit>,
         seen: &mut Seen,
     ) {
-        let PathSettings { follows, clamp, .. } = self.settings;
+        let PathSettings { transport, clamp, .. } = self.settings;
         let path = &mut self.paths[id as usize];
         let Some(hit) = hit else {
             let throughput = path.throughput * mis_weight_env(lighting, path, ray.direction);
@@ -52,8 +53,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         if self.needs.emission {
             let emitted = material.emission(&lighting.appearance.textures, &hit.interaction, is_inside);
-            let is_left_out = follows == Follows::AllButCaustics && path.is_caustic_of(hit);
-            if !emitted.is_black() && !is_left_out {
+            let is_omitted = transport == Transport::NonCaustic && path.is_caustic_of(hit);
+            if !emitted.is_black() && !is_omitted {
                 let radiance = path.throughput * emitted * mis_weight_area(lighting, path, hit);
                 seen.radiance += within(clamp, path.bounces, radiance, &mut self.counts);
             }
@@ -65,14 +66,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let mut made = None;
         let CachedBsdf { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
             let bsdf = bsdf_at(lighting.appearance, material, &view, interface);
-            made.insert(CachedBsdf::new(bsdf, follows))
+            made.insert(CachedBsdf::new(bsdf, transport))
         });
         let vertex = Vertex::new(view, bsdf, ray.time);
-        let only_reflects = follows == Follows::Reflections;
+        let only_reflects = transport == Transport::Specular;
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
         // Ambient light stands for the background where the diffuse part is neither followed to it nor lit by samples of it.
         let gathers_background = !lighting.appearance.background.is_black()
-            && (vertex.bsdf.is_diffuse_below_layer() || lighting.emitters.environment().is_some());
+            && (vertex.bsdf.is_diffuse_below_layer() || lighting.lights.environment().is_some());
         if only_reflects && self.needs.ambient && !gathers_background {
             let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
@@ -82,7 +83,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         self.sample_bsdf(id, &vertex, interface);
     }
 
-    /// Goes on along the same ray, through a surface that does nothing to it.
+    /// Continues the same ray behind a null interface.
     fn skip_interface(
         &mut self,
         hit: &SurfaceHit,
@@ -102,7 +103,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         self.next.refracted.push(*ray, hit.span_after(ray), id);
     }
 
-    /// Asks all lights without extent and one of those with, and leaves it to shadow rays whether they count.
+    /// Next-event estimation: samples all delta lights and one area or environment light, and queues their shadow rays.
     fn sample_direct_lighting(
         &mut self,
         lighting: Lighting<'_>,
@@ -116,8 +117,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let is_bounded = clamp.holds_after(path.bounces + 1);
         let surface = vertex.view.surface;
         let media = self.needs.absorption.then(|| path.medium_tracker.media(&lighting.appearance.materials, interface));
-        // Shadow rays end at any surface that casts shadows, so that one medium fills their way to a lamp. Nothing tells where the
-        // medium ends on the way to a light at infinity.
+        // Shadow rays end at any surface that casts shadows: one medium fills their whole length. The end of the medium towards a
+        // light at infinity is unknown.
         let dimmed = |radiance: Rgb, direction: DVec3, distance: f64| match media {
             Some([near, far]) if distance.is_finite() => {
                 let is_near = vertex.view.is_on_side_of(Scattering::Reflection, direction);
@@ -129,10 +130,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if vertex.bsdf.is_delta() {
             return;
         }
-        for light in &lighting.appearance.lights {
-            let Some(lit) = light.illuminate(surface.point) else { continue };
+        for light in lighting.lights.delta_lights() {
+            let Some(lit) = light.sample_li(surface.point) else { continue };
             let scattered = vertex.eval(lit.direction);
-            // A classical surface reflects kd of a classical light, and not kd / π of it.
+            // A classical surface reflects kd of a classical light, not kd / π.
             let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
             if radiance.is_black() {
                 self.counts.shadow_rays_spared += u64::from(light.casts_shadows);
@@ -143,12 +144,13 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
             }
         }
-        if lighting.emitters.is_empty() {
+        let n_sampled = lighting.lights.sampled_lights().len();
+        if n_sampled == 0 {
             return;
         }
         let u = path.sampler.next_2d();
-        let choice = if lighting.emitters.emitters().len() > 1 { path.sampler.next_1d() } else { 0.0 };
-        let Some(light) = lighting.emitters.sample(surface.point, vertex.normal, choice, u) else {
+        let choice = if n_sampled > 1 { path.sampler.next_1d() } else { 0.0 };
+        let Some(light) = lighting.lights.sample_li(surface.point, vertex.normal, choice, u) else {
             self.counts.shadow_rays_spared += 1;
             return;
         };
@@ -166,19 +168,19 @@ impl<S: Sampler + Clone> PathTracer<S> {
         self.shadows.push(ray, id, dimmed(radiance, light.sample.direction, distance), is_bounded);
     }
 
-    /// Chooses the direction in which the path goes on, if it does.
+    /// Samples the next direction of the path.
     fn sample_bsdf(&mut self, id: u32, vertex: &Vertex<'_>, interface: Option<&MediumInterface>) {
         let path = &mut self.paths[id as usize];
         let Some(bsdf) = vertex.sampled_lobes() else { return };
         let [u, v] = path.sampler.next_2d();
         let lobe = if bsdf.uses_component_sample() { path.sampler.next_1d() } else { 0.0 };
         let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
-        // Light paths do not find the reverse of a direction that was kept on its side. So only what the camera sees by mirrors
-        // and glass alone takes it: `AllButCaustics` and the light tracer must add up to all light.
+        // Light paths do not find the reverse of a direction that was kept on its side. So only purely specular paths from the
+        // camera take it: `NonCaustic` and light tracing must sum to all light.
         let Some(wi) = vertex.continued(&sample, !path.first_bounce_nonspecular) else { return };
         let surface = vertex.view.surface;
         let ends = path.bounces >= self.settings.max_depth
-            || (self.settings.follows == Follows::Reflections && sample.is_diffuse);
+            || (self.settings.transport == Transport::Specular && sample.is_diffuse);
         if ends && !self.scene_emits {
             self.counts.depth_limited += 1;
             return;
@@ -204,23 +206,23 @@ impl<S: Sampler + Clone> PathTracer<S> {
     }
 }
 
-/// Light that so many surfaces have scattered, within the bound if it is indirect.
+/// Radiance after `scattered` surfaces, clamped if it is indirect.
 #[inline(always)]
 fn within(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCounts) -> Rgb {
     if clamp.holds_after(scattered) { clamp.bounded(radiance, counts) } else { radiance }
 }
 
-/// By how much the light of a surface counts that a path has met, as it might have been drawn.
+/// MIS weight of the emission of a surface that a BSDF sample has hit.
 fn mis_weight_area<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
-    let (Some(light), Some(pdf)) = (hit.emitter, path.prev.pdf) else { return 1.0 };
+    let (Some(light), Some(pdf)) = (hit.light, path.prev.pdf) else { return 1.0 };
     let PrevVertex { point, normal, .. } = path.prev;
     let surface = &hit.interaction;
-    let drawn = lighting.emitters.pdf(point, normal, light, surface.point, surface.geometric_normal);
-    power_heuristic(pdf, drawn)
+    let light_pdf = lighting.lights.pdf_li(point, normal, light, surface.point, surface.geometric_normal);
+    power_heuristic(pdf, light_pdf)
 }
 
-/// The same for the environment.
+/// MIS weight of the environment that a BSDF sample has hit.
 fn mis_weight_env<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
-    let (Some(_), Some(pdf)) = (lighting.emitters.environment(), path.prev.pdf) else { return 1.0 };
-    power_heuristic(pdf, lighting.emitters.environment_pdf(path.prev.point, path.prev.normal, direction))
+    let (Some(_), Some(pdf)) = (lighting.lights.environment(), path.prev.pdf) else { return 1.0 };
+    power_heuristic(pdf, lighting.lights.pdf_li_environment(path.prev.point, path.prev.normal, direction))
 }

@@ -2,9 +2,9 @@ mod bent_normals;
 
 use super::*;
 use crate::{
-    Background, BsdfCache, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical, SurfaceHit,
-    Transmission,
-    emitter::{DiskLight, Emission, Emitter, EmitterRef, EnvironmentLight, LightSampling, QuadLight, Sides},
+    Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Physical,
+    SurfaceHit, Transmission,
+    light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, QuadLight},
 };
 use core::f64::consts::PI;
 use rt_geometry::{InteractionFlags, Plane, Polygon, RayKind, Shape, Sphere};
@@ -39,8 +39,8 @@ impl Tracer for Shapes {
         let (object, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
         let (shape, material, light) = &self.0[object];
         let interaction = shape.surface(ray, &hit, needs);
-        let emitter = light.map(|index| EmitterRef { index, triangle: None });
-        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, emitter })
+        let light = light.map(|index| LightId { index, triangle: None });
+        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, light })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -65,13 +65,19 @@ fn diffuse(albedo: f64) -> Physical {
 struct Scene {
     shapes: Shapes,
     appearance: Appearance,
-    emitters: EmitterSet,
+    /// Area and environment lights.
+    lights: Vec<Light>,
 }
 
 impl Scene {
-    fn new(materials: Vec<Material>, emitters: Vec<Emitter>) -> Self {
+    fn new(materials: Vec<Material>, lights: Vec<Light>) -> Self {
         let appearance = Appearance { materials, ..Appearance::default() };
-        Self { shapes: Shapes::default(), appearance, emitters: EmitterSet::new(emitters, LightSampling::Tree, 1.0) }
+        Self { shapes: Shapes::default(), appearance, lights }
+    }
+
+    fn light_set(&self) -> LightSet {
+        let delta_lights = self.appearance.lights.iter().cloned().map(Light::Delta);
+        LightSet::new(self.lights.iter().cloned().chain(delta_lights).collect(), LightSampling::Tree, 1.0)
     }
 
     fn with(mut self, shape: Shape, material: u32, light: Option<u32>) -> Self {
@@ -86,8 +92,8 @@ impl Scene {
         let samplers: Vec<_> = (0..paths).map(|key| Independent { key: u64::from(key), dimension: 0 }).collect();
         let rays = vec![(ray, Interval::FORWARD); paths as usize];
         let mut seen = vec![Seen::NOTHING; paths as usize];
-        let lighting =
-            Lighting { appearance: &self.appearance, emitters: &self.emitters, bsdfs: &BsdfCache::default() };
+        let lights = self.light_set();
+        let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
         tracer.radiance_of(&mut self.shapes, lighting, &rays, &samplers, &mut seen);
         let n = f64::from(paths);
         let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
@@ -103,17 +109,17 @@ impl Scene {
 }
 
 const fn paths(max_depth: u32) -> PathSettings {
-    PathSettings { max_depth, rr_start_depth: 2, follows: Follows::Everything, clamp: Clamp::NONE }
+    PathSettings { max_depth, rr_start_depth: 2, transport: Transport::Full, clamp: Clamp::NONE }
 }
 
 const DISTRIBUTED: PathSettings =
-    PathSettings { max_depth: 4, rr_start_depth: 9, follows: Follows::Reflections, clamp: Clamp::NONE };
+    PathSettings { max_depth: 4, rr_start_depth: 9, transport: Transport::Specular, clamp: Clamp::NONE };
 
 fn floor() -> Shape {
     Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane"))
 }
 
-fn ball(radius: f64) -> Shape {
+fn sphere(radius: f64) -> Shape {
     Shape::Sphere(Sphere::new(DVec3::ZERO, radius).expect("a sphere"))
 }
 
@@ -122,16 +128,16 @@ fn at_origin() -> Ray {
     Ray::new(DVec3::new(3.0, 1.0, 0.5), DVec3::new(-3.0, -1.0, -0.5))
 }
 
-/// The unit square light 1 above a diffuse floor, as shape and as emitter.
+/// The unit square light 1 above a diffuse floor, as shape and as light.
 fn under_square(floor_material: Material, roulette: PathSettings) {
-    let emission = Emission::new(Rgb::gray(2.0), Sides::Front).expect("an emission");
+    let emission = Emission::new(Rgb::gray(2.0), EmissionSides::Front).expect("an emission");
     let corner = DVec3::new(-0.5, 1.0, -0.5);
     let outline = vec![corner, corner + DVec3::X, corner + DVec3::X + DVec3::Z, corner + DVec3::Z];
     let light = QuadLight::new(corner, [DVec3::X, DVec3::Z], emission).expect("a light");
-    let mut lamp = physical(Physical::Black, 2.0);
-    lamp.shines = Sides::Front;
+    let mut emissive = physical(Physical::Black, 2.0);
+    emissive.shines = EmissionSides::Front;
     let shape = Polygon::new(outline, Vec::new(), rt_geometry::InsideRule::Convex).expect("a square");
-    Scene::new(vec![floor_material, lamp], vec![Emitter::Quad(light)])
+    Scene::new(vec![floor_material, emissive], vec![Light::Quad(light)])
         .with(floor(), 0, None)
         .with(Shape::Polygon(shape.into()), 1, Some(0))
         // Irradiance .7522746885 for radiance 1 (Lambert), albedo one half.
@@ -149,14 +155,14 @@ fn direct_light_of_a_square_is_lamberts() {
 }
 
 #[test]
-fn a_closed_room_that_shines_sums_all_bounces() {
+fn a_closed_emissive_enclosure_sums_all_bounces() {
     for albedo in [0.5, 0.8] {
-        let shining = || Scene::new(vec![physical(diffuse(albedo), 1.0)], Vec::new()).with(ball(1.0), 0, None);
+        let enclosure = || Scene::new(vec![physical(diffuse(albedo), 1.0)], Vec::new()).with(sphere(1.0), 0, None);
         let out = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
-        shining().assert_shows(paths(1000), out, 1.0 / (1.0 - albedo));
+        enclosure().assert_shows(paths(1000), out, 1.0 / (1.0 - albedo));
         // Emission of the first surface and of five more.
         let truncated = (0..5).fold(1.0, |sum, _| 1.0 + albedo * sum);
-        shining().assert_shows(paths(4), out, truncated);
+        enclosure().assert_shows(paths(4), out, truncated);
     }
 }
 
@@ -168,7 +174,7 @@ fn a_light_that_can_be_drawn_counts_once() {
         let metal = Physical::MetallicRoughness { base_color: gray(1.0), metallic: 1.0, roughness };
         for material in [diffuse(1.0), Physical::Mirror { reflectance: gray(1.0) }, metal] {
             let is_rough = matches!(&material, Physical::MetallicRoughness { roughness, .. } if *roughness > 0.0);
-            let drawn = vec![Emitter::Environment(sky.clone())];
+            let drawn = vec![Light::Environment(sky.clone())];
             let mut scene = Scene::new(vec![physical(material, 0.0)], drawn).with(floor(), 0, None);
             scene.appearance.background = Background::Environment(sky.clone().into());
             if is_rough {
@@ -197,7 +203,7 @@ fn glass_neither_makes_nor_loses_light() {
         material
     };
     let furnace = |material| {
-        let mut scene = Scene::new(vec![material], Vec::new()).with(ball(1.0), 0, None);
+        let mut scene = Scene::new(vec![material], Vec::new()).with(sphere(1.0), 0, None);
         scene.appearance.background = Background::Constant(Rgb::WHITE);
         scene
     };
@@ -237,10 +243,13 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
 }
 
 #[test]
-fn lights_without_extent_keep_the_brightness_of_whitteds() {
-    let kind =
-        LightKind::Point { position: DVec3::new(0.0, 2.0, 0.0), falloff: Falloff::InverseSquare, shadow_near: 0.0 };
-    let light = Light {
+fn delta_lights_are_as_bright_as_under_whitted() {
+    let kind = DeltaLightKind::Point {
+        position: DVec3::new(0.0, 2.0, 0.0),
+        falloff: Falloff::InverseSquare,
+        shadow_near: 0.0,
+    };
+    let light = DeltaLight {
         name: String::new(),
         kind,
         intensity: Rgb::gray(3.0),
@@ -260,18 +269,19 @@ fn lights_without_extent_keep_the_brightness_of_whitteds() {
 
 #[test]
 fn what_is_seen_does_not_depend_on_the_wave() {
-    let emission = Emission::new(Rgb::WHITE, Sides::Both).expect("an emission");
+    let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("an emission");
     let light = DiskLight::new(DVec3::Y * 2.0, DVec3::NEG_Y, 0.5, 0.0, emission).expect("a light");
     let mut scene =
-        Scene::new(vec![physical(diffuse(0.7), 0.0), physical(diffuse(0.3), 0.1)], vec![Emitter::Disk(light)])
+        Scene::new(vec![physical(diffuse(0.7), 0.0), physical(diffuse(0.3), 0.1)], vec![Light::Disk(light)])
             .with(floor(), 0, None)
-            .with(ball(0.5), 1, None);
+            .with(sphere(0.5), 1, None);
     let needs = Needs::of(&scene.appearance, |_| true);
     let ray =
         |i: u32| (Ray::new(DVec3::new(3.0, 1.0, 0.1 * f64::from(i)), DVec3::new(-3.0, -1.0, 0.0)), Interval::FORWARD);
     let rays: Vec<_> = (0..20).map(ray).collect();
     let samplers: Vec<_> = (0..20).map(|key| Independent { key, dimension: 0 }).collect();
-    let lighting = Lighting { appearance: &scene.appearance, emitters: &scene.emitters, bsdfs: &BsdfCache::default() };
+    let lights = scene.light_set();
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let mut together = vec![Seen::NOTHING; 20];
     PathTracer::new(paths(6), needs).radiance_of(&mut scene.shapes, lighting, &rays, &samplers, &mut together);
     let mut one_by_one = vec![Seen::NOTHING; 20];

@@ -1,4 +1,4 @@
-//! State of paths between their surfaces, and the queue of shadow rays.
+//! State of paths between vertices, and the queue of shadow rays.
 
 use crate::{Seen, SurfaceHit, medium_tracker::MediumTracker};
 use rt_math::{DVec3, Interval, Ray, Rgb};
@@ -7,9 +7,9 @@ use rt_math::{DVec3, Interval, Ray, Rgb};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrevVertex {
     pub(super) point: DVec3,
-    /// The normal by which lights were chosen there.
+    /// Normal for the sampling of lights there.
     pub(super) normal: Option<DVec3>,
-    /// Density of the path's direction; `None` for a single direction, of which lights that are drawn know nothing.
+    /// Density of the path's direction; `None` for a delta direction, which has no competing light sample.
     pub(super) pdf: Option<f64>,
 }
 
@@ -23,11 +23,11 @@ pub(super) struct Path<S> {
     /// Accumulated η² from refraction (pbrt's `etaScale`); Russian roulette uses `throughput * eta_scale`.
     pub(super) eta_scale: f64,
     pub(super) prev: PrevVertex,
-    /// Surfaces that have scattered it.
+    /// Number of surfaces that have scattered it.
     pub(super) bounces: u32,
-    /// True if the first of them chose the direction from several, and not a single one.
+    /// True if the first of them sampled a non-delta lobe.
     pub(super) first_bounce_nonspecular: bool,
-    /// True if only the emission of the next surface counts.
+    /// True if the path ends after the emission of the next surface.
     pub(super) emission_only: bool,
 }
 
@@ -47,27 +47,27 @@ impl<S> Path<S> {
         }
     }
 
-    /// A new path in the memory of the old one.
+    /// Restarts the path and keeps its memory.
     pub(super) fn reset(&mut self, sampler: S) {
         let mut medium_tracker = core::mem::take(&mut self.medium_tracker);
         medium_tracker.reset();
         *self = Self { medium_tracker, ..Self::new(sampler) };
     }
 
-    /// True if the light that the path has met is one that [`LightTracingIntegrator`](crate::LightTracingIntegrator) brings to the camera: a light
-    /// that can be drawn from, met in a single direction by a path that began at a surface which spreads light.
+    /// True if [`LightTracingIntegrator`](crate::LightTracingIntegrator) computes the emission of this hit. It belongs to a sampled
+    /// light, the last bounce was specular, and the first was not.
     pub(super) fn is_caustic_of(&self, hit: &SurfaceHit) -> bool {
-        hit.emitter.is_some() && self.first_bounce_nonspecular && self.prev.pdf.is_none()
+        hit.light.is_some() && self.first_bounce_nonspecular && self.prev.pdf.is_none()
     }
 }
 
-/// Light that paths have drawn, until the shadow rays are answered that decide about it.
+/// Sampled direct light and its shadow rays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShadowRayQueue {
     rays: Vec<(Ray, Interval)>,
-    /// The path of each ray, and what its pixel gets if nothing is in the way.
-    drawn: Vec<(u32, Rgb)>,
-    /// Places in `drawn` of indirect light that is bounded, in order; empty without a bound.
+    /// Path of each ray, and its contribution if the ray is unoccluded.
+    sampled: Vec<(u32, Rgb)>,
+    /// Indices into `sampled` of clamped indirect light, in order; empty without a bound.
     indirect: Vec<u32>,
     blocked: Vec<bool>,
 }
@@ -76,13 +76,13 @@ impl ShadowRayQueue {
     #[inline(always)]
     pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb, is_bounded: bool) {
         if is_bounded {
-            self.indirect.push(self.drawn.len() as u32);
+            self.indirect.push(self.sampled.len() as u32);
         }
         self.rays.push(ray);
-        self.drawn.push((path, radiance));
+        self.sampled.push((path, radiance));
     }
 
-    /// Traces the rays and adds the light that is not blocked to what the paths see, within bounds where it is indirect.
+    /// Traces the rays and adds unoccluded light to the radiance of the paths, clamped where it is indirect.
     pub(super) fn resolve(
         &mut self,
         mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]),
@@ -97,17 +97,17 @@ impl ShadowRayQueue {
         occluded(&self.rays, &mut self.blocked);
         for &at in &self.indirect {
             if !self.blocked[at as usize] {
-                let radiance = &mut self.drawn[at as usize].1;
+                let radiance = &mut self.sampled[at as usize].1;
                 *radiance = bounded(*radiance);
             }
         }
         self.indirect.clear();
-        for ((path, radiance), is_blocked) in self.drawn.iter().zip(&self.blocked) {
+        for ((path, radiance), is_blocked) in self.sampled.iter().zip(&self.blocked) {
             if !is_blocked {
                 seen[*path as usize].radiance += *radiance;
             }
         }
         self.rays.clear();
-        self.drawn.clear();
+        self.sampled.clear();
     }
 }

@@ -1,11 +1,10 @@
 //! Counts of shading operations.
 
-/// Work of shading, for statistics and to prove that what is left out is really absent.
+/// Counts of shading work, for statistics and to prove that omitted work is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShadingCounts {
-    /// Shadow rays that were not traced, because the light could not contribute: it stands behind the surface, or the
-    /// surface reflects none of it.
+    /// Shadow rays that were not traced: the light is behind the surface, or the surface reflects none of it.
     pub shadow_rays_spared: u64,
     /// Highlights evaluated.
     pub highlights: u64,
@@ -17,15 +16,15 @@ pub struct ShadingCounts {
     pub fresnel: u64,
     /// Evaluations of Beer's law.
     pub absorption: u64,
-    /// Surfaces that did nothing to a ray: the same was on both sides of them.
+    /// Null interfaces that rays have passed: both sides have the same medium.
     pub passages: u64,
-    /// Paths that ended at a mirror or at glass because there were as many bounces as allowed.
+    /// Paths that ended at a specular surface at the maximum depth.
     pub depth_limited: u64,
-    /// Surfaces of transparent bodies that were ignored, because the ray was inside of too many others.
+    /// Surfaces of dielectrics that were ignored, because the list of enclosing dielectrics was full.
     pub interior_overflows: u64,
     /// Contributions of indirect light that a [`Clamp`](crate::Clamp) has reduced.
     pub clamped: u64,
-    /// Light that they have lost, in parts of the bound; [`Clamp::lost`](crate::Clamp::lost) has it in radiance.
+    /// Radiance that clamping has removed, in fractions of the bound; [`Clamp::lost`](crate::Clamp::lost) has it in radiance.
     pub clamped_units: u64,
 }
 

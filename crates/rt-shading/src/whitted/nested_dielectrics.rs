@@ -1,4 +1,4 @@
-//! Tests of transparent bodies, in worlds of real shapes, against paths that are known in closed form.
+//! Tests of nested dielectrics against paths in closed form.
 
 use super::*;
 use crate::{Background, ColorTexture, Material, Phong, SurfaceHit, Transmission};
@@ -8,7 +8,7 @@ use rt_math::{
     transcendental::{acos, asin, cos, exp, sin, sincos, tan},
 };
 
-/// Shapes, each with its material, asked in turn. Keeps the rays that it was asked about.
+/// Shapes with materials, tested in order. Records the rays.
 pub(super) struct Shapes {
     pub(super) shapes: Vec<(Shape, u32)>,
     pub(super) rays: Vec<(RayKind, Ray)>,
@@ -31,7 +31,7 @@ impl Tracer for Shapes {
         let (object, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
         let (shape, material) = &self.shapes[object];
         let interaction = shape.surface(ray, &hit, needs);
-        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, emitter: None })
+        Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, light: None })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -291,7 +291,7 @@ fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
 
 #[test]
 fn a_body_that_was_never_entered_is_left_as_if_it_had_been() {
-    // From the middle of a slab that nobody said the ray is in: Snell's law and Beer's on the way out.
+    // From the middle of a slab that the ray never entered: Snell's law and Beer's on the way out.
     let ray = Ray::new(DVec3::ZERO, down(30.0));
     let Look { seen, world, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[body(1.5, 0.5, 0)]), 5, &ray);
     assert!((world.last().direction.x - 0.75).abs() < 1e-15);
@@ -384,7 +384,7 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
             let t = span.min.floor() + 1.0;
             let (point, normal) = (ray.at(t), if self.0.is_multiple_of(2) { DVec3::Z } else { DVec3::NEG_Z });
             let interaction = rt_geometry::SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit { t, interaction, object: 0, material: 0, emitter: None })
+            Some(SurfaceHit { t, interaction, object: 0, material: 0, light: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false

@@ -1,6 +1,6 @@
 //! Shading of hits: local illumination and secondary rays.
 
-use super::{Whitted, wave::Path};
+use super::{Whitted, wave::TreePath};
 use crate::{
     Appearance, Material, Phong, Seen, SurfaceHit,
     hit_context::{HitContext, MAX_NULL_INTERFACES},
@@ -11,13 +11,12 @@ use crate::{
 use rt_math::{Interval, Ray, Rgb, transcendental::exp};
 
 impl Whitted {
-    /// Ends a path at the first surface that shows: notes the light there, and the rays that it depends on. At a surface
-    /// that does not show it goes on in the next wave.
+    /// Shades the hit of a path and spawns its secondary rays. At a null interface the path continues in the next wave.
     #[inline]
     pub(super) fn shade(
         &mut self,
         appearance: &Appearance,
-        mut path: Path,
+        mut path: TreePath,
         ray: &Ray,
         hit: Option<&mut SurfaceHit>,
         seen: &mut Seen,
@@ -49,14 +48,14 @@ impl Whitted {
         self.spawn_secondary_rays(appearance, &material.phong, &view, interface, &path, ray.time);
     }
 
-    /// Goes on along the same ray, through a surface that does nothing to it.
+    /// Continues the same ray behind a null interface.
     fn skip_interface(
         &mut self,
         hit: &SurfaceHit,
         ray: &Ray,
         interface: Option<&MediumInterface>,
         way: f64,
-        mut path: Path,
+        mut path: TreePath,
         seen: &mut Seen,
     ) {
         if let Some(interface) = interface {
@@ -78,7 +77,7 @@ impl Whitted {
         self.next.refracted.push(*ray, hit.span_after(ray), path);
     }
 
-    /// Beer's law along a way in world units; whether it took anything.
+    /// Beer's law over a distance in world units; true if the medium absorbs.
     fn absorb(&mut self, weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
         if absorption.is_black() {
             return false;
@@ -88,14 +87,14 @@ impl Whitted {
         true
     }
 
-    /// Emission of a surface, and the light of each source that it reflects.
+    /// Emission of a surface, and the direct light that it reflects.
     #[inline]
     fn shade_direct(
         &mut self,
         appearance: &Appearance,
         material: &Material,
         view: &ViewedSurface,
-        path: &Path,
+        path: &TreePath,
         time: f64,
     ) {
         let phong = &material.phong;
@@ -117,7 +116,7 @@ impl Whitted {
                 self.counts.shadow_rays_spared += u64::from(shadowed);
                 continue;
             }
-            let lit = light.illuminate(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
+            let lit = light.sample_li(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
             let reflected = lit.map_or(Rgb::BLACK, |lit| {
                 let mut reflectance = diffuse * view.normal.dot(lit.direction);
                 if self.needs.highlights && !specular.is_black() {
@@ -143,8 +142,7 @@ impl Whitted {
         self.lights.end_surface(path, radiance);
     }
 
-    /// Goes on with the mirrored ray, and has the refracted one wait for it; with the refracted one where nothing is
-    /// mirrored.
+    /// Continues with the mirrored ray and defers the refracted one. Without a mirrored ray it continues with the refracted one.
     #[inline]
     fn spawn_secondary_rays(
         &mut self,
@@ -152,7 +150,7 @@ impl Whitted {
         phong: &Phong,
         view: &ViewedSurface,
         interface: Option<&MediumInterface>,
-        path: &Path,
+        path: &TreePath,
         time: f64,
     ) {
         if path.depth >= self.max_depth {
@@ -161,7 +159,7 @@ impl Whitted {
         }
         let surface = view.surface;
         let textures = &appearance.textures;
-        let bounced = |weight| Path { depth: path.depth + 1, passages: 0, start: 0.0, weight, ..*path };
+        let bounced = |weight| TreePath { depth: path.depth + 1, passages: 0, start: 0.0, weight, ..*path };
         let mut reflected_part = 1.0;
         let mut refracted = None;
         if let (Some(interface), Some(transmission)) = (interface, &phong.transmission) {
@@ -204,7 +202,7 @@ impl Whitted {
         }
     }
 
-    /// False for what cannot be seen in the pixel.
+    /// False for a weight that is invisible in the pixel.
     fn is_significant(&self, weight: Rgb) -> bool {
         !(weight.is_black() || weight.max_component() < self.min_contribution)
     }

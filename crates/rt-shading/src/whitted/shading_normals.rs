@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    Background, ColorTexture, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission, optics,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, LightUnits, Material, Phong, SurfaceHit, Transmission, optics,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval};
@@ -26,7 +26,7 @@ impl Tracer for Facet {
             shading_normal: self.shading_normal,
             ..SurfaceInteraction::flat(DVec3::ZERO, DVec3::splat(1e-12), DVec3::Y, [0.0; 2])
         };
-        Some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, emitter: None })
+        Some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, light: None })
     }
 
     fn occluded(&mut self, ray: &Ray, _: Interval) -> bool {
@@ -36,8 +36,8 @@ impl Tracer for Facet {
     }
 }
 
-/// What is seen of the facet along `direction`.
-fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<Light>) -> (Rgb, Facet) {
+/// Radiance of the facet along `direction`.
+fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<DeltaLight>) -> (Rgb, Facet) {
     let appearance = Appearance {
         materials: vec![Material::new("facet".into(), phong)],
         lights,
@@ -93,10 +93,10 @@ fn refracted_rays_start_and_stay_on_the_far_side() {
     assert!(bent > 100, "{bent}");
 }
 
-/// A light that shines from a direction, which the facet faces.
-fn sun_from(towards: DVec3) -> Light {
-    let kind = LightKind::Directional { direction: -towards };
-    Light { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
+/// Directional light on the front side of the facet.
+fn sun_from(towards: DVec3) -> DeltaLight {
+    let kind = DeltaLightKind::Directional { direction: -towards };
+    DeltaLight { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
 }
 
 #[test]

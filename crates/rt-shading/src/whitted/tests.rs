@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::{
-    Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, SurfaceHit, Transmission,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, SurfaceHit,
+    Transmission,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval, transcendental::exp};
@@ -32,7 +33,7 @@ impl Tracer for Echo {
         let normal = if kind == RayKind::Refraction { -against } else { against };
         let point = ray.at(2.0 / ray.direction.length());
         let interaction = SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
-        Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, object: 0, material: 0, emitter: None })
+        Some(SurfaceHit { t: 2.0 / ray.direction.length(), interaction, object: 0, material: 0, light: None })
     }
 
     fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
@@ -161,7 +162,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
             };
             let point = ray.at(2.0);
             let interaction = SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit { t: 2.0, interaction, object: 0, material, emitter: None })
+            Some(SurfaceHit { t: 2.0, interaction, object: 0, material, light: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false
@@ -185,7 +186,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
             self.0 += 1;
             let normal = DVec3::new(0.8, 0.0, 0.6);
             let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, normal, [0.0; 2]);
-            (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, emitter: None })
+            (self.0 == 1).then_some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, light: None })
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false
@@ -198,9 +199,9 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
 
 #[test]
 fn local_light_is_phongs_sum() {
-    let light = |casts_shadows| Light {
+    let light = |casts_shadows| DeltaLight {
         name: String::new(),
-        kind: LightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 },
+        kind: DeltaLightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 },
         intensity: Rgb::gray(2.0),
         units: LightUnits::Classical,
         casts_shadows,
@@ -228,9 +229,9 @@ fn local_light_is_phongs_sum() {
 
 #[test]
 fn lights_behind_the_surface_cost_no_shadow_ray() {
-    let kind = LightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, shadow_near: 0.0 };
+    let kind = DeltaLightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, shadow_near: 0.0 };
     let mut appearance = white_room(Phong { diffuse: gray(1.0), ..BARE });
-    appearance.lights = vec![Light {
+    appearance.lights = vec![DeltaLight {
         name: String::new(),
         kind,
         intensity: Rgb::WHITE,

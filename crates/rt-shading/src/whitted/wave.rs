@@ -1,4 +1,4 @@
-//! Rays in waves: what is traced together, and what waits.
+//! Waves of rays, and deferred rays.
 //!
 //! ```text
 //!            ┌──────────────── next wave ────────────────┐
@@ -14,32 +14,32 @@ use crate::{
 };
 use rt_math::{Interval, Ray, Rgb};
 
-/// A path from the camera, as far as the ray that is traced for it now.
+/// Current path in a ray tree.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
+pub(super) struct TreePath {
     /// Index of its camera ray.
     pub(super) sample: u32,
     /// Bounces so far.
     pub(super) depth: u32,
-    /// Surfaces that its ray has passed because they do nothing to it.
+    /// Null interfaces that its ray has passed.
     pub(super) passages: u32,
-    /// Part of its radiance that reaches the camera.
+    /// Weight of its radiance in the pixel.
     pub(super) weight: Rgb,
     /// Absorption is accounted for up to this parameter of its ray.
     pub(super) start: f64,
 }
 
-/// A refracted ray that waits until the mirrored one, and all that comes of it, has been followed.
+/// Refracted ray that is traced after the tree of the mirrored one.
 #[derive(Clone, Copy, Debug)]
 struct DeferredRay {
     ray: Ray,
-    path: Path,
-    /// Length of its list of the bodies that it is inside of.
+    path: TreePath,
+    /// Length of its list of enclosing dielectrics.
     bodies: u32,
 }
 
-/// State of the ray tree of a camera ray between waves. The tree is traversed depth first, and each wave holds one path of it,
-/// so that what the camera ray sees adds up in the same order whatever else is in the wave.
+/// State of the ray tree of a camera ray between waves. The tree is traversed depth first, and each wave holds one path of it. The
+/// order of sums thus does not depend on the rest of the wave.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PixelTree {
     deferred: Vec<DeferredRay>,
@@ -50,16 +50,16 @@ pub(super) struct PixelTree {
 }
 
 impl PixelTree {
-    /// Has a ray wait that goes on through the surface of a crossing.
+    /// Defers a ray that crosses a surface.
     #[inline(always)]
-    pub(super) fn defer(&mut self, ray: Ray, path: &Path, interface: &MediumInterface) {
+    pub(super) fn defer(&mut self, ray: Ray, path: &TreePath, interface: &MediumInterface) {
         let bodies = self.interiors.push(&self.interior, interface);
         self.deferred.push(DeferredRay { ray, path: *path, bodies });
     }
 
-    /// Puts the ray that has waited least into the wave, if there is one.
+    /// Moves the ray that was deferred last into the wave, if there is one.
     #[inline]
-    pub(super) fn pop_deferred(&mut self, wave: &mut RayQueues<Path>) {
+    pub(super) fn pop_deferred(&mut self, wave: &mut RayQueues<TreePath>) {
         if let Some(DeferredRay { ray, path, bodies }) = self.deferred.pop() {
             self.interiors.pop(&mut self.interior, bodies);
             wave.refracted.push(ray, Interval::SPAWNED, path);
@@ -67,7 +67,7 @@ impl PixelTree {
     }
 }
 
-/// A surface that was met, until its shadow rays are answered.
+/// Shaded hit whose shadow rays are not traced yet.
 #[derive(Clone, Copy, Debug)]
 struct ShadedHit {
     sample: u32,
@@ -78,14 +78,14 @@ struct ShadedHit {
     end: u32,
 }
 
-/// Shadow rays to one light: they run alike.
+/// Shadow rays to one light: they are coherent.
 #[derive(Clone, Debug, Default)]
 struct ShadowBatch {
     rays: Vec<(Ray, Interval)>,
     blocked: Vec<bool>,
 }
 
-/// Light on the surfaces of a wave, and the shadow rays that decide about it.
+/// Direct light on the surfaces of a wave, and its shadow rays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DirectLighting {
     surfaces: Vec<ShadedHit>,
@@ -95,13 +95,13 @@ pub(super) struct DirectLighting {
 }
 
 impl DirectLighting {
-    /// Light that the surface at hand reflects, whatever is in the way.
+    /// Adds light that the current surface reflects, without a shadow ray.
     #[inline]
     pub(super) fn push(&mut self, reflected: Rgb) {
         self.reflected.push((reflected, None));
     }
 
-    /// Light that the surface at hand reflects, if nothing blocks the shadow ray.
+    /// Adds light that the current surface reflects if the shadow ray is unoccluded.
     #[inline(always)]
     pub(super) fn push_shadowed(&mut self, light: usize, reflected: Rgb, ray: Ray, span: Interval) {
         if self.shadows.len() <= light {
@@ -114,12 +114,12 @@ impl DirectLighting {
 
     /// Ends the lights of a surface, and adds its emission.
     #[inline]
-    pub(super) fn end_surface(&mut self, path: &Path, radiance: Rgb) {
+    pub(super) fn end_surface(&mut self, path: &TreePath, radiance: Rgb) {
         let end = self.reflected.len() as u32;
         self.surfaces.push(ShadedHit { sample: path.sample, weight: path.weight, radiance, end });
     }
 
-    /// Traces the shadow rays and adds what is left of the light to what the samples see.
+    /// Traces the shadow rays and adds unoccluded light to the radiance of the samples.
     pub(super) fn resolve(&mut self, mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]), seen: &mut [Seen]) {
         for ShadowBatch { rays, blocked } in &mut self.shadows {
             blocked.clear();

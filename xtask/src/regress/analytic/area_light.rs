@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use rt_camera::SamplerKind;
 use rt_math::{DVec3, Frame, Rgb, Sampler, transcendental::acos};
 use rt_scene_io::Integrator;
-use rt_shading::emitter::{
-    DiskLight, Emission, Emitter, MeshLight, QuadLight, Sides, SphereLight, disk_irradiance, polygon_irradiance,
+use rt_shading::light::{
+    DiskLight, Emission, EmissionSides, Light, MeshLight, QuadLight, SphereLight, disk_irradiance, polygon_irradiance,
     sphere_irradiance,
 };
 
@@ -72,13 +72,13 @@ impl AreaLight {
         Self::Disk { centre: DVec3::new(aside, 0.0, height), normal: DVec3::NEG_Z, radius }
     }
 
-    pub(super) fn emitter(&self) -> Fallible<Emitter> {
-        let white = Emission::new(Rgb::WHITE, Sides::Front)?;
+    pub(super) fn light(&self) -> Fallible<Light> {
+        let white = Emission::new(Rgb::WHITE, EmissionSides::Front)?;
         Ok(match *self {
-            Self::Quad(corner, edges) => Emitter::Quad(QuadLight::new(corner, edges, white)?),
-            Self::Disk { centre, normal, radius } => Emitter::Disk(DiskLight::new(centre, normal, radius, 0.0, white)?),
-            Self::Sphere { centre, radius } => Emitter::Sphere(SphereLight::new(centre, radius, white)?),
-            Self::Triangle(corners) => Emitter::Mesh(MeshLight::new([corners], white)?),
+            Self::Quad(corner, edges) => Light::Quad(QuadLight::new(corner, edges, white)?),
+            Self::Disk { centre, normal, radius } => Light::Disk(DiskLight::new(centre, normal, radius, 0.0, white)?),
+            Self::Sphere { centre, radius } => Light::Sphere(SphereLight::new(centre, radius, white)?),
+            Self::Triangle(corners) => Light::Mesh(MeshLight::new([corners], white)?),
         })
     }
 
@@ -170,9 +170,9 @@ pub(super) fn hold_irradiance(
     let seeds = conditions.count(64, 256);
     let spp = conditions.count(64, 256) as u32;
     let truth = area_light.irradiance(receiver);
-    let emitter = area_light.emitter()?;
+    let light = area_light.light()?;
     hold(checks, format_args!("{what}, samples of the light"), truth, seeds, |pattern, seed| {
-        Ok(mean_of(pattern, spp, seed, |sample| irradiance_from(&emitter, receiver, sample.next_2d())))
+        Ok(mean_of(pattern, spp, seed, |sample| irradiance_from(&light, receiver, sample.next_2d())))
     })?;
     let image = area_light.scene(receiver, POINT * receiver.lift, "")?;
     check_image(checks, what, truth, &image, [seeds, spp.into()])
@@ -197,7 +197,7 @@ pub(super) fn check_image(
 }
 
 /// One sample of the irradiance.
-pub(super) fn irradiance_from(emitter: &Emitter, receiver: &Receiver, u: [f64; 2]) -> f64 {
-    let sample = emitter.sample(receiver.point, u);
+pub(super) fn irradiance_from(light: &Light, receiver: &Receiver, u: [f64; 2]) -> f64 {
+    let sample = light.sample_li(receiver.point, u);
     sample.map_or(0.0, |s| s.radiance.g * s.direction.dot(receiver.normal).max(0.0) / s.pdf)
 }

@@ -1,5 +1,5 @@
 //! Closed forms of means over a surface, of form factors and of coverage. Irradiance at a point is in
-//! `rt_shading::emitter`.
+//! `rt_shading::light`.
 
 use std::f64::consts::PI;
 

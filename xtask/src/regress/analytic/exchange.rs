@@ -30,12 +30,12 @@ fn hold_square(
     factor: f64,
 ) -> Fallible<()> {
     let (seeds, spp) = (conditions.count(64, 256), conditions.count(256, 1024));
-    let emitter = area_light.emitter()?;
+    let light = area_light.light()?;
     hold(checks, format_args!("{what}, samples of both"), PI * factor, seeds, |pattern, seed| {
         Ok(mean_of(pattern, spp as u32, seed, |sample| {
             let [x, y] = sample.next_2d();
             let receiver = Receiver { point: DVec3::new(x - 0.5, y - 0.5, 0.0), ..Receiver::ground(0.0) };
-            irradiance_from(&emitter, &receiver, sample.next_2d())
+            irradiance_from(&light, &receiver, sample.next_2d())
         }))
     })?;
     let image = area_light.scene(&Receiver::ground(LIFT), 1.0, "")?;

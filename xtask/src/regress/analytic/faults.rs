@@ -8,7 +8,7 @@ use rt_scene_io::Integrator;
 use rt_shading::{
     ColorTexture,
     bsdf::{Bsdf, Lambert, PhongLobe},
-    emitter::{EmitterSet, LightSampling},
+    light::{LightSampling, LightSet},
 };
 
 use super::{
@@ -106,23 +106,23 @@ fn two_sided_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let mut image = turned.scene(&GROUND, 1e-9, "")?;
     if is_wrong {
         for material in &mut image.scene.appearance.materials {
-            material.shines = rt_shading::emitter::Sides::Both;
+            material.shines = rt_shading::light::EmissionSides::Both;
         }
     }
     image.mean(Integrator::Path, PATTERN, SPP, seed)
 }
 
 fn light_density(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let emitter = area_light().emitter()?;
+    let light = area_light().light()?;
     let scale = if is_wrong { 1.02 } else { 1.0 };
-    Ok(mean_of(PATTERN, SPP, seed, |sample| irradiance_from(&emitter, &GROUND, sample.next_2d()) / scale))
+    Ok(mean_of(PATTERN, SPP, seed, |sample| irradiance_from(&light, &GROUND, sample.next_2d()) / scale))
 }
 
 fn forgotten_choice(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let lights = EmitterSet::new(vec![area_light().emitter()?, other().emitter()?], LightSampling::Tree, 1.0);
+    let lights = LightSet::new(vec![area_light().light()?, other().light()?], LightSampling::Tree, 1.0);
     Ok(mean_of(PATTERN, SPP, seed, |sample| {
         let (u, choice) = (sample.next_2d(), sample.next_1d());
-        let Some(light) = lights.sample(GROUND.point, Some(GROUND.normal), choice, u) else { return 0.0 };
+        let Some(light) = lights.sample_li(GROUND.point, Some(GROUND.normal), choice, u) else { return 0.0 };
         let pdf = if is_wrong { light.sample.pdf } else { light.pdf };
         light.sample.radiance.g * light.sample.direction.z.max(0.0) / pdf
     }))
@@ -153,20 +153,20 @@ fn highlight(is_wrong: bool, seed: u64) -> Fallible<f64> {
 /// Directions to the light and of a diffuse surface, weighted by the power heuristic; the fault weights the second by the
 /// balance heuristic.
 fn weights(is_wrong: bool, seed: u64) -> Fallible<f64> {
-    let emitter = area_light().emitter()?;
+    let light = area_light().light()?;
     Ok(mean_of(PATTERN, SPP, seed, |sample| {
         let power = |drawn: f64, other: f64| drawn * drawn / (drawn * drawn + other * other);
-        let by_light = emitter.sample(GROUND.point, sample.next_2d()).map_or(0.0, |light| {
+        let by_light = light.sample_li(GROUND.point, sample.next_2d()).map_or(0.0, |light| {
             let cos = light.direction.z.max(0.0);
             light.radiance.g * cos / light.pdf * power(light.pdf, cos * FRAC_1_PI)
         });
         let [u, v] = sample.next_2d();
         let ((sin_phi, cos_phi), radius) = (sincos(TAU * v), u.sqrt());
         let direction = DVec3::new(radius * cos_phi, radius * sin_phi, (1.0 - u).sqrt());
-        let by_surface = emitter.intersect(GROUND.point, direction).map_or(0.0, |at| {
-            let (drawn, other) = (direction.z * FRAC_1_PI, emitter.pdf(GROUND.point, direction));
+        let by_surface = light.intersect(GROUND.point, direction).map_or(0.0, |at| {
+            let (drawn, other) = (direction.z * FRAC_1_PI, light.pdf_li(GROUND.point, direction));
             let weight = if is_wrong { drawn / (drawn + other) } else { power(drawn, other) };
-            PI * emitter.radiance(direction, at.normal).g * weight
+            PI * light.le(direction, at.normal).g * weight
         });
         by_light + by_surface
     }))

@@ -6,9 +6,9 @@ use rt_camera::{PixelSampler, SamplerKind};
 use rt_geometry::{InsideRule, InteractionFlags, Plane, Polygon, RayKind, Shape};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
-    Appearance, BsdfCache, Clamp, ColorTexture, Follows, Lighting, Material, Needs, PathSettings, PathTracer, Phong,
-    Seen, SurfaceHit, Tracer,
-    emitter::{EmitterRef, EmitterSet, LightSampling, Sides},
+    Appearance, BsdfCache, Clamp, ColorTexture, Lighting, Material, Needs, PathSettings, PathTracer, Phong, Seen,
+    SurfaceHit, Tracer, Transport,
+    light::{EmissionSides, LightId, LightSampling, LightSet},
 };
 
 use super::{
@@ -109,8 +109,8 @@ impl Tracer for TwoShapes {
         let hits = (0..2).filter_map(|index| Some((index, self.0[index].intersect(ray, span)?)));
         let (index, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
         let interaction = self.0[index].surface(ray, &hit, needs);
-        let emitter = (index == 1).then_some(EmitterRef { index: 0, triangle: None });
-        Some(SurfaceHit { t: hit.t, interaction, object: index as u32, material: index as u32, emitter })
+        let light = (index == 1).then_some(LightId { index: 0, triangle: None });
+        Some(SurfaceHit { t: hit.t, interaction, object: index as u32, material: index as u32, light })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -122,7 +122,7 @@ fn appearance() -> Appearance {
     let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     let ground = Phong { ambient: ColorTexture::ZERO, diffuse: gray(ALBEDO), ..Phong::default() };
     let emissive = Phong { diffuse: ColorTexture::ZERO, emission: gray(1.0), ..ground };
-    let area_light = Material { shines: Sides::Front, ..Material::new("lamp".into(), emissive) };
+    let area_light = Material { shines: EmissionSides::Front, ..Material::new("lamp".into(), emissive) };
     Appearance { materials: vec![Material::new("ground".into(), ground), area_light], ..Appearance::default() }
 }
 
@@ -130,10 +130,10 @@ fn appearance() -> Appearance {
 fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream) -> S) -> Fallible<f64> {
     let mut world = TwoShapes::new()?;
     let appearance = appearance();
-    let emitters = EmitterSet::new(vec![area_light().emitter()?], LightSampling::Tree, 1.0);
-    let settings = PathSettings { max_depth: 2, rr_start_depth: 3, follows: Follows::Everything, clamp: Clamp::NONE };
+    let lights = LightSet::new(vec![area_light().light()?], LightSampling::Tree, 1.0);
+    let settings = PathSettings { max_depth: 2, rr_start_depth: 3, transport: Transport::Full, clamp: Clamp::NONE };
     let bsdfs = BsdfCache::new(&appearance, |_| true);
-    let lighting = Lighting { appearance: &appearance, emitters: &emitters, bsdfs: &bsdfs };
+    let lighting = Lighting { appearance: &appearance, lights: &lights, bsdfs: &bsdfs };
     let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));
     let sampler = PixelSampler::new(PATTERN, SPP, seed);
     let (mut rays, mut samplers) = (Vec::new(), Vec::new());

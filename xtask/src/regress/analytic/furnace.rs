@@ -8,7 +8,7 @@ use rt_math::{
     transcendental::{exp, sin, sincos},
 };
 use rt_scene_io::{Background, Integrator};
-use rt_shading::{bsdf::PhongLobe, emitter::EnvironmentLight};
+use rt_shading::{bsdf::PhongLobe, light::EnvironmentLight};
 
 use super::{
     Case, CaseResult, Checks, Conditions, Fallible,

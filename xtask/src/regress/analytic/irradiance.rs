@@ -8,7 +8,7 @@ use rt_math::{
     transcendental::{asin, atan, sincos},
 };
 use rt_scene_io::Integrator;
-use rt_shading::emitter::Emitter;
+use rt_shading::light::Light;
 
 use super::{
     Case, CaseResult, Checks, Conditions, Fallible, Tolerance,
@@ -113,9 +113,9 @@ fn solid_angles(conditions: &Conditions) -> CaseResult {
     for (what, area_light, truth) in
         [("cone of 30°", sphere_at(0.5, 0.0), cone), ("unit square", AreaLight::square(1.0, 0.0), 4.0 * asin(0.2))]
     {
-        let emitter = area_light.emitter()?;
+        let light = area_light.light()?;
         hold(&mut checks, what, truth, seeds, |pattern, seed| {
-            let inverse = |u| emitter.sample(DVec3::ZERO, u).map_or(0.0, |sample| 1.0 / sample.pdf);
+            let inverse = |u| light.sample_li(DVec3::ZERO, u).map_or(0.0, |sample| 1.0 / sample.pdf);
             Ok(mean_of(pattern, 64, seed, |sample| inverse(sample.next_2d())))
         })?;
     }
@@ -145,7 +145,7 @@ fn hold_exact(checks: &mut Checks, height: f64, area_light: &AreaLight) -> Falli
         Tolerance::Relative(1e-10),
         format_args!("irradiance, {height:e} away"),
     );
-    if let Emitter::Quad(light) = area_light.emitter()? {
+    if let Light::Quad(light) = area_light.light()? {
         let solid_angle = 4.0 * atan(a * a / (1.0 + 2.0 * a * a).sqrt());
         let what = format_args!("solid angle, {height:e} away");
         checks.near(light.solid_angle(DVec3::ZERO), solid_angle, Tolerance::Relative(1e-10), what);

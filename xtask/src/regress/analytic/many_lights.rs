@@ -6,7 +6,7 @@ use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::Integrator;
 use rt_shading::{
     ColorTexture,
-    emitter::{LightSampling, Sides},
+    light::{EmissionSides, LightSampling},
 };
 
 use super::{
@@ -68,7 +68,7 @@ fn two(strong_is_seen: bool) -> Fallible<(TestImage, f64)> {
             _ => continue,
         };
         material.phong.emission = ColorTexture::Constant(Rgb::gray(radiance));
-        material.shines = Sides::Front;
+        material.shines = EmissionSides::Front;
     }
     let seen = if strong_is_seen { STRONG * strong.irradiance(&receiver) } else { 0.0 };
     Ok((image, WEAK * weak.irradiance(&receiver) + seen))

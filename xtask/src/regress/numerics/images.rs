@@ -10,8 +10,8 @@ use rt_scene_io::{
     Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings, load,
 };
 use rt_shading::{
-    Appearance, Background, Bitmap, ColorTexture, Light, LightKind, LightUnits, Material, Phong, Texture, TextureId,
-    Wrap,
+    Appearance, Background, Bitmap, ColorTexture, DeltaLight, DeltaLightKind, LightUnits, Material, Phong, Texture,
+    TextureId, Wrap,
 };
 
 use super::{Case, CaseResult, Checks, Conditions, Fallible, cases};
@@ -69,9 +69,9 @@ fn terminator(conditions: &Conditions) -> CaseResult {
     scene.meshes = vec![NamedMesh { name: "ball".into(), mesh: Arc::new(faceted_sphere(8, 8)?) }];
     let angle = 80f64.to_radians();
     let (sin, cos) = sincos(angle);
-    scene.appearance.lights = vec![Light {
+    scene.appearance.lights = vec![DeltaLight {
         name: "sun".into(),
-        kind: LightKind::Directional { direction: DVec3::new(-sin, 0.0, -cos) },
+        kind: DeltaLightKind::Directional { direction: DVec3::new(-sin, 0.0, -cos) },
         intensity: Rgb::WHITE,
         units: LightUnits::Classical,
         casts_shadows: true,

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::Scene;
-use rt_shading::LightKind;
+use rt_shading::DeltaLightKind;
 use rt_tests::moved;
 
 use super::{Case, CaseResult, Checks, Conditions, Fallible, cases, images::small};
@@ -134,7 +134,7 @@ fn with_few_digits(scene: &mut Scene) -> Fallible<()> {
         }
     }
     for light in &mut scene.appearance.lights {
-        if let LightKind::Point { position, .. } | LightKind::Spot { position, .. } = &mut light.kind {
+        if let DeltaLightKind::Point { position, .. } | DeltaLightKind::Spot { position, .. } = &mut light.kind {
             *position = rounded(*position);
         }
     }

@@ -65,7 +65,7 @@ impl Tracer for World {
             (0..self.set.len() as u32).filter_map(|i| intersect_primitive(&self.set, i, &slab, span, &mut NoProbe));
         let hit: Hit = hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })?;
         let interaction = self.set.surface(ray, &hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material: hit.primitive, emitter: None })
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material: hit.primitive, light: None })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {

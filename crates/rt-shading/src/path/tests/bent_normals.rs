@@ -1,4 +1,4 @@
-//! Shading normals that face away from the viewer: the geometric normal decides about sides under every integrator.
+//! Shading normals that face away from the viewer: the geometric normal determines sides under every integrator.
 
 use super::*;
 use crate::Highlight;
@@ -28,7 +28,7 @@ const ALL_SETTINGS: [PathSettings; 4] = [
     paths(0),
     paths(3),
     DISTRIBUTED,
-    PathSettings { max_depth: 3, rr_start_depth: 2, follows: Follows::AllButCaustics, clamp: Clamp::NONE },
+    PathSettings { max_depth: 3, rr_start_depth: 2, transport: Transport::NonCaustic, clamp: Clamp::NONE },
 ];
 
 /// A plane whose front is above. It is not at height 0, where numbers are so dense that shadow rays start on the plane itself.
@@ -49,7 +49,8 @@ fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, cou
     let rays = vec![(towards_wall(wo), Interval::FORWARD); count as usize];
     let mut seen = vec![Seen::NOTHING; count as usize];
     let bsdfs = BsdfCache::default();
-    let lighting = Lighting { appearance: &scene.appearance, emitters: &scene.emitters, bsdfs: &bsdfs };
+    let lights = scene.light_set();
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     tracer.radiance_of(&mut world, lighting, &rays, &samplers, &mut seen);
     let n = f64::from(count);
     let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
@@ -82,9 +83,9 @@ fn pair_facing_away(index: u64) -> Option<(DVec3, DVec3)> {
     (normal.dot(wo) < -0.01).then_some((wo, normal))
 }
 
-fn sun(towards: DVec3, casts_shadows: bool) -> Light {
-    let kind = LightKind::Directional { direction: -towards };
-    Light { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows, units: LightUnits::Classical }
+fn sun(towards: DVec3, casts_shadows: bool) -> DeltaLight {
+    let kind = DeltaLightKind::Directional { direction: -towards };
+    DeltaLight { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows, units: LightUnits::Classical }
 }
 
 fn opaque_materials() -> Vec<Material> {
@@ -113,10 +114,10 @@ fn opaque_materials() -> Vec<Material> {
 #[test]
 fn an_opaque_wall_with_bent_normals_that_is_lit_from_behind_is_black() {
     for material in opaque_materials() {
-        let emission = Emission::new(Rgb::WHITE, Sides::Both).expect("an emission");
+        let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("an emission");
         let disk = DiskLight::new(DVec3::Y * -2.0, DVec3::Y, 1.5, 0.0, emission).expect("a light");
         let glowing = Sphere::new(DVec3::Y * -5.0, 2.5).expect("a sphere");
-        let mut scene = Scene::new(vec![material, physical(diffuse(0.0), 1.0)], vec![Emitter::Disk(disk)])
+        let mut scene = Scene::new(vec![material, physical(diffuse(0.0), 1.0)], vec![Light::Disk(disk)])
             .with(wall(), 0, None)
             .with(Shape::Sphere(glowing), 1, None);
         scene.appearance.lights = vec![sun(DVec3::new(0.6, -0.8, 0.0), true), sun(DVec3::new(0.0, -0.6, 0.8), false)];
@@ -173,8 +174,8 @@ fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
     }
 }
 
-/// In light from everywhere, a white diffuse surface reflects what comes from above both the bent normal and its own: by the
-/// angle β between them, (1 + cos β) / 2 of it.
+/// Under constant light, a white diffuse surface reflects the light above both the bent normal and its own. With the
+/// angle β between them, that is (1 + cos β) / 2 of it.
 #[test]
 fn white_diffuse_surfaces_with_bent_normals_show_what_a_numeric_integral_says() {
     let mut scene = Scene::new(vec![physical(diffuse(1.0), 0.0)], vec![]).with(wall(), 0, None);

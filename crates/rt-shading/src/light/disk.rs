@@ -1,12 +1,12 @@
-//! Disks and rings that shine.
+//! Disk and ring lights.
 
-use super::sample::{by_solid_angle, density};
-use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample};
+use super::light_sample::{by_solid_angle, density};
+use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_math::transcendental::sincos;
 use rt_math::{Aabb, DVec3, Frame, Rgb};
 use std::f64::consts::{PI, TAU};
 
-/// A flat round light, or a ring, sampled uniformly by area.
+/// Disk or ring, sampled uniformly by area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiskLight {
     centre: DVec3,
@@ -19,7 +19,7 @@ pub struct DiskLight {
 }
 
 impl DiskLight {
-    /// The light around `centre` (world space) whose front faces along `normal`, of any length. A ring has an inner radius
+    /// Light around `centre` (world space) whose front faces along `normal`, of any length. A ring has an inner radius
     /// greater than 0.
     ///
     /// # Errors
@@ -31,84 +31,90 @@ impl DiskLight {
         radius: f64,
         inner_radius: f64,
         emission: Emission,
-    ) -> Result<Self, EmitterError> {
+    ) -> Result<Self, LightError> {
         rt_geometry::Disk::new(radius, inner_radius)?;
         let normal = rt_geometry::Plane::new(centre, normal)?.normal();
         let area = PI * (radius - inner_radius) * (radius + inner_radius);
         if !(area > 0.0 && area.is_finite()) {
-            return Err(EmitterError::BadArea(area));
+            return Err(LightError::BadArea(area));
         }
         Ok(Self { centre, frame: Frame::from_z(normal), radius, inner_radius, area, emission })
     }
 
-    /// The area of one side.
+    /// Area of one side.
     pub const fn area(&self) -> f64 {
         self.area
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// A direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
-    pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
+    /// Samples a direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
+    pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let height = (self.centre - point).dot(self.frame.z);
         let at = self.sample_area(u);
-        EmitterSample::of_surface(point, &at, self.radius, self.emission.seen(height), self.pdf_at(point, at.point))
+        LightLiSample::of_surface(
+            point,
+            &at,
+            self.radius,
+            self.emission.emitted(height),
+            self.pdf_li_at(point, at.point),
+        )
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
-    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         let (sin, cos) = sincos(TAU * u[0]);
         let (r, r0) = (self.radius, self.inner_radius);
         let from_centre = (r0 * r0 + u[1] * (r - r0) * (r + r0)).sqrt();
         let point = self.centre + (self.frame.x * cos + self.frame.y * sin) * from_centre;
-        EmitterPoint { point, normal: self.frame.z, triangle: 0 }
+        LightPoint { point, normal: self.frame.z, triangle: 0 }
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes the direction from `point` to a point on
-    /// the light. 0 where the light is not seen.
-    pub fn pdf_at(&self, point: DVec3, on_light: DVec3) -> f64 {
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point on
+    /// the light. 0 where the light is invisible.
+    pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3) -> f64 {
         let height = (self.centre - point).dot(self.frame.z);
-        if self.emission.seen(height).is_black() {
+        if self.emission.emitted(height).is_black() {
             return 0.0;
         }
         density(by_solid_angle(1.0 / self.area, on_light - point, height))
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction; 0 for one that passes by.
-    pub fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
-        self.intersect(point, direction).map_or(0.0, |at| self.pdf_at(point, at.point))
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
+    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
+        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point))
     }
 
-    /// Where a ray from `point` meets the light, from either side.
-    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
+    /// Hit of a ray from `point` with the light, from either side.
+    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let normal = self.frame.z;
         let t = (self.centre - point).dot(normal) / direction.dot(normal);
         let on_plane = point + direction * t;
         let from_centre = (on_plane - self.centre).length();
         let is_inside = (self.inner_radius..=self.radius).contains(&from_centre);
-        (t > 0.0 && is_inside).then_some(EmitterPoint { point: on_plane, normal, triangle: 0 })
+        (t > 0.0 && is_inside).then_some(LightPoint { point: on_plane, normal, triangle: 0 })
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
-    pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.seen(direction.dot(normal))
+    /// Radiance against the viewing `direction`, of any length.
+    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area)
     }
 
-    /// Where the light is and where it shines.
-    pub fn bounds(&self) -> EmitterBounds {
+    /// Bounds of positions and directions.
+    pub fn bounds(&self) -> LightBounds {
         // A disk reaches r·√(1 − n²) along an axis, without the cancellation: the length of what is across.
         let reach =
             DVec3::from([0, 1, 2].map(|i| (self.frame.x[i], self.frame.y[i])).map(|(x, y)| (x * x + y * y).sqrt()));
         let around = Aabb::new(self.centre - reach * self.radius, self.centre + reach * self.radius);
-        EmitterBounds::of_flat(around, self.frame.z, &self.emission, self.area)
+        LightBounds::of_flat(around, self.frame.z, &self.emission, self.area)
     }
 }
 
@@ -117,12 +123,12 @@ mod tests {
     use super::super::test_estimate::{
         assert_rays_agree, assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
     };
-    use super::super::{Emitter, Sides, disk_irradiance};
+    use super::super::{EmissionSides, Light, disk_irradiance};
     use super::*;
 
-    /// A disk around the origin that shines towards +z.
-    fn disk(radius: f64, inner_radius: f64, sides: Sides) -> Emitter {
-        Emitter::Disk(DiskLight::new(DVec3::ZERO, DVec3::Z * 3.0, radius, inner_radius, white(sides)).expect("a light"))
+    /// Disk around the origin that emits towards +z.
+    fn disk(radius: f64, inner_radius: f64, sides: EmissionSides) -> Light {
+        Light::Disk(DiskLight::new(DVec3::ZERO, DVec3::Z * 3.0, radius, inner_radius, white(sides)).expect("a light"))
     }
 
     #[test]
@@ -130,7 +136,7 @@ mod tests {
         for (h, d) in [(1.0, 0.0), (2.0, 0.0), (1.0, 1.0), (2.0, 3.0), (0.05, 0.3), (1e-3, 4.0), (1e6, 0.0), (1e6, 1e6)]
         {
             let at = [DVec3::new(0.6 * d, -0.8 * d, h), DVec3::NEG_Z];
-            let estimate = irradiance(&disk(1.0, 0.0, Sides::Front), at, 400_000);
+            let estimate = irradiance(&disk(1.0, 0.0, EmissionSides::Front), at, 400_000);
             estimate.assert(&format!("disk from height {h}, off {d}"), disk_irradiance(1.0, h, d));
         }
     }
@@ -140,13 +146,14 @@ mod tests {
         for (h, d) in [(1.0, 0.0), (0.4, 0.7)] {
             let at = [DVec3::new(d, 0.0, h), DVec3::NEG_Z];
             let hole = disk_irradiance(0.5, h, d);
-            irradiance(&disk(1.0, 0.5, Sides::Front), at, 200_000).assert("ring", disk_irradiance(1.0, h, d) - hole);
+            irradiance(&disk(1.0, 0.5, EmissionSides::Front), at, 200_000)
+                .assert("ring", disk_irradiance(1.0, h, d) - hole);
         }
     }
 
     #[test]
     fn densities_agree_and_integrate_to_one() {
-        let light = disk(1.0, 0.25, Sides::Both);
+        let light = disk(1.0, 0.25, EmissionSides::Both);
         for point in [DVec3::new(0.1, 0.2, 0.7), DVec3::new(0.9, 0.9, -0.3), DVec3::new(0.0, 30.0, 20.0)] {
             assert_samples_and_pdf_agree(&light, point, 1e-10);
             integral_of_pdf(&light, point, 200_000).assert(&format!("pdf from {point}"), 1.0);
@@ -157,21 +164,22 @@ mod tests {
 
     #[test]
     fn a_wrong_density_is_caught() {
-        let (light, at) = (disk(1.0, 0.0, Sides::Front), [DVec3::Z, DVec3::NEG_Z]);
+        let (light, at) = (disk(1.0, 0.0, EmissionSides::Front), [DVec3::Z, DVec3::NEG_Z]);
         assert!(irradiance_by(&light, at, 100_000, |s| s.pdf * 1.01).z(disk_irradiance(1.0, 1.0, 0.0)) > 5.0);
     }
 
     #[test]
     fn nothing_comes_from_behind_or_from_the_plane() {
-        let front = disk(1.0, 0.0, Sides::Front);
-        assert_eq!((front.sample(DVec3::NEG_Z, [0.5; 2]), front.pdf(DVec3::NEG_Z, DVec3::Z)), (None, 0.0));
+        let front = disk(1.0, 0.0, EmissionSides::Front);
+        assert_eq!((front.sample_li(DVec3::NEG_Z, [0.5; 2]), front.pdf_li(DVec3::NEG_Z, DVec3::Z)), (None, 0.0));
         for point in [DVec3::ZERO, DVec3::X * 4.0, DVec3::NAN, DVec3::INFINITY] {
             for u in [[0.5; 2], [0.0; 2], [f64::NAN; 2], [2.0, -3.0]] {
-                assert_eq!(disk(1.0, 0.0, Sides::Both).sample(point, u), None, "{point}");
+                assert_eq!(disk(1.0, 0.0, EmissionSides::Both).sample_li(point, u), None, "{point}");
             }
-            assert_eq!(front.pdf(point, DVec3::Z), 0.0);
+            assert_eq!(front.pdf_li(point, DVec3::Z), 0.0);
         }
-        let make = |radius, inner, normal| DiskLight::new(DVec3::ZERO, normal, radius, inner, white(Sides::Front));
+        let make =
+            |radius, inner, normal| DiskLight::new(DVec3::ZERO, normal, radius, inner, white(EmissionSides::Front));
         for (radius, inner, normal) in
             [(0.0, 0.0, DVec3::Z), (1.0, 1.0, DVec3::Z), (1.0, 0.0, DVec3::ZERO), (f64::NAN, 0.0, DVec3::Z)]
         {
@@ -182,7 +190,7 @@ mod tests {
     #[test]
     fn bounds_are_tight() {
         let normal = DVec3::new(1.0, 0.0, 1.0);
-        let light = DiskLight::new(DVec3::X, normal, 2.0, 0.0, white(Sides::Front)).expect("a light");
+        let light = DiskLight::new(DVec3::X, normal, 2.0, 0.0, white(EmissionSides::Front)).expect("a light");
         let expected = DVec3::new(2.0f64.sqrt(), 2.0, 2.0f64.sqrt());
         assert!((light.bounds().around().extent() - 2.0 * expected).length() < 1e-14);
     }

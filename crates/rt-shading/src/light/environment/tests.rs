@@ -1,6 +1,6 @@
-//! Where pixels are seen, and whether what is sampled is what is there.
+//! Directions of pixels, and agreement of samples with radiance.
 
-use super::super::Emitter;
+use super::super::Light;
 use super::super::test_estimate::{Estimate, integral_of_pdf, irradiance, irradiance_by};
 use super::*;
 use rt_math::random::{hash, unit};
@@ -44,11 +44,11 @@ fn pixels_lie_where_they_are_seen() {
     let column = |turn: f64| DVec3::new(-sincos(turn * TAU).0, 0.0, sincos(turn * TAU).1);
     // The middle of column 8 is 8.5 of 12 parts around from +z, over −x and −z.
     for (light, direction) in [(sky(8, 3), column(8.5 / 12.0)), (sky(3, 2), column(3.5 / 12.0) + height)] {
-        assert!((light.radiance(direction * 7.0) - Rgb::new(1.0, 2.0, 0.5)).max_component().abs() < 1e-12);
+        assert!((light.le(direction * 7.0) - Rgb::new(1.0, 2.0, 0.5)).max_component().abs() < 1e-12);
     }
-    assert!(sky(5, 3).radiance(DVec3::NEG_Z).g > 0.9 && sky(6, 3).radiance(DVec3::NEG_Z).g > 0.9, "the middle");
-    assert!(sky(8, 3).radiance(DVec3::X).g > 0.9 && sky(2, 3).radiance(DVec3::NEG_X).g > 0.9, "right and left");
-    assert!(sky(4, 0).radiance(column(4.5 / 12.0) + DVec3::Y * 1e3).g > 1.9, "above");
+    assert!(sky(5, 3).le(DVec3::NEG_Z).g > 0.9 && sky(6, 3).le(DVec3::NEG_Z).g > 0.9, "the middle");
+    assert!(sky(8, 3).le(DVec3::X).g > 0.9 && sky(2, 3).le(DVec3::NEG_X).g > 0.9, "right and left");
+    assert!(sky(4, 0).le(column(4.5 / 12.0) + DVec3::Y * 1e3).g > 1.9, "above");
 }
 
 #[test]
@@ -59,8 +59,10 @@ fn a_turned_image_is_seen_turned() {
     for i in 0..100 {
         let [x, y] = draw(i);
         let direction = DVec3::new(x - 0.5, y - 0.5, draw(i + 1000)[0] - 0.5);
-        assert!((light.radiance(rotation * direction) - plain.radiance(direction)).max_component().abs() < 1e-12);
-        assert!((light.pdf(rotation * direction) - plain.pdf(direction)).abs() <= 1e-12 * plain.pdf(direction));
+        assert!((light.le(rotation * direction) - plain.le(direction)).max_component().abs() < 1e-12);
+        assert!(
+            (light.pdf_li(rotation * direction) - plain.pdf_li(direction)).abs() <= 1e-12 * plain.pdf_li(direction)
+        );
     }
 }
 
@@ -70,12 +72,12 @@ fn a_constant_environment_is_sampled_uniformly() {
     let sky = EnvironmentLight::new(5, 4, vec![Rgb::gray(3.0); 20], turned()).expect("an environment");
     for light in [constant, sky] {
         for i in 0..1000 {
-            let sample = light.sample(draw(i)).expect("a sample");
+            let sample = light.sample_li(draw(i)).expect("a sample");
             assert!((sample.pdf * 4.0 * PI - 1.0).abs() < 1e-12 && (sample.radiance.r - 3.0).abs() < 1e-12);
         }
         assert!((light.power(2.0).g / (3.0 * 16.0 * PI * PI) - 1.0).abs() < 1e-12);
         let at = [DVec3::ONE, DVec3::new(0.6, 0.0, -0.8)];
-        irradiance(&Emitter::Environment(light), at, 200_000).assert("hemisphere", 3.0 * PI);
+        irradiance(&Light::Environment(light), at, 200_000).assert("hemisphere", 3.0 * PI);
     }
 }
 
@@ -86,7 +88,7 @@ fn samples_fall_as_densely_as_the_density_says() {
     for light in images() {
         let mut found = vec![0.0; columns * rows];
         for i in 0..count {
-            let local = light.world_from_local.transpose() * light.sample(draw(i)).expect("a sample").direction;
+            let local = light.world_from_local.transpose() * light.sample_li(draw(i)).expect("a sample").direction;
             let turn = (atan2(-local.x, local.z) / TAU).rem_euclid(1.0);
             let down = atan2((1.0 - local.y * local.y).max(0.0).sqrt(), local.y) / PI;
             let cell = [turn * columns as f64, down * rows as f64].map(|x| x as usize);
@@ -100,7 +102,7 @@ fn samples_fall_as_densely_as_the_density_says() {
             let middle = light.world_from_local * DVec3::new(-sin * s, cos, sin * c);
             let [top, bottom] = [down - 0.5, down + 0.5].map(|y| PI * y / rows as f64);
             let solid_angle = TAU / columns as f64 * cos_difference(top, bottom);
-            let expected = light.pdf(middle) * solid_angle * count as f64;
+            let expected = light.pdf_li(middle) * solid_angle * count as f64;
             if expected < 5.0 {
                 assert!(*found <= expected + 5.0 * expected.sqrt() + if expected > 0.0 { 3.0 } else { 0.0 });
                 continue;
@@ -117,22 +119,22 @@ fn samples_fall_as_densely_as_the_density_says() {
 #[test]
 fn densities_agree_and_integrate_to_one() {
     for light in images() {
-        let emitter = Emitter::Environment(light.clone());
-        integral_of_pdf(&emitter, DVec3::ZERO, 200_000).assert("pdf", 1.0);
+        let any_light = Light::Environment(light.clone());
+        integral_of_pdf(&any_light, DVec3::ZERO, 200_000).assert("pdf", 1.0);
         let cells = (0..=HEIGHT).flat_map(|row| (0..WIDTH).map(move |column| (column, row)));
         let sum: f64 = cells.map(|(column, row)| light.probability(column, row)).sum();
         assert!((sum - 1.0).abs() < 1e-14);
         for i in 0..20_000 {
-            let sample = light.sample(draw(i)).expect("a sample");
+            let sample = light.sample_li(draw(i)).expect("a sample");
             assert!((sample.direction.length() - 1.0).abs() < 1e-14, "{sample:?}");
             assert_eq!((sample.point, sample.distance, sample.shadow_target()), (None, f64::INFINITY, None));
-            let pdf = light.pdf(sample.direction);
+            let pdf = light.pdf_li(sample.direction);
             assert!((pdf / sample.pdf - 1.0).abs() < 1e-12, "{pdf} for {sample:?}");
         }
     }
 }
 
-/// Where there is light there is density, also between the last lit pixel and its black neighbour.
+/// The density is positive wherever there is light, also between the last lit pixel and its black neighbour.
 #[test]
 fn light_is_never_without_density() {
     for light in images() {
@@ -141,7 +143,7 @@ fn light_is_never_without_density() {
             let (sin, cos) = sincos(TAU * a);
             let r = (1.0 - (2.0 * b - 1.0) * (2.0 * b - 1.0)).sqrt();
             let direction = DVec3::new(r * cos, r * sin, 2.0 * b - 1.0);
-            assert_eq!(light.radiance(direction).is_black(), light.pdf(direction) == 0.0);
+            assert_eq!(light.le(direction).is_black(), light.pdf_li(direction) == 0.0);
         }
     }
 }
@@ -153,11 +155,11 @@ fn irradiance_is_that_of_uniform_directions() {
         let uniform = Estimate::of(200_000, |u| {
             let (z, (sin, cos)) = (2.0 * u[0] - 1.0, sincos(TAU * u[1]));
             let direction = DVec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z);
-            4.0 * PI * light.radiance(direction).g * direction.dot(normal).max(0.0)
+            4.0 * PI * light.le(direction).g * direction.dot(normal).max(0.0)
         });
-        let emitter = Emitter::Environment(light);
+        let light = Light::Environment(light);
         let at = [DVec3::ZERO, normal];
-        let sampled = irradiance(&emitter, at, 200_000);
+        let sampled = irradiance(&light, at, 200_000);
         let z = |a: Estimate, b: Estimate| {
             let square = a.standard_error * a.standard_error + b.standard_error * b.standard_error;
             (a.mean - b.mean).abs() / (square + f64::MIN_POSITIVE).sqrt()
@@ -166,20 +168,20 @@ fn irradiance_is_that_of_uniform_directions() {
         assert!(z(sampled, uniform) < 5.0, "{sampled:?}, uniform {uniform:?}");
         assert!(sampled.standard_error <= peak * uniform.standard_error, "importance does not pay");
     }
-    let emitter = Emitter::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("an environment"));
-    assert!(irradiance_by(&emitter, [DVec3::ZERO, normal], 200_000, |s| s.pdf * 1.02).z(PI) > 5.0, "a wrong density");
+    let light = Light::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("an environment"));
+    assert!(irradiance_by(&light, [DVec3::ZERO, normal], 200_000, |s| s.pdf * 1.02).z(PI) > 5.0, "a wrong density");
 }
 
 #[test]
 fn poles_are_ordinary() {
     for light in [image(&[(3, 0, 1.0), (8, 6, 1.0)], DQuat::IDENTITY), image(&[(3, 0, 1.0), (8, 6, 1.0)], turned())] {
         for pole in [DVec3::Y, DVec3::NEG_Y, DVec3::new(1e-300, 1.0, -1e-300), DVec3::new(-0.0, -1.0, 0.0)] {
-            let (pdf, radiance) = (light.pdf(pole), light.radiance(pole));
+            let (pdf, radiance) = (light.pdf_li(pole), light.le(pole));
             assert!(pdf.is_finite() && radiance.is_finite(), "{pole}: {pdf}, {radiance:?}");
         }
         for u in [[0.0, 0.0], [0.999_999, 0.0], [0.5, 1.0], [0.5, 0.999_999_999_999], [0.2, 1e-300]] {
             // A corner of a cell may be the black middle of a pixel.
-            let sample = light.sample(u);
+            let sample = light.sample_li(u);
             assert!(sample.is_none_or(|s| s.pdf.is_finite() && s.direction.is_finite()), "{sample:?}");
         }
     }
@@ -190,20 +192,20 @@ fn odd_images_and_numbers_are_refused_and_never_panic() {
     let grey = |count| vec![Rgb::WHITE; count];
     for (width, height, pixels) in [(0, 0, grey(0)), (2, 2, grey(3)), (usize::MAX, 2, grey(2)), (0, 4, grey(4))] {
         let refused = EnvironmentLight::new(width, height, pixels, DQuat::IDENTITY);
-        assert!(matches!(refused, Err(EmitterError::BadImage { .. })));
+        assert!(matches!(refused, Err(LightError::BadImage { .. })));
     }
     let bad = vec![Rgb::WHITE, Rgb::WHITE, Rgb::new(0.0, f64::NAN, 0.0), Rgb::WHITE];
     let refused = EnvironmentLight::new(2, 2, bad, DQuat::IDENTITY);
-    assert!(matches!(refused, Err(EmitterError::BadPixel { column: 0, row: 1, .. })));
+    assert!(matches!(refused, Err(LightError::BadPixel { column: 0, row: 1, .. })));
     assert!(EnvironmentLight::new(1, 1, grey(1), DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0)).is_err());
     assert!(EnvironmentLight::constant(Rgb::gray(-1.0)).is_err());
     let black = EnvironmentLight::constant(Rgb::BLACK).expect("an environment");
-    assert_eq!((black.sample([0.5; 2]), black.pdf(DVec3::X)), (None, 0.0));
+    assert_eq!((black.sample_li([0.5; 2]), black.pdf_li(DVec3::X)), (None, 0.0));
     let light = image(&[(1, 1, 1.0)], turned());
     for direction in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, DVec3::X * 1e-300, DVec3::X * 1e200] {
-        assert!(light.pdf(direction).is_finite() && light.radiance(direction).is_finite(), "{direction}");
+        assert!(light.pdf_li(direction).is_finite() && light.le(direction).is_finite(), "{direction}");
     }
     for u in [[f64::NAN; 2], [-1.0; 2], [2.0; 2]] {
-        assert!(light.sample(u).is_none_or(|s| s.direction.is_finite()));
+        assert!(light.sample_li(u).is_none_or(|s| s.direction.is_finite()));
     }
 }

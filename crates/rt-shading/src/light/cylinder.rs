@@ -1,23 +1,23 @@
-//! Cylinders that shine.
+//! Cylinder lights.
 
-use super::sample::{by_solid_angle, density};
-use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
+use super::light_sample::{by_solid_angle, density};
+use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::{Cylinder, InteractionFlags, Shape, TransformedShape};
 use rt_math::transcendental::{acos, atan2, sincos};
 use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Rgb, Transform};
 use std::f64::consts::{PI, TAU};
 
-/// A tube, open or closed by caps, sampled uniformly by the area that can be seen.
+/// Cylinder with or without caps, sampled uniformly by its visible area.
 ///
 /// ```text
-///     from above:   _                 of the side the arc up to α = acos(r/ρ) each way is seen,
-///                 /   \  α            of the caps the one that the point is beyond
+///     from above:   _                 visible: of the side the arc of ±α, α = acos(r/ρ),
+///                 /   \  α            of the caps the one that faces the point
 ///                |  ·──|────● point
 ///                 \ _ /  ρ
 /// ```
 ///
-/// Where the inside shines as well and can be seen, which is from everywhere for a two-sided open tube and from within a
-/// two-sided closed one, all of the area is sampled.
+/// All of the area is sampled where the inside is visible and emits. Both hold everywhere for a two-sided open cylinder, and
+/// inside of a two-sided closed one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CylinderLight {
     placed: TransformedShape,
@@ -30,26 +30,26 @@ pub struct CylinderLight {
     emission: Emission,
 }
 
-/// What a point sees of a cylinder.
+/// Visible part of a cylinder.
 #[derive(Clone, Copy, Debug)]
 struct Visible {
-    /// Angle around the axis at which the middle of the arc is.
+    /// Angle around the axis of the middle of the arc.
     towards: f64,
-    /// Half of the angle of the arc; 0 if the side is not seen.
+    /// Half of the angle of the arc; 0 if the side is invisible.
     half_arc: f64,
-    /// Whether the bottom and the top are seen.
+    /// True for each visible cap: bottom, top.
     caps: [bool; 2],
-    /// Whether what faces away is seen as well.
+    /// True if surfaces that face away are visible as well.
     is_inside_seen: bool,
 }
 
 impl CylinderLight {
-    /// The light around the line from `base` to `top` (world space), with disks at both ends if it `has_caps`. Its front is
+    /// Light around the line from `base` to `top` (world space), with disks at both ends if it `has_caps`. Its front is
     /// outside.
     ///
     /// # Errors
     /// If base and top coincide, the radius is not positive, or a number is not finite.
-    pub fn new(base: DVec3, top: DVec3, radius: f64, has_caps: bool, emission: Emission) -> Result<Self, EmitterError> {
+    pub fn new(base: DVec3, top: DVec3, radius: f64, has_caps: bool, emission: Emission) -> Result<Self, LightError> {
         let axis = rt_geometry::Plane::new(base, top - base)?.normal();
         let length = (top - base).dot(axis);
         let cylinder = Cylinder::new(radius, 0.0, length, has_caps)?;
@@ -59,65 +59,65 @@ impl CylinderLight {
         Ok(Self { placed, base, frame, radius, length, has_caps, emission })
     }
 
-    /// The area of one side, caps included.
+    /// Area of one side, caps included.
     pub fn area(&self) -> f64 {
         let caps = if self.has_caps { TAU * self.radius * self.radius } else { 0.0 };
         TAU * self.radius * self.length + caps
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// A direction towards the light from `point`. `None` where none of the light is seen, on the light, and if it is black.
-    pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
+    /// Samples a direction towards the light from `point`. `None` where the light is invisible, on the light, and if it is black.
+    pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let visible = self.visible(point);
         let at = self.point_on(&visible, u);
         let along_normal = (at.point - point).dot(at.normal);
         let pdf = self.pdf_of(&visible, point, at.point, at.normal);
         let extent = self.radius + self.length;
-        EmitterSample::of_surface(point, &at, extent, self.emission.seen(along_normal), pdf)
+        LightLiSample::of_surface(point, &at, extent, self.emission.emitted(along_normal), pdf)
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes the direction from `point` to a point on
-    /// the light with the given normal. 0 where the light is not seen.
-    pub fn pdf_at(&self, point: DVec3, on_light: DVec3, normal: DVec3) -> f64 {
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point on
+    /// the light with the given normal. 0 where the light is invisible.
+    pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3, normal: DVec3) -> f64 {
         self.pdf_of(&self.visible(point), point, on_light, normal)
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes the point that is first met in this
-    /// direction; 0 for one that passes by.
-    pub fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
-        self.intersect(point, direction).map_or(0.0, |at| self.pdf_at(point, at.point, at.normal))
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the first point in this
+    /// direction; 0 for a miss.
+    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
+        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point, at.normal))
     }
 
-    /// Where a ray from `point` meets the light first.
-    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
+    /// First hit of a ray from `point` with the light.
+    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let ray = Ray::new(point, direction);
         let hit = self.placed.intersect(&ray, Interval::SPAWNED)?;
         let surface = self.placed.surface(&ray, &hit, InteractionFlags::NONE);
-        Some(EmitterPoint { point: surface.point, normal: surface.geometric_normal, triangle: 0 })
+        Some(LightPoint { point: surface.point, normal: surface.geometric_normal, triangle: 0 })
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
-    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         self.point_on(&self.everything(), u)
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
-    pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.seen(direction.dot(normal))
+    /// Radiance against the viewing `direction`, of any length.
+    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area())
     }
 
-    /// Where the light is and where it shines: everywhere.
-    pub fn bounds(&self) -> Option<EmitterBounds> {
-        Some(EmitterBounds::all_around(self.placed.bounds()?, self.power()))
+    /// Bounds of positions; directions are unrestricted.
+    pub fn bounds(&self) -> Option<LightBounds> {
+        Some(LightBounds::all_around(self.placed.bounds()?, self.power()))
     }
 
     fn everything(&self) -> Visible {
@@ -129,7 +129,7 @@ impl CylinderLight {
         let from_axis = (local.x * local.x + local.y * local.y).sqrt();
         let is_beyond = [local.z < 0.0, local.z > self.length];
         let is_outside = from_axis > self.radius || is_beyond[0] || is_beyond[1];
-        if self.emission.sides() == Sides::Both && !(self.has_caps && is_outside) {
+        if self.emission.sides() == EmissionSides::Both && !(self.has_caps && is_outside) {
             return self.everything();
         }
         let half_arc = if from_axis > self.radius { acos(self.radius / from_axis) } else { 0.0 };
@@ -137,7 +137,7 @@ impl CylinderLight {
         Visible { towards: atan2(local.y, local.x), half_arc, caps, is_inside_seen: false }
     }
 
-    /// Areas of bottom, top and side, as far as they are seen.
+    /// Visible areas of bottom, top and side.
     fn areas(&self, visible: &Visible) -> [f64; 3] {
         let [bottom, top] = visible.caps.map(|is_seen| if is_seen { PI * self.radius * self.radius } else { 0.0 });
         [bottom, top, 2.0 * visible.half_arc * self.radius * self.length]
@@ -147,15 +147,15 @@ impl CylinderLight {
         let offset = on_light - point;
         let along_normal = offset.dot(normal);
         let is_seen = along_normal < 0.0 || visible.is_inside_seen;
-        if !is_seen || self.emission.seen(along_normal).is_black() {
+        if !is_seen || self.emission.emitted(along_normal).is_black() {
             return 0.0;
         }
         let area: f64 = self.areas(visible).iter().sum();
         density(by_solid_angle(1.0 / area, offset, along_normal))
     }
 
-    /// The first number chooses the part, and what is left of it the angle.
-    fn point_on(&self, visible: &Visible, u: [f64; 2]) -> EmitterPoint {
+    /// Point by two numbers. The first selects the part, and its remainder the angle.
+    fn point_on(&self, visible: &Visible, u: [f64; 2]) -> LightPoint {
         let [bottom, top, side] = self.areas(visible);
         let area = u[0] * (bottom + top + side);
         let (angle, from_axis, height, along_axis) = if area < bottom {
@@ -170,13 +170,13 @@ impl CylinderLight {
         let outwards = self.frame.x * cos + self.frame.y * sin;
         let normal = if along_axis == 0.0 { outwards } else { self.frame.z * along_axis };
         let point = self.base + outwards * from_axis + self.frame.z * height;
-        EmitterPoint { point, normal, triangle: 0 }
+        LightPoint { point, normal, triangle: 0 }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Emitter;
+    use super::super::Light;
     use super::super::test_estimate::{
         assert_rays_agree, assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
     };
@@ -186,9 +186,9 @@ mod tests {
     const AXIS: DVec3 = DVec3::new(0.48, 0.6, 0.64);
 
     /// A cylinder of length 2 along an odd direction.
-    fn cylinder(radius: f64, has_caps: bool, sides: Sides) -> Emitter {
+    fn cylinder(radius: f64, has_caps: bool, sides: EmissionSides) -> Light {
         let light = CylinderLight::new(BASE, BASE + AXIS * 2.0, radius, has_caps, white(sides));
-        Emitter::Cylinder(light.expect("a light"))
+        Light::Cylinder(light.expect("a light"))
     }
 
     /// A receiver at a height and a distance from the axis, that faces the middle.
@@ -199,13 +199,14 @@ mod tests {
 
     #[test]
     fn irradiance_within_is_that_of_the_closed_form() {
-        // In the middle of the base, all but the disk at the other end shines; caps close that as well.
+        // In the middle of the base, all but the disk at the other end emits; caps close that as well.
         let at = [BASE, AXIS];
         let (r, l) = (0.7, 2.0);
-        irradiance(&cylinder(r, false, Sides::Both), at, 200_000).assert("open tube", PI * l * l / (l * l + r * r));
+        irradiance(&cylinder(r, false, EmissionSides::Both), at, 200_000)
+            .assert("open tube", PI * l * l / (l * l + r * r));
         let inside = [BASE + AXIS * 0.9, DVec3::Y];
-        irradiance(&cylinder(r, true, Sides::Both), inside, 200_000).assert("closed tube", PI);
-        assert_eq!(cylinder(r, true, Sides::Front).sample(inside[0], [0.5; 2]), None);
+        irradiance(&cylinder(r, true, EmissionSides::Both), inside, 200_000).assert("closed tube", PI);
+        assert_eq!(cylinder(r, true, EmissionSides::Front).sample_li(inside[0], [0.5; 2]), None);
     }
 
     /// From far away, a cylinder is its silhouette: 2 r l sin φ + π r² |cos φ|.
@@ -217,7 +218,7 @@ mod tests {
             let away = AXIS * cos + Frame::from_z(AXIS).y * sin;
             let at = [BASE + AXIS + away * d, -away];
             let silhouette = 2.0 * r * 2.0 * sin + PI * r * r * cos.abs();
-            let estimate = irradiance(&cylinder(r, true, Sides::Front), at, 200_000);
+            let estimate = irradiance(&cylinder(r, true, EmissionSides::Front), at, 200_000);
             estimate.assert(&format!("cylinder from {degrees}°"), silhouette / (d * d));
         }
     }
@@ -226,10 +227,10 @@ mod tests {
     fn densities_agree_and_integrate_to_one() {
         for (height, from_axis) in [(1.0, 1.0), (0.5, 0.301), (3.0, 0.1), (-1.0, 2.0), (2.2, 0.3), (7.0, 20.0)] {
             let at = receiver(height, from_axis);
-            let mut lights = vec![cylinder(0.3, true, Sides::Front), cylinder(0.3, true, Sides::Both)];
+            let mut lights = vec![cylinder(0.3, true, EmissionSides::Front), cylinder(0.3, true, EmissionSides::Both)];
             // Open tubes hide a part of what is sampled of them where one looks in.
             if (0.0..=2.0).contains(&height) {
-                lights.push(cylinder(0.3, false, Sides::Front));
+                lights.push(cylinder(0.3, false, EmissionSides::Front));
             }
             for light in lights {
                 assert_samples_and_pdf_agree(&light, at[0], 1e-6);
@@ -238,30 +239,30 @@ mod tests {
             }
         }
         let inside = receiver(0.4, 0.2);
-        integral_of_pdf(&cylinder(0.3, true, Sides::Both), inside[0], 50_000).assert("pdf from within", 1.0);
-        assert_samples_and_pdf_agree(&cylinder(0.3, true, Sides::Both), inside[0], 1e-6);
+        integral_of_pdf(&cylinder(0.3, true, EmissionSides::Both), inside[0], 50_000).assert("pdf from within", 1.0);
+        assert_samples_and_pdf_agree(&cylinder(0.3, true, EmissionSides::Both), inside[0], 1e-6);
     }
 
     #[test]
     fn a_wrong_density_is_caught() {
-        let (light, at) = (cylinder(0.7, true, Sides::Both), [BASE + AXIS * 0.9, DVec3::Y]);
+        let (light, at) = (cylinder(0.7, true, EmissionSides::Both), [BASE + AXIS * 0.9, DVec3::Y]);
         assert!(irradiance_by(&light, at, 400_000, |s| s.pdf * 1.03).z(PI) > 5.0);
     }
 
     #[test]
     fn odd_points_and_numbers_give_nothing_and_never_panic() {
-        for light in [cylinder(0.3, true, Sides::Both), cylinder(0.3, false, Sides::Front)] {
+        for light in [cylinder(0.3, true, EmissionSides::Both), cylinder(0.3, false, EmissionSides::Front)] {
             for point in [DVec3::NAN, DVec3::INFINITY, DVec3::MAX] {
-                assert_eq!((light.sample(point, [0.5; 2]), light.pdf(point, DVec3::X)), (None, 0.0), "{point}");
+                assert_eq!((light.sample_li(point, [0.5; 2]), light.pdf_li(point, DVec3::X)), (None, 0.0), "{point}");
             }
             for point in [BASE, receiver(1.0, 0.3)[0], receiver(1.0, 3.0)[0]] {
                 for u in [[f64::NAN; 2], [-1.0, 2.0], [1.0; 2], [0.0; 2]] {
-                    assert!(light.sample(point, u).is_none_or(|s| s.direction.is_finite()));
+                    assert!(light.sample_li(point, u).is_none_or(|s| s.direction.is_finite()));
                 }
-                assert_eq!(light.pdf(point, DVec3::ZERO), 0.0);
+                assert_eq!(light.pdf_li(point, DVec3::ZERO), 0.0);
             }
         }
-        let make = |top, radius| CylinderLight::new(DVec3::ZERO, top, radius, true, white(Sides::Front));
+        let make = |top, radius| CylinderLight::new(DVec3::ZERO, top, radius, true, white(EmissionSides::Front));
         for (top, radius) in [(DVec3::ZERO, 1.0), (DVec3::X, 0.0), (DVec3::NAN, 1.0), (DVec3::X, f64::NAN)] {
             assert!(make(top, radius).is_err());
         }

@@ -1,24 +1,23 @@
-//! Solid angles of triangles, to the last digits from near and far, and directions uniform over them.
+//! Solid angles of triangles, accurate near and far, and uniform directions within them.
 
 use rt_math::DVec3;
 use rt_math::transcendental::{atan2, sincos};
 use std::f64::consts::TAU;
 
-/// Below this solid angle a flat figure is sampled by area: what is computed from the angles of its projection on the
-/// unit sphere, whose sum exceeds that of a flat one by just this, would keep fewer than eleven digits, and there is
-/// little left to gain.
+/// Solid angle below which flat lights are sampled by area. The solid angle is the excess of the angles of the projection on the
+/// unit sphere. Below this limit fewer than eleven digits of it remain, and variance hardly differs.
 pub(super) const MIN_SPHERICAL: f64 = 1.0 / (1u64 << 14) as f64;
 
-/// The solid angle, at most 2π, of a flat figure that is a fan of triangles around its first corner: by Van Oosterom and
-/// Strackee, "The Solid Angle of a Plane Triangle", 1983, each has
+/// Solid angle, at most 2π, of a flat figure that is a fan of triangles around its first corner. Each triangle has (Van Oosterom
+/// and Strackee, "The Solid Angle of a Plane Triangle", 1983)
 ///
 /// ```text
 ///   tan(Ω/2) = |a·(b×c)| / (abc + (a·b)c + (b·c)a + (c·a)b)
 /// ```
 ///
-/// with corners given relative to the point that looks. The triple product is `height · area2`: the distance of the plane
-/// times twice the area, which all triangles share, so that nothing cancels for a figure that is far away. Half angles are
-/// added as those of complex numbers. 0 for a figure that is seen edge-on; NaN for a point on a corner.
+/// with corners relative to the receiver. The triple product is `height · area2`: the distance of the plane times twice the
+/// area of the triangle, so that nothing cancels far away. Half angles are added as those of complex numbers. 0 for a figure
+/// that is edge-on; NaN for a point on a corner.
 pub(super) fn of_fan<const N: usize>(corners: [DVec3; N], height: f64, area2: f64) -> f64 {
     let lengths = corners.map(DVec3::length);
     let (hub, hub_length, triple) = (corners[0], lengths[0], height.abs() * area2);
@@ -33,10 +32,10 @@ pub(super) fn of_fan<const N: usize>(corners: [DVec3; N], height: f64, area2: f6
     2.0 * atan2(im, re)
 }
 
-/// The unit direction, uniform over a spherical triangle of the given solid angle, that belongs to `u` of the unit square:
-/// Arvo, "Stratified Sampling of Spherical Triangles", 1995. Corners are given relative to the point that looks.
+/// Maps `u` of the unit square to a unit direction, uniform over a spherical triangle of the given solid angle. Corners are
+/// relative to the receiver. Arvo, "Stratified Sampling of Spherical Triangles", 1995.
 ///
-/// The first number cuts off a part of the area by an arc from b to a point on the arc from a to c; the second takes a
+/// The first number selects a part of the area, bounded by an arc from b to a point on the arc from a to c. The second selects a
 /// point on the new arc, uniform in the height over b.
 pub(super) fn sample_triangle(corners: [DVec3; 3], solid_angle: f64, u: [f64; 2]) -> DVec3 {
     let [a, b, c] = corners.map(DVec3::normalize_or_zero);
@@ -51,13 +50,13 @@ pub(super) fn sample_triangle(corners: [DVec3; 3], solid_angle: f64, u: [f64; 2]
     along_arc(b, on_arc, 1.0 - u[1] * (1.0 - on_arc.dot(b)))
 }
 
-/// The unit vector on the arc from `start` towards `end` whose cosine with `start` is given.
+/// Unit vector on the arc from `start` towards `end` whose cosine with `start` is given.
 fn along_arc(start: DVec3, end: DVec3, cos: f64) -> DVec3 {
     let across = (end - start * end.dot(start)).normalize_or_zero();
     start * cos + across * ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt()
 }
 
-/// A direction, uniform over all.
+/// Uniform direction over the sphere.
 pub(crate) fn uniform_sphere(u: [f64; 2]) -> DVec3 {
     let z = 1.0 - 2.0 * u[0];
     let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();

@@ -1,13 +1,13 @@
-//! Choice in proportion to weights: piecewise-constant densities, inverted.
+//! Piecewise-constant distributions, sampled by inversion.
 //!
-//! Running sums are kept, divided by their last, so that it is exactly 1. The probability of an entry is the difference
-//! of two neighbours, which is what the search yields to the last bit. An entry without weight is never found.
+//! A distribution is stored as cumulative sums divided by the last, which is thus exactly 1. The probability of an entry is the
+//! difference of two neighbours: exactly the width that the search finds. An entry without weight is never found.
 
-/// The greatest number below 1.
+/// Greatest number below 1.
 pub(super) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Turns weights into running sums from 0 to 1 and returns the sum of the weights. If that is not positive and finite,
-/// nothing can be chosen: it is 0 and the sums are as well.
+/// Replaces weights by their cumulative distribution and returns their sum. If the sum is not positive and finite, all results
+/// are 0.
 pub(super) fn accumulate(weights: &mut [f64]) -> f64 {
     let mut sum = 0.0;
     for weight in weights.iter_mut() {
@@ -21,7 +21,7 @@ pub(super) fn accumulate(weights: &mut [f64]) -> f64 {
     if is_usable { sum } else { 0.0 }
 }
 
-/// The entry within which `u` falls, and how far into it, in `[0, 1)`. `None` if nothing can be chosen.
+/// Entry that contains `u`, and the fraction within it, in `[0, 1)`. `None` if all weights are 0.
 pub(super) fn find(sums: &[f64], u: f64) -> Option<(usize, f64)> {
     let u = if u >= 0.0 { u.min(BELOW_ONE) } else { 0.0 };
     let index = sums.partition_point(|&sum| sum <= u);
@@ -30,7 +30,7 @@ pub(super) fn find(sums: &[f64], u: f64) -> Option<(usize, f64)> {
     (probability > 0.0).then_some((index, rest.min(BELOW_ONE)))
 }
 
-/// The probability of an entry; 0 beyond the end.
+/// Probability of an entry; 0 beyond the end.
 pub(super) fn probability(sums: &[f64], index: usize) -> f64 {
     sums.get(index).map_or(0.0, |sum| sum - before(sums, index))
 }

@@ -1,31 +1,30 @@
-//! A tree over many lights, from which those that matter to a point are drawn.
+//! Light tree: samples one of many lights by its importance for a point.
 
 mod split;
 
-use super::bounds::EmitterBounds;
+use super::light_bounds::{LightBounds, LightExtent};
 use super::piecewise_constant::BELOW_ONE;
-use super::{Choice, Emitter};
+use super::power_sampler::SampledLight;
 use rt_math::DVec3;
 use split::split;
 
-/// A binary tree of [`EmitterBounds`] (Conty Estevez, Kulla 2018): the choice goes down from the root, to each side with a
+/// Binary tree of [`LightBounds`] (Conty Estevez, Kulla 2018). Sampling descends from the root, into each child with a
 /// probability in proportion to its importance for the point.
 ///
-/// Lights without bounds, as environments are, are chosen among with the same probability each, and the tree as a whole
-/// counts as one of them.
+/// Unbounded lights, as environments, have equal probabilities. The tree as a whole counts as one of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightTree {
     nodes: Vec<Node>,
-    /// Lights without bounds.
+    /// Unbounded lights.
     unbounded: Vec<u32>,
-    /// Where each light is.
+    /// Place of each light.
     places: Vec<Place>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
-    bounds: EmitterBounds,
-    /// The node above; the root's own number at the root.
+    bounds: LightBounds,
+    /// Index of the parent; 0 at the root.
     parent: u32,
     content: Content,
 }
@@ -33,7 +32,7 @@ struct Node {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
     Light(u32),
-    /// Two nodes that follow each other, of which this is the first.
+    /// First of two adjacent children.
     Halves(u32),
 }
 
@@ -41,57 +40,46 @@ enum Content {
 enum Place {
     Leaf(u32),
     Unbounded,
-    /// Has no power.
+    /// Black: not in the tree.
     Nowhere,
 }
 
 impl LightTree {
-    /// The tree over a list of lights. Those without power are never chosen.
-    pub fn new(emitters: &[Emitter]) -> Self {
-        let is_black = |emitter: &Emitter| emitter.power(1.0).is_black();
-        let entries = emitters.iter().map(|emitter| (!is_black(emitter)).then(|| emitter.bounds()));
-        Self::over(entries.collect())
-    }
-
-    /// The tree over any lights of which the bounds are known; `None` for those without.
-    pub fn of_bounds(lights: &[Option<EmitterBounds>]) -> Self {
-        Self::over(lights.iter().map(|&bounds| Some(bounds)).collect())
-    }
-
-    /// The tree over lights, without bounds or not, if they have power.
-    fn over(lights: Vec<Option<Option<EmitterBounds>>>) -> Self {
+    /// Tree over lights, given by their extents. Black lights are never sampled.
+    pub fn new(lights: impl IntoIterator<Item = LightExtent>) -> Self {
+        let lights: Vec<_> = lights.into_iter().collect();
         let mut tree = Self { nodes: Vec::new(), unbounded: Vec::new(), places: vec![Place::Nowhere; lights.len()] };
         let mut bounded = Vec::new();
         for ((light, place), index) in lights.into_iter().zip(&mut tree.places).zip(0u32..) {
             match light {
-                Some(Some(bounds)) if bounds.power() > 0.0 => bounded.push((bounds, index)),
-                Some(None) => {
+                LightExtent::Bounded(bounds) if bounds.power() > 0.0 => bounded.push((bounds, index)),
+                LightExtent::Unbounded => {
                     *place = Place::Unbounded;
                     tree.unbounded.push(index);
                 }
-                _ => {}
+                LightExtent::Bounded(_) | LightExtent::Black => {}
             }
         }
         tree.grow(&mut bounded);
         tree
     }
 
-    /// The light that belongs to `u` in `[0, 1)`, for a point and, if it lies on a surface that is lit on one side alone,
-    /// the unit normal there. `None` if there is no light.
-    pub fn choose(&self, point: DVec3, normal: Option<DVec3>, u: f64) -> Option<Choice> {
+    /// Samples a light for a point by `u` in `[0, 1)`. The unit `normal` restricts lights to the side that it points to. `None` if
+    /// there is no light.
+    pub fn sample(&self, point: DVec3, normal: Option<DVec3>, u: f64) -> Option<SampledLight> {
         let u = if u >= 0.0 { u.min(BELOW_ONE) } else { 0.0 };
         let unbounded = self.probability_of_unbounded();
         let place = self.unbounded.get((u / unbounded) as usize);
         // The quotient may round to the number of lights.
         if let Some(&index) = place.or(if self.nodes.is_empty() { self.unbounded.last() } else { None }) {
-            return Some(Choice { index, probability: unbounded });
+            return Some(SampledLight { index, probability: unbounded });
         }
         let mut node = self.nodes.first()?;
         let mut probability = self.probability_of_tree();
         let mut u = ((u - (1.0 - probability)) / probability).clamp(0.0, BELOW_ONE);
         loop {
             let first = match node.content {
-                Content::Light(index) => return Some(Choice { index, probability }),
+                Content::Light(index) => return Some(SampledLight { index, probability }),
                 Content::Halves(first) => first as usize,
             };
             let pair = self.probabilities_of_pair(first, point, normal);
@@ -102,9 +90,9 @@ impl LightTree {
         }
     }
 
-    /// The probability with which [`choose`](Self::choose) takes a light for this point; 0 for one that is not there or
-    /// that cannot light the point.
-    pub fn probability(&self, point: DVec3, normal: Option<DVec3>, index: u32) -> f64 {
+    /// Probability with which [`sample`](Self::sample) selects a light for this point. It is 0 for an index out of range and
+    /// for a light that does not reach the point.
+    pub fn pmf(&self, point: DVec3, normal: Option<DVec3>, index: u32) -> f64 {
         let mut place = match self.places.get(index as usize) {
             Some(Place::Unbounded) => return self.probability_of_unbounded(),
             Some(&Place::Leaf(leaf)) => leaf,
@@ -120,17 +108,17 @@ impl LightTree {
         probability
     }
 
-    /// How many lights may be chosen.
+    /// Number of lights that are not black.
     pub fn len(&self) -> usize {
         self.unbounded.len() + self.nodes.len().div_ceil(2)
     }
 
-    /// True if no light may be chosen.
+    /// True if all lights are black.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Of each of the lights without bounds.
+    /// Probability of each unbounded light.
     fn probability_of_unbounded(&self) -> f64 {
         let sharing = self.unbounded.len() + usize::from(!self.nodes.is_empty());
         1.0 / sharing.max(1) as f64
@@ -140,8 +128,8 @@ impl LightTree {
         if self.nodes.is_empty() { 0.0 } else { self.probability_of_unbounded() }
     }
 
-    /// Of the two nodes of a pair. If neither can light the point it does not matter which one is taken, and either is as
-    /// likely: the probabilities of all lights add up to 1. Each is a quotient, since the difference from 1 may round to 0.
+    /// Probabilities of two siblings. If neither can light the point, both are 1/2, so that the probabilities of all lights sum to
+    /// 1. Each is a quotient, since the difference from 1 may round to 0.
     fn probabilities_of_pair(&self, first: usize, point: DVec3, normal: Option<DVec3>) -> [f64; 2] {
         let importance = |i| self.nodes.get(i).map_or(0.0, |node: &Node| node.bounds.importance(point, normal));
         let (a, b) = (importance(first), importance(first + 1));
@@ -149,7 +137,7 @@ impl LightTree {
     }
 
     /// Builds the nodes, from the root down.
-    fn grow(&mut self, lights: &mut [(EmitterBounds, u32)]) {
+    fn grow(&mut self, lights: &mut [(LightBounds, u32)]) {
         let mut waiting = Vec::new();
         if let Some(bounds) = union(lights) {
             self.nodes.push(Node { bounds, parent: 0, content: Content::Halves(0) });
@@ -174,17 +162,23 @@ impl LightTree {
     }
 }
 
-fn union(lights: &[(EmitterBounds, u32)]) -> Option<EmitterBounds> {
+fn union(lights: &[(LightBounds, u32)]) -> Option<LightBounds> {
     lights.iter().map(|(bounds, _)| *bounds).reduce(|a, b| a.union(&b))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::test_estimate::{Estimate, white};
-    use super::super::{DiskLight, Emission, EnvironmentLight, PowerChoice, QuadLight, Sides, SphereLight};
+    use super::super::{
+        DiskLight, Emission, EmissionSides, EnvironmentLight, Light, PowerLightSampler, QuadLight, SphereLight,
+    };
     use super::*;
     use rt_math::Rgb;
     use rt_math::random::{hash, unit};
+
+    fn tree_of(lights: &[Light]) -> LightTree {
+        LightTree::new(lights.iter().map(Light::extent))
+    }
 
     fn draw(i: u64, dimension: u64) -> f64 {
         unit(hash(&[i, dimension, 9]))
@@ -195,11 +189,11 @@ mod tests {
     }
 
     /// Small lights of all kinds and strengths in a cube of side 20, some of them black.
-    fn lights(count: u64) -> Vec<Emitter> {
+    fn lights(count: u64) -> Vec<Light> {
         let light = |i: u64| {
             let (at, along) = (vector(i, 0) * 10.0, vector(i, 3));
             let strength = if i % 17 == 5 { 0.0 } else { 0.1 + draw(i, 6) * draw(i, 7) * 10.0 };
-            let sides = if i.is_multiple_of(2) { Sides::Front } else { Sides::Both };
+            let sides = if i.is_multiple_of(2) { EmissionSides::Front } else { EmissionSides::Both };
             let emission = Emission::new(Rgb::new(strength, strength, 0.0), sides).expect("an emission");
             match i % 3 {
                 0 => {
@@ -207,10 +201,10 @@ mod tests {
                         along.any_orthogonal_vector().normalize() * 0.3,
                         along.normalize().any_orthonormal_vector().cross(along) * 0.2,
                     ];
-                    Emitter::Quad(QuadLight::new(at, edges, emission).expect("a light"))
+                    Light::Quad(QuadLight::new(at, edges, emission).expect("a light"))
                 }
-                1 => Emitter::Disk(DiskLight::new(at, along, 0.2, 0.0, emission).expect("a light")),
-                _ => Emitter::Sphere(SphereLight::new(at, 0.1 + 0.1 * draw(i, 8), emission).expect("a light")),
+                1 => Light::Disk(DiskLight::new(at, along, 0.2, 0.0, emission).expect("a light")),
+                _ => Light::Sphere(SphereLight::new(at, 0.1 + 0.1 * draw(i, 8), emission).expect("a light")),
             }
         };
         (0..count).map(light).collect()
@@ -223,7 +217,7 @@ mod tests {
     }
 
     fn sum(tree: &LightTree, count: u32, point: DVec3, normal: Option<DVec3>) -> f64 {
-        (0..count).map(|index| tree.probability(point, normal, index)).sum()
+        (0..count).map(|index| tree.pmf(point, normal, index)).sum()
     }
 
     #[test]
@@ -231,12 +225,12 @@ mod tests {
         for count in [1, 2, 3, 10, 300] {
             let mut lights = lights(count);
             for environments in 0..3 {
-                let tree = LightTree::new(&lights);
+                let tree = tree_of(&lights);
                 for (point, normal) in receivers() {
                     let sum = sum(&tree, lights.len() as u32, point, normal);
                     assert!((sum - 1.0).abs() < 1e-12, "{count} lights and {environments} around from {point}: {sum}");
                 }
-                lights.push(Emitter::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("a light")));
+                lights.push(Light::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("a light")));
             }
         }
     }
@@ -244,20 +238,20 @@ mod tests {
     #[test]
     fn choices_are_as_likely_as_they_say() {
         let mut lights = lights(40);
-        lights.insert(7, Emitter::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("a light")));
-        let tree = LightTree::new(&lights);
+        lights.insert(7, Light::Environment(EnvironmentLight::constant(Rgb::WHITE).expect("a light")));
+        let tree = tree_of(&lights);
         let count = 8_000u32;
         for (point, normal) in receivers() {
             let mut found = vec![0.0; lights.len()];
             for i in 0..count {
-                let choice = tree.choose(point, normal, (f64::from(i) + 0.5) / f64::from(count)).expect("a light");
-                let probability = tree.probability(point, normal, choice.index);
+                let choice = tree.sample(point, normal, (f64::from(i) + 0.5) / f64::from(count)).expect("a light");
+                let probability = tree.pmf(point, normal, choice.index);
                 assert!((choice.probability / probability - 1.0).abs() < 1e-12, "{choice:?}, again {probability}");
                 found[choice.index as usize] += 1.0;
             }
             // Numbers at equal distances are found in each interval to one, and each light has one interval.
             for (found, index) in found.iter().zip(0..) {
-                let expected = f64::from(count) * tree.probability(point, normal, index);
+                let expected = f64::from(count) * tree.pmf(point, normal, index);
                 assert!(
                     (found - expected).abs() <= 1.0 + 1e-6,
                     "light {index} from {point}: {found}, expected {expected}"
@@ -269,13 +263,13 @@ mod tests {
     #[test]
     fn lights_that_arrive_may_be_chosen() {
         let lights = lights(300);
-        let tree = LightTree::new(&lights);
+        let tree = tree_of(&lights);
         let (mut arriving, mut never) = (0, 0);
         for (point, normal) in receivers() {
             for (light, index) in lights.iter().zip(0u32..) {
-                let mut samples = (0..16).filter_map(|i| light.sample(point, [draw(i, 40), draw(i, 41)]));
+                let mut samples = (0..16).filter_map(|i| light.sample_li(point, [draw(i, 40), draw(i, 41)]));
                 let arrives = samples.any(|s| normal.is_none_or(|normal| s.direction.dot(normal) > 0.0));
-                let probability = tree.probability(point, normal, index);
+                let probability = tree.pmf(point, normal, index);
                 assert!(!arrives || probability > 0.0, "light {index} from {point}, normal {normal:?}");
                 arriving += u32::from(arrives);
                 never += u32::from(probability == 0.0);
@@ -290,27 +284,32 @@ mod tests {
     fn lights_at_the_horizon_may_be_chosen() {
         for tilt in [1e-3, 1e-8, 1e-12, 1e-16] {
             let edges = [DVec3::new(1e-9, 0.0, 1e-9 * tilt), DVec3::Y * 1e-9];
-            let low = QuadLight::new(DVec3::new(1.0, 0.0, tilt), edges, white(Sides::Both)).expect("a light");
-            let high = SphereLight::new(DVec3::Z, 0.1, white(Sides::Front)).expect("a light");
-            let tree = LightTree::new(&[Emitter::Quad(low), Emitter::Sphere(high)]);
-            assert!(tree.probability(DVec3::ZERO, Some(DVec3::Z), 0) > 0.0, "{tilt}");
+            let low = QuadLight::new(DVec3::new(1.0, 0.0, tilt), edges, white(EmissionSides::Both)).expect("a light");
+            let high = SphereLight::new(DVec3::Z, 0.1, white(EmissionSides::Front)).expect("a light");
+            let tree = tree_of(&[Light::Quad(low), Light::Sphere(high)]);
+            assert!(tree.pmf(DVec3::ZERO, Some(DVec3::Z), 0) > 0.0, "{tilt}");
             let faces = QuadLight::new(
                 DVec3::new(1.0, 0.0, 0.5),
                 [DVec3::new(tilt, 0.0, 1.0), DVec3::NEG_Y],
-                white(Sides::Front),
+                white(EmissionSides::Front),
             );
-            let tree = LightTree::new(&[Emitter::Quad(faces.expect("a light")), Emitter::Sphere(high)]);
-            assert!(tree.probability(DVec3::new(1.0, 2.0, 0.0), Some(DVec3::Z), 0) > 0.0, "{tilt}");
+            let tree = tree_of(&[Light::Quad(faces.expect("a light")), Light::Sphere(high)]);
+            assert!(tree.pmf(DVec3::new(1.0, 2.0, 0.0), Some(DVec3::Z), 0) > 0.0, "{tilt}");
         }
     }
 
     /// Irradiance by one light that was chosen.
-    fn irradiance(lights: &[Emitter], point: DVec3, normal: DVec3, choose: impl Fn(f64) -> Option<Choice>) -> Estimate {
+    fn irradiance(
+        lights: &[Light],
+        point: DVec3,
+        normal: DVec3,
+        choose: impl Fn(f64) -> Option<SampledLight>,
+    ) -> Estimate {
         let index = std::cell::Cell::new(0);
         Estimate::of(40_000, |u| {
             index.set(index.get() + 1);
             let Some(choice) = choose(draw(index.get(), 50)) else { return 0.0 };
-            let sample = lights[choice.index as usize].sample(point, u);
+            let sample = lights[choice.index as usize].sample_li(point, u);
             sample.map_or(0.0, |s| s.radiance.g * s.direction.dot(normal).max(0.0) / (s.pdf * choice.probability))
         })
     }
@@ -318,7 +317,7 @@ mod tests {
     #[test]
     fn both_ways_to_choose_give_the_sum_of_all_lights_and_the_tree_with_less_noise() {
         let lights = lights(300);
-        let (tree, power) = (LightTree::new(&lights), PowerChoice::new(lights.iter().map(|light| light.power(1.0))));
+        let (tree, power) = (tree_of(&lights), PowerLightSampler::new(lights.iter().map(|light| light.power(1.0))));
         let mut gain = 1.0;
         for i in 0..8 {
             let (point, normal) = (vector(i, 60) * 9.0, vector(i, 63).normalize());
@@ -326,14 +325,14 @@ mod tests {
                 .iter()
                 .map(|light| super::super::test_estimate::irradiance(light, [point, normal], 2000).mean)
                 .sum();
-            let by_power = irradiance(&lights, point, normal, |u| power.choose(u));
-            let by_tree = irradiance(&lights, point, normal, |u| tree.choose(point, Some(normal), u));
+            let by_power = irradiance(&lights, point, normal, |u| power.sample(u));
+            let by_tree = irradiance(&lights, point, normal, |u| tree.sample(point, Some(normal), u));
             by_power.assert(&format!("by power at {point}"), truth);
             by_tree.assert(&format!("by tree at {point}"), truth);
             gain *= by_power.standard_error / by_tree.standard_error;
             let wrong = |u| {
-                let choice = tree.choose(point, Some(normal), u)?;
-                Some(Choice { probability: 1.25 * choice.probability, ..choice })
+                let choice = tree.sample(point, Some(normal), u)?;
+                Some(SampledLight { probability: 1.25 * choice.probability, ..choice })
             };
             assert!(irradiance(&lights, point, normal, wrong).z(truth) > 5.0, "a wrong probability is caught");
         }
@@ -344,13 +343,13 @@ mod tests {
 
     #[test]
     fn odd_lights_and_points_never_panic() {
-        let empty = LightTree::new(&[]);
-        assert_eq!((empty.choose(DVec3::ZERO, None, 0.5), empty.len(), empty.is_empty()), (None, 0, true));
+        let empty = tree_of(&[]);
+        assert_eq!((empty.sample(DVec3::ZERO, None, 0.5), empty.len(), empty.is_empty()), (None, 0, true));
         let black = EnvironmentLight::constant(Rgb::BLACK).expect("a light");
-        assert_eq!(LightTree::new(&[Emitter::Environment(black)]).choose(DVec3::ZERO, None, 0.5), None);
+        assert_eq!(tree_of(&[Light::Environment(black)]).sample(DVec3::ZERO, None, 0.5), None);
         let strong = |x: f64, power: f64| {
-            let emission = Emission::new(Rgb::gray(power), Sides::Front).expect("an emission");
-            Emitter::Sphere(SphereLight::new(DVec3::X * x, 1.0, emission).expect("a light"))
+            let emission = Emission::new(Rgb::gray(power), EmissionSides::Front).expect("an emission");
+            Light::Sphere(SphereLight::new(DVec3::X * x, 1.0, emission).expect("a light"))
         };
         let sets = [
             vec![strong(0.0, 1e-30), strong(5.0, 1e30)],
@@ -359,14 +358,14 @@ mod tests {
             (0..200).map(|i| strong(f64::from(1u32 << (i % 31)), 1.0)).collect(),
         ];
         for lights in sets {
-            let tree = LightTree::new(&lights);
+            let tree = tree_of(&lights);
             assert_eq!(tree.len(), lights.len());
             for point in [DVec3::ZERO, DVec3::X, DVec3::NAN, DVec3::INFINITY, DVec3::MAX, DVec3::X * 1e60] {
                 for normal in [None, Some(DVec3::X), Some(DVec3::ZERO), Some(DVec3::NAN)] {
                     let sum = sum(&tree, lights.len() as u32, point, normal);
                     assert!((sum - 1.0).abs() < 1e-9, "from {point}, {normal:?}: {sum}");
                     for u in [0.0, 0.3, 1.0, -1.0, f64::NAN, 7.0] {
-                        let choice = tree.choose(point, normal, u).expect("a light");
+                        let choice = tree.sample(point, normal, u).expect("a light");
                         assert!(choice.probability > 0.0 && choice.probability <= 1.0, "{choice:?}");
                     }
                 }

@@ -1,145 +1,145 @@
-//! Spheres that shine.
+//! Sphere lights.
 
-use super::sample::density;
+use super::light_sample::density;
 use super::solid_angle::uniform_sphere;
-use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
+use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::Sphere;
 use rt_math::transcendental::sincos;
 use rt_math::{DVec3, Frame, Interval, Ray, Rgb};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-/// A sphere, sampled uniformly within the cone that it subtends (Shirley, Wang, Zimmerman, "Monte Carlo Techniques for
+/// Sphere, sampled uniformly within the cone that it subtends (Shirley, Wang, Zimmerman, "Monte Carlo Techniques for
 /// Direct Lighting Calculations", 1996).
 ///
 /// ```text
 ///   sin²θ = r²/d²     1 − cos θ = sin²θ / (1 + cos θ)     Ω = 2π (1 − cos θ)
 /// ```
 ///
-/// From far away `1 − cos θ` is never the difference of two numbers near 1; from near the surface `cos²θ` is
-/// `(d − r)(d + r)/d²`. From within, where the light is around, it is sampled uniformly over all directions.
+/// Nothing cancels: far away, `1 − cos θ` is no difference of two numbers near 1; near the surface, `cos²θ` is
+/// `(d − r)(d + r)/d²`. From inside, sampling is uniform over all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereLight {
     sphere: Sphere,
     emission: Emission,
 }
 
-/// How a sphere is seen.
-enum Seen {
+/// Position of a point relative to a sphere.
+enum SphereView {
     Outside(Subtended),
-    /// From within and from the surface itself.
+    /// Inside or on the surface.
     Within,
-    /// By a point so far away that the distance overflows, or that is none.
+    /// Distance overflows or is NaN.
     Nowhere,
 }
 
-/// The cone in which a sphere is seen from outside.
+/// Cone that a sphere subtends from outside.
 struct Subtended {
-    /// Towards the centre, unit.
+    /// Unit vector towards the centre.
     axis: DVec3,
     /// Sine of half the angle.
     sin: f64,
-    /// One less the cosine of half the angle.
+    /// One minus the cosine of half the angle.
     one_minus_cos: f64,
 }
 
 impl SphereLight {
-    /// The light of the given radius around `centre`, world space. Its front is outside.
+    /// Light of the given radius around `centre`, world space. Its front is outside.
     ///
     /// # Errors
     /// If the radius is not positive, or a number is not finite.
-    pub fn new(centre: DVec3, radius: f64, emission: Emission) -> Result<Self, EmitterError> {
+    pub fn new(centre: DVec3, radius: f64, emission: Emission) -> Result<Self, LightError> {
         Ok(Self { sphere: Sphere::new(centre, radius)?, emission })
     }
 
-    /// The area of one side.
+    /// Area of one side.
     pub fn area(&self) -> f64 {
         4.0 * PI * self.sphere.radius() * self.sphere.radius()
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// The solid angle in which the light is seen: that of the cone from outside; 4π within and on a two-sided light, 0
-    /// within and on a one-sided one.
+    /// Solid angle that the light subtends: that of the cone from outside. Inside and on the surface it is 4π for a two-sided
+    /// light and 0 for a one-sided one.
     pub fn solid_angle(&self, point: DVec3) -> f64 {
-        match (self.seen(point), self.emission.sides()) {
-            (Seen::Outside(cone), _) => TAU * cone.one_minus_cos,
-            (Seen::Within, Sides::Both) => 4.0 * PI,
-            (Seen::Within, Sides::Front) | (Seen::Nowhere, _) => 0.0,
+        match (self.view_from(point), self.emission.sides()) {
+            (SphereView::Outside(cone), _) => TAU * cone.one_minus_cos,
+            (SphereView::Within, EmissionSides::Both) => 4.0 * PI,
+            (SphereView::Within, EmissionSides::Front) | (SphereView::Nowhere, _) => 0.0,
         }
     }
 
-    /// A direction towards the light from `point`. `None` within and on a one-sided light, if it is black, and on a
+    /// Samples a direction towards the light from `point`. `None` inside and on a one-sided light, if it is black, and on a
     /// two-sided one for directions that leave it.
-    pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
-        match (self.seen(point), self.emission.sides()) {
-            (Seen::Outside(cone), _) => self.sample_outside(point, &cone, u),
-            (Seen::Within, Sides::Both) => self.sample_within(point, u),
-            (Seen::Within, Sides::Front) | (Seen::Nowhere, _) => None,
+    pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
+        match (self.view_from(point), self.emission.sides()) {
+            (SphereView::Outside(cone), _) => self.sample_outside(point, &cone, u),
+            (SphereView::Within, EmissionSides::Both) => self.sample_within(point, u),
+            (SphereView::Within, EmissionSides::Front) | (SphereView::Nowhere, _) => None,
         }
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes any direction that meets the light.
-    pub fn pdf_at(&self, point: DVec3) -> f64 {
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples any direction that hits the light.
+    pub fn pdf_li_at(&self, point: DVec3) -> f64 {
         if self.emission.radiance().is_black() { 0.0 } else { density(1.0 / self.solid_angle(point)) }
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction; 0 for one that passes by.
-    pub fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
-        if self.intersect(point, direction).is_some() { self.pdf_at(point) } else { 0.0 }
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
+    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
+        if self.intersect(point, direction).is_some() { self.pdf_li_at(point) } else { 0.0 }
     }
 
-    /// Where a ray from `point` meets the light first.
-    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
+    /// First hit of a ray from `point` with the light.
+    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let ray = Ray::new(point, direction);
         let hit = self.sphere.intersect(&ray, Interval::SPAWNED)?;
         let normal = (ray.at(hit.t) - self.sphere.centre()).try_normalize()?;
         Some(self.on_surface(normal))
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
-    pub fn sample_area(&self, u: [f64; 2]) -> EmitterPoint {
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         self.on_surface(uniform_sphere(u))
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
-    pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.seen(direction.dot(normal))
+    /// Radiance against the viewing `direction`, of any length.
+    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area())
     }
 
-    /// Where the light is and where it shines: everywhere.
-    pub fn bounds(&self) -> EmitterBounds {
-        EmitterBounds::all_around(self.sphere.bounds(), self.power())
+    /// Bounds of positions; directions are unrestricted.
+    pub fn bounds(&self) -> LightBounds {
+        LightBounds::all_around(self.sphere.bounds(), self.power())
     }
 
-    fn seen(&self, point: DVec3) -> Seen {
+    fn view_from(&self, point: DVec3) -> SphereView {
         let (towards, radius) = (self.sphere.centre() - point, self.sphere.radius());
         let distance = towards.length();
         if distance <= radius {
-            return Seen::Within;
+            return SphereView::Within;
         }
         if !distance.is_finite() {
-            return Seen::Nowhere;
+            return SphereView::Nowhere;
         }
         let sin = radius / distance;
         let cos = ((distance - radius) / distance * (1.0 + sin)).sqrt();
-        Seen::Outside(Subtended { axis: towards / distance, sin, one_minus_cos: sin * sin / (1.0 + cos) })
+        SphereView::Outside(Subtended { axis: towards / distance, sin, one_minus_cos: sin * sin / (1.0 + cos) })
     }
 
-    fn on_surface(&self, normal: DVec3) -> EmitterPoint {
-        EmitterPoint { point: self.sphere.centre() + normal * self.sphere.radius(), normal, triangle: 0 }
+    fn on_surface(&self, normal: DVec3) -> LightPoint {
+        LightPoint { point: self.sphere.centre() + normal * self.sphere.radius(), normal, triangle: 0 }
     }
 
-    /// The cone's directions are turned into points by the angle at the centre, as in PBR 4th ed., section 6.2.4: the point
-    /// is on the sphere to the last digits even if that is small and far.
-    fn sample_outside(&self, point: DVec3, cone: &Subtended, u: [f64; 2]) -> Option<EmitterSample> {
+    /// Sample from outside. The angle at the centre turns directions into points, as in PBR 4th ed., section 6.2.4. The point is
+    /// thus on the sphere to the last digits, even far away from a small one.
+    fn sample_outside(&self, point: DVec3, cone: &Subtended, u: [f64; 2]) -> Option<LightLiSample> {
         let one_minus_cos = u[0].clamp(0.0, 1.0) * cone.one_minus_cos;
         let sin2 = one_minus_cos * (2.0 - one_minus_cos);
         // Half the chord in units of the radius: √(1 − sin²θ/sin²θmax).
@@ -154,13 +154,13 @@ impl SphereLight {
         let direction = frame.from_local(DVec3::new(sin * cos_phi, sin * sin_phi, -cos));
         let pdf = 1.0 / (TAU * cone.one_minus_cos);
         let (at, radiance) = (self.on_surface(normal), self.emission.radiance());
-        let sample = EmitterSample::of_surface(point, &at, self.sphere.radius(), radiance, pdf)?;
-        // Next to the surface the direction to the point has fewer digits than the direction that the point was made from.
-        Some(EmitterSample { direction, ..sample })
+        let sample = LightLiSample::of_surface(point, &at, self.sphere.radius(), radiance, pdf)?;
+        // Next to the surface the direction to the point has fewer digits than the sampled direction.
+        Some(LightLiSample { direction, ..sample })
     }
 
-    /// True for a direction that leaves the sphere from a point of its surface. Rounding puts half of all points of the
-    /// surface within, where each direction meets the sphere: those that leave it at the point itself.
+    /// True for a direction that leaves the sphere from a point of its surface. Rounding puts half of these points inside, where
+    /// every direction hits the sphere.
     fn leaves(&self, point: DVec3, direction: DVec3) -> bool {
         /// Error of a hit point, in units of the largest number that it is computed from.
         const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -169,28 +169,28 @@ impl SphereLight {
         outwards.length() >= radius - error && outwards.dot(direction) >= 0.0
     }
 
-    fn sample_within(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
+    fn sample_within(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let direction = uniform_sphere(u);
         if self.leaves(point, direction) {
             return None;
         }
         let at = self.intersect(point, direction)?;
         let radiance = self.emission.radiance();
-        EmitterSample::of_surface(point, &at, self.sphere.radius(), radiance, 0.25 * FRAC_1_PI)
+        LightLiSample::of_surface(point, &at, self.sphere.radius(), radiance, 0.25 * FRAC_1_PI)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Emitter;
+    use super::super::Light;
     use super::super::sphere_irradiance;
     use super::super::test_estimate::{
         assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
     };
     use super::*;
 
-    fn sphere(radius: f64, sides: Sides) -> Emitter {
-        Emitter::Sphere(SphereLight::new(DVec3::ZERO, radius, white(sides)).expect("a light"))
+    fn sphere(radius: f64, sides: EmissionSides) -> Light {
+        Light::Sphere(SphereLight::new(DVec3::ZERO, radius, white(sides)).expect("a light"))
     }
 
     /// A receiver at a distance in an odd direction, whose normal is at an angle to the direction of the centre.
@@ -203,14 +203,14 @@ mod tests {
     #[test]
     fn a_two_sided_sphere_does_not_light_its_own_outside() {
         let centre = DVec3::new(0.3, 1.0, -0.7);
-        let light = SphereLight::new(centre, 0.5, white(Sides::Both)).expect("a light");
+        let light = SphereLight::new(centre, 0.5, white(EmissionSides::Both)).expect("a light");
         for i in 0..64_u8 {
             let normal = uniform_sphere([f64::from(i) / 64.0, f64::from(i) * 0.618 % 1.0]);
             // A hit point as rounding may leave it: on, above or below the surface.
             let point = centre + normal * (0.5 * (1.0 + 2e-16 * (f64::from(i % 5) - 2.0)));
             for j in 0..64_u8 {
                 let u = [f64::from(j) / 64.0, f64::from(j) * 0.618 % 1.0];
-                if let Some(sample) = light.sample(point, u) {
+                if let Some(sample) = light.sample_li(point, u) {
                     let cos = sample.direction.dot(normal);
                     assert!(cos < 1e-6, "light from {cos} above the surface at {point:?}");
                 }
@@ -233,26 +233,26 @@ mod tests {
             (1e12, 10.0),
         ] {
             let theta = degrees.to_radians();
-            let estimate = irradiance(&sphere(1.0, Sides::Front), receiver(distance, theta), 200_000);
+            let estimate = irradiance(&sphere(1.0, EmissionSides::Front), receiver(distance, theta), 200_000);
             estimate.assert(&format!("sphere from {distance} at {degrees}°"), sphere_irradiance(1.0 / distance, theta));
         }
     }
 
     #[test]
     fn irradiance_within_is_that_of_a_hemisphere() {
-        let light = sphere(2.0, Sides::Both);
+        let light = sphere(2.0, EmissionSides::Both);
         for (point, degrees) in [(0.0, 0.0f64), (1.0, 40.0), (1.999_999, 0.0), (1.999_999, 180.0)] {
             let at = receiver(point, degrees.to_radians());
             irradiance(&light, at, 200_000).assert(&format!("from within at {point}"), PI);
             integral_of_pdf(&light, at[0], 1000).assert("pdf from within", 1.0);
-            assert_eq!(sphere(2.0, Sides::Front).sample(at[0], [0.3, 0.6]), None);
-            assert_eq!(sphere(2.0, Sides::Front).pdf(at[0], DVec3::Z), 0.0);
+            assert_eq!(sphere(2.0, EmissionSides::Front).sample_li(at[0], [0.3, 0.6]), None);
+            assert_eq!(sphere(2.0, EmissionSides::Front).pdf_li(at[0], DVec3::Z), 0.0);
         }
     }
 
     #[test]
     fn solid_angle_keeps_its_digits() {
-        let light = SphereLight::new(DVec3::ZERO, 1.0, white(Sides::Front)).expect("a light");
+        let light = SphereLight::new(DVec3::ZERO, 1.0, white(EmissionSides::Front)).expect("a light");
         assert!((light.solid_angle(DVec3::X * 2.0) - 0.8417872145).abs() < 1e-10);
         for distance in [1e4, 1e8, 1e20] {
             let flat = PI / (distance * distance);
@@ -267,23 +267,23 @@ mod tests {
     #[test]
     fn densities_agree_and_integrate_to_one() {
         for distance in [1.0 + 1e-6, 1.5, 10.0, 1e4] {
-            for sides in [Sides::Front, Sides::Both] {
+            for sides in [EmissionSides::Front, EmissionSides::Both] {
                 let light = sphere(1.0, sides);
                 let [point, _] = receiver(distance, 0.0);
                 assert_samples_and_pdf_agree(&light, point, 1e-12);
                 integral_of_pdf(&light, point, 100_000).assert(&format!("pdf from {distance}"), 1.0);
             }
         }
-        assert_samples_and_pdf_agree(&sphere(1.0, Sides::Both), DVec3::new(0.1, 0.5, -0.3), 1e-12);
+        assert_samples_and_pdf_agree(&sphere(1.0, EmissionSides::Both), DVec3::new(0.1, 0.5, -0.3), 1e-12);
     }
 
     /// Points lie on the sphere even where it is small and far away.
     #[test]
     fn points_lie_on_the_sphere() {
-        let light = sphere(1.0, Sides::Front);
+        let light = sphere(1.0, EmissionSides::Front);
         for distance in [1.0 + 1e-9, 2.0, 1e7, 1e14] {
             for u in [[0.0, 0.0], [0.3, 0.9], [0.999_999, 0.5], [1.0, 0.25]] {
-                let sample = light.sample(DVec3::X * distance, u).expect("a sample");
+                let sample = light.sample_li(DVec3::X * distance, u).expect("a sample");
                 let off = (sample.point.expect("a point").length() - 1.0).abs();
                 assert!(off < 1e-15, "{off} from {distance}");
             }
@@ -292,35 +292,35 @@ mod tests {
 
     #[test]
     fn a_wrong_density_is_caught() {
-        let (light, at) = (sphere(1.0, Sides::Front), receiver(2.0, 0.5));
+        let (light, at) = (sphere(1.0, EmissionSides::Front), receiver(2.0, 0.5));
         let truth = sphere_irradiance(0.5, 0.5);
         assert!(irradiance_by(&light, at, 100_000, |s| s.pdf * 1.01).z(truth) > 5.0);
-        let by_area = |s: &EmitterSample| s.distance * s.distance / (-s.direction.dot(s.normal) * TAU);
+        let by_area = |s: &LightLiSample| s.distance * s.distance / (-s.direction.dot(s.normal) * TAU);
         assert!(irradiance_by(&light, at, 100_000, by_area).z(truth) > 5.0);
     }
 
     #[test]
     fn odd_points_and_numbers_give_nothing_and_never_panic() {
-        for sides in [Sides::Front, Sides::Both] {
+        for sides in [EmissionSides::Front, EmissionSides::Both] {
             let light = sphere(1.0, sides);
             for point in [DVec3::NAN, DVec3::INFINITY, DVec3::MAX] {
-                assert_eq!((light.sample(point, [0.5; 2]), light.pdf(point, DVec3::X)), (None, 0.0), "{point}");
+                assert_eq!((light.sample_li(point, [0.5; 2]), light.pdf_li(point, DVec3::X)), (None, 0.0), "{point}");
             }
             for point in [DVec3::X, DVec3::ZERO, DVec3::X * 1.1] {
                 for u in [[f64::NAN; 2], [-1.0, 0.5], [3.0, 3.0], [1.0; 2]] {
-                    let sample = light.sample(point, u);
+                    let sample = light.sample_li(point, u);
                     assert!(sample.is_none_or(|s| s.direction.is_finite()), "{sample:?}");
                 }
-                assert_eq!(light.pdf(point, DVec3::ZERO), 0.0);
-                assert_eq!(light.pdf(point, DVec3::NAN), 0.0);
+                assert_eq!(light.pdf_li(point, DVec3::ZERO), 0.0);
+                assert_eq!(light.pdf_li(point, DVec3::NAN), 0.0);
             }
         }
-        assert_eq!(sphere(1.0, Sides::Front).sample(DVec3::X, [0.5; 2]), None, "on the light");
+        assert_eq!(sphere(1.0, EmissionSides::Front).sample_li(DVec3::X, [0.5; 2]), None, "on the light");
         for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(SphereLight::new(DVec3::ZERO, radius, white(Sides::Front)).is_err());
+            assert!(SphereLight::new(DVec3::ZERO, radius, white(EmissionSides::Front)).is_err());
         }
-        let black = Emission::new(Rgb::BLACK, Sides::Both).expect("an emission");
+        let black = Emission::new(Rgb::BLACK, EmissionSides::Both).expect("an emission");
         let black = SphereLight::new(DVec3::ZERO, 1.0, black).expect("a light");
-        assert_eq!((black.sample(DVec3::X * 2.0, [0.5; 2]), black.pdf_at(DVec3::X * 2.0)), (None, 0.0));
+        assert_eq!((black.sample_li(DVec3::X * 2.0, [0.5; 2]), black.pdf_li_at(DVec3::X * 2.0)), (None, 0.0));
     }
 }

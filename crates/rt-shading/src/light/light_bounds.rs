@@ -1,18 +1,19 @@
-//! Where lights are, where they shine, and how much that may matter to a point.
+//! Bounds of lights, and their importance for a point.
 
-use super::{Emission, Sides};
+use super::{Emission, EmissionSides};
 use rt_math::transcendental::{atan2, sincos};
 use rt_math::{Aabb, DVec3, Rgb};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Cosines below minus this are those of light that certainly does not arrive, and others count at least as much. Sines
-/// here come from 1 − cos², which near the poles leaves them half of the digits (2⁻²⁶): this is more.
-const LEAST_COSINE: f64 = 1.0 / (1u64 << 20) as f64;
+/// Light with a cosine below minus this certainly does not arrive; other cosines count at least as much. Sines come from
+/// 1 − cos², which near the poles leaves half of the digits (2⁻²⁶): this is more.
+const MIN_COSINE: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// The extent of a light or of many, the cone of their normals, and their power: the node of a light tree (Conty Estevez,
-/// Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018).
+/// Box around lights, cone of their normals, and power: the node of a light tree.
+///
+/// Conty Estevez, Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EmitterBounds {
+pub struct LightBounds {
     around: Aabb,
     axis: DVec3,
     spread: f64,
@@ -21,25 +22,36 @@ pub struct EmitterBounds {
     power: f64,
 }
 
-impl EmitterBounds {
-    /// Of lights within a box (world space), of which no normal is farther than `spread` (0 to π) from the unit `axis`.
-    /// Light leaves up to π/2 from each normal; a light without any, as a point, has the spread π.
+/// Extent of a light, as a light tree treats it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightExtent {
+    /// Light without power.
+    Black,
+    /// Light within bounds.
+    Bounded(LightBounds),
+    /// Light from all directions, as an environment.
+    Unbounded,
+}
+
+impl LightBounds {
+    /// Bounds of lights within a box (world space) whose normals are within the angle `spread` (0 to π) of the unit `axis`.
+    /// Light leaves up to π/2 from each normal; a light without normals, as a point, has the spread π.
     pub fn new(around: Aabb, axis: DVec3, spread: f64, power: Rgb) -> Self {
-        // Light that is too faint to have a luminance counts something, and none more than the greatest number.
+        // Positive where the luminance underflows, finite where it overflows.
         let counted = if power.is_black() { 0.0 } else { power.luminance().clamp(f64::MIN_POSITIVE, f64::MAX) };
         Self::of_parts(around, (axis, spread), counted)
     }
 
-    /// Of light that shines in all directions from within a box, also from a point.
+    /// Bounds of light in all directions from within a box or from a point.
     pub fn all_around(around: Aabb, power: Rgb) -> Self {
         Self::new(around, DVec3::Z, PI, power)
     }
 
-    /// Of a flat light with this unit normal.
+    /// Bounds of a flat light with this unit normal.
     pub(super) fn of_flat(around: Aabb, normal: DVec3, emission: &Emission, area: f64) -> Self {
         let spread = match emission.sides() {
-            Sides::Front => 0.0,
-            Sides::Both => PI,
+            EmissionSides::Front => 0.0,
+            EmissionSides::Both => PI,
         };
         Self::new(around, normal, spread, emission.power(area))
     }
@@ -49,12 +61,12 @@ impl EmitterBounds {
         Self { around, axis, spread, edge: Angle { cos, sin }, power }
     }
 
-    /// The box, world space.
+    /// Box around the lights, world space.
     pub const fn around(&self) -> Aabb {
         self.around
     }
 
-    /// Middle of the normals, unit.
+    /// Axis of the cone of normals, unit.
     pub const fn axis(&self) -> DVec3 {
         self.axis
     }
@@ -64,26 +76,26 @@ impl EmitterBounds {
         self.spread
     }
 
-    /// What the lights count when they are compared: the luminance of their power.
+    /// Luminance of the power.
     pub const fn power(&self) -> f64 {
         self.power
     }
 
-    /// Of both.
+    /// Bounds of both.
     pub fn union(&self, other: &Self) -> Self {
         let cone = union_of_cones((self.axis, self.spread), (other.axis, other.spread));
         Self::of_parts(self.around.union(other.around), cone, self.power + other.power)
     }
 
-    /// An estimate of the light that arrives at `point`: power · cos θ′ · cos θᵢ′ / d² (equation 3 of the paper), each
-    /// angle the least that it can be for lights within the ball around the box. 0 only if no light can arrive.
+    /// Estimate of incident light at `point`: power · cos θ′ · cos θᵢ′ / d² (equation 3 of the paper). Each angle is the smallest
+    /// for lights within the sphere around the box. 0 only if no light can arrive.
     ///
-    /// `normal`, unit, is that of a surface which is lit on this side alone; `None` if light may come from all sides.
+    /// `normal` (unit) restricts light to the side that it points to; `None` if light from all sides counts.
     pub fn importance(&self, point: DVec3, normal: Option<DVec3>) -> f64 {
         let towards = self.around.centre() - point;
         let radius2 = 0.25 * self.around.extent().length_squared();
         let distance2 = towards.length_squared();
-        // From within the ball all directions are possible, and the light is about as far as the ball is large.
+        // Inside of the sphere all directions are possible, and its radius stands for the distance.
         let weakened = self.power / distance2.max(radius2).max(f64::MIN_POSITIVE);
         if !(distance2 > radius2) {
             return finite(weakened);
@@ -95,8 +107,8 @@ impl EmitterBounds {
         finite(weakened * at_least(leaving.cos) * at_least(arriving))
     }
 
-    /// What the directions of the lights cost in a split: the solid angle into which they may shine, weighted by the
-    /// cosine (section 4.2 of the paper, M_Ω, with light up to π/2 from each normal).
+    /// Cost of the directions in a split: the solid angle of emission, weighted by the cosine. This is M_Ω of section 4.2 of the
+    /// paper, with light up to π/2 from each normal.
     pub(super) fn directions(&self) -> f64 {
         let Angle { sin, cos } = self.edge;
         let reach = (self.spread + FRAC_PI_2).min(PI);
@@ -111,7 +123,7 @@ fn finite(importance: f64) -> f64 {
 }
 
 fn at_least(cos: f64) -> f64 {
-    if cos < -LEAST_COSINE { 0.0 } else { cos.max(LEAST_COSINE) }
+    if cos < -MIN_COSINE { 0.0 } else { cos.max(MIN_COSINE) }
 }
 
 /// An angle from 0 to π.
@@ -143,7 +155,7 @@ impl Angle {
     }
 }
 
-/// The smallest cone around two, each an axis and an angle (algorithm 1 of the paper).
+/// Smallest cone around two, each an axis and an angle (algorithm 1 of the paper).
 fn union_of_cones(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
     let (wide, narrow) = if a.1 >= b.1 { (a, b) } else { (b, a) };
     let across = wide.0.cross(narrow.0);
@@ -186,10 +198,10 @@ mod tests {
         assert_eq!(union_of_cones((DVec3::Z, 0.3), (DVec3::Z, 0.1)), (DVec3::Z, 0.3));
     }
 
-    /// Light that leaves up to π/2 from a single normal weighs π, and from all of them 4π.
+    /// A single normal has the measure π, all normals have 4π.
     #[test]
     fn directions_are_weighed_as_in_the_paper() {
-        let of = |spread| EmitterBounds::new(Aabb::new(DVec3::ZERO, DVec3::ONE), DVec3::Z, spread, Rgb::WHITE);
+        let of = |spread| LightBounds::new(Aabb::new(DVec3::ZERO, DVec3::ONE), DVec3::Z, spread, Rgb::WHITE);
         assert!((of(0.0).directions() - PI).abs() < 1e-14);
         assert!((of(PI).directions() - 4.0 * PI).abs() < 1e-14);
         assert!((1..20).all(|i| of(f64::from(i) * 0.15).directions() > of(f64::from(i - 1) * 0.15).directions()));
@@ -198,7 +210,7 @@ mod tests {
     #[test]
     fn importance_of_a_small_light_is_that_of_a_point() {
         let (around, axis) = (Aabb::new(DVec3::ZERO, DVec3::ZERO), DVec3::new(0.0, 0.6, 0.8));
-        let light = EmitterBounds::new(around, axis, 0.0, Rgb::gray(5.0));
+        let light = LightBounds::new(around, axis, 0.0, Rgb::gray(5.0));
         let above = light.importance(DVec3::Z * 2.0, Some(DVec3::new(0.6, 0.0, -0.8)));
         assert!((above - 5.0 * 0.8 * 0.8 / 4.0).abs() < 1e-14, "{above}");
         assert_eq!(light.importance(DVec3::NEG_Z, None), 0.0, "behind the light");

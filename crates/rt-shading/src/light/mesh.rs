@@ -1,14 +1,14 @@
-//! Meshes that shine.
+//! Mesh lights.
 
+use super::light_sample::{by_solid_angle, density};
 use super::piecewise_constant::{accumulate, find, probability};
-use super::sample::{by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
-use super::{Emission, EmitterBounds, EmitterError, EmitterPoint, EmitterSample, Sides};
+use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::{ShapeError, Triangle, WatertightRay};
 use rt_math::{Aabb, DVec3, Interval, Ray, Rgb};
 
-/// A set of triangles. One of them is chosen in proportion to its area; within it, directions are uniform by solid angle
-/// (Arvo 1995), or points by area where the triangle subtends less than 2⁻¹⁴ sr.
+/// Set of triangles. One of them is sampled in proportion to its area, then a direction uniformly by solid angle (Arvo 1995).
+/// A triangle that subtends less than 2⁻¹⁴ sr is sampled by area.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshLight {
     faces: Vec<Face>,
@@ -22,73 +22,73 @@ pub struct MeshLight {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Face {
     vertices: [DVec3; 3],
-    /// Unit normal, and zero without area.
+    /// Unit normal; zero without area.
     normal: DVec3,
     area: f64,
 }
 
 impl MeshLight {
-    /// The light over triangles in world space, whose fronts are where their vertices run counter-clockwise. Triangles
-    /// without area are kept, so that numbers stay, and are never chosen.
+    /// Light over triangles in world space. Vertices run counter-clockwise on the front side. Triangles without area keep their
+    /// index and are never sampled.
     ///
     /// # Errors
     /// If all of them have no area together, or a coordinate is not finite.
-    pub fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>, emission: Emission) -> Result<Self, EmitterError> {
+    pub fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>, emission: Emission) -> Result<Self, LightError> {
         let faces = triangles.into_iter().map(Face::new).collect::<Result<Vec<_>, _>>()?;
         let mut areas: Vec<f64> = faces.iter().map(|face| face.area).collect();
         let area = accumulate(&mut areas);
         if area == 0.0 {
-            return Err(EmitterError::BadArea(faces.iter().map(|face| face.area).sum()));
+            return Err(LightError::BadArea(faces.iter().map(|face| face.area).sum()));
         }
         let around = Aabb::from_points(faces.iter().flat_map(|face| face.vertices));
         Ok(Self { faces, areas, area, around, emission })
     }
 
-    /// The area of one side of all triangles.
+    /// Area of one side of all triangles.
     pub const fn area(&self) -> f64 {
         self.area
     }
 
-    /// What the surface emits.
+    /// Emission of the surface.
     pub const fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// A direction towards a point of the mesh. `None` if its triangle is seen from behind or edge-on. The mesh may hide the
-    /// point from itself, as anything else may.
-    pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<EmitterSample> {
+    /// Samples a direction towards a point of the mesh. `None` if its triangle faces away or is edge-on. Other triangles of the
+    /// mesh may occlude the point.
+    pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let (index, rest) = find(&self.areas, u[0])?;
         let face = self.faces.get(index)?;
         let height = (face.vertices[0] - point).dot(face.normal);
-        let radiance = self.emission.seen(height);
+        let radiance = self.emission.emitted(height);
         if radiance.is_black() {
             return None;
         }
         let on_light = face.sample(point, height, [rest, u[1]]);
-        let at = EmitterPoint { point: on_light, normal: face.normal, triangle: u32::try_from(index).ok()? };
+        let at = LightPoint { point: on_light, normal: face.normal, triangle: u32::try_from(index).ok()? };
         let extent = self.around.extent().max_element();
-        EmitterSample::of_surface(point, &at, extent, radiance, self.pdf_at(point, on_light, at.triangle))
+        LightLiSample::of_surface(point, &at, extent, radiance, self.pdf_li_at(point, on_light, at.triangle))
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes the direction from `point` to a point of the
-    /// given triangle. 0 where that is not seen, and for triangles that are not there.
-    pub fn pdf_at(&self, point: DVec3, on_light: DVec3, triangle: u32) -> f64 {
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point of the
+    /// given triangle. 0 where it is invisible, and for an index out of range.
+    pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3, triangle: u32) -> f64 {
         let Some(face) = self.faces.get(triangle as usize) else { return 0.0 };
         let height = (face.vertices[0] - point).dot(face.normal);
-        if self.emission.seen(height).is_black() {
+        if self.emission.emitted(height).is_black() {
             return 0.0;
         }
         density(probability(&self.areas, triangle as usize) * face.pdf(point, height, on_light))
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes the point that is first met in this
-    /// direction; 0 for one that passes by. All triangles are tested: whoever has the hit calls [`pdf_at`](Self::pdf_at).
-    pub fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
-        self.intersect(point, direction).map_or(0.0, |at| self.pdf_at(point, at.point, at.triangle))
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the first point in this
+    /// direction; 0 for a miss. All triangles are tested: [`pdf_li_at`](Self::pdf_li_at) is faster for a known hit.
+    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
+        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point, at.triangle))
     }
 
-    /// Where a ray from `point` meets the mesh first, from either side. All triangles are tested.
-    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<EmitterPoint> {
+    /// First hit of a ray from `point` with the mesh, from either side. All triangles are tested.
+    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let ray = WatertightRay::new(&Ray::new(point, direction));
         let mut nearest = None;
         let mut span = Interval::SPAWNED;
@@ -96,43 +96,43 @@ impl MeshLight {
             let Some(hit) = ray.intersect(face.vertices, span) else { continue };
             if face.area > 0.0 && (nearest.is_none() || hit.t < span.max) {
                 span.max = hit.t;
-                nearest = Some(EmitterPoint { point: point + direction * hit.t, normal: face.normal, triangle });
+                nearest = Some(LightPoint { point: point + direction * hit.t, normal: face.normal, triangle });
             }
         }
         nearest
     }
 
-    /// A point of the light, uniform over its area, from two numbers in `[0, 1)`; its `normal` is on the front side.
-    pub fn sample_area(&self, u: [f64; 2]) -> Option<EmitterPoint> {
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> Option<LightPoint> {
         let (index, rest) = find(&self.areas, u[0])?;
         let face = self.faces.get(index)?;
         let [a, b, c] = face.vertices;
         let root = rest.sqrt();
         let point = a + (b - a) * (root * (1.0 - u[1])) + (c - a) * (root * u[1]);
-        Some(EmitterPoint { point, normal: face.normal, triangle: u32::try_from(index).ok()? })
+        Some(LightPoint { point, normal: face.normal, triangle: u32::try_from(index).ok()? })
     }
 
-    /// Radiance of the light for one who looks along `direction` at it.
-    pub fn radiance(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.seen(direction.dot(normal))
+    /// Radiance against the viewing `direction`, of any length.
+    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        self.emission.emitted(direction.dot(normal))
     }
 
-    /// Power of all sides that shine.
+    /// Power of all emissive sides.
     pub fn power(&self) -> Rgb {
         self.emission.power(self.area)
     }
 
-    /// Where the light is and where it shines.
-    pub fn bounds(&self) -> Option<EmitterBounds> {
-        if self.emission.sides() == Sides::Both {
-            return Some(EmitterBounds::all_around(self.around, self.power()));
+    /// Bounds of positions and directions.
+    pub fn bounds(&self) -> Option<LightBounds> {
+        if self.emission.sides() == EmissionSides::Both {
+            return Some(LightBounds::all_around(self.around, self.power()));
         }
-        let shining = self.faces.iter().filter(|face| face.area > 0.0);
+        let emissive = self.faces.iter().filter(|face| face.area > 0.0);
         let bounds = |face: &Face| {
             let around = Aabb::from_points(face.vertices);
-            EmitterBounds::of_flat(around, face.normal, &self.emission, face.area)
+            LightBounds::of_flat(around, face.normal, &self.emission, face.area)
         };
-        shining.map(bounds).reduce(|a, b| a.union(&b))
+        emissive.map(bounds).reduce(|a, b| a.union(&b))
     }
 }
 
@@ -186,7 +186,7 @@ impl Face {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Emitter;
+    use super::super::Light;
     use super::super::polygon_irradiance;
     use super::super::test_estimate::{
         Estimate, assert_rays_agree, assert_samples_and_pdf_agree, integral_of_pdf, irradiance, irradiance_by, white,
@@ -196,8 +196,8 @@ mod tests {
     /// The triangle of which the irradiance is published; its normal is +z.
     const TRIANGLE: [DVec3; 3] = [DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.0)];
 
-    fn mesh(triangles: &[[DVec3; 3]], sides: Sides) -> Emitter {
-        Emitter::Mesh(MeshLight::new(triangles.iter().copied(), white(sides)).expect("a light"))
+    fn mesh(triangles: &[[DVec3; 3]], sides: EmissionSides) -> Light {
+        Light::Mesh(MeshLight::new(triangles.iter().copied(), white(sides)).expect("a light"))
     }
 
     /// A cube of side 2 around a point, its normals outside; a square without area is among its triangles.
@@ -227,13 +227,13 @@ mod tests {
             [DVec3::new(0.6, 0.6, 0.9), DVec3::NEG_X],
             [DVec3::new(0.0, 0.0, -200.0), DVec3::Z],
         ] {
-            let light = mesh(&[TRIANGLE], Sides::Both);
+            let light = mesh(&[TRIANGLE], EmissionSides::Both);
             irradiance(&light, at, 200_000)
                 .assert(&format!("triangle from {}", at[0]), polygon_irradiance(&TRIANGLE, at[0], at[1]));
             assert_samples_and_pdf_agree(&light, at[0], 1e-6);
         }
         let far = [DVec3::new(0.0, 0.0, -1e6), DVec3::Z];
-        irradiance(&mesh(&[TRIANGLE], Sides::Both), far, 1000)
+        irradiance(&mesh(&[TRIANGLE], EmissionSides::Both), far, 1000)
             .assert("triangle from afar", 0.5 / (1e6 + 1.0) / (1e6 + 1.0));
     }
 
@@ -241,7 +241,7 @@ mod tests {
     fn a_square_of_triangles_is_a_square() {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
         let [a, b, c, d] = corners;
-        let light = mesh(&[[a, b, c], [a, a, b], [a, c, d]], Sides::Front);
+        let light = mesh(&[[a, b, c], [a, a, b], [a, c, d]], EmissionSides::Front);
         for point in [DVec3::new(0.5, 0.3, 0.1), DVec3::new(3.0, 2.0, 1.0), DVec3::new(0.2, -0.1, 30.0)] {
             let at = [point, DVec3::new(0.1, -0.2, -1.0).normalize()];
             irradiance(&light, at, 200_000)
@@ -253,8 +253,8 @@ mod tests {
     /// A triangle that is seen from behind gives nothing: the density integrates to the part of the area that faces the
     /// point.
     #[test]
-    fn a_cube_shines_by_the_sides_that_are_seen() {
-        let light = mesh(&cube(DVec3::ZERO), Sides::Front);
+    fn visible_sides_of_a_cube_emit() {
+        let light = mesh(&cube(DVec3::ZERO), EmissionSides::Front);
         for (point, sides) in
             [(DVec3::new(0.0, 3.0, 0.0), 1.0), (DVec3::new(2.0, 3.0, -4.0), 3.0), (DVec3::X * 1.001, 1.0)]
         {
@@ -262,8 +262,12 @@ mod tests {
             assert_samples_and_pdf_agree(&light, point, 1e-6);
             assert_rays_agree(&light, [point, -point.normalize()], 100_000);
         }
-        assert_eq!((light.sample(DVec3::ZERO, [0.4; 2]), light.pdf(DVec3::ZERO, DVec3::X)), (None, 0.0), "within");
-        irradiance(&mesh(&cube(DVec3::X), Sides::Both), [DVec3::ZERO + 1.1 * DVec3::X, DVec3::Y], 100_000)
+        assert_eq!(
+            (light.sample_li(DVec3::ZERO, [0.4; 2]), light.pdf_li(DVec3::ZERO, DVec3::X)),
+            (None, 0.0),
+            "within"
+        );
+        irradiance(&mesh(&cube(DVec3::X), EmissionSides::Both), [DVec3::ZERO + 1.1 * DVec3::X, DVec3::Y], 100_000)
             .assert("within a cube", std::f64::consts::PI);
     }
 
@@ -271,7 +275,7 @@ mod tests {
     #[test]
     fn samples_by_solid_angle_vary_less_than_those_by_area() {
         let at = [DVec3::new(0.25, 0.25, 0.9), DVec3::Z];
-        let by_angle = irradiance(&mesh(&[TRIANGLE], Sides::Both), at, 50_000);
+        let by_angle = irradiance(&mesh(&[TRIANGLE], EmissionSides::Both), at, 50_000);
         let by_area = Estimate::of(50_000, |u| {
             let root = u[0].sqrt();
             let on_light = DVec3::new(root * (1.0 - u[1]), root * u[1], 1.0);
@@ -285,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_wrong_density_is_caught() {
-        let (light, at) = (mesh(&[TRIANGLE], Sides::Both), [DVec3::ZERO, DVec3::Z]);
+        let (light, at) = (mesh(&[TRIANGLE], EmissionSides::Both), [DVec3::ZERO, DVec3::Z]);
         assert!(
             irradiance_by(&light, at, 200_000, |s| s.pdf * 1.01).z(polygon_irradiance(&TRIANGLE, at[0], at[1])) > 5.0
         );
@@ -293,31 +297,31 @@ mod tests {
 
     #[test]
     fn odd_points_and_numbers_give_nothing_and_never_panic() {
-        let light = mesh(&cube(DVec3::ZERO), Sides::Both);
+        let light = mesh(&cube(DVec3::ZERO), EmissionSides::Both);
         for point in [DVec3::NAN, DVec3::INFINITY, DVec3::MAX] {
-            assert_eq!((light.sample(point, [0.5; 2]), light.pdf(point, DVec3::X)), (None, 0.0), "{point}");
+            assert_eq!((light.sample_li(point, [0.5; 2]), light.pdf_li(point, DVec3::X)), (None, 0.0), "{point}");
         }
         for point in [DVec3::ONE, DVec3::X, DVec3::ZERO] {
             for u in [[f64::NAN; 2], [-1.0, 2.0], [1.0; 2], [0.0; 2], [5.0, 5.0]] {
-                assert!(light.sample(point, u).is_none_or(|s| s.direction.is_finite()));
+                assert!(light.sample_li(point, u).is_none_or(|s| s.direction.is_finite()));
             }
-            assert_eq!(light.pdf(point, DVec3::NAN), 0.0);
+            assert_eq!(light.pdf_li(point, DVec3::NAN), 0.0);
         }
-        let missing = EmitterPoint { point: DVec3::X, normal: DVec3::X, triangle: 99 };
-        assert_eq!(light.pdf_at(DVec3::ZERO, &missing), 0.0);
+        let missing = LightPoint { point: DVec3::X, normal: DVec3::X, triangle: 99 };
+        assert_eq!(light.pdf_li_at(DVec3::ZERO, &missing), 0.0);
         for bad in [vec![], vec![[DVec3::X; 3]], vec![[DVec3::NAN; 3]], vec![[DVec3::X, DVec3::Y, DVec3::INFINITY]]] {
-            assert!(MeshLight::new(bad, white(Sides::Front)).is_err());
+            assert!(MeshLight::new(bad, white(EmissionSides::Front)).is_err());
         }
     }
 
     #[test]
     fn bounds_hold_the_directions_of_all_normals() {
         let roof = [[DVec3::ZERO, DVec3::X, DVec3::Y], [DVec3::ZERO, DVec3::Y, DVec3::Z]];
-        let bounds = mesh(&roof, Sides::Front).bounds().expect("bounds");
+        let bounds = mesh(&roof, EmissionSides::Front).bounds().expect("bounds");
         assert!((bounds.spread() - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
         assert!((bounds.axis() - DVec3::new(1.0, 0.0, 1.0).normalize()).length() < 1e-15);
         assert_eq!(
-            mesh(&cube(DVec3::ZERO), Sides::Front).bounds().expect("bounds").around().extent(),
+            mesh(&cube(DVec3::ZERO), EmissionSides::Front).bounds().expect("bounds").around().extent(),
             DVec3::splat(2.0)
         );
     }

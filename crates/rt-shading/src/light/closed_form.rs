@@ -1,18 +1,18 @@
-//! What lights of radiance 1 give a surface, in closed form: the truth that estimates are held against.
+//! Irradiance from lights of radiance 1 in closed form: expected values for tests.
 
 use rt_math::DVec3;
 use rt_math::transcendental::{acos, atan2, sincos};
 use std::f64::consts::PI;
 
-/// The irradiance from a polygon of radiance 1 on both sides, at a point of a surface with a unit normal; what is below the
-/// horizon of the surface is cut off (Lambert 1760; Arvo 1995).
+/// Irradiance from a polygon of radiance 1 on both sides, at a point of a surface with a unit normal (Lambert 1760; Arvo 1995).
+/// The horizon of the surface clips the polygon.
 ///
-/// The corners are those of a flat polygon, in order. Of fewer than three it is 0, of numbers that are not finite any number
-/// or NaN. Angles come from `atan2`: `acos` of a cosine loses half of the digits of a polygon far away.
+/// The corners are those of a flat polygon, in order. Fewer than three give 0, non-finite numbers any number or NaN. Angles
+/// come from `atan2`: `acos` of a cosine loses half of the digits of a distant polygon.
 ///
 /// ```
 /// use rt_math::DVec3;
-/// use rt_shading::emitter::polygon_irradiance;
+/// use rt_shading::light::polygon_irradiance;
 ///
 /// // A unit square from far above is as bright as its solid angle.
 /// let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 1000.0));
@@ -39,8 +39,10 @@ pub fn polygon_irradiance(corners: &[DVec3], point: DVec3, normal: DVec3) -> f64
     0.5 * (0..above.len()).map(edge).sum::<f64>().abs()
 }
 
-/// The irradiance from a sphere of radiance 1 of which the sine of half the angle is `sin`, in (0, 1], seen at the angle
-/// `theta` from the normal, in [0, π]; also where the horizon cuts it (Snyder 1996). NaN of NaN.
+/// Irradiance from a sphere of radiance 1, also where the horizon clips it (Snyder 1996). NaN for NaN.
+///
+/// `sin` in (0, 1] is the sine of half the angle that the sphere subtends. `theta` in [0, π] is the angle between its centre and
+/// the normal.
 pub fn sphere_irradiance(sin: f64, theta: f64) -> f64 {
     let (sin_theta, cos_theta) = sincos(theta);
     if cos_theta >= sin {
@@ -56,8 +58,10 @@ pub fn sphere_irradiance(sin: f64, theta: f64) -> f64 {
     sin * sin * (cos_theta * acos(y) - cot * sin_theta * root) + atan2(sin_theta * root, cot)
 }
 
-/// The irradiance from a disk of radiance 1, parallel to the surface, with this radius at this height above it, both positive,
-/// and with its axis so far from the point (Howell, *A Catalog of Radiation Configuration Factors*, 1982). NaN of NaN.
+/// Irradiance from a disk of radiance 1 parallel to the surface (Howell, *A Catalog of Radiation Configuration Factors*, 1982).
+/// NaN for NaN.
+///
+/// `radius` and `height` above the surface are positive; `off_axis` is the distance of the point from the axis.
 ///
 /// ```text
 ///   (π/2) (1 − a/b)     a = h² + d² − r²     b² = (h² + (d − r)²) (h² + (d + r)²) = a² + 4 r² h²
@@ -80,9 +84,9 @@ mod tests {
         polygon_irradiance(&corners.map(|[x, y]| DVec3::new(x + aside, y + aside, height)), DVec3::ZERO, DVec3::Z)
     }
 
-    /// Computed with 40 digits, and checked by quadrature.
+    /// Expected values have 40 digits and agree with quadrature.
     #[test]
-    fn closed_forms_have_the_values_that_others_computed() {
+    fn closed_forms_have_published_values() {
         let triangle = [DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.0)];
         let triangle = |normal| polygon_irradiance(&triangle, DVec3::ZERO, normal);
         for (name, computed, expected) in [

@@ -1,17 +1,17 @@
-//! Light from all around: an image on the inside of a sphere that is infinitely large.
+//! Environment light: an image on the inside of an infinitely large sphere.
 
 #[cfg(test)]
 mod tests;
 
-use super::emission::check_radiance;
+use super::light_error::check_radiance;
+use super::light_sample::density;
 use super::piecewise_constant::{accumulate, find, probability};
-use super::sample::density;
-use super::{EmitterError, EmitterSample};
+use super::{LightError, LightLiSample};
 use rt_math::transcendental::{atan2, sin, sincos};
 use rt_math::{DMat3, DQuat, DVec3, Rgb, Transform};
 use std::f64::consts::{PI, TAU};
 
-/// An equirectangular image around the scene, looked up bilinearly and sampled by its luminance.
+/// Equirectangular image around the scene, interpolated bilinearly and sampled by luminance.
 ///
 /// ```text
 ///            +y                  column   0 ··· ¼ ··· ½ ··· ¾ ··· 1
@@ -22,39 +22,38 @@ use std::f64::consts::{PI, TAU};
 ///            −y                  L(θ, φ),  p(ω) = P(cell) / Ω(cell),  P ∝ luminance · Ω
 /// ```
 ///
-/// The cells of the distribution lie *between* the centres of the pixels, where the image is a mixture of four of them: the
-/// density is positive wherever there is light. Within a cell, heights `cos θ` are uniform and not the angles θ: the
-/// density is constant over the cell, the same solid angle has the same chance, and nothing is divided by the `sin θ`
-/// that vanishes at the poles. Otherwise this is the piecewise-constant distribution of PBR 4th ed., section 12.5.2. A
-/// constant image is sampled uniformly.
+/// Cells of the distribution lie *between* the centres of the pixels, where the image is interpolated from four of them. The
+/// density is thus positive wherever there is light. Within a cell, heights `cos θ` are uniform, not the angles θ. The density
+/// per solid angle is thus constant and needs no division by `sin θ`, which vanishes at the poles. Otherwise this is the
+/// piecewise-constant distribution of PBR 4th ed., section 12.5.2. A constant image is sampled uniformly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentLight {
     width: usize,
     height: usize,
-    /// Row by row from the top.
+    /// Pixels row by row from the top.
     pixels: Vec<Rgb>,
-    /// Running sums over the `width` cells of each of the `height + 1` rows of cells.
+    /// Cumulative distribution over the `width` cells of each of the `height + 1` rows of cells.
     columns: Vec<f64>,
-    /// Running sums over the rows of cells.
+    /// Cumulative distribution over the rows of cells.
     rows: Vec<f64>,
-    /// Where rows of cells begin and end: 1 − cos θ and 1 + cos θ, neither of which cancels.
+    /// Boundaries of rows of cells: 1 − cos θ and 1 + cos θ, neither of which cancels.
     heights: Vec<[f64; 2]>,
     world_from_local: DMat3,
-    /// ∫ L dω, with the radiance of each cell taken as that of its middle.
+    /// ∫ L dω by the radiance in the middle of each cell.
     integral: Rgb,
 }
 
 impl EnvironmentLight {
-    /// The image, row by row from the top, turned into the world by `rotation` (of any length).
+    /// Image, row by row from the top, rotated into world space by `rotation` (of any length).
     ///
     /// # Errors
-    /// If the number of pixels is 0 or not `width · height`, a radiance cannot be used, or the rotation is none.
-    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, rotation: DQuat) -> Result<Self, EmitterError> {
+    /// If the number of pixels is 0 or not `width · height`, a radiance is invalid, or the rotation is zero or not finite.
+    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, rotation: DQuat) -> Result<Self, LightError> {
         if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
-            return Err(EmitterError::BadImage { width, height, pixels: pixels.len() });
+            return Err(LightError::BadImage { width, height, pixels: pixels.len() });
         }
         if let Some(bad) = pixels.iter().position(|&pixel| check_radiance(pixel).is_err()) {
-            return Err(EmitterError::BadPixel { column: bad % width, row: bad / width, radiance: pixels[bad] });
+            return Err(LightError::BadPixel { column: bad % width, row: bad / width, radiance: pixels[bad] });
         }
         let world_from_local = Transform::rotate_quaternion(rotation)?.linear();
         let (columns, rows) = (vec![0.0; width * (height + 1)], vec![0.0; height + 1]);
@@ -67,28 +66,28 @@ impl EnvironmentLight {
         Ok(light)
     }
 
-    /// Bytes of memory that the image of a light takes with the sums that it is drawn by.
+    /// Bytes of memory for an image and its distribution.
     pub const fn memory_of(width: usize, height: usize) -> usize {
         let sums = width.saturating_mul(height + 1).saturating_mul(size_of::<f64>());
         width.saturating_mul(height).saturating_mul(size_of::<Rgb>()).saturating_add(sums)
     }
 
-    /// Bytes of memory that it takes.
+    /// Bytes of memory of this light.
     pub const fn memory(&self) -> usize {
         Self::memory_of(self.width, self.height)
     }
 
-    /// The same radiance from everywhere.
+    /// Constant radiance from all directions.
     ///
     /// # Errors
     /// If a component is NaN, negative, or beyond 1e100.
-    pub fn constant(radiance: Rgb) -> Result<Self, EmitterError> {
+    pub fn constant(radiance: Rgb) -> Result<Self, LightError> {
         check_radiance(radiance)?;
         Self::new(1, 1, vec![radiance], DQuat::IDENTITY)
     }
 
-    /// A direction from which light comes. `None` if the image is black.
-    pub fn sample(&self, u: [f64; 2]) -> Option<EmitterSample> {
+    /// Samples a direction of incident light. `None` if the image is black.
+    pub fn sample_li(&self, u: [f64; 2]) -> Option<LightLiSample> {
         let (row, down) = find(&self.rows, u[1])?;
         let (column, right) = find(self.row_of_cells(row), u[0])?;
         // cos θ runs from the top of the cell to its bottom; sin²θ is the product of its distances to both poles.
@@ -103,7 +102,7 @@ impl EnvironmentLight {
         let pdf = density(self.probability(column, row) / self.cell_solid_angle(row));
         let lower_part = (self.rows_from_top(sin_theta, cos_theta) - row as f64).clamp(0.0, 1.0);
         let radiance = self.mixture(column, row, [right, lower_part]);
-        let sample = EmitterSample {
+        let sample = LightLiSample {
             direction,
             distance: f64::INFINITY,
             point: None,
@@ -115,28 +114,28 @@ impl EnvironmentLight {
         (pdf > 0.0 && !radiance.is_black()).then_some(sample)
     }
 
-    /// Density, per unit solid angle, with which [`sample`](Self::sample) takes this direction, of any length.
-    pub fn pdf(&self, direction: DVec3) -> f64 {
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction, of any length.
+    pub fn pdf_li(&self, direction: DVec3) -> f64 {
         self.place(direction).map_or(0.0, |(x, y)| {
             let (column, row) = (x as usize % self.width, (y as usize).min(self.height));
             density(self.probability(column, row) / self.cell_solid_angle(row))
         })
     }
 
-    /// Radiance that is seen by looking along `direction`, of any length; black for one that is zero or NaN.
-    pub fn radiance(&self, direction: DVec3) -> Rgb {
+    /// Radiance against the viewing `direction`, of any length; black if it is zero or NaN.
+    pub fn le(&self, direction: DVec3) -> Rgb {
         self.place(direction).map_or(Rgb::BLACK, |(x, y)| {
             let (column, row) = (x as usize, (y as usize).min(self.height));
             self.mixture(column % self.width, row, [x - column as f64, y - row as f64])
         })
     }
 
-    /// Power that enters a scene within a ball of this radius: π R² ∫ L dω.
+    /// Power that enters a scene within a sphere of this radius: π R² ∫ L dω.
     pub fn power(&self, scene_radius: f64) -> Rgb {
         self.integral * (PI * scene_radius * scene_radius)
     }
 
-    /// Fills the running sums.
+    /// Fills the distributions.
     fn distribute(&mut self) {
         for row in 0..=self.height {
             let solid_angle = self.cell_solid_angle(row);
@@ -152,21 +151,21 @@ impl EnvironmentLight {
         accumulate(&mut self.rows);
     }
 
-    /// Pixels at the left and at the right of a cell, the upper one first. Columns go around; beyond the poles there is the
-    /// last row again.
+    /// Pixels at the left and at the right of a cell, the upper one first. Columns wrap around; beyond the poles the last row
+    /// repeats.
     fn corners(&self, column: usize, row: usize) -> [[Rgb; 2]; 2] {
         let left = if column == 0 { self.width - 1 } else { column - 1 };
         let rows = [row.saturating_sub(1), row.min(self.height - 1)];
         [left, column].map(|column| rows.map(|row| self.pixels[row * self.width + column]))
     }
 
-    /// What is seen within a cell, at parts of it from the left and from the top.
+    /// Interpolated radiance within a cell, at fractions from the left and from the top.
     fn mixture(&self, column: usize, row: usize, [x, y]: [f64; 2]) -> Rgb {
         let [left, right] = self.corners(column, row);
         left[0].lerp(right[0], x).lerp(left[1].lerp(right[1], x), y)
     }
 
-    /// Where a direction lies, in cells from the left and from the top.
+    /// Position of a direction, in cells from the left and from the top.
     fn place(&self, direction: DVec3) -> Option<(f64, f64)> {
         let local = self.world_from_local.transpose() * direction;
         let across = (local.x * local.x + local.z * local.z).sqrt();
@@ -178,12 +177,12 @@ impl EnvironmentLight {
         Some((turn * self.width as f64 + 0.5, self.rows_from_top(across, local.y)))
     }
 
-    /// The polar angle in rows of cells. Those at the poles are half as high, so they begin half a cell before the image.
+    /// Polar angle in rows of cells. Rows at the poles are half as high: they start half a cell before the image.
     fn rows_from_top(&self, sin: f64, cos: f64) -> f64 {
         atan2(sin, cos) / PI * self.height as f64 + 0.5
     }
 
-    /// The height cos θ of a row of cells.
+    /// Height cos θ of a row of cells.
     fn band(&self, row: usize) -> f64 {
         let [top, bottom] = [self.heights[row], self.heights[row + 1]];
         // The difference of the smaller numbers is exact to more digits.
@@ -203,7 +202,7 @@ impl EnvironmentLight {
     }
 }
 
-/// What a colour counts in the choice: its luminance, and something for light that is too faint to have one.
+/// Sampling weight of a radiance: its luminance, but positive where that underflows.
 fn weight(radiance: Rgb) -> f64 {
     if radiance.is_black() { 0.0 } else { radiance.luminance().max(f64::MIN_POSITIVE) }
 }

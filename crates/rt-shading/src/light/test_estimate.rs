@@ -1,12 +1,12 @@
-//! What the tests of lights have in common: estimates with their standard errors.
+//! Estimates with standard errors, for tests of lights.
 
-use super::{Emission, Emitter, EmitterSample, Sides};
+use super::{Emission, EmissionSides, Light, LightLiSample};
 use rt_math::random::{hash, unit};
 use rt_math::transcendental::sincos;
 use rt_math::{DVec3, Frame, Rgb};
 use std::f64::consts::TAU;
 
-/// A mean of random numbers.
+/// Mean of random numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Estimate {
     pub(super) mean: f64,
@@ -14,7 +14,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// The mean of `f` over the unit square.
+    /// Mean of `f` over the unit square.
     pub(super) fn of(count: u32, f: impl Fn([f64; 2]) -> f64) -> Self {
         let (mut mean, mut squares) = (0.0, 0.0);
         for i in 0..count {
@@ -28,7 +28,7 @@ impl Estimate {
         Self { mean, standard_error: (squares / (n - 1.0) / n).sqrt() }
     }
 
-    /// How many standard errors the mean is off, where rounding to ten digits does not count.
+    /// Difference from the truth in standard errors; relative differences below 10⁻¹⁰ count as 0.
     pub(super) fn z(&self, truth: f64) -> f64 {
         let off = ((self.mean - truth).abs() - 1e-10 * truth.abs()).max(0.0);
         if off == 0.0 { 0.0 } else { off / self.standard_error }
@@ -43,31 +43,31 @@ impl Estimate {
 }
 
 /// White light from the given sides.
-pub(super) fn white(sides: Sides) -> Emission {
+pub(super) fn white(sides: EmissionSides) -> Emission {
     Emission::new(Rgb::WHITE, sides).expect("an emission")
 }
 
-/// The irradiance of a receiver, with densities as `pdf` has them of the samples.
+/// Irradiance of a receiver, with `pdf` as density of the samples.
 pub(super) fn irradiance_by(
-    light: &Emitter,
+    light: &Light,
     at: [DVec3; 2],
     count: u32,
-    pdf: impl Fn(&EmitterSample) -> f64,
+    pdf: impl Fn(&LightLiSample) -> f64,
 ) -> Estimate {
     let [point, normal] = at;
     Estimate::of(count, |u| {
-        let sample = light.sample(point, u);
+        let sample = light.sample_li(point, u);
         sample.map_or(0.0, |s| s.radiance.g * s.direction.dot(normal).max(0.0) / pdf(&s))
     })
 }
 
-/// The irradiance at a point (first) of a surface with a unit normal (second).
-pub(super) fn irradiance(light: &Emitter, at: [DVec3; 2], count: u32) -> Estimate {
+/// Irradiance at a point (first) of a surface with a unit normal (second).
+pub(super) fn irradiance(light: &Light, at: [DVec3; 2], count: u32) -> Estimate {
     irradiance_by(light, at, count, |sample| sample.pdf)
 }
 
-/// Directions that include all towards the light, uniform over a solid angle, which comes first.
-fn cone(light: &Emitter, point: DVec3) -> (f64, impl Fn([f64; 2]) -> DVec3) {
+/// Solid angle of a cone around the light, and uniform directions within it.
+fn cone(light: &Light, point: DVec3) -> (f64, impl Fn([f64; 2]) -> DVec3) {
     let around = light.bounds().map(|bounds| bounds.around());
     let towards = around.map_or(DVec3::Z, |around| around.centre() - point);
     let radius = around.map_or(f64::INFINITY, |around| 0.5 * around.extent().length() * 1.000_001);
@@ -82,24 +82,24 @@ fn cone(light: &Emitter, point: DVec3) -> (f64, impl Fn([f64; 2]) -> DVec3) {
     })
 }
 
-/// ∫ pdf dω, from directions that know nothing of the light but its bounds.
-pub(super) fn integral_of_pdf(light: &Emitter, point: DVec3, count: u32) -> Estimate {
+/// ∫ pdf dω over directions that depend on the bounds of the light alone.
+pub(super) fn integral_of_pdf(light: &Light, point: DVec3, count: u32) -> Estimate {
     let (solid_angle, direction) = cone(light, point);
-    Estimate::of(count, |u| solid_angle * light.pdf(point, direction(u)))
+    Estimate::of(count, |u| solid_angle * light.pdf_li(point, direction(u)))
 }
 
-/// Irradiance from rays that know nothing of the light but its bounds.
-pub(super) fn irradiance_by_rays(light: &Emitter, [point, normal]: [DVec3; 2], count: u32) -> Estimate {
+/// Irradiance from rays that depend on the bounds of the light alone.
+pub(super) fn irradiance_by_rays(light: &Light, [point, normal]: [DVec3; 2], count: u32) -> Estimate {
     let (solid_angle, direction) = cone(light, point);
     Estimate::of(count, |u| {
         let direction = direction(u);
-        let seen = light.intersect(point, direction).map_or(Rgb::BLACK, |at| light.radiance(direction, at.normal));
+        let seen = light.intersect(point, direction).map_or(Rgb::BLACK, |at| light.le(direction, at.normal));
         solid_angle * seen.g * direction.dot(normal).max(0.0)
     })
 }
 
-/// Fails unless samples of the light give the irradiance that rays find.
-pub(super) fn assert_rays_agree(light: &Emitter, at: [DVec3; 2], count: u32) {
+/// Fails unless samples of the light give the same irradiance as rays.
+pub(super) fn assert_rays_agree(light: &Light, at: [DVec3; 2], count: u32) {
     let (samples, rays) = (irradiance(light, at, count), irradiance_by_rays(light, at, count));
     let squared = |estimate: Estimate| estimate.standard_error * estimate.standard_error;
     let z = (samples.mean - rays.mean).abs() / (squared(samples) + squared(rays)).sqrt();
@@ -107,15 +107,14 @@ pub(super) fn assert_rays_agree(light: &Emitter, at: [DVec3; 2], count: u32) {
     assert!(z < 5.0, "from {}: {samples:?}, by rays {rays:?}", at[0]);
 }
 
-/// Fails unless what is sampled is a sound sample, of which the two ways to ask for the density say the same.
-/// `tolerance` is for densities that vary and is relative. At the rim a direction may pass the light by: of a thousand
-/// this is allowed to one.
-pub(super) fn assert_samples_and_pdf_agree(light: &Emitter, point: DVec3, tolerance: f64) {
+/// Fails unless samples are valid and their density equals `pdf_li` within a relative `tolerance`. At the rim a direction may miss
+/// the light: one of a thousand may do so.
+pub(super) fn assert_samples_and_pdf_agree(light: &Light, point: DVec3, tolerance: f64) {
     let count = 2000;
     let (mut seen, mut passed_by) = (0, 0);
     for i in 0..count {
         let draw = |dimension| unit(hash(&[i, dimension, 77]));
-        let Some(sample) = light.sample(point, [draw(0), draw(1)]) else { continue };
+        let Some(sample) = light.sample_li(point, [draw(0), draw(1)]) else { continue };
         assert!((sample.direction.length() - 1.0).abs() < 1e-14, "{sample:?}");
         assert!(sample.pdf > 0.0 && sample.pdf.is_finite() && !sample.radiance.is_black(), "{sample:?}");
         if let Some(on_light) = sample.point {
@@ -125,7 +124,7 @@ pub(super) fn assert_samples_and_pdf_agree(light: &Emitter, point: DVec3, tolera
             let is_off = off.dot(sample.normal) * sample.direction.dot(sample.normal) < 0.0;
             assert!(is_off, "a shadow ray meets the light: {sample:?}");
         }
-        let pdf = light.pdf(point, sample.direction);
+        let pdf = light.pdf_li(point, sample.direction);
         seen += 1;
         passed_by += u64::from(pdf == 0.0);
         assert!(pdf == 0.0 || (pdf / sample.pdf - 1.0).abs() < tolerance, "{pdf} for {sample:?}");

@@ -1,0 +1,206 @@
+//! Rectangle and parallelogram lights.
+
+use super::light_sample::{by_solid_angle, density};
+use super::solid_angle::{self, MIN_SPHERICAL};
+use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
+use rt_geometry::ShapeError;
+use rt_math::float::gamma;
+use rt_math::transcendental::sincos;
+use rt_math::{Aabb, DVec3, Rgb};
+
+/// Greatest deviation from a right angle of a rectangle, in radians.
+const RIGHT_ANGLE: f64 = 1e-12;
+
+/// Distance to the plane, in diagonals, beyond which a light is sampled by area.
+const FAR: f64 = 2.0;
+
+/// Parallelogram between a corner and two edges. On its front side the edges turn counter-clockwise.
+///
+/// A rectangle is sampled uniformly by solid angle (Ureña, Fajardo, King, "An Area-Preserving Parametrization for Spherical
+/// Rectangles", 2013). The estimate of its irradiance thus varies with the receiver's cosine alone.
+///
+/// Sampling is by area if the edges are not perpendicular, or if the light subtends less than 2⁻¹⁴ sr. So it is, too, if the plane
+/// is more than twice the diagonal away: there, solid angle reduces variance little.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuadLight {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    lengths: [f64; 2],
+    /// Along the edges, unit.
+    axes: [DVec3; 2],
+    normal: DVec3,
+    area: f64,
+    is_rectangle: bool,
+    emission: Emission,
+}
+
+impl QuadLight {
+    /// Light over the parallelogram `corner + s·edges[0] + t·edges[1]`, world space, `s` and `t` from 0 to 1.
+    ///
+    /// # Errors
+    /// If the parallelogram has no area, or a coordinate is not finite.
+    pub fn new(corner: DVec3, edges: [DVec3; 2], emission: Emission) -> Result<Self, LightError> {
+        // The check of coordinates, collinear corners included, is that of a triangle.
+        let corners = [corner, corner + edges[0], corner + edges[1]];
+        rt_geometry::Triangle::new(corners)?;
+        let axes = edges.map(unit);
+        let lengths = [edges[0].dot(axes[0]), edges[1].dot(axes[1])];
+        let across = axes[0].cross(axes[1]);
+        let area = lengths[0] * lengths[1] * across.length();
+        let normal = across.try_normalize().ok_or(ShapeError::NoArea(corners))?;
+        let is_rectangle = axes[0].dot(axes[1]).abs() < RIGHT_ANGLE;
+        if !(area > 0.0 && area.is_finite()) {
+            return Err(LightError::BadArea(area));
+        }
+        Ok(Self { corner, edges, lengths, axes, normal, area, is_rectangle, emission })
+    }
+
+    /// Unit normal on the front side.
+    pub const fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// Area of one side.
+    pub const fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Emission of the surface.
+    pub const fn emission(&self) -> &Emission {
+        &self.emission
+    }
+
+    /// Solid angle that the light subtends, 0 to 2π; 0 for a point in its plane, and NaN for one on its corner.
+    ///
+    /// For a rectangle of sides 2a and 2b seen from the distance d above its middle it is
+    /// `4 asin(ab / √((a² + d²)(b² + d²)))`.
+    pub fn solid_angle(&self, point: DVec3) -> f64 {
+        let a = self.corner - point;
+        let [b, d] = [a + self.edges[0], a + self.edges[1]];
+        let (c, height) = (b + self.edges[1], a.dot(self.normal));
+        solid_angle::of_fan([a, b, c, d], height, self.area)
+    }
+
+    /// Samples a direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
+    pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
+        let height = (self.corner - point).dot(self.normal);
+        let radiance = self.emission.emitted(height);
+        // Rounding must not put a point of the light itself on the emissive side.
+        let rounding = self.normal.abs().dot(self.corner.abs() + point.abs()) * gamma(16);
+        if radiance.is_black() || height.abs() <= rounding {
+            return None;
+        }
+        let (on_light, pdf) = match self.angle_to_sample(point, height) {
+            Some(solid_angle) => (self.spherical_point(point, height, solid_angle, u), 1.0 / solid_angle),
+            None => {
+                let on_light = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
+                (on_light, by_solid_angle(1.0 / self.area, on_light - point, height))
+            }
+        };
+        let at = LightPoint { point: on_light, normal: self.normal, triangle: 0 };
+        LightLiSample::of_surface(point, &at, self.lengths[0] + self.lengths[1], radiance, pdf)
+    }
+
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point on
+    /// the light. 0 where the light is invisible.
+    pub fn pdf_li_at(&self, point: DVec3, on_light: DVec3) -> f64 {
+        let height = (self.corner - point).dot(self.normal);
+        if self.emission.emitted(height).is_black() {
+            return 0.0;
+        }
+        match self.angle_to_sample(point, height) {
+            Some(solid_angle) => density(1.0 / solid_angle),
+            None => density(by_solid_angle(1.0 / self.area, on_light - point, height)),
+        }
+    }
+
+    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
+    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
+        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point))
+    }
+
+    /// Hit of a ray from `point` with the light, from either side.
+    pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
+        let t = (self.corner - point).dot(self.normal) / direction.dot(self.normal);
+        if !(t > 0.0 && t.is_finite()) {
+            return None;
+        }
+        let on_plane = point + direction * t;
+        // Coordinates along the edges, from the areas of the parallelograms that the offset spans with the other edge.
+        let offset = on_plane - self.corner;
+        let s = offset.cross(self.axes[1]).dot(self.normal);
+        let t = self.axes[0].cross(offset).dot(self.normal);
+        let across = self.axes[0].cross(self.axes[1]).dot(self.normal);
+        let is_inside = (0.0..=self.lengths[0] * across).contains(&s) && (0.0..=self.lengths[1] * across).contains(&t);
+        is_inside.then_some(LightPoint { point: on_plane, normal: self.normal, triangle: 0 })
+    }
+
+    /// Samples a point uniformly by area, by two numbers in `[0, 1)`. Its `normal` is on the front side.
+    pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
+        let point = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
+        LightPoint { point, normal: self.normal, triangle: 0 }
+    }
+
+    /// Radiance against the viewing `direction`, of any length.
+    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        self.emission.emitted(direction.dot(normal))
+    }
+
+    /// Power of all emissive sides.
+    pub fn power(&self) -> Rgb {
+        self.emission.power(self.area)
+    }
+
+    /// Bounds of positions and directions.
+    pub fn bounds(&self) -> LightBounds {
+        let [a, b] = self.edges.map(|edge| self.corner + edge);
+        let around = Aabb::from_points([self.corner, a, b, a + self.edges[1]]);
+        LightBounds::of_flat(around, self.normal, &self.emission, self.area)
+    }
+
+    /// Solid angle from a point at `height` above the plane; `None` if the light is sampled by area.
+    #[inline]
+    fn angle_to_sample(&self, point: DVec3, height: f64) -> Option<f64> {
+        let [a, b] = self.lengths;
+        if !self.is_rectangle || height * height > FAR * FAR * (a * a + b * b) {
+            return None;
+        }
+        let solid_angle = self.solid_angle(point);
+        (solid_angle >= MIN_SPHERICAL).then_some(solid_angle)
+    }
+
+    /// Maps `u` of the unit square to the spherical rectangle, and returns the point on the light.
+    ///
+    /// Coordinates are along the edges, with the plane at z = −h. The first number selects a part of the solid angle, bounded by
+    /// a great circle through x = const. The second selects a part of the arc between the other two edges. Names are those of
+    /// the paper. Here x is computed without the cosine c, whose 1 − c² cancels at grazing angles.
+    fn spherical_point(&self, point: DVec3, height: f64, solid_angle: f64, u: [f64; 2]) -> DVec3 {
+        let (offset, h) = (self.corner - point, height.abs());
+        let [x0, y0] = self.axes.map(|axis| offset.dot(axis));
+        let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
+        let [r, r0, r1] = [x0, y0, y1].map(|c| (c * c + h * h).sqrt());
+        let (b0, b1, n3) = (-y0 / r0, y1 / r1, -x0 / r);
+        // The angle that the first number adds to is k = 2π − g₂ − g₃, with inner angles g whose cosines are known.
+        let [g2, g3] = [-b1 * n3, -n3 * b0].map(|cos| (((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), cos));
+        let (sin_k, cos_k) = (-g2.0 * g3.1 - g2.1 * g3.0, g2.1 * g3.1 - g2.0 * g3.0);
+        let (sin, cos) = sincos(u[0] * solid_angle);
+        let (sin, cos) = (sin * cos_k + cos * sin_k, cos * cos_k - sin * sin_k);
+        let f = (cos * b0 - b1) / sin;
+        let c0 = h / r0;
+        let x = f.signum() * h / ((f - c0) * (f + c0)).max(0.0).sqrt();
+        let x = x.max(x0).min(x1);
+        let d = (x * x + h * h).sqrt();
+        let [h0, h1] = [y0, y1].map(|y| y / (d * d + y * y).sqrt());
+        let hv = h0 + u[1] * (h1 - h0);
+        let y = (hv * d / ((1.0 - hv) * (1.0 + hv)).sqrt()).max(y0).min(y1);
+        self.corner + self.axes[0] * (x - x0) + self.axes[1] * (y - y0)
+    }
+}
+
+/// Unit vector along an edge, whose square may underflow; zero for an edge of length zero.
+fn unit(edge: DVec3) -> DVec3 {
+    (edge / edge.abs().max_element()).normalize_or_zero()
+}
+
+#[cfg(test)]
+mod tests;

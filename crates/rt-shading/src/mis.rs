@@ -1,0 +1,31 @@
+//! Multiple importance sampling (MIS): weights of two sampling techniques (Veach, Guibas 1995).
+//!
+//! ```text
+//!   light samples   w = p(light)² / (p(light)² + p(BSDF)²)          f · L · cos / p(light) · w
+//!   BSDF samples    w = p(BSDF)²  / (p(light)² + p(BSDF)²)          f · L · cos / p(BSDF)  · w
+//! ```
+//!
+//! Both densities are per unit solid angle. The weights of a direction sum to 1. Delta lights and specular lobes are found by
+//! one technique alone; their weight is 1.
+
+/// MIS weight by the power heuristic with exponent 2, of a direction sampled with density `pdf`; `other_pdf` is the density of
+/// the other technique.
+pub(crate) fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
+    // The quotient does not overflow where squares do.
+    let ratio = other_pdf / pdf;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_of_both_techniques_sum_to_one() {
+        for (a, b) in [(1.0, 1.0), (0.25, 4.0), (1e-200, 3e-200), (1e200, 1e199), (7.0, 0.0)] {
+            let sum = power_heuristic(a, b) + if b > 0.0 { power_heuristic(b, a) } else { 0.0 };
+            assert!((sum - 1.0).abs() < 1e-15, "{a}, {b}: {sum}");
+        }
+        assert_eq!((power_heuristic(2.0, 0.0), power_heuristic(3.0, 4.0)), (1.0, 9.0 / 25.0));
+    }
+}
