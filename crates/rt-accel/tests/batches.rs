@@ -619,8 +619,8 @@ fn few_rays_need_the_scalar_test() {
         // Turned the other way.
         [corner(5.0, 5.0), corner(-5.0, -5.0), corner(-5.0, 5.0)],
     ];
-    let ball = |x: f64| SphereKernel { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
-    let (one, other) = (ball(-1.0), ball(1.0));
+    let sphere = |x: f64| SphereKernel { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
+    let (one, other) = (sphere(-1.0), sphere(1.0));
     let soup = Soup(vec![Solid::Facet(floor[0]), Solid::Round(one), Solid::Facet(floor[1]), Solid::Round(other)]);
     let up = DVec3::new(-0.1, 1.0, 0.05).normalize();
     // From the eye, the floor, the spheres, and from inside them.

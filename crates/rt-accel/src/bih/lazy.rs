@@ -14,6 +14,7 @@ use super::traverse::{BihNode, Hierarchy, traverse_ray, traverse_region};
 use crate::prim_bounds::{PrimBounds, validate_lists};
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError};
 use node::{LazyNode, NodeState};
+use validate::Check;
 
 /// [`Bih`](crate::Bih) whose nodes are split at the first visit.
 ///
@@ -139,7 +140,15 @@ impl Accelerator for LazyBih {
     /// Checks the existing nodes.
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         validate_lists(primitives, self.primitives, &self.unbounded)?;
-        validate::check(self, primitives)
+        let mut check = Check::new(primitives, self.primitives);
+        let mut verdict = Ok(());
+        self.for_each_node(|state, bounds, depth| {
+            if verdict.is_ok() {
+                verdict = check.node(state, &bounds, depth);
+            }
+        });
+        verdict?;
+        check.finish(&self.unbounded)
     }
 
     /// Describes the current state.

@@ -10,17 +10,20 @@ use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::frustum::{BundleFrustum, EntryPoints, same_octant_prefix};
-use super::leaf::{Lane, LeafTest};
+use super::WideBvh;
+use super::coherence::{is_coherent, same_octant_prefix};
+use super::entry_points::EntryPoints;
+use super::f64x8::PACKET;
+use super::filter::LeafTest;
+use super::frustum::BundleFrustum;
+use super::leaf::Lane;
 use super::node::Child;
 use super::packet::{PacketStack, PacketTraversal, SWITCH_THRESHOLD};
-use super::packet_rays::{PACKET, is_coherent, pad_to_packet};
-use super::query::{Output, PrimSlot, PrimitiveTester, RayState, TravRay};
+use super::query::{Output, PrimSlot, PrimitiveTester, RayState, TravRay, TraversalStats};
+use super::ray_soa::pad_to_packet;
 use super::simd::{Simd, WithSimd};
-use super::single_ray::{TraversalStats, traverse};
-use super::stack::StackStorage;
-use super::{STACK, WideBvh};
-use crate::Accelerator;
+use super::single_ray::traverse;
+use super::stack::{STACK, StackStorage};
 
 /// Interleaved rays: enough to outlast a cache miss, few enough to stay in the first-level cache.
 const N_IN_FLIGHT: usize = 16;
@@ -65,7 +68,7 @@ impl<O: Output, F: LeafTest> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTra
             occluder: None,
             packet_stack: PacketStack::new(),
             stack: StackStorage::new(),
-            is_interleaved: S::INTERLEAVE && self.tree.memory() > INTERLEAVE_MIN_BYTES,
+            is_interleaved: S::INTERLEAVE && self.tree.total_bytes() > INTERLEAVE_MIN_BYTES,
             active: [const { MaybeUninit::uninit() }; N_IN_FLIGHT],
             stacks: [const { MaybeUninit::uninit() }; N_IN_FLIGHT],
             node_queue: RayQueue::EMPTY,

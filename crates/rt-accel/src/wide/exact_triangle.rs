@@ -1,11 +1,12 @@
-//! Exact intersection with triangles of leaves, three numbers at a time, with the bits of [`intersect_triangle`].
+//! Exact intersection with triangles of leaves, three numbers at a time, bit-identical to [`intersect_triangle`].
 
 use rt_geometry::{Hit, WatertightRay, intersect_triangle};
 use rt_math::float::SIGN_ERROR_BOUND;
 use rt_math::{BOUNDS_PADDING, FAR_FACTOR, Interval, Ray, SlabRay};
 
-use super::leaf::{Lane, LeafView, RayF64, coordinates, corner};
-use super::ray::{RayF64x4, greatest};
+use super::leaf::{Lane, LeafView, coordinates, corner};
+use super::ray::{RayF64x4, max_lane};
+use super::ray_f64::RayF64;
 use super::simd::Simd;
 
 #[inline(always)]
@@ -134,7 +135,7 @@ impl<'a> LeafTriangle<'a> {
         let c = to_f64(simd, self.corner::<2>());
         let least = simd.min_f64(simd.min_f64(a, b), c);
         let most = simd.max_f64(simd.max_f64(a, b), c);
-        let size = greatest(simd, simd.max_f64(simd.abs_f64(least), simd.abs_f64(most)));
+        let size = max_lane(simd, simd.max_f64(simd.abs_f64(least), simd.abs_f64(most)));
         let pad = all(simd, size * BOUNDS_PADDING);
         let (least, most) = (simd.sub_f64(least, pad), simd.add_f64(most, pad));
         let near = simd.sub_f64(simd.select_by_sign(ray.inverse, least, most), ray.origin);
@@ -144,7 +145,7 @@ impl<'a> LeafTriangle<'a> {
         let t_far = simd.mul_f64(simd.mul_f64(far, ray.inverse), all(simd, FAR_FACTOR));
         let leave = simd.min_f64(t_far, all(simd, span.max));
         let negated = simd.sub_f64(all(simd, 0.0), leave);
-        Interval { min: greatest(simd, enter), max: -greatest(simd, negated) }
+        Interval { min: max_lane(simd, enter), max: -max_lane(simd, negated) }
     }
 }
 

@@ -15,19 +15,14 @@
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use super::WideBvh;
-use super::leaf::LeafTest;
-use super::node::{Child, Row};
-use super::packet_rays::signs;
-use super::query::take_lane;
+use super::coherence::signs;
+use super::node::Row;
 use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, round_down, round_up};
 use super::simd::Simd;
 use crate::bvh::Aabb32;
 
 /// Padding of primitives is less than this part of the distance of the tree's centre from the origin.
 const OF_OFFSET: f32 = 1.0 / (1u64 << 38) as f32;
-
-/// Most entry points.
-const CAPACITY: usize = 48;
 
 /// Encloses all rays of a bundle in one octant.
 pub(super) struct BundleFrustum<S: Simd> {
@@ -123,94 +118,5 @@ impl<S: Simd> BundleFrustum<S> {
         let enter = simd.max(simd.max(enter_x, enter_y), simd.max(enter_z, self.min));
         let leave = simd.min(simd.min(leave_x, leave_y), simd.min(leave_z, self.max));
         (simd.le(enter, leave), enter)
-    }
-}
-
-/// Number of leading rays in the octant of the first.
-#[inline(always)]
-pub(super) fn same_octant_prefix(rays: &[(Ray, Interval)]) -> usize {
-    let Some((first, _)) = rays.first() else { return 0 };
-    let signs_of_first = signs(first.direction);
-    rays.iter().position(|(ray, _)| signs(ray.direction) != signs_of_first).unwrap_or(rays.len())
-}
-
-/// A subtree that rays of a bundle may hit.
-#[derive(Clone, Copy)]
-pub(super) struct Subtree {
-    pub(super) child: Child,
-    /// Node and lane of its box.
-    pub(super) node: u32,
-    pub(super) lane: u8,
-    /// Primitives of a leaf that rays may hit, a bit for each.
-    pub(super) mask: u8,
-    /// Earliest entry of any ray.
-    pub(super) t_near: f32,
-}
-
-/// Disjoint subtrees that rays of a bundle may hit, from the nearest to the farthest.
-pub(super) struct EntryPoints {
-    subtrees: [Subtree; CAPACITY],
-    len: usize,
-}
-
-impl EntryPoints {
-    pub(super) const NONE: Self = {
-        let none = Subtree { child: Child::NONE, node: 0, lane: 0, mask: 0, t_near: 0.0 };
-        Self { subtrees: [none; CAPACITY], len: 0 }
-    };
-
-    pub(super) fn subtrees(&self) -> &[Subtree] {
-        self.subtrees.get(..self.len).unwrap_or(&[])
-    }
-
-    /// Finds the subtrees that the frustum hits, as deep as the capacity allows. Returns the number of nodes visited.
-    #[inline(always)]
-    pub(super) fn build<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, frustum: &BundleFrustum<S>) -> u64 {
-        self.len = 0;
-        self.expand::<S, F>(simd, tree, frustum, tree.root);
-        let mut n_nodes = 1;
-        let mut at = 0;
-        // Breadth-first, so that subtrees that do not fit are small.
-        while let Some(&Subtree { child, .. }) = self.subtrees().get(at) {
-            if !child.is_node() || self.len + 7 > CAPACITY {
-                at += 1;
-                continue;
-            }
-            self.len -= 1;
-            self.subtrees.copy_within(at + 1..=self.len, at);
-            self.expand::<S, F>(simd, tree, frustum, child);
-            n_nodes += 1;
-        }
-        let len = self.len;
-        if let Some(subtrees) = self.subtrees.get_mut(..len) {
-            subtrees.sort_unstable_by(|a, b| a.t_near.total_cmp(&b.t_near));
-        }
-        n_nodes
-    }
-
-    /// Adds the children of a node that the frustum hits.
-    #[inline(always)]
-    fn expand<S: Simd, F: LeafTest>(&mut self, simd: S, tree: &WideBvh, frustum: &BundleFrustum<S>, parent: Child) {
-        let Some(node) = tree.nodes.get(parent.number()) else { return };
-        let (mut hit, enter) = frustum.intersect_boxes(simd, |row| node.row(simd, row));
-        let enters = simd.to_array(enter);
-        while hit != 0 {
-            let lane = take_lane(&mut hit);
-            let child = node.children[lane];
-            let mask = if child.is_node() {
-                0
-            } else {
-                // SAFETY: a child of a node of the tree that is not a node itself.
-                let leaf = unsafe { tree.leaves.view(child) };
-                F::cull_by_frustum(simd, frustum, leaf)
-            };
-            if (child.is_node() || mask != 0)
-                && let Some(subtree) = self.subtrees.get_mut(self.len)
-            {
-                let (node, lane, mask) = (parent.number() as u32, lane as u8, mask as u8);
-                *subtree = Subtree { child, node, lane, mask, t_near: enters[lane as usize] };
-                self.len += 1;
-            }
-        }
     }
 }

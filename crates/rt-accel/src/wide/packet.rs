@@ -11,16 +11,20 @@ use core::mem::MaybeUninit;
 
 use rt_math::{Interval, Ray};
 
-use super::frustum::EntryPoints;
-use super::leaf::{Lane, LeafTest, RayF64};
+use super::WideBvh;
+use super::entry_points::EntryPoints;
+use super::f64x8::PACKET;
+use super::filter::LeafTest;
+use super::leaf::Lane;
 use super::node::{Child, Node};
-use super::packet_rays::{PACKET, PacketSlabs, RayPacket};
+use super::packet_slabs::PacketSlabs;
 use super::packet_spheres::SpherePacket;
-use super::query::{Output, PacketResults, PrimSlot, PrimitiveTester, RayState, TravRay, take_lane};
-use super::simd::Simd;
-use super::single_ray::{TraversalStats, traverse};
-use super::stack::StackStorage;
-use super::{STACK, WideBvh};
+use super::query::{Output, PacketResults, PrimSlot, PrimitiveTester, RayState, TravRay, TraversalStats};
+use super::ray_f64::RayF64;
+use super::ray_packet::RayPacket;
+use super::simd::{Simd, take_lane};
+use super::single_ray::traverse;
+use super::stack::{STACK, StackStorage};
 
 /// At most this many active rays continue one by one.
 pub(super) const SWITCH_THRESHOLD: u32 = 2;

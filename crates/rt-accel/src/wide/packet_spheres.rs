@@ -11,7 +11,8 @@
 
 use rt_geometry::SphereKernel;
 
-use super::packet_rays::{F64x8, INNER_PAD, PACKET, PacketHit, RaySoa8, max_abs, sub3};
+use super::f64x8::{F64x8, PACKET, max_abs, sub3};
+use super::ray_soa::{INNER_PAD, PacketHit, RaySoa8};
 use super::simd::Simd;
 
 /// A sphere for each of eight rays.
@@ -134,7 +135,7 @@ mod tests {
     use super::*;
     use rt_math::{DVec3, Interval, Ray};
 
-    const BALL: SphereKernel = SphereKernel { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
+    const SPHERE: SphereKernel = SphereKernel { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
 
     type Rays = [(Ray, Interval); PACKET];
 
@@ -148,8 +149,8 @@ mod tests {
         fn run<S: Simd>(self, simd: S, rays: &Rays, resolved: &mut Resolved) {
             let rays = RaySoa8::new(simd, rays);
             assert_eq!(rays.in_safe_range(simd), 0xff);
-            let missed = SpherePacket::all(simd, &BALL).miss_mask(simd, &rays);
-            let PacketHit { hit, uncertain, t, .. } = SpherePacket::new(simd, &[BALL; PACKET]).intersect(simd, &rays);
+            let missed = SpherePacket::all(simd, &SPHERE).miss_mask(simd, &rays);
+            let PacketHit { hit, uncertain, t, .. } = SpherePacket::new(simd, &[SPHERE; PACKET]).intersect(simd, &rays);
             assert_eq!(missed & (hit | uncertain), 0);
             let t = t.to_array(simd);
             let is_in = |bits: u32, lane: usize| bits >> lane & 1 != 0;
@@ -170,11 +171,11 @@ mod tests {
     fn certain_results_equal_the_kernel() {
         // From the axis through the centre to beyond the rim, from inside, behind the first hit, and before it.
         let passing = |i: usize| {
-            let origin = BALL.centre + DVec3::new(0.01 + 0.13 * i as f64, 0.0, 5.0);
+            let origin = SPHERE.centre + DVec3::new(0.01 + 0.13 * i as f64, 0.0, 5.0);
             Ray::new(origin, DVec3::new(1e-3, 1e-3, -1.0))
         };
         let within =
-            |i: usize| Ray::new(BALL.centre + DVec3::new(0.08 * i as f64, 0.1, 0.2), DVec3::new(0.3, -0.5, 0.7));
+            |i: usize| Ray::new(SPHERE.centre + DVec3::new(0.08 * i as f64, 0.1, 0.2), DVec3::new(0.3, -0.5, 0.7));
         let cases: [Rays; 4] = [
             core::array::from_fn(|i| (passing(i), Interval::FORWARD)),
             core::array::from_fn(|i| (within(i), Interval::SPAWNED)),
@@ -185,7 +186,7 @@ mod tests {
             let (mut n_hits, mut n_misses) = (0, 0);
             for rays in &cases {
                 for ((ray, span), (missed, uncertain, hit)) in rays.iter().zip(resolved(*level, rays)) {
-                    let expected = BALL.intersect(ray, *span);
+                    let expected = SPHERE.intersect(ray, *span);
                     assert_eq!((uncertain, hit), (false, expected.map(f64::to_bits)), "{level:?}, {ray:?} {span:?}");
                     n_hits += usize::from(hit.is_some());
                     n_misses += usize::from(missed);
@@ -199,7 +200,7 @@ mod tests {
     fn rays_that_leave_the_surface_are_certain_misses() {
         let leaving = core::array::from_fn(|i| {
             let normal = DVec3::new(0.1 * (i + 1) as f64, 0.5, 1.0).normalize();
-            (Ray::new(BALL.centre + normal * (BALL.radius * (1.0 + 1e-14)), normal), Interval::SPAWNED)
+            (Ray::new(SPHERE.centre + normal * (SPHERE.radius * (1.0 + 1e-14)), normal), Interval::SPAWNED)
         });
         for level in SimdLevel::ALL {
             assert_eq!(resolved(*level, &leaving), [(true, false, None); PACKET], "{level:?}");
@@ -208,9 +209,9 @@ mod tests {
 
     #[test]
     fn tangents_are_uncertain() {
-        let tangent = Ray::new(BALL.centre + DVec3::new(BALL.radius, 0.0, 5.0), DVec3::NEG_Z);
-        let arm = tangent.origin - BALL.centre;
-        assert_eq!(arm.x * arm.x, BALL.radius * BALL.radius, "a tangent to the bit");
+        let tangent = Ray::new(SPHERE.centre + DVec3::new(SPHERE.radius, 0.0, 5.0), DVec3::NEG_Z);
+        let arm = tangent.origin - SPHERE.centre;
+        assert_eq!(arm.x * arm.x, SPHERE.radius * SPHERE.radius, "a tangent to the bit");
         for level in SimdLevel::ALL {
             let resolved = resolved(*level, &[(tangent, Interval::FORWARD); PACKET]);
             assert_eq!(resolved, [(false, true, None); PACKET], "{level:?}");

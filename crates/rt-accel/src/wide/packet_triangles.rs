@@ -10,7 +10,8 @@ use rt_geometry::WatertightRay;
 use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
 use rt_math::{BOUNDS_PADDING, DVec3};
 
-use super::packet_rays::{F64x8, INNER_PAD, PacketHit, RaySoa8, sub3};
+use super::f64x8::{F64x8, sub3};
+use super::ray_soa::{INNER_PAD, PacketHit, RaySoa8};
 use super::simd::Simd;
 
 /// Relative error bound of a volume as a sum of six rounded products; more than the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
@@ -200,7 +201,7 @@ mod tests {
     use rt_math::random::{hash, unit};
     use rt_math::{Interval, Ray, SlabRay};
 
-    use super::super::packet_rays::PACKET;
+    use super::super::f64x8::PACKET;
     use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
 

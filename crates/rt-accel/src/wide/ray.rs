@@ -123,18 +123,18 @@ pub(super) fn filter_applies(fastest: f64, farthest: f64, nothing: f64, span: In
 
 /// Minimum of the first three, none of which is NaN.
 #[inline(always)]
-fn least<S: Simd>(simd: S, a: S::F64x4) -> f64 {
+fn min_lane<S: Simd>(simd: S, a: S::F64x4) -> f64 {
     let turned = simd.min_f64(simd.yzx(a), simd.zxy(a));
-    let [least, ..] = simd.to_f64_array(simd.min_f64(a, turned));
-    least
+    let [min, ..] = simd.to_f64_array(simd.min_f64(a, turned));
+    min
 }
 
 /// Maximum of the first three.
 #[inline(always)]
-pub(super) fn greatest<S: Simd>(simd: S, a: S::F64x4) -> f64 {
+pub(super) fn max_lane<S: Simd>(simd: S, a: S::F64x4) -> f64 {
     let turned = simd.max_f64(simd.yzx(a), simd.zxy(a));
-    let [greatest, ..] = simd.to_f64_array(simd.max_f64(a, turned));
-    greatest
+    let [max, ..] = simd.to_f64_array(simd.max_f64(a, turned));
+    max
 }
 
 impl RayF32 {
@@ -146,16 +146,16 @@ impl RayF32 {
         // False for NaN.
         let is_slow = simd.le_f64(simd.abs_f64(ray.direction), simd.f64x4([*RANGE.end(); 4]));
         let is_near = simd.le_f64(simd.abs_f64(q), simd.f64x4([FARTHEST * size; 4]));
-        let least = least(simd, simd.abs_f64(ray.inverse));
+        let min = min_lane(simd, simd.abs_f64(ray.inverse));
         let filter_applies = (is_slow & is_near == 0b1111)
-            & (least <= *RANGE.end())
+            & (min <= *RANGE.end())
             & (size >= *RANGE.start())
             & (size <= *RANGE.end())
             & (span.min >= 0.0);
         if !filter_applies {
             return None;
         }
-        let slabs = SlabCoeffs::new(simd, q, ray.inverse, simd.f64x4([STEEPEST * least; 4]), size);
+        let slabs = SlabCoeffs::new(simd, q, ray.inverse, simd.f64x4([STEEPEST * min; 4]), size);
         let signs = simd.signs(ray.inverse) as usize;
         Some(Self {
             scale: simd.to_f32(slabs.scale),
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_are_entered_no_later_and_left_no_earlier_than_own_boxes() {
+    fn boxes_are_entered_no_later_and_left_no_earlier_than_padded_bounds() {
         const SEED: u64 = 7;
         let mut draw = Draw { seed: SEED, count: 0 };
         for &level in SimdLevel::ALL {

@@ -6,9 +6,10 @@ use core::ops::ControlFlow;
 use rt_geometry::{Primitives, Probe};
 use rt_math::{Aabb, Interval};
 
+use super::WideBvh;
 use super::node::{Child, Node};
-use super::{STACK, WideBvh};
-use crate::{RayQuery, RegionQuery, bvh::SlabRay32};
+use super::stack::STACK;
+use crate::{RayQuery, RegionQuery, bvh::SlabRay32, ray_query::is_finite};
 
 /// Deferred children with their sort keys, the farthest of a node deepest.
 struct ScalarStack {
@@ -47,7 +48,23 @@ impl WideBvh {
         self.nodes.iter().flat_map(Node::children).filter_map(|(_, child)| (!child.is_node()).then_some(child))
     }
 
-    pub(super) fn descend<P: Primitives, Q: RayQuery, S: Probe>(
+    /// Traverses the bounded primitives in `f64`.
+    pub(super) fn walk_bounded<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        if is_finite(&query.ray().ray) {
+            return self.descend(primitives, query, probe);
+        }
+        for leaf in self.leaves() {
+            query.test_leaf(primitives, self.leaves.indices(leaf), probe)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn descend<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,
         query: &mut Q,

@@ -3,30 +3,14 @@
 use core::hint::black_box;
 use core::marker::PhantomData;
 
-use rt_geometry::Probe;
 use rt_math::{Interval, Ray};
 
 use super::WideBvh;
-use super::leaf::LeafTest;
+use super::filter::LeafTest;
 use super::node::{Child, Node};
-use super::query::{Output, PrimitiveTester, RayState, TravRay, take_lane};
-use super::simd::{Simd, WithSimd};
+use super::query::{Output, PrimitiveTester, RayState, TravRay, TraversalStats};
+use super::simd::{Simd, WithSimd, take_lane};
 use super::stack::{Stack, StackStorage};
-
-/// Counters that are not yet added to the caller's statistics.
-#[derive(Default)]
-pub(crate) struct TraversalStats {
-    pub(super) nodes: u64,
-    pub(super) tests: u64,
-    pub(super) hits: u64,
-}
-
-impl TraversalStats {
-    #[inline(always)]
-    pub(super) fn add_to<S: Probe>(self, probe: &mut S) {
-        probe.work(self.nodes, self.tests, self.hits);
-    }
-}
 
 /// Inputs and outputs of a query for one ray.
 pub(crate) struct SingleContext<'q, O> {

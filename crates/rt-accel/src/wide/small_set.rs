@@ -4,13 +4,13 @@
 use rt_geometry::{BatchKernel, Hit, Primitives, Probe};
 use rt_math::{Interval, Ray};
 
+use super::f64x8::PACKET;
 use super::packet::SWITCH_THRESHOLD;
-use super::packet_rays::{PACKET, PacketHit, RaySoa8, pad_to_packet};
 use super::packet_spheres::SpherePacket;
 use super::packet_triangles;
-use super::query::{Output, PrimitiveTester, Tester, take_lane};
-use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd};
-use super::single_ray::TraversalStats;
+use super::query::{Output, PrimitiveTester, Tester, TraversalStats};
+use super::ray_soa::{PacketHit, RaySoa8, pad_to_packet};
+use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd, take_lane};
 
 /// Rays that an instance is traced with at once. Bounds the memory for copies of rays.
 const INSTANCE_BATCH: usize = 1024;
@@ -79,9 +79,9 @@ impl SmallSet {
     {
         let n = rays.len().min(outputs.len());
         let (rays, outputs) = (rays.get(..n).unwrap_or(&[]), outputs.get_mut(..n).unwrap_or(&mut []));
-        let mut entries = [Entry::NONE; Self::CAPACITY];
+        let mut entries = [SetEntry::NONE; Self::CAPACITY];
         for (entry, &index) in entries.iter_mut().zip(self.indices()) {
-            *entry = Entry::new(primitives, index);
+            *entry = SetEntry::new(primitives, index);
         }
         let entries = entries.get(..self.len).unwrap_or(&[]);
         if entries.is_empty() {
@@ -96,7 +96,7 @@ impl SmallSet {
             (batch.indices, indices) = indices.split_at(entries.len());
             match entries {
                 [entry] if entry.is_instance() => batch.trace_instance(entry.index, rays, outputs),
-                _ if self.level.has_packets() && entries.iter().any(Entry::has_kernel) => {
+                _ if self.level.has_packets() && entries.iter().any(SetEntry::has_kernel) => {
                     self.level.dispatch_packets(&mut batch, rays, outputs);
                 }
                 _ => batch.trace_singly(rays, outputs),
@@ -109,7 +109,7 @@ impl SmallSet {
 
 /// A primitive of the set.
 #[derive(Clone, Copy)]
-struct Entry {
+struct SetEntry {
     index: u32,
     /// Instance and primitive of its hits.
     hit_ids: [u32; 2],
@@ -117,7 +117,7 @@ struct Entry {
     kernel: BatchKernel,
 }
 
-impl Entry {
+impl SetEntry {
     const NONE: Self = Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single };
 
     fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
@@ -141,7 +141,7 @@ impl Entry {
 
 /// Traces a batch through consecutive entries.
 struct Batch<'a, O> {
-    entries: &'a [Entry],
+    entries: &'a [SetEntry],
     indices: &'a [u32],
     /// True if no entries were tested before.
     is_first: bool,
@@ -255,7 +255,7 @@ impl<O: Output> Batch<'_, O> {
                 active &= !(u32::from(result.is_final()) << lane);
             }
         }
-        for Entry { index, hit_ids, casts_shadow, kernel } in self.entries {
+        for SetEntry { index, hit_ids, casts_shadow, kernel } in self.entries {
             if active == 0 {
                 break;
             }

@@ -2,8 +2,11 @@
 
 use core::mem::MaybeUninit;
 
-use super::STACK;
 use super::node::Child;
+use crate::traversal::MAX_DEPTH;
+
+/// Entries of a traversal stack: seven deferred children on every level, and one to spare.
+pub(super) const STACK: usize = 7 * MAX_DEPTH as usize + 8;
 
 /// Memory of a stack, reused from ray to ray.
 pub(super) struct StackStorage([MaybeUninit<u64>; STACK]);

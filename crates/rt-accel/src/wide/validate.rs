@@ -104,6 +104,9 @@ impl WideBvh {
     }
 }
 
+#[cfg(feature = "serde")]
+crate::checked_serde::impl_checked_serde!(WideBvh, WideBvh::validate_shape);
+
 #[cfg(test)]
 mod tests {
     use rt_geometry::{Hit, Primitives};
@@ -147,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_that_nobody_has_checked_cannot_be_passed() {
+    fn lanes_without_a_check_cannot_be_passed() {
         let tree = WideBvh::build_with(&Row(3), &super::super::BuildParams { max_leaf: 1, ..Default::default() });
         let tree = tree.expect("three boxes");
         assert_eq!(tree.validate_shape(), Ok(()));

@@ -3,37 +3,34 @@
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
-use super::LazyBih;
 use super::node::NodeState;
 use crate::{ValidationError, bih::traverse::BihNode, traversal::MAX_DEPTH};
 
-/// Checks that each primitive is in one leaf or one unsplit node, between all planes above, and that stored bounds are
+/// Check that each primitive is in one leaf or one unsplit node, between all planes above, and that stored bounds are
 /// current.
-pub(super) fn check<P: Primitives>(bih: &LazyBih, primitives: &P) -> Result<(), ValidationError> {
-    let mut check = Check { primitives, is_placed: vec![false; bih.primitives as usize] };
-    let mut verdict = Ok(());
-    bih.for_each_node(|state, bounds, depth| {
-        if verdict.is_ok() {
-            verdict = check.node(state, &bounds, depth);
-        }
-    });
-    verdict?;
-    for &primitive in &bih.unbounded {
-        check.place(primitive)?;
-    }
-    match check.is_placed.iter().position(|placed| !placed) {
-        Some(primitive) => Err(ValidationError::Misplaced { primitive: primitive as u32 }),
-        None => Ok(()),
-    }
-}
-
-struct Check<'p, P> {
+pub(super) struct Check<'p, P> {
     primitives: &'p P,
     is_placed: Vec<bool>,
 }
 
-impl<P: Primitives> Check<'_, P> {
-    fn node(&mut self, state: &NodeState<'_>, bounds: &Aabb, depth: u32) -> Result<(), ValidationError> {
+impl<'p, P: Primitives> Check<'p, P> {
+    pub(super) fn new(primitives: &'p P, count: u32) -> Self {
+        Self { primitives, is_placed: vec![false; count as usize] }
+    }
+
+    /// Checks that the unbounded primitives are in no node, and all others in one of those seen.
+    pub(super) fn finish(mut self, unbounded: &[u32]) -> Result<(), ValidationError> {
+        for &primitive in unbounded {
+            self.place(primitive)?;
+        }
+        match self.is_placed.iter().position(|placed| !placed) {
+            Some(primitive) => Err(ValidationError::Misplaced { primitive: primitive as u32 }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks one node.
+    pub(super) fn node(&mut self, state: &NodeState<'_>, bounds: &Aabb, depth: u32) -> Result<(), ValidationError> {
         if depth > MAX_DEPTH {
             return Err(ValidationError::Depth { depth });
         }

@@ -3,6 +3,8 @@
 mod binary;
 mod binning;
 mod collapse;
+mod config;
+mod in_order;
 mod leaf_policy;
 mod parallel;
 #[cfg(feature = "parallel")]
@@ -19,28 +21,18 @@ use rt_geometry::Primitives;
 use crate::traversal::MAX_DEPTH;
 
 use super::huge_pages::with_huge_pages;
-use super::leaf::{LeafKind, LeafOrder};
+use super::leaf::LeafKind;
 use super::node::Node;
 pub(super) use collapse::{LEAF, NODE, PRIMITIVE};
+use config::BuildConfig;
 use parallel::SubtreeSet;
 pub use params::{BuildParams, Quality};
 use prim_refs::Gathered;
 pub(super) use prim_refs::PrimStats;
 use reference::{PrimRange, PrimRef};
 use reinsertion::ReinsertionParams;
-use top_down::{BuildConfig, BuildRange, PrimInfo};
-use wide_nodes::WideBuilder;
-
-/// A tree whose nodes have up to eight children. The first node is the root, which may have a leaf as its only child.
-#[derive(Debug, PartialEq)]
-pub(super) struct WideTree {
-    /// Children come after their parents.
-    pub(super) nodes: Vec<Node>,
-    /// Leaves in the order of nodes and lanes, chunk by chunk.
-    pub(super) listings: Vec<LeafOrder>,
-    /// Depth of the deepest leaf; leaves below the root have depth 1.
-    pub(super) depth: u32,
-}
+use top_down::{BuildRange, PrimInfo};
+use wide_nodes::{WideBuilder, WideTree};
 
 /// Builds the tree as a pure function of primitives and parameters; `None` if 28 bits cannot index nodes and leaves.
 pub(super) fn build<P: Primitives>(
@@ -84,19 +76,6 @@ fn over(gathered: Gathered, config: &BuildConfig, kind: LeafKind, quality: Quali
     // Reinsertion has made the tree too deep.
     forest.top = grown;
     WideBuilder { forest: &forest, indices: &order, kind }.run()
-}
-
-/// Computes `count` results on several threads, in order.
-#[cfg(feature = "parallel")]
-pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    use rayon::prelude::*;
-    (0..count).into_par_iter().map(each).collect()
-}
-
-/// Computes `count` results in order.
-#[cfg(not(feature = "parallel"))]
-pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    (0..count).map(each).collect()
 }
 
 fn extent(references: &[PrimRef]) -> PrimInfo {

@@ -3,8 +3,9 @@
 use super::binary::{BinaryTree, Content};
 use super::binning::Bins;
 use super::collapse::{CollapsePlan, Costs};
+use super::config::BuildConfig;
 use super::reference::PrimRange;
-use super::top_down::{BuildConfig, BuildRange};
+use super::top_down::BuildRange;
 use crate::bvh::Aabb32;
 
 /// Ranges of at most this size are one task, whose references and nodes fit the cache of one core.

@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 
 use super::binning::{BestSplit, Bins, SplitPlane};
+use super::config::BuildConfig;
 use super::reference::PrimRef;
-use super::top_down::{BuildConfig, BuildRange, PrimInfo, scatter};
+use super::top_down::{BuildRange, PrimInfo, scatter};
 use crate::bvh::Aabb32;
 
 /// References per task.

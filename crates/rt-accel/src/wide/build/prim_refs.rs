@@ -6,9 +6,9 @@ use glam::DVec3;
 use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
-use super::in_order;
+use super::config::BuildConfig;
+use super::in_order::in_order;
 use super::reference::PrimRef;
-use super::top_down::BuildConfig;
 use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::{BuildError, bvh::Aabb32, wide::huge_pages::filled, wide::leaf::GeometryCounts};
 

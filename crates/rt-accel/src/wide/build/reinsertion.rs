@@ -15,9 +15,9 @@ use std::collections::BinaryHeap;
 use super::binary::{BinaryTree, Content};
 use super::binning::NormalizedArea;
 use super::collapse::{CollapsePlan, Costs};
+use super::config::BuildConfig;
 use super::parallel::{NodeRef, SubtreeRef, SubtreeSet};
 use super::reference::PrimRange;
-use super::top_down::BuildConfig;
 use crate::{bvh::Aabb32, traversal::MAX_DEPTH};
 
 /// Extent of reinsertion.

@@ -4,6 +4,7 @@ use glam::Vec3A;
 use rt_math::random::{hash, unit};
 
 use super::*;
+use crate::wide::leaf::LeafOrder;
 use crate::{bvh::Aabb32, wide::node::Child, wide::sah::sah_cost};
 
 fn build(references: &[PrimRef], params: &BuildParams) -> WideTree {
@@ -95,7 +96,7 @@ fn every_primitive_is_in_one_leaf_that_contains_it() {
 }
 
 #[test]
-fn leaves_are_as_small_as_asked() {
+fn leaves_respect_the_maximum_size() {
     for max_leaf in [0, 1, 3, 100] {
         let references = soup(3000, 1, 1.0);
         let params = BuildParams { max_leaf, ..BuildParams::default() };

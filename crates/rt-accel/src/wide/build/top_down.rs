@@ -3,36 +3,11 @@
 use glam::Vec3A;
 
 use super::binary::{BinaryNode, BinaryTree, Content};
-use super::binning::{Axes, BestSplit, BinMapping, Bins, NormalizedArea, SplitPlane};
+use super::binning::{BestSplit, BinMapping, Bins, SplitPlane};
 use super::collapse::{CollapsePlan, Costs};
-use super::leaf_policy::LeafPolicy;
-use super::params::{BuildParams, Quality};
+use super::config::BuildConfig;
 use super::reference::{PrimRange, PrimRef};
 use crate::{bvh::Aabb32, traversal::depth_allows_median_split};
-
-/// Configuration of a build.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BuildConfig {
-    pub(super) unit: NormalizedArea,
-    pub(super) axes: Axes,
-    pub(super) leaf_policy: LeafPolicy,
-    /// True if neighbours in the list are merged before the build.
-    pub(super) pairs: bool,
-    pub(super) max_leaf: usize,
-}
-
-impl BuildConfig {
-    /// Configuration for primitives within this box.
-    pub(super) fn new(extent: &Aabb32, params: &BuildParams) -> Self {
-        let (axes, leaf_policy) = match params.quality {
-            Quality::Low => (Axes::Widest, LeafPolicy::GREEDY),
-            Quality::Medium => (Axes::All, LeafPolicy::LOOSE),
-            Quality::High => (Axes::All, LeafPolicy::STRICT),
-        };
-        let pairs = params.quality != Quality::High;
-        Self { unit: NormalizedArea::new(extent), axes, leaf_policy, pairs, max_leaf: params.leaf_limit() }
-    }
-}
 
 /// Consecutive references that become a leaf or a node.
 pub(super) struct BuildRange<'a> {
@@ -145,13 +120,13 @@ impl<'a> BuildRange<'a> {
 
     fn divide(self, middle: usize, extents: [PrimInfo; 2]) -> [Self; 2] {
         let (left, right) = self.references.split_at_mut(middle);
-        let (left_room, right_room) = self.scratch.split_at_mut(middle);
+        let (left_scratch, right_scratch) = self.scratch.split_at_mut(middle);
         let (left_order, right_order) = self.order.split_at_mut(middle);
         let depth = self.depth + 1;
         [
             BuildRange {
                 references: left,
-                scratch: left_room,
+                scratch: left_scratch,
                 order: left_order,
                 first: self.first,
                 extent: extents[0],
@@ -159,7 +134,7 @@ impl<'a> BuildRange<'a> {
             },
             BuildRange {
                 references: right,
-                scratch: right_room,
+                scratch: right_scratch,
                 order: right_order,
                 first: self.first + middle as u32,
                 extent: extents[1],

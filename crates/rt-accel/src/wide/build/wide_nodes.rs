@@ -2,15 +2,26 @@
 
 use super::binary::Content;
 use super::collapse::{ChildSlot, WIDTH};
+use super::in_order::in_order;
 use super::parallel::{NodeRef, SubtreeSet};
 use super::reference::PrimRange;
-use super::{WideTree, in_order};
 use crate::wide::huge_pages::filled;
 use crate::wide::leaf::{LeafKind, LeafOrder};
 use crate::wide::node::{Child, Node};
 
 /// Nodes down to this depth, at most 73, precede the at most 512 chunks below.
 const TOP: u32 = 3;
+
+/// A tree whose nodes have up to eight children. The first node is the root, which may have a leaf as its only child.
+#[derive(Debug, PartialEq)]
+pub(in crate::wide) struct WideTree {
+    /// Children come after their parents.
+    pub(in crate::wide) nodes: Vec<Node>,
+    /// Leaves in the order of nodes and lanes, chunk by chunk.
+    pub(in crate::wide) listings: Vec<LeafOrder>,
+    /// Depth of the deepest leaf; leaves below the root have depth 1.
+    pub(in crate::wide) depth: u32,
+}
 
 /// A wide node to be created.
 #[derive(Clone, Copy)]
@@ -164,8 +175,8 @@ fn join(mut top: Chunk, below: Vec<Chunk>) -> Option<WideTree> {
         return None;
     }
     parts.insert(0, (top.nodes.len(), (top.nodes, 0, 0)));
-    let nodes = filled(parts, Node::EMPTY, |(nodes, first_node, first_line), room| {
-        for (place, node) in room.iter_mut().zip(nodes) {
+    let nodes = filled(parts, Node::EMPTY, |(nodes, first_node, first_line), output| {
+        for (place, node) in output.iter_mut().zip(nodes) {
             *place = node.moved(first_node, first_line);
         }
     });

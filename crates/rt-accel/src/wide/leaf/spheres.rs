@@ -1,250 +1,38 @@
-//! Leaves of spheres: distance of the ray from the centre, in `f32` with an error margin.
+//! Layout of leaves of spheres: centres, then radii.
 //!
-//! # Why the filter is conservative
-//!
-//! Let `X` be the sum of the maximum coordinates of the origin and of the leaf, both relative to the centre of the
-//! tree, and `v = 2⁻²⁴`. Centre and origin are rounded and subtracted, to within `4v·X` on each axis. The direction,
-//! its square, the projection and the remaining perpendicular add some `20v·X`. So the distance `l` of the ray from the
-//! centre is computed to within `δ = 64v·X`. This also covers the rounding of the radius `r`, which is part of the
-//! maximum coordinate. A ray hits if `l < r − δ` and misses if `l > r + δ`. For a hit, `r² − l²` is off by at most `4(r
-//! + δ)·δ` and the projection by `24v·X`, which bounds the `t` of the first root.
-//!
-//! Other primitives have spheres around their padded bounds. They are missed where that sphere is missed within the
-//! span, and never certainly hit.
+//! Other primitives have spheres around their padded bounds, with negative radii.
 
 use glam::DVec3;
 use rt_geometry::{PrimitiveGeometry, Primitives, padded_bounds};
 
-use super::{FilterTRange, HitBounds, Lane, LeafMut, LeafTest, LeafView, RayF64};
-use crate::wide::packet_rays::{F64x8, RayPacket, SpanLanes, relative};
-use crate::wide::ray::{RayF32, greatest, round_up};
-use crate::{wide::WideBvh, wide::frustum::BundleFrustum, wide::simd::Simd};
+use super::block::LeafMut;
+use crate::wide::ray::round_up;
 
 /// Maximum coordinate of all spheres.
-pub(super) const HEADER: usize = 1;
+pub(in crate::wide) const SPHERE_HEADER: usize = 1;
 
 /// Centre and radius.
-pub(super) const NUMBERS: usize = 4;
-
-/// `δ/X`
-const MARGIN: f32 = 64.0 / (1 << 24) as f32;
-
-/// For smaller `δ` squares may vanish, and only a miss of the outer square is certain.
-const LEAST: f32 = 1.0 / (1u64 << 50) as f32;
+pub(in crate::wide) const SPHERE_NUMBERS: usize = 4;
 
 pub(super) fn fill<P: Primitives>(block: &mut LeafMut<'_>, primitives: &P, indices: &[u32], centre: DVec3) {
-    let mut greatest = 0.0f64;
+    let mut max_coordinate = 0.0f64;
     for (lane, &index) in indices.iter().enumerate() {
         let (position, radius) = match primitives.geometry(index) {
             PrimitiveGeometry::Sphere(position, radius) => (position - centre, radius),
             PrimitiveGeometry::ExactSphere(sphere) => (sphere.centre - centre, sphere.radius),
-            _ => ball_around(primitives, index, centre),
+            _ => bounding_sphere(primitives, index, centre),
         };
-        greatest = greatest.max(position.abs().max_element() + radius.abs());
+        max_coordinate = max_coordinate.max(position.abs().max_element() + radius.abs());
         for axis in 0..3 {
             block.set(axis, lane, position[axis] as f32);
         }
         block.set(3, lane, radius as f32);
     }
-    block.set_header(0, round_up(greatest));
+    block.set_header(0, round_up(max_coordinate));
 }
 
 /// Centre and negated radius of a sphere around the padded bounds of another primitive.
-fn ball_around<P: Primitives>(primitives: &P, index: u32, centre: DVec3) -> (DVec3, f64) {
+fn bounding_sphere<P: Primitives>(primitives: &P, index: u32, centre: DVec3) -> (DVec3, f64) {
     padded_bounds(primitives, index)
         .map_or((DVec3::NAN, f64::NAN), |own| (own.centre() - centre, -0.5 * own.extent().length()))
-}
-
-/// Distance of the ray from centres, with three results.
-#[derive(Clone, Copy)]
-pub(in crate::wide) struct SphereTest {
-    origin: [f32; 4],
-    direction: [f32; 4],
-    /// Reciprocal length of the direction.
-    inverse_length: f32,
-    /// Maximum coordinate of the origin.
-    reach: f32,
-    span: FilterTRange,
-}
-
-#[inline(always)]
-fn dot<S: Simd>(simd: S, a: [S::F32x8; 3], b: [S::F32x8; 3]) -> S::F32x8 {
-    simd.mul_add(a[2], b[2], simd.mul_add(a[1], b[1], simd.mul(a[0], b[0])))
-}
-
-/// Square root, 0 for a negative number.
-#[inline(always)]
-fn root<S: Simd>(simd: S, x: S::F32x8) -> S::F32x8 {
-    simd.sqrt(simd.max(x, simd.splat(0.0)))
-}
-
-/// Spheres of a leaf in lanes.
-struct SphereLanes<S: Simd> {
-    centre: [S::F32x8; 3],
-    /// Negative for bounding spheres of other primitives.
-    radius: S::F32x8,
-    greatest: f32,
-}
-
-/// One ray in all lanes, or eight rays.
-pub(in crate::wide) struct RayLanes<S: Simd> {
-    origin: [S::F32x8; 3],
-    direction: [S::F32x8; 3],
-    inverse_length: S::F32x8,
-    reach: S::F32x8,
-    span: SpanLanes<S>,
-}
-
-impl<S: Simd> RayLanes<S> {
-    #[inline(always)]
-    fn test(&self, simd: S, spheres: &SphereLanes<S>, t_max: S::F32x8, mask: u32) -> HitBounds<S> {
-        let margin = simd.mul(simd.add(self.reach, simd.splat(spheres.greatest)), simd.splat(MARGIN));
-        let to_centre = [
-            simd.sub(spheres.centre[0], self.origin[0]),
-            simd.sub(spheres.centre[1], self.origin[1]),
-            simd.sub(spheres.centre[2], self.origin[2]),
-        ];
-        let radius = simd.abs(spheres.radius);
-        let along = dot(simd, to_centre, self.direction);
-        let across = [
-            simd.neg_mul_add(along, self.direction[0], to_centre[0]),
-            simd.neg_mul_add(along, self.direction[1], to_centre[1]),
-            simd.neg_mul_add(along, self.direction[2], to_centre[2]),
-        ];
-        let distance_squared = dot(simd, across, across);
-        let outer = simd.add(radius, margin);
-        let possible = simd.le(distance_squared, simd.mul(outer, outer)) & mask;
-        if possible == 0 {
-            return HitBounds { possible, certain: 0, t_min: along, t_max: along };
-        }
-
-        let inner = simd.sub(spheres.radius, margin);
-        let is_tiny = simd.lt(margin, simd.splat(LEAST));
-        let inside =
-            simd.le(distance_squared, simd.mul(inner, simd.sub(inner, margin))) & simd.le(margin, inner) & !is_tiny;
-        let half_chord_squared = simd.mul_sub(radius, radius, distance_squared);
-        let slack = simd.mul(outer, simd.mul(simd.splat(4.25), margin));
-        let longest = simd.add(root(simd, simd.add(half_chord_squared, slack)), margin);
-        let shortest = simd.sub(root(simd, simd.sub(half_chord_squared, slack)), margin);
-        let to_t = self.inverse_length;
-        // One or two roundings of the largest number.
-        let rounding = simd.mul(simd.mul(margin, to_t), simd.splat(0.125));
-        let near = simd.sub(simd.mul(simd.sub(along, longest), to_t), rounding);
-        let far = simd.add(simd.mul(simd.sub(along, shortest), to_t), rounding);
-        let last = simd.add(simd.mul(simd.add(along, longest), to_t), rounding);
-
-        let is_not_behind = simd.le(self.span.min[0], last);
-        let is_not_after = simd.le(near, t_max);
-        let is_in_front = simd.le(self.span.min[1], near);
-        let is_in_time = simd.le(far, self.span.max);
-        let possible = possible & (is_tiny | (is_not_behind & is_not_after));
-        HitBounds { possible, certain: inside & possible & is_in_front & is_in_time, t_min: near, t_max: far }
-    }
-}
-
-impl LeafTest for SphereTest {
-    const HEADER: usize = HEADER;
-    const NUMBERS: usize = NUMBERS;
-
-    #[inline(always)]
-    fn new<S: Simd>(simd: S, ray: &RayF64<'_, S>, _: &RayF32, span: FilterTRange, tree: &WideBvh) -> Self {
-        let centre = simd.f64x4([tree.centre.x, tree.centre.y, tree.centre.z, 0.0]);
-        let origin = simd.sub_f64(ray.lanes.origin, centre);
-        let [x, y, z, _] = simd.to_f64_array(simd.mul_f64(ray.lanes.direction, ray.lanes.direction));
-        let inverse_length = 1.0 / (x + y + z).sqrt();
-        let unit = simd.mul_f64(ray.lanes.direction, simd.f64x4([inverse_length; 4]));
-        Self {
-            origin: simd.to_f32(origin),
-            direction: simd.to_f32(unit),
-            inverse_length: inverse_length as f32,
-            reach: round_up(greatest(simd, simd.abs_f64(origin))),
-            span,
-        }
-    }
-
-    #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, leaf: LeafView<'_>, t_max: f32) -> HitBounds<S> {
-        let n = leaf.count;
-        // SAFETY: these are the header and the four numbers of spheres.
-        let spheres = unsafe {
-            SphereLanes {
-                centre: [leaf.lanes(simd, HEADER), leaf.lanes(simd, HEADER + n), leaf.lanes(simd, HEADER + 2 * n)],
-                radius: leaf.lanes(simd, HEADER + 3 * n),
-                greatest: leaf.number(0),
-            }
-        };
-        let [x, y, z, _] = self.origin;
-        let [dx, dy, dz, _] = self.direction;
-        let ray = RayLanes {
-            origin: [simd.splat(x), simd.splat(y), simd.splat(z)],
-            direction: [simd.splat(dx), simd.splat(dy), simd.splat(dz)],
-            inverse_length: simd.splat(self.inverse_length),
-            reach: simd.splat(self.reach),
-            span: self.span.splat(simd),
-        };
-        ray.test(simd, &spheres, simd.splat(t_max), leaf.mask())
-    }
-
-    type Packet<S: Simd> = RayLanes<S>;
-
-    #[inline(always)]
-    fn packet<S: Simd>(simd: S, rays: &RayPacket<S>, tree: &WideBvh) -> RayLanes<S> {
-        let origin = relative(simd, rays.soa.origin, tree.centre);
-        let [x, y, z] = rays.soa.direction;
-        let length_squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
-        let inverse_length = F64x8::splat(simd, 1.0).div(simd, length_squared.sqrt(simd));
-        RayLanes {
-            origin: [origin[0].to_f32(simd), origin[1].to_f32(simd), origin[2].to_f32(simd)],
-            direction: [
-                x.mul(simd, inverse_length).to_f32(simd),
-                y.mul(simd, inverse_length).to_f32(simd),
-                z.mul(simd, inverse_length).to_f32(simd),
-            ],
-            inverse_length: inverse_length.to_f32(simd),
-            reach: RayPacket::reach(simd, origin),
-            span: rays.span,
-        }
-    }
-
-    #[inline(always)]
-    fn test_packet<S: Simd>(
-        simd: S,
-        rays: &RayLanes<S>,
-        leaf: LeafView<'_>,
-        lane: Lane,
-        t_max: S::F32x8,
-    ) -> HitBounds<S> {
-        let (n, first) = (leaf.count, HEADER + lane.index());
-        // SAFETY: these are the header and the four numbers of a sphere, whose lane is less than 8.
-        let sphere = unsafe {
-            SphereLanes {
-                centre: [
-                    simd.splat(leaf.number(first)),
-                    simd.splat(leaf.number(first + n)),
-                    simd.splat(leaf.number(first + 2 * n)),
-                ],
-                radius: simd.splat(leaf.number(first + 3 * n)),
-                greatest: leaf.number(0),
-            }
-        };
-        rays.test(simd, &sphere, t_max, 0xff)
-    }
-
-    const IS_SPHERE: bool = true;
-
-    #[inline(always)]
-    fn cull_by_frustum<S: Simd>(simd: S, frustum: &BundleFrustum<S>, leaf: LeafView<'_>) -> u32 {
-        let n = leaf.count;
-        // SAFETY: the header, and the last of four numbers.
-        let (greatest, radius) = unsafe { (leaf.number(0), leaf.lanes(simd, HEADER + 3 * n)) };
-        let margin = simd.splat(frustum.margin(greatest));
-        let radius = simd.add(simd.abs(radius), margin);
-        let (hit, _) = frustum.intersect_boxes(simd, |row| {
-            let row = row.index();
-            // SAFETY: half a row is an axis, and the numbers of the three axes come first.
-            let centre = unsafe { leaf.lanes(simd, HEADER + row / 2 * n) };
-            if row & 1 == 0 { simd.sub(centre, radius) } else { simd.add(centre, radius) }
-        });
-        hit & leaf.mask()
-    }
 }

@@ -5,13 +5,16 @@ use core::marker::PhantomData;
 use rt_geometry::{Hit, SphereKernel};
 use rt_math::{DVec3, Interval, Ray};
 
-use super::{Output, PrimSlot, PrimitiveTester, take_lane};
+use super::{Output, PrimSlot, PrimitiveTester};
 use crate::wide::WideBvh;
-use crate::wide::leaf::{Lane, LeafTest, RayF64};
+use crate::wide::f64x8::PACKET;
+use crate::wide::filter::LeafTest;
+use crate::wide::leaf::Lane;
 use crate::wide::node::Child;
-use crate::wide::packet_rays::{PACKET, RayPacket};
 use crate::wide::packet_spheres::SpherePacket;
-use crate::wide::simd::Simd;
+use crate::wide::ray_f64::RayF64;
+use crate::wide::ray_packet::RayPacket;
+use crate::wide::simd::{Simd, take_lane};
 
 /// One certain hit for each of eight rays.
 pub(in crate::wide) struct PacketResults<S: Simd, O> {

@@ -7,16 +7,18 @@ use core::ops::ControlFlow;
 use rt_geometry::Hit;
 use rt_math::{Interval, Ray};
 
-use super::{NO_HIT, Output, PrimSlot, PrimitiveTester, TravRay, take_lane};
+use super::{NO_HIT, Output, PrimSlot, PrimitiveTester, TravRay};
 use crate::wide::WideBvh;
-use crate::wide::leaf::{Lane, LeafTest, LeafView, RayF64};
+use crate::wide::filter::LeafTest;
+use crate::wide::leaf::{Lane, LeafView};
 use crate::wide::node::Child;
 use crate::wide::ray::round_up;
-use crate::wide::simd::Simd;
+use crate::wide::ray_f64::RayF64;
+use crate::wide::simd::{Simd, take_lane};
 
 /// A primitive that is certainly hit. The exact test is deferred to the end.
 #[derive(Clone, Copy)]
-struct Candidate {
+struct CertainHit {
     t_near: f32,
     slot: PrimSlot,
 }
@@ -33,7 +35,7 @@ pub(in crate::wide) struct RayState<O> {
     hit: Hit,
     t_max: f32,
     /// The first `n_candidates` are written. Of an any-hit query, the occluder.
-    candidates: [MaybeUninit<Candidate>; MAX_CANDIDATES],
+    candidates: [MaybeUninit<CertainHit>; MAX_CANDIDATES],
     n_candidates: usize,
     /// Minimum of all candidates.
     min_t_near: f32,
@@ -78,7 +80,7 @@ impl<O: Output> RayState<O> {
     #[inline(always)]
     fn accept_occluder(&mut self, slot: PrimSlot) {
         self.accept(&NO_HIT);
-        self.candidates[0].write(Candidate { t_near: 0.0, slot });
+        self.candidates[0].write(CertainHit { t_near: 0.0, slot });
         self.n_candidates = 1;
     }
 
@@ -145,12 +147,12 @@ impl<O: Output> RayState<O> {
             self.min_t_near = self.min_t_near.min(t_near);
         }
         self.t_max = self.t_max.min(t_far);
-        let has_room = self.n_candidates < MAX_CANDIDATES;
-        if has_room {
-            self.candidates[self.n_candidates % MAX_CANDIDATES].write(Candidate { t_near, slot });
+        let has_capacity = self.n_candidates < MAX_CANDIDATES;
+        if has_capacity {
+            self.candidates[self.n_candidates % MAX_CANDIDATES].write(CertainHit { t_near, slot });
             self.n_candidates += 1;
         }
-        has_room
+        has_capacity
     }
 
     /// Intersects the primitives of a leaf; breaks if nothing else matters.
@@ -294,7 +296,7 @@ impl<O: Output> RayState<O> {
         }
         for i in 0..self.n_candidates {
             // SAFETY: the first `n_candidates` are written.
-            let Candidate { t_near, slot } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
+            let CertainHit { t_near, slot } = unsafe { self.candidates[i % MAX_CANDIDATES].assume_init() };
             if t_near <= self.t_max {
                 // SAFETY: slots are those of the tree.
                 let leaf = unsafe { tree.leaves.view(slot.leaf()) };

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use glam::Vec4;
 
-use super::{Simd, WithSimd};
+use super::lanes::{Simd, WithSimd};
 
 /// Proof of what every processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

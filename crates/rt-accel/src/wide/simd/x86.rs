@@ -6,7 +6,7 @@
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 
-use super::{Simd, WithSimd};
+use super::lanes::{Simd, WithSimd};
 
 /// Sorts eight numbers in descending order by a bitonic network (Batcher 1968), without branches.
 ///

@@ -22,7 +22,7 @@
 
 use rt_math::{DVec3, Interval, Ray};
 
-use super::Block;
+use super::block::Block;
 use crate::wide::ray::{FARTHEST, RANGE};
 use crate::wide::simd::Simd;
 

@@ -1,0 +1,184 @@
+//! Building and queries of a [`WideBvh`].
+
+use core::ops::ControlFlow;
+
+use rt_geometry::{Hit, Primitives, Probe};
+use rt_math::{Aabb, Interval, Ray};
+
+use super::batch::BatchContext;
+use super::build::{BuildParams, PrimStats, build};
+use super::leaf::{LeafKind, LeafWriter, Leaves};
+use super::node::Child;
+use super::query::{PrimitiveTester, Tester, TraversalStats};
+use super::simd::{DetectedSimd, SimdLevel};
+use super::single_ray::SingleContext;
+use super::tree_query::TreeQuery;
+use super::{WideBvh, sah};
+use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
+
+impl WideBvh {
+    /// Builds the tree with medium quality: O(n log n) time, some 60 bytes per triangle afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or if 28 bits cannot number the nodes and leaves.
+    pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
+        Self::build_with(primitives, &BuildParams::default())
+    }
+
+    /// Builds the tree with parameters.
+    ///
+    /// # Errors
+    ///
+    /// See [`build`](Self::build).
+    pub fn build_with<P: Primitives>(primitives: &P, params: &BuildParams) -> Result<Self, BuildError> {
+        let stats = PrimStats::of(primitives)?;
+        let (centre, size) = (stats.centre(), stats.size());
+        let kind = LeafKind::of(stats.layouts, centre, size);
+        let bounded = stats.bounded;
+        let Some(tree) = build(primitives, &stats, kind, params) else {
+            return Err(BuildError::TooMany { count: u64::from(bounded), limit: Child::LIMIT as u64 });
+        };
+        Ok(Self {
+            leaves: Leaves::new(&LeafWriter { primitives, centre, kind }, &tree.listings),
+            n_leaves: tree.listings.iter().map(|listing| listing.sizes.len()).sum(),
+            nodes: tree.nodes,
+            root: Child::node(0),
+            centre,
+            size,
+            unbounded: stats.unbounded,
+            bounded,
+            max_depth: tree.depth,
+            level: DetectedSimd::default(),
+        })
+    }
+
+    /// Replaces the instruction set, for tests and comparisons; builders select the best. The portable level stands in for
+    /// one that the processor does not support.
+    #[must_use]
+    pub fn with_level(mut self, level: SimdLevel) -> Self {
+        self.level = DetectedSimd::new(level);
+        self
+    }
+
+    #[inline]
+    fn trace<O: TreeQuery, P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> O
+    where
+        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
+    {
+        let mut tester = Tester { primitives, probe };
+        let mut output = O::default();
+        let stats = TraversalStats::default();
+        let mut context = SingleContext { tester: &mut tester, stats, output: &mut output };
+        O::trace(self, &mut context, ray, span);
+        context.stats.add_to(tester.probe);
+        output
+    }
+
+    fn trace_batch<O: TreeQuery, P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        outputs: &mut [O],
+        probe: &mut S,
+    ) where
+        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
+    {
+        let n = rays.len().min(outputs.len());
+        let (Some(rays), Some(outputs)) = (rays.get(..n), outputs.get_mut(..n)) else { return };
+        let mut tester = Tester { primitives, probe };
+        let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default() };
+        O::trace_batch(self, &mut context, rays, outputs);
+        context.stats.add_to(tester.probe);
+    }
+}
+
+impl Accelerator for WideBvh {
+    #[inline]
+    fn closest<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> Option<Hit> {
+        self.trace(primitives, ray, span, probe)
+    }
+
+    #[inline]
+    fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        self.trace(primitives, ray, span, probe)
+    }
+
+    fn closest_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        hits: &mut [Option<Hit>],
+        probe: &mut S,
+    ) {
+        self.trace_batch(primitives, rays, hits, probe);
+    }
+
+    fn occluded_batch<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &[(Ray, Interval)],
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) {
+        self.trace_batch(primitives, rays, occluded, probe);
+    }
+
+    fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        query.test_leaf(primitives, &self.unbounded, probe)?;
+        self.walk_bounded(primitives, query, probe)
+    }
+
+    fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        query.test_leaf(&self.unbounded)?;
+        self.descend_region(query)
+    }
+
+    fn memory(&self) -> usize {
+        self.total_bytes()
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        BuildStats {
+            primitives: self.bounded as usize + self.unbounded.len(),
+            unbounded: self.unbounded.len(),
+            nodes: self.nodes.len(),
+            leaves: self.n_leaves,
+            max_depth: self.max_depth as usize,
+            references: self.leaves().map(|leaf| leaf.count()).sum(),
+            sah_cost: sah::sah_cost(&self.nodes),
+        }
+    }
+
+    fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
+        self.validate_primitives(primitives)
+    }
+
+    fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
+        let mut pending = vec![(self.root, 0)];
+        while let Some((child, depth)) = pending.pop() {
+            let Some(node) = self.nodes.get(child.number()).filter(|_| child.is_node()) else { continue };
+            for (bounds, child) in node.children() {
+                visit(bounds.at(self.centre), depth + 1);
+                pending.push((child, depth + 1));
+            }
+        }
+    }
+}

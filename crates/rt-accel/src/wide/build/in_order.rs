@@ -1,0 +1,14 @@
+//! Results of independent tasks, in order.
+
+/// Computes `count` results on several threads, in order.
+#[cfg(feature = "parallel")]
+pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().map(each).collect()
+}
+
+/// Computes `count` results in order.
+#[cfg(not(feature = "parallel"))]
+pub(super) fn in_order<T: Send>(count: usize, each: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    (0..count).map(each).collect()
+}

@@ -1,0 +1,101 @@
+//! Eight rays as a structure of arrays.
+
+use rt_math::{BOUNDS_PADDING, Interval, Ray};
+
+use super::f64x8::{F64x8, PACKET};
+use super::simd::Simd;
+
+/// Padding of boxes that lie within padded bounds, relative to their maximum coordinate.
+pub(super) const INNER_PAD: f64 = 0.5 * BOUNDS_PADDING;
+
+/// Eight rays of any directions.
+#[derive(Clone, Copy)]
+pub(super) struct RaySoa8<S: Simd> {
+    pub(super) origin: [F64x8<S>; 3],
+    pub(super) direction: [F64x8<S>; 3],
+    /// Equals [`SlabRay::inverse`](rt_math::SlabRay).
+    pub(super) inverse: [F64x8<S>; 3],
+    pub(super) min: F64x8<S>,
+    pub(super) max: F64x8<S>,
+}
+
+impl<S: Simd> RaySoa8<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, rays: &[(Ray, Interval); PACKET]) -> Self {
+        // Not by loops over arrays, which would be cleared first.
+        macro_rules! by_ray {
+            (|$ray:pat_param, $span:pat_param| $number:expr) => {{
+                let [a, b, c, d, e, f, g, h] = rays;
+                let number = |&($ray, $span): &(Ray, Interval)| $number;
+                F64x8::new(
+                    simd,
+                    [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)],
+                )
+            }};
+        }
+        let direction =
+            [by_ray!(|ray, _| ray.direction.x), by_ray!(|ray, _| ray.direction.y), by_ray!(|ray, _| ray.direction.z)];
+        let one = F64x8::splat(simd, 1.0);
+        Self {
+            origin: [by_ray!(|ray, _| ray.origin.x), by_ray!(|ray, _| ray.origin.y), by_ray!(|ray, _| ray.origin.z)],
+            direction,
+            inverse: [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])],
+            min: by_ray!(|_, span| span.min),
+            max: by_ray!(|_, span| span.max),
+        }
+    }
+
+    /// Entry into and exit from boxes whose sides are moved outward by `pad`.
+    #[inline(always)]
+    pub(super) fn cross_box(&self, simd: S, low: [F64x8<S>; 3], high: [F64x8<S>; 3], pad: F64x8<S>) -> [F64x8<S>; 2] {
+        let (mut enter, mut leave) = (F64x8::splat(simd, f64::NEG_INFINITY), F64x8::splat(simd, f64::INFINITY));
+        for axis in 0..3 {
+            let one = low[axis].sub(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
+            let other = high[axis].add(simd, pad).sub(simd, self.origin[axis]).mul(simd, self.inverse[axis]);
+            // In this order two NaNs are no constraint. After one the box may seem missed, and the scalar test resolves it.
+            enter = one.min(simd, other).max(simd, enter);
+            leave = one.max(simd, other).min(simd, leave);
+        }
+        [enter, leave]
+    }
+
+    /// By axis: a bit for each ray with its largest direction component there, with the ties of [`WatertightRay`].
+    #[inline(always)]
+    pub(super) fn by_steepest_axis(&self, simd: S) -> [u32; 3] {
+        let [x, y, z] = [self.direction[0].abs(simd), self.direction[1].abs(simd), self.direction[2].abs(simd)];
+        let along_x = y.lt(simd, x) & z.lt(simd, x);
+        let along_y = z.lt(simd, y) & !along_x;
+        [along_x, along_y, 0xff & !(along_x | along_y)]
+    }
+
+    /// A bit for each ray that starts at 0 or later, and whose squared length is far from the limits of `f64`.
+    #[inline(always)]
+    pub(super) fn in_safe_range(&self, simd: S) -> u32 {
+        let [x, y, z] = self.direction;
+        let squared = x.mul(simd, x).add(simd, y.mul(simd, y)).add(simd, z.mul(simd, z));
+        F64x8::splat(simd, 0.0).le(simd, self.min)
+            & F64x8::splat(simd, 1e-100).le(simd, squared)
+            & squared.lt(simd, F64x8::splat(simd, 1e100))
+    }
+}
+
+/// Result of intersecting eight rays with one primitive, or with one each.
+pub(super) struct PacketHit<S: Simd> {
+    /// A bit for each ray that hits.
+    pub(super) hit: u32,
+    /// A bit for each ray that needs the scalar test; all others miss.
+    pub(super) uncertain: u32,
+    pub(super) t: F64x8<S>,
+    /// See [`Hit::uv`](rt_geometry::Hit).
+    pub(super) uv: [F64x8<S>; 2],
+}
+
+/// Pads one to eight rays to a packet with copies of the first.
+#[inline(always)]
+pub(super) fn pad_to_packet(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
+    let mut lanes = [rays[0]; PACKET];
+    for (lane, ray) in lanes.iter_mut().zip(rays) {
+        *lane = *ray;
+    }
+    lanes
+}

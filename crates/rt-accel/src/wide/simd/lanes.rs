@@ -1,0 +1,108 @@
+//! Arithmetic on eight `f32`, or four `f64`, for kernels that are written once.
+
+use core::mem::MaybeUninit;
+
+/// Lane-wise arithmetic. A value of the type proves that the processor has the instructions.
+///
+/// Comparisons return a bit for each lane, clear where a number is NaN.
+pub(in crate::wide) trait Simd: Copy {
+    type F32x8: Copy;
+    type F64x4: Copy;
+
+    /// True if a ray takes so few instructions that interleaving rays hides memory latency.
+    const INTERLEAVE: bool;
+    /// True if [`mul_add`](Self::mul_add) rounds once.
+    const FUSED: bool;
+
+    fn splat(self, x: f32) -> Self::F32x8;
+    fn load(self, from: &[f32; 8]) -> Self::F32x8;
+    fn to_array(self, a: Self::F32x8) -> [f32; 8];
+    /// Replaces one lane.
+    fn insert(self, a: Self::F32x8, lane: usize, by: f32) -> Self::F32x8;
+    fn add(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn sub(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn mul(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn div(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn sqrt(self, a: Self::F32x8) -> Self::F32x8;
+    fn abs(self, a: Self::F32x8) -> Self::F32x8;
+    /// Minimum; either number where one is NaN.
+    fn min(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    /// Maximum; either number where one is NaN.
+    fn max(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    /// `a·b + c`, rounded once or twice.
+    fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
+    /// `a·b − c`, rounded once or twice.
+    fn mul_sub(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
+    /// `c − a·b`, rounded once or twice.
+    fn neg_mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
+    fn le(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+    fn lt(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+    /// Bit equality, also of NaNs.
+    fn eq_bits(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+    /// `a` where the mask has a bit, otherwise `b`.
+    fn select(self, mask: u32, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    /// `enter` where it is at most `leave`, otherwise infinity.
+    fn or_inf(self, enter: Self::F32x8, leave: Self::F32x8) -> Self::F32x8;
+    fn reduce_min(self, a: Self::F32x8) -> f32;
+    /// Writes the lanes with `enter ≤ leave` in descending order of `enter`, with their words, and returns their number.
+    ///
+    /// No `enter` may be negative; it may be written with its last three bits cleared. Entries after the count have no
+    /// meaning.
+    fn compress_sorted(
+        self,
+        enter: Self::F32x8,
+        leave: Self::F32x8,
+        words: &[u32; 8],
+        enters: &mut [MaybeUninit<f32>; 8],
+        hit: &mut [MaybeUninit<u32>; 8],
+    ) -> usize;
+
+    fn f64x4(self, of: [f64; 4]) -> Self::F64x4;
+    fn to_f64(self, of: [f32; 4]) -> Self::F64x4;
+    /// Rounds to the nearest `f32`.
+    fn round_to_f32(self, a: Self::F64x4) -> Self::F64x4;
+    fn concat_to_f32(self, low: Self::F64x4, high: Self::F64x4) -> Self::F32x8;
+    fn to_f32(self, a: Self::F64x4) -> [f32; 4];
+    fn to_f64_array(self, a: Self::F64x4) -> [f64; 4];
+    fn add_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn sub_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn mul_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn div_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn sqrt_f64(self, a: Self::F64x4) -> Self::F64x4;
+    fn abs_f64(self, a: Self::F64x4) -> Self::F64x4;
+    /// `a` where `a < b`, otherwise `b`, also where one is NaN.
+    fn min_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    /// `a` where `a > b`, otherwise `b`, also where one is NaN.
+    fn max_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    /// `negative` where the sign bit of `by` is set, otherwise `positive`.
+    fn select_by_sign(self, by: Self::F64x4, positive: Self::F64x4, negative: Self::F64x4) -> Self::F64x4;
+    /// Sign bits of the four numbers.
+    fn signs(self, a: Self::F64x4) -> u32;
+    fn le_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
+    /// The first three numbers in the order 1, 2, 0.
+    fn yzx(self, a: Self::F64x4) -> Self::F64x4;
+    /// The first three numbers in the order 2, 0, 1.
+    fn zxy(self, a: Self::F64x4) -> Self::F64x4;
+    /// Axis of the maximum of the first three; [`WatertightRay`](rt_geometry::WatertightRay) breaks ties alike.
+    fn max_axis(self, a: Self::F64x4) -> usize;
+    /// Rotates the first three cyclically until this axis is the last.
+    fn rotate_axis_last(self, a: Self::F64x4, axis: usize) -> Self::F64x4;
+    /// Prefetches the cache line at any address.
+    fn prefetch<T>(self, line: *const T);
+}
+
+/// A computation that is compiled for every level. `run` must be `#[inline(always)]`.
+///
+/// Implementors and arguments should be at most two pointers, so that all travel in registers. A wide load of data that
+/// was just stored in small pieces stalls for as long as a node takes.
+pub(in crate::wide) trait WithSimd<A, B> {
+    fn run<S: Simd>(self, simd: S, a: A, b: B);
+}
+
+/// Removes the lowest lane from a mask that is not 0, and returns it.
+#[inline(always)]
+pub(in crate::wide) fn take_lane(mask: &mut u32) -> usize {
+    let lane = mask.trailing_zeros() as usize;
+    *mask &= *mask - 1;
+    lane & 7
+}
