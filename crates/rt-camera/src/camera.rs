@@ -4,10 +4,10 @@ mod sight;
 
 pub use sight::CameraWiSample;
 
-use rt_math::{AnimatedTransform, AnimatedTransformError, DVec2, DVec3, Ray, Transform, transcendental::tan};
+use rt_math::{AnimatedTransform, DVec2, DVec3, Ray, Transform, transcendental::tan};
 
 use crate::{
-    Lens,
+    CameraError, Lens,
     view_volume::{Pencil, Rim, ViewVolume},
 };
 
@@ -60,44 +60,6 @@ impl CameraSettings {
     pub const fn new(world_from_camera: Transform, projection: Projection) -> Self {
         Self { world_from_camera, moves_to: None, shutter: [0.0, 1.0], projection, lens_shift: DVec2::ZERO, lens: None }
     }
-}
-
-/// Why no camera can be made of its settings.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum CameraError {
-    /// The image has no pixels.
-    #[error("the image is {0} by {1} pixels; both sides must be at least 1")]
-    EmptyImage(u32, u32),
-    /// The field of view (the value, in radians) is not usable.
-    #[error("the field of view is {} degrees; it must lie between 0 and 180", .0.to_degrees())]
-    FieldOfView(f64),
-    /// The height of an orthographic view (the value, in world units) is not usable.
-    #[error("the height of the orthographic view is {0}; it must be positive and finite")]
-    Height(f64),
-    /// The lens shift is NaN or infinite.
-    #[error("the lens shift ({}, {}) is not finite", .0.x, .0.y)]
-    LensShift(DVec2),
-    /// The radius of the lens (the value, in units of the camera's space) is not usable.
-    #[error("the radius of the lens is {0}; it must be finite and not negative")]
-    LensRadius(f64),
-    /// The depth of the plane of focus (the value, in units of the camera's space) is not usable.
-    #[error("the camera is focused at a depth of {0}; it must be positive and finite")]
-    Focus(f64),
-    /// The aperture has too few corners.
-    #[error("the aperture has {0} blades; it must have at least 3, or none to be round")]
-    Blades(u32),
-    /// The angle of the aperture is NaN or infinite.
-    #[error("the aperture is turned by {0}, which is not finite")]
-    LensRotation(f64),
-    /// The shutter (its two times) is not usable.
-    #[error("the shutter is open from {} to {}; it must open at 0 at the earliest and close after that, at 1 at the latest", .0[0], .0[1])]
-    Shutter([f64; 2]),
-    /// The camera cannot move from the one place to the other.
-    #[error(transparent)]
-    AnimatedTransform(#[from] AnimatedTransformError),
-    /// The rays overflow: the transform scales, or the lens shift reaches, too far.
-    #[error("the camera's transform, lens and lens shift are too large for its rays to be finite")]
-    Overflow,
 }
 
 /// A camera and the image that it exposes, ready to cast rays.

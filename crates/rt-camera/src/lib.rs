@@ -64,6 +64,7 @@
 
 mod blue_noise;
 mod camera;
+mod camera_error;
 mod film;
 mod filter;
 mod halton;
@@ -74,7 +75,8 @@ mod pixel_sampler;
 mod sobol;
 mod view_volume;
 
-pub use camera::{Camera, CameraError, CameraSettings, CameraWiSample, FovAxis, Projection};
+pub use camera::{Camera, CameraSettings, CameraWiSample, FovAxis, Projection};
+pub use camera_error::CameraError;
 pub use film::{FilmError, FilmSettings};
 pub use filter::Filter;
 pub use lens::Lens;

@@ -6,8 +6,8 @@ use rt_camera::Camera;
 use rt_math::{DVec2, DVec3, Ray};
 use rt_render::{RenderSpace, SceneGeometry};
 
+use crate::finding::{Finding, Findings, Kind};
 use crate::objects::Objects;
-use crate::report::{Finding, Findings, Kind};
 
 /// Cells along each side of the image; one ray passes through the middle of each.
 const CELLS: u32 = 64;

@@ -10,8 +10,8 @@ use rt_math::{Aabb, DVec3};
 
 use crate::coplanar::{area_vector, overlap_in_plane};
 use crate::facets::{Facet, Facets, tolerance, widened};
+use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Object, Objects};
-use crate::report::{Finding, Findings, Kind};
 use crate::solids::Solids;
 
 /// Largest number of overlapping boxes to compare.

@@ -2,8 +2,8 @@
 
 use rt_math::DVec3;
 
+use crate::finding::{Finding, Findings, Kind};
 use crate::objects::Objects;
-use crate::report::{Finding, Findings, Kind};
 use crate::solids::{Enclosure, Solids};
 
 /// Distance of a light over the extent of the scene beyond which it is practically directional. Directions to it from

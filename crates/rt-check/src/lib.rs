@@ -35,6 +35,7 @@ mod coincident;
 mod coplanar;
 mod enclosed;
 mod facets;
+mod finding;
 #[cfg(test)]
 mod fixture;
 mod materials;
@@ -43,6 +44,7 @@ mod normals;
 mod objects;
 mod polygons;
 mod report;
+mod singular_values;
 mod solids;
 mod topology;
 mod transforms;
@@ -55,16 +57,17 @@ use rt_scene_io::Scene;
 use rt_shading::{Material, Texture, TextureId};
 
 use crate::{
+    finding::Findings,
     objects::{Geometry, Objects},
-    report::Findings,
     solids::Solids,
     topology::Topology,
     welded::Welded,
 };
 
 pub use camera::CameraMeasures;
+pub use finding::{Finding, Kind, Measurement, Severity};
 pub use measures::Measures;
-pub use report::{Finding, Kind, Measurement, More, Report, Severity};
+pub use report::{More, Report};
 
 /// Checks a scene. Never fails: a reason not to render it is a finding.
 pub fn check(scene: &Scene) -> Report {
@@ -97,7 +100,7 @@ pub fn check(scene: &Scene) -> Report {
     measures.cameras = camera::check(&objects, space, geometry.as_ref(), &mut findings);
     enclosed::check(&objects, &solids, &mut findings);
     materials::check(&objects, &mut findings);
-    findings.report(measures)
+    Report::new(measures, findings)
 }
 
 /// Checks each mesh once, however many instances it has, and returns the topology of each.

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use rt_math::Rgb;
 use rt_shading::{ColorTexture, Material, Texture};
 
+use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Objects};
-use crate::report::{Finding, Findings, Kind};
 
 pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     let textures = &objects.scene.appearance.textures;

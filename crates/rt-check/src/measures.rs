@@ -5,9 +5,9 @@ use std::fmt;
 use rt_math::Aabb;
 
 use crate::camera::CameraMeasures;
+use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Objects};
-use crate::report::{Finding, Findings, Kind};
-use crate::transforms::{condition, singular_values};
+use crate::singular_values::{condition, singular_values};
 use crate::welded::corners;
 
 /// Largest over smallest length from which on a note is due: beyond the precision of `f32`.

@@ -3,7 +3,7 @@
 use rt_math::transcendental::acos;
 use rt_scene_io::NamedMesh;
 
-use crate::report::{Finding, Findings, Kind};
+use crate::finding::{Finding, Findings, Kind};
 use crate::welded::corners;
 
 pub(crate) fn check(named: &NamedMesh, is_textured: bool, findings: &mut Findings) {

@@ -8,7 +8,7 @@ use rt_math::{Aabb, Transform};
 use rt_scene_io::{Content, Group, NamedMesh, Node, Scene};
 use rt_shading::Material;
 
-use crate::transforms::condition;
+use crate::singular_values::condition;
 
 /// Largest number of nodes to visit; those of a group count once per instance.
 const MAX_NODES: usize = 1 << 20;

@@ -4,8 +4,8 @@ use rt_geometry::{Polygon, Shape};
 use rt_math::float::{UNIT_ROUNDOFF, difference_of_products};
 use rt_math::{Aabb, DVec3};
 
+use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Objects};
-use crate::report::{Finding, Findings, Kind};
 
 /// Acceptable deviation of a polygon from a plane, as a part of its diameter.
 const FLAT: f64 = 1e-9;

@@ -3,8 +3,8 @@
 use rt_geometry::{Hit, InteractionFlags, Primitives, Shape, ShapeHit, TransformedShape};
 use rt_math::{DVec3, Interval, Ray};
 
+use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Object, Objects};
-use crate::report::{Finding, Findings, Kind};
 use crate::topology::Topology;
 
 /// For each object a flag for the closed surface of a solid.

@@ -4,7 +4,7 @@ use rt_geometry::TriangleMesh;
 use rt_math::DVec3;
 use rt_scene_io::NamedMesh;
 
-use crate::report::{Finding, Findings, Kind};
+use crate::finding::{Finding, Findings, Kind};
 use crate::welded::{Welded, corners};
 
 /// Counts of the edges of a mesh by their use, and its volume.

@@ -3,7 +3,7 @@
 use rt_geometry::TriangleMesh;
 use rt_scene_io::NamedMesh;
 
-use crate::report::{Finding, Findings, Kind};
+use crate::finding::{Finding, Findings, Kind};
 use crate::welded::{Welded, corners};
 
 /// Longest edge over height beyond which a triangle counts as a sliver: its normal depends on three digits of its `f32`

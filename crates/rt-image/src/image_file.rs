@@ -5,6 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// Pixels of the largest image that [`read_image`](crate::read_image) reads: 2²⁷, such as an environment map of 16,384 by
+/// 8,192.
+pub const MAX_READ_PIXELS: u64 = 1 << 27;
+
 /// The file formats that are written and read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ImageFormat {
@@ -85,11 +89,11 @@ pub enum ImageFileError {
     /// The file is in no known format.
     #[error("`{}` is not an image in one of the formats {}", .0.display(), ImageFormat::list_extensions())]
     UnknownFormat(PathBuf),
-    /// The image has more pixels than [`MAX_READ_PIXELS`](crate::MAX_READ_PIXELS).
+    /// The image has more pixels than [`MAX_READ_PIXELS`].
     #[error(
         "`{}` is {width} by {height} pixels; at most {max} pixels can be read",
         path.display(),
-        max = crate::MAX_READ_PIXELS
+        max = MAX_READ_PIXELS
     )]
     TooLarge {
         /// The file.

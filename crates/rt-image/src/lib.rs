@@ -48,10 +48,8 @@ pub use develop::{Bitmap8, Development, DevelopmentError, Encoding, ToneCurve};
 pub use dither::Dither;
 pub use image::Image;
 #[cfg(feature = "files")]
-pub use image_file::{ImageFileError, ImageFormat};
+pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
 #[cfg(feature = "files")]
-pub use read_image::{
-    ImageHeader, MAX_READ_PIXELS, decode_image, format_of_bytes, image_format, image_header, read_image,
-};
+pub use read_image::{ImageHeader, decode_image, format_of_bytes, image_format, image_header, read_image};
 #[cfg(feature = "files")]
 pub use write_image::write_image;

@@ -9,12 +9,9 @@ use std::{
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use crate::{
-    Encoding, Image, ImageFileError, ImageFormat,
+    Encoding, Image, ImageFileError, ImageFormat, MAX_READ_PIXELS,
     pfm::{self, PfmError, PfmHeader},
 };
-
-/// Pixels of the largest image that [`read_image`] reads: 2²⁷, such as an environment map of 16,384 by 8,192.
-pub const MAX_READ_PIXELS: u64 = 1 << 27;
 
 /// Bytes that a decoder may allocate: four channels of `f32`.
 const MAX_DECODER_BYTES: u64 = 16 * MAX_READ_PIXELS;

@@ -1,6 +1,6 @@
 use super::*;
+use crate::finding::Measurement;
 use crate::fixture::*;
-use crate::report::Measurement;
 use rt_geometry::{Cuboid, Rectangle, Triangle};
 use rt_math::Transform;
 use rt_scene_io::{Content, MaterialId, Node, Scene};
