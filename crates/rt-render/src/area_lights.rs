@@ -13,8 +13,8 @@ use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_m
 /// Tolerance of the parallelogram test, as a part of the side.
 const SQUARENESS: f64 = 1e-9;
 
-/// Makes emitters of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured
-/// one, a torus, an animated one) are found by rays only.
+/// Creates emitters for all uniformly emissive instances and stores their indices. Other emissive surfaces (textured, animated,
+/// or a torus) are found by rays only.
 pub(crate) fn emitters(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> EmitterSet {
     // Instances in a group store the index within the group; a group instance stores the index of its first light.
     let of_groups: Vec<AreaLights> = levels
@@ -146,7 +146,7 @@ fn emitter_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emiss
         }
         Shape::Polygon(polygon) => emitter_of_polygon(polygon, world_from_local, emission),
         Shape::Triangle(triangle) => mesh([triangle.vertices()], world_from_local, emission),
-        // A box without thickness has two faces in one place.
+        // The faces of a flat box would coincide.
         Shape::Cuboid(axis_box) if axis_box.bounds().extent().min_element() > 0.0 => {
             mesh(faces_of(&axis_box.bounds()), world_from_local, emission)
         }
@@ -154,7 +154,7 @@ fn emitter_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emiss
     }
 }
 
-/// The parallelogram of four corners in order; `None` if they are none.
+/// Quad light of a parallelogram with corners in order; `None` for other quadrilaterals.
 fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, emission: Emission) -> Option<Emitter> {
     let size = (b - a).length().max((d - a).length());
     if !((a + c - b - d).length() <= SQUARENESS * size) {
@@ -164,7 +164,7 @@ fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, emission: Emission) -> Option<E
     QuadLight::new(a, edges, emission).ok().map(Emitter::Quad)
 }
 
-/// A polygon without dents and holes.
+/// Light of a convex polygon without holes; `None` for others.
 fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission: Emission) -> Option<Emitter> {
     let mut rings = polygon.rings();
     let (Some(form), None) = (rings.next(), rings.next()) else { return None };
@@ -177,7 +177,7 @@ fn emitter_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission:
     let next = |i: usize| form[i % form.len()];
     let turns_left = |i: usize| (next(i + 1) - next(i)).cross(next(i + 2) - next(i + 1)).dot(polygon.normal()) >= 0.0;
     let fan = (1..form.len() - 1).map(|i| [form[0], form[i], form[i + 1]]);
-    // An outline that winds around more than once turns left everywhere, and is wider than its fan.
+    // An outline that winds more than once turns left everywhere, but its fan has reversed triangles.
     let is_fan = (0..form.len()).all(turns_left)
         && fan.clone().all(|[a, b, c]| (b - a).cross(c - a).dot(polygon.normal()) >= 0.0);
     if is_fan { mesh(fan, world_from_local, emission) } else { None }
@@ -197,7 +197,7 @@ fn emitter_of_mesh(source: &TriangleMesh, world_from_local: &Transform, emission
     mesh(data.triangles.iter().map(|triangle| triangle.map(vertex)), world_from_local, emission)
 }
 
-/// Triangles that face outwards where their vertices run counter-clockwise in local space.
+/// Mesh light of triangles whose vertices are counter-clockwise in local space, seen from the front.
 fn mesh(
     triangles: impl IntoIterator<Item = [DVec3; 3]>,
     world_from_local: &Transform,

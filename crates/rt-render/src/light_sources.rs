@@ -4,12 +4,12 @@ use rt_geometry::Shape;
 use rt_shading::{Appearance, Ball, LightSources, Targets, emitter::EmitterSet};
 
 use crate::{
-    camera_medium::reach_of_transparent_bodies,
+    camera_medium::bounds_of_dielectrics,
     instance::{BottomLevel, Instance, InstanceGeometry, uses_material},
     world::World,
 };
 
-/// The lights of the world as beginnings of paths; `None` if none of them can shine on a sharp mirror or glass.
+/// Lights and targets of light tracing; `None` if no sampled light can reach a specular object.
 pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, world: &World) -> Option<LightSources> {
     let is_sharp =
         |material: u32| appearance.materials.get(material as usize).is_some_and(rt_shading::Material::is_sharp);
@@ -23,7 +23,7 @@ pub(crate) fn light_sources(appearance: &Appearance, emitters: &EmitterSet, worl
         }
         World::Instances(top, levels) => targets(&top.instances, levels, &is_sharp),
     };
-    let bodies = reach_of_transparent_bodies(&appearance.materials, world);
+    let bodies = bounds_of_dielectrics(&appearance.materials, world);
     let sources = LightSources::new(&appearance.lights, emitters, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)
 }
