@@ -7,8 +7,8 @@ use crate::objects::Objects;
 use crate::report::{Finding, Findings, Kind};
 use crate::solids::{Enclosure, Solids};
 
-/// Distance of a light over the extent of the scene beyond which it is practically directional: directions to it from
-/// neighbouring points differ in the last digits of `f32` only.
+/// Maximum ratio of the distance of a light to the extent of the scene. Beyond it, the light is practically directional:
+/// directions from neighbouring points differ in the last digits of `f32` only.
 const FAR: f64 = 1e7;
 
 pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findings) {

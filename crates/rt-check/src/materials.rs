@@ -16,8 +16,9 @@ pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     unused(objects, findings);
 }
 
-/// Checks the share of light that diffuse reflection and the highlight return at normal incidence: kd + ks·2π / (n + 2)
-/// (Lewis, "Making shaders more physically plausible", 1994).
+/// Checks the albedo of diffuse reflection and highlight at normal incidence: kd + ks·2π / (n + 2).
+///
+/// Source: Lewis, "Making shaders more physically plausible", 1994.
 fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
     let phong = &material.phong;
     let lobe = TAU / (phong.exponent + 2.0);
@@ -34,7 +35,7 @@ fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
     }
 }
 
-/// Upper bound of a coefficient; images count as 1, which they seldom exceed.
+/// Upper bound of a coefficient. Textures count as 1, which they seldom exceed.
 fn brightest(coefficient: &ColorTexture, textures: &[Texture]) -> Rgb {
     match coefficient {
         ColorTexture::Constant(rgb) => *rgb,

@@ -65,7 +65,7 @@ macro_rules! kinds {
 
 // One row per lint: name in code, name in reports, usual severity, usual advice.
 kinds! {
-    /// The renderer refuses the scene.
+    /// The renderer rejects the scene.
     CannotRender = "cannot-render", Error, "fix the named object; rendering refuses the scene for the same reason";
     /// The loader fixed or skipped something.
     LoadWarning = "mended", Warning, "fix the file if the image should show it";
@@ -136,7 +136,7 @@ kinds! {
         "point the camera at the scene, or leave it out to have one placed where it sees everything";
     /// The scene covers less than two pixels.
     CameraFar = "camera-far", Warning, "go nearer, or narrow the field of view";
-    /// The field of view is so small that neighbouring rays lose digits.
+    /// The field of view is so small that directions of neighbouring rays lose digits.
     NarrowView = "narrow-view", Warning,
         "widen the field of view and go nearer, or use an orthographic camera";
     /// Rounding moves visible points by a visible part of a pixel.
@@ -153,7 +153,7 @@ kinds! {
         "nothing under classical shading; lower `specular` or raise `exponent` for physical light";
     /// An unused material, mesh or group.
     Unused = "unused", Info, "remove it, or correct the name where it should be used";
-    /// A check stopped at its limit of time.
+    /// A check stopped at a limit that bounds its running time.
     LimitReached = "limit-reached", Info, "check parts of the scene one by one for a complete report";
 }
 

@@ -5,14 +5,14 @@ use rt_math::DMat3;
 use crate::objects::{Geometry, Object, Objects};
 use crate::report::{Finding, Findings, Kind};
 
-/// Condition number beyond which a warning is due: a ray in local space keeps fewer than ten digits.
+/// Condition number above which a warning is reported: a ray in local space keeps fewer than ten digits.
 const NEAR_SINGULAR: f64 = 1e6;
 
 /// Largest condition number of a map that counts as a similarity.
 const ROUND: f64 = 1.001;
 
-/// Condition number in the 2-norm, σ₁ / σ₃: the possible growth of relative errors on the way to local space. Infinite
-/// for a singular matrix.
+/// Condition number in the 2-norm, σ₁ / σ₃: the maximum growth of relative errors in local space. Infinite for a singular
+/// matrix.
 pub(crate) fn condition(linear: &DMat3) -> f64 {
     let [largest, _, smallest] = singular_values(linear);
     largest / smallest
@@ -21,7 +21,7 @@ pub(crate) fn condition(linear: &DMat3) -> f64 {
 /// Singular values, the largest first, to high relative accuracy. One-sided Jacobi rotations make the columns orthogonal;
 /// their lengths are the singular values (Hestenes 1958; Demmel, Veselić 1992).
 pub(crate) fn singular_values(linear: &DMat3) -> [f64; 3] {
-    /// Far more sweeps than three columns need.
+    /// Maximum number of sweeps, far more than three columns need.
     const MAX_SWEEPS: usize = 40;
     const ORTHOGONAL: f64 = 1e-15;
 
