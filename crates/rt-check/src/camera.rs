@@ -1,4 +1,4 @@
-//! Distance and precision of the points that cameras see.
+//! Distance and precision of visible points.
 
 use std::fmt;
 
@@ -34,9 +34,9 @@ pub struct CameraMeasures {
     pub nearest: f64,
     /// Distance of the farthest hit; 0 without any.
     pub farthest: f64,
-    /// Greatest bound on the rounding error of a hit point, from its shape and transforms.
+    /// Maximum bound on the rounding error of a hit point, from its shape and transforms.
     pub position_error: f64,
-    /// Greatest bound on the rounding error of a hit point, in pixels.
+    /// Maximum bound on the rounding error of a hit point, in pixels.
     pub position_error_in_pixels: f64,
     /// Angle between neighbouring rays in the middle of the image, in radians; 0 for parallel rays.
     pub pixel_angle: f64,
@@ -87,7 +87,7 @@ fn measure(name: &str, camera: &Camera, size: DVec2, geometry: &SceneGeometry) -
     measures
 }
 
-/// Distance of the points that neighbouring pixels see at the same ray parameter.
+/// Distance of the points of neighbouring pixels at the same ray parameter.
 fn footprint(camera: &Camera, raster: DVec2, ray: &Ray, t: f64) -> f64 {
     // Origins and directions are subtracted first: the points themselves may be far from the origin.
     let neighbour = camera.ray(raster + DVec2::X, 0.0);
@@ -99,7 +99,7 @@ fn pixel_angle(camera: &Camera, size: DVec2) -> f64 {
     (b - a).length() / a.length()
 }
 
-/// Measures and checks all cameras. The geometry is missing if the renderer refuses the scene.
+/// Measures and checks all cameras. The geometry is `None` if the renderer rejects the scene.
 pub(crate) fn check(
     objects: &Objects<'_>,
     space: RenderSpace,
@@ -181,7 +181,7 @@ mod tests {
         assert!((1e-17..1e-14).contains(&seen.position_error), "{seen:?}");
         // The field of view is 40 degrees over 48 pixels: a pixel is some 0.06 wide at the sphere.
         assert!((seen.position_error_in_pixels * 0.06 / seen.position_error - 1.0).abs() < 0.3, "{seen:?}");
-        // The sphere's half angle is asin(1/5): it covers a part of the square image of π(tan/tan 20°)²/4.
+        // The half angle of the sphere is asin(1/5). It covers the fraction π (tan/tan 20°)²/4 of the square image.
         let tangent = 0.2 / 0.96f64.sqrt() / tan(20f64.to_radians());
         let share = seen.hits as f64 / seen.rays as f64;
         assert!((share - std::f64::consts::FRAC_PI_4 * tangent * tangent).abs() < 0.01, "{seen:?}");

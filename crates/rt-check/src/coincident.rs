@@ -1,5 +1,7 @@
-//! Overlapping surfaces in one plane. At bit-identical distances the first object is seen. Faces that are rotated in their
-//! plane are hit at distances that differ by rounding, and either may be seen. It is seldom intended.
+//! Overlapping surfaces in one plane, which are seldom intended.
+//!
+//! At bit-identical distances the first object is visible. Hits on faces that are rotated in their plane differ by rounding:
+//! either face can be visible.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -25,7 +27,7 @@ const MAX_PLANES: usize = 64;
 struct Contact {
     /// Pairs of faces.
     faces: u64,
-    /// Pairs with a camera in front of them.
+    /// Pairs with a camera on their front side.
     visible: u64,
 }
 
@@ -35,7 +37,7 @@ struct Search<'o> {
     solids: &'o Solids,
     eyes: Vec<DVec3>,
     errors: Vec<f64>,
-    /// Overlaps by pair of objects. At equal distances the first object is seen.
+    /// Overlaps by pair of objects. At equal distances the first object is visible.
     contacts: BTreeMap<(usize, usize), Contact>,
 }
 
@@ -129,7 +131,7 @@ impl Search<'_> {
     fn add(&mut self, a: Facet, b: Facet, normal_a: DVec3, normal_b: DVec3) {
         let contact = self.contacts.entry((a.object.min(b.object), a.object.max(b.object))).or_default();
         contact.faces += 1;
-        // Faces of solids are seen from their front; only a surface that touches that front may cover it.
+        // Faces of solids are visible from their front: only a surface that touches the front can cover it.
         let in_front = |facet: &Facet, normal: DVec3| {
             self.eyes.is_empty() || self.eyes.iter().any(|eye| (*eye - facet.corners[0]).dot(normal) > 0.0)
         };
@@ -189,7 +191,7 @@ fn visit_pairs(boxes: &[Aabb], mut visit: impl FnMut(usize, usize)) -> bool {
     left > 0
 }
 
-/// True if the corners are the same in any order; such triangles of a mesh have a lint of their own.
+/// True if the corners are the same in any order; another lint reports such triangles of a mesh.
 fn is_same_triangle(a: [DVec3; 3], b: [DVec3; 3]) -> bool {
     a.iter().all(|corner| b.contains(corner))
 }

@@ -1,4 +1,4 @@
-//! The flat faces of a scene in world space, as triangles.
+//! Flat faces of a scene in world space, as triangles.
 
 use rt_geometry::Shape;
 use rt_math::float::UNIT_ROUNDOFF;
@@ -36,7 +36,7 @@ pub(crate) struct Facet {
     pub(crate) corners: [DVec3; 3],
 }
 
-/// All facets of a scene in one numbering; each is computed on demand.
+/// All facets of a scene, numbered consecutively and computed on demand.
 #[derive(Debug)]
 pub(crate) struct Facets<'o> {
     objects: &'o Objects<'o>,
@@ -93,7 +93,7 @@ pub(crate) fn widened(bounds: Aabb, placement_error: f64) -> Aabb {
     Aabb::new(bounds.min - margin, bounds.max + margin)
 }
 
-/// Largest computed distance of two surfaces in the same place: the errors of both transforms, and a few roundings of the
+/// Maximum computed distance of coincident surfaces: the errors of both transforms, and a few roundings of the
 /// largest coordinate.
 pub(crate) fn tolerance(placement_errors: f64, max_abs: f64) -> f64 {
     4.0 * placement_errors + 8.0 * UNIT_ROUNDOFF * max_abs

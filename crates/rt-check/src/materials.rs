@@ -34,7 +34,7 @@ fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
     }
 }
 
-/// Upper bound of a coefficient; images count as 1, which they seldom exceed.
+/// Upper bound of a coefficient. Textures count as 1, which they seldom exceed.
 fn brightest(coefficient: &ColorTexture, textures: &[Texture]) -> Rgb {
     match coefficient {
         ColorTexture::Constant(rgb) => *rgb,

@@ -10,19 +10,20 @@ use crate::objects::{Geometry, Objects};
 use crate::singular_values::{condition, singular_values};
 use crate::welded::corners;
 
-/// Largest over smallest length from which on a note is due: beyond the precision of `f32`.
+/// Ratio of largest to smallest length above which an info is reported: it exceeds the precision of `f32`.
 const WIDE_RANGE: f64 = 1e7;
 
-/// Largest over smallest length from which on a warning is due: positions keep fewer than four digits of the smallest.
+/// Ratio of largest to smallest length above which a warning is reported: positions keep fewer than four digits of the
+/// smallest.
 const EXTREME_RANGE: f64 = 1e12;
 
-/// Distance from the origin over extent from which on a note is due.
+/// Ratio of distance from the origin to extent above which an info is reported.
 const FAR: f64 = 1e6;
 
-/// Distance from the origin over extent from which on a warning is due: positions keep fewer than six digits.
+/// Ratio of distance from the origin to extent above which a warning is reported: positions keep fewer than six digits.
 const VERY_FAR: f64 = 1e10;
 
-/// Spacing of `f32` numbers over the extent of a mesh from which on a warning is due.
+/// Ratio of the spacing of `f32` numbers to the extent of a mesh above which a warning is reported.
 const COARSE: f64 = 1e-4;
 
 /// Size, detail and precision of a scene. Lengths are in world units.
@@ -40,9 +41,9 @@ pub struct Measures {
     pub extent: f64,
     /// Diameter of the smallest shape, or the shortest edge of a mesh if that is shorter; 0 without any.
     pub smallest: f64,
-    /// Extent over smallest; 0 without objects.
+    /// Ratio of extent to smallest; 0 without objects.
     pub dynamic_range: f64,
-    /// Distance of the middle of the box from the origin over the extent; 0 without a box.
+    /// Ratio of the distance of the centre of the box from the origin to the extent; 0 without a box.
     pub origin_distance: f64,
     /// Worst condition number of the transform of an object, at least 1.
     pub condition: f64,

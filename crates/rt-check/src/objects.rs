@@ -13,7 +13,7 @@ use crate::singular_values::condition;
 /// Largest number of nodes to visit; those of a group count once per instance.
 const MAX_NODES: usize = 1 << 20;
 
-/// Deepest nesting to visit; the renderer refuses more.
+/// Maximum nesting to visit; the renderer rejects more.
 const MAX_DEPTH: usize = 1024;
 
 /// Geometry of an object.
@@ -40,7 +40,7 @@ pub(crate) struct Object<'s> {
 }
 
 impl Object<'_> {
-    /// Largest distance, per axis, by which rounding in the transform may move a point of the object.
+    /// Maximum displacement of a point of the object by rounding in the transform, per axis.
     pub(crate) fn placement_error(&self) -> f64 {
         let local = match self.geometry {
             Geometry::Shape(shape) => shape.bounds(),
@@ -62,7 +62,7 @@ struct TreeNode<'s> {
     node: &'s Node,
 }
 
-/// All objects of a scene in rendering order: of surfaces at the same distance, the first is seen.
+/// All objects of a scene in rendering order: of surfaces at the same distance, the first is visible.
 #[derive(Debug)]
 pub(crate) struct Objects<'s> {
     pub(crate) scene: &'s Scene,

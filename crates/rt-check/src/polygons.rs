@@ -7,7 +7,7 @@ use rt_math::{Aabb, DVec3};
 use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Objects};
 
-/// Acceptable deviation of a polygon from a plane, as a part of its diameter.
+/// Maximum deviation of a polygon from a plane, as a fraction of its diameter.
 const FLAT: f64 = 1e-9;
 
 /// Largest number of pairs of edges to compare in a scene.
@@ -88,7 +88,7 @@ fn cross(a: &Edge, b: &Edge) -> bool {
     !apart(0) && !apart(1) && side(a, b[0]) * side(a, b[1]) < 0 && side(b, a[0]) * side(b, a[1]) < 0
 }
 
-/// Side of an edge on which a point lies: 1 or −1, and 0 if rounding leaves it open. The products have exact signs; the
+/// Side of an edge on which a point lies: 1 or −1, and 0 if uncertain by rounding. The products have exact signs; the
 /// differences before them have a relative error of u each.
 fn side(edge: &Edge, p: [f64; 2]) -> i32 {
     let [a, b] = edge;

@@ -7,7 +7,7 @@ use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Object, Objects};
 use crate::topology::Topology;
 
-/// For each object a flag for the closed surface of a solid.
+/// Flags of objects: true for the closed surface of a solid.
 #[derive(Debug)]
 pub(crate) struct Solids(Vec<bool>);
 
@@ -50,7 +50,7 @@ impl Solids {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Enclosure<'o> {
     pub(crate) object: &'o Object<'o>,
-    /// Smallest distance from the point to the wall along a few directions.
+    /// Minimum distance from the point to the surface along a few directions.
     pub(crate) wall: f64,
 }
 
@@ -67,10 +67,10 @@ fn encloses(shape: &Shape) -> bool {
     }
 }
 
-/// Distance to the wall of a solid around a point; `None` if the point is outside.
+/// Distance from a point to the surface of the solid around it; `None` if the point is outside.
 ///
-/// A point is inside if most rays from it first hit a back face. A mesh that is inside out gives the opposite answer, and
-/// has a lint of its own.
+/// A point is inside if most rays from it first hit a back face. A mesh that is inside out gives the opposite result;
+/// another lint reports it.
 fn wall_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
     // No symmetric shape or mesh has edges in these directions.
     const DIRECTIONS: [DVec3; 5] = [

@@ -69,7 +69,7 @@ fn directed_edges(welded: &Welded) -> Vec<((u32, u32), bool)> {
     triangles.iter().flat_map(|&[a, b, c]| [edge(a, b), edge(b, c), edge(c, a)]).collect()
 }
 
-/// Signed volume, computed relative to the middle of the mesh, so that a distant origin costs no digits.
+/// Signed volume. It is computed relative to the centre of the mesh: a distant origin costs no digits.
 fn volume(mesh: &TriangleMesh) -> f64 {
     let middle = mesh.bounds().centre();
     let parallelepiped = |triangle: &[u32; 3]| {

@@ -4,7 +4,7 @@ use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Object, Objects};
 use crate::singular_values::condition;
 
-/// Condition number beyond which a warning is due: a ray in local space keeps fewer than ten digits.
+/// Condition number above which a warning is reported: a ray in local space keeps fewer than ten digits.
 const NEAR_SINGULAR: f64 = 1e6;
 
 /// Largest condition number of a map that counts as a similarity.

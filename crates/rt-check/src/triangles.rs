@@ -6,11 +6,11 @@ use rt_scene_io::NamedMesh;
 use crate::finding::{Finding, Findings, Kind};
 use crate::welded::{Welded, corners};
 
-/// Longest edge over height beyond which a triangle counts as a sliver: its normal depends on three digits of its `f32`
+/// Ratio of longest edge to height above which a triangle counts as a sliver: its normal depends on three digits of its `f32`
 /// vertices.
 const SLIVER: f64 = 1e4;
 
-/// Ratio of the longest or shortest edge to the median one beyond which a mesh is uneven.
+/// Ratio of the longest or shortest edge to the median one above which a mesh is uneven.
 const UNEVEN: f64 = 1e4;
 
 pub(crate) fn check(named: &NamedMesh, welded: &Welded, findings: &mut Findings) {
@@ -89,7 +89,7 @@ fn slivers(named: &NamedMesh, findings: &mut Findings) {
     }
 }
 
-/// Longest edge over the height above it; infinite if the height rounds to 0.
+/// Ratio of the longest edge to the height above it; infinite if the height rounds to 0.
 fn aspect_ratio(mesh: &TriangleMesh, triangle: [u32; 3]) -> f64 {
     let [a, b, c] = corners(mesh, triangle);
     let edges = [b - a, c - b, a - c];

@@ -1,4 +1,4 @@
-//! Merges vertices that files split for the sake of normals or texture coordinates.
+//! Welding: merges vertices that files split by normals or texture coordinates.
 
 use rt_geometry::{MeshData, TriangleMesh};
 use rt_math::DVec3;

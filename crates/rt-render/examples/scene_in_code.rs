@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         Transform::look_at(DVec3::new(0.0, 2.0, 7.0), DVec3::new(0.0, 0.8, 0.0), DVec3::Y)?,
         Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical },
     );
-    let lamp = DeltaLightKind::Point { position: DVec3::new(-4.0, 6.0, 5.0), falloff: Falloff::None, shadow_near: 0.0 };
+    let point_light =
+        DeltaLightKind::Point { position: DVec3::new(-4.0, 6.0, 5.0), falloff: Falloff::None, shadow_near: 0.0 };
     let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     let clay = Phong { diffuse: ColorTexture::Constant(Rgb::new(0.8, 0.4, 0.3)), ..Phong::default() };
     let chrome = Phong { diffuse: gray(0.1), specular: gray(0.8), mirror: gray(0.7), ..Phong::default() };
@@ -36,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             materials: vec![Material::new("clay".into(), clay), Material::new("chrome".into(), chrome)],
             lights: vec![DeltaLight {
                 name: "lamp".into(),
-                kind: lamp,
+                kind: point_light,
                 intensity: Rgb::WHITE,
                 units: LightUnits::Classical,
                 casts_shadows: true,

@@ -37,7 +37,7 @@ impl AccelOptions {
     }
 }
 
-/// Builds the requested structure, or for `Auto` the one that fits the primitives.
+/// Builds the requested accelerator; `Auto` selects one for the primitives.
 pub(crate) fn build<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> Result<AnyAccelerator, BuildError> {
     let is_small = is_small(primitives, 0..primitives.len() as u32);
     let structure =
@@ -89,14 +89,14 @@ pub(crate) fn reason<P: Primitives>(accel_options: AccelOptions, primitives: &P)
 fn size_spread<P: Primitives>(primitives: &P) -> String {
     let sizes = (0..primitives.len() as u32).filter_map(|index| primitives.bounds(index));
     let sizes = sizes.map(|bounds| bounds.extent().max_element());
-    let (least, greatest) = sizes.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), size| (a.min(size), b.max(size)));
-    let ratio = greatest / least;
+    let (min, max) = sizes.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), size| (a.min(size), b.max(size)));
+    let ratio = max / min;
     match ratio {
-        _ if least == f64::INFINITY => "none of them bounded".to_owned(),
+        _ if min == f64::INFINITY => "none of them bounded".to_owned(),
         0.0..1.5 => "all of about one size".to_owned(),
         1.5..10.0 => format!("sizes spread 1:{ratio:.1}"),
         10.0..1e6 => format!("sizes spread 1:{ratio:.0}"),
-        _ => format!("sizes from {least:.1e} to {greatest:.1e}"),
+        _ => format!("sizes from {min:.1e} to {max:.1e}"),
     }
 }
 
@@ -107,7 +107,7 @@ mod tests {
     use rt_math::DVec3;
 
     #[test]
-    fn every_structure_can_be_asked_for_by_its_name() {
+    fn every_accelerator_is_selected_by_its_name() {
         let named = |accel: &Accel| choose(*accel, true).name();
         for accel in Accel::ALL.iter().filter(|accel| **accel != Accel::Auto) {
             assert_eq!(named(accel), accel.name());
@@ -120,12 +120,12 @@ mod tests {
     }
 
     #[test]
-    fn reasons_name_the_rule_and_what_it_looked_at() {
+    fn reasons_name_the_rule_and_its_input() {
         let auto = AccelOptions::default();
         let reason = |radii: &[f64]| reason(auto, &spheres(radii));
         assert_eq!(reason(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
         assert!(reason(&[1.0; 16]).starts_with("up to 16 spheres"), "{}", reason(&[1.0; 16]));
-        let of = |least: f64| reason(&[[1.0; 16].as_slice(), &[least]].concat());
+        let of = |radius: f64| reason(&[[1.0; 16].as_slice(), &[radius]].concat());
         assert_eq!(of(0.025), "more than 8, sizes spread 1:40: eight boxes at a time suit all sizes and places");
         assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
         assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));

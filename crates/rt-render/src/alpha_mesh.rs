@@ -1,4 +1,4 @@
-//! Meshes with holes that their material cuts.
+//! Meshes with an alpha test: hits on transparent points are skipped.
 
 use rt_geometry::{Hit, Primitives, TriangleMesh, VertexAttributes};
 use rt_math::{Aabb, DVec3, Interval, Ray, random};
@@ -13,7 +13,7 @@ pub(crate) struct AlphaTest {
 }
 
 impl AlphaTest {
-    /// The holes of a mesh of this material; `None` if it has none. Of a mesh that encloses space, only fronts are seen anyway.
+    /// Alpha test of a mesh with this material; `None` if every hit passes. Back faces of closed meshes need no culling.
     pub(crate) fn of(material: &Material, mesh: &TriangleMesh) -> Option<Self> {
         let coverage = &material.coverage;
         let has_front_only = coverage.has_front_only && !mesh.data().is_closed();
@@ -21,8 +21,9 @@ impl AlphaTest {
     }
 }
 
-/// A mesh with its holes, as a set of primitives: a hit on a hole is none. Whether a blended surface is hit is a matter of the
-/// ray's own bits, so that all structures, and all rays that go on along the same line, agree about it.
+/// Triangles of a mesh with an alpha test.
+///
+/// The random threshold of a blended surface is a hash of ray and triangle. It is the same for all accelerators.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlphaTestedMesh<'w> {
     pub(crate) mesh: &'w TriangleMesh,
@@ -31,7 +32,7 @@ pub(crate) struct AlphaTestedMesh<'w> {
 }
 
 impl AlphaTestedMesh<'_> {
-    fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
+    fn passes_test(&self, ray: &Ray, hit: &Hit) -> bool {
         if self.alpha_test.has_front_only {
             let Some([a, b, c]) = self.mesh.vertices(hit.primitive) else { return false };
             if (b - a).cross(c - a).dot(ray.direction) > 0.0 {
@@ -48,7 +49,7 @@ impl AlphaTestedMesh<'_> {
     }
 }
 
-/// A number that depends on the ray and the triangle alone.
+/// Hash of a ray and a triangle index.
 fn hash(ray: &Ray, triangle: u32) -> u64 {
     let bits = |v: DVec3| v.to_array().map(f64::to_bits);
     let ([a, b, c], [d, e, f]) = (bits(ray.origin), bits(ray.direction));
@@ -65,7 +66,7 @@ impl Primitives for AlphaTestedMesh<'_> {
     }
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.mesh.intersect(index, ray, span).filter(|hit| self.is_there(ray, hit))
+        self.mesh.intersect(index, ray, span).filter(|hit| self.passes_test(ray, hit))
     }
 }
 
@@ -76,7 +77,7 @@ mod tests {
     use rt_math::Vec3;
     use rt_shading::{Phong, TextureId};
 
-    /// Two triangles that make the unit square in z = 0, facing +z.
+    /// Two triangles of the unit square in z = 0, facing +z.
     fn square() -> TriangleMesh {
         let data = MeshData {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
@@ -97,16 +98,16 @@ mod tests {
     }
 
     #[test]
-    fn backs_of_open_meshes_are_not_there_if_the_material_has_fronts_only() {
+    fn back_faces_of_open_meshes_are_culled_if_the_material_is_single_sided() {
         let front_only = alpha_test(Coverage { has_front_only: true, ..Coverage::ALL }).expect("an open mesh");
-        let place = DVec3::new(0.6, 0.3, 1.0);
-        assert_eq!(hits(&front_only, &[], &Ray::new(place, DVec3::NEG_Z)), 1);
-        assert_eq!(hits(&front_only, &[], &Ray::new(-place + place.with_z(0.0) * 2.0, DVec3::Z)), 0);
+        let point = DVec3::new(0.6, 0.3, 1.0);
+        assert_eq!(hits(&front_only, &[], &Ray::new(point, DVec3::NEG_Z)), 1);
+        assert_eq!(hits(&front_only, &[], &Ray::new(-point + point.with_z(0.0) * 2.0, DVec3::Z)), 0);
         assert!(alpha_test(Coverage::ALL).is_none());
     }
 
     #[test]
-    fn masks_cut_where_their_image_says() {
+    fn masks_follow_their_texture() {
         let bitmap =
             rt_shading::Bitmap { alpha: vec![1.0, 0.0], ..rt_shading::Bitmap::opaque(2, 1, vec![[1.0; 3]; 2]) };
         let wrap = [rt_shading::Wrap::Clamp; 2];
@@ -118,14 +119,14 @@ mod tests {
     }
 
     #[test]
-    fn blended_surfaces_stop_as_many_rays_as_they_cover() {
+    fn blended_surfaces_block_the_share_of_rays_given_by_alpha() {
         let blend = alpha_test(Coverage { alpha: Alpha::Blend, factor: 0.3, ..Coverage::ALL }).expect("a blend");
         let ray = |i: u32| {
             let at = |k: u32| random::unit(random::hash(&[1, u64::from(i), u64::from(k)]));
             Ray::new(DVec3::new(at(0), at(1), 1.0), DVec3::NEG_Z)
         };
-        let stopped: usize = (0..10_000).map(|i| hits(&blend, &[], &ray(i))).sum();
+        let blocked: usize = (0..10_000).map(|i| hits(&blend, &[], &ray(i))).sum();
         // 5 standard deviations of 46.
-        assert!(stopped.abs_diff(3000) < 230, "{stopped} of 10,000");
+        assert!(blocked.abs_diff(3000) < 230, "{blocked} of 10,000");
     }
 }

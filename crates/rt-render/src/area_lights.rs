@@ -137,7 +137,7 @@ fn light_of_shape(shape: &Shape, world_from_local: &Transform, emission: Emissio
         }
         Shape::Polygon(polygon) => light_of_polygon(polygon, world_from_local, emission),
         Shape::Triangle(triangle) => mesh([triangle.vertices()], world_from_local, emission),
-        // A box without thickness has two faces in one place.
+        // The faces of a flat box would coincide.
         Shape::Cuboid(axis_box) if axis_box.bounds().extent().min_element() > 0.0 => {
             mesh(faces_of(&axis_box.bounds()), world_from_local, emission)
         }
@@ -168,7 +168,7 @@ fn light_of_polygon(polygon: &Polygon, world_from_local: &Transform, emission: E
     let next = |i: usize| form[i % form.len()];
     let turns_left = |i: usize| (next(i + 1) - next(i)).cross(next(i + 2) - next(i + 1)).dot(polygon.normal()) >= 0.0;
     let fan = (1..form.len() - 1).map(|i| [form[0], form[i], form[i + 1]]);
-    // An outline that winds around more than once turns left everywhere, and is wider than its fan.
+    // An outline that winds more than once turns left everywhere, but its fan has reversed triangles.
     let is_fan = (0..form.len()).all(turns_left)
         && fan.clone().all(|[a, b, c]| (b - a).cross(c - a).dot(polygon.normal()) >= 0.0);
     if is_fan { mesh(fan, world_from_local, emission) } else { None }
@@ -188,7 +188,7 @@ fn light_of_mesh(source: &TriangleMesh, world_from_local: &Transform, emission: 
     mesh(data.triangles.iter().map(|triangle| triangle.map(vertex)), world_from_local, emission)
 }
 
-/// Triangles that face outwards where their vertices run counter-clockwise in local space.
+/// Mesh light of triangles whose vertices are counter-clockwise in local space, seen from the front.
 fn mesh(
     triangles: impl IntoIterator<Item = [DVec3; 3]>,
     world_from_local: &Transform,

@@ -8,8 +8,8 @@ use rt_shading::{Interior, Material};
 
 use crate::{frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, world::World};
 
-/// Direction of the ray that finds the media around the pinhole. It leaves closed solids in any direction; this
-/// one also leaves a sea through its surface. It is oblique to all axes and diagonals, so that it hits few edges.
+/// Direction of the ray that finds the media around the pinhole. It points upwards to leave a half-space of water. It is
+/// oblique to all axes and diagonals, so that it hits few edges.
 const PROBE_DIRECTION: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 
 /// Dielectrics around the origins of camera rays.
@@ -17,13 +17,13 @@ const PROBE_DIRECTION: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 pub(crate) enum CameraMedium {
     /// The same for all rays.
     Constant(Interior),
-    /// To be found for each ray that starts in this box: rays of a parallel projection, or of a lens, start in different
-    /// places, and at another moment there may be something else.
+    /// Found for each ray that starts in this box: ray origins differ with a lens or a parallel projection, and media can
+    /// move.
     PerRay(Aabb),
 }
 
 impl CameraMedium {
-    /// Air.
+    /// Medium outside of all dielectrics.
     pub(crate) fn air() -> Self {
         Self::Constant(Interior::default())
     }
@@ -33,17 +33,17 @@ impl CameraMedium {
         if let Some(medium) = named.medium {
             return Self::Constant(Interior::filled_with(medium.0));
         }
-        let reach = reach_of_transparent_bodies(&scene.appearance.materials, world);
+        let bounds = bounds_of_dielectrics(&scene.appearance.materials, world);
         let start_apart = matches!(named.settings.projection, Projection::Orthographic { .. }) || camera.has_lens();
-        if (start_apart || camera.moves()) && !reach.is_empty() {
-            return Self::PerRay(reach);
+        if (start_apart || camera.moves()) && !bounds.is_empty() {
+            return Self::PerRay(bounds);
         }
         let pinhole = camera.ray(DVec2::ZERO, 0.0).origin;
-        if !reach.contains(pinhole) {
+        if !bounds.contains(pinhole) {
             return Self::air();
         }
         if moves {
-            return Self::PerRay(reach);
+            return Self::PerRay(bounds);
         }
         Self::Constant(find_enclosing(scene, world, &Ray::new(pinhole, PROBE_DIRECTION)))
     }
@@ -74,7 +74,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
 }
 
 /// Bounds of all dielectrics; all of space if one of them is unbounded.
-pub(crate) fn reach_of_transparent_bodies(materials: &[Material], world: &World) -> Aabb {
+pub(crate) fn bounds_of_dielectrics(materials: &[Material], world: &World) -> Aabb {
     let is_transparent = |material: u32| materials.get(material as usize).is_some_and(|m| m.body().is_some());
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
     match world {

@@ -4,16 +4,15 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
     ContentError, Kept, RenderError, Share, Statistics, StopRule, observer,
-    part::{Frame, Part, decode_unchecked},
+    part::{FilmLayout, Part, decode_unchecked},
     pass_state::PassState,
 };
 
-/// A render in the midst of it, as [`Kept`](crate::Kept) was written down.
+/// State of an unfinished render, deserialised from a [`Kept`](crate::Kept).
 ///
-/// The caller must record the scene of a checkpoint: this crate only checks that the image has the same size and is
-/// made the same way.
+/// The caller must ensure that a render resumes with the same scene. This crate checks the image size and the options only.
 ///
-/// Deserialisation runs [`validate`](Self::validate); [`UncheckedCheckpoint`] gives the reason of an error.
+/// Deserialisation runs [`validate`](Self::validate); [`UncheckedCheckpoint`] reports the reason of an error.
 #[derive(Clone, Debug, Serialize)]
 pub struct Checkpoint(State);
 
@@ -23,15 +22,15 @@ enum State {
     Passes(PassState),
 }
 
-/// A checkpoint as it was decoded, of which no number has been checked.
+/// Decoded checkpoint, not yet validated.
 #[derive(Debug)]
 pub struct UncheckedCheckpoint(State);
 
 impl UncheckedCheckpoint {
-    /// The checkpoint, once all of its numbers are checked.
+    /// Validates the checkpoint.
     ///
     /// # Errors
-    /// [`ContentError`] with the first number that cannot be right.
+    /// [`ContentError`] for the first invalid number.
     pub fn check(self) -> Result<Checkpoint, ContentError> {
         let checkpoint = Checkpoint(self.0);
         checkpoint.validate()?;
@@ -52,10 +51,10 @@ impl<'de> Deserialize<'de> for Checkpoint {
 }
 
 impl Checkpoint {
-    /// Checks every number that a file may have got wrong. Whether it is of the same picture is checked when a render goes on.
+    /// Checks all numbers that a decoded file can have wrong. Resuming checks that it belongs to the same image.
     ///
     /// # Errors
-    /// [`ContentError`] with the first number that cannot be right.
+    /// [`ContentError`] for the first invalid number.
     pub fn validate(&self) -> Result<(), ContentError> {
         match &self.0 {
             State::Tiles(part) => part.validate(),
@@ -79,16 +78,16 @@ impl Checkpoint {
         }
     }
 
-    /// The finished tiles of a render tile by tile: of a checkpoint that fits, or none.
+    /// Film of a render tile by tile: that of a matching checkpoint, or an empty one.
     pub(crate) fn part_of(
         from: Option<Self>,
-        frame: Frame,
+        layout: FilmLayout,
         share: Share,
         statistics: Statistics,
     ) -> Result<Part, RenderError> {
         match from {
-            None => Ok(Part::empty(frame, share, statistics)),
-            Some(Self(State::Tiles(mut part))) if part.frame == frame && part.share == share => {
+            None => Ok(Part::empty(layout, share, statistics)),
+            Some(Self(State::Tiles(mut part))) if part.layout == layout && part.share == share => {
                 part.statistics = part.statistics.continued(&statistics);
                 Ok(part)
             }
@@ -96,17 +95,17 @@ impl Checkpoint {
         }
     }
 
-    /// The sums of a render pass by pass: of a checkpoint that fits, or none.
+    /// Film of a render pass by pass: that of a matching checkpoint, or an empty one.
     pub(crate) fn passes_of(
         from: Option<Self>,
-        frame: Frame,
+        layout: FilmLayout,
         share: Share,
         rule: Option<&StopRule>,
         statistics: Statistics,
     ) -> Result<PassState, RenderError> {
         match from {
-            None => Ok(PassState::new(frame, share, rule, statistics)),
-            Some(Self(State::Passes(mut state))) if state.fits(frame, share, rule) => {
+            None => Ok(PassState::new(layout, share, rule, statistics)),
+            Some(Self(State::Passes(mut state))) if state.fits(layout, share, rule) => {
                 state.statistics = state.statistics.continued(&statistics);
                 Ok(state)
             }
@@ -119,8 +118,8 @@ impl Kept<'_> {
     /// Copy of the state as a checkpoint.
     pub fn to_checkpoint(&self) -> Checkpoint {
         Checkpoint(match self.0 {
-            observer::State::Tiles(part) => State::Tiles(part.clone()),
-            observer::State::Passes(passes) => State::Passes(passes.clone()),
+            observer::FilmState::Tiles(part) => State::Tiles(part.clone()),
+            observer::FilmState::Passes(passes) => State::Passes(passes.clone()),
         })
     }
 }

@@ -11,12 +11,12 @@ pub struct Clamping {
     pub bound: f64,
     /// Contributions that were scaled down to it.
     pub contributions: u64,
-    /// Share of the light of the image that they lost; by this much, the picture is too dark on average.
+    /// Fraction of the light of the image that clamping removed: the mean bias of its brightness.
     pub lost_share: f64,
 }
 
 impl RenderPlan<'_> {
-    /// Bound on contributions of indirect light, if the integrator follows any and the scene sets a bound.
+    /// Bound on contributions of indirect light, if the integrator computes any and the scene sets a bound.
     pub fn clamp(&self) -> Option<f64> {
         match &self.integrator {
             IntegratorState::Path(PathSettings { max_depth: 1.., clamp, .. }) => clamp.bound(),

@@ -93,8 +93,8 @@ impl<'s> CompiledScene<'s> {
         })
     }
 
-    /// False if the scene has no light: no delta light, no emissive surface, and a background that is black or does not
-    /// light any surface under this integrator.
+    /// False if the scene has no light: there is no delta light and no emissive surface, and the integrator gathers no light from
+    /// the background.
     pub(crate) fn has_light(&self) -> bool {
         let Appearance { lights, ambient, background, .. } = &self.source.appearance;
         let integrator = self.source.settings.integrator;

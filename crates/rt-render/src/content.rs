@@ -1,22 +1,22 @@
 //! Checks of decoded parts and checkpoints: numbers that would overflow, or that contradict each other.
 //!
-//! A hash at the end of a file finds damage. It does not find a file that was made on purpose, as anybody can compute it.
+//! The hash at the end of a file detects damage. It does not detect crafted files, as it has no key.
 
 use rt_image::Image;
 
 use crate::{Crop, Share, tiles::tile_count};
 
-/// Largest count in the statistics of a part, of a checkpoint, and of all parts of a picture together. No sum of a few of
-/// these overflows.
+/// Maximum of counts in the statistics of a part or checkpoint, and of their sums over all parts of an image. Adding a few of
+/// them does not overflow.
 pub(crate) const MAX_COUNT: u64 = 1 << 60;
 
 /// Largest number of threads of all machines together.
 pub(crate) const MAX_THREADS: u64 = 1 << 30;
 
-/// Largest number of a pass. The bit above it tells the second stage of adaptive sampling from the first.
+/// Largest number of a pass. The next higher bit marks the second stage of adaptive sampling.
 pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
 
-/// First number of a decoded part or checkpoint that cannot be right.
+/// First invalid number of a decoded part or checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContentError {
@@ -26,7 +26,7 @@ pub enum ContentError {
     /// The share does not exist; with its index and the number of shares.
     #[error("there is no share {0} of {1}")]
     Share(u32, u32),
-    /// A tile lies outside of the picture or the share; with its number.
+    /// A tile lies outside of the image or the share; with its number.
     #[error("tile {0} is not in this picture or share")]
     Tile(u32),
     /// A tile is listed twice; with its number.
@@ -47,7 +47,7 @@ pub enum ContentError {
     /// The sample counts of a tile contradict each other; with its number.
     #[error("the sample counts of tile {0} contradict each other")]
     Samples(u32),
-    /// The sample or pass count of a pixel exceeds what the passes so far can have given it; with its index.
+    /// The sample or pass count of a pixel exceeds the total of all passes so far; with its index.
     #[error("pixel {0} has more samples than the passes so far took")]
     Pixel(usize),
     /// A count exceeds its limit, or the counts of all parts together do.
@@ -70,7 +70,7 @@ pub enum ContentError {
     },
 }
 
-/// Checks that a picture of this size can exist, before any size is computed from it.
+/// Checks the size of an image, before any other size is computed from it.
 pub(crate) fn check_crop(crop: Crop) -> Result<(), ContentError> {
     let Crop { x, y, width, height } = crop;
     let fits = width > 0
@@ -89,7 +89,7 @@ pub(crate) fn check_share(share: Share) -> Result<(), ContentError> {
     }
 }
 
-/// Checks the numbers of tiles in which a worker failed. The crop must have been checked.
+/// Checks the numbers of tiles in which a thread panicked. The crop must have been checked.
 pub(crate) fn check_lost(lost: &[u32], crop: Crop) -> Result<(), ContentError> {
     match lost.iter().find(|&&number| number as usize >= tile_count(crop)) {
         Some(&number) => Err(ContentError::Tile(number)),

@@ -1,4 +1,4 @@
-//! The work that a structure does for a camera ray, as a picture.
+//! Cost view: false colours for the traversal cost of camera rays.
 
 use rt_geometry::{InteractionFlags, RayKind, RayStats};
 use rt_math::{Interval, Ray, Rgb};
@@ -9,8 +9,9 @@ use crate::{
     world::ShadedPrimitives,
 };
 
-/// Work of a camera ray, nodes and primitive tests together, on a logarithmic scale from black over blue, red and
-/// yellow to white: black is 1 step, white 1024 or more.
+/// Traversal cost of a camera ray as a colour: nodes plus primitive tests, on a logarithmic scale.
+///
+/// Black is 1 step, white 1024 or more; between them are blue, red and yellow.
 pub(crate) fn cost<W: ShadedPrimitives, S: StatsProbe>(tracer: &mut SceneTracer<'_, W, S>, ray: &Ray) -> Seen {
     let work = |tally: RayStats| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));

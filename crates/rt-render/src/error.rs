@@ -38,7 +38,7 @@ pub enum RenderError {
         /// Height of the image.
         film_height: u32,
     },
-    /// A structure cannot be built.
+    /// An acceleration structure cannot be built.
     #[error("object '{object}': {source}")]
     Build {
         /// Name of the offending object.
@@ -46,7 +46,7 @@ pub enum RenderError {
         /// Cause.
         source: rt_accel::BuildError,
     },
-    /// Groups contain each other, or the tree is nested too deeply; with the name of the deepest object.
+    /// A group contains itself, or the tree is nested too deeply; with the name of the deepest object.
     #[error("object '{0}' lies in a group that contains itself, or groups and nodes are nested more than 1024 deep")]
     Nesting(String),
     /// An index in the scene points nowhere.
@@ -69,7 +69,7 @@ pub enum RenderError {
         /// Cause.
         source: rt_math::TransformError,
     },
-    /// An object cannot move as it should.
+    /// The animated transform of an object is invalid.
     #[error("object '{object}': {source}")]
     AnimatedTransform {
         /// Name of the object.
@@ -77,10 +77,10 @@ pub enum RenderError {
         /// Cause.
         source: rt_math::AnimatedTransformError,
     },
-    /// More primitives in a group than indices.
+    /// A group has more primitives than indices.
     #[error("a group that is placed more than once has more than 2^32 - 1 shapes and triangles")]
     TooManyObjects,
-    /// More objects on one level than are kept in memory.
+    /// A level has more objects than its limit.
     #[error(
         "{count} objects stand on one level, at most {limit} may; place groups that hold many objects more than once, and \
          not within other groups"
@@ -100,18 +100,18 @@ pub enum RenderError {
     /// The bound of indirect light is not a positive number.
     #[error("the bound of indirect light (clamp) is {0}; it must be a finite number above 0")]
     Clamp(f64),
-    /// The error to reach is not a positive number.
+    /// The target error is not a positive number.
     #[error("the error to reach is {0}; it must be a finite number above 0")]
     TargetError(f64),
-    /// A share of pixels that is not above 0 and at most 1.
+    /// The fraction of pixels to converge is not in (0, 1].
     #[error("a share of pixels of {0} is not above 0 and at most 1")]
     TargetShare(f64),
-    /// A target error, but all passes would be equal.
+    /// A target error, but all passes are equal.
     #[error(
         "the error of a picture cannot be told where all passes are the same, as with the samples of this pattern: {0}"
     )]
     SamePasses(&'static str),
-    /// Adaptive sampling in object space with an integrator that chooses directions at random, or shows no light.
+    /// Adaptive sampling in object space with an integrator other than `whitted`.
     #[error(
         "adaptive sampling in object space knows the edges that 'whitted' shows; for '{0}', let the error decide \
          (--target-error)"
@@ -129,7 +129,7 @@ pub enum RenderError {
          decide (--target-error)"
     )]
     AdaptiveMotion,
-    /// An animated emissive object, with an integrator that sees sampled lights only.
+    /// An animated emissive object with an integrator that finds sampled lights only.
     #[error(
         "object '{0}' shines and moves: lamps that move are found by rays in all directions, which 'distributed' does not \
          follow; use 'path', 'direct' or 'caustics', or let it stand still"
@@ -140,19 +140,19 @@ pub enum RenderError {
         "adaptive sampling in object space shares out a fixed number of samples; it goes with no time and no error to reach"
     )]
     AdaptiveUntil,
-    /// A part of the tiles is to be rendered until something ends the render.
+    /// A share of the tiles with a stop rule.
     #[error(
         "a share of the tiles takes a fixed number of samples: when to stop would depend on the clock of the machine, or on pixels \
          that other machines have"
     )]
     SharedUntil,
-    /// A checkpoint is damaged, or of a render of another size, with other options, or of another share.
+    /// The checkpoint belongs to a render of another size, share, rule or options.
     #[error("the checkpoint is of another picture, or of one that was made with other options")]
     Checkpoint,
     /// More memory would be needed than the budget allows.
     #[error(transparent)]
     Memory(#[from] rt_scene_io::MemoryError),
-    /// The worker threads could not be started.
+    /// The threads could not be started.
     #[error("worker threads could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }

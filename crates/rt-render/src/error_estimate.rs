@@ -1,16 +1,20 @@
-//! The error of a picture, estimated from the differences of its passes.
+//! Error of an image, estimated from the differences between its passes.
 //!
 //! ```text
-//!      vᵢ: the square of pixel i's standard error, mean of channels          MSE ≈ V = Ē vᵢ
+//!      vᵢ: squared standard error of pixel i, mean of channels               MSE ≈ V = mean of vᵢ
 //!      V F₀.₀₂₅(m, n) ≤ MSE ≤ V F₀.₉₇₅(m, n)        m = (Σ vᵢ)² / Σ vᵢ²        n = (Σ vᵢ)² / Σ vᵢ² / (Pᵢ − 1)
 //! ```
 //!
-//! The interval is one for the error of *this* picture, that is, for what a comparison with the truth would find. It adds two
-//! uncertainties: V is known as well as n degrees of freedom allow, and the errors of the pixels, squared and added
-//! up, scatter as m degrees do. Both are Satterthwaite's (1946): few where few pixels have most of the error. They are rather too
-//! few, as the squares of uncertain variances are too large on average, and the interval is rather too wide.
+//! The interval bounds the error of *this* image, as a comparison with an exact image would measure it. Two uncertainties
+//! enter:
 //!
-//! A pixel counts as one, however much its channels differ. Pixels count as independent.
+//! * The estimate V has n degrees of freedom.
+//! * The sum of squared pixel errors has m degrees of freedom.
+//!
+//! Both numbers follow Satterthwaite (1946) and are small where few pixels have most of the error. They are biased low, since
+//! squares of uncertain variances are too large on average. The interval is therefore slightly too wide.
+//!
+//! Pixels count as independent, the channels of a pixel as one value.
 
 use rt_math::Rgb;
 use rt_math::stats::f_quantile;
@@ -22,36 +26,35 @@ use crate::{
     estimate::PixelEstimate,
 };
 
-/// Added to squared radiance where an error is divided by it, as in [`rt_image::metrics`].
+/// Added to squared radiance before it divides an error, as in [`rt_image::metrics`].
 const RELATIVE_EPSILON: f64 = 1e-2;
 
 /// Passes beyond which the number of degrees of freedom no longer changes the interval.
-const MOST_PASSES_TOLD_APART: f64 = 65_536.0;
+const MAX_PASSES: f64 = 65_536.0;
 
-/// Estimated error of an image relative to infinitely many samples. The bias of a sample pattern or an integrator is not
-/// in it.
+/// Estimated error of an image relative to infinitely many samples. Bias of a sample pattern or integrator is not included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
     /// Root mean square over pixels and channels, in units of radiance.
     pub rmse: f64,
-    /// Between these two it lies with a confidence of 95 %.
+    /// Confidence interval of the root mean square error, at 95 %.
     pub interval: [f64; 2],
     /// Mean radiance over pixels and channels.
     pub mean: f64,
     /// Root mean square of the error divided by √(r² + 0.01), where r is the radiance of the pixel.
     pub relative: f64,
-    /// The largest standard error of a pixel in a channel.
+    /// Largest standard error of a channel of a pixel.
     pub largest: f64,
 }
 
 impl ErrorEstimate {
-    /// Root mean square error over mean radiance; 0 for a picture without error, and infinite for one without light.
+    /// Root mean square error over mean radiance; 0 for an image without error, and infinite for a black image with error.
     pub fn relative_rmse(&self) -> f64 {
         relative(self.rmse, self.mean)
     }
 
-    /// Interval of the relative root mean square error, with a confidence of 95 %. The mean over the image is taken as exact: its
-    /// own error is smaller by the square root of the number of pixels.
+    /// Confidence interval of the relative root mean square error, at 95 %. The mean over the image counts as exact: its error
+    /// is smaller by the square root of the number of pixels.
     pub fn relative_interval(&self) -> [f64; 2] {
         self.interval.map(|rmse| relative(rmse, self.mean))
     }
@@ -82,7 +85,7 @@ pub(crate) struct ErrorSums {
 }
 
 impl ErrorSums {
-    /// Adds a pixel. One of fewer than two passes says nothing about its error and is left out.
+    /// Adds a pixel. Pixels of fewer than two passes have no error estimate and are skipped.
     pub(crate) fn add(&mut self, pixel: &PixelEstimate) {
         let Some(variance) = pixel.variance() else { return };
         let mean_of_channels = |rgb: Rgb| (rgb.r + rgb.g + rgb.b) / 3.0;
@@ -108,7 +111,7 @@ impl ErrorSums {
         check_number("the sum of the radiance", radiance.abs())
     }
 
-    /// The pixels of all parts of the image. Sums depend on the order of parts in their last digits.
+    /// Sums over all parts of the image. Their last digits depend on the order of the parts.
     pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
         parts.into_iter().fold(Self::default(), |all, part| Self {
             pixels: all.pixels + part.pixels,
@@ -121,25 +124,24 @@ impl ErrorSums {
         })
     }
 
-    /// Root mean square error over all pixels that were added; `None` without any.
+    /// Root mean square error over all added pixels; `None` without any.
     pub(crate) fn rmse(&self) -> Option<f64> {
         (self.pixels > 0).then(|| (self.squares / self.pixels as f64).sqrt())
     }
 
-    /// Root mean square error over mean radiance of all pixels that were added; `None` without any.
+    /// Root mean square error over mean radiance of all added pixels; `None` without any.
     pub(crate) fn relative_rmse(&self) -> Option<f64> {
         Some(relative(self.rmse()?, self.radiance / self.pixels as f64))
     }
 
-    /// The estimate over all pixels that were added; `None` without any.
+    /// The estimate over all added pixels; `None` without any.
     pub(crate) fn estimate(&self) -> Option<ErrorEstimate> {
         let rmse = self.rmse()?;
         let interval = if self.spread_of_estimate > 0.0 {
-            // Sums of true errors lie far within these bounds, which keep made-up ones from taking forever.
-            let most = 2.0 * self.pixels as f64;
-            let freedom = |splat: f64, most: f64| (self.squares * self.squares / splat).clamp(0.5, most);
-            let (m, n) =
-                (freedom(self.spread_of_error, most), freedom(self.spread_of_estimate, most * MOST_PASSES_TOLD_APART));
+            // Valid sums lie far within these bounds. They bound the run time of the quantile for crafted files.
+            let max = 2.0 * self.pixels as f64;
+            let freedom = |spread: f64, max: f64| (self.squares * self.squares / spread).clamp(0.5, max);
+            let (m, n) = (freedom(self.spread_of_error, max), freedom(self.spread_of_estimate, max * MAX_PASSES));
             if m.is_nan() || n.is_nan() {
                 [0.0, f64::INFINITY]
             } else {
@@ -159,21 +161,21 @@ mod tests {
     use super::*;
     use rt_math::random::{hash, unit};
 
-    /// Nearly normal numbers of variance 1: the sum of twelve uniform ones (Irwin and Hall 1927).
+    /// Approximately normal random numbers of variance 1: the sum of twelve uniform ones (Irwin and Hall 1927).
     fn normal(words: [u64; 4]) -> f64 {
         (0..12).map(|index| unit(hash(&[words[0], words[1], words[2], words[3], index]))).sum::<f64>() - 6.0
     }
 
-    /// Number of images of 60 pixels, some far noisier than others, whose true error is within the interval.
-    fn covered(pictures: u64, passes: &[u32]) -> usize {
+    /// Number of images whose true error lies within the interval. They have 60 pixels of unequal noise.
+    fn covered(images: u64, passes: &[u32]) -> usize {
         let noise = |pixel: u64| if pixel.is_multiple_of(10) { 5.0 } else { 0.3 };
-        let is_covered = |picture: &u64| {
+        let is_covered = |image: &u64| {
             let (mut sums, mut true_square) = (ErrorSums::default(), 0.0);
             for pixel in 0..60 {
                 let mut estimate = PixelEstimate::default();
                 for (pass, &samples) in passes.iter().enumerate() {
                     let deviation = noise(pixel) / f64::from(samples).sqrt();
-                    let error = deviation * normal([passes.len() as u64, *picture, pixel, pass as u64]);
+                    let error = deviation * normal([passes.len() as u64, *image, pixel, pass as u64]);
                     estimate.add(Rgb::gray(7.0 + error), 1.0, samples);
                 }
                 sums.add(&estimate);
@@ -183,7 +185,7 @@ mod tests {
             let [low, high] = sums.estimate().expect("several passes").interval;
             (low..=high).contains(&true_square.sqrt())
         };
-        (0..pictures).filter(is_covered).count()
+        (0..images).filter(is_covered).count()
     }
 
     #[test]

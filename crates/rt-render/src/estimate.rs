@@ -1,19 +1,18 @@
-//! The mean of a pixel over its passes, and how sure it is.
+//! Mean of a pixel over its passes, and its standard error.
 //!
 //! ```text
 //!      m = Σ Kₚ mₚ / Σ Kₚ        s² = Σ Kₚ (mₚ − m)² / (P − 1)        standard error² = s² / Σ Kₚ
 //! ```
 //!
-//! mₚ is the mean of pass p, of Kₚ samples. If the variance of a pass is σ² / Kₚ, as for random samples, the expected value
-//! of s² is σ². For better patterns, whose variance falls faster, s² says too much where passes differ in size, and never
-//! too little.
+//! mₚ is the mean of the Kₚ samples of pass p. If the variance of mₚ is σ² / Kₚ, as for random samples, the expected value of
+//! s² is σ². The variance of better patterns falls faster. For these, s² is an upper estimate if passes differ in size.
 
 use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
 use crate::{ContentError, content::check_number};
 
-/// A pixel over its passes. Passes are folded in one after the other (West 1979), so that nothing cancels.
+/// Pixel accumulator over passes. The update of the mean is numerically stable (West 1979).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PixelEstimate {
     mean: Rgb,
@@ -25,10 +24,10 @@ pub(crate) struct PixelEstimate {
 }
 
 impl PixelEstimate {
-    /// Folds in the mean of the next pass, of so many samples.
+    /// Adds a pass by its mean and its number of samples.
     #[inline]
     pub(crate) fn add(&mut self, mean: Rgb, coverage: f64, samples: u32) {
-        // Whoever asks for more samples than these can count gets a mean whose weights are a little off.
+        // Counts saturate at 2³² − 1. Beyond it, the weights of passes are approximate.
         self.samples = self.samples.saturating_add(samples);
         self.passes = self.passes.saturating_add(1);
         if self.passes == 1 {
@@ -37,31 +36,31 @@ impl PixelEstimate {
         }
         let weight = f64::from(samples);
         let share = weight / f64::from(self.samples);
-        let before = mean - self.mean;
-        self.mean += before * share;
+        let old_delta = mean - self.mean;
+        self.mean += old_delta * share;
         self.coverage += (coverage - self.coverage) * share;
-        self.scatter += before * (mean - self.mean) * weight;
+        self.scatter += old_delta * (mean - self.mean) * weight;
     }
 
-    /// Checks that the numbers of the pixel at this index are finite, and its counts at most these.
-    pub(crate) fn validate(&self, index: usize, most_passes: u32, most_samples: u32) -> Result<(), ContentError> {
+    /// Checks that all numbers are finite and the counts within limits. `index` identifies the pixel in errors.
+    pub(crate) fn validate(&self, index: usize, max_passes: u32, max_samples: u32) -> Result<(), ContentError> {
         let Self { mean, coverage, scatter, samples, passes } = *self;
-        if passes > most_passes || samples > most_samples || passes > samples || (passes == 0) != (samples == 0) {
+        if passes > max_passes || samples > max_samples || passes > samples || (passes == 0) != (samples == 0) {
             return Err(ContentError::Pixel(index));
         }
         for value in [coverage].into_iter().chain(mean.to_array()).chain(scatter.to_array()) {
-            // Negative lobes of a filter can make each of them negative.
+            // Filters with negative lobes can make each of them negative.
             check_number("the magnitude of a pixel", value.abs())?;
         }
         Ok(())
     }
 
-    /// Radiance: the mean of all samples.
+    /// Mean radiance of all samples.
     pub(crate) const fn mean(&self) -> Rgb {
         self.mean
     }
 
-    /// Part of the pixel that shows something; without meaning unless the plan asks for it.
+    /// Covered fraction of the pixel; valid in plans of transparent images only.
     pub(crate) const fn coverage(&self) -> f64 {
         self.coverage
     }
@@ -76,7 +75,7 @@ impl PixelEstimate {
         self.passes
     }
 
-    /// The square of the mean's standard error, by channel; `None` for fewer than two passes.
+    /// Squared standard error of the mean, by channel; `None` for fewer than two passes.
     pub(crate) fn variance(&self) -> Option<Rgb> {
         let freedom = f64::from(self.passes) - 1.0;
         (self.passes > 1).then(|| self.scatter / (freedom * f64::from(self.samples)))
@@ -95,14 +94,14 @@ mod tests {
     }
 
     #[test]
-    fn one_pass_is_kept_to_the_bit_and_has_no_error() {
+    fn one_pass_is_bit_identical_and_has_no_error() {
         let one = of(&[(0.1 + 0.2, 7)]);
         assert_eq!((one.mean().r, one.coverage(), one.samples()), (0.1 + 0.2, 0.5, 7));
         assert_eq!((one.variance(), PixelEstimate::default().variance()), (None, None));
     }
 
     #[test]
-    fn passes_weigh_what_they_have_samples() {
+    fn passes_are_weighted_by_samples() {
         // m = (1 + 2·4 + 5·6) / 8 = 39/8; s² = (1·(31/8)² + 2·(7/8)² + 5·(9/8)²) / 2.
         let estimate = of(&[(1.0, 1), (4.0, 2), (6.0, 5)]);
         let variance = (31.0 * 31.0 + 2.0 * 49.0 + 5.0 * 81.0) / 64.0 / 2.0 / 8.0;
@@ -119,8 +118,8 @@ mod tests {
         let (mut sum, repeats) = (0.0, 4000u64);
         let mut number = (0u64..).map(|index| unit(hash(&[3, index])));
         for _ in 0..repeats {
-            let mut draw = |samples: u32| number.by_ref().take(samples as usize).sum::<f64>() / f64::from(samples);
-            let passes = [1, 2, 4, 8, 16].map(|samples| (draw(samples), samples));
+            let mut mean_of = |samples: u32| number.by_ref().take(samples as usize).sum::<f64>() / f64::from(samples);
+            let passes = [1, 2, 4, 8, 16].map(|samples| (mean_of(samples), samples));
             sum += of(&passes).variance().expect("five passes").r;
         }
         let ratio = sum / repeats as f64 * 12.0 * 31.0;

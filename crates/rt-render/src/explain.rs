@@ -23,7 +23,7 @@ use crate::{
 pub struct LeftOut {
     /// Name of the part.
     pub what: &'static str,
-    /// Reason: the image does not depend on it.
+    /// Reason that the image does not depend on it.
     pub reason: String,
 }
 
@@ -151,7 +151,7 @@ impl RenderPlan<'_> {
 
     fn title(&self) -> String {
         let samples = count(self.samples_per_pixel() as usize, "sample", "samples");
-        let samples = self.least_samples_per_pixel().map_or(samples.clone(), |least| format!("{least} to {samples}"));
+        let samples = self.least_samples_per_pixel().map_or(samples.clone(), |min| format!("{min} to {samples}"));
         let passes = if self.frame.passes > 1 { format!(" in {} passes", self.frame.passes) } else { String::new() };
         let biased = if self.frame.sampler.is_biased() { " (biased)" } else { "" };
         format!(
@@ -213,10 +213,10 @@ impl RenderPlan<'_> {
             used.extend(self.light());
         }
         used.extend(self.light_paths());
-        if let Some(least) = self.least_samples_per_pixel() {
+        if let Some(min) = self.least_samples_per_pixel() {
             used.push(format!(
                 "pyramids through the pixels: {} for one smooth surface in even light, or nothing; all for others",
-                count(least as usize, "sample", "samples")
+                count(min as usize, "sample", "samples")
             ));
         }
         used
@@ -248,8 +248,8 @@ impl RenderPlan<'_> {
         let targets = if sources.targets().is_everywhere() {
             "in all directions, as a sharp mirror or a body of glass has no bounds".to_owned()
         } else {
-            let balls = count(sources.targets().len(), "ball", "balls");
-            format!("to {balls} around what mirrors sharply or lets light through")
+            let spheres = count(sources.targets().len(), "ball", "balls");
+            format!("to {spheres} around what mirrors sharply or lets light through")
         };
         Some(format!("light paths: {paths} in each pass from the lamps, {targets}"))
     }
@@ -375,12 +375,8 @@ impl RenderPlan<'_> {
     fn nesting(&self) -> Option<String> {
         let transparent = self.scene.appearance.materials.iter().filter_map(Material::body);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
-        let (least, greatest) = (priorities.first()?, priorities.last()?);
-        let order = if least < greatest {
-            format!("priorities {least} to {greatest}")
-        } else {
-            "all of one priority".to_owned()
-        };
+        let (min, max) = (priorities.first()?, priorities.last()?);
+        let order = if min < max { format!("priorities {min} to {max}") } else { "all of one priority".to_owned() };
         let camera = match &self.frame.medium {
             CameraMedium::Constant(interior) if interior.is_empty() => "the camera stands in air",
             CameraMedium::Constant(_) => "the camera stands inside of one",

@@ -1,4 +1,4 @@
-//! From the node tree to parts: transforms multiplied out, groups that are used once dissolved, unused things left out.
+//! Flattening of the node tree to instances: transforms are concatenated, groups with a single use are dissolved.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,16 +19,17 @@ use crate::{
 /// Deepest accepted nesting of nodes and groups together.
 const MAX_DEPTH: usize = 1024;
 
-/// Most parts of an assembly: some gigabytes. Groups within groups multiply, so that a few lines of a file could ask for
-/// more than any memory holds.
-const MAX_PARTS: u64 = 1 << 24;
+/// Maximum number of instances of an aggregate: some gigabytes. Nested groups multiply, so that a few lines of a file can
+/// exceed any memory.
+const MAX_INSTANCES: u64 = 1 << 24;
 
-/// A mesh of at most so many triangles has no structure of its own where it needs no transform: its triangles join the level
-/// above.
+/// Maximum number of triangles of an inlined mesh. The triangles of an untransformed small mesh join the level above.
 pub(crate) const MAX_INLINED_TRIANGLES: usize = 64;
 
-/// Flattens a scene, in the space that `plan_from_world` leads to, and builds all structures. `may_be_flat` lets these decide by
-/// themselves where all parts are single primitives. With a `static_time`, everything stands still where it is then.
+/// Flattens a scene and builds all acceleration structures, in the target space of `plan_from_world`.
+///
+/// `may_be_flat` allows accelerators to intersect primitives from their own copies if all instances are single primitives.
+/// With a `static_time`, all objects rest at their positions at that time.
 pub(crate) fn flatten(
     scene: &Scene,
     accel_options: AccelOptions,
@@ -52,11 +53,11 @@ pub(crate) fn flatten(
     Ok((top, flattener.levels))
 }
 
-/// The textures, if the geometry looks at them.
+/// Textures, if an alpha test or a normal map uses them.
 fn textures(scene: &Scene) -> Vec<Texture> {
     let mut materials = scene.appearance.materials.iter();
-    let looks = materials.any(|material| material.relief.is_some() || material.coverage != Coverage::ALL);
-    if looks { scene.appearance.textures.clone() } else { Vec::new() }
+    let uses_textures = materials.any(|material| material.relief.is_some() || material.coverage != Coverage::ALL);
+    if uses_textures { scene.appearance.textures.clone() } else { Vec::new() }
 }
 
 /// Number of uses of each group, through nested groups.
@@ -73,7 +74,7 @@ pub(crate) fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
                 let group = group_of(scene, node, id)?;
                 let count = &mut uses[id.0 as usize];
                 *count += 1;
-                // A group's own contents are counted on its first use: more uses repeat them on a level of their own.
+                // Count nested groups on the first use only: further uses share the level of this group.
                 if *count == 1 {
                     open.push((&group.nodes, depth + 1));
                 }
@@ -92,8 +93,9 @@ pub(crate) fn group_of<'s>(scene: &'s Scene, node: &Node, id: GroupId) -> Result
     })
 }
 
-/// The name of the node at which shape number `index` stands, counted as [`Flattener::collect`] finds them, in a scene all of
-/// whose groups are dissolved and that has no meshes.
+/// Name of the node of a shape, by the index of the shape in the order of [`Flattener::collect`].
+///
+/// The scene must have no meshes, and all of its groups must be dissolved.
 pub(crate) fn name_of_shape(scene: &Scene, index: u32) -> Option<&str> {
     let mut shapes_before = index;
     let mut open = vec![scene.nodes.iter()];
@@ -119,7 +121,7 @@ struct Level {
     aggregate_from_parent: AnimatedTransformChain,
     casts_shadow: bool,
     depth: usize,
-    /// Inside a group that has a level of its own: further groups are dissolved into it.
+    /// True inside a group with its own level: nested groups are dissolved into it.
     within_group: bool,
 }
 
@@ -159,11 +161,11 @@ struct Flattener<'s> {
     may_be_flat: bool,
     /// Time of the only position of all objects, if there is one.
     static_time: Option<f64>,
-    /// Level of each mesh that has one already, and of each material that cuts holes into it.
+    /// Level by mesh, and by material if that has an alpha test.
     mesh_levels: HashMap<(u32, Option<u32>), u32>,
     group_levels: Vec<Option<u32>>,
     group_uses: Vec<u64>,
-    /// Number of parts of each group with all groups in it dissolved, where that is known.
+    /// Number of instances of each group with all nested groups dissolved, if known.
     group_sizes: Vec<Option<u64>>,
     levels: BottomLevel,
 }
@@ -171,9 +173,9 @@ struct Flattener<'s> {
 impl<'s> Flattener<'s> {
     fn aggregate(&mut self, nodes: &'s [Node], level: Level) -> Result<Aggregate, RenderError> {
         let within_group = level.within_group;
-        let count = self.count_parts(nodes, within_group);
-        if count > MAX_PARTS {
-            return Err(RenderError::TooManyParts { count, limit: MAX_PARTS });
+        let count = self.count_instances(nodes, within_group);
+        if count > MAX_INSTANCES {
+            return Err(RenderError::TooManyParts { count, limit: MAX_INSTANCES });
         }
         let mut instances = Vec::new();
         self.collect(nodes, level, &mut instances)?;
@@ -193,8 +195,8 @@ impl<'s> Flattener<'s> {
         Ok(Aggregate { instances, structure, is_flat })
     }
 
-    /// Number of parts that [`collect`](Self::collect) will find at most.
-    fn count_parts(&mut self, nodes: &'s [Node], within_group: bool) -> u64 {
+    /// Upper bound on the number of instances of [`collect`](Self::collect).
+    fn count_instances(&mut self, nodes: &'s [Node], within_group: bool) -> u64 {
         let (mut open, mut count) = (vec![nodes], 0u64);
         while let Some(nodes) = open.pop() {
             for node in nodes {
@@ -202,12 +204,12 @@ impl<'s> Flattener<'s> {
                 let here = match node.content {
                     None => 0,
                     Some(Content::Shape(_)) => 1,
-                    // As many as a small one may be dissolved to.
+                    // A small mesh may be inlined.
                     Some(Content::Mesh(id)) => self.scene.meshes.get(id.0 as usize).map_or(1, |named| {
                         let triangles = named.mesh.data().triangles.len();
                         if triangles <= MAX_INLINED_TRIANGLES { triangles as u64 } else { 1 }
                     }),
-                    Some(Content::Instance(id)) => self.count_instance(id, within_group),
+                    Some(Content::Instance(id)) => self.count_placed_group(id, within_group),
                 };
                 count = count.saturating_add(here);
             }
@@ -215,18 +217,18 @@ impl<'s> Flattener<'s> {
         count
     }
 
-    fn count_instance(&mut self, id: GroupId, within_group: bool) -> u64 {
+    fn count_placed_group(&mut self, id: GroupId, within_group: bool) -> u64 {
         let (index, scene) = (id.0 as usize, self.scene);
         let Some(group) = scene.groups.get(index) else { return 0 };
         match (within_group, self.group_uses[index]) {
-            (false, 1) => self.count_parts(&group.nodes, false),
+            (false, 1) => self.count_instances(&group.nodes, false),
             (false, _) => 1,
             (true, _) => match self.group_sizes[index] {
                 Some(size) => size,
                 None => {
-                    // A group that contains itself ends here; the limit of nesting refuses it when parts are collected.
+                    // Stop at a group that contains itself; `collect` rejects it by the limit of nesting.
                     self.group_sizes[index] = Some(0);
-                    let size = self.count_parts(&group.nodes, true);
+                    let size = self.count_instances(&group.nodes, true);
                     self.group_sizes[index] = Some(size);
                     size
                 }
@@ -234,7 +236,7 @@ impl<'s> Flattener<'s> {
         }
     }
 
-    /// Numbers the primitives of a group's parts in a row, for hits to name both in one number.
+    /// Numbers the primitives of all instances of a group consecutively: one number of a hit identifies both.
     fn number(&self, instances: &mut [Instance]) -> Result<(), RenderError> {
         let mut next = 0u32;
         for instance in instances {
@@ -251,7 +253,7 @@ impl<'s> Flattener<'s> {
         Ok(())
     }
 
-    /// Adds what stands at the nodes and below. Trees may be deep, so the walk keeps its own stack.
+    /// Adds the instances of nodes and their descendants. The traversal has an explicit stack, as trees can be deep.
     fn collect(&mut self, nodes: &'s [Node], level: Level, instances: &mut Vec<Instance>) -> Result<(), RenderError> {
         let mut open = vec![(nodes.iter(), level)];
         while let Some((nodes, level)) = open.last_mut() {
@@ -273,23 +275,24 @@ impl<'s> Flattener<'s> {
             match node.content {
                 Some(Content::Shape(ref shape)) => {
                     let object = instances.len() as u32;
-                    instances.push(Instance { object, ..self.shape_part(node, shape, &here)? });
+                    instances.push(Instance { object, ..self.shape_instance(node, shape, &here)? });
                 }
                 Some(Content::Mesh(id)) => {
                     let first = instances.len() as u32;
-                    let pieces = self.mesh_parts(node, id, &here)?;
-                    instances.extend(pieces.into_iter().map(|piece| Instance { object: first, ..piece }));
+                    let triangles = self.mesh_instances(node, id, &here)?;
+                    instances.extend(triangles.into_iter().map(|triangle| Instance { object: first, ..triangle }));
                 }
                 Some(Content::Instance(id)) => {
                     let group = group_of(self.scene, node, id)?;
-                    // A group that moves as a whole is moved as a whole.
-                    let is_still = here.aggregate_from_parent.as_constant().is_some();
-                    if here.within_group || (is_still && self.group_uses[id.0 as usize] == 1) {
+                    // An animated group stays one instance with an animated transform.
+                    let is_static = here.aggregate_from_parent.as_constant().is_some();
+                    if here.within_group || (is_static && self.group_uses[id.0 as usize] == 1) {
                         open.push((group.nodes.iter(), here));
                     } else {
                         let object = instances.len() as u32;
                         instances.extend(
-                            self.group_part(node, id, group, &here)?.map(|instance| Instance { object, ..instance }),
+                            self.group_instance(node, id, group, &here)?
+                                .map(|instance| Instance { object, ..instance }),
                         );
                     }
                 }
@@ -299,7 +302,7 @@ impl<'s> Flattener<'s> {
         Ok(())
     }
 
-    /// Takes the node's space to that of the assembly.
+    /// Transform from the space of the node to that of the aggregate.
     fn place_below(&self, outer: &AnimatedTransformChain, node: &Node) -> Result<AnimatedTransformChain, RenderError> {
         let chain = match self.static_time {
             None => node.place_below(outer),
@@ -311,9 +314,9 @@ impl<'s> Flattener<'s> {
         chain.map_err(|source| RenderError::AnimatedTransform { object: node.name.clone(), source })
     }
 
-    fn shape_part(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Instance, RenderError> {
-        let turned = here.aggregate_from_parent.as_constant().filter(|transform| !transform.is_identity());
-        let (geometry, bounds) = if let Some(transform) = turned {
+    fn shape_instance(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Instance, RenderError> {
+        let transformed = here.aggregate_from_parent.as_constant().filter(|transform| !transform.is_identity());
+        let (geometry, bounds) = if let Some(transform) = transformed {
             let placed = TransformedShape::new(shape.clone(), *transform);
             let baked = if self.shows_uv(node) { placed.bake_transform() } else { placed.bake_transform_ignoring_uv() };
             match baked {
@@ -338,9 +341,8 @@ impl<'s> Flattener<'s> {
         self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.is_textured())
     }
 
-    /// A mesh as one part, or as one for each triangle if they are few and stand where they are; one without triangles is no
-    /// part.
-    fn mesh_parts(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Vec<Instance>, RenderError> {
+    /// Instances of a mesh: one, or one per triangle if the mesh is small and untransformed. A mesh without triangles has none.
+    fn mesh_instances(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Vec<Instance>, RenderError> {
         let named = self.scene.meshes.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
             object: node.name.clone(),
             what: "mesh",
@@ -350,17 +352,17 @@ impl<'s> Flattener<'s> {
         let count = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let alpha_test = material.and_then(|material| AlphaTest::of(material, &named.mesh));
-        let has_relief = material.is_some_and(|material| material.relief.is_some());
+        let has_normal_map = material.is_some_and(|material| material.relief.is_some());
         if count <= MAX_INLINED_TRIANGLES
             && alpha_test.is_none()
-            && !has_relief
+            && !has_normal_map
             && here.aggregate_from_parent.as_constant().is_some_and(Transform::is_identity)
         {
-            let facet = |index| {
+            let triangle = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);
                 self.instance(node, here, InstanceGeometry::Triangle(Arc::clone(&named.mesh), index), bounds)
             };
-            return (0..count as u32).map(facet).collect();
+            return (0..count as u32).map(triangle).collect();
         }
         let key = (id.0, alpha_test.as_ref().map(|_| node.material.0));
         let level = match self.mesh_levels.get(&key) {
@@ -391,8 +393,8 @@ impl<'s> Flattener<'s> {
         Ok(MeshBlas { mesh, alpha_test, structure })
     }
 
-    /// A group without parts is no part.
-    fn group_part(
+    /// Instance of a group; `None` if the group is empty.
+    fn group_instance(
         &mut self,
         node: &Node,
         id: GroupId,
@@ -432,8 +434,8 @@ impl<'s> Flattener<'s> {
             let (object, index) = (node.name.clone(), node.material.0);
             return Err(RenderError::Dangling { object, what: "material", index, count });
         }
-        // Shadow rays take no notice of what fills a body. One of air must not darken the air around it; inside of glass,
-        // where it is a bubble, the surface of the glass decides.
+        // Shadow rays ignore media. A solid of air must not cast a shadow in air; as a bubble in glass, the surface of the
+        // glass blocks the ray.
         let is_air = !is_group && self.scene.appearance.materials[node.material.0 as usize].phong.is_air();
         let relief = if is_group { None } else { self.scene.appearance.materials[node.material.0 as usize].relief };
         Ok(Instance {
@@ -451,7 +453,7 @@ impl<'s> Flattener<'s> {
     }
 }
 
-/// Transforms are sound one by one; their product may still flatten space.
+/// Checks a product of transforms: it can be singular though each factor is invertible.
 fn check_transform(node: &Node, place: &AnimatedTransformChain) -> Result<(), RenderError> {
     for static_time in [0.0, 1.0] {
         let transform = place.at(static_time);

@@ -4,25 +4,25 @@
 //!      e(n) ~ n⁻ˢ        N = n (e / E)^(1 / s)        ½ ≤ s ≤ 1, measured; ½ for random samples
 //! ```
 //!
-//! Estimates of an error scatter, and so does N. Successive forecasts are averaged on a logarithmic scale, and the share that is
-//! done never falls: where N grows, the share waits until it is right again.
+//! Error estimates are noisy, and so is N. Successive forecasts are averaged on a logarithmic scale. The reported share never
+//! falls: if N grows, it stays constant until the forecast has caught up.
 
 use rt_math::transcendental::{log, pow};
 
-/// Share of a render that is done, where the error ends it.
+/// Progress of a render that ends at a target error.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Forecast {
-    /// Samples in all, averaged.
+    /// Total number of samples, averaged over forecasts.
     needed: Option<f64>,
-    /// Share that was last told.
+    /// Last reported share.
     share: f64,
     /// First estimate: samples and error.
     first: Option<(f64, f64)>,
 }
 
 impl Forecast {
-    /// Takes in an estimate of the error after so many samples, in the first of so many equal stages. A render has `most`
-    /// samples in all.
+    /// Adds an error estimate after `samples` samples of the first of `stages` equal stages. A render has at most `most`
+    /// samples.
     pub(crate) fn observe(&mut self, [samples, stages]: [f64; 2], error: f64, target: f64, most: f64) {
         let (first_samples, first_error) = *self.first.get_or_insert((samples, error));
         let slope = if samples >= 2.0 * first_samples && error > 0.0 && first_error > error {
@@ -34,17 +34,17 @@ impl Forecast {
         self.expect((samples * stages * growth).min(most));
     }
 
-    /// Takes in a number of samples that the render is expected to have in all.
+    /// Adds a forecast of the total number of samples.
     pub(crate) fn expect(&mut self, needed: f64) {
         self.needed = Some(self.needed.map_or(needed, |before| (before * needed).sqrt()));
     }
 
-    /// Replaces all forecasts by the number of samples that there will be.
+    /// Replaces all forecasts by the known total number of samples.
     pub(crate) fn know(&mut self, needed: f64) {
         self.needed = Some(needed);
     }
 
-    /// Samples that there will be in all, after so many; `None` before the first estimate.
+    /// Forecast of the total number of samples, after `samples` of them; `None` before the first estimate.
     pub(crate) fn total(&mut self, samples: u64) -> Option<u64> {
         let needed = self.needed?;
         let done = samples as f64;
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
     use rt_math::random::{hash, unit};
 
-    /// Errors that fall as n^−½ and scatter by a fifth, with a firefly that triples one of them.
+    /// Errors that fall as n^−½ with 20 % noise. A firefly triples one of them.
     fn series() -> impl Iterator<Item = (u64, f64)> {
         (1..=64u64).map(|pass| {
             let scatter = 0.8 + 0.4 * unit(hash(&[17, pass]));
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_is_foreseen_from_a_quarter_on() {
+    fn the_total_is_forecast_within_two_percent() {
         // Without scatter, 0.05 is reached at pass 64.
         let mut forecast = Forecast::default();
         for pass in 1..=64u64 {
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_that_fall_faster_are_noticed() {
+    fn faster_convergence_is_measured() {
         let mut forecast = Forecast::default();
         for pass in 1..=8u64 {
             forecast.observe([1000.0 * pass as f64, 1.0], 0.4 / pass as f64, 0.01, 1e9);

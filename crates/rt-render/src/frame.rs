@@ -20,7 +20,7 @@ use crate::{
     world::World,
 };
 
-/// A camera in render space that has been checked, and the image that it exposes.
+/// Validated camera in render space, with the size and crop of its image.
 #[derive(Debug)]
 pub(crate) struct CameraView<'a> {
     /// In world space.
@@ -60,7 +60,7 @@ impl<'a> CameraView<'a> {
 #[derive(Debug)]
 pub(crate) struct Frame {
     pub(crate) camera: Camera,
-    /// Transparent solids around the camera.
+    /// Dielectrics around the camera.
     pub(crate) medium: CameraMedium,
     /// Width and height of the whole image.
     pub(crate) size: [u32; 2],
@@ -80,7 +80,7 @@ pub(crate) struct Frame {
     pub(crate) backdrop: Option<Rgb>,
     /// Objects in view, if these are much fewer than all.
     pub(crate) visible: Option<VisibleSet>,
-    /// True if each tile finds the objects in its own part of the view.
+    /// True if each tile culls objects by its own view volume.
     pub(crate) culls_tiles: bool,
     /// True if the camera or an object moves while the shutter is open.
     pub(crate) has_motion: bool,
@@ -147,26 +147,26 @@ impl Frame {
         PassSpec { first: 0, count: self.passes, spp: self.pass_spp, simple_spp: self.simple_pass_spp, pixels: None }
     }
 
-    /// Time of a sample; it takes a random number only if something moves.
+    /// Time of a sample; uses a random number only in scenes with motion.
     pub(crate) fn sample_time(&self, sample: &mut SampleStream) -> f64 {
         if self.has_motion { self.camera.shutter_time(sample.next_1d()) } else { 0.0 }
     }
 
-    /// Space in front of a part of the image.
+    /// View volume of a part of the image.
     pub(crate) fn view_volume(&self, part: Crop) -> ViewVolume {
         let [min, max] = self.raster_bounds(part);
         self.camera.view_volume(min, max)
     }
 
-    /// Corners of the raster positions of a part of the image: its pixels, shifted by the sample offset, and padded by the
-    /// radius of the filter. The lower corner comes first.
+    /// Lower and upper corner of the raster positions sampled by a part of the image. Pixels are shifted by the sample offset
+    /// and padded by the filter radius.
     pub(crate) fn raster_bounds(&self, part: Crop) -> [DVec2; 2] {
-        // Raster coordinates are rounded to far less than this part of a pixel.
+        // Exceeds the rounding error of raster coordinates, in pixels.
         const ROUNDING: f64 = 1.0 / 1024.0;
         let first = DVec2::new(f64::from(part.x), f64::from(part.y)) + self.sample_offset;
         let last = first + DVec2::new(f64::from(part.width - 1), f64::from(part.height - 1));
-        let reach = self.filter.radius() + ROUNDING;
-        [first - reach, last + reach]
+        let padding = self.filter.radius() + ROUNDING;
+        [first - padding, last + padding]
     }
 
     /// Nearest and farthest depth of a box, along the view axis.

@@ -9,14 +9,13 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use crate::accel_choice::{self, AccelOptions, MAX_LINEAR_SPHERES, is_small};
 
-/// The primitives of a set that camera rays can meet, and the structure over them.
+/// Primitives of a set in the view volume, with their accelerator.
 ///
-/// A hit counts only if the ray passes the primitive's own box, and the view volume rules a box out only if no camera
-/// ray passes it, so that asking these alone gives the same hit to the bit. Mirrors, glass and shadows look everywhere:
-/// their rays use the whole set.
+/// Hits of camera rays are bit-identical to those of the whole set. A hit lies in the padded bounds of its primitive, and the
+/// view volume excludes bounds only if no camera ray passes them. Other rays use the whole set.
 #[derive(Debug)]
 pub(crate) struct VisibleSet {
-    /// Indices in the whole set, rising.
+    /// Indices into the whole set, ascending.
     indices: Vec<u32>,
     structure: AnyAccelerator,
     /// Number of primitives of the whole set.
@@ -24,8 +23,8 @@ pub(crate) struct VisibleSet {
 }
 
 impl VisibleSet {
-    /// Finds what the volume does not exclude. `None` where a second structure does not pay: if fewer than half of the
-    /// primitives lie outside, or if there are few anyway. So it is at most half as large as the first.
+    /// Collects the primitives in a view volume and builds their accelerator. `None` for [small](is_small) sets, and if more
+    /// than half of the primitives are in view. The second accelerator has at most half the size of the first.
     pub(crate) fn build<P: Primitives>(
         accel_options: AccelOptions,
         primitives: &P,
@@ -35,7 +34,7 @@ impl VisibleSet {
         if is_small(primitives, 0..of as u32) {
             return Ok(None);
         }
-        let inside = |index: &u32| padded_bounds(primitives, *index).is_none_or(|own| !volume.excludes(&own));
+        let inside = |index: &u32| padded_bounds(primitives, *index).is_none_or(|bounds| !volume.excludes(&bounds));
         let indices: Vec<u32> = (0..of as u32).filter(inside).collect();
         if indices.len() > of / 2 {
             return Ok(None);
@@ -89,8 +88,8 @@ pub(crate) fn collect_small<P: Primitives>(
     let mut indices = [0; MAX_LINEAR_SPHERES];
     let mut len = 0;
     let mut note = |index: u32| match indices.get_mut(len) {
-        Some(place) => {
-            *place = index;
+        Some(slot) => {
+            *slot = index;
             len += 1;
             ControlFlow::Continue(())
         }
@@ -128,11 +127,11 @@ impl PrimaryTarget<'_> {
         match self {
             Self::All(_) => false,
             Self::Culled(visible) => visible.indices.is_empty(),
-            Self::Tile(collect_small) => collect_small.indices().is_empty(),
+            Self::Tile(small) => small.indices().is_empty(),
         }
     }
 
-    /// The first hit of a camera ray, named as in the whole set.
+    /// Closest hit of a camera ray, with the ids of the whole set.
     pub(crate) fn closest<P: Primitives, S: Probe>(
         &self,
         all: &P,
@@ -143,11 +142,11 @@ impl PrimaryTarget<'_> {
         match self {
             Self::All(structure) => structure.closest(all, ray, span, probe),
             Self::Culled(visible) => visible.closest(all, ray, span, probe),
-            Self::Tile(collect_small) => collect_small.closest(all, ray, span, probe),
+            Self::Tile(small) => small.closest(all, ray, span, probe),
         }
     }
 
-    /// Batch version of [`closest`](Self::closest): `hits[i]` answers `rays[i]`. All are `None` beforehand.
+    /// Batch version of [`closest`](Self::closest): `hits[i]` belongs to `rays[i]`. All are `None` on entry.
     pub(crate) fn closest_batch<P: Primitives, S: Probe>(
         &self,
         all: &P,
@@ -158,12 +157,12 @@ impl PrimaryTarget<'_> {
         match self {
             Self::All(structure) => structure.closest_batch(all, rays, hits, probe),
             Self::Culled(visible) => visible.closest_batch(all, rays, hits, probe),
-            Self::Tile(collect_small) => collect_small.closest_batch(all, rays, hits, probe),
+            Self::Tile(small) => small.closest_batch(all, rays, hits, probe),
         }
     }
 }
 
-/// All boxes that a view volume may have something in common with, once they are widened to own boxes.
+/// Region of all boxes whose padded bounds may overlap a view volume.
 pub(crate) struct FrustumRegion<'v>(pub(crate) &'v ViewVolume);
 
 impl Region for FrustumRegion<'_> {
@@ -176,10 +175,10 @@ impl Region for FrustumRegion<'_> {
     }
 }
 
-/// Some primitives of a set. Hits name them as in the whole set, so that ties go to the same.
+/// Subset of primitives. Hits have the ids of the whole set, so that ties in t resolve equally.
 struct Subset<'a, P> {
     all: &'a P,
-    /// Rising indices in the whole set.
+    /// Indices into the whole set, ascending.
     indices: &'a [u32],
 }
 
@@ -232,7 +231,7 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
 
     fn geometry(&self, index: u32) -> PrimitiveGeometry {
         match self.all.geometry(self.indices[index as usize]) {
-            // Hits are named as the whole set names them, which a structure that decides by itself would not know.
+            // An accelerator that intersects its own copies cannot return the ids of the whole set.
             PrimitiveGeometry::ExactTriangle(vertices) => {
                 PrimitiveGeometry::Triangle(vertices.map(|vertex| vertex.as_dvec3()))
             }

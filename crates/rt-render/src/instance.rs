@@ -19,22 +19,21 @@ use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
 #[derive(Debug)]
 pub(crate) struct Instance {
     pub(crate) geometry: InstanceGeometry,
-    /// Index of the material; that of a group's part is its own.
+    /// Index of the material; unused for a group, whose instances have their own.
     pub(crate) material: u32,
     pub(crate) casts_shadow: bool,
     pub(crate) bounds: Option<Aabb>,
-    /// Number of the object that this is a piece of: of its first piece.
+    /// Index of the object: of its first instance, if it has several.
     pub(crate) object: u32,
-    /// Number of the part's first primitive within its group; 0 on the upper level.
+    /// Index of its first primitive within its group; 0 on the top level.
     pub(crate) first_primitive: u32,
-    /// The number of the light that this is, if one can draw from it; of the first one in a group. A group's part counts from
-    /// there.
+    /// Index of its light, if it is sampled. For a group, index of its first light; instances in the group count relative to it.
     pub(crate) light: Option<u32>,
-    /// False if nothing looks at its texture coordinates.
+    /// True if its texture coordinates are used.
     pub(crate) textured: bool,
-    /// The normal map of its material; `None` for a group.
+    /// Normal map of its material; `None` for a group.
     pub(crate) relief: Option<Relief>,
-    /// For messages.
+    /// Name of its node, for messages.
     pub(crate) name: Arc<str>,
 }
 
@@ -50,14 +49,14 @@ impl Instance {
         InteractionFlags { uv: needs.uv && self.textured, ..needs }
     }
 
-    /// The part's surface at `t`; `triangle` is the one that was hit, where the light is numbered as the mesh is.
+    /// Surface hit at `t`. `triangle` is the index of the hit triangle of a mesh.
     #[inline]
     fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
         let light = self.light.map(|index| LightId { index, triangle });
         SurfaceHit { t, interaction, object: self.object, material: self.material, light }
     }
 
-    /// The surface of a triangle of a mesh.
+    /// Surface of a triangle of a mesh.
     #[inline]
     fn triangle_surface(
         &self,
@@ -71,7 +70,7 @@ impl Instance {
         Some(self.surface_hit(hit.t, surface, Some(triangle)))
     }
 
-    /// The surface of a shape.
+    /// Surface of a shape.
     #[inline]
     fn shape_surface(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> SurfaceHit {
         self.surface_hit(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
@@ -85,7 +84,7 @@ pub(crate) enum InstanceGeometry {
     TransformedShape(Box<TransformedShape>),
     /// Index of a [`MeshBlas`]; no transform means the identity.
     Mesh(u32, Option<Box<Transform>>),
-    /// One triangle of a small mesh that stands where its file says, and has no normal map.
+    /// Inlined triangle of a small mesh without transform and normal map.
     Triangle(Arc<TriangleMesh>, u32),
     /// Index of an [`Aggregate`].
     Group(u32, Option<Box<Transform>>),
@@ -98,7 +97,7 @@ impl InstanceGeometry {
         if let Self::Animated(animated) = self { &animated.geometry } else { self }
     }
 
-    /// True if it is a structure over many primitives.
+    /// True if it has its own acceleration structure.
     pub(crate) fn is_structure(&self) -> bool {
         matches!(self.static_geometry(), Self::Mesh(..) | Self::Group(..))
     }
@@ -117,7 +116,7 @@ pub(crate) struct Animated {
     pub(crate) geometry: InstanceGeometry,
 }
 
-/// A mesh with the structure over its triangles, in the space of its file.
+/// Mesh with the acceleration structure of its triangles, in local space.
 #[derive(Debug)]
 pub(crate) struct MeshBlas {
     pub(crate) mesh: Arc<TriangleMesh>,
@@ -155,8 +154,8 @@ impl MeshBlas {
         match &self.alpha_test {
             None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
             Some(alpha_test) => {
-                let porous = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
-                self.structure.closest_batch(&porous, rays, hits, probe);
+                let tested = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
+                self.structure.closest_batch(&tested, rays, hits, probe);
             }
         }
     }
@@ -171,8 +170,8 @@ impl MeshBlas {
         match &self.alpha_test {
             None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
             Some(alpha_test) => {
-                let porous = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
-                self.structure.occluded_batch(&porous, rays, blocked, probe);
+                let tested = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
+                self.structure.occluded_batch(&tested, rays, blocked, probe);
             }
         }
     }
@@ -183,8 +182,8 @@ impl MeshBlas {
 pub(crate) struct Aggregate {
     pub(crate) instances: Vec<Instance>,
     pub(crate) structure: AnyAccelerator,
-    /// True if each part is one primitive, and hits are named by its place alone: a structure can then decide about
-    /// triangles by itself.
+    /// True if each instance is one primitive and its index identifies a hit. The accelerator can then intersect its own
+    /// copies of triangles.
     pub(crate) is_flat: bool,
 }
 
@@ -194,7 +193,7 @@ impl Aggregate {
         Instances { instances: &self.instances, levels, is_flat: self.is_flat }
     }
 
-    /// A hit on a part of a group as one on the instance: its primitives are numbered in a row.
+    /// Converts a hit within the group to a hit on the group instance, by the consecutive number of the primitive.
     fn with_instance(&self, hit: Hit, instance: u32) -> Hit {
         let first = self.instances[hit.instance as usize].first_primitive;
         Hit { instance, primitive: first + hit.primitive, ..hit }
@@ -206,12 +205,12 @@ impl Aggregate {
     }
 }
 
-/// Everything below the upper level.
+/// Bottom level: meshes and groups with their acceleration structures.
 #[derive(Debug, Default)]
 pub(crate) struct BottomLevel {
     pub(crate) meshes: Vec<MeshBlas>,
     pub(crate) groups: Vec<Aggregate>,
-    /// The textures of the scene, if holes or normal maps look at them.
+    /// Textures of the scene, if an alpha test or a normal map uses them.
     pub(crate) textures: Vec<Texture>,
 }
 
@@ -256,7 +255,7 @@ impl Instances<'_> {
         Hit { t, instance, primitive, uv }
     }
 
-    /// The surface at a hit that [`Primitives::intersect`] reported.
+    /// Surface at a hit of [`Primitives::intersect`].
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
@@ -304,10 +303,10 @@ impl Instances<'_> {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let at = group.instances.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
-                let inner_part = &group.instances[at];
-                let inner_hit = Hit { primitive: hit.primitive - inner_part.first_primitive, ..*hit };
+                let inner_instance = &group.instances[at];
+                let inner_hit = Hit { primitive: hit.primitive - inner_instance.first_primitive, ..*hit };
                 let local = to_local(ray, transform.as_deref());
-                let surface = inner.surface_of(inner_part, &inner_part.geometry, &local, &inner_hit, needs)?;
+                let surface = inner.surface_of(inner_instance, &inner_instance.geometry, &local, &inner_hit, needs)?;
                 let light = surface.light.zip(instance.light);
                 SurfaceHit {
                     interaction: to_world(surface.interaction, transform.as_deref()),
@@ -498,7 +497,7 @@ impl Primitives for Instances<'_> {
         }
     }
 
-    /// Places rise with names either way, so that ties go to the same part.
+    /// Ids ascend with the index in both forms, so that ties in t resolve equally.
     fn hit_ids(&self, index: u32) -> [u32; 2] {
         if self.is_flat { [0, index] } else { [index, 0] }
     }

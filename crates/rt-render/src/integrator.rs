@@ -43,12 +43,12 @@ impl IntegratorState {
         }
     }
 
-    /// True if it takes random numbers beyond the position on the film.
+    /// True if it takes random numbers after those of the camera ray.
     pub(crate) const fn uses_samplers(&self) -> bool {
         matches!(self, Self::Path(_) | Self::AmbientOcclusion(_))
     }
 
-    /// Parameters of path tracing; those of no path for other integrators.
+    /// Parameters of path tracing; paths of length zero for other integrators.
     pub(crate) const fn path_settings(&self) -> PathSettings {
         match self {
             Self::Path(settings) => *settings,

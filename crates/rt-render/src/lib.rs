@@ -6,9 +6,9 @@
 //!                          └─ explain: what is used, what is left out, and why
 //! ```
 //!
-//! **Owns** the plan ([`RenderPlan`]), the two-level world, the loop over tiles and samples,
-//! and the statistics. It is the only crate that knows accelerators *and* materials.
-//! **Does not own** files, arguments or progress bars; nothing here prints.
+//! **Owns** the plan ([`RenderPlan`]), the two-level world, the loop over tiles and samples, the film and the statistics. It is
+//! the only crate that depends on accelerators *and* materials. **Does not own** files, arguments or progress bars; it prints
+//! nothing.
 //!
 //! Motion blur: each sample has a random time, which all of its rays share. Scenes without motion use no time
 //! samples.

@@ -1,4 +1,4 @@
-//! Passes of light tracing: light that reaches the camera by mirrors and glass.
+//! Passes of light tracing: caustics, traced from the lights to the camera.
 
 use rt_accel::AnyAccelerator;
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
@@ -24,7 +24,7 @@ const BATCH_SIZE: u64 = 256;
 /// Seed that separates the random numbers of light paths from those of pixels.
 const LIGHT_PATHS: u64 = 0x6c69_6768_7420_7061;
 
-/// The paths from lights of a pass.
+/// Light paths of a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightPass {
     pass: u32,
@@ -37,7 +37,7 @@ pub(crate) struct LightChunk {
     pub(crate) splats: Vec<Splat>,
     pub(crate) counters: Counters,
     pub(crate) shading: ShadingCounts,
-    /// Light that is not a radiance: NaN, infinite or negative.
+    /// Number of contributions that are NaN, infinite or negative.
     pub(crate) bad: u64,
 }
 
@@ -49,7 +49,7 @@ impl LightPass {
 }
 
 impl RenderPlan<'_> {
-    /// The light paths of a pass of so many samples per pixel; `None` if the plan follows none.
+    /// Light paths of a pass: one per camera sample. `None` if the plan traces none.
     pub(crate) fn light_pass(&self, pass: u32, spp: u32) -> Option<LightPass> {
         let [width, height] = self.frame.size.map(u64::from);
         let paths = width * height * u64::from(spp);
@@ -100,7 +100,7 @@ impl RenderPlan<'_> {
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let mut world = SceneTracer::new(world, structure, PrimaryTarget::All(structure), S::default());
-        // Sobol' points whatever the pattern of the camera's samples: they need not be arranged in a pixel.
+        // Always Sobol' points: unlike camera samples, light paths are not arranged in pixels.
         let seed = hash(&[pass_seed(self.frame.seed, pass.pass), LIGHT_PATHS]);
         let sampler = PixelSampler::new(SamplerKind::Sobol, 1, seed);
         let share = 1.0 / pass.paths as f64;

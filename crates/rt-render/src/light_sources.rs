@@ -4,7 +4,7 @@ use rt_geometry::Shape;
 use rt_shading::{Appearance, LightSources, TargetSphere, Targets, light::LightSet};
 
 use crate::{
-    camera_medium::reach_of_transparent_bodies,
+    camera_medium::bounds_of_dielectrics,
     instance::{BottomLevel, Instance, InstanceGeometry, uses_material},
     world::World,
 };
@@ -25,7 +25,7 @@ pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &
         }
         World::Instances(top, levels) => targets(&top.instances, levels, &is_sharp),
     };
-    let bodies = reach_of_transparent_bodies(&appearance.materials, world);
+    let bodies = bounds_of_dielectrics(&appearance.materials, world);
     let sources = LightSources::new(lights, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)
 }

@@ -4,9 +4,9 @@
 //!   peak = textures + geometry + structures + max(building, film)
 //! ```
 //!
-//! The scene stays all the while. Structures are built one after the other, each with lists that it gives back; the picture is
-//! held only after that. Factors are upper estimates (`docs/MEMORY.md` compares them with measured peaks); the memory of the program
-//! without a scene is not included.
+//! The scene is held throughout. Acceleration structures are built one after the other, each with temporary memory; the film is
+//! allocated afterwards. Factors are upper estimates: `docs/MEMORY.md` compares them with measured peaks. The memory of the
+//! program without a scene is not included.
 
 mod survey;
 
@@ -24,9 +24,9 @@ use survey::{Most, Survey};
 /// Predicted bytes of memory of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryPrediction {
-    /// The picture, and what is kept of each pixel while it is made and written.
+    /// Film and image, with all data per pixel.
     pub film: u64,
-    /// Images of textures, and around the scene.
+    /// Images of textures and of the environment.
     pub textures: u64,
     /// Nodes, shapes, meshes and instances.
     pub geometry: u64,
@@ -57,7 +57,7 @@ impl MemoryPrediction {
         textures.saturating_add(geometry).saturating_add(structures).saturating_add(passing)
     }
 
-    /// The parts by their names.
+    /// Named parts of the prediction.
     pub const fn parts(&self) -> [(&'static str, u64); 5] {
         [
             ("film", self.film),
@@ -119,26 +119,27 @@ impl fmt::Display for MemoryPrediction {
     }
 }
 
-/// The film with its alpha channel, and once more as it is written; with passes, what is known of each pixel, maps of its error
-/// and samples, and the image of light paths.
+/// Bytes of the film and the image, each with its alpha channel.
+///
+/// Renders pass by pass add pixel accumulators, maps of standard errors and sample counts, and the splats of light paths.
 fn film(scene: &Scene, kept: &PerPixel) -> u64 {
     let pixels = u64::from(kept.crop.width) * u64::from(kept.crop.height);
-    let picture = if kept.transparent { 16 } else { 12 };
+    let image = if kept.transparent { 16 } else { 12 };
     let caustics = scene.settings.integrator == Integrator::Caustics;
     let estimate = if kept.progressive || caustics { size_of::<PixelEstimate>() as u64 + 2 * 12 } else { 0 };
     let splats = if caustics { SplatImage::memory(1, scene.film.filter) as u64 } else { 0 };
-    pixels.saturating_mul(2 * picture + estimate + splats)
+    pixels.saturating_mul(2 * image + estimate + splats)
 }
 
-/// Images, each once: several textures may share one.
+/// Bytes of texture images, shared ones counted once.
 fn textures(scene: &Scene) -> u64 {
     let images = scene.appearance.textures.iter().filter_map(Texture::bitmap);
     let unique: HashMap<_, _> = images.map(|bitmap| (Arc::as_ptr(bitmap), bitmap.memory() as u64)).collect();
-    let around = match &scene.appearance.background {
+    let environment = match &scene.appearance.background {
         Background::Environment(light) => light.memory() as u64,
         _ => 0,
     };
-    unique.values().sum::<u64>().saturating_add(around)
+    unique.values().sum::<u64>().saturating_add(environment)
 }
 
 #[cfg(test)]
@@ -146,17 +147,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_picture_is_held_after_structures_are_built() {
+    fn the_film_is_allocated_after_structures_are_built() {
         let prediction = MemoryPrediction { film: 5, textures: 1, geometry: 2, structures: 3, building: 7 };
         assert_eq!(prediction.peak(), 13);
         assert_eq!(MemoryPrediction { film: 9, ..prediction }.peak(), 15);
         assert_eq!(MemoryPrediction { film: u64::MAX, ..prediction }.peak(), u64::MAX);
-        let told = "film 5 B, textures 1 B, geometry 2 B, structures 3 B, building these 7 B: at most 13 B";
-        assert_eq!(prediction.to_string(), told);
+        let expected = "film 5 B, textures 1 B, geometry 2 B, structures 3 B, building these 7 B: at most 13 B";
+        assert_eq!(prediction.to_string(), expected);
     }
 
     #[test]
-    fn a_budget_refuses_what_is_more() {
+    fn predictions_above_the_budget_are_errors() {
         let prediction = MemoryPrediction { film: 100, ..MemoryPrediction::default() };
         let mut most = Most::default();
         most.offer(60, || "a".to_owned());

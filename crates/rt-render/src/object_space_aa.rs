@@ -1,5 +1,6 @@
-//! Adaptive sampling in object space (Genetti, Gordon and Williams, "Adaptive Supersampling in Object Space Using Pyramidal
-//! Rays", 1998): what lies in the pyramid between the eye and a pixel decides how many samples the pixel takes.
+//! Adaptive sampling in object space: the objects in the pyramid of a pixel determine its number of samples.
+//!
+//! Source: Genetti, Gordon and Williams, "Adaptive Supersampling in Object Space Using Pyramidal Rays", 1998.
 //!
 //! ```text
 //!            pixel          object          shaft to the light
@@ -8,12 +9,12 @@
 //!              ▕╱           ╲ ▏
 //! ```
 //!
-//! Nothing is looked at through samples, so that nothing is so small that it falls between them: a pixel in which an edge of an
-//! object, or of a shadow, *can* be takes all samples. Like pyramidal rays, the squares of pixels that are looked at
-//! together are cut in four where they show more than one thing; here from 16 × 16 pixels down to one.
+//! The test is conservative: a pixel takes all samples if its pyramid *can* contain an edge of an object or a shadow. Objects
+//! smaller than the distance of samples are found as well. Blocks of pixels are tested together and subdivided into quarters,
+//! from 16 × 16 pixels down to one.
 //!
-//! Squares lie on a grid of the whole image, and what is found in them depends on boxes and forms alone, so that a pixel is
-//! judged the same by each thread, with each structure, and in each part of the image.
+//! Blocks are aligned to a grid of the whole image. The test depends only on the bounds and forms of primitives. Its result is
+//! independent of threads, accelerators and crops.
 
 mod patch;
 mod shaft;
@@ -34,16 +35,16 @@ use crate::{
     primitive_form::PrimitiveForm, tiles::Tile, world::ShadedPrimitives,
 };
 
-/// Pixels along the side of the squares that are looked at first.
+/// Side of the largest blocks, in pixels.
 const LARGEST_BLOCK: u32 = 16;
 
-/// Objects in a largest square with which it is worth looking for pixels that show but one of them.
+/// Maximum number of objects in a largest block. With more, all of its pixels take all samples.
 const MAX_BLOCK_OBJECTS: usize = 1024;
 
-/// Objects in a square with which it is worth asking which of them is in front.
+/// Maximum number of objects in a block for the visibility test. With more, the block is subdivided.
 const MAX_CANDIDATES: usize = 8;
 
-/// Some pixels, at a multiple of their side.
+/// Square block of pixels, aligned to a multiple of its side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct PixelBlock {
     x: u32,
@@ -57,14 +58,14 @@ struct Pyramid {
     edges: [Ray; 4],
 }
 
-/// An object in a pyramid, where it meets the rays along the edges.
+/// Object in a pyramid, with the hits of the rays along the edges.
 struct PyramidHit {
     index: u32,
     form: PrimitiveForm,
     hits: [Option<Hit>; 4],
 }
 
-/// The pixels of a tile being judged.
+/// Classifier of the pixels of a tile: simple ones have no edge.
 struct PixelClassifier<'a, W> {
     plan: &'a RenderPlan<'a>,
     world: &'a W,
@@ -74,7 +75,7 @@ struct PixelClassifier<'a, W> {
 }
 
 impl RenderPlan<'_> {
-    /// The pixels of a tile that show a single smooth surface, or nothing, in light without edges.
+    /// Pixels of a tile without an edge: they show one evenly lit smooth surface, or only the background.
     pub(crate) fn simple_pixels<W: ShadedPrimitives>(
         &self,
         tile: Tile,
@@ -84,7 +85,7 @@ impl RenderPlan<'_> {
         let simple = vec![false; tile.width as usize * tile.height as usize];
         let mut classifier = PixelClassifier { plan: self, world, structure, tile, simple };
         if matches!(&self.frame.medium, CameraMedium::Constant(interior) if interior.is_empty()) {
-            PixelBlock::around(tile).for_each(|block| classifier.look_into(block));
+            PixelBlock::around(tile).for_each(|block| classifier.classify(block));
         }
         PixelMask::new(tile, classifier.simple)
     }
@@ -102,7 +103,7 @@ impl RenderPlan<'_> {
 }
 
 impl PixelBlock {
-    /// The largest squares that have a pixel in common with the tile.
+    /// Largest blocks that overlap the tile.
     fn around(tile: Tile) -> impl Iterator<Item = Self> {
         let starts = |first: u32, length: u32| {
             (first / LARGEST_BLOCK * LARGEST_BLOCK..first + length).step_by(LARGEST_BLOCK as usize)
@@ -116,7 +117,7 @@ impl PixelBlock {
         [(0, 0), (side, 0), (0, side), (side, side)].map(|(x, y)| Self { x: self.x + x, y: self.y + y, side })
     }
 
-    /// The pixels of the tile that lie in the square.
+    /// Pixels of the block within the tile.
     fn within(self, tile: Tile) -> impl Iterator<Item = [u32; 2]> {
         let common = |first: u32, start: u32, length: u32| first.max(start)..(first + self.side).min(start + length);
         let (columns, rows) = (common(self.x, tile.x, tile.width), common(self.y, tile.y, tile.height));
@@ -125,28 +126,28 @@ impl PixelBlock {
 }
 
 impl Pyramid {
-    /// True only if no ray of the pyramid meets the primitive.
-    fn passes_by<W: ShadedPrimitives>(&self, world: &W, index: u32) -> bool {
+    /// True only if no ray of the pyramid hits the primitive.
+    fn misses<W: ShadedPrimitives>(&self, world: &W, index: u32) -> bool {
         match world.form(index) {
             PrimitiveForm::Sphere { centre, radius } => self.volume.excludes_sphere(centre, radius),
             _ => padded_bounds(world, index).is_some_and(|own| self.volume.excludes(&own)),
         }
     }
 
-    fn meet<W: ShadedPrimitives>(&self, world: &W, index: u32) -> PyramidHit {
+    fn hit_by_edges<W: ShadedPrimitives>(&self, world: &W, index: u32) -> PyramidHit {
         let hits = self.edges.map(|ray| world.intersect(index, &ray, Interval::FORWARD));
         PyramidHit { index, form: world.form(index), hits }
     }
 }
 
 impl PyramidHit {
-    /// True for a plane that is behind the horizon all over the pyramid: depth is the inverse of a linear function of the image,
-    /// which is negative everywhere if at the corners.
+    /// True for a plane that no ray of the pyramid hits. Inverse depth is a linear function of raster coordinates: if it is
+    /// negative at all corners, it is negative everywhere.
     fn is_out_of_sight(&self) -> bool {
         matches!(self.form, PrimitiveForm::Plane { .. }) && self.hits.iter().all(Option::is_none)
     }
 
-    /// True if the patch hides all of the primitive.
+    /// True if the patch occludes the whole primitive.
     fn is_behind<W: ShadedPrimitives>(
         &self,
         world: &W,
@@ -155,10 +156,10 @@ impl PyramidHit {
         front: &Self,
     ) -> bool {
         match self.form {
-            // The inverse of the patch's depth is concave over the image, and that of a plane is linear.
+            // Over the image, inverse depth is concave for the patch and linear for a plane.
             PrimitiveForm::Plane { .. } => {
-                let is_deeper = |(own, front): (&Option<Hit>, &Option<Hit>)| match (own, front) {
-                    (Some(own), Some(front)) => own.t > front.t,
+                let is_deeper = |(hit, front): (&Option<Hit>, &Option<Hit>)| match (hit, front) {
+                    (Some(hit), Some(front)) => hit.t > front.t,
                     (None, _) => true,
                     (Some(_), None) => false,
                 };
@@ -173,8 +174,8 @@ impl PyramidHit {
 }
 
 impl<W: ShadedPrimitives> PixelClassifier<'_, W> {
-    /// Judges the pixels of one of the largest squares.
-    fn look_into(&mut self, block: PixelBlock) {
+    /// Classifies the pixels of a largest block.
+    fn classify(&mut self, block: PixelBlock) {
         let pyramid = self.plan.pyramid(block);
         let mut near = Vec::new();
         let mut are_many = false;
@@ -192,12 +193,12 @@ impl<W: ShadedPrimitives> PixelClassifier<'_, W> {
         }
     }
 
-    /// Judges the pixels of a square that shows no other objects than these, in the order of their numbers.
+    /// Classifies the pixels of a block, recursively. `among` are the indices of all objects that it can show, ascending.
     fn divide(&mut self, block: PixelBlock, pyramid: &Pyramid, among: &[u32]) {
         if block.within(self.tile).next().is_none() {
             return;
         }
-        let near: Vec<u32> = among.iter().copied().filter(|&index| !pyramid.passes_by(self.world, index)).collect();
+        let near: Vec<u32> = among.iter().copied().filter(|&index| !pyramid.misses(self.world, index)).collect();
         if self.is_simple(pyramid, &near) {
             let Tile { x: left, y: top, width, .. } = self.tile;
             for [x, y] in block.within(self.tile) {
@@ -210,30 +211,30 @@ impl<W: ShadedPrimitives> PixelClassifier<'_, W> {
         }
     }
 
-    /// True if the pyramid shows one smooth surface, or nothing, and light without edges.
+    /// True if the pyramid contains one evenly lit smooth surface, or only the background.
     fn is_simple(&self, pyramid: &Pyramid, near: &[u32]) -> bool {
         if near.len() > MAX_CANDIDATES {
             return false;
         }
-        let mut met: Vec<PyramidHit> = near.iter().map(|&index| pyramid.meet(self.world, index)).collect();
-        met.retain(|met| !met.is_out_of_sight());
-        if met.is_empty() {
+        let mut hits: Vec<PyramidHit> = near.iter().map(|&index| pyramid.hit_by_edges(self.world, index)).collect();
+        hits.retain(|hit| !hit.is_out_of_sight());
+        if hits.is_empty() {
             return !matches!(self.plan.scene.appearance.background, Background::Environment(_));
         }
-        let depth = |met: &PyramidHit| met.hits[0].map(|hit| hit.t);
-        let nearest = met
+        let depth = |object: &PyramidHit| object.hits[0].map(|hit| hit.t);
+        let nearest = hits
             .iter()
-            .filter(|met| depth(met).is_some())
+            .filter(|hit| depth(hit).is_some())
             .min_by(|a, b| depth(a).partial_cmp(&depth(b)).unwrap_or(core::cmp::Ordering::Equal));
         let Some(front) = nearest else { return false };
         let patch = SurfacePatch::new(self.world, front.index, &pyramid.edges, &front.hits);
         patch.is_some_and(|patch| {
             let is_hidden = |other: &PyramidHit| other.is_behind(self.world, &pyramid.volume, &patch, front);
-            met.iter().all(|met| met.index == front.index || is_hidden(met)) && self.is_evenly_lit(&patch)
+            hits.iter().all(|hit| hit.index == front.index || is_hidden(hit)) && self.is_evenly_lit(&patch)
         })
     }
 
-    /// True if no light, and no shadow, changes much over the patch.
+    /// True if the patch has no edge of a shadow, and no light varies much over it.
     fn is_evenly_lit(&self, patch: &SurfacePatch) -> bool {
         let appearance = &self.plan.scene.appearance;
         let Some(material) = patch.plain_material(appearance) else { return false };
@@ -242,7 +243,7 @@ impl<W: ShadedPrimitives> PixelClassifier<'_, W> {
             return true;
         }
         let mut reaching = appearance.lights.iter().filter(|light| !patch.turns_away_from(light));
-        // Shafts take longest, and most squares that are too large fail before.
+        // Test shafts last: they cost most, and most blocks that are too large fail before.
         reaching.clone().all(|light| patch.is_even_under(light, phong))
             && reaching.all(|light| {
                 let shaft = LightShaft::new(patch, light);

@@ -5,23 +5,23 @@ use serde::Serialize;
 
 use crate::{
     Crop, ErrorEstimate, Progress,
-    part::{Frame, Part, TilePixels},
+    part::{FilmLayout, FilmTile, Part},
     pass_state::PassState,
     tiles::Tile,
 };
 
 /// Observer of a render. Closures that take a [`Progress`] are observers as well.
 pub trait Observer {
-    /// Called after each tile, in any order, on the thread that has begun the render; the others go on meanwhile.
-    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>);
+    /// Called after each tile, in any order, on the thread that started the render. Other threads continue meanwhile.
+    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>);
 
-    /// Called at the end of a render that could go on: one that was interrupted, or lacks tiles in which a worker failed.
+    /// Called at the end of a resumable render: one that was interrupted, or in which a thread panicked.
     fn unfinished(&mut self, _kept: &Kept<'_>) {}
 }
 
 impl<F: FnMut(Progress)> Observer for F {
-    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
-        self(so_far.progress());
+    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
+        self(snapshot.progress());
     }
 }
 
@@ -29,19 +29,19 @@ impl<F: FnMut(Progress)> Observer for F {
 pub struct RenderSnapshot<'a> {
     pub(crate) progress: Progress,
     pub(crate) tile: Tile,
-    pub(crate) state: State<'a>,
+    pub(crate) state: FilmState<'a>,
 }
 
-/// State for a checkpoint, to be serialised; it is read as a [`Checkpoint`](crate::Checkpoint).
+/// Serialisable view of the film. It is deserialised as a [`Checkpoint`](crate::Checkpoint).
 #[derive(Clone, Copy, Serialize)]
-pub struct Kept<'a>(pub(crate) State<'a>);
+pub struct Kept<'a>(pub(crate) FilmState<'a>);
 
-/// Current state of the image.
+/// Film of a running render, borrowed for a checkpoint.
 #[derive(Clone, Copy, Serialize)]
-pub(crate) enum State<'a> {
-    /// Some tiles, each of which has all of its samples.
+pub(crate) enum FilmState<'a> {
+    /// Tile by tile: finished tiles with all of their samples.
     Tiles(&'a Part),
-    /// All tiles, after some passes.
+    /// Pass by pass: all pixels after some passes.
     Passes(&'a PassState),
 }
 
@@ -51,55 +51,55 @@ impl RenderSnapshot<'_> {
         self.progress
     }
 
-    /// The tile that has just been done, in pixels of the whole image.
+    /// Tile that was finished last, in pixels of the whole image.
     pub const fn tile(&self) -> Crop {
         let Tile { x, y, width, height } = self.tile;
         Crop { x, y, width, height }
     }
 
-    /// Radiance of the pixels of the tile, row by row, as the film would have it now.
+    /// Current radiance of the pixels of the tile, row by row.
     pub fn pixels(&self) -> Vec<[f32; 3]> {
-        self.tile_pixels().pixels
+        self.film_tile().pixels
     }
 
-    /// Coverage of the pixels of the tile, if the picture is transparent.
+    /// Coverage of the pixels of the tile, if the image is transparent.
     pub fn alpha(&self) -> Option<Vec<f32>> {
-        self.frame().transparent.then(|| self.tile_pixels().alpha)
+        self.layout().transparent.then(|| self.film_tile().alpha)
     }
 
     /// Current image; unrendered tiles are black. Copies all pixels.
     pub fn film(&self) -> Image {
         match self.state {
-            State::Tiles(part) => part.film(),
-            State::Passes(passes) => passes.film(),
+            FilmState::Tiles(part) => part.film(),
+            FilmState::Passes(passes) => passes.film(),
         }
     }
 
-    /// Estimated error of the image after the last pass over all of it. `None` before the second pass, for a render tile by tile,
-    /// and if all passes are equal.
+    /// Estimated error of the image after the last complete pass. `None` before the second pass, for renders tile by tile, and if
+    /// all passes are equal.
     pub fn error(&self) -> Option<ErrorEstimate> {
         match self.state {
-            State::Passes(passes) if passes.frame.passes_differ => passes.error.estimate(),
-            State::Passes(_) | State::Tiles(_) => None,
+            FilmState::Passes(passes) if passes.layout.passes_differ => passes.error.estimate(),
+            FilmState::Passes(_) | FilmState::Tiles(_) => None,
         }
     }
 
-    /// State for a checkpoint, to be serialised now.
+    /// State of the render for a checkpoint.
     pub const fn checkpoint(&self) -> Kept<'_> {
         Kept(self.state)
     }
 
-    fn frame(&self) -> &Frame {
+    fn layout(&self) -> &FilmLayout {
         match self.state {
-            State::Tiles(part) => &part.frame,
-            State::Passes(passes) => &passes.frame,
+            FilmState::Tiles(part) => &part.layout,
+            FilmState::Passes(passes) => &passes.layout,
         }
     }
 
-    fn tile_pixels(&self) -> TilePixels {
+    fn film_tile(&self) -> FilmTile {
         match self.state {
-            State::Tiles(part) => part.tile(self.tile).cloned().unwrap_or_default(),
-            State::Passes(passes) => passes.tile_pixels(self.tile),
+            FilmState::Tiles(part) => part.tile(self.tile).cloned().unwrap_or_default(),
+            FilmState::Passes(passes) => passes.film_tile(self.tile),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! State of a render pass by pass: all that it needs to go on.
+//! Film of a render pass by pass, with all state that it resumes from.
 
 use rt_image::Image;
 use serde::{Deserialize, Serialize};
@@ -8,17 +8,17 @@ use crate::{
     content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_share},
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
-    part::{Frame, TilePixels, rounded},
+    part::{FilmLayout, FilmTile, rounded, rounded_coverage},
     tiles::{Tile, tile_count, tiles},
 };
 
-/// First pass number of the second stage, whose samples decide nothing.
+/// First pass number of the second stage of adaptive sampling, in seeds.
 const SECOND_STAGE: u32 = 1 << 31;
 
-/// Pixels and position of a render pass by pass.
+/// Film of a render pass by pass: all pixel accumulators, and the position in the sequence of passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PassState {
-    pub(crate) frame: Frame,
+    pub(crate) layout: FilmLayout,
     share: Share,
     mode: PassMode,
     /// All pixels, row by row.
@@ -58,10 +58,10 @@ pub(crate) struct PassCursor {
 
 impl PassState {
     /// State before the first pass.
-    pub(crate) fn new(frame: Frame, share: Share, rule: Option<&StopRule>, statistics: Statistics) -> Self {
-        let Crop { width, height, .. } = frame.crop;
+    pub(crate) fn new(layout: FilmLayout, share: Share, rule: Option<&StopRule>, statistics: Statistics) -> Self {
+        let Crop { width, height, .. } = layout.crop;
         Self {
-            frame,
+            layout,
             share,
             mode: PassMode::new(rule),
             pixels: vec![PixelEstimate::default(); width as usize * height as usize],
@@ -73,16 +73,16 @@ impl PassState {
         }
     }
 
-    /// True if a render of this kind can go on from here.
-    pub(crate) fn fits(&self, frame: Frame, share: Share, rule: Option<&StopRule>) -> bool {
-        self.frame == frame && self.share == share && self.mode == PassMode::new(rule)
+    /// True if a render of this layout, share and rule can resume from here.
+    pub(crate) fn fits(&self, layout: FilmLayout, share: Share, rule: Option<&StopRule>) -> bool {
+        self.layout == layout && self.share == share && self.mode == PassMode::new(rule)
     }
 
     /// Checks all numbers of a decoded state.
     pub(crate) fn validate(&self) -> Result<(), ContentError> {
-        let Self { frame, share, mode: _, pixels, statistics, cursor, seconds_per_sample, error, lost } = self;
+        let Self { layout, share, mode: _, pixels, statistics, cursor, seconds_per_sample, error, lost } = self;
         let PassCursor { pass, taken, begun, stage } = cursor;
-        let crop = frame.crop;
+        let crop = layout.crop;
         check_crop(crop)?;
         check_share(*share)?;
         let area = crop.width as usize * crop.height as usize;
@@ -93,7 +93,7 @@ impl PassState {
         }
         stage.validate(area)?;
         check_count("the number of the pass", (*pass).into(), MAX_PASSES.into())?;
-        // A pixel has taken the passes so far, or fewer, and in a tile that has begun the next one perhaps that as well.
+        // A pixel has at most the passes so far, and in a tile that has taken the current pass one more.
         for (number, tile) in tiles(crop).into_iter().enumerate() {
             let has_begun = begun.get(number).copied().unwrap_or(false);
             let (passes, samples) = if has_begun { (pass + 1, u32::MAX) } else { (*pass, *taken) };
@@ -110,38 +110,21 @@ impl PassState {
 
     /// Current image.
     pub(crate) fn film(&self) -> Image {
-        let Crop { width, height, .. } = self.frame.crop;
-        let mut film = Image::new(width, height, self.frame.transparent);
-        for (cursor, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
-            *cursor = rounded(pixel.mean());
+        let Crop { width, height, .. } = self.layout.crop;
+        let mut film = Image::new(width, height, self.layout.transparent);
+        for (value, pixel) in film.pixels_mut().iter_mut().zip(&self.pixels) {
+            *value = rounded(pixel.mean());
         }
-        for (cursor, pixel) in film.alpha_mut().unwrap_or_default().iter_mut().zip(&self.pixels) {
-            *cursor = rounded_coverage(pixel);
+        for (value, pixel) in film.alpha_mut().unwrap_or_default().iter_mut().zip(&self.pixels) {
+            *value = rounded_coverage(pixel);
         }
         film
     }
 
     /// Current pixels of a tile.
-    pub(crate) fn tile_pixels(&self, tile: Tile) -> TilePixels {
-        let Frame { crop, transparent, maps, .. } = self.frame;
-        let pixels = || tile.pixels().filter_map(move |at| self.pixels.get(pixel_index(crop, at)));
-        let counts: Vec<_> = pixels().map(PixelEstimate::samples).collect();
-        let range = [counts.iter().copied().min(), counts.iter().copied().max()].map(Option::unwrap_or_default);
-        let standard_error = |pixel: &PixelEstimate| match pixel.variance() {
-            Some(variance) => rounded(variance.map(f64::sqrt)),
-            None => [f32::INFINITY; 3],
-        };
-        let mut error = ErrorSums::default();
-        pixels().for_each(|pixel| error.add(pixel));
-        TilePixels {
-            pixels: pixels().map(|pixel| rounded(pixel.mean())).collect(),
-            alpha: pixels().filter(|_| transparent).map(rounded_coverage).collect(),
-            standard_errors: pixels().filter(|_| maps).map(standard_error).collect(),
-            samples: counts.iter().copied().map(u64::from).sum(),
-            counts: if range[0] == range[1] { Vec::new() } else { counts },
-            range,
-            error,
-        }
+    pub(crate) fn film_tile(&self, tile: Tile) -> FilmTile {
+        let pixels = tile.pixels().filter_map(|at| self.pixels.get(pixel_index(self.layout.crop, at)));
+        FilmTile::new(pixels, self.layout, self.layout.maps)
     }
 }
 
@@ -155,7 +138,7 @@ impl PassMode {
     }
 }
 
-/// Stage of adaptive sampling: samples that decide, or samples of the image.
+/// Stage of adaptive sampling.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum RefineStage {
     /// Passes over all pixels.
@@ -163,7 +146,8 @@ pub(crate) enum RefineStage {
     Everywhere,
     /// Passes over active pixels; flags row by row.
     Decide(Vec<bool>),
-    /// New samples: the decided number of passes of each pixel, the cause of the decision's end, and the number of unconverged pixels.
+    /// Second stage with new samples. The fields are the passes of each pixel, and from the first stage the reason for its end
+    /// and its number of unconverged pixels.
     Repeat(Vec<u32>, Stopped, u64),
 }
 
@@ -176,7 +160,7 @@ impl RefineStage {
         }
     }
 
-    /// Checks that there is an entry for each of so many pixels, and that no count of passes is beyond all limits.
+    /// Checks that lists have one entry per pixel and that pass counts are within their limits.
     pub(crate) fn validate(&self, pixels: usize) -> Result<(), ContentError> {
         let of = || "the picture".to_owned();
         match self {
@@ -184,8 +168,8 @@ impl RefineStage {
             Self::Decide(active) => check_length("active pixels", of, active.len(), pixels),
             Self::Repeat(decided, _, unconverged) => {
                 check_length("passes to repeat", of, decided.len(), pixels)?;
-                let most = decided.iter().copied().max().unwrap_or(0);
-                check_count("the number of passes to repeat", most.into(), MAX_PASSES.into())?;
+                let max = decided.iter().copied().max().unwrap_or(0);
+                check_count("the number of passes to repeat", max.into(), MAX_PASSES.into())?;
                 check_count("the number of pixels that have not converged", *unconverged, pixels as u64)
             }
         }
@@ -195,8 +179,4 @@ impl RefineStage {
 /// Index of a pixel of the image in a crop.
 pub(crate) const fn pixel_index(crop: Crop, [x, y]: [u32; 2]) -> usize {
     (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize
-}
-
-fn rounded_coverage(pixel: &PixelEstimate) -> f32 {
-    pixel.coverage().clamp(0.0, 1.0) as f32
 }

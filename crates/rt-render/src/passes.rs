@@ -1,25 +1,24 @@
 //! Passes: independent scrambles of the sample pattern, whose differences estimate the error of their mean.
 //!
 //! ```text
-//!   fixed      |  N/M  |  N/M  |  N/M  |  N/M  |                     M passes, one pixel after the other
+//!   fixed      |  N/M  |  N/M  |  N/M  |  N/M  |                     M passes of each pixel in turn
 //!   --time     |1|1| 2 |  4  |    8    |    16    |    16    | …     over the whole image, until time is up
 //!   --target-error   4 × 4 | 2 × 8 | 2 × 16 | 2 × 32 | …             tested after each pass, from 16 samples on
-//!   ... of pixels    8 × 8 | 8 × 8 | 8 × 16 | 8 × 32 | …             tested where the count has doubled
+//!   ... of pixels    8 × 8 | 8 × 8 | 8 × 16 | 8 × 32 | …             tested each time the count has doubled
 //! ```
 //!
-//! The samples within a pass depend on each other, as those of Sobol' points do, so that their variance says nothing of the
-//! error of their mean. Whole passes are independent.
+//! Samples within a pass are correlated, as Sobol' points are. Their variance does not estimate the error of their mean. Whole
+//! passes are independent.
 
 use rt_camera::SamplerKind;
 use rt_math::random::hash;
 
 use crate::tiles::Tile;
 
-/// Passes that a fixed number of samples is split into by default.
+/// Default number of passes for a fixed number of samples.
 ///
-/// `stochastic` is true for integrators that choose directions at random: their pictures are noisy, and the noise is worth
-/// a figure. Splitting costs them little; the others would lose some of what stratification gains at edges, and take one
-/// pass.
+/// `stochastic` is true for integrators that sample directions. Several passes estimate their noise at little cost. Other
+/// integrators take one pass, which keeps the full stratification at edges.
 pub const fn default_passes(pattern: SamplerKind, spp: u32, stochastic: bool) -> u32 {
     match pattern.round_up(spp) {
         _ if !stochastic => 1,
@@ -45,45 +44,45 @@ pub(crate) struct PassSpec<'a> {
     pub(crate) spp: u32,
     /// Samples per pass of pixels without an edge, with adaptive sampling in object space.
     pub(crate) simple_spp: Option<u32>,
-    /// The pixels to sample; all if `None`.
+    /// Pixels to sample; `None` for all.
     pub(crate) pixels: Option<&'a PixelMask>,
 }
 
 impl PassSpec<'_> {
-    /// The most samples that a pixel takes.
+    /// Maximum number of samples of a pixel.
     pub(crate) fn samples_per_pixel(&self) -> u64 {
         u64::from(self.count) * u64::from(self.spp)
     }
 
-    /// The pixels to sample of a tile, row by row.
+    /// Sampled pixels of a tile, row by row.
     pub(crate) fn pixels_of(&self, tile: Tile) -> impl Iterator<Item = [u32; 2]> {
         tile.pixels().filter(|&pixel| self.pixels.is_none_or(|mask| mask.contains(pixel)))
     }
 }
 
-/// Subset of the pixels of a part of the image.
+/// Subset of the pixels of a rectangle of the image.
 #[derive(Clone, Debug)]
 pub(crate) struct PixelMask {
-    part: Tile,
-    accel_options: Vec<bool>,
+    area: Tile,
+    flags: Vec<bool>,
 }
 
 impl PixelMask {
-    /// The pixels of a part for which `accel_options`, row by row, is true.
-    pub(crate) fn new(part: Tile, accel_options: Vec<bool>) -> Self {
-        Self { part, accel_options }
+    /// Pixels of a rectangle whose flag, row by row, is set.
+    pub(crate) fn new(area: Tile, flags: Vec<bool>) -> Self {
+        Self { area, flags }
     }
 
-    /// Number of pixels that are wanted.
+    /// Number of pixels in the mask.
     pub(crate) fn count(&self) -> usize {
-        self.accel_options.iter().filter(|&&accel_options| accel_options).count()
+        self.flags.iter().filter(|&&is_set| is_set).count()
     }
 
-    /// True for a pixel, in coordinates of the whole image, that is wanted.
+    /// True if the mask contains a pixel, in coordinates of the whole image.
     pub(crate) fn contains(&self, [x, y]: [u32; 2]) -> bool {
-        let Tile { x: left, y: top, width, .. } = self.part;
+        let Tile { x: left, y: top, width, .. } = self.area;
         let index = (y - top) as usize * width as usize + (x - left) as usize;
-        self.accel_options.get(index).copied().unwrap_or(false)
+        self.flags.get(index).copied().unwrap_or(false)
     }
 }
 
@@ -92,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_noise_is_split_by_default() {
+    fn only_noisy_images_have_several_passes_by_default() {
         for pattern in SamplerKind::ALL {
             assert_eq!(default_passes(pattern, 1024, false), 1);
             assert_eq!([1, 2, 16, 1024].map(|spp| default_passes(pattern, spp, true))[0], 1);

@@ -84,8 +84,8 @@ impl<'s> RenderPlan<'s> {
     /// Replaces the camera and the size of the image, without a crop. The camera keeps its name and its medium.
     ///
     /// The image is bit-identical to that of a plan compiled with this camera in the scene. Acceleration structures are kept, so
-    /// that it takes milliseconds. Everything is compiled again only if render space changes (in scenes far from the origin), or
-    /// the shutter changes between a single time and an interval.
+    /// that it takes milliseconds. A change of render space (in scenes far from the origin) compiles everything again. So does a shutter
+    /// that switches between a single time and an interval.
     ///
     /// # Errors
     /// Those of [`compile`](Self::compile); the plan is then unchanged.
@@ -105,8 +105,8 @@ impl<'s> RenderPlan<'s> {
         Ok(())
     }
 
-    /// False if the scene has no light: no delta light, no emissive surface, and a background that is black or does not light
-    /// any surface under this integrator.
+    /// False if the scene has no light: no delta light and no emissive surface, and the integrator gathers no light from the
+    /// background.
     pub fn has_light(&self) -> bool {
         self.scene.has_light()
     }

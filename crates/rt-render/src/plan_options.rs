@@ -14,13 +14,13 @@ pub struct PlanOptions {
     pub crop: Option<Crop>,
     /// Leave the background out and record coverage in an alpha channel.
     pub transparent: bool,
-    /// Radiance shown to camera rays that leave the scene, in place of its background, which goes on lighting the scene.
-    /// Views of geometry or cost do without.
+    /// Radiance of camera rays that leave the scene, in place of its background. The background still lights the scene. Geometry
+    /// and cost integrators ignore it.
     pub backdrop: Option<Rgb>,
-    /// Leave nothing out. The image is bit-identical, as tests verify.
+    /// Do not trim the plan. The image is bit-identical, as tests verify.
     pub full: bool,
-    /// Instruction set of the accelerators; `None` for the best one of the processor. An unsupported one is
-    /// replaced by the portable one. The image is bit-identical.
+    /// Instruction set of the accelerators; `None` for the best one of the processor. The portable one
+    /// replaces an unsupported one. The image is bit-identical.
     pub simd: Option<SimdLevel>,
     /// Build quality of the wide BVH. The image is bit-identical.
     pub quality: Quality,

@@ -11,8 +11,7 @@ use crate::{
     tile_job::{TileJob, TileResult},
 };
 
-/// Camera rays in a batch: enough for batch traversal, and few enough for their data to
-/// stay in the cache of a core.
+/// Camera rays per batch: enough for batch traversal, with data that fits the cache of a core.
 const BATCH_SIZE: usize = 256;
 
 /// Camera rays of a batch with their radiance.
@@ -40,13 +39,13 @@ impl PrimaryRayBatch {
     }
 }
 
-/// Accumulates samples into passes and passes into pixels.
-struct PixelAccumulator<N> {
+/// Accumulates samples into passes, and passes into the pixels of a tile.
+struct TileAccumulator<N> {
     finished: TileResult,
     pixel: Pixel,
     estimate: PixelEstimate,
-    /// Samples missing in the pass.
-    missing: u32,
+    /// Remaining samples of the pass.
+    remaining: u32,
     /// Samples per pass of this pixel.
     spp: u32,
     /// Samples per pass of the following pixels.
@@ -54,17 +53,17 @@ struct PixelAccumulator<N> {
     passes: u32,
 }
 
-impl<N: Iterator<Item = u32>> PixelAccumulator<N> {
+impl<N: Iterator<Item = u32>> TileAccumulator<N> {
     fn new(finished: TileResult, pixel: Pixel, mut next: N, passes: u32) -> Self {
         let spp = next.next().unwrap_or(0);
-        Self { finished, pixel, estimate: PixelEstimate::default(), missing: spp, spp, next, passes }
+        Self { finished, pixel, estimate: PixelEstimate::default(), remaining: spp, spp, next, passes }
     }
 
     #[inline]
     fn add(&mut self, seen: &Seen, weight: f64) {
         self.pixel.add(seen, weight);
-        self.missing -= 1;
-        if self.missing == 0 {
+        self.remaining -= 1;
+        if self.remaining == 0 {
             self.finish_pass();
         }
     }
@@ -75,16 +74,16 @@ impl<N: Iterator<Item = u32>> PixelAccumulator<N> {
         self.estimate.add(radiance, coverage, self.spp);
         self.pixel = self.pixel.cleared();
         if self.estimate.passes() == self.passes {
-            self.finished.push(&core::mem::take(&mut self.estimate));
+            self.finished.push(core::mem::take(&mut self.estimate));
             self.spp = self.next.next().unwrap_or(0);
         }
-        self.missing = self.spp;
+        self.remaining = self.spp;
     }
 }
 
 impl RenderPlan<'_> {
-    /// Takes the samples of a tile, pixel by pixel, pass by pass, and in the order of their numbers. `radiance` is the
-    /// integrator: what the rays of a wave see.
+    /// Takes the samples of a tile, ordered by pixel, pass and sample index. `radiance` is the integrator: it computes the
+    /// radiance of a batch of rays.
     pub(crate) fn sample_tile(
         &self,
         job: &TileJob<'_>,
@@ -93,9 +92,9 @@ impl RenderPlan<'_> {
     ) -> TileResult {
         let pass_spec = job.pass_spec;
         let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
-        let finished = TileResult::new(job, self.frame.transparent);
+        let finished = TileResult::new(job);
         let mut accumulator =
-            PixelAccumulator::new(finished, Pixel::new(self.frame.transparent), counts, pass_spec.count);
+            TileAccumulator::new(finished, Pixel::new(self.frame.transparent), counts, pass_spec.count);
         for pixel in pass_spec.pixels_of(job.tile) {
             let spp = job.spp_of(pixel);
             for pass in 0..pass_spec.count {
@@ -115,7 +114,7 @@ impl RenderPlan<'_> {
         accumulator.finished
     }
 
-    /// Puts so many camera rays of a pixel into the wave, beginning with sample `first` of a pass.
+    /// Appends `count` camera rays of a pixel to the batch, from sample `first` of a pass on.
     fn generate(
         &self,
         sampler: &PixelSampler,
@@ -153,10 +152,10 @@ impl RenderPlan<'_> {
     }
 }
 
-/// Traces a batch and adds it to the pixels. Rays that leave the scene see the backdrop, if there is one.
+/// Traces a batch and adds it to the pixels. Rays that leave the scene take the radiance of the backdrop, if there is one.
 fn trace<N: Iterator<Item = u32>>(
     batch: &mut PrimaryRayBatch,
-    accumulator: &mut PixelAccumulator<N>,
+    accumulator: &mut TileAccumulator<N>,
     backdrop: Option<Rgb>,
     radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen]),
 ) {

@@ -3,7 +3,7 @@
 use rt_geometry::{Primitives, Shape, TransformedShape};
 use rt_math::DVec3;
 
-/// The form of a primitive in the space of the world, as far as pyramids and shafts make use of it.
+/// Form of a primitive in the space of the world, as needed by the tests of adaptive sampling in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PrimitiveForm {
     /// A sphere.
@@ -12,7 +12,7 @@ pub(crate) enum PrimitiveForm {
     Plane { point: DVec3, normal: DVec3 },
     /// Flat, convex and bounded.
     Flat,
-    /// Convex, with flat faces, which hits number by `uv[0]`.
+    /// Convex, with flat faces; `uv[0]` of a hit is the index of the face.
     Faces,
     /// Anything else.
     Other,
@@ -39,7 +39,7 @@ impl PrimitiveForm {
         }
     }
 
-    /// Affine maps keep what is flat flat, and what is convex convex. A sphere that they do not keep round is no ball.
+    /// Form of a transformed shape. Affine maps preserve flatness and convexity; a sphere needs a uniform scale.
     pub(crate) fn of_placed(placed: &TransformedShape) -> Self {
         let map = placed.world_from_local();
         match Self::of(placed.shape()) {

@@ -1,5 +1,4 @@
-//! Passes until the error is reached: over the whole image, or over the pixels that have not reached it (adaptive sampling in
-//! image space).
+//! Refinement to a target error: passes over the whole image, or over unconverged pixels (adaptive sampling in image space).
 
 use std::time::Duration;
 
@@ -14,35 +13,35 @@ use crate::{
 };
 use rt_math::stats::student_t;
 
-/// Samples per pixel from which an image without any difference between passes counts as one without error. Before, rare light
-/// may not have been found yet.
-const LEAST_SPP_WITHOUT_NOISE: f64 = 64.0;
+/// Minimum samples per pixel before an estimated error of zero counts. Fewer samples can miss rare light.
+const MIN_SPP_WITHOUT_NOISE: f64 = 64.0;
 
-/// Added to radiance, so that black pixels can be sure of it as well.
-const DARK: f64 = 0.01;
+/// Added to radiance, so that black pixels can converge.
+const RADIANCE_EPSILON: f64 = 0.01;
 
 impl TargetError {
     const CONFIDENCE: f64 = 0.95;
 
-    /// Width of a pixel's interval over the target, in the worst channel; up to 1 the pixel has converged.
+    /// Width of the confidence interval of a pixel over the target, in the worst channel. At most 1 for converged pixels.
     fn excess(&self, pixel: &PixelEstimate, student: f64) -> f64 {
         let Some(variance) = pixel.variance() else { return f64::INFINITY };
-        let excess = |variance: f64, mean: f64| student * variance.sqrt() / (self.relative * (mean.max(0.0) + DARK));
+        let excess =
+            |variance: f64, mean: f64| student * variance.sqrt() / (self.relative * (mean.max(0.0) + RADIANCE_EPSILON));
         let channels = variance.to_array().into_iter().zip(pixel.mean().to_array());
         channels.map(|(variance, mean)| excess(variance, mean)).fold(0.0, f64::max)
     }
 }
 
 impl<O: Observer> Progressive<'_, O> {
-    /// Takes passes until the error is reached, or there is no more time, or no pixel may have more samples. The second result is
-    /// the number of pixels that have not reached it; `None` where the error of the image decides.
+    /// Renders passes until the target error, the time limit or the maximum number of samples is reached. The second result is
+    /// the number of unconverged pixels; `None` with [`Criterion::Image`].
     pub(crate) fn refine(&mut self, target: TargetError) -> (Stopped, Option<u64>) {
         let time = self.rule.time;
         if !target.takes_new_samples(self.state.pixels.len()) {
-            return self.decide(target, time, 1.0);
+            return self.refine_stage(target, time, 1.0);
         }
         if !matches!(self.state.cursor.stage, RefineStage::Repeat(..)) {
-            let end = self.decide(target, time.map(|time| time / 2), 2.0);
+            let end = self.refine_stage(target, time.map(|time| time / 2), 2.0);
             if end.0 == Stopped::Interrupted {
                 return end;
             }
@@ -55,21 +54,21 @@ impl<O: Observer> Progressive<'_, O> {
         (stopped, Some(unconverged))
     }
 
-    /// Takes passes that decide how many samples there are. The render has as many samples as these, times `stages`.
-    fn decide(&mut self, target: TargetError, time: Option<Duration>, stages: f64) -> (Stopped, Option<u64>) {
+    /// Renders the passes that determine the number of samples. The whole render has `stages` times as many samples.
+    fn refine_stage(&mut self, target: TargetError, time: Option<Duration>, stages: f64) -> (Stopped, Option<u64>) {
         match target.criterion {
-            Criterion::Image => (self.decide_together(target.relative, time, stages), None),
+            Criterion::Image => (self.refine_image(target.relative, time, stages), None),
             Criterion::Pixels { share } => {
-                let (stopped, unconverged) = self.decide_by_pixel(target, share, time, stages);
+                let (stopped, unconverged) = self.refine_pixels(target, share, time, stages);
                 (stopped, Some(unconverged))
             }
         }
     }
 
     /// Samples all pixels until the error of the image is reached.
-    fn decide_together(&mut self, relative: f64, time: Option<Duration>, stages: f64) -> Stopped {
+    fn refine_image(&mut self, relative: f64, time: Option<Duration>, stages: f64) -> Stopped {
         let pixels = self.state.pixels.len();
-        let most = stages * pixels as f64 * f64::from(self.rule.max_spp);
+        let max_samples = stages * pixels as f64 * f64::from(self.rule.max_spp);
         while let Some(spp) = self.pass_spp() {
             if !self.is_in_time(spp, pixels, time) {
                 return Stopped::Time;
@@ -79,17 +78,17 @@ impl<O: Observer> Progressive<'_, O> {
             }
             if let Some(error) = self.relative_rmse().filter(|_| self.state.cursor.pass >= FIRST_TEST_OF_IMAGE) {
                 let samples = self.samples() as f64;
-                let may_lack_light = error == 0.0 && samples < LEAST_SPP_WITHOUT_NOISE * pixels as f64;
+                let may_lack_light = error == 0.0 && samples < MIN_SPP_WITHOUT_NOISE * pixels as f64;
                 if error <= relative && !may_lack_light {
                     return Stopped::Target;
                 }
-                self.forecast.observe([samples, stages], error, relative, most);
+                self.forecast.observe([samples, stages], error, relative, max_samples);
             }
         }
         Stopped::Samples
     }
 
-    /// The pixels that are not yet sure, as far as is known.
+    /// Flags of the active pixels: those that may still be unconverged.
     fn active(&self) -> Vec<bool> {
         match &self.state.cursor.stage {
             RefineStage::Decide(active) => active.clone(),
@@ -98,7 +97,7 @@ impl<O: Observer> Progressive<'_, O> {
     }
 
     /// Samples pixels until this share of them has converged.
-    fn decide_by_pixel(
+    fn refine_pixels(
         &mut self,
         target: TargetError,
         share: f64,
@@ -109,15 +108,15 @@ impl<O: Observer> Progressive<'_, O> {
         let allowed = ((1.0 - share) * self.state.pixels.len() as f64 + 1e-6) as usize;
         let mut cause = Stopped::Samples;
         let mut active = self.active();
-        let mut accel_options = count(&active);
-        let mut mask = (accel_options < active.len()).then(|| PixelMask::new(self.part(), active.clone()));
+        let mut active_count = count(&active);
+        let mut mask = (active_count < active.len()).then(|| PixelMask::new(self.part(), active.clone()));
         while let Some(spp) = self.pass_spp() {
-            if !self.is_in_time(spp, accel_options, time) {
+            if !self.is_in_time(spp, active_count, time) {
                 cause = Stopped::Time;
                 break;
             }
             if self.take_pass(spp, mask.as_ref()).is_break() {
-                return (Stopped::Interrupted, accel_options as u64);
+                return (Stopped::Interrupted, active_count as u64);
             }
             if self.state.cursor.pass.is_multiple_of(PASSES_BETWEEN_TESTS) {
                 let unconverged = self.unconverged(target, &active, stages);
@@ -126,7 +125,7 @@ impl<O: Observer> Progressive<'_, O> {
                     return (Stopped::Target, missing as u64);
                 }
                 active = neighbourhood(&unconverged, &active, self.part());
-                accel_options = count(&active);
+                active_count = count(&active);
                 mask = Some(PixelMask::new(self.part(), active.clone()));
                 self.state.cursor.stage = RefineStage::Decide(active.clone());
             }
@@ -137,7 +136,7 @@ impl<O: Observer> Progressive<'_, O> {
         }
     }
 
-    /// The active pixels that have not reached the error, all of which have taken all passes so far.
+    /// Flags of the unconverged pixels. All active pixels must have taken all passes so far.
     fn unconverged(&mut self, target: TargetError, active: &[bool], stages: f64) -> Vec<bool> {
         let passes = self.state.cursor.pass;
         let student =
@@ -158,7 +157,7 @@ impl<O: Observer> Progressive<'_, O> {
         unconverged
     }
 
-    /// Takes as many passes of each pixel as decided, from new samples.
+    /// Renders the second stage: new samples, with the number of passes of each pixel from the first stage.
     fn repeat(&mut self, time: Option<Duration>) -> (Stopped, u64) {
         let RefineStage::Repeat(decided, stopped, unconverged) = self.state.cursor.stage.clone() else {
             return (Stopped::Samples, 0);
@@ -168,13 +167,13 @@ impl<O: Observer> Progressive<'_, O> {
         while self.state.cursor.pass < last {
             let pass = self.state.cursor.pass;
             let active: Vec<_> = decided.iter().map(|&passes| passes > pass).collect();
-            let accel_options = count(&active);
+            let active_count = count(&active);
             let Some(spp) = self.pass_spp() else { break };
-            if !self.is_in_time(spp, accel_options, time) {
-                return (Stopped::Time, accel_options.max(unconverged as usize) as u64);
+            if !self.is_in_time(spp, active_count, time) {
+                return (Stopped::Time, active_count.max(unconverged as usize) as u64);
             }
             if self.take_pass(spp, Some(&PixelMask::new(self.part(), active))).is_break() {
-                return (Stopped::Interrupted, accel_options.max(unconverged as usize) as u64);
+                return (Stopped::Interrupted, active_count.max(unconverged as usize) as u64);
             }
         }
         (stopped, unconverged)
@@ -182,7 +181,7 @@ impl<O: Observer> Progressive<'_, O> {
 }
 
 impl<O: Observer> Progressive<'_, O> {
-    /// Samples that the render has in all when each pixel has taken so many passes of the second stage.
+    /// Total number of samples once each pixel has `decided` passes of the second stage.
     fn samples_with_new_ones(&self, decided: &[u32], last: u32) -> u64 {
         let (mut taken, mut after) = (0, vec![0u64]);
         for pass in 0..last {
@@ -191,8 +190,8 @@ impl<O: Observer> Progressive<'_, O> {
             after.push(taken.into());
         }
         let new: u64 = decided.iter().filter_map(|&passes| after.get(passes as usize)).sum();
-        let there: u64 = self.state.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum();
-        self.samples() - there.min(self.samples()) + new
+        let current: u64 = self.state.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum();
+        self.samples() - current.min(self.samples()) + new
     }
 }
 
@@ -200,7 +199,7 @@ fn count(pixels: &[bool]) -> usize {
     pixels.iter().filter(|&&is| is).count()
 }
 
-/// The pixels among those that are active which have an unconverged one in the square of nine around them.
+/// Active pixels with an unconverged pixel among themselves and their eight neighbours.
 fn neighbourhood(unconverged: &[bool], active: &[bool], part: Tile) -> Vec<bool> {
     let (width, height) = (part.width as usize, part.height as usize);
     let row_of_three =
@@ -214,7 +213,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbours_go_on_if_they_are_still_active() {
+    fn active_neighbours_stay_active() {
         let part = Tile { x: 5, y: 7, width: 4, height: 3 };
         let mut unconverged = vec![false; 12];
         unconverged[4] = true;

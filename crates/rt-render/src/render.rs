@@ -9,8 +9,8 @@ use crate::{
     Criterion, Crop, Progress, RenderError, RenderPlan, Rendering, RunOptions, Share, Statistics, StopRule, Stopped,
     checkpoint::Checkpoint,
     forecast::Forecast,
-    observer::{Kept, Observer, RenderSnapshot, State},
-    part::{Frame, Part, TilePixels},
+    observer::{FilmState, Kept, Observer, RenderSnapshot},
+    part::{FilmLayout, FilmTile, Part},
     pass_state::PassState,
     progressive::Progressive,
     splats::SplatImage,
@@ -21,7 +21,7 @@ use crate::{
 };
 
 impl RenderPlan<'_> {
-    /// Renders the picture with the samples that its scene asks for. The observer is called on this thread after each tile.
+    /// Renders the image with the number of samples of the scene. The observer is called on this thread after each tile.
     ///
     /// # Errors
     /// [`RenderError::Threads`] if the worker threads cannot be started.
@@ -29,8 +29,8 @@ impl RenderPlan<'_> {
         Ok(self.render_part(options, None, None, observer)?.into_rendering())
     }
 
-    /// Renders pass after pass until the rule says stop; the number of samples in the scene is not looked at. The observer is
-    /// called on this thread after each tile.
+    /// Renders pass by pass until the stop rule applies; ignores the number of samples in the scene. The observer is called on
+    /// this thread after each tile.
     ///
     /// # Errors
     /// Those of [`render_part`](Self::render_part).
@@ -43,16 +43,18 @@ impl RenderPlan<'_> {
         Ok(self.render_part(options, Some(rule), None, observer)?.into_rendering())
     }
 
-    /// Renders the tiles of [`RunOptions::share`], with the samples that the scene asks for or until the rule says stop, and goes on
-    /// from a checkpoint if there is one. Apart from what depends on the clock, the result is the same to the bit with
-    /// and without interruptions.
+    /// Renders the tiles of [`RunOptions::share`], and resumes from a checkpoint if one is given.
+    ///
+    /// Without a rule, pixels take the number of samples of the scene. With a rule, passes follow until it applies. A resumed
+    /// render is bit-identical to an uninterrupted one, except for times and for passes that depend on the clock.
     ///
     /// # Errors
-    /// [`RenderError::Threads`] if the worker threads cannot be started, [`RenderError::TargetError`] and
-    /// [`RenderError::NoSamples`] for a rule with such numbers, [`RenderError::AdaptiveUntil`] for a rule and a plan that tells
-    /// pixels apart in object space, [`RenderError::SamePasses`] for an error that would never be known,
-    /// [`RenderError::SharedUntil`] for a rule and a share of the tiles, and [`RenderError::Checkpoint`] for a checkpoint that was
-    /// not made with the same plan, rule and options.
+    /// * [`RenderError::Threads`]: the threads cannot be started.
+    /// * [`RenderError::TargetError`], [`RenderError::TargetShare`], [`RenderError::NoSamples`]: a number of the rule is invalid.
+    /// * [`RenderError::AdaptiveUntil`]: a rule with adaptive sampling in object space.
+    /// * [`RenderError::SamePasses`]: a target error, but all passes are equal.
+    /// * [`RenderError::SharedUntil`]: a rule with a share of the tiles.
+    /// * [`RenderError::Checkpoint`]: the checkpoint has another size, share, rule or options.
     pub fn render_part(
         &self,
         options: &RunOptions<'_>,
@@ -64,13 +66,13 @@ impl RenderPlan<'_> {
             self.check_rule(rule, options.share)?;
         }
         let scheduler = TileScheduler::new(self, options)?;
-        let frame = Frame::new(self, options);
+        let layout = FilmLayout::new(self, options);
         let statistics = Statistics::new(scheduler.threads(), self.build_seconds());
         if rule.is_some() || self.scene.light_sources.is_some() {
-            let state = Checkpoint::passes_of(from, frame, options.share, rule, statistics)?;
+            let state = Checkpoint::passes_of(from, layout, options.share, rule, statistics)?;
             Ok(self.render_pass_by_pass(&scheduler, options.share, rule, state, observer))
         } else {
-            let part = Checkpoint::part_of(from, frame, options.share, statistics)?;
+            let part = Checkpoint::part_of(from, layout, options.share, statistics)?;
             Ok(self.render_tile_by_tile(&scheduler, part, observer))
         }
     }
@@ -89,10 +91,11 @@ impl RenderPlan<'_> {
         Ok(())
     }
 
-    /// Tile after tile, each with all of its samples, so that no sums of the whole image are kept.
+    /// Renders each tile with all of its samples. Pixel accumulators are kept for tiles in progress only.
     fn render_tile_by_tile(&self, scheduler: &TileScheduler<'_>, mut part: Part, mut observer: impl Observer) -> Part {
         let (started, spent) = (Instant::now(), part.statistics.render_seconds);
         let pass_spec = self.frame.all_passes();
+        let has_errors = part.layout.maps && pass_spec.count > 1;
         let is_of_share = |number: &usize| part.share.holds(*number);
         let numbers: Vec<_> = (0..scheduler.tiles().len()).filter(is_of_share).collect();
         let area = |number: usize| scheduler.tiles()[number].area();
@@ -101,8 +104,7 @@ impl RenderPlan<'_> {
             numbers.iter().partition(|number| part.tiles.contains_key(&(**number as u32)));
         let mut pixels_done = done.iter().map(|&number| area(number)).sum::<u64>();
         let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
-            let maps = part.frame.maps;
-            part.tiles.insert(number as u32, TilePixels::new(&tile, self.samples_per_pixel(), maps));
+            part.tiles.insert(number as u32, FilmTile::new(&tile.pixels, part.layout, has_errors));
             let statistics = &mut part.statistics;
             statistics.add(&tile);
             statistics.render_seconds = spent + started.elapsed().as_secs_f64();
@@ -113,20 +115,20 @@ impl RenderPlan<'_> {
             };
             let rays = statistics.counters.total().rays;
             let progress = Progress { samples: statistics.samples, total_samples, rays, pass: None };
-            observer.tile_done(&RenderSnapshot { progress, tile: tile.tile, state: State::Tiles(&part) });
+            observer.tile_done(&RenderSnapshot { progress, tile: tile.tile, state: FilmState::Tiles(&part) });
         });
         part.statistics.passes = self.frame.passes;
         part.statistics.render_seconds = spent + started.elapsed().as_secs_f64();
         part.stopped = if outcome.interrupted { Stopped::Interrupted } else { Stopped::Samples };
         part.lost = outcome.lost.iter().map(|&number| number as u32).collect();
         if outcome.interrupted || !outcome.lost.is_empty() {
-            observer.unfinished(&Kept(State::Tiles(&part)));
+            observer.unfinished(&Kept(FilmState::Tiles(&part)));
         }
         part
     }
 
-    /// Renders passes over the whole image: those of a fixed number of samples, or as many as the rule wants. In memory there are
-    /// the light paths of one pass.
+    /// Renders passes over the whole image: a fixed number without a rule, or until the rule applies. The splats of one pass are
+    /// held in memory.
     pub(crate) fn render_pass_by_pass(
         &self,
         scheduler: &TileScheduler<'_>,
@@ -142,7 +144,7 @@ impl RenderPlan<'_> {
             rule: rule.copied().unwrap_or(fixed),
             started: Instant::now(),
             spent: Duration::try_from_secs_f64(state.statistics.render_seconds).unwrap_or_default(),
-            of_share: (0..scheduler.tiles().len()).filter(|number| share.holds(*number)).collect(),
+            tiles: (0..scheduler.tiles().len()).filter(|number| share.holds(*number)).collect(),
             state,
             forecast: Forecast::default(),
             converged: None,
@@ -157,19 +159,19 @@ impl RenderPlan<'_> {
             }
         };
         if stopped == Stopped::Interrupted {
-            render.observer.unfinished(&Kept(State::Passes(&render.state)));
+            render.observer.unfinished(&Kept(FilmState::Passes(&render.state)));
         }
         render.finish(share, stopped, unconverged)
     }
 
-    /// The radiance of one pixel as it is before the film rounds it to `f32`; (`x`, `y`) counts from the upper left
-    /// corner of the whole image. `None` outside of what the plan renders.
+    /// Radiance of one pixel, not rounded to `f32`. Coordinates count from the upper left corner of the whole image; `None`
+    /// outside of the crop.
     pub fn pixel(&self, x: u32, y: u32) -> Option<Rgb> {
         let Crop { x: left, y: top, width, height } = self.frame.crop;
         let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
         let pass_spec = self.frame.all_passes();
         let job = TileJob::new(Tile { x, y, width: 1, height: 1 }, &pass_spec);
-        let pixel = inside.then(|| self.render_tile(&job, false, &mut ThreadState::new(self)).pixels[0])?;
+        let pixel = inside.then(|| self.render_tile(&job, false, &mut ThreadState::new(self)).pixels[0].mean())?;
         Some(pixel + self.splatted((y - top) as usize * width as usize + (x - left) as usize))
     }
 

@@ -1,10 +1,12 @@
 //! Render space: world space translated so that the scene is near the origin.
 //!
-//! Near 10⁶ neighbouring `f64` numbers are 10⁻¹⁰ apart. Rays and shapes take their differences first and lose nothing by
-//! it. A hit point has to be stored, however, and everything computed from it (the distance to a light, the origin of a
-//! reflected ray) inherits its error. So a scene that is small compared with its distance from the origin is rendered
-//! relative to one of its points (rendering space, Pharr, Jakob, Humphreys, PBR 4th ed., section 5.1.1). The point has few
-//! digits: subtracting it is exact.
+//! Near 10⁶, neighbouring `f64` numbers are 10⁻¹⁰ apart. Intersection tests subtract coordinates first and do not lose accuracy.
+//! Stored hit points do, and so does everything computed from them, such as the origin of a reflected ray.
+//!
+//! A scene that is small compared with its distance from the origin is therefore rendered relative to one of its points. The
+//! point has few digits, so that its subtraction is exact.
+//!
+//! Source: rendering space, Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th ed., section 5.1.1.
 
 use std::borrow::Cow;
 
@@ -13,7 +15,7 @@ use rt_math::{DVec3, Transform};
 use rt_scene_io::Scene;
 use rt_shading::Appearance;
 
-/// Distance over size from which on a scene is translated. Up to there, coordinates keep 43 of 53 bits.
+/// Ratio of distance to size above which a scene is translated. Below it, coordinates keep 43 of 53 bits.
 const FAR: f64 = 1024.0;
 
 /// Origin of the coordinates that a scene is rendered in.
@@ -40,7 +42,7 @@ impl RenderSpace {
         if !is_far {
             return Self::WORLD;
         }
-        // The power of two above the size: multiples of it have few digits, and one of them is near the scene.
+        // Round to a multiple of the power of two above the size: it has few digits and is near the scene.
         let step = 2.0 * f64::from_bits(size.to_bits() >> 52 << 52);
         Self { origin: (centre / step).round() * step }
     }

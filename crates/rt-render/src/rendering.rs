@@ -11,14 +11,14 @@ use crate::{Crop, ErrorEstimate, Share, Statistics, Stopped};
 pub struct RunOptions<'a> {
     /// Number of threads; 0 for one per processor.
     pub threads: usize,
-    /// Count nodes, primitive tests and hits as well as rays.
+    /// Count nodes, primitive tests and hits, not only rays.
     pub count: bool,
-    /// Keep the standard error of each pixel and the number of its samples.
+    /// Keep the standard error and the sample count of each pixel.
     pub maps: bool,
-    /// The tiles to render.
+    /// Share of the tiles to render.
     pub share: Share,
-    /// May be set at any time, by a signal or another thread: tiles in work are finished, no other is started,
-    /// and the render ends as [`Stopped::Interrupted`].
+    /// Flag that interrupts the render; a signal handler or another thread may set it at any time. Tiles in progress are
+    /// finished, and the render ends as [`Stopped::Interrupted`].
     pub interrupt: Option<&'a AtomicBool>,
 }
 
@@ -27,7 +27,7 @@ pub struct RunOptions<'a> {
 pub struct Progress {
     /// Camera samples taken.
     pub samples: u64,
-    /// Total camera samples; an estimate if time, error or edges decide.
+    /// Total camera samples; an estimate with a stop rule or adaptive sampling.
     pub total_samples: u64,
     /// Rays traced so far, of all kinds.
     pub rays: u64,
@@ -40,15 +40,15 @@ pub struct Progress {
 pub struct PassProgress {
     /// Passes finished.
     pub finished: u32,
-    /// Samples of the pixel that has most.
+    /// Maximum number of samples of a pixel.
     pub spp: u32,
     /// Estimated root mean square error of the current image, from two passes on.
     pub rmse: Option<f64>,
-    /// Distance from the target error, if there is one and an estimate is known.
+    /// Estimated and target error, if both are known.
     pub towards: Option<Towards>,
 }
 
-/// Estimated and wanted error of a render that ends by its error.
+/// Estimated and target error of a render with a target error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Towards {
     /// Relative root mean square error of the image.
@@ -58,11 +58,11 @@ pub enum Towards {
         /// Error at which the render ends.
         target: f64,
     },
-    /// Share of the pixels that have reached their error.
+    /// Fraction of converged pixels.
     Pixels {
-        /// Current share.
+        /// Current fraction.
         share: f64,
-        /// Share at which the render ends.
+        /// Fraction at which the render ends.
         target: f64,
     },
 }
@@ -74,19 +74,19 @@ pub struct Rendering {
     pub film: Image,
     /// Counts and times.
     pub statistics: Statistics,
-    /// Cause of its end.
+    /// Reason for its end.
     pub stopped: Stopped,
     /// Estimated error; `None` after a single pass, or if all passes are equal.
     pub error: Option<ErrorEstimate>,
     /// Samples per pixel.
     pub samples_per_pixel: SampleRange,
-    /// Pixels that have not reached the error, where each has to ([`Criterion::Pixels`](crate::Criterion)).
+    /// Number of unconverged pixels, with [`Criterion::Pixels`](crate::Criterion).
     pub unconverged: Option<u64>,
     /// With [`RunOptions::maps`], the standard error of each pixel, by channel; infinite after one pass.
     pub standard_error: Option<Image>,
     /// With [`RunOptions::maps`], the samples of each pixel, in all channels.
     pub sample_counts: Option<Image>,
-    /// Tiles in which a thread failed, by a defect of this program: they lack samples or are black.
+    /// Tiles in which a thread panicked, by a defect of this program: they lack samples or are black.
     pub lost: Vec<Crop>,
 }
 

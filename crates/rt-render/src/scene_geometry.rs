@@ -13,9 +13,9 @@ use crate::{
     instance::{Aggregate, BottomLevel},
 };
 
-/// Geometry of a scene with its acceleration structures, at time 0, as a render traces it.
+/// Geometry of a scene at time 0 with its acceleration structures, for tools that trace single rays.
 ///
-/// [`RenderPlan`](crate::RenderPlan) is for images. This is for tools that trace rays of their own.
+/// [`RenderPlan`](crate::RenderPlan) renders images.
 #[derive(Debug)]
 pub struct SceneGeometry {
     top: Aggregate,

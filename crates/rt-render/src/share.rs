@@ -11,35 +11,35 @@ pub struct Share {
 }
 
 impl Share {
-    /// Everything.
+    /// All tiles.
     pub const ALL: Self = Self { index: 0, count: 1 };
 
-    /// The greatest number of shares.
+    /// Maximum number of shares.
     pub const MOST: u32 = 1 << 20;
 
-    /// Share number `index`, from 0 on, of `count`; `None` unless `index` is less and `count` at most [`MOST`](Self::MOST).
+    /// Share `index` of `count`, from 0 on. `None` unless `index` < `count` ≤ [`MOST`](Self::MOST).
     pub const fn new(index: u32, count: u32) -> Option<Self> {
         if index < count && count <= Self::MOST { Some(Self { index, count }) } else { None }
     }
 
-    /// Its number, from 0 on.
+    /// Index, from 0 on.
     pub const fn index(self) -> u32 {
         self.index
     }
 
-    /// Shares in all.
+    /// Total number of shares.
     pub const fn count(self) -> u32 {
         self.count
     }
 
     /// Number of tiles of the share, of `all` tiles.
-    pub(crate) const fn pieces(self, all: usize) -> usize {
+    pub(crate) const fn tile_count(self, all: usize) -> usize {
         (all + self.count as usize - 1 - self.index as usize) / self.count as usize
     }
 
     /// True if the tile with this number belongs to the share.
-    pub const fn holds(self, piece: usize) -> bool {
-        piece % self.count as usize == self.index as usize
+    pub const fn holds(self, tile: usize) -> bool {
+        tile % self.count as usize == self.index as usize
     }
 }
 

@@ -5,22 +5,22 @@ use rt_math::{DVec2, Rgb};
 
 use crate::Crop;
 
-/// Units of radiance: a pixel may be as bright as 2²⁷, and what is added to it is rounded to 2⁻³⁶.
+/// Fixed-point scale of radiance: contributions are rounded to 2⁻³⁶, and sums saturate at 2²⁷.
 const SCALE: f64 = (1u64 << 36) as f64;
 
-/// Light for a pixel: its place in the part of the image that is rendered, and its radiance in units of 2⁻³⁶. Never negative.
+/// Contribution to a pixel: its index in the crop, and its radiance in units of 2⁻³⁶, never negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Splat {
     pixel: usize,
     light: [i64; 3],
-    /// True for the negative part of a filter.
+    /// True in a negative lobe of the filter.
     is_negative: bool,
 }
 
 /// Image of light paths with saturating sums.
 #[derive(Clone, Debug)]
 pub(crate) struct SplatImage {
-    /// Row by row, for the positive part of the filter and for the negative one, if it has one.
+    /// Sums row by row, for positive and negative lobes of the filter; the second is empty if it has none.
     lobes: [Vec<[i64; 3]>; 2],
 }
 
@@ -33,13 +33,13 @@ impl SplatImage {
     }
 
     pub(crate) fn add(&mut self, splat: &Splat) {
-        // What is only ever added to may be capped in any order.
+        // Saturating sums of non-negative numbers are independent of the order.
         if let Some(sums) = self.lobes[usize::from(splat.is_negative)].get_mut(splat.pixel) {
             sums.iter_mut().zip(splat.light).for_each(|(sum, light)| *sum = sum.saturating_add(light));
         }
     }
 
-    /// Radiance of a pixel, by its place in the part of the image that is rendered.
+    /// Radiance of a pixel, by its index in the crop.
     pub(crate) fn radiance(&self, pixel: usize) -> Rgb {
         let [positive, negative] = &self.lobes;
         let of = |lobe: &Vec<[i64; 3]>| {
@@ -48,7 +48,7 @@ impl SplatImage {
         of(positive) - of(negative)
     }
 
-    /// Bytes for an image of so many pixels.
+    /// Bytes of an image with this number of pixels.
     pub(crate) const fn memory(pixels: usize, filter: Filter) -> usize {
         pixels * size_of::<[i64; 3]>() * if filter.has_negative_lobes() { 2 } else { 1 }
     }
@@ -57,15 +57,15 @@ impl SplatImage {
 /// Distributes light at a raster position among the pixels of a crop whose filter covers it. Pixel centres
 /// lie `offset` from their upper left corners.
 pub(crate) fn splat(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, light: Rgb, mut add: impl FnMut(Splat)) {
-    let (reach, place) = (filter.radius(), raster - offset);
-    let rows = within(place.y, reach, crop.y, crop.height);
-    let columns = within(place.x, reach, crop.x, crop.width);
+    let (radius, centre) = (filter.radius(), raster - offset);
+    let rows = within(centre.y, radius, crop.y, crop.height);
+    let columns = within(centre.x, radius, crop.x, crop.width);
     for y in rows {
         for x in columns.clone() {
-            let weight = filter.value(place - DVec2::new(f64::from(x), f64::from(y)));
+            let weight = filter.value(centre - DVec2::new(f64::from(x), f64::from(y)));
             if weight != 0.0 {
                 let pixel = (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize;
-                // The conversion caps what is too great.
+                // The conversion saturates.
                 let light = (light * weight.abs()).to_array().map(|c| (c * SCALE).round() as i64);
                 add(Splat { pixel, light, is_negative: weight < 0.0 });
             }
@@ -73,10 +73,10 @@ pub(crate) fn splat(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, li
     }
 }
 
-/// The whole numbers from `first` on, `count` of them, that are no farther from `centre` than `reach`.
-fn within(centre: f64, reach: f64, first: u32, count: u32) -> core::ops::Range<u32> {
+/// Integers of `first..first + count` within `radius` of `centre`.
+fn within(centre: f64, radius: f64, first: u32, count: u32) -> core::ops::Range<u32> {
     let clamped = |x: f64| x.clamp(f64::from(first), f64::from(first + count)) as u32;
-    clamped((centre - reach).ceil())..clamped((centre + reach).floor() + 1.0)
+    clamped((centre - radius).ceil())..clamped((centre + radius).floor() + 1.0)
 }
 
 #[cfg(test)]
@@ -93,11 +93,11 @@ mod tests {
         image
     }
 
-    /// No energy is lost: the sum over pixels of the filter is 1 on average.
+    /// The sum of the filter over pixels is 1 on average.
     #[test]
-    fn no_light_is_lost_or_made() {
+    fn splats_conserve_energy() {
         for filter in [Filter::Box, Filter::Tent, Filter::Gaussian { sigma: 0.5 }, Filter::Mitchell] {
-            // A grid of points in the pixel in the middle, from which the filter stays in the crop.
+            // A grid of points in the middle pixel: the support of the filter stays within the crop.
             let grid =
                 (0..64).map(|i| DVec2::new(f64::from(i % 8), f64::from(i / 8)) / 8.0 + DVec2::new(6.0625, 7.5625));
             let splats: Vec<_> = grid.map(|raster| (raster, Rgb::new(1.0, 2.0, 4.0))).collect();
@@ -117,8 +117,8 @@ mod tests {
     #[test]
     fn order_changes_no_bit() {
         let splat = |i: u32| {
-            let place = DVec2::new(f64::from(i % 17) * 0.5 + 3.0, f64::from(i % 13) * 0.5 + 5.0);
-            (place, Rgb::new(1e-3, 0.1, 1e9) * f64::from(i))
+            let raster = DVec2::new(f64::from(i % 17) * 0.5 + 3.0, f64::from(i % 13) * 0.5 + 5.0);
+            (raster, Rgb::new(1e-3, 0.1, 1e9) * f64::from(i))
         };
         let forwards: Vec<_> = (0..400).map(splat).collect();
         let backwards: Vec<_> = (0..400).rev().map(splat).collect();

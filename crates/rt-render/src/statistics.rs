@@ -18,23 +18,23 @@ pub struct Statistics {
     pub samples: u64,
     /// Camera samples that hit a surface.
     pub camera_hits: u64,
-    /// Pixels that took few samples, as they have no edge; only with adaptive sampling in object space.
+    /// Pixels without an edge, which took the minimum of samples; only with adaptive sampling in object space.
     pub simple_pixels: u64,
     /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
     pub counters: Counters,
-    /// Camera rays that were skipped because their tile has no object in view.
+    /// Skipped camera rays: those of tiles without an object in view.
     pub primary_rays_spared: u64,
     /// Work of shading.
     pub shading: ShadingCounts,
     /// Independent passes taken.
     pub passes: u32,
-    /// Samples that came out NaN, infinite or negative; they count as black.
+    /// Samples that are NaN, infinite or negative; they count as black.
     pub bad_samples: u64,
-    /// Threads that worked; of all machines together.
+    /// Number of threads, summed over all machines.
     pub threads: usize,
-    /// Wall-clock seconds to flatten the scene and build structures; the sum of all machines.
+    /// Wall-clock seconds to flatten the scene and build acceleration structures, summed over all machines.
     pub build_seconds: f64,
-    /// Wall-clock seconds to render; the sum of all runs and machines.
+    /// Wall-clock seconds to render, summed over all runs and machines.
     pub render_seconds: f64,
 }
 
@@ -94,7 +94,7 @@ impl Statistics {
         self.render_seconds += other.render_seconds;
     }
 
-    /// Checks that no count is so large that a sum of a few overflows, and that times are times.
+    /// Checks that counts are at most [`MAX_COUNT`] and times are finite and not negative.
     pub(crate) fn validate(&self) -> Result<(), ContentError> {
         let Self {
             samples,
@@ -120,7 +120,7 @@ impl Statistics {
             depth_limited,
             interior_overflows,
             clamped,
-            // A sum that saturates.
+            // Saturates: any value is valid.
             clamped_units: _,
         } = shading;
         let counts = [

@@ -1,4 +1,4 @@
-//! When a render that goes on pass after pass has enough.
+//! Stop rules of progressive renders.
 
 use std::time::Duration;
 
@@ -10,24 +10,24 @@ use crate::RenderError;
 /// Stop rule of a progressive render: the first condition that holds ends it. At least one pass is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopRule {
-    /// Wall-clock time to render. A pass begins only if it will be over in time, judged by the pass before.
+    /// Wall-clock time limit. A pass begins only if it is expected to end in time, by the duration of the previous pass.
     pub time: Option<Duration>,
-    /// The error to reach.
+    /// Target error.
     pub target: Option<TargetError>,
-    /// Most samples of a pixel, at least 1.
+    /// Maximum samples per pixel, at least 1.
     pub max_spp: u32,
 }
 
 impl StopRule {
-    /// Most samples of a pixel unless something else is said.
+    /// Default maximum of samples per pixel.
     pub const DEFAULT_MAX_SPP: u32 = 1 << 20;
 
-    /// The same for a render that ends by its error: what is not reached by then takes many times as long.
+    /// Default maximum of samples per pixel with a target error. Pixels that need more would take many times as long.
     pub const DEFAULT_MAX_SPP_OF_TARGET: u32 = 4096;
 }
 
 impl Default for StopRule {
-    /// The largest number of samples, however long it takes.
+    /// Default maximum of samples, without a time limit or target error.
     fn default() -> Self {
         Self { time: None, target: None, max_spp: Self::DEFAULT_MAX_SPP }
     }
@@ -36,32 +36,32 @@ impl Default for StopRule {
 /// Error at which a render ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetError {
-    /// The error, as a share of radiance; finite and above 0.
+    /// Target error, as a fraction of radiance; finite and above 0.
     pub relative: f64,
     /// Definition of the error.
     pub criterion: Criterion,
-    /// Samples that decide when to stop depend on that decision, which biases their mean (Kirk and Arvo 1991). If set, they only
-    /// fix the number of samples, and the picture is made of as many new ones (Stein 1945); the time limit covers both.
+    /// Use two stages: the first determines the number of samples, the second renders the image from new ones (Stein 1945).
     ///
-    /// [`Criterion::Image`] always does this for images of fewer than 1024 pixels; see there.
+    /// A stop that depends on the samples biases their mean (Kirk and Arvo 1991); new samples are unbiased. The time limit
+    /// covers both stages. [`Criterion::Image`] always uses two stages for images of fewer than 1024 pixels.
     pub two_stage: bool,
 }
 
-/// Error of a picture that is compared with the target.
+/// Error measure that is compared with the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Criterion {
-    /// Relative root mean square error of the image: √(mean of vᵢ over pixels and channels) / (mean of mᵢ over pixels and
-    /// channels), where mᵢ is the radiance of a pixel and vᵢ the variance of its mean. Scaling all lights changes nothing.
+    /// Relative root mean square error of the image: √(mean of vᵢ) / (mean of mᵢ), with means over pixels and channels.
     ///
+    /// mᵢ is the radiance of a pixel and vᵢ the variance of its mean. The measure does not depend on the scale of all lights.
     /// All pixels take the same number of samples. The estimate is tested after each pass, from 4 passes and 16 samples on.
-    /// Many pixels share one decision, so that none of them has much influence on it, and the bias is far below the error. An
-    /// image of fewer than 1024 pixels lacks this protection and is made of new samples.
-    Image,
-    /// Confidence interval of each pixel: with a confidence of 95 %, the truth lies within ± `relative` · (m + 0.01) in each
-    /// channel.
     ///
-    /// Pixels are tested when they have 64, 128, 256, … samples, by Student's t. A pixel goes on as long as one of its eight
-    /// neighbours does, which may have seen what it has missed. Pixels that have reached the error take no more samples, which
+    /// Each of many pixels has little influence on the stop, so that the bias is far below the error. Images of fewer than 1024
+    /// pixels are rendered from new samples instead; see [`TargetError::two_stage`].
+    Image,
+    /// Confidence interval of each pixel: at 95 %, the exact value lies within ± `relative` · (m + 0.01) in each channel.
+    ///
+    /// Pixels are tested by Student's t at 64, 128, 256, … samples. A pixel stays active while one of its eight neighbours is
+    /// unconverged: the neighbour may have sampled a feature that the pixel missed. Converged pixels take no more samples, which
     /// biases them; see [`TargetError::two_stage`].
     Pixels {
         /// Share of the pixels that must reach it, in (0, 1].
@@ -80,23 +80,23 @@ impl TargetError {
         Self { relative, criterion: Criterion::Pixels { share: 1.0 }, two_stage: false }
     }
 
-    /// True if the samples that decide are no part of a picture of so many pixels.
+    /// True if an image of this many pixels is rendered in two stages.
     pub(crate) fn takes_new_samples(&self, pixels: usize) -> bool {
-        self.two_stage || (self.criterion == Criterion::Image && pixels < LEAST_PIXELS_OF_ONE_STAGE)
+        self.two_stage || (self.criterion == Criterion::Image && pixels < MIN_PIXELS_OF_ONE_STAGE)
     }
 }
 
-/// Pixels of an image that decide together without bias: `cargo xtask regress analytic/target-error-bias` found none at this size.
-const LEAST_PIXELS_OF_ONE_STAGE: usize = 1024;
+/// Minimum number of pixels for a single stage. `cargo xtask regress analytic/target-error-bias` finds no bias at this size.
+const MIN_PIXELS_OF_ONE_STAGE: usize = 1024;
 
-/// Cause of the end of a render.
+/// Reason for the end of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stopped {
     /// All requested samples, or the maximum per pixel.
     Samples,
-    /// Another pass would not have been over in time.
+    /// Another pass would have exceeded the time limit.
     Time,
-    /// The error has reached the target.
+    /// The estimated error has reached the target.
     Target,
     /// [`RunOptions::interrupt`](crate::RunOptions) was set.
     Interrupted,
@@ -120,27 +120,28 @@ impl StopRule {
         }
     }
 
-    /// Samples of pass number `pass`, if each pixel has `taken` so many; `None` if it has all that it may.
+    /// Samples per pixel of a pass, after `taken` samples; `None` at the maximum.
     pub(crate) fn pass_spp(&self, pattern: SamplerKind, pass: u32, taken: u32) -> Option<u32> {
         let left = self.max_spp.saturating_sub(taken);
-        let accel_options = match self.target.map(|target| target.criterion) {
+        let wanted = match self.target.map(|target| target.criterion) {
             None => growing_spp(pass),
             Some(Criterion::Image) => self.spp_of_image(pass),
             Some(Criterion::Pixels { .. }) => self.doubling_spp(pass),
         };
-        let spp = pattern.round_up(accel_options.min(left.max(1)));
+        let spp = pattern.round_up(wanted.min(left.max(1)));
         (pass == 0 || spp <= left).then_some(spp)
     }
 
-    /// Eight passes, after each of which the number of samples has doubled. With fewer, the error of a pixel would be uncertain.
+    /// Pass sizes of [`Criterion::Pixels`]: eight equal passes double the number of samples. Fewer passes would leave the
+    /// variance of a pixel uncertain.
     fn doubling_spp(&self, pass: u32) -> u32 {
         let first = (self.max_spp / PASSES_BETWEEN_TESTS).clamp(1, FIRST_TEST / PASSES_BETWEEN_TESTS);
         let doublings = (pass / PASSES_BETWEEN_TESTS).saturating_sub(1);
         shifted(first, doublings)
     }
 
-    /// Four passes, and then two for each doubling. Patterns are better in large passes, and the pixels of an image are many
-    /// enough to know its error from few.
+    /// Pass sizes of [`Criterion::Image`]: four equal passes, then two per doubling. Sample patterns converge faster in large
+    /// passes, and the many pixels of an image estimate its error from few.
     fn spp_of_image(&self, pass: u32) -> u32 {
         let first = (self.max_spp / FIRST_TEST_OF_IMAGE).clamp(1, FIRST_PASSES_OF_IMAGE);
         let doublings = pass.checked_sub(FIRST_TEST_OF_IMAGE).map_or(0, |later| 1 + later / 2);
@@ -148,25 +149,24 @@ impl StopRule {
     }
 }
 
-/// The number times a power of two, if it fits.
+/// Product of a number and a power of two, saturating.
 fn shifted(first: u32, doublings: u32) -> u32 {
     first.checked_shl(doublings).filter(|spp| spp >> doublings == first).unwrap_or(u32::MAX)
 }
 
-/// Passes from one test of convergence to the next.
+/// Number of passes between tests of convergence.
 pub(crate) const PASSES_BETWEEN_TESTS: u32 = 8;
 
-/// Samples of a pixel when it is tested for the first time. With 16 instead, a part of a tenth of the pixel would go unnoticed one
-/// time in five.
+/// Samples of a pixel at its first test. With 16, a feature that covers a tenth of the pixel would be missed one time in five.
 const FIRST_TEST: u32 = 64;
 
-/// Samples of the first passes where the error of the image decides.
+/// Samples per pixel of the first passes of [`Criterion::Image`].
 const FIRST_PASSES_OF_IMAGE: u32 = 4;
 
-/// Passes after which the error of the image is tested for the first time.
+/// Number of passes before the first test of [`Criterion::Image`].
 pub(crate) const FIRST_TEST_OF_IMAGE: u32 = 4;
 
-/// 1, 1, 2, 4, 8, and then always 16: a first picture soon, and then passes that patterns are good for.
+/// Pass sizes without a target error: 1, 1, 2, 4, 8, then always 16. The first image appears early; large passes converge faster.
 const fn growing_spp(pass: u32) -> u32 {
     match pass {
         0 | 1 => 1,
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn small_images_are_made_of_new_samples() {
+    fn small_images_are_rendered_in_two_stages() {
         let of_image = TargetError::of_image(0.05);
         assert!(of_image.takes_new_samples(1023) && !of_image.takes_new_samples(1024));
         assert!(!TargetError::of_pixels(0.05).takes_new_samples(1));
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_no_errors_are_refused() {
+    fn invalid_rules_are_refused() {
         for relative in [0.0, -0.01, f64::NAN, f64::INFINITY] {
             let rule = StopRule { target: Some(TargetError::of_image(relative)), ..StopRule::default() };
             assert!(matches!(rule.validate(), Err(RenderError::TargetError(_))), "{relative}");

@@ -1,4 +1,4 @@
-//! A tile of the image, from samples to pixels.
+//! Rendering of a tile.
 
 use rt_accel::{AnyAccelerator, wide::SmallSet};
 use rt_camera::SampleStream;
@@ -86,7 +86,7 @@ impl RenderPlan<'_> {
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let mut tracer =
             SceneTracer::new(world, structure, primary_target, S::default()).with_buffer(core::mem::take(hits));
-        let mut finished = match (&self.integrator, &self.frame.medium) {
+        let mut result = match (&self.integrator, &self.frame.medium) {
             (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
                 whitted.set_surroundings(interior);
                 self.sample_tile(job, camera, |batch, seen| {
@@ -99,12 +99,12 @@ impl RenderPlan<'_> {
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
-            (IntegratorState::Path(_), CameraMedium::PerRay(reach)) => {
+            (IntegratorState::Path(_), CameraMedium::PerRay(bounds)) => {
                 let mut interior = Interior::default();
                 self.sample_tile(job, camera, |batch, seen| {
                     for (i, ray) in batch.rays.iter().enumerate() {
                         interior.find_enclosing_media_within(
-                            *reach,
+                            *bounds,
                             &mut tracer,
                             &self.scene.appearance.materials,
                             &ray.0,
@@ -118,10 +118,10 @@ impl RenderPlan<'_> {
             (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
                 occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
             }),
-            (IntegratorState::Whitted, CameraMedium::PerRay(reach)) => {
+            (IntegratorState::Whitted, CameraMedium::PerRay(bounds)) => {
                 let mut interior = Interior::default();
                 self.sample_per_ray(job, camera, |ray| {
-                    interior.find_enclosing_media_within(*reach, &mut tracer, &self.scene.appearance.materials, ray);
+                    interior.find_enclosing_media_within(*bounds, &mut tracer, &self.scene.appearance.materials, ray);
                     whitted.set_surroundings(&interior);
                     whitted.radiance(&mut tracer, &self.scene.appearance, ray)
                 })
@@ -131,15 +131,15 @@ impl RenderPlan<'_> {
             }
             (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
         };
-        finished.counters = tracer.probe.counters(tracer.rays);
-        finished.primary_rays_spared = tracer.skipped;
-        finished.shading = whitted.take_counts();
-        finished.shading += paths.take_counts();
+        result.counters = tracer.probe.counters(tracer.rays);
+        result.primary_rays_spared = tracer.skipped;
+        result.shading = whitted.take_counts();
+        result.shading += paths.take_counts();
         *hits = tracer.into_buffer();
-        finished
+        result
     }
 
-    /// Takes the samples of a tile ray by ray.
+    /// Renders a tile ray by ray.
     fn sample_per_ray(
         &self,
         job: &TileJob<'_>,
@@ -153,7 +153,7 @@ impl RenderPlan<'_> {
         })
     }
 
-    /// Objects in view of the tile, if they are few.
+    /// Objects in view of the tile, if their number is small.
     fn visible_in_tile<W: ShadedPrimitives>(
         &self,
         tile: Tile,
@@ -169,8 +169,7 @@ impl RenderPlan<'_> {
         })
     }
 
-    /// A tile without objects in view, computed without rays. It requires that all samples see the
-    /// same background with the same weight.
+    /// Result for a tile without objects in view, computed without rays. `None` if the radiance or weight of samples can differ.
     fn empty_tile(&self, job: &TileJob<'_>) -> Option<TileResult> {
         let (
             IntegratorState::Whitted | IntegratorState::Path(_),
@@ -197,13 +196,13 @@ impl RenderPlan<'_> {
             (pixel, pass.bad_samples() * u64::from(pass_spec.count))
         };
         let (usual, simple) = (pixel_of(pass_spec.spp), pass_spec.simple_spp.map(pixel_of));
-        let mut finished = TileResult::new(job, self.frame.transparent);
+        let mut result = TileResult::new(job);
         for at in pass_spec.pixels_of(job.tile) {
             let (pixel, bad_samples) = simple.as_ref().filter(|_| job.is_simple(at)).unwrap_or(&usual);
-            finished.push(pixel);
-            finished.bad_samples += bad_samples;
+            result.push(*pixel);
+            result.bad_samples += bad_samples;
         }
-        finished.primary_rays_spared = finished.samples;
-        Some(finished)
+        result.primary_rays_spared = result.samples;
+        Some(result)
     }
 }

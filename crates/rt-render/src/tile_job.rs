@@ -1,11 +1,9 @@
-//! A tile of the image as a job of a thread, and its result.
+//! Work item of a thread, and its result: one tile of the image.
 
 use rt_geometry::Counters;
-use rt_math::Rgb;
 use rt_shading::ShadingCounts;
 
 use crate::{
-    error_estimate::ErrorSums,
     estimate::PixelEstimate,
     passes::{PassSpec, PixelMask},
     tiles::Tile,
@@ -16,7 +14,7 @@ use crate::{
 pub(crate) struct TileJob<'a> {
     pub(crate) tile: Tile,
     pub(crate) pass_spec: &'a PassSpec<'a>,
-    /// Pixels without an edge, with adaptive sampling in object space; set when the tile is started.
+    /// Pixels without an edge, with adaptive sampling in object space; `None` until the tile is started.
     pub(crate) simple: Option<&'a PixelMask>,
 }
 
@@ -35,26 +33,17 @@ impl<'a> TileJob<'a> {
     }
 }
 
-/// A rendered tile: its pixels row by row, without the masked ones.
+/// Rendered pixels of a tile with its counters.
 pub(crate) struct TileResult {
     pub(crate) tile: Tile,
-    /// Radiance, not yet rounded to what a film holds.
-    pub(crate) pixels: Vec<Rgb>,
-    /// Coverage; empty unless the plan asks for it.
-    pub(crate) alpha: Vec<f64>,
-    with_alpha: bool,
-    with_counts: bool,
-    /// Squares of standard errors; empty after a single pass.
-    pub(crate) variances: Vec<Rgb>,
-    /// Samples of each pixel; empty where all have the same number.
-    pub(crate) counts: Vec<u32>,
-    /// Samples of all pixels.
+    /// Accumulators of the sampled pixels, row by row. The film rounds them.
+    pub(crate) pixels: Vec<PixelEstimate>,
+    /// Number of samples of all pixels.
     pub(crate) samples: u64,
-    /// Pixels that show no edge.
+    /// Number of pixels without an edge.
     pub(crate) simple_pixels: u64,
-    pub(crate) error: ErrorSums,
     pub(crate) counters: Counters,
-    /// Samples that met a surface.
+    /// Number of samples that hit a surface.
     pub(crate) camera_hits: u64,
     pub(crate) primary_rays_spared: u64,
     pub(crate) shading: ShadingCounts,
@@ -62,22 +51,15 @@ pub(crate) struct TileResult {
 }
 
 impl TileResult {
-    /// A tile without its pixels.
-    pub(crate) fn new(job: &TileJob<'_>, with_alpha: bool) -> Self {
+    /// Result without pixels.
+    pub(crate) fn new(job: &TileJob<'_>) -> Self {
         let tile = job.tile;
         let count = tile.width as usize * tile.height as usize;
-        let room = |needed: bool| if needed { count } else { 0 };
         Self {
             tile,
             pixels: Vec::with_capacity(count),
-            alpha: Vec::with_capacity(room(with_alpha)),
-            with_alpha,
-            with_counts: job.simple.is_some(),
-            variances: Vec::with_capacity(room(job.pass_spec.count > 1)),
-            counts: Vec::with_capacity(room(job.simple.is_some())),
             samples: 0,
             simple_pixels: job.simple.map_or(0, |simple| simple.count() as u64),
-            error: ErrorSums::default(),
             counters: Counters::default(),
             camera_hits: 0,
             primary_rays_spared: 0,
@@ -86,17 +68,9 @@ impl TileResult {
         }
     }
 
-    /// Adds the next pixel of the tile.
-    pub(crate) fn push(&mut self, pixel: &PixelEstimate) {
-        self.pixels.push(pixel.mean());
-        if self.with_alpha {
-            self.alpha.push(pixel.coverage());
-        }
-        self.variances.extend(pixel.variance());
+    /// Appends the next sampled pixel of the tile.
+    pub(crate) fn push(&mut self, pixel: PixelEstimate) {
         self.samples += u64::from(pixel.samples());
-        if self.with_counts {
-            self.counts.push(pixel.samples());
-        }
-        self.error.add(pixel);
+        self.pixels.push(pixel);
     }
 }

@@ -45,29 +45,29 @@ impl<'p> TileScheduler<'p> {
         self.pool.current_num_threads()
     }
 
-    /// The tiles of the plan, by number.
+    /// Tiles of the plan, by number.
     pub(crate) fn tiles(&self) -> &[Tile] {
         &self.tiles
     }
 
-    /// Renders those of the tiles, by number, in which there is something to sample. `finished` gets each, in any order, on
-    /// this thread, while others are being rendered.
+    /// Renders tiles, by number, skipping those without sampled pixels. `finished` receives the results in any order, on this
+    /// thread, while other tiles are rendered.
     pub(crate) fn render_tiles(
         &self,
         pass_spec: &PassSpec<'_>,
-        accel_options: &[usize],
+        numbers: &[usize],
         finished: impl FnMut(usize, TileResult),
     ) -> Outcome {
-        let render = |worker: &mut ThreadState, number: usize| {
+        let render = |state: &mut ThreadState, number: usize| {
             let job = TileJob::new(self.tiles[number], pass_spec);
-            self.plan.render_tile(&job, self.count, worker)
+            self.plan.render_tile(&job, self.count, state)
         };
-        let is_wanted = |number: &usize| pass_spec.pixels_of(self.tiles[*number]).next().is_some();
-        let accel_options: Vec<_> = accel_options.iter().copied().filter(is_wanted).collect();
-        self.parallel_for(&accel_options, || ThreadState::new(self.plan), render, finished)
+        let has_pixels = |number: &usize| pass_spec.pixels_of(self.tiles[*number]).next().is_some();
+        let numbers: Vec<_> = numbers.iter().copied().filter(has_pixels).collect();
+        self.parallel_for(&numbers, || ThreadState::new(self.plan), render, finished)
     }
 
-    /// Follows all light paths of a pass. `finished` gets what they do, in any order, on this thread.
+    /// Traces all light paths of a pass. `finished` receives their splats in any order, on this thread.
     pub(crate) fn trace_light(&self, pass: LightPass, mut finished: impl FnMut(LightChunk)) -> Outcome {
         let tracer = || LightTracingIntegrator::new(self.plan.integrator.path_settings(), self.plan.scene.features);
         let trace = |tracer: &mut LightTracingIntegrator<_>, chunk: usize| {
@@ -81,41 +81,41 @@ impl<'p> TileScheduler<'p> {
         self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed))
     }
 
-    /// Runs work items on the threads. Each thread has a state of its own and takes the next item that no other has
-    /// started, until all are taken or the loop is interrupted. A panic loses the item and replaces the thread's state.
+    /// Runs work items in parallel. Each thread has its own state and takes the next item until none is left or the loop is
+    /// interrupted. A panic loses the item and replaces the state of its thread.
     fn parallel_for<W, T: Send>(
         &self,
-        pieces: &[usize],
-        worker: impl Fn() -> W + Sync,
+        items: &[usize],
+        new_state: impl Fn() -> W + Sync,
         work: impl Fn(&mut W, usize) -> T + Sync,
         mut finished: impl FnMut(usize, T),
     ) -> Outcome {
         let (sender, receiver) = mpsc::channel();
         let next = AtomicUsize::new(0);
-        let (next, worker, work) = (&next, &worker, &work);
-        let mut left = pieces.len();
+        let (next, new_state, work) = (&next, &new_state, &work);
+        let mut left = items.len();
         let mut lost = Vec::new();
         self.pool.in_place_scope(|scope| {
             for sender in vec![sender; self.threads()] {
                 scope.spawn(move |_| {
-                    let mut own = worker();
+                    let mut state = new_state();
                     while !self.is_interrupted() {
-                        let Some(&piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                        // The worker is replaced after a panic, and nothing else is changed by its work.
-                        let done = catch_unwind(AssertUnwindSafe(|| work(&mut own, piece)));
+                        let Some(&item) = items.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                        // Unwind safety: the state is replaced after a panic, and work changes nothing else.
+                        let done = catch_unwind(AssertUnwindSafe(|| work(&mut state, item)));
                         if done.is_err() {
-                            own = worker();
+                            state = new_state();
                         }
-                        // The receiver outlives this loop, so that sending cannot fail.
-                        let _ = sender.send((piece, done.ok()));
+                        // Sending cannot fail: the receiver outlives this loop.
+                        let _ = sender.send((item, done.ok()));
                     }
                 });
             }
-            for (piece, done) in receiver {
+            for (item, done) in receiver {
                 left -= 1;
                 match done {
-                    Some(done) => finished(piece, done),
-                    None => lost.push(piece),
+                    Some(done) => finished(item, done),
+                    None => lost.push(item),
                 }
             }
         });
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
     use crate::PlanOptions;
 
-    /// A plan of one sphere, which is all that a crew needs.
+    /// Calls a test with the scheduler of a plan of one sphere.
     fn with_scheduler(interrupt: Option<&AtomicBool>, test: impl FnOnce(&TileScheduler<'_>)) {
         let sphere = rt_geometry::Sphere::new(rt_math::DVec3::ZERO, 1.0).expect("a sphere");
         let projection = rt_camera::Projection::Orthographic { height: 3.0 };
@@ -147,23 +147,23 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_costs_its_piece_and_a_new_worker() {
+    fn a_panic_loses_its_item_and_replaces_the_state() {
         with_scheduler(None, |scheduler| {
-            let pieces: Vec<_> = (10..90).collect();
+            let items: Vec<_> = (10..90).collect();
             let mut sum = 0;
-            // A worker that went on after its panic would say so by its count.
-            let work = |broken: &mut bool, piece: usize| {
-                assert!(!core::mem::replace(broken, true), "the worker of a panic goes on");
-                assert_ne!(piece % 20, 7, "a defect");
+            // The state is true after a panic: a state that is not replaced fails the first assertion.
+            let work = |broken: &mut bool, item: usize| {
+                assert!(!core::mem::replace(broken, true), "the state of a panic is still used");
+                assert_ne!(item % 20, 7, "a defect");
                 *broken = false;
-                piece
+                item
             };
             let mut outcome = scheduler.parallel_for(
-                &pieces,
+                &items,
                 || false,
                 work,
-                |piece, done| {
-                    assert_eq!(piece, done);
+                |item, done| {
+                    assert_eq!(item, done);
                     sum += done;
                 },
             );
@@ -174,18 +174,18 @@ mod tests {
     }
 
     #[test]
-    fn an_interruption_finishes_what_is_begun() {
+    fn an_interruption_finishes_started_items() {
         let interrupt = AtomicBool::new(false);
         with_scheduler(Some(&interrupt), |scheduler| {
             let (begun, mut finished) = (AtomicUsize::new(0), 0);
-            let work = |(): &mut (), piece: usize| {
+            let work = |(): &mut (), item: usize| {
                 begun.fetch_add(1, Ordering::Relaxed);
-                if piece == 5 {
+                if item == 5 {
                     interrupt.store(true, Ordering::Relaxed);
                 }
             };
-            let pieces: Vec<_> = (0..100_000).collect();
-            let outcome = scheduler.parallel_for(&pieces, || (), work, |_, ()| finished += 1);
+            let items: Vec<_> = (0..100_000).collect();
+            let outcome = scheduler.parallel_for(&items, || (), work, |_, ()| finished += 1);
             assert!(outcome.interrupted && outcome.lost.is_empty());
             assert!(finished == begun.load(Ordering::Relaxed) && finished < 100_000, "{finished}");
         });

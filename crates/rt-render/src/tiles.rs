@@ -20,7 +20,7 @@ impl Tile {
         u64::from(self.width) * u64::from(self.height)
     }
 
-    /// The pixels of the tile, row by row.
+    /// Pixels of the tile, row by row.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + Clone + use<> {
         let Self { x, y, width, height } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))

@@ -7,10 +7,9 @@ use rt_shading::{SurfaceHit, Tracer};
 
 use crate::{frustum_cull::PrimaryTarget, world::ShadedPrimitives};
 
-/// Probe of an accelerator that counts everything or nothing. Rays are counted separately, so that accelerators need no
-/// code for a third.
+/// Probe of an accelerator that counts either everything or nothing. Ray counts are always kept, outside of the probe.
 pub(crate) trait StatsProbe: Probe + Default + Send {
-    /// The full table, as far as it is known.
+    /// Counters of the probe, with the given ray counts.
     fn counters(&self, rays: RayCounts) -> Counters;
 }
 
@@ -26,8 +25,8 @@ impl StatsProbe for NoProbe {
     }
 }
 
-/// Answers the rays of an integrator and counts them. The accelerator is dispatched once per batch: integrators are not
-/// compiled anew for each.
+/// Traces and counts the rays of an integrator. The accelerator is dispatched once per batch, so that integrators are not
+/// compiled for each accelerator.
 pub(crate) struct SceneTracer<'w, W, S> {
     pub(crate) world: &'w W,
     pub(crate) structure: &'w AnyAccelerator,
@@ -39,7 +38,7 @@ pub(crate) struct SceneTracer<'w, W, S> {
     pub(crate) skipped: u64,
     /// Work of the accelerator.
     pub(crate) probe: S,
-    /// The hits of a batch; empty between batches.
+    /// Buffer for the hits of a batch.
     hits: Vec<Option<Hit>>,
 }
 
@@ -53,12 +52,12 @@ impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
         Self { world, structure, primary_target, rays: RayCounts::default(), skipped: 0, probe, hits: Vec::new() }
     }
 
-    /// Takes the memory for hits from one that is not used any more.
+    /// Reuses the buffer of an earlier tracer.
     pub(crate) fn with_buffer(self, hits: Vec<Option<Hit>>) -> Self {
         Self { hits, ..self }
     }
 
-    /// The memory for hits, for the next one.
+    /// Returns the buffer for the next tracer.
     pub(crate) fn into_buffer(self) -> Vec<Option<Hit>> {
         self.hits
     }
@@ -68,7 +67,7 @@ impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
         if matches!(kind, RayKind::Primary) { self.primary_target } else { PrimaryTarget::All(self.structure) }
     }
 
-    /// True for rays that need not be traced; counts the others.
+    /// True for rays that cannot hit anything. Counts these as skipped and others as traced.
     fn can_skip(&mut self, kind: RayKind, rays: usize) -> bool {
         let can_skip = kind == RayKind::Primary && self.primary_target.is_empty();
         if can_skip {
@@ -107,18 +106,18 @@ impl<W: ShadedPrimitives, S: Probe> Tracer for SceneTracer<'_, W, S> {
         rays: &[(Ray, Interval)],
         kind: RayKind,
         needs: InteractionFlags,
-        mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
+        mut on_hit: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
         if self.can_skip(kind, rays.len()) {
-            return (0..rays.len()).for_each(|at| met(at, None));
+            return (0..rays.len()).for_each(|at| on_hit(at, None));
         }
         self.hits.clear();
         self.hits.resize(rays.len(), None);
         self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
         for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
             match hit {
-                Some(hit) => met(at, self.world.surface_at(ray, hit, needs).as_mut()),
-                None => met(at, None),
+                Some(hit) => on_hit(at, self.world.surface_at(ray, hit, needs).as_mut()),
+                None => on_hit(at, None),
             }
         }
     }

@@ -28,9 +28,9 @@ impl World {
             Some(spheres) => {
                 let materials = top.instances.iter().map(|instance| instance.material).collect();
                 let textured = top.instances.iter().map(|instance| instance.textured).collect();
-                let some_cast_none = top.instances.iter().any(|instance| !instance.casts_shadow);
+                let some_cast_no_shadow = top.instances.iter().any(|instance| !instance.casts_shadow);
                 let switches = top.instances.iter().map(|instance| instance.casts_shadow);
-                let casts_shadow = if some_cast_none { switches.collect() } else { Vec::new() };
+                let casts_shadow = if some_cast_no_shadow { switches.collect() } else { Vec::new() };
                 let has_lights = top.instances.iter().any(|instance| instance.light.is_some());
                 let lights = top.instances.iter().map(|instance| instance.light);
                 let lights = if has_lights { lights.collect() } else { Vec::new() };
@@ -62,10 +62,9 @@ impl World {
     }
 }
 
-/// Primitives that know what their surface is made of.
+/// Primitives with surface attributes and materials.
 pub(crate) trait ShadedPrimitives: HasForm {
-    /// The surface at a hit; `None` for a hit that is not of this set. Objects are numbered by their places among the
-    /// parts of the upper level.
+    /// Surface at a hit; `None` for a hit outside of this set. Object indices are those of the instances of the top level.
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit>;
 }
 
@@ -76,17 +75,17 @@ impl ShadedPrimitives for Instances<'_> {
     }
 }
 
-/// A world of nothing but spheres: a tight array, and no question what a part is.
+/// World of spheres only: compact arrays, without dispatch on the kind of an instance.
 #[derive(Debug)]
 pub(crate) struct SphereWorld {
     pub(crate) spheres: Spheres,
-    /// By sphere: its material.
+    /// Material index by sphere.
     pub(crate) materials: Vec<u32>,
-    /// By sphere: whether something looks at its texture coordinates.
+    /// True for spheres whose texture coordinates are used.
     pub(crate) textured: Vec<bool>,
-    /// By sphere: whether it casts a shadow; empty if all do.
+    /// True for spheres that cast shadows; empty if all do.
     pub(crate) casts_shadow: Vec<bool>,
-    /// By sphere: the light that it is; empty if none is.
+    /// Light index by sphere; empty if none emits.
     pub(crate) lights: Vec<Option<u32>>,
 }
 

@@ -1,4 +1,4 @@
-//! Counts of the objects that flattening will make of the node tree.
+//! Predicted numbers and bytes of the instances that flattening creates from the node tree.
 
 use std::collections::HashSet;
 
@@ -34,11 +34,11 @@ impl Most {
     }
 }
 
-/// Bytes of a structure over so many primitives: what it keeps, and what it takes besides while it is built. Measured on meshes
-/// of half a million triangles, and rounded up.
+/// Bytes of an accelerator: the finished one, and temporary memory of its construction. Measured on meshes of half a million
+/// triangles, rounded up.
 fn accel_bytes(accel_options: AccelOptions, primitives: u64) -> [u64; 2] {
     use rt_accel::AcceleratorKind as Kind;
-    let [kept, besides] = match choose(accel_options.accel, primitives <= MAX_LINEAR as u64) {
+    let [finished, temporary] = match choose(accel_options.accel, primitives <= MAX_LINEAR as u64) {
         Kind::Linear => [16, 0],
         Kind::Wide => [46, 100],
         Kind::Bvh => [40, 140],
@@ -50,7 +50,7 @@ fn accel_bytes(accel_options: AccelOptions, primitives: u64) -> [u64; 2] {
         Kind::Bih => [20, 56],
         Kind::BihLazy => [60, 26],
     };
-    [primitives.saturating_mul(kept), primitives.saturating_mul(besides)]
+    [primitives.saturating_mul(finished), primitives.saturating_mul(temporary)]
 }
 
 /// Bytes of the objects of a scene.
@@ -86,12 +86,12 @@ struct Surveyor<'s, 'm> {
     levels: Vec<bool>,
     /// Instances of each group with all nested groups dissolved, if known.
     dissolved: Vec<Option<Holding>>,
-    /// Meshes that have a level of their own that is counted, with the material that cuts holes into them.
+    /// Meshes whose level is counted, with their material if it has an alpha test.
     meshes: HashSet<(u32, Option<u32>)>,
 }
 
 impl Survey {
-    /// Counts what flattening will find. With `culls`, there may be a second structure half as large as the first.
+    /// Surveys a scene. With `culls`, a second accelerator of half the size is added.
     pub(crate) fn of(
         scene: &Scene,
         accel_options: AccelOptions,
@@ -109,20 +109,20 @@ impl Survey {
             dissolved: vec![None; count],
             meshes: HashSet::new(),
         };
-        surveyor.scene_itself();
+        surveyor.add_scene();
         let top = surveyor.holding(&scene.nodes, false)?;
         surveyor.aggregate(top, "the scene");
         if culls {
-            let [kept, _] = accel_bytes(accel_options, top.parts / 2);
-            surveyor.survey.structures = surveyor.survey.structures.saturating_add(kept);
+            let [finished, _] = accel_bytes(accel_options, top.parts / 2);
+            surveyor.survey.structures = surveyor.survey.structures.saturating_add(finished);
         }
         Ok(surveyor.survey)
     }
 }
 
 impl<'s> Surveyor<'s, '_> {
-    /// The nodes as they are loaded, and all meshes.
-    fn scene_itself(&mut self) {
+    /// Adds the loaded nodes and all meshes.
+    fn add_scene(&mut self) {
         let mut open: Vec<&[Node]> = self.scene.groups.iter().map(|group| group.nodes.as_slice()).collect();
         open.push(&self.scene.nodes);
         let mut nodes = 0u64;
@@ -140,7 +140,7 @@ impl<'s> Surveyor<'s, '_> {
         }
     }
 
-    /// Adds an assembly of such parts, and the structure over them.
+    /// Adds an aggregate of instances with its accelerator.
     fn aggregate(&mut self, holding: Holding, name: &str) {
         let Holding { parts, bytes } = holding;
         self.most.offer(bytes, || format!("{parts} objects of {name}"));
@@ -149,31 +149,31 @@ impl<'s> Surveyor<'s, '_> {
     }
 
     fn add_accel(&mut self, primitives: u64, what: impl FnOnce() -> String) {
-        let [kept, besides] = accel_bytes(self.accel_options, primitives);
-        self.most.offer(kept.saturating_add(besides), what);
-        self.survey.structures = self.survey.structures.saturating_add(kept);
-        self.survey.building = self.survey.building.max(besides);
+        let [finished, temporary] = accel_bytes(self.accel_options, primitives);
+        self.most.offer(finished.saturating_add(temporary), what);
+        self.survey.structures = self.survey.structures.saturating_add(finished);
+        self.survey.building = self.survey.building.max(temporary);
     }
 
     /// Instances of nodes and their descendants. Trees may be deep, so the traversal keeps its own stack.
     fn holding(&mut self, nodes: &'s [Node], within_group: bool) -> Result<Holding, RenderError> {
         let mut sum = Holding::default();
-        // With each list, whether everything above it stands where it is.
+        // The flag of a list: no ancestor has a transform.
         let mut open = vec![(nodes, true)];
         while let Some((nodes, unmoved)) = open.pop() {
             for node in nodes {
                 let unmoved = unmoved && node.moves_to.is_none() && node.parent_from_local.is_identity();
                 open.push((&node.children, unmoved));
-                let part = part_bytes(node, unmoved);
+                let each = instance_bytes(node, unmoved);
                 match &node.content {
                     None => {}
-                    Some(Content::Shape(shape)) => sum.add(1, part + shape_bytes(shape)),
-                    Some(Content::Mesh(id)) => sum.add(self.mesh(node, *id, unmoved), part),
+                    Some(Content::Shape(shape)) => sum.add(1, each + shape_bytes(shape)),
+                    Some(Content::Mesh(id)) => sum.add(self.mesh(node, *id, unmoved), each),
                     Some(Content::Instance(id)) => match (within_group, self.group_uses[id.0 as usize]) {
                         (false, 1) => open.push((&group_of(self.scene, node, *id)?.nodes, unmoved)),
                         (false, _) => {
                             self.level(*id)?;
-                            sum.add(1, part);
+                            sum.add(1, each);
                         }
                         (true, _) => {
                             let Holding { parts, bytes } = self.dissolved(*id)?;
@@ -187,7 +187,7 @@ impl<'s> Surveyor<'s, '_> {
         Ok(sum)
     }
 
-    /// The number of parts that a mesh becomes; its level is counted when it is met first.
+    /// Number of instances of a mesh. Its level is added on the first use.
     fn mesh(&mut self, node: &Node, id: MeshId, unmoved: bool) -> u64 {
         let Some(named) = self.scene.meshes.get(id.0 as usize) else { return 0 };
         let triangles = named.mesh.data().triangles.len();
@@ -210,7 +210,7 @@ impl<'s> Surveyor<'s, '_> {
         1
     }
 
-    /// A group that is placed more than once has a level of its own, once.
+    /// Adds the level of a group with several uses, on the first use.
     fn level(&mut self, id: GroupId) -> Result<(), RenderError> {
         let index = id.0 as usize;
         if std::mem::replace(&mut self.levels[index], true) {
@@ -222,7 +222,7 @@ impl<'s> Surveyor<'s, '_> {
         Ok(())
     }
 
-    /// Instances of a nested group. One that contains itself ends here; flattening refuses it.
+    /// Instances of a nested group. A group that contains itself counts as empty; flattening rejects it.
     fn dissolved(&mut self, id: GroupId) -> Result<Holding, RenderError> {
         let index = id.0 as usize;
         if let Some(known) = self.dissolved[index] {
@@ -235,14 +235,14 @@ impl<'s> Surveyor<'s, '_> {
     }
 }
 
-/// Bytes of a part, with the name and the transform that it has on the heap.
-fn part_bytes(node: &Node, unmoved: bool) -> u64 {
+/// Bytes of an instance, with its name and transform on the heap.
+fn instance_bytes(node: &Node, unmoved: bool) -> u64 {
     let transform = if unmoved { 0 } else { size_of::<Transform>() as u64 + HEADER };
     let moving = if node.moves_to.is_some() { size_of::<Animated>() as u64 + HEADER } else { 0 };
     size_of::<Instance>() as u64 + node.name.len() as u64 + HEADER + transform + moving
 }
 
-/// Bytes that a shape has on the heap.
+/// Bytes of a shape on the heap.
 fn shape_bytes(shape: &Shape) -> u64 {
     if let Shape::Polygon(polygon) = shape { polygon.memory() as u64 } else { 0 }
 }

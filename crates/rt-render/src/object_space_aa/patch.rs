@@ -1,4 +1,4 @@
-//! Part of a smooth surface in a pyramid, and the variation of light on it.
+//! Surface patch: the part of a smooth surface in a pyramid, and the variation of light over it.
 
 use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec3, Ray, transcendental::pow};
@@ -6,29 +6,28 @@ use rt_shading::{Appearance, ColorTexture, DeltaLight, Material, Phong};
 
 use crate::{primitive_form::PrimitiveForm, world::ShadedPrimitives};
 
-/// Greatest angle in radians by which the directions that shading depends on may turn within a patch, times √n for a highlight
-/// of exponent n. As cosⁿ a ≈ exp(−n a²/2), whose slope is at most √(n/e), the highlight changes by less than 16 % of its
-/// peak.
-const MOST_TURN: f64 = 0.25;
+/// Maximum variation of the directions of shading within a patch, in radians; times √n for a highlight of exponent n.
+///
+/// The slope of cosⁿ a ≈ exp(−n a²/2) is at most √(n/e). The highlight changes by less than 16 % of its peak.
+const MAX_TURN: f64 = 0.25;
 
-/// A highlight below this radiance is none.
-const FAINTEST: f64 = 1.0 / 512.0;
+/// Highlights below this radiance are ignored.
+const MIN_HIGHLIGHT: f64 = 1.0 / 512.0;
 
 /// Part of a surface in a pyramid whose corner rays all hit the same smooth, convex surface from the outside.
 ///
-/// All rays between them then meet it as well, since a convex body looks convex.
+/// All rays between them hit it as well: the projection of a convex solid is convex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfacePatch {
     pub(super) index: u32,
     form: PrimitiveForm,
     /// Index of the material.
     material: u32,
-    /// The middle of the ball that the patch lies in.
+    /// Centre of the bounding sphere.
     pub(super) centre: DVec3,
-    /// The radius of that ball.
+    /// Radius of the bounding sphere.
     pub(super) radius: f64,
-    /// The greatest depth. The inverse of depth is concave over the image where a convex body is seen from outside, and so
-    /// least at a corner.
+    /// Maximum depth, which is that of a corner: over the image, the inverse depth of a convex solid is concave.
     pub(super) farthest: f64,
     corners: [Corner; 4],
     /// Sum of the angles by which normal (twice, as in a mirrored direction) and view turn.
@@ -46,7 +45,7 @@ struct Corner {
 }
 
 impl SurfacePatch {
-    /// `None` where the surface may have an edge between the corner rays, or turns far.
+    /// Patch of the corner hits; `None` if the surface can have an edge between them, or if the bounding sphere is too large.
     pub(super) fn new<W: ShadedPrimitives>(
         world: &W,
         index: u32,
@@ -80,13 +79,14 @@ impl SurfacePatch {
             Some(Corner { point: surface.interaction.point, normal, to_viewer })
         };
         let corners = [corner(0)?, corner(1)?, corner(2)?, corner(3)?];
-        let (centre, radius) = enclosing_ball(&form, &corners)?;
-        let turn = 2.0 * splat(&corners.map(|corner| corner.normal)) + splat(&corners.map(|corner| corner.to_viewer));
+        let (centre, radius) = enclosing_sphere(&form, &corners)?;
+        let turn = 2.0 * max_difference(&corners.map(|corner| corner.normal))
+            + max_difference(&corners.map(|corner| corner.to_viewer));
         let farthest = hits.iter().map(|hit| hit.t).fold(0.0, f64::max);
         Some(Self { index, form, material: material?, centre, radius, farthest, corners, turn })
     }
 
-    /// The material, if four samples of it tell as much as many: it sends no rays on and has no texture.
+    /// Material, if a few samples are enough: it is neither specular nor textured.
     pub(super) fn plain_material<'a>(&self, appearance: &'a Appearance) -> Option<&'a Material> {
         let material = appearance.materials.get(self.material as usize)?;
         let phong = &material.phong;
@@ -96,22 +96,22 @@ impl SurfacePatch {
 
     /// True if the light, blocked by nothing, does not reach any point of the patch.
     pub(super) fn turns_away_from(&self, light: &DeltaLight) -> bool {
-        let place = light.kind.position();
-        if let (Some(position), Some(cone)) = (place, light.kind.cone()) {
+        let position = light.kind.position();
+        if let (Some(position), Some(cone)) = (position, light.kind.cone()) {
             let axis = self.cosine_with(position, cone.direction);
-            if axis.is_some_and(|[_, greatest]| greatest <= cone.cos_outer) {
+            if axis.is_some_and(|[_, max]| max <= cone.cos_outer) {
                 return true;
             }
         }
         if let PrimitiveForm::Sphere { centre, radius } = self.form {
-            // (p − c)·(l − p) = (p − c)·(l − c) − r² is at most this anywhere in the ball around the patch.
-            let middle = self.centre - centre;
-            return match place {
-                Some(place) => {
-                    let light = place - centre;
-                    middle.dot(light) + self.radius * light.length() <= radius * radius
+            // (p − c)·(l − p) = (p − c)·(l − c) − r² is at most this anywhere in the bounding sphere.
+            let offset = self.centre - centre;
+            return match position {
+                Some(position) => {
+                    let light = position - centre;
+                    offset.dot(light) + self.radius * light.length() <= radius * radius
                 }
-                None => self.radius + middle.dot(light.kind.offset_from(self.centre)) <= 0.0,
+                None => self.radius + offset.dot(light.kind.offset_from(self.centre)) <= 0.0,
             };
         }
         self.corners.iter().all(|corner| corner.normal.dot(light.kind.offset_from(corner.point)) <= 0.0)
@@ -124,17 +124,17 @@ impl SurfacePatch {
             (Some(position), None) => self.angle_from(position),
             (Some(position), Some(cone)) => {
                 let axis = self.cosine_with(position, cone.direction);
-                self.angle_from(position).filter(|_| axis.is_some_and(|[least, _]| least >= cone.cos_inner))
+                self.angle_from(position).filter(|_| axis.is_some_and(|[min, _]| min >= cone.cos_inner))
             }
         };
         let Some(turn_of_light) = turn_of_light else { return false };
         let turn = self.turn + turn_of_light;
-        turn <= MOST_TURN && (phong.specular.is_zero() || self.has_even_highlight(light, phong, turn))
+        turn <= MAX_TURN && (phong.specular.is_zero() || self.has_even_highlight(light, phong, turn))
     }
 
     /// True if the highlight is wide, or elsewhere.
     fn has_even_highlight(&self, light: &DeltaLight, phong: &Phong, turn: f64) -> bool {
-        if turn * phong.exponent.max(1.0).sqrt() <= MOST_TURN {
+        if turn * phong.exponent.max(1.0).sqrt() <= MAX_TURN {
             return true;
         }
         let ColorTexture::Constant(specular) = phong.specular else { return false };
@@ -144,29 +144,30 @@ impl SurfacePatch {
             Some(pow((cosine + turn).min(1.0), phong.exponent) * lit.strength.max_component())
         };
         let peak = self.corners.iter().filter_map(brightest).fold(0.0, f64::max);
-        peak * specular.max_component() <= FAINTEST
+        peak * specular.max_component() <= MIN_HIGHLIGHT
     }
 
-    /// Bound on the angle between directions to a light from two points of the patch; `None` if the light is near. Twice
-    /// the arcsine of r/d, and also more than the share by which the strength of the light changes.
-    fn angle_from(&self, place: DVec3) -> Option<f64> {
-        let gap = (place - self.centre).length() - self.radius;
+    /// Upper bound on the angle between directions to a light from two points of the patch; `None` if the light is near.
+    ///
+    /// The angle is at most 2·asin(r/d). The bound also exceeds the relative change of the strength of the light.
+    fn angle_from(&self, position: DVec3) -> Option<f64> {
+        let gap = (position - self.centre).length() - self.radius;
         (gap > self.radius).then(|| 4.0 * self.radius / gap)
     }
 
-    /// Bounds on the cosine of the angle at a light between an axis and the way to the patch; `None` if the light is near.
-    fn cosine_with(&self, place: DVec3, axis: DVec3) -> Option<[f64; 2]> {
-        let angle = 0.5 * self.angle_from(place)?;
-        let cosine = (self.centre - place).normalize_or_zero().dot(axis);
+    /// Bounds on the cosine of the angle at a light between an axis and directions to the patch; `None` if the light is near.
+    fn cosine_with(&self, position: DVec3, axis: DVec3) -> Option<[f64; 2]> {
+        let angle = 0.5 * self.angle_from(position)?;
+        let cosine = (self.centre - position).normalize_or_zero().dot(axis);
         Some([cosine - angle, cosine + angle])
     }
 }
 
-/// A ball that the patch lies in.
+/// Bounding sphere of the patch: centre and radius.
 ///
-/// A flat patch lies between its corners. On a sphere, its edges are less than half circles, each of which lies within the ball
-/// over its chord; and what they enclose lies in any ball around them that holds less than half of the sphere.
-fn enclosing_ball(form: &PrimitiveForm, corners: &[Corner; 4]) -> Option<(DVec3, f64)> {
+/// A flat patch lies between its corners. On a sphere, each edge of the patch is less than half a circle, and lies within the
+/// sphere over its chord. A sphere that contains the edges, and less than half of the surface, contains the patch.
+fn enclosing_sphere(form: &PrimitiveForm, corners: &[Corner; 4]) -> Option<(DVec3, f64)> {
     let points = corners.map(|corner| corner.point);
     let centre = points.iter().sum::<DVec3>() * 0.25;
     let farthest = points.iter().map(|point| (*point - centre).length()).fold(0.0, f64::max);
@@ -176,8 +177,8 @@ fn enclosing_ball(form: &PrimitiveForm, corners: &[Corner; 4]) -> Option<(DVec3,
     (reach < 0.5 * radius).then_some((centre, reach))
 }
 
-/// The longest difference of unit vectors: at least 2/π of the angle between them.
-fn splat(vectors: &[DVec3; 4]) -> f64 {
+/// Maximum length of differences of unit vectors: at least 2/π of the angle between them.
+fn max_difference(vectors: &[DVec3; 4]) -> f64 {
     let pairs = (0..4).flat_map(|i| (0..i).map(move |j| (vectors[i] - vectors[j]).length()));
     pairs.fold(0.0, f64::max)
 }

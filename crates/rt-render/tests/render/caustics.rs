@@ -1,4 +1,4 @@
-//! Light that comes to the camera by mirrors and glass, against what is known of it.
+//! Caustics compared with closed forms and with path tracing.
 
 use rt_camera::{CameraSettings, FilmSettings, Filter, FovAxis, Projection};
 use rt_geometry::{Cuboid, Plane, Rectangle, Shape, Sphere};
@@ -104,20 +104,20 @@ fn film(scene: &Scene) -> Image {
 
 /// Radiances of the first channel with their standard errors.
 fn measured(rendering: &Rendering) -> impl Iterator<Item = (f64, f64)> {
-    let errors = rendering.standard_error.as_ref().expect("maps were asked for");
+    let errors = rendering.standard_error.as_ref().expect("maps were requested");
     rendering.film.pixels().iter().zip(errors.pixels()).map(|(p, e)| (f64::from(p[0]), f64::from(e[0])))
 }
 
-/// The radiance of all pixels is known: by the place that they see on a plane `distance` in front of the camera.
+/// Compares the radiance of pixels with its closed form, a function of the point seen on a plane `distance` in front of the camera.
 fn assert_shows(scene: &Scene, distance: f64, truth: impl Fn(DVec2) -> f64, what: &str) {
     let rendering = render(scene);
     let half = distance * rt_math::transcendental::tan(0.4);
-    let place = |i: usize| DVec2::new((i % 16) as f64 - 7.5, 7.5 - (i / 16) as f64) * (half / 8.0);
-    // In the middle and around it, with the ratio to the truth of either.
+    let point = |i: usize| DVec2::new((i % 16) as f64 - 7.5, 7.5 - (i / 16) as f64) * (half / 8.0);
+    // The ratio to the closed form, separately for the middle of the image and its border.
     for is_middle in [true, false] {
         let [mut sum, mut variance, mut count] = [0.0; 3];
         for (i, (value, error)) in measured(&rendering).enumerate() {
-            let at = place(i);
+            let at = point(i);
             if (at.abs().max_element() < 0.5 * half) == is_middle {
                 let truth = truth(at);
                 (sum, variance, count) =
@@ -135,24 +135,24 @@ fn transmittance(cos: f64) -> f64 {
     1.0 - rt_shading::optics::fresnel(cos, IOR)
 }
 
-/// What leaves the lamp between two cones arrives between two circles: E(x) = I T² sin θ / (x · dx/dθ).
+/// Light emitted between two cones arrives between two circles: E(x) = I T² sin θ / (x · dx/dθ).
 #[test]
-fn a_slab_of_glass_lets_light_through_as_snell_and_fresnel_say() {
-    let (lamp, thickness) = (9.0, 0.8);
-    let position = DVec3::Y * lamp;
+fn a_glass_slab_transmits_light_by_snell_and_fresnel() {
+    let (height, thickness) = (9.0, 0.8);
+    let position = DVec3::Y * height;
     let camera = Transform::look_at(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view");
     let slab = block([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
     let kind = DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
     let nodes = nodes(&[(floor(), 0), (slab, 1)]);
     let mut scene = scene(camera, vec![diffuse(0.6), body(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
-    // Light that goes to and fro within the glass falls elsewhere.
+    // Exclude interreflection within the glass, which arrives elsewhere.
     scene.settings.depth = 2;
     let radiance = |s: f64| {
         let (c, s2) = ((1.0 - s * s).sqrt(), s / IOR);
         let c2 = (1.0 - s2 * s2).sqrt();
-        let x = (lamp - thickness) * s / c + thickness * s2 / c2;
-        let by_angle = (lamp - thickness) / (c * c) + thickness * c / (IOR * c2 * c2 * c2);
-        // The intensity of a classical lamp counts π times, and a diffuse surface reflects albedo / π.
+        let x = (height - thickness) * s / c + thickness * s2 / c2;
+        let by_angle = (height - thickness) / (c * c) + thickness * c / (IOR * c2 * c2 * c2);
+        // Classical units scale intensity by π, and a diffuse surface reflects albedo / π.
         (x, 0.6 * transmittance(c) * transmittance(c) * s / (x * by_angle))
     };
     let truth = |at: DVec2| {
@@ -166,12 +166,12 @@ fn a_slab_of_glass_lets_light_through_as_snell_and_fresnel_say() {
     assert_shows(&scene, 4.0, truth, "slab");
 }
 
-/// Radiance by the place that is seen.
+/// Radiance by the point that is seen.
 type Truth<'a> = &'a dyn Fn(DVec2) -> f64;
 
-/// Behind a flat mirror there is the same lamp again.
+/// A flat mirror acts as a mirrored copy of the light.
 #[test]
-fn a_flat_mirror_shows_its_lamps_again() {
+fn a_flat_mirror_reflects_each_kind_of_light() {
     let camera = Transform::look_at(DVec3::Y * 2.0, DVec3::Y * 4.0, DVec3::NEG_Z).expect("a view");
     let mirror = Shape::Rectangle(Rectangle::new(12.0, 12.0).expect("a rectangle"));
     let nodes = nodes(&[(block([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0), (Content::Shape(mirror), 1)]);
@@ -187,11 +187,11 @@ fn a_flat_mirror_shows_its_lamps_again() {
         falloff: Falloff::InverseSquare,
     };
     let sun = DVec3::new(1.0, -1.0, 0.0).normalize();
-    // What the lamp at a height sends to a place of the ceiling, 4 above the mirror. The camera looks up: left is +x.
-    let from = |height: f64, at: DVec2, weakens: bool| {
+    // Radiance of a point of the ceiling, 4 above the mirror, by a light at a height. The camera looks up: left is +x.
+    let from = |height: f64, at: DVec2, has_falloff: bool| {
         let offset = DVec3::new(-at.x, 4.0, -at.y) - DVec3::new(position.x, height, position.z);
         let square = offset.length_squared();
-        0.5 * offset.y / square.sqrt() / if weakens { square } else { 1.0 }
+        0.5 * offset.y / square.sqrt() / if has_falloff { square } else { 1.0 }
     };
     let cases: [(&str, DeltaLightKind, Truth<'_>); 4] = [
         ("point", point(Falloff::InverseSquare), &|at| from(1.0, at, true) + 0.8 * from(-1.0, at, true)),
@@ -201,15 +201,16 @@ fn a_flat_mirror_shows_its_lamps_again() {
     ];
     for (what, kind, truth) in cases {
         let mut scene = scene(camera, materials.clone(), nodes.clone(), vec![light(kind)]);
-        // Light that the ceiling sends back to the mirror comes on top of it.
+        // Exclude interreflection between ceiling and mirror.
         scene.settings.depth = 1;
         assert_shows(&scene, 2.0, truth, what);
     }
 }
 
-/// Glass balls, clear, rough and absorbing, a metal block, a body with interpolated normals, and lamps large enough for paths from
-/// the camera to find: one of them behind glass.
-fn agreeable() -> Scene {
+/// Scene that path tracing can render as well: its area lights are large, one of them behind glass.
+///
+/// Objects: clear, rough and absorbing glass spheres, a metal block, and a mesh with interpolated normals.
+fn comparable() -> Scene {
     let camera = Transform::look_at(DVec3::new(0.0, 3.0, 7.0), DVec3::Y * 0.8, DVec3::Y).expect("a view");
     let contents = [
         (floor(), 0),
@@ -269,10 +270,10 @@ fn largest(scores: &[f64]) -> f64 {
     scores.iter().fold(0.0, |largest, z| largest.max(z.abs()))
 }
 
-/// Nothing is counted twice, and nothing is lost.
+/// Light tracing with path tracing is unbiased: no path is counted twice or lost.
 #[test]
-fn paths_from_both_ends_find_what_paths_from_the_camera_find() {
-    let caustics = agreeable();
+fn caustics_agree_with_path_tracing() {
+    let caustics = comparable();
     let mut path = caustics.clone();
     path.settings.integrator = Integrator::Path;
     path.settings.seed = 1;
@@ -283,14 +284,14 @@ fn paths_from_both_ends_find_what_paths_from_the_camera_find() {
         largest(&blocks) < 4.5 && whole.abs() < 4.0 && square < 2.0,
         "{blocks:.1?}, all {whole:.1}, χ² {square:.2}"
     );
-    // Most of the test would be worth nothing without light that is found differently.
+    // The test is meaningful only if much of the light arrives by caustics.
     let mut direct = caustics.clone();
     direct.settings.depth = 1;
     let (blocks, whole) = scores(&render(&direct), &one);
     assert!(largest(&blocks) > 20.0 && whole.abs() > 20.0, "{blocks:.1?}, all {whole:.1}");
 }
 
-/// A scene of everything, with lamps.
+/// The scene with all features, at 8 samples per pixel.
 fn small() -> Scene {
     let mut scene = everything();
     scene.settings = Settings { integrator: Integrator::Caustics, spp: 8, passes: Some(2), ..scene.settings };
@@ -299,7 +300,7 @@ fn small() -> Scene {
 
 #[test]
 fn threads_structures_and_trimming_change_no_bit() {
-    for mut scene in [small(), agreeable()] {
+    for mut scene in [small(), comparable()] {
         scene.settings.spp = 8;
         scene.settings.passes = Some(2);
         let render = |scene: &Scene, plan: PlanOptions, threads| {
@@ -323,7 +324,7 @@ fn threads_structures_and_trimming_change_no_bit() {
 #[test]
 fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
     for filter in [Filter::Box, Filter::Mitchell] {
-        let mut scene = agreeable();
+        let mut scene = comparable();
         (scene.settings.spp, scene.settings.passes, scene.film.filter) = (8, Some(2), filter);
         let whole = film(&scene);
         let crop = Crop { x: 5, y: 3, width: 12, height: 9 };
@@ -341,7 +342,7 @@ fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
 
 #[test]
 fn without_mirrors_and_glass_it_is_path_tracing() {
-    let mut scene = agreeable();
+    let mut scene = comparable();
     scene.settings.spp = 4;
     scene.appearance.materials = vec![diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5)];
     scene.appearance.materials.extend([lamp(4.0, EmissionSides::Front), lamp(3.0, EmissionSides::Both), diffuse(0.4)]);
@@ -352,7 +353,7 @@ fn without_mirrors_and_glass_it_is_path_tracing() {
 
 #[test]
 fn passes_until_time_or_error_have_light_paths_too() {
-    let mut scene = agreeable();
+    let mut scene = comparable();
     scene.settings.spp = 4;
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
     let rule = StopRule { max_spp: 64, ..StopRule::default() };

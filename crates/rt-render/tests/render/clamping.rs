@@ -1,4 +1,4 @@
-//! Bound on indirect light: nothing where it is not set, and never more light where it is.
+//! Clamping of indirect light: no effect without a bound, never more light with one.
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection, SamplerKind};
 use rt_geometry::{Cuboid, Shape, Sphere};
@@ -18,8 +18,8 @@ fn sphere(centre: DVec3, radius: f64) -> Content {
     Content::Shape(Shape::Sphere(Sphere::new(centre, radius).expect("a sphere")))
 }
 
-/// A closed room with a small lamp and a mirror: indirect light with rare bright paths.
-fn room() -> Scene {
+/// A closed room with a small area light and a mirror: indirect light with rare bright paths.
+fn closed_scene() -> Scene {
     let view = Transform::look_at(DVec3::new(0.0, 1.0, 3.9), DVec3::Y, DVec3::Y).expect("a view");
     let camera = CameraSettings::new(view, Projection::Perspective { fov: 1.0, axis: FovAxis::Vertical });
     let walls = Cuboid::new(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 4.0)).expect("a box");
@@ -42,12 +42,12 @@ fn room() -> Scene {
             Node::new(sphere(DVec3::new(0.8, 0.6, 0.0), 0.6), MaterialId(1)),
             Node::new(sphere(DVec3::new(-1.0, 2.8, 3.7), 0.15), MaterialId(2)),
         ],
-        ..Scene::empty("room")
+        ..Scene::empty("closed_scene")
     }
 }
 
 fn with(integrator: Integrator, clamp: Option<f64>) -> Scene {
-    let mut scene = room();
+    let mut scene = closed_scene();
     (scene.settings.integrator, scene.settings.clamp) = (integrator, clamp);
     scene
 }
@@ -72,7 +72,7 @@ fn a_bound_that_nothing_exceeds_changes_no_bit() {
 }
 
 #[test]
-fn clamped_pictures_are_never_brighter_and_less_noisy() {
+fn clamped_images_are_never_brighter_and_less_noisy() {
     let (off, _) = render(&with(Integrator::Path, None), 2);
     let (on, clamping) = render(&with(Integrator::Path, Some(0.5)), 2);
     let clamping = clamping.expect("set");
@@ -92,7 +92,7 @@ fn clamped_pictures_are_never_brighter_and_less_noisy() {
 
 #[test]
 fn direct_light_is_not_clamped() {
-    // With next to no indirect light, what is left is direct.
+    // A tiny bound leaves direct light only.
     let (direct, none) = render(&with(Integrator::Direct, Some(1e-12)), 2);
     assert_eq!(none, None, "there is no indirect light");
     let (path, _) = render(&with(Integrator::Path, Some(1e-12)), 2);

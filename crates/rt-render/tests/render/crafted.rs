@@ -1,4 +1,4 @@
-//! Parts and checkpoints whose numbers were made up: refused, or used without a panic and without a sum that wraps.
+//! Crafted parts and checkpoints: they are rejected, or used without a panic or an overflow.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,7 +15,7 @@ use crate::support::spheres;
 /// Two tiles, one of them a single pixel wide.
 const SIZE: [u32; 2] = [17, 3];
 
-/// Entries of a list that are changed: those at its beginning, and the last.
+/// Number of changed entries at the beginning of a list; the last one is changed as well.
 const CHANGED: usize = 2;
 
 fn scene(integrator: Integrator) -> Scene {
@@ -26,14 +26,14 @@ fn scene(integrator: Integrator) -> Scene {
     scene
 }
 
-/// Whatever a number may be replaced by.
-fn made_up() -> Vec<Value> {
+/// Replacements of a number.
+fn crafted_numbers() -> Vec<Value> {
     let whole = [0, 1, 2, 3, 50, 255, 1 << 20, u64::from(u32::MAX), 1 << 32, 1 << 61, u64::MAX - 1, u64::MAX];
     let real = [-1.0, 0.5, 1e-300, 1e30, 1e308, f64::MIN].map(|value| Number::from_f64(value).expect("finite"));
     whole.into_iter().map(Value::from).chain(real.map(Value::Number)).collect()
 }
 
-/// Calls `try_it` with every variant of the value in which one number, one list, or one key is not what it was.
+/// Calls `try_it` with all variants of the value in which one number, list or key is changed.
 fn for_each_variant(value: &Value, mut try_it: impl FnMut(&str, Value)) {
     let mut pointers = Vec::new();
     collect(value, &mut String::new(), &mut pointers);
@@ -56,7 +56,7 @@ fn for_each_variant(value: &Value, mut try_it: impl FnMut(&str, Value)) {
                 let keys = map.keys().filter(|key| key.parse::<u32>().is_ok());
                 keys.flat_map(|key| ["0", "1", "2", "4294967295"].map(|to| rename(key, to))).flatten().collect()
             }
-            _ => made_up(),
+            _ => crafted_numbers(),
         };
         for variant in variants {
             let mut changed = value.clone();
@@ -66,7 +66,7 @@ fn for_each_variant(value: &Value, mut try_it: impl FnMut(&str, Value)) {
     }
 }
 
-/// Finds numbers, lists, and maps with numbers for keys; of long lists the first and the last.
+/// Finds numbers, lists, and maps with numeric keys. Of long lists, only the first and last entries.
 fn collect(value: &Value, pointer: &mut String, found: &mut Vec<String>) {
     let length = pointer.len();
     let mut each = |key: &str, value: &Value| {
@@ -117,7 +117,7 @@ fn crafted_numbers_of_parts_are_refused_or_harmless() {
                 return;
             };
             used += 1;
-            // A larger picture of which tiles are missing is possible as well.
+            // A larger image with missing tiles is valid as well.
             let (missing, bytes) = (part.missing_tiles(), part.rendering_bytes());
             let rendering = part.clone().into_rendering();
             assert_eq!(
@@ -126,7 +126,7 @@ fn crafted_numbers_of_parts_are_refused_or_harmless() {
                 "{what}"
             );
             assert!(missing == 0 || Part::join(vec![part.clone()]).is_err(), "{what}");
-            // The sums of both are more than each, and never less.
+            // Sums over both parts are at least the counts of each.
             let samples = rendering.statistics.samples;
             if let Ok(joined) = Part::join(vec![part, other.clone()]) {
                 let joined = joined.into_rendering().statistics;
@@ -153,7 +153,7 @@ fn counts_of_parts_that_overflowed_together_are_refused() {
     assert!(matches!(refused, Err(JoinError::Damaged(1, ContentError::Count { .. }))), "{refused:?}");
 }
 
-/// Keeps a checkpoint after some tiles, and interrupts the render.
+/// Saves a checkpoint after some tiles and interrupts the render.
 struct Keeper<'a> {
     tiles_left: u32,
     checkpoint: Value,
@@ -161,13 +161,13 @@ struct Keeper<'a> {
 }
 
 impl Observer for &mut Keeper<'_> {
-    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
+    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
         if self.tiles_left == 0 {
             return;
         }
         self.tiles_left -= 1;
         if self.tiles_left == 0 {
-            self.checkpoint = serde_json::to_value(so_far.checkpoint()).expect("numbers");
+            self.checkpoint = serde_json::to_value(snapshot.checkpoint()).expect("numbers");
             self.interrupt.store(true, Ordering::Relaxed);
         }
     }
@@ -222,7 +222,7 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
     }
 }
 
-/// First inputs of the fuzz targets, which are as old as the formats are. `WRITE_SEEDS=1` writes them anew.
+/// Seeds of the fuzz targets match the current formats. `WRITE_SEEDS=1` writes them again.
 #[test]
 fn seeds_of_the_fuzz_targets_are_sound() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds"));
@@ -260,13 +260,13 @@ fn seeds_of_the_fuzz_targets_are_sound() {
     }
 }
 
-/// Keeps the first checkpoint.
+/// Saves the first checkpoint.
 struct Writer<'a>(&'a mut Vec<u8>);
 
 impl Observer for Writer<'_> {
-    fn tile_done(&mut self, so_far: &RenderSnapshot<'_>) {
+    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
         if self.0.is_empty() {
-            *self.0 = postcard::to_stdvec(&so_far.checkpoint()).expect("written");
+            *self.0 = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
         }
     }
 }

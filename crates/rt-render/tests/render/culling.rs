@@ -1,4 +1,4 @@
-//! Camera rays are spared what lies outside the view; all other rays, and the picture, are not.
+//! Frustum culling: camera rays skip objects outside the view; other rays and the image do not change.
 
 use crate::support::{everything, point_light, sphere, spheres};
 use rt_camera::{Filter, Projection};
@@ -9,7 +9,7 @@ use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions, Statistics};
 use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MaterialId, Node, Scene};
 use rt_shading::{Background, ColorTexture, Phong};
 
-/// Mirrors all around the camera: 300 spheres in all directions, most of them outside the view.
+/// 300 mirrors in all directions around the camera, most of them outside the view.
 fn surrounded() -> Scene {
     let mut scene = spheres();
     scene.name = "surrounded".into();
@@ -20,8 +20,8 @@ fn surrounded() -> Scene {
     scene.nodes = (0..300u32)
         .map(|i| {
             let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[u64::from(i), k])) - 1.0;
-            let place = rt_math::DVec3::new(unit(0), unit(1), unit(2)).normalize() * (4.0 + f64::from(i % 7)) + eye;
-            Node::new(sphere(place.x, place.y, place.z, 0.3), MaterialId(0))
+            let centre = rt_math::DVec3::new(unit(0), unit(1), unit(2)).normalize() * (4.0 + f64::from(i % 7)) + eye;
+            Node::new(sphere(centre.x, centre.y, centre.z, 0.3), MaterialId(0))
         })
         .collect();
     scene.settings.depth = 3;
@@ -35,23 +35,23 @@ fn render(scene: &Scene, options: PlanOptions) -> (Image, Statistics) {
     (rendering.film, rendering.statistics)
 }
 
-/// Number of objects that the plan leaves out for camera rays.
+/// Number of objects that the plan culls for camera rays.
 fn culled(scene: &Scene, options: &PlanOptions) -> Option<usize> {
     let plan = RenderPlan::compile(scene, options).expect("the scene compiles");
     let line = plan.explain().left_out.into_iter().find(|left| left.what == "objects, for camera rays")?;
     line.reason.split(' ').next()?.parse().ok()
 }
 
-fn assert_same_picture(scene: &Scene, options: PlanOptions) {
+fn assert_culling_keeps_image(scene: &Scene, options: PlanOptions) {
     let culled = render(scene, options).0;
     let full = render(scene, PlanOptions { full: true, ..options }).0;
     assert_eq!(culled, full, "{}", scene.name);
     let distinct: std::collections::HashSet<_> = culled.pixels().iter().map(|p| p.map(f32::to_bits)).collect();
-    assert!(distinct.len() > culled.pixels().len() / 50, "a picture worth comparing");
+    assert!(distinct.len() > culled.pixels().len() / 50, "an image worth comparing");
 }
 
 #[test]
-fn the_picture_is_the_same_for_all_cameras_filters_and_crops() {
+fn the_image_is_the_same_for_all_cameras_filters_and_crops() {
     let mut scene = surrounded();
     let view = scene.cameras[0].settings;
     let parallel = Projection::Orthographic { height: 4.0 };
@@ -64,24 +64,24 @@ fn the_picture_is_the_same_for_all_cameras_filters_and_crops() {
                 scene.film.sample_offset = DVec2::splat(sample_offset);
                 let options = PlanOptions { crop, ..PlanOptions::default() };
                 assert!(culled(&scene, &options).expect("something to leave out") >= 150);
-                assert_same_picture(&scene, options);
+                assert_culling_keeps_image(&scene, options);
             }
         }
     }
 }
 
 #[test]
-fn the_picture_is_the_same_for_all_structures_and_integrators() {
+fn the_image_is_the_same_for_all_structures_and_integrators() {
     let mut scene = surrounded();
     for integrator in [Integrator::Normals, Integrator::Depth, Integrator::Uv, Integrator::Whitted] {
         scene.settings.integrator = integrator;
-        assert_same_picture(&scene, PlanOptions::default());
+        assert_culling_keeps_image(&scene, PlanOptions::default());
     }
-    let picture = render(&scene, PlanOptions::default()).0;
+    let image = render(&scene, PlanOptions::default()).0;
     for accel in Accel::ALL {
         scene.settings.accel = accel;
         assert!(culled(&scene, &PlanOptions::default()).is_some());
-        assert_eq!(render(&scene, PlanOptions::default()).0, picture, "{accel:?}");
+        assert_eq!(render(&scene, PlanOptions::default()).0, image, "{accel:?}");
     }
 }
 
@@ -90,24 +90,24 @@ fn mixed_worlds_keep_their_floor_and_their_groups() {
     let mut scene = everything();
     scene.name = "mixed".into();
     let eye = scene.cameras[0].settings.world_from_camera.translation();
-    // Behind the camera: single spheres, and a group whose instances are left out as a whole.
+    // Behind the camera: single spheres, and instances of a group, culled as a whole.
     scene.groups.push(Group { name: "ball".into(), nodes: vec![Node::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(2))] });
     let ball = GroupId(scene.groups.len() as u32 - 1);
     for i in 0..40 {
-        let place = eye * 1.5 + rt_math::DVec3::X * f64::from(i - 20);
-        scene.nodes.push(Node::new(sphere(place.x, place.y, place.z, 0.4), MaterialId(0)));
+        let centre = eye * 1.5 + rt_math::DVec3::X * f64::from(i - 20);
+        scene.nodes.push(Node::new(sphere(centre.x, centre.y, centre.z, 0.4), MaterialId(0)));
         scene.nodes.push(Node {
-            parent_from_local: Transform::translate(place + rt_math::DVec3::Y),
+            parent_from_local: Transform::translate(centre + rt_math::DVec3::Y),
             ..Node::new(Content::Instance(ball), MaterialId(0))
         });
     }
     let left_out = culled(&scene, &PlanOptions::default()).expect("something to leave out");
     assert!((80..90).contains(&left_out), "{left_out}: all that were added, and hardly more");
-    assert_same_picture(&scene, PlanOptions::default());
+    assert_culling_keeps_image(&scene, PlanOptions::default());
 }
 
 #[test]
-fn camera_rays_are_spared_work_and_no_others() {
+fn culling_saves_work_of_camera_rays_only() {
     let mut scene = surrounded();
     let work = |scene: &Scene, options: PlanOptions| {
         let counters = render(scene, options).1.counters;
@@ -125,11 +125,11 @@ fn camera_rays_are_spared_work_and_no_others() {
         assert!(reflection.rays > 1000);
         assert_eq!(reflection, reflection_full);
     }
-    // Brute force asks each camera ray of what is left.
+    // Brute force tests each camera ray against all visible primitives.
     scene.settings.accel = Accel::Linear;
     let (primary, _) = work(&scene, PlanOptions::default());
-    let left = 300 - culled(&scene, &PlanOptions::default()).expect("something to leave out") as u64;
-    assert_eq!(primary.tests, primary.rays * left);
+    let visible = 300 - culled(&scene, &PlanOptions::default()).expect("something to leave out") as u64;
+    assert_eq!(primary.tests, primary.rays * visible);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn predicted_memory_includes_the_second_structure() {
     assert!(without < with && with <= without + without / 2, "{with} after {without}");
 }
 
-/// Tiles that see nothing, a few spheres, and more than a few.
+/// Scene with tiles that show no sphere, a few spheres, and many.
 fn scattered() -> Scene {
     let mut scene = surrounded();
     scene.nodes = (0..40u32)
@@ -169,7 +169,7 @@ fn scattered() -> Scene {
 }
 
 #[test]
-fn tiles_that_see_little_show_the_same_picture_by_no_more_rays_than_it_takes() {
+fn culling_by_tile_keeps_the_image_and_traces_fewer_rays() {
     let mut scene = scattered();
     let gradient = Background::Gradient { bottom: Rgb::gray(0.1), top: Rgb::gray(0.9) };
     for background in [Background::Constant(Rgb::new(0.1, 0.2, 0.7)), gradient] {
@@ -188,14 +188,14 @@ fn tiles_that_see_little_show_the_same_picture_by_no_more_rays_than_it_takes() {
                 assert_eq!(full_work.primary_rays_spared, 0);
                 assert!(2 * work.primary_rays_spared > camera, "most tiles are empty: {work:?}");
                 let nodes = |work: &Statistics| work.counters.of(RayKind::Primary).nodes;
-                assert!(2 * nodes(&work) < nodes(&full_work), "most tiles walk no tree");
+                assert!(2 * nodes(&work) < nodes(&full_work), "most tiles traverse no tree");
             }
         }
     }
 }
 
 #[test]
-fn a_background_that_is_no_radiance_is_counted_in_tiles_that_see_nothing() {
+fn invalid_background_radiance_is_counted_in_empty_tiles() {
     let mut scene = scattered();
     scene.nodes.truncate(1);
     scene.appearance.background = Background::Constant(Rgb::new(f64::NAN, 0.0, 0.0));
@@ -206,7 +206,7 @@ fn a_background_that_is_no_radiance_is_counted_in_tiles_that_see_nothing() {
 }
 
 #[test]
-fn a_structure_that_is_asked_for_gets_all_camera_rays() {
+fn a_requested_accelerator_traces_all_camera_rays() {
     let mut scene = scattered();
     scene.settings.accel = Accel::Linear;
     let (_, work) = render(&scene, PlanOptions::default());

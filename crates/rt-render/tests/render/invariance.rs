@@ -1,9 +1,8 @@
-//! A scene looks the same wherever it stands and whatever its size: each pixel's radiance, before the film rounds it, to
-//! 10⁻⁹ (stiff case S80).
+//! Translation and scaling of a scene do not change its image: unrounded radiance agrees to 10⁻⁹ (stiff case S80).
 //!
-//! Where a scene is moved, its numbers must be exact before and after, or it is another scene: near 10⁶ the numbers are
-//! 10⁻¹⁰ apart, which a scene of size 10⁻³ sees as 10⁻⁷. So moves go with scales that are powers of two, the ones next to
-//! 10⁻³ and 10³, and the positions of cameras and lights have few digits. Then no sample crosses a silhouette either.
+//! The translated numbers must be exact, or the scene itself changes. Near 10⁶, numbers are 10⁻¹⁰ apart, which is 10⁻⁷ of a
+//! scene of size 10⁻³. Scales are therefore powers of two near 10⁻³ and 10³, and positions of cameras and lights have few
+//! digits. No sample crosses a silhouette.
 
 use crate::support::{everything, spheres};
 use rt_camera::Projection;
@@ -15,7 +14,7 @@ use rt_shading::{DeltaLightKind, Falloff};
 
 const ONE_IN_A_BILLION: f64 = 1e-9;
 
-/// The scene enlarged and then moved, as a whole.
+/// The whole scene, scaled and then translated.
 fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Scene {
     rt_tests::moved(scene, scale, offset).expect("regular")
 }
@@ -27,15 +26,15 @@ fn pixels(scene: &Scene) -> Vec<Rgb> {
     all.map(|(x, y)| plan.pixel(x, y).expect("a pixel of the image")).collect()
 }
 
-/// The greatest difference of two pictures in any component of any pixel.
+/// Maximum difference between two images in a channel of a pixel.
 fn difference(a: &[Rgb], b: &[Rgb]) -> f64 {
     assert_eq!(a.len(), b.len());
     let components = |(a, b): (&Rgb, &Rgb)| (*a - *b).to_array();
     a.iter().zip(b).flat_map(components).fold(0.0, |worst: f64, c| worst.max(c.abs()))
 }
 
-/// Everything that the renderer has, but for light that weakens with the distance.
-fn stage() -> Scene {
+/// Scene with all features except lights with falloff.
+fn base_scene() -> Scene {
     let mut scene = everything();
     for light in &mut scene.appearance.lights {
         if let DeltaLightKind::Spot { falloff, .. } = &mut light.kind {
@@ -46,16 +45,16 @@ fn stage() -> Scene {
     scene
 }
 
-fn stages() -> [Scene; 3] {
-    let mut parallel = stage();
+fn base_scenes() -> [Scene; 3] {
+    let mut parallel = base_scene();
     parallel.name = "parallel".into();
     parallel.cameras[0].settings.projection = Projection::Orthographic { height: 6.0 };
-    [spheres(), stage(), parallel]
+    [spheres(), base_scene(), parallel]
 }
 
 #[test]
-fn the_size_of_a_scene_is_not_seen() {
-    for scene in stages() {
+fn scaling_does_not_change_the_image() {
+    for scene in base_scenes() {
         let expected = pixels(&scene);
         for scale in [1e-3, 0.01, 7.0, 1e3] {
             let worst = difference(&expected, &pixels(&moved(&scene, scale, DVec3::ZERO)));
@@ -65,9 +64,9 @@ fn the_size_of_a_scene_is_not_seen() {
 }
 
 #[test]
-fn the_place_of_a_scene_is_not_seen() {
+fn translation_does_not_change_the_image() {
     let million = DVec3::new(1e6, -1e6, 1e6);
-    for scene in stages() {
+    for scene in base_scenes() {
         let expected = pixels(&scene);
         for scale in [1.0 / 1024.0, 1.0, 1024.0] {
             for offset in [million, million * scale] {
@@ -96,7 +95,7 @@ fn shapes_with_large_coordinates_of_their_own_look_the_same() {
 
 #[test]
 fn pixels_are_those_of_the_film_and_only_those() {
-    let scene = stage();
+    let scene = base_scene();
     let crop = rt_render::Crop { x: 11, y: 5, width: 7, height: 3 };
     let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
     let plan = RenderPlan::compile(&scene, &options).expect("the scene compiles");

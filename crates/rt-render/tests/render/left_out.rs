@@ -1,4 +1,4 @@
-//! What a plan leaves out costs nothing: the counters prove it.
+//! Parts that a plan leaves out cost no work, as counters show.
 
 use crate::support::{everything, sphere, spheres};
 use rt_geometry::RayKind;
@@ -19,7 +19,7 @@ fn rays(statistics: &Statistics, kind: RayKind) -> u64 {
 }
 
 #[test]
-fn brute_force_asks_each_sphere_once_for_each_primary_ray() {
+fn brute_force_tests_each_sphere_once_per_primary_ray() {
     let mut scene = spheres();
     scene.settings.accel = Accel::Linear;
     let statistics = statistics(&scene);
@@ -34,10 +34,10 @@ fn diffuse_spheres_need_no_secondary_rays_and_no_optics() {
     for kind in [RayKind::Reflection, RayKind::Refraction, RayKind::Diffuse] {
         assert_eq!(rays(&statistics, kind), 0);
     }
-    let spared = statistics.shading.shadow_rays_spared;
-    assert_eq!(statistics.shading, ShadingCounts { shadow_rays_spared: spared, ..ShadingCounts::default() });
-    let hits = (rays(&statistics, RayKind::Shadow) + spared) / 2;
-    assert!(spared > 0 && hits > 1000, "two shadow rays are traced or spared for each of {hits} hits");
+    let skipped = statistics.shading.shadow_rays_spared;
+    assert_eq!(statistics.shading, ShadingCounts { shadow_rays_spared: skipped, ..ShadingCounts::default() });
+    let hits = (rays(&statistics, RayKind::Shadow) + skipped) / 2;
+    assert!(skipped > 0 && hits > 1000, "two shadow rays are traced or skipped for each of {hits} hits");
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn no_shadow_rays_where_nothing_casts_shadows() {
 }
 
 #[test]
-fn materials_that_nothing_wears_cost_nothing() {
+fn unused_materials_cost_nothing() {
     let mut scene = everything();
     scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5))];
     let statistics = statistics(&scene);
@@ -72,7 +72,7 @@ fn materials_that_nothing_wears_cost_nothing() {
 }
 
 #[test]
-fn samples_that_are_not_numbers_are_counted_and_black() {
+fn invalid_samples_are_counted_and_black() {
     for bad in [f64::NAN, f64::INFINITY, -1e3, 1e39] {
         let mut scene = spheres();
         scene.appearance.materials[0].phong.emission = ColorTexture::Constant(Rgb::new(bad, 0.0, 0.0));

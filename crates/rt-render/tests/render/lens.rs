@@ -1,4 +1,4 @@
-//! Depth of field: what the lens blurs, and what it must not change.
+//! Depth of field.
 
 use crate::support::{everything, point_light, sphere, spheres};
 use rt_camera::{Lens, Projection, SamplerKind};
@@ -39,20 +39,20 @@ fn a_lens_of_no_size_changes_no_bit() {
 }
 
 #[test]
-fn the_picture_is_the_same_for_all_threads_structures_and_plans() {
+fn the_image_is_the_same_for_all_threads_structures_and_plans() {
     let mut scene = through_a_lens(everything());
-    let picture = render(&scene);
-    assert_eq!(render_with(&scene, PlanOptions::default(), 3), picture);
-    assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 1), picture);
+    let image = render(&scene);
+    assert_eq!(render_with(&scene, PlanOptions::default(), 3), image);
+    assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 1), image);
     for accel in Accel::ALL {
         scene.settings.accel = accel;
-        assert_eq!(render(&scene), picture, "{accel:?}");
+        assert_eq!(render(&scene), image, "{accel:?}");
     }
 }
 
-/// Spheres in all directions around the camera, so that most lie outside the view, some of them partly and near the lens.
+/// Spheres in all directions around the camera. Most lie outside the view, some partly and near the lens.
 #[test]
-fn what_is_left_out_for_camera_rays_is_met_through_no_point_of_the_lens() {
+fn culling_covers_rays_through_all_points_of_the_lens() {
     let mut scene = through_a_lens(spheres());
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     scene.appearance.lights = vec![point_light((eye + 0.5).to_array(), 0.8)];
@@ -77,10 +77,10 @@ fn what_is_left_out_for_camera_rays_is_met_through_no_point_of_the_lens() {
     }
 }
 
-/// A white ball out of focus on black: the light in the picture is spread, and neither lost nor made. Its outline through each
-/// point of the lens is the same, but for perspective.
+/// A white sphere out of focus on black: blur conserves the energy of the image. Its outline is nearly the same from all points
+/// of the lens.
 #[test]
-fn blur_keeps_the_light() {
+fn blur_conserves_energy() {
     let mut scene = spheres();
     let white = Phong { emission: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
     scene.appearance.materials[0].phong = white;
@@ -97,9 +97,9 @@ fn blur_keeps_the_light() {
     assert!(brightest_edge(&blurred) > 3 * brightest_edge(&sharp));
 }
 
-/// In air within reach of a ball of smoke, some rays start inside of it and some outside.
+/// A lens at the boundary of a smoke sphere: some rays start inside, some outside.
 #[test]
-fn each_ray_finds_what_its_point_of_the_lens_lies_in() {
+fn each_ray_starts_in_the_medium_of_its_lens_point() {
     let mut scene = through_a_lens(everything());
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     let ball = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);

@@ -1,4 +1,4 @@
-//! AnimatedTransform blur: what moves is where it is at each ray's moment.
+//! Motion blur: animated objects are intersected at the time of each ray.
 
 use crate::support::{everything, sphere, spheres};
 use rt_camera::{Projection, SamplerKind};
@@ -21,7 +21,7 @@ fn shift(x: f64, y: f64, z: f64) -> Transform {
     Transform::translate(DVec3::new(x, y, z))
 }
 
-/// One of everything, of which all but the floor moves: shapes, a mesh, instances, and one thing within a group.
+/// Scene in which everything except the floor moves: shapes, a mesh, instances, and an object within a group.
 fn everything_moves() -> Scene {
     let mut scene = everything();
     let turn = Transform::rotate(DVec3::new(0.3, 1.0, -0.2), 0.7).expect("an axis");
@@ -33,26 +33,26 @@ fn everything_moves() -> Scene {
     scene
 }
 
-/// The scene as it is at a moment, without any motion.
-fn frozen(scene: &Scene, moment: f64) -> Scene {
+/// Static scene with all objects at their positions of one time.
+fn frozen(scene: &Scene, time: f64) -> Scene {
     let mut scene = scene.clone();
     let groups = scene.groups.iter_mut().flat_map(|group| &mut group.nodes);
     for node in scene.nodes.iter_mut().chain(groups) {
         if let Some(motion) = node.motion().expect("a motion") {
-            node.parent_from_local = motion.at(moment);
+            node.parent_from_local = motion.at(time);
         }
         node.moves_to = None;
     }
     let camera = &mut scene.cameras[0].settings;
     if let Some(end) = camera.moves_to.take() {
         camera.world_from_camera =
-            AnimatedTransform::new(&camera.world_from_camera, &end).expect("a motion").at(moment);
+            AnimatedTransform::new(&camera.world_from_camera, &end).expect("a motion").at(time);
     }
     scene
 }
 
 #[test]
-fn a_shutter_that_opens_for_no_time_shows_the_still_picture_of_that_moment() {
+fn a_shutter_interval_of_length_zero_gives_the_static_image() {
     let mut scene = everything_moves();
     let camera = &mut scene.cameras[0].settings;
     camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
@@ -67,9 +67,9 @@ fn a_shutter_that_opens_for_no_time_shows_the_still_picture_of_that_moment() {
     assert_ne!(render(&scene), render(&frozen(&scene, 0.0)));
 }
 
-/// Open for the time between two neighbouring numbers, the shutter shows what moves as if it stood still, but for rounding.
+/// With a shutter interval of one ulp, the image is the static one except for rounding.
 #[test]
-fn a_moment_of_what_moves_is_the_still_picture() {
+fn a_minimal_shutter_interval_gives_the_static_image() {
     let mut scene = everything_moves();
     scene.settings.passes = Some(1);
     let still = render(&frozen(&scene, 0.375));
@@ -78,12 +78,12 @@ fn a_moment_of_what_moves_is_the_still_picture() {
     assert!(!plan.explain().left_out.iter().any(|left| left.what == "time"));
     let moving = render(&scene);
     let differs = |(a, b): &(&[f32; 3], &[f32; 3])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4);
-    // Where an edge is met by a hair, a sample falls on the other side of it.
+    // A sample next to an edge may fall on the other side of it.
     let different = moving.pixels().iter().zip(still.pixels()).filter(differs).count();
     assert!(different <= 3, "{different} of {} pixels", moving.pixels().len());
 }
 
-/// Means of squares of 10 × 10 pixels.
+/// Means of blocks of 10 × 10 pixels.
 fn blocks(film: &Image) -> Vec<f64> {
     let (width, height) = (film.width() as usize, film.pixels().len() / film.width() as usize);
     let block = |left: usize, top: usize| {
@@ -94,7 +94,7 @@ fn blocks(film: &Image) -> Vec<f64> {
     (0..height / 10).flat_map(|y| (0..width / 10).map(move |x| block(10 * x, 10 * y))).collect()
 }
 
-/// The same of the mean of pictures of still scenes, at moments in the middle of equal parts of the time.
+/// Mean of [`blocks`] over static images, at the midpoints of equal subintervals of the shutter.
 fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
     let stills = (0..count).map(|i| {
         let mut still = frozen(scene, (f64::from(i) + 0.5) / f64::from(count));
@@ -106,9 +106,9 @@ fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
     sum.iter().map(|value| value / f64::from(count)).collect()
 }
 
-/// Rays of all kinds are at the moment of their camera ray, and light paths at one of their own that all their rays share.
+/// All rays of a camera path share its time, and all rays of a light path have the time of that path.
 #[test]
-fn the_picture_is_the_mean_of_the_still_pictures_of_its_moments() {
+fn the_image_is_the_mean_of_static_images() {
     let mut scene = everything_moves();
     scene.appearance.materials[5].phong.emission = ColorTexture::ZERO;
     let camera = &mut scene.cameras[0].settings;
@@ -128,10 +128,9 @@ fn the_picture_is_the_mean_of_the_still_pictures_of_its_moments() {
     }
 }
 
-/// A ball of glass flies over a floor, and the spot that it gathers light to goes with it. A plain ball casts a shadow, and
-/// the camera moves as well.
+/// A glass sphere with its caustic moves over a floor. A diffuse sphere casts a shadow, and the camera moves as well.
 #[test]
-fn caustics_of_what_moves_are_means_of_stills() {
+fn caustics_in_motion_are_means_of_static_images() {
     let mut scene = everything();
     scene.groups.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
@@ -158,9 +157,9 @@ fn caustics_of_what_moves_are_means_of_stills() {
     assert!(gathered > 0.03, "{gathered}");
 }
 
-/// From within water that moves away, or with a camera that leaves it, each ray finds out what is around it at its moment.
+/// Water moves away from the camera, or the camera leaves it: each ray starts in the medium of its time.
 #[test]
-fn what_is_around_the_camera_is_that_of_the_moment() {
+fn camera_rays_start_in_the_medium_of_their_time() {
     let mut scene = everything();
     scene.groups.clear();
     scene.nodes.truncate(1);
@@ -193,30 +192,30 @@ fn edges_are_looked_for_where_nothing_moves() {
     assert!(matches!(refusal(&scene), Some(RenderError::AdaptiveMotion)));
 }
 
-/// `distributed` draws lights and follows no ray that would find a lamp by chance.
+/// `distributed` only finds sampled lights, and animated lights are not sampled.
 #[test]
-fn lamps_that_move_are_refused_where_no_ray_would_find_them() {
+fn distributed_refuses_animated_lights() {
     let mut scene = everything();
     scene.settings.integrator = Integrator::Distributed;
     let refusal = |scene: &Scene| RenderPlan::compile(scene, &PlanOptions::default()).err();
     assert!(refusal(&scene).is_none());
-    let mut lamp = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5));
-    lamp.name = "firefly".into();
-    lamp.moves_to = Some(shift(1.0, 0.0, 0.0));
+    let mut emitter = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5));
+    emitter.name = "firefly".into();
+    emitter.moves_to = Some(shift(1.0, 0.0, 0.0));
     let mut swarm = Node::new(Content::Instance(GroupId(0)), MaterialId(0));
     (swarm.name, swarm.moves_to) = ("swarm".into(), Some(shift(1.0, 0.0, 0.0)));
-    let alone = Scene { nodes: vec![lamp.clone()], ..scene.clone() };
+    let alone = Scene { nodes: vec![emitter.clone()], ..scene.clone() };
     let mut grouped = Scene { nodes: vec![swarm], ..scene.clone() };
-    grouped.groups[0].nodes = vec![Node { moves_to: None, ..lamp }];
+    grouped.groups[0].nodes = vec![Node { moves_to: None, ..emitter }];
     for (mut scene, name) in [(alone, "firefly"), (grouped, "swarm")] {
-        assert!(matches!(refusal(&scene), Some(RenderError::MovingLamp(lamp)) if lamp == name), "{name}");
+        assert!(matches!(refusal(&scene), Some(RenderError::MovingLamp(object)) if object == name), "{name}");
         scene.settings.integrator = Integrator::Path;
         assert!(refusal(&scene).is_none());
     }
 }
 
 #[test]
-fn the_picture_is_the_same_for_all_threads_structures_and_plans() {
+fn the_image_is_the_same_for_all_threads_structures_and_plans() {
     let mut scene = everything_moves();
     for camera_moves in [false, true] {
         if camera_moves {
@@ -236,9 +235,9 @@ fn the_picture_is_the_same_for_all_threads_structures_and_plans() {
     }
 }
 
-/// 200 balls that fly in all directions past a camera at rest: most are left out for its rays, and none that is seen at any moment.
+/// 200 spheres that move in all directions past a static camera. Culling excludes most, and none that is visible at any time.
 #[test]
-fn what_flies_through_the_view_is_not_left_out() {
+fn objects_that_cross_the_view_are_not_culled() {
     let mut scene = spheres();
     scene.nodes = (0..200u64)
         .map(|i| {
@@ -261,7 +260,7 @@ fn what_flies_through_the_view_is_not_left_out() {
 }
 
 #[test]
-fn scenes_at_rest_do_not_draw_moments() {
+fn static_scenes_sample_no_time() {
     let mut scene = everything();
     let picture = render(&scene);
     scene.cameras[0].settings.shutter = [0.25, 0.5];
@@ -274,10 +273,9 @@ fn scenes_at_rest_do_not_draw_moments() {
     assert_eq!(render(&scene), picture);
 }
 
-/// A white ball of radius r on black that moves by 4r: a point that its middle passes over is covered for 2r of the 4r, wherever
-/// the ball neither starts nor ends there.
+/// A white sphere of radius r moves by 4r over black. On the line of its centre, away from both ends, coverage is ½.
 #[test]
-fn a_ball_that_moves_across_covers_points_by_the_length_of_its_chords() {
+fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
     let (radius, way) = (0.5, 2.0);
     let mut scene = spheres();
     let place = shift(0.0, 0.0, 9.0);
@@ -314,9 +312,9 @@ fn a_ball_that_moves_across_covers_points_by_the_length_of_its_chords() {
     }
 }
 
-/// Rays that leave a turning ball by mirroring must not meet it again: it is convex.
+/// Rays reflected by a rotating sphere must not hit it again: it is convex.
 #[test]
-fn mirrored_rays_do_not_meet_what_they_left() {
+fn reflected_rays_do_not_hit_their_origin() {
     let mut scene = spheres();
     let mirror = Phong { mirror: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
     scene.appearance.materials[0].phong = Phong { specular: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..mirror };
@@ -333,7 +331,7 @@ fn mirrored_rays_do_not_meet_what_they_left() {
 }
 
 #[test]
-fn a_camera_that_moves_sees_as_if_the_world_moved_the_other_way() {
+fn camera_motion_equals_inverse_world_motion() {
     let mut moving_camera = spheres();
     let place = moving_camera.cameras[0].settings.world_from_camera;
     let step = shift(0.6, 0.2, -0.3);
@@ -356,16 +354,16 @@ fn a_camera_that_moves_sees_as_if_the_world_moved_the_other_way() {
     }
 }
 
-/// A lamp that moves is no light to draw from; paths find it, with the same light as they find a lamp at rest.
+/// Animated lights are not sampled. Paths that hit them compute the same radiance as for static lights.
 #[test]
-fn lamps_that_move_are_found_by_rays() {
+fn animated_lights_are_found_by_rays() {
     let mut scene = spheres();
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
-    let mut lamp_material = scene.appearance.materials[0].clone();
-    lamp_material.phong = Phong { emission: ColorTexture::Constant(Rgb::WHITE), ..Phong::default() };
-    scene.appearance.materials.push(lamp_material);
-    // A ceiling that is everywhere at all moments, so that its light is that of one at rest.
+    let mut emissive_material = scene.appearance.materials[0].clone();
+    emissive_material.phong = Phong { emission: ColorTexture::Constant(Rgb::WHITE), ..Phong::default() };
+    scene.appearance.materials.push(emissive_material);
+    // An infinite ceiling covers the same points at all times: its light is that of a static one.
     let wide = rt_geometry::Cuboid::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");
     let lamp = Content::Shape(rt_geometry::Shape::Cuboid(wide));
     scene.nodes.push(Node::new(lamp, MaterialId(1)));

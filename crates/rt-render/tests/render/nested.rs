@@ -1,4 +1,4 @@
-//! Transparent bodies within each other, from scene to picture.
+//! Nested dielectrics, from scene to image.
 
 use crate::support::{everything, point_light, sphere, spheres};
 use rt_camera::{CameraSettings, Projection};
@@ -18,7 +18,7 @@ fn film(scene: &Scene) -> Image {
     render(scene, &PlanOptions::default()).film
 }
 
-/// The same bits; says no more than where they differ.
+/// Asserts that images are bit-identical; reports the first difference only.
 fn assert_same(a: &Image, b: &Image, what: &str) {
     let differing = a.pixels().iter().zip(b.pixels()).filter(|(a, b)| a != b).count();
     assert!(a == b, "{what}: {differing} pixels differ");
@@ -37,7 +37,7 @@ fn slab(min: [f64; 3], max: [f64; 3]) -> Content {
     Content::Shape(Shape::Cuboid(Cuboid::new(DVec3::from(min), DVec3::from(max)).expect("a box")))
 }
 
-/// Glass with water and ice in it and a bubble in that, all overlapping, among the spheres.
+/// A glass with water, ice and a bubble, all overlapping, among spheres.
 fn drink() -> Scene {
     let mut scene = spheres();
     scene.name = "drink".into();
@@ -73,14 +73,14 @@ fn trimming_threads_and_structures_do_not_change_nested_glass() {
 }
 
 #[test]
-fn glass_of_the_density_of_air_gives_the_picture_without_it() {
+fn dielectrics_of_ior_one_do_not_change_the_image() {
     for (mut scene, transparent) in [(spheres(), false), (everything(), false), (spheres(), true)] {
         let options = PlanOptions { transparent, ..PlanOptions::default() };
         let without = render(&scene, &options).film;
         let air = MaterialId(scene.appearance.materials.len() as u32);
-        // Where it overlaps glass, there is glass.
+        // Glass has priority where both overlap.
         scene.appearance.materials.push(dielectric(1.0, 0.0, -1));
-        // Before, among and above the objects, across the light's way to them, and around the camera.
+        // In front of, between and above the objects, between light and objects, and around the camera.
         scene.nodes.insert(0, Node::new(sphere(0.3, 0.6, 2.5, 1.2), air));
         scene.nodes.push(Node::new(sphere(3.0, 5.0, 4.0, 2.0), air));
         scene.nodes.push(Node::new(sphere(1.0, 3.0, 9.0, 0.5), air));
@@ -89,7 +89,7 @@ fn glass_of_the_density_of_air_gives_the_picture_without_it() {
 }
 
 #[test]
-fn bodies_of_one_density_and_tint_within_each_other_are_one_body() {
+fn nested_dielectrics_of_equal_ior_and_absorption_act_as_one() {
     let mut scene = spheres();
     let glass = MaterialId(scene.appearance.materials.len() as u32);
     let same = MaterialId(glass.0 + 1);
@@ -106,7 +106,7 @@ fn bodies_of_one_density_and_tint_within_each_other_are_one_body() {
     assert_same(&one, &several.film, &scene.name);
 }
 
-/// A ball of smoke of radius 2 around the camera, or one that the camera's rays start in.
+/// A smoke sphere of radius 2 that contains all origins of camera rays.
 fn in_smoke(projection: Projection) -> Scene {
     let mut scene = spheres();
     scene.appearance.materials = vec![dielectric(1.0, 0.5, 0)];
@@ -128,9 +128,9 @@ fn a_camera_in_smoke_sees_all_of_it_in_all_directions() {
     }
 }
 
-/// Glass with the camera in it, and a bubble before the camera: what it is inside of decides about both.
+/// Glass around the camera with a bubble in front of it: the medium of the camera affects both.
 #[test]
-fn a_camera_knows_what_it_stands_in() {
+fn camera_rays_start_in_the_surrounding_medium() {
     for projection in [spheres().cameras[0].settings.projection, Projection::Orthographic { height: 1.0 }] {
         let mut scene = in_smoke(projection);
         scene.appearance.materials = vec![dielectric(1.5, 0.2, 0), dielectric(1.0, 0.0, 1)];
@@ -140,7 +140,7 @@ fn a_camera_knows_what_it_stands_in() {
         assert_same(&found, &film(&scene), "found and named");
         scene.nodes.swap(0, 1);
         assert_same(&found, &film(&scene), "named, in another order");
-        // Without the bubble's ball of glass, the bubble is nothing in air.
+        // Without the glass, the bubble is air in air.
         scene.cameras[0].medium = None;
         scene.nodes.truncate(1);
         assert!(film(&scene).pixels().iter().all(|pixel| (pixel[2] - 0.3).abs() < 1e-7));
@@ -149,8 +149,8 @@ fn a_camera_knows_what_it_stands_in() {
 }
 
 #[test]
-fn orthographic_rays_look_where_each_of_them_starts() {
-    // The camera's plane cuts a slab of smoke: the left half of the rays starts in it.
+fn each_orthographic_ray_starts_in_its_own_medium() {
+    // The camera plane cuts a slab of smoke: rays of the left half start in it.
     let mut scene = in_smoke(Projection::Orthographic { height: 1.0 });
     scene.settings.pattern = rt_camera::SamplerKind::Centre;
     scene.settings.spp = 1;
@@ -188,9 +188,9 @@ fn explanations_say_what_nests() {
     assert!(!used(&spheres()).contains("transparent bodies"));
 }
 
-/// One texel of four by two is NaN; a floor of 61 by 43 pixels shows it over the whole picture.
+/// One texel of 4 × 2 is NaN; a floor shows the texture over the whole image of 61 × 43 pixels.
 #[test]
-fn each_sample_of_a_texel_that_is_not_a_number_is_counted() {
+fn each_sample_of_a_nan_texel_is_counted() {
     let mut scene = in_smoke(Projection::Orthographic { height: 2.0 });
     (scene.film.width, scene.film.height, scene.settings.spp) = (64, 32, 4);
     let mut pixels = vec![[0.5; 3]; 8];

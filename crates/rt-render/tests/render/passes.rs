@@ -1,4 +1,4 @@
-//! Independent passes: what they change, what they tell, and when they end.
+//! Independent passes: error estimates and stop rules.
 
 use std::time::Duration;
 
@@ -32,7 +32,7 @@ fn half_plane(side: u32, start: f64, slope: f64) -> Scene {
     }
 }
 
-/// What the pixels of that image really show, row by row: half of the part of the pixel below the line.
+/// Exact pixel values of that image, row by row: half of the area of the pixel below the line.
 fn truth(side: u32, start: f64, slope: f64) -> Vec<f64> {
     let n = f64::from(side);
     let area_below = |height: f64| if height > 1.0 { height - 0.5 } else { 0.5 * height.max(0.0) * height.max(0.0) };
@@ -119,18 +119,18 @@ fn passes_are_independent_of_each_other() {
         (scene.settings.spp, scene.settings.passes) = (spp, Some(passes));
         fixed(&scene, RunOptions::default()).film
     };
-    // Equal passes would give the picture of one.
+    // Equal passes would give the image of one.
     assert_ne!(picture(8, 2), picture(4, 1));
     assert_eq!(picture(4, 1), picture(4, 1));
 }
 
-/// The error of a picture against the truth, and what it was estimated to be.
+/// True error of an image, and its estimate.
 fn errors(rendering: &Rendering, truth: &[f64]) -> (f64, ErrorEstimate) {
     let squares = rendering.film.pixels().iter().zip(truth).map(|(pixel, truth)| {
         let error = f64::from(pixel[0]) - truth;
         error * error
     });
-    // Red and green are halves, blue is one: the squares of their errors are as 1 to 1 to 4.
+    // Red and green are ½, blue is 1: their squared errors are as 1 : 1 : 4.
     let mean = 2.0 * squares.sum::<f64>() / truth.len() as f64;
     (mean.sqrt(), rendering.error.expect("several passes"))
 }
@@ -151,14 +151,14 @@ fn the_true_error_lies_within_its_interval() {
             estimates += estimate.rmse * estimate.rmse;
         }
     }
-    // 950 of 1000 expected or more; 932 has a probability of 1 % if it were 950.
+    // At least 950 of 1000 expected; 932 has a probability of 1 % for 950.
     assert!(covered >= 932, "{covered} of 1000");
     let ratio: f64 = estimates / squares;
     assert!((0.9..1.1).contains(&ratio), "mean square estimated {ratio} times too large");
 }
 
 #[test]
-fn fixed_patterns_have_no_error_to_tell() {
+fn fixed_patterns_have_no_error_estimate() {
     let mut scene = half_plane(4, 0.3, 0.2);
     (scene.settings.pattern, scene.settings.passes) = (SamplerKind::Grid, Some(2));
     assert_eq!(fixed(&scene, RunOptions::default()).error, None);
@@ -168,7 +168,7 @@ fn fixed_patterns_have_no_error_to_tell() {
 }
 
 #[test]
-fn a_target_is_kept_as_often_as_promised() {
+fn targets_hold_with_the_stated_confidence() {
     // Half-plane pixels of 5.4 in the table of closed forms: below a line of 10°, and y < 0.3 + 0.2 x.
     let edges = [(0.0, 0.176_326_980_708_464_98, 0.088_163_490_354_2), (0.3, 0.2, 0.4)];
     let (mut kept, mut tried) = (0, 0);
@@ -214,7 +214,7 @@ fn new_samples_are_without_bias() {
 }
 
 #[test]
-fn only_pixels_near_an_edge_go_on() {
+fn only_pixels_near_an_edge_stay_active() {
     let run = RunOptions { maps: true, ..RunOptions::default() };
     let rendering = until(&half_plane(32, 0.3, 0.2), to_error(0.02, false, 512), run);
     let SampleRange { least, most, .. } = rendering.samples_per_pixel;
@@ -238,20 +238,20 @@ fn time_ends_a_render_between_passes() {
     assert_eq!(rendering.stopped, Stopped::Time);
     let SampleRange { least, most, .. } = rendering.samples_per_pixel;
     assert!(least == most && most > 1 && rendering.error.is_some(), "{:?}", rendering.samples_per_pixel);
-    // One pass is taken even if there is no time at all, and the picture is whole.
+    // One pass is taken even without any time, and the image is complete.
     let none = StopRule { time: Some(Duration::ZERO), ..StopRule::default() };
     let rendering = until(&half_plane(64, 0.3, 0.2), none, RunOptions::default());
     assert_eq!((rendering.stopped, rendering.statistics.samples), (Stopped::Time, 64 * 64));
 }
 
 #[test]
-fn the_worst_pixel_does_not_decide_by_default() {
+fn the_default_target_is_that_of_the_image() {
     let scene = half_plane(40, 0.3, 0.2);
     let rendering = until(&scene, to_image_error(0.02, 4096), RunOptions::default());
     let SampleRange { least, most, .. } = rendering.samples_per_pixel;
     assert_eq!((rendering.stopped, rendering.unconverged, least), (Stopped::Target, None, most));
     let error = rendering.error.expect("several passes");
-    // The last pass has added half of the samples at most, and patterns gain more than noise does.
+    // The last pass adds at most half of the samples, and patterns converge faster than random samples.
     assert!((0.009..=0.02).contains(&error.relative_rmse()), "{error:?}");
     let [low, high] = error.relative_interval();
     assert!(low < error.relative_rmse() && error.relative_rmse() < high);
@@ -267,7 +267,7 @@ fn an_image_that_does_not_reach_its_error_ends_at_its_samples() {
 }
 
 #[test]
-fn small_images_do_not_see_the_samples_that_decided() {
+fn small_images_discard_the_samples_of_the_first_stage() {
     let rendering = until(&half_plane(8, 0.3, 0.2), to_image_error(0.05, 4096), RunOptions::default());
     let pixels = u64::from(rendering.samples_per_pixel.most) * 64;
     assert_eq!((rendering.statistics.samples, rendering.stopped), (2 * pixels, Stopped::Target));
@@ -280,7 +280,7 @@ fn a_share_of_the_pixels_may_miss_the_error() {
         let rule = StopRule { target: Some(target), max_spp: 512, time: None };
         until(&half_plane(32, 0.3, 0.2), rule, RunOptions::default())
     };
-    // 32 pixels or a few more are cut by the edge: 4 % of 1024.
+    // The edge cuts 32 pixels or a few more: 4 % of 1024.
     let most = of(0.95);
     assert_eq!((most.stopped, most.samples_per_pixel.most), (Stopped::Target, 64));
     assert!(most.unconverged.is_some_and(|pixels| (1..=51).contains(&pixels)), "{:?}", most.unconverged);

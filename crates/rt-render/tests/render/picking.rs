@@ -1,4 +1,4 @@
-//! What is told of a pixel by its place.
+//! Picking of objects by pixel.
 
 use std::collections::HashSet;
 
@@ -26,9 +26,9 @@ fn named(mut scene: Scene) -> Scene {
     scene
 }
 
-/// The plan that leaves nothing out keeps a name for each part; the other has to find it.
+/// The untrimmed plan stores a name per instance; the trimmed one finds the node by the index of its shape.
 #[test]
-fn plans_of_either_form_tell_the_same() {
+fn trimmed_and_full_plans_pick_the_same() {
     let mut nested = spheres();
     let inner = nested.nodes.split_off(20);
     nested.groups = vec![Group { name: "group".into(), nodes: inner }];
@@ -48,11 +48,11 @@ fn plans_of_either_form_tell_the_same() {
 }
 
 #[test]
-fn a_sphere_is_met_where_geometry_says() {
+fn the_hit_point_of_a_sphere_is_exact() {
     let mut scene = spheres();
     scene.nodes.truncate(1);
     scene.nodes[0].name = "ball".into();
-    // The sphere has its centre at (−1, −1, −1) and a radius of 0.45; the middle of the image lies at an odd pixel's middle.
+    // Sphere of centre (−1, −1, −1) and radius 0.45; the image has an odd size, so that its centre is a pixel centre.
     let centre = DVec3::splat(-1.0);
     let eye = centre + DVec3::Z * 4.0;
     scene.cameras[0].settings.world_from_camera = Transform::look_at(eye, centre, DVec3::Y).expect("a view");
@@ -71,7 +71,7 @@ fn a_sphere_is_met_where_geometry_says() {
 }
 
 #[test]
-fn what_an_instance_places_is_named_after_it() {
+fn instances_precede_the_names_of_their_objects() {
     let scene = named(everything());
     let plan = compile(&scene, false);
     let all = (0..43).flat_map(|y| (0..61).map(move |x| (x, y)));

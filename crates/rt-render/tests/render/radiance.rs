@@ -1,4 +1,4 @@
-//! Pictures whose pixels are known in closed form.
+//! Images with pixels in closed form.
 
 use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
@@ -60,8 +60,8 @@ fn a_floor_at_height_zero_does_not_shadow_itself() {
 }
 
 #[test]
-fn the_inside_of_a_lit_sphere_is_lit_everywhere() {
-    // A light at the centre of a sphere meets its inside at right angles: radiance is 1 in every pixel.
+fn the_inside_of_a_sphere_is_lit_uniformly() {
+    // Light from the centre of a sphere has normal incidence: radiance is 1 in every pixel.
     let sphere = Sphere::new(DVec3::Y * 4.0, 30.0).expect("a sphere");
     let scene = from_above(Content::Shape(Shape::Sphere(sphere)));
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");

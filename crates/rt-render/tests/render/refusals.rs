@@ -1,4 +1,4 @@
-//! Scenes that cannot be rendered are refused with the name of what is wrong.
+//! Errors of invalid scenes name the offending object.
 
 use crate::support::{sphere, spheres};
 use rt_camera::Projection;
@@ -52,7 +52,7 @@ fn trees_that_are_too_deep_are_refused() {
     assert!(message.contains("1024"), "{message}");
 }
 
-/// `length` groups, each of which places the next, deep enough to try the stack of a thread.
+/// `length` groups, each with an instance of the next: a recursion would overflow the stack of a thread.
 fn chain_of_groups(length: u32) -> Scene {
     let mut scene = spheres();
     let instance = |id: u32| Node::new(Content::Instance(GroupId(id)), MaterialId(0));
@@ -87,14 +87,14 @@ fn a_forest_of_more_triangles_than_32_bits_can_number_is_accepted() {
     scene.meshes = vec![NamedMesh { name: "tree".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }];
     scene.nodes = vec![Node::new(Content::Mesh(MeshId(0)), MaterialId(0)); TRIANGLES + 1];
     RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    // Within a group that is placed twice, each triangle needs a number of its own.
+    // Within a group that is placed twice, each triangle needs its own index.
     scene.groups = vec![Group { name: "forest".into(), nodes: std::mem::take(&mut scene.nodes) }];
     scene.nodes = vec![Node::new(Content::Instance(GroupId(0)), MaterialId(0)); 2];
     assert!(matches!(refusal(&scene, &PlanOptions::default()), RenderError::TooManyObjects));
 }
 
 #[test]
-fn products_of_transforms_that_flatten_space_are_refused() {
+fn singular_products_of_transforms_are_refused() {
     let thin = Transform::scale(DVec3::new(1.0, 1.0, 1e-9)).expect("regular by itself");
     let message = message(|scene| {
         let inner = Node { name: "foil".into(), parent_from_local: thin, ..scene.nodes[0].clone() };

@@ -34,7 +34,7 @@ fn gray(value: f64) -> ColorTexture {
     ColorTexture::Constant(Rgb::gray(value))
 }
 
-/// A camera 9 units up the z axis, a small image, two lights, and spheres on a grid: nothing but diffuse spheres.
+/// Diffuse spheres on a grid, two lights, a small image, and a camera at z = 9.
 pub(crate) fn spheres() -> Scene {
     let camera = CameraSettings::new(
         Transform::look_at(DVec3::new(1.0, 3.0, 9.0), DVec3::ZERO, DVec3::Y).expect("a view"),
@@ -86,8 +86,10 @@ fn sheet() -> TriangleMesh {
     TriangleMesh::build(data).expect("a mesh").0
 }
 
-/// One of everything: all shapes, placed and bare, a mesh used twice, groups within groups, mirror, glass, texture,
-/// all kinds of light, an object without shadow.
+/// Scene with all features of the renderer.
+///
+/// It has all shapes with and without transforms, two instances of a mesh, nested groups, and all kinds of lights. Materials
+/// include a mirror, glass and a texture; one object casts no shadow.
 pub(crate) fn everything() -> Scene {
     let mut scene = spheres();
     scene.name = "everything".into();

@@ -1,4 +1,4 @@
-//! Plans that look through another camera than they were compiled with.
+//! Plans whose camera is replaced after compilation.
 
 use crate::support::{everything, spheres};
 use rt_camera::{CameraSettings, FovAxis, Lens, Projection};
@@ -19,7 +19,7 @@ const PLAIN: PlanOptions = PlanOptions {
     progressive: false,
 };
 
-fn picture(plan: &RenderPlan<'_>) -> Image {
+fn image(plan: &RenderPlan<'_>) -> Image {
     plan.render(&RunOptions::default(), |_| {}).expect("threads start").film
 }
 
@@ -32,7 +32,7 @@ fn looking(eye: [f64; 3], target: [f64; 3]) -> CameraSettings {
     CameraSettings::new(place, Projection::Perspective { fov: 0.9, axis: FovAxis::Horizontal })
 }
 
-/// Cameras from which different things are seen, left out and around the eye.
+/// Cameras with different visible objects, culled objects and surrounding media.
 fn cameras() -> Vec<CameraSettings> {
     let lens = Lens { radius: 0.2, focus: 3.0, blades: None, rotation: 0.0 };
     let aside = looking([3.0, 0.4, 1.0], [0.0, 0.0, 0.0]);
@@ -46,8 +46,8 @@ fn cameras() -> Vec<CameraSettings> {
     ]
 }
 
-/// The picture through each camera is that of a plan compiled with it, whatever the plan looked at before.
-fn assert_same_pictures(mut scene: Scene, options: &PlanOptions) {
+/// The image of each camera is bit-identical to that of a plan compiled with it, for all previous cameras.
+fn assert_same_images(mut scene: Scene, options: &PlanOptions) {
     let first = scene.clone();
     let mut plan = compile(&first, options);
     for (index, camera) in cameras().into_iter().enumerate() {
@@ -59,20 +59,20 @@ fn assert_same_pictures(mut scene: Scene, options: &PlanOptions) {
         let context = format!("camera {index}, {:?}", scene.settings.integrator);
         assert_eq!(plan.samples_per_pixel(), compiled.samples_per_pixel(), "{context}");
         assert_eq!(plan.explain().used, compiled.explain().used, "{context}");
-        assert_eq!(picture(&plan), picture(&compiled), "{context}");
+        assert_eq!(image(&plan), image(&compiled), "{context}");
     }
 }
 
 #[test]
-fn another_camera_is_as_if_it_had_been_there_from_the_beginning() {
+fn replacing_the_camera_equals_compiling_with_it() {
     for integrator in Integrator::ALL {
         let mut scene = everything();
         scene.settings.integrator = integrator;
         scene.settings.spp = 2;
-        assert_same_pictures(scene, &PLAIN);
+        assert_same_images(scene, &PLAIN);
     }
-    assert_same_pictures(spheres(), &PLAIN);
-    assert_same_pictures(everything(), &PlanOptions { full: true, transparent: true, ..PLAIN });
+    assert_same_images(spheres(), &PLAIN);
+    assert_same_images(everything(), &PlanOptions { full: true, transparent: true, ..PLAIN });
 }
 
 #[test]
@@ -89,11 +89,11 @@ fn in_a_scene_far_from_the_origin_as_well() {
     scene.cameras[0].settings = camera(0.0);
     let first = scene.clone();
     let mut plan = compile(&first, &PLAIN);
-    // The last is so far away that the scene is not small beside its distance from the origin any more.
+    // The last camera is so far away that the scene needs no render space of its own.
     for offset in [0.5, 7.0, 3e5] {
         plan.look_through(&camera(offset), [61, 43]).expect("a sound camera");
         scene.cameras[0].settings = camera(offset);
-        assert_eq!(picture(&plan), picture(&compile(&scene, &PLAIN)), "{offset}");
+        assert_eq!(image(&plan), image(&compile(&scene, &PLAIN)), "{offset}");
     }
 }
 
@@ -108,22 +108,22 @@ fn structures_are_not_built_again() {
 }
 
 #[test]
-fn the_whole_image_is_looked_at() {
+fn replacing_the_camera_drops_the_crop() {
     let scene = everything();
     let crop = Some(Crop { x: 5, y: 6, width: 7, height: 8 });
     let mut plan = compile(&scene, &PlanOptions { crop, ..PLAIN });
     plan.look_through(&scene.cameras[0].settings, [61, 43]).expect("a sound camera");
-    assert_eq!(picture(&plan), picture(&compile(&scene, &PLAIN)));
+    assert_eq!(image(&plan), image(&compile(&scene, &PLAIN)));
 }
 
 #[test]
 fn a_refused_camera_leaves_the_plan_as_it_was() {
     let scene = everything();
     let mut plan = compile(&scene, &PLAIN);
-    let before = picture(&plan);
+    let before = image(&plan);
     let blind =
         CameraSettings { projection: Projection::Orthographic { height: 0.0 }, ..looking([0.0, 0.0, 5.0], [0.0; 3]) };
     assert!(matches!(plan.look_through(&blind, [8, 8]), Err(RenderError::Camera { .. })));
     assert!(matches!(plan.look_through(&cameras()[0], [0, 8]), Err(RenderError::Film(_))));
-    assert_eq!(picture(&plan), before);
+    assert_eq!(image(&plan), before);
 }

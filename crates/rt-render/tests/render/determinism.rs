@@ -1,4 +1,4 @@
-//! The picture is a function of scene, settings and seed: nothing about how it is computed changes a bit.
+//! Determinism: the image is a function of scene, settings and seed, bit for bit.
 
 use crate::support::{everything, spheres};
 use rt_camera::{Filter, SamplerKind};
@@ -16,14 +16,14 @@ fn film(scene: &Scene) -> Image {
     render(scene, PlanOptions::default(), RunOptions::default()).film
 }
 
-/// Not black, not flat: a picture worth comparing.
+/// Asserts that the image is neither black nor constant.
 fn assert_interesting(film: &Image) {
     let distinct: std::collections::HashSet<_> = film.pixels().iter().map(|p| p.map(f32::to_bits)).collect();
     assert!(distinct.len() > film.pixels().len() / 10, "only {} different pixels", distinct.len());
 }
 
 #[test]
-fn threads_do_not_change_the_picture() {
+fn threads_do_not_change_the_image() {
     for scene in [spheres(), everything()] {
         let one =
             render(&scene, PlanOptions::default(), RunOptions { threads: 1, count: true, ..RunOptions::default() });
@@ -38,7 +38,7 @@ fn threads_do_not_change_the_picture() {
 }
 
 #[test]
-fn structures_do_not_change_the_picture() {
+fn structures_do_not_change_the_image() {
     for mut scene in [spheres(), everything()] {
         let auto = film(&scene);
         for accel in Accel::ALL {
@@ -49,7 +49,7 @@ fn structures_do_not_change_the_picture() {
 }
 
 #[test]
-fn instructions_and_qualities_do_not_change_the_picture() {
+fn instructions_and_qualities_do_not_change_the_image() {
     for mut scene in [spheres(), everything()] {
         let auto = film(&scene);
         scene.settings.accel = Accel::Wide;
@@ -64,7 +64,7 @@ fn instructions_and_qualities_do_not_change_the_picture() {
 }
 
 #[test]
-fn the_trimmed_plan_gives_the_picture_of_the_full_plan() {
+fn trimming_does_not_change_the_image() {
     for mut scene in [spheres(), everything()] {
         for integrator in [Integrator::Whitted, Integrator::Normals, Integrator::Depth, Integrator::Uv] {
             scene.settings.integrator = integrator;
@@ -75,7 +75,7 @@ fn the_trimmed_plan_gives_the_picture_of_the_full_plan() {
 }
 
 #[test]
-fn counting_does_not_change_the_picture() {
+fn counting_does_not_change_the_image() {
     let scene = everything();
     let counted = render(&scene, PlanOptions::default(), RunOptions { count: true, ..RunOptions::default() });
     assert_eq!(film(&scene), counted.film);
@@ -98,7 +98,7 @@ fn a_crop_is_a_part_of_the_whole() {
 }
 
 #[test]
-fn seeds_and_patterns_do_change_the_picture() {
+fn seeds_and_patterns_do_change_the_image() {
     let mut scene = spheres();
     let mut films = vec![];
     for pattern in SamplerKind::ALL {

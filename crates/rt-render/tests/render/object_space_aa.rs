@@ -1,4 +1,4 @@
-//! Adaptive sampling in object space: what it must not miss, and what it may change.
+//! Adaptive sampling in object space: it misses no edge, and its pixels are those of fixed sampling.
 
 use rt_camera::{CameraSettings, FilmSettings, Filter, Lens, Projection, SamplerKind};
 use rt_geometry::{Cuboid, Plane, Rectangle, Shape};
@@ -15,12 +15,12 @@ use rt_shading::{
 
 use crate::support::{everything, sphere, spheres};
 
-const LEAST: u32 = 4;
+const MIN_SPP: u32 = 4;
 const ALL: u32 = 16;
 
 fn adaptive(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: Some(LEAST) });
+    scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: Some(MIN_SPP) });
     scene
 }
 
@@ -37,11 +37,11 @@ fn counts(rendering: &Rendering) -> Vec<u32> {
     rendering.sample_counts.as_ref().expect("maps").pixels().iter().map(|count| count[0] as u32).collect()
 }
 
-/// Places of the pixels that took all samples; the others took the least.
+/// Coordinates of the pixels that took all samples; the others took the minimum.
 fn complex(rendering: &Rendering) -> Vec<[usize; 2]> {
     let width = rendering.film.width() as usize;
     let counts = counts(rendering);
-    assert!(counts.iter().all(|count| [LEAST, ALL].contains(count)));
+    assert!(counts.iter().all(|count| [MIN_SPP, ALL].contains(count)));
     (0..counts.len()).filter(|&at| counts[at] == ALL).map(|at| [at % width, at / width]).collect()
 }
 
@@ -49,7 +49,7 @@ fn colour(value: Rgb) -> ColorTexture {
     ColorTexture::Constant(value)
 }
 
-/// One that shows its own colour whatever the light.
+/// Emissive material: its colour is independent of lights.
 fn glowing(colour: Rgb) -> Material {
     let dark = Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, ..Phong::default() };
     Material::new("glow".into(), Phong { emission: self::colour(colour), ..dark })
@@ -104,13 +104,13 @@ fn the_smallest_objects_are_found() {
         assert_eq!(complex(&rendering), [[13, 32]]);
         assert_eq!((rendering.statistics.simple_pixels, rendering.statistics.samples), (1599, 1599 * 4 + 16));
         let mean = (1599.0 * 4.0 + 16.0) / 1600.0;
-        assert_eq!(rendering.samples_per_pixel, SampleRange { least: LEAST, mean, most: ALL });
+        assert_eq!(rendering.samples_per_pixel, SampleRange { least: MIN_SPP, mean, most: ALL });
     }
 }
 
 #[test]
-fn the_edge_of_a_shadow_is_found_and_its_inside_is_not_looked_at_twice() {
-    // The sun is behind the viewer; the ball before the wall is out of sight, behind the camera.
+fn shadow_edges_take_all_samples_and_umbrae_the_minimum() {
+    // The sun is behind the camera, and so is the sphere that casts the shadow.
     let ball = Node::new(sphere(20.0, 20.0, 300.0, 7.3), MaterialId(1));
     let scene = front_view(vec![wall(), ball], vec![matte(), glowing(Rgb::WHITE)], vec![sun(DVec3::NEG_Z)]);
     let is_cut = |[column, row]: [usize; 2]| {
@@ -127,7 +127,7 @@ fn the_edge_of_a_shadow_is_found_and_its_inside_is_not_looked_at_twice() {
 }
 
 #[test]
-fn what_lies_behind_a_surface_does_not_matter_and_what_lies_before_it_does() {
+fn occluded_objects_do_not_add_samples_and_visible_ones_do() {
     let rectangle = Rectangle::new(10.0, 10.0).expect("a rectangle");
     let upright = Transform::translate(DVec3::new(20.0, 20.0, 10.0))
         .compose(&Transform::rotate(DVec3::X, core::f64::consts::FRAC_PI_2).expect("an axis"));
@@ -137,7 +137,7 @@ fn what_lies_behind_a_surface_does_not_matter_and_what_lies_before_it_does() {
     let block = Node::new(Content::Shape(Shape::Cuboid(block)), MaterialId(1));
     let materials = vec![matte(), glowing(Rgb::WHITE), glowing(Rgb::gray(0.5))];
     let of = |nodes: Vec<Node>| complex(&render(&adaptive(&front_view(nodes, materials.clone(), vec![]))));
-    // The edges of the shield run between pixels; rays are taken a little beyond their pixels.
+    // The edges of the shield lie between pixels; pyramids extend slightly beyond their pixels.
     let frame = of(vec![wall(), shield.clone()]);
     assert_eq!(frame.len(), 44 + 36);
     assert_eq!(of(vec![wall(), shield.clone(), block.clone()]), frame);
@@ -189,11 +189,11 @@ fn no_simple_pixel_has_an_edge_in_it() {
         // One sample of 128 beyond an edge would make it 4·10⁻³.
         let most = if seed % 2 == 0 { 1e-6 } else { 1e-3 };
         let counts = counts(&render(&adaptive(&scene)));
-        // Eight independent passes agree only where there is nothing to disagree about.
+        // Eight independent passes agree only in pixels without an edge.
         let mut many = scene.clone();
         (many.settings.spp, many.settings.passes) = (128, Some(8));
         let errors = render(&many).standard_error.expect("maps");
-        for (at, error) in errors.pixels().iter().enumerate().filter(|(at, _)| counts[*at] == LEAST) {
+        for (at, error) in errors.pixels().iter().enumerate().filter(|(at, _)| counts[*at] == MIN_SPP) {
             let place = (at % 90, at / 90);
             assert!(error.iter().all(|error| *error < most), "seed {seed}, pixel {place:?}: {error:?}");
             simple_pixels += 1;
@@ -220,11 +220,11 @@ fn each_pixel_is_that_of_a_render_with_as_many_samples() {
                 scene.settings.spp = spp;
                 render(&scene).film
             };
-            let (few, all) = (of(LEAST), of(ALL));
+            let (few, all) = (of(MIN_SPP), of(ALL));
             scene.settings.spp = ALL;
             let rendering = render(&adaptive(&scene));
             for (at, count) in counts(&rendering).into_iter().enumerate() {
-                let expected = if count <= all_or(LEAST, pattern, passes) { &few } else { &all };
+                let expected = if count <= all_or(MIN_SPP, pattern, passes) { &few } else { &all };
                 assert!(same_bits(rendering.film.pixels()[at], expected.pixels()[at]), "{} {at}", scene.name);
             }
             assert!(rendering.samples_per_pixel.least < rendering.samples_per_pixel.most, "{}", scene.name);
@@ -232,14 +232,14 @@ fn each_pixel_is_that_of_a_render_with_as_many_samples() {
     }
 }
 
-/// What a pattern takes if so many samples are asked for, in passes.
+/// Number of samples that a pattern takes for a requested number, in passes.
 fn all_or(spp: u32, pattern: SamplerKind, passes: Option<u32>) -> u32 {
     let passes = passes.unwrap_or(1);
     passes * pattern.round_up(spp.div_ceil(passes))
 }
 
 #[test]
-fn neither_threads_nor_structures_nor_crops_judge_otherwise() {
+fn sample_counts_are_independent_of_threads_accelerators_and_crops() {
     let mut round = spheres();
     round.settings.spp = ALL;
     round.film.filter = Filter::Tent;
@@ -273,7 +273,7 @@ fn neither_threads_nor_structures_nor_crops_judge_otherwise() {
 }
 
 #[test]
-fn surfaces_that_send_rays_on_take_all_samples() {
+fn specular_surfaces_take_all_samples() {
     let mirror = Material::new("mirror".into(), Phong { mirror: colour(Rgb::gray(0.5)), ..Phong::default() });
     let scene = front_view(vec![wall()], vec![mirror], vec![]);
     assert_eq!(complex(&render(&adaptive(&scene))).len(), 1600);
@@ -293,7 +293,7 @@ fn a_highlight_takes_all_samples_where_it_is_narrow() {
 }
 
 #[test]
-fn only_fixed_numbers_of_samples_of_whitted_are_shared_out() {
+fn only_whitted_with_fixed_samples_is_adaptive_in_object_space() {
     let mut scene = adaptive(&spheres());
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
     assert_eq!((plan.least_samples_per_pixel(), plan.samples_per_pixel()), (Some(4), 4));
