@@ -257,7 +257,7 @@ impl Job<'_> {
             let error = RenderError::SamePasses(self.scene.settings.pattern.name());
             return Err(CliError::plan(self.scene_file, error));
         }
-        if self.rule.is_some() && plan.least_samples_per_pixel().is_some() {
+        if self.rule.is_some() && plan.min_samples_per_pixel().is_some() {
             return Err(CliError::plan(self.scene_file, RenderError::AdaptiveUntil));
         }
         for aov in self.output.aovs() {

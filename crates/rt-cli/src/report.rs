@@ -64,7 +64,7 @@ fn clamped(clamping: &Clamping) -> String {
 
 /// Share of the pixels with the minimum of samples.
 fn shared_out(outcome: &Outcome<'_>) -> Option<String> {
-    let least = outcome.plan.least_samples_per_pixel()?;
+    let least = outcome.plan.min_samples_per_pixel()?;
     let Rendering { film, statistics, samples_per_pixel: SampleRange { mean, .. }, .. } = outcome.rendering;
     let share = 100.0 * statistics.simple_pixels as f64 / film.pixels().len() as f64;
     Some(format!("{share:.1} % of the pixels show no edge and took {least} samples: {mean:.1} on average"))

@@ -97,7 +97,7 @@ fn settings(outcome: &Outcome<'_>) -> Value {
         "sampler": settings.pattern.name(),
         // The maximum with a stop rule.
         "samples_per_pixel": rule.map_or(plan.samples_per_pixel(), |rule| rule.max_spp),
-        "least_samples_per_pixel": plan.least_samples_per_pixel(),
+        "least_samples_per_pixel": plan.min_samples_per_pixel(),
         "seconds": rule.and_then(|rule| rule.time).map(|time| time.as_secs_f64()),
         "target_error": target.map(|target| target.relative),
         "target_error_pixels": target.and_then(|target| match target.criterion {

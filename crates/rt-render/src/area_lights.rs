@@ -10,7 +10,7 @@ use rt_shading::{
 
 use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_material};
 
-/// Tolerance of the parallelogram test, as a part of the side.
+/// Tolerance of the parallelogram test, as a fraction of the side.
 const SQUARENESS: f64 = 1e-9;
 
 /// Makes area lights of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured

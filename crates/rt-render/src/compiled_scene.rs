@@ -1,4 +1,4 @@
-//! The part of a plan that is independent of the camera: world, materials and lights.
+//! Camera-independent part of a plan: world, materials and lights.
 
 use std::borrow::Cow;
 

@@ -1,8 +1,8 @@
-//! Rectangular part of the image.
+//! Rendered rectangle of an image.
 
 use serde::{Deserialize, Serialize};
 
-/// A part of the image, in pixels from its upper left corner.
+/// Rectangle of an image, in pixels from its upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Crop {
     /// Left edge.

@@ -22,7 +22,7 @@ pub enum RenderError {
     /// The image is unusable.
     #[error("film: {0}")]
     Film(#[from] rt_camera::FilmError),
-    /// The part of the image to render is empty or outside the image.
+    /// The crop is empty or outside of the image.
     #[error("crop {x},{y} {width}x{height} does not lie within the {film_width}x{film_height} image")]
     Crop {
         /// Left edge in pixels.

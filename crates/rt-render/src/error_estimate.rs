@@ -100,7 +100,7 @@ impl ErrorSums {
         self.radiance += mean_of_channels(pixel.mean());
     }
 
-    /// Checks the sums over a tile of so many pixels.
+    /// Checks the sums over a tile of `area` pixels.
     pub(crate) fn validate(&self, area: u64) -> Result<(), ContentError> {
         let Self { pixels, squares, spread_of_estimate, spread_of_error, relative, largest, radiance } = *self;
         check_count("the number of pixels of an error", pixels, area)?;

@@ -1,4 +1,4 @@
-//! Description of a plan: parts in use, parts left out, and reasons.
+//! Description of a plan: what it uses and leaves out, with reasons.
 
 use std::{collections::BTreeSet, fmt};
 
@@ -18,10 +18,10 @@ use crate::{
     world::World,
 };
 
-/// A part that a plan leaves out.
+/// Feature that a plan leaves out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Name of the part.
+    /// Name of the feature.
     pub what: &'static str,
     /// Reason that the image does not depend on it.
     pub reason: String,
@@ -32,9 +32,9 @@ pub struct LeftOut {
 pub struct Explanation {
     /// One line: scene, integrator, camera, image, samples.
     pub title: String,
-    /// Parts in use.
+    /// Objects and features in use.
     pub used: Vec<String>,
-    /// Parts left out.
+    /// Features left out.
     pub left_out: Vec<LeftOut>,
     /// Predicted bytes of memory.
     pub memory: MemoryPrediction,
@@ -151,7 +151,7 @@ impl RenderPlan<'_> {
 
     fn title(&self) -> String {
         let samples = count(self.samples_per_pixel() as usize, "sample", "samples");
-        let samples = self.least_samples_per_pixel().map_or(samples.clone(), |min| format!("{min} to {samples}"));
+        let samples = self.min_samples_per_pixel().map_or(samples.clone(), |min| format!("{min} to {samples}"));
         let passes = if self.frame.passes > 1 { format!(" in {} passes", self.frame.passes) } else { String::new() };
         let biased = if self.frame.sampler.is_biased() { " (biased)" } else { "" };
         format!(
@@ -213,7 +213,7 @@ impl RenderPlan<'_> {
             used.extend(self.light());
         }
         used.extend(self.light_paths());
-        if let Some(min) = self.least_samples_per_pixel() {
+        if let Some(min) = self.min_samples_per_pixel() {
             used.push(format!(
                 "pyramids through the pixels: {} for one smooth surface in even light, or nothing; all for others",
                 count(min as usize, "sample", "samples")

@@ -31,16 +31,16 @@ impl Forecast {
             0.5
         };
         let growth = if error > target { pow(error / target, 1.0 / slope) } else { 1.0 };
-        self.expect((samples * stages * growth).min(most));
+        self.add((samples * stages * growth).min(most));
     }
 
     /// Adds a forecast of the total number of samples.
-    pub(crate) fn expect(&mut self, needed: f64) {
+    pub(crate) fn add(&mut self, needed: f64) {
         self.needed = Some(self.needed.map_or(needed, |before| (before * needed).sqrt()));
     }
 
     /// Replaces all forecasts by the known total number of samples.
-    pub(crate) fn know(&mut self, needed: f64) {
+    pub(crate) fn set_total(&mut self, needed: f64) {
         self.needed = Some(needed);
     }
 
@@ -78,7 +78,7 @@ mod tests {
             if let Some((earlier, earlier_total)) = before {
                 let share = |samples: u64, total: u64| samples as f64 / total as f64;
                 assert!(share(samples, total) >= share(earlier, earlier_total) - 1e-4, "share falls at {samples}");
-                // At a steady rate, what is left grows no faster than the time that has passed.
+                // At a steady rate, the remaining number of samples grows at most as the elapsed time.
                 let (left, left_before) = ((total - samples) as f64, (earlier_total - earlier) as f64);
                 let growth = samples as f64 / earlier as f64;
                 assert!(left <= left_before * growth + 1.0, "{left_before} becomes {left} at {samples}");
@@ -107,7 +107,7 @@ mod tests {
             forecast.observe([1000.0 * pass as f64, 1.0], 0.4 / pass as f64, 0.01, 1e9);
         }
         let total = forecast.total(8000).expect("an estimate");
-        // 40,000 is right; ½ would say 200,000, and the first forecasts said more.
+        // 40,000 is right; a slope of ½ would give 200,000, and the first forecasts were larger.
         assert!((30_000..120_000).contains(&total), "{total}");
     }
 
@@ -117,7 +117,7 @@ mod tests {
         assert_eq!(forecast.total(10), None);
         forecast.observe([100.0, 1.0], f64::INFINITY, 0.01, 5000.0);
         assert_eq!(forecast.total(100), Some(5000));
-        forecast.know(300.0);
+        forecast.set_total(300.0);
         assert_eq!(forecast.total(150), Some(300));
     }
 }

@@ -1,4 +1,4 @@
-//! The part of a plan that depends on the camera: film, sampler and background of one frame.
+//! Camera-dependent part of a plan: film, sampler and background of one frame.
 //!
 //! ```text
 //!   compile               scene ──────────> CompiledScene ──┐
@@ -152,13 +152,13 @@ impl Frame {
         if self.has_motion { self.camera.shutter_time(sample.next_1d()) } else { 0.0 }
     }
 
-    /// View volume of a part of the image.
+    /// View volume of a rectangle of the image.
     pub(crate) fn view_volume(&self, part: Crop) -> ViewVolume {
         let [min, max] = self.raster_bounds(part);
         self.camera.view_volume(min, max)
     }
 
-    /// Lower and upper corner of the raster positions sampled by a part of the image. Pixels are shifted by the sample offset
+    /// Lower and upper corner of the raster positions sampled by a rectangle of the image. Pixels are shifted by the sample offset
     /// and padded by the filter radius.
     pub(crate) fn raster_bounds(&self, part: Crop) -> [DVec2; 2] {
         // Exceeds the rounding error of raster coordinates, in pixels.

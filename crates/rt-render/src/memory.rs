@@ -19,7 +19,7 @@ use rt_scene_io::{Background, Integrator, MemoryError, Scene};
 use rt_shading::Texture;
 
 use crate::{Crop, RenderError, accel_choice::AccelOptions, estimate::PixelEstimate, splats::SplatImage};
-use survey::{Most, Survey};
+use survey::{LargestItem, Survey};
 
 /// Predicted bytes of memory of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub struct MemoryPrediction {
 /// Data kept per pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PerPixel {
-    /// The part of the image that is rendered.
+    /// Rendered rectangle of the image.
     pub(crate) crop: Crop,
     /// True for an alpha channel.
     pub(crate) transparent: bool,
@@ -75,15 +75,19 @@ impl MemoryPrediction {
     pub fn of_scene(scene: &Scene, budget: Option<u64>) -> Result<Self, RenderError> {
         let crop = Crop { x: 0, y: 0, width: 0, height: 0 };
         let kept = PerPixel { crop, transparent: false, progressive: false, culls: false };
-        let (prediction, most) = Self::of(scene, AccelOptions::default(), &kept)?;
-        prediction.check(budget, most)?;
+        let (prediction, largest) = Self::of(scene, AccelOptions::default(), &kept)?;
+        prediction.check(budget, largest)?;
         Ok(prediction)
     }
 
     /// Prediction for a scene, and its largest item.
-    pub(crate) fn of(scene: &Scene, accel_options: AccelOptions, kept: &PerPixel) -> Result<(Self, Most), RenderError> {
-        let mut most = Most::default();
-        let survey = Survey::of(scene, accel_options, kept.culls, &mut most)?;
+    pub(crate) fn of(
+        scene: &Scene,
+        accel_options: AccelOptions,
+        kept: &PerPixel,
+    ) -> Result<(Self, LargestItem), RenderError> {
+        let mut largest = LargestItem::default();
+        let survey = Survey::of(scene, accel_options, kept.culls, &mut largest)?;
         let prediction = Self {
             film: film(scene, kept),
             textures: textures(scene),
@@ -92,16 +96,16 @@ impl MemoryPrediction {
             building: survey.building,
         };
         let Crop { width, height, .. } = kept.crop;
-        most.offer(prediction.film, || format!("the picture of {width} x {height} pixels"));
-        most.offer(prediction.textures, || "textures".to_owned());
-        Ok((prediction, most))
+        largest.update(prediction.film, || format!("the picture of {width} x {height} pixels"));
+        largest.update(prediction.textures, || "textures".to_owned());
+        Ok((prediction, largest))
     }
 
     /// Error if the prediction exceeds the budget.
-    pub(crate) fn check(&self, budget: Option<u64>, most: Most) -> Result<(), RenderError> {
+    pub(crate) fn check(&self, budget: Option<u64>, largest: LargestItem) -> Result<(), RenderError> {
         match budget {
             Some(budget) if self.peak() > budget => {
-                let Most { bytes, what } = most;
+                let LargestItem { bytes, what } = largest;
                 Err(MemoryError { predicted: self.peak(), budget, largest: what, most: bytes }.into())
             }
             _ => Ok(()),
@@ -159,13 +163,14 @@ mod tests {
     #[test]
     fn predictions_above_the_budget_are_errors() {
         let prediction = MemoryPrediction { film: 100, ..MemoryPrediction::default() };
-        let mut most = Most::default();
-        most.offer(60, || "a".to_owned());
-        most.offer(40, || "b".to_owned());
+        let mut largest = LargestItem::default();
+        largest.update(60, || "a".to_owned());
+        largest.update(40, || "b".to_owned());
         assert!(
-            prediction.check(None, Most::default()).is_ok() && prediction.check(Some(100), Most::default()).is_ok()
+            prediction.check(None, LargestItem::default()).is_ok()
+                && prediction.check(Some(100), LargestItem::default()).is_ok()
         );
-        let error = prediction.check(Some(99), most).expect_err("one byte too many");
+        let error = prediction.check(Some(99), largest).expect_err("one byte too many");
         let RenderError::Memory(MemoryError { predicted, budget, largest, most }) = error else { panic!("{error}") };
         assert_eq!((predicted, budget, largest.as_str(), most), (100, 99, "a", 60));
     }

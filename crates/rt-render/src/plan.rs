@@ -89,7 +89,7 @@ impl<'s> RenderPlan<'s> {
     ///
     /// # Errors
     /// Those of [`compile`](Self::compile); the plan is then unchanged.
-    pub fn look_through(&mut self, camera: &CameraSettings, size: [u32; 2]) -> Result<(), RenderError> {
+    pub fn set_camera(&mut self, camera: &CameraSettings, size: [u32; 2]) -> Result<(), RenderError> {
         let scene = self.scene.source;
         let options = PlanOptions { crop: None, ..self.options };
         let medium = scene.cameras.get(options.camera).and_then(|before| before.medium);
@@ -116,8 +116,8 @@ impl<'s> RenderPlan<'s> {
         self.frame.pass_spp.saturating_mul(self.frame.passes)
     }
 
-    /// Samples of pixels without an edge, with adaptive sampling in object space.
-    pub fn least_samples_per_pixel(&self) -> Option<u32> {
+    /// Samples per pixel without an edge, with adaptive sampling in object space.
+    pub fn min_samples_per_pixel(&self) -> Option<u32> {
         self.frame.simple_pass_spp.map(|spp| spp.saturating_mul(self.frame.passes))
     }
 

@@ -10,7 +10,7 @@ use crate::Crop;
 pub struct PlanOptions {
     /// Index of the camera.
     pub camera: usize,
-    /// Render this part of the image only; its pixels are those of the whole image.
+    /// Render this rectangle only; its pixels are those of the whole image.
     pub crop: Option<Crop>,
     /// Leave the background out and record coverage in an alpha channel.
     pub transparent: bool,

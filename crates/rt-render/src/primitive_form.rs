@@ -20,7 +20,7 @@ pub(crate) enum PrimitiveForm {
 
 /// Primitives whose form is known.
 pub(crate) trait HasForm: Primitives {
-    /// The form of a primitive.
+    /// Form of a primitive.
     fn form(&self, index: u32) -> PrimitiveForm;
 
     /// True if the primitive, or part of it, casts a shadow.

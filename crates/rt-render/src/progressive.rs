@@ -179,7 +179,7 @@ impl<O: Observer> Progressive<'_, O> {
     }
 
     /// Rendered rectangle of the image.
-    pub(crate) const fn part(&self) -> Tile {
+    pub(crate) const fn area(&self) -> Tile {
         let Crop { x, y, width, height } = self.plan.frame.crop;
         Tile { x, y, width, height }
     }

@@ -65,7 +65,7 @@ impl<O: Observer> Progressive<'_, O> {
         }
     }
 
-    /// Samples all pixels until the error of the image is reached.
+    /// Samples all pixels until the error of the image reaches the target.
     fn refine_image(&mut self, relative: f64, time: Option<Duration>, stages: f64) -> Stopped {
         let pixels = self.state.pixels.len();
         let max_samples = stages * pixels as f64 * f64::from(self.rule.max_spp);
@@ -96,7 +96,7 @@ impl<O: Observer> Progressive<'_, O> {
         }
     }
 
-    /// Samples pixels until this share of them has converged.
+    /// Samples the active pixels until this share of all pixels has converged.
     fn refine_pixels(
         &mut self,
         target: TargetError,
@@ -104,12 +104,12 @@ impl<O: Observer> Progressive<'_, O> {
         time: Option<Duration>,
         stages: f64,
     ) -> (Stopped, u64) {
-        // A share of all but a hair must not lose a pixel to rounding.
+        // The epsilon keeps rounding from reducing the number of allowed pixels.
         let allowed = ((1.0 - share) * self.state.pixels.len() as f64 + 1e-6) as usize;
         let mut cause = Stopped::Samples;
         let mut active = self.active();
         let mut active_count = count(&active);
-        let mut mask = (active_count < active.len()).then(|| PixelMask::new(self.part(), active.clone()));
+        let mut mask = (active_count < active.len()).then(|| PixelMask::new(self.area(), active.clone()));
         while let Some(spp) = self.pass_spp() {
             if !self.is_in_time(spp, active_count, time) {
                 cause = Stopped::Time;
@@ -124,9 +124,9 @@ impl<O: Observer> Progressive<'_, O> {
                 if missing <= allowed {
                     return (Stopped::Target, missing as u64);
                 }
-                active = neighbourhood(&unconverged, &active, self.part());
+                active = neighbourhood(&unconverged, &active, self.area());
                 active_count = count(&active);
-                mask = Some(PixelMask::new(self.part(), active.clone()));
+                mask = Some(PixelMask::new(self.area(), active.clone()));
                 self.state.cursor.stage = RefineStage::Decide(active.clone());
             }
         }
@@ -152,7 +152,7 @@ impl<O: Observer> Progressive<'_, O> {
             excess > 1.0
         };
         let unconverged: Vec<bool> = self.state.pixels.iter().zip(active).map(of).collect();
-        self.forecast.expect(stages * needed);
+        self.forecast.add(stages * needed);
         self.converged = Some(1.0 - count(&unconverged) as f64 / unconverged.len().max(1) as f64);
         unconverged
     }
@@ -163,7 +163,7 @@ impl<O: Observer> Progressive<'_, O> {
             return (Stopped::Samples, 0);
         };
         let last = decided.iter().copied().max().unwrap_or(0);
-        self.forecast.know(self.samples_with_new_ones(&decided, last) as f64);
+        self.forecast.set_total(self.samples_with_new_ones(&decided, last) as f64);
         while self.state.cursor.pass < last {
             let pass = self.state.cursor.pass;
             let active: Vec<_> = decided.iter().map(|&passes| passes > pass).collect();
@@ -172,7 +172,7 @@ impl<O: Observer> Progressive<'_, O> {
             if !self.is_in_time(spp, active_count, time) {
                 return (Stopped::Time, active_count.max(unconverged as usize) as u64);
             }
-            if self.take_pass(spp, Some(&PixelMask::new(self.part(), active))).is_break() {
+            if self.take_pass(spp, Some(&PixelMask::new(self.area(), active))).is_break() {
                 return (Stopped::Interrupted, active_count.max(unconverged as usize) as u64);
             }
         }
@@ -200,8 +200,8 @@ fn count(pixels: &[bool]) -> usize {
 }
 
 /// Active pixels with an unconverged pixel among themselves and their eight neighbours.
-fn neighbourhood(unconverged: &[bool], active: &[bool], part: Tile) -> Vec<bool> {
-    let (width, height) = (part.width as usize, part.height as usize);
+fn neighbourhood(unconverged: &[bool], active: &[bool], area: Tile) -> Vec<bool> {
+    let (width, height) = (area.width as usize, area.height as usize);
     let row_of_three =
         |x: usize, y: usize| unconverged[y * width..][x.saturating_sub(1)..width.min(x + 2)].contains(&true);
     let near = |x: usize, y: usize| (y.saturating_sub(1)..height.min(y + 2)).any(|y| row_of_three(x, y));
@@ -214,16 +214,16 @@ mod tests {
 
     #[test]
     fn active_neighbours_stay_active() {
-        let part = Tile { x: 5, y: 7, width: 4, height: 3 };
+        let area = Tile { x: 5, y: 7, width: 4, height: 3 };
         let mut unconverged = vec![false; 12];
         unconverged[4] = true;
         let near = [true, true, false, false];
-        assert_eq!(neighbourhood(&unconverged, &[true; 12], part), near.repeat(3));
+        assert_eq!(neighbourhood(&unconverged, &[true; 12], area), near.repeat(3));
         let mut active = [true; 12];
         active[1] = false;
         let mut expected = near.repeat(3);
         expected[1] = false;
-        assert_eq!(neighbourhood(&unconverged, &active, part), expected);
-        assert_eq!(neighbourhood(&[false; 12], &[true; 12], part), [false; 12]);
+        assert_eq!(neighbourhood(&unconverged, &active, area), expected);
+        assert_eq!(neighbourhood(&[false; 12], &[true; 12], area), [false; 12]);
     }
 }

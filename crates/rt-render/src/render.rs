@@ -24,7 +24,7 @@ impl RenderPlan<'_> {
     /// Renders the image with the number of samples of the scene. The observer is called on this thread after each tile.
     ///
     /// # Errors
-    /// [`RenderError::Threads`] if the worker threads cannot be started.
+    /// [`RenderError::Threads`] if the threads cannot be started.
     pub fn render(&self, options: &RunOptions<'_>, observer: impl Observer) -> Result<Rendering, RenderError> {
         Ok(self.render_part(options, None, None, observer)?.into_rendering())
     }

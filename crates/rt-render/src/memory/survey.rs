@@ -19,15 +19,15 @@ const HEADER: u64 = 32;
 /// Bytes per triangle of an emissive mesh: its share of the light sampler.
 const EMITTER_BYTES: u64 = 64;
 
-/// Largest consumer of memory.
+/// Largest single item of the memory prediction.
 #[derive(Debug, Default)]
-pub(crate) struct Most {
+pub(crate) struct LargestItem {
     pub(crate) bytes: u64,
     pub(crate) what: String,
 }
 
-impl Most {
-    pub(crate) fn offer(&mut self, bytes: u64, what: impl FnOnce() -> String) {
+impl LargestItem {
+    pub(crate) fn update(&mut self, bytes: u64, what: impl FnOnce() -> String) {
         if bytes > self.bytes {
             *self = Self { bytes, what: what() };
         }
@@ -62,17 +62,17 @@ pub(crate) struct Survey {
     pub(crate) building: u64,
 }
 
-/// Instances that a list of nodes becomes.
+/// Number and bytes of the instances of a list of nodes.
 #[derive(Clone, Copy, Debug, Default)]
-struct Holding {
-    parts: u64,
+struct InstanceTotals {
+    count: u64,
     bytes: u64,
 }
 
-impl Holding {
-    const fn add(&mut self, parts: u64, each: u64) {
-        self.parts = self.parts.saturating_add(parts);
-        self.bytes = self.bytes.saturating_add(parts.saturating_mul(each));
+impl InstanceTotals {
+    const fn add(&mut self, count: u64, each: u64) {
+        self.count = self.count.saturating_add(count);
+        self.bytes = self.bytes.saturating_add(count.saturating_mul(each));
     }
 }
 
@@ -80,12 +80,12 @@ struct Surveyor<'s, 'm> {
     scene: &'s Scene,
     accel_options: AccelOptions,
     survey: Survey,
-    most: &'m mut Most,
+    largest: &'m mut LargestItem,
     group_uses: Vec<u64>,
     /// Flags of groups whose own aggregate is counted.
     levels: Vec<bool>,
     /// Instances of each group with all nested groups dissolved, if known.
-    dissolved: Vec<Option<Holding>>,
+    dissolved: Vec<Option<InstanceTotals>>,
     /// Meshes whose level is counted, with their material if it has an alpha test.
     meshes: HashSet<(u32, Option<u32>)>,
 }
@@ -96,24 +96,24 @@ impl Survey {
         scene: &Scene,
         accel_options: AccelOptions,
         culls: bool,
-        most: &mut Most,
+        largest: &mut LargestItem,
     ) -> Result<Self, RenderError> {
         let count = scene.groups.len();
         let mut surveyor = Surveyor {
             scene,
             accel_options,
             survey: Self::default(),
-            most,
+            largest,
             group_uses: count_group_uses(scene)?,
             levels: vec![false; count],
             dissolved: vec![None; count],
             meshes: HashSet::new(),
         };
         surveyor.add_scene();
-        let top = surveyor.holding(&scene.nodes, false)?;
+        let top = surveyor.instance_totals(&scene.nodes, false)?;
         surveyor.aggregate(top, "the scene");
         if culls {
-            let [finished, _] = accel_bytes(accel_options, top.parts / 2);
+            let [finished, _] = accel_bytes(accel_options, top.count / 2);
             surveyor.survey.structures = surveyor.survey.structures.saturating_add(finished);
         }
         Ok(surveyor.survey)
@@ -131,53 +131,54 @@ impl<'s> Surveyor<'s, '_> {
             open.extend(list.iter().map(|node| node.children.as_slice()));
         }
         let bytes = nodes.saturating_mul(size_of::<Node>() as u64 + HEADER);
-        self.most.offer(bytes, || format!("{nodes} nodes"));
+        self.largest.update(bytes, || format!("{nodes} nodes"));
         self.survey.geometry = bytes;
         for named in &self.scene.meshes {
             let (bytes, triangles) = (named.mesh.memory() as u64, named.mesh.data().triangles.len());
-            self.most.offer(bytes, || format!("the mesh `{}` of {triangles} triangles", named.name));
+            self.largest.update(bytes, || format!("the mesh `{}` of {triangles} triangles", named.name));
             self.survey.geometry = self.survey.geometry.saturating_add(bytes);
         }
     }
 
     /// Adds an aggregate of instances with its accelerator.
-    fn aggregate(&mut self, holding: Holding, name: &str) {
-        let Holding { parts, bytes } = holding;
-        self.most.offer(bytes, || format!("{parts} objects of {name}"));
+    fn aggregate(&mut self, totals: InstanceTotals, name: &str) {
+        let InstanceTotals { count, bytes } = totals;
+        self.largest.update(bytes, || format!("{count} objects of {name}"));
         self.survey.geometry = self.survey.geometry.saturating_add(bytes);
-        self.add_accel(parts, || format!("the structure over {parts} objects of {name}"));
+        self.add_accel(count, || format!("the structure over {count} objects of {name}"));
     }
 
     fn add_accel(&mut self, primitives: u64, what: impl FnOnce() -> String) {
         let [finished, temporary] = accel_bytes(self.accel_options, primitives);
-        self.most.offer(finished.saturating_add(temporary), what);
+        self.largest.update(finished.saturating_add(temporary), what);
         self.survey.structures = self.survey.structures.saturating_add(finished);
         self.survey.building = self.survey.building.max(temporary);
     }
 
     /// Instances of nodes and their descendants. Trees may be deep, so the traversal keeps its own stack.
-    fn holding(&mut self, nodes: &'s [Node], within_group: bool) -> Result<Holding, RenderError> {
-        let mut sum = Holding::default();
+    fn instance_totals(&mut self, nodes: &'s [Node], within_group: bool) -> Result<InstanceTotals, RenderError> {
+        let mut sum = InstanceTotals::default();
         // The flag of a list: no ancestor has a transform.
         let mut open = vec![(nodes, true)];
-        while let Some((nodes, unmoved)) = open.pop() {
+        while let Some((nodes, is_untransformed)) = open.pop() {
             for node in nodes {
-                let unmoved = unmoved && node.moves_to.is_none() && node.parent_from_local.is_identity();
-                open.push((&node.children, unmoved));
-                let each = instance_bytes(node, unmoved);
+                let is_untransformed =
+                    is_untransformed && node.moves_to.is_none() && node.parent_from_local.is_identity();
+                open.push((&node.children, is_untransformed));
+                let each = instance_bytes(node, is_untransformed);
                 match &node.content {
                     None => {}
                     Some(Content::Shape(shape)) => sum.add(1, each + shape_bytes(shape)),
-                    Some(Content::Mesh(id)) => sum.add(self.mesh(node, *id, unmoved), each),
+                    Some(Content::Mesh(id)) => sum.add(self.mesh(node, *id, is_untransformed), each),
                     Some(Content::Instance(id)) => match (within_group, self.group_uses[id.0 as usize]) {
-                        (false, 1) => open.push((&group_of(self.scene, node, *id)?.nodes, unmoved)),
+                        (false, 1) => open.push((&group_of(self.scene, node, *id)?.nodes, is_untransformed)),
                         (false, _) => {
                             self.level(*id)?;
                             sum.add(1, each);
                         }
                         (true, _) => {
-                            let Holding { parts, bytes } = self.dissolved(*id)?;
-                            sum.parts = sum.parts.saturating_add(parts);
+                            let InstanceTotals { count, bytes } = self.dissolved(*id)?;
+                            sum.count = sum.count.saturating_add(count);
                             sum.bytes = sum.bytes.saturating_add(bytes);
                         }
                     },
@@ -188,12 +189,12 @@ impl<'s> Surveyor<'s, '_> {
     }
 
     /// Number of instances of a mesh. Its level is added on the first use.
-    fn mesh(&mut self, node: &Node, id: MeshId, unmoved: bool) -> u64 {
+    fn mesh(&mut self, node: &Node, id: MeshId, is_untransformed: bool) -> u64 {
         let Some(named) = self.scene.meshes.get(id.0 as usize) else { return 0 };
         let triangles = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let is_plain = material.is_none_or(|m| m.relief.is_none() && m.coverage == rt_shading::Coverage::ALL);
-        if triangles <= MAX_INLINED_TRIANGLES && unmoved && is_plain {
+        if triangles <= MAX_INLINED_TRIANGLES && is_untransformed && is_plain {
             return triangles as u64;
         }
         let alpha_test = material.filter(|m| m.coverage != rt_shading::Coverage::ALL).map(|_| node.material.0);
@@ -217,27 +218,27 @@ impl<'s> Surveyor<'s, '_> {
             return Ok(());
         }
         let group = &self.scene.groups[index];
-        let holding = self.holding(&group.nodes, true)?;
-        self.aggregate(holding, &format!("the group `{}`", group.name));
+        let totals = self.instance_totals(&group.nodes, true)?;
+        self.aggregate(totals, &format!("the group `{}`", group.name));
         Ok(())
     }
 
     /// Instances of a nested group. A group that contains itself counts as empty; flattening rejects it.
-    fn dissolved(&mut self, id: GroupId) -> Result<Holding, RenderError> {
+    fn dissolved(&mut self, id: GroupId) -> Result<InstanceTotals, RenderError> {
         let index = id.0 as usize;
         if let Some(known) = self.dissolved[index] {
             return Ok(known);
         }
-        self.dissolved[index] = Some(Holding::default());
-        let holding = self.holding(&self.scene.groups[index].nodes, true)?;
-        self.dissolved[index] = Some(holding);
-        Ok(holding)
+        self.dissolved[index] = Some(InstanceTotals::default());
+        let totals = self.instance_totals(&self.scene.groups[index].nodes, true)?;
+        self.dissolved[index] = Some(totals);
+        Ok(totals)
     }
 }
 
 /// Bytes of an instance, with its name and transform on the heap.
-fn instance_bytes(node: &Node, unmoved: bool) -> u64 {
-    let transform = if unmoved { 0 } else { size_of::<Transform>() as u64 + HEADER };
+fn instance_bytes(node: &Node, is_untransformed: bool) -> u64 {
+    let transform = if is_untransformed { 0 } else { size_of::<Transform>() as u64 + HEADER };
     let moving = if node.moves_to.is_some() { size_of::<Animated>() as u64 + HEADER } else { 0 };
     size_of::<Instance>() as u64 + node.name.len() as u64 + HEADER + transform + moving
 }

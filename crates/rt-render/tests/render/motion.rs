@@ -45,8 +45,7 @@ fn frozen(scene: &Scene, time: f64) -> Scene {
     }
     let camera = &mut scene.cameras[0].settings;
     if let Some(end) = camera.moves_to.take() {
-        camera.world_from_camera =
-            AnimatedTransform::new(&camera.world_from_camera, &end).expect("a motion").at(time);
+        camera.world_from_camera = AnimatedTransform::new(&camera.world_from_camera, &end).expect("a motion").at(time);
     }
     scene
 }

@@ -296,7 +296,7 @@ fn a_highlight_takes_all_samples_where_it_is_narrow() {
 fn only_whitted_with_fixed_samples_is_adaptive_in_object_space() {
     let mut scene = adaptive(&spheres());
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
-    assert_eq!((plan.least_samples_per_pixel(), plan.samples_per_pixel()), (Some(4), 4));
+    assert_eq!((plan.min_samples_per_pixel(), plan.samples_per_pixel()), (Some(4), 4));
     let until = plan.render_until(&RunOptions::default(), &StopRule::default(), |_| {});
     assert!(matches!(until, Err(RenderError::AdaptiveUntil)));
     for integrator in [Integrator::Path, Integrator::Direct, Integrator::Normals, Integrator::Cost] {

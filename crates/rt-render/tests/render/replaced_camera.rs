@@ -52,7 +52,7 @@ fn assert_same_images(mut scene: Scene, options: &PlanOptions) {
     let mut plan = compile(&first, options);
     for (index, camera) in cameras().into_iter().enumerate() {
         let [width, height] = [[37, 29], [64, 16]][index % 2];
-        plan.look_through(&camera, [width, height]).expect("a sound camera");
+        plan.set_camera(&camera, [width, height]).expect("a sound camera");
         (scene.film.width, scene.film.height) = (width, height);
         scene.cameras[0].settings = camera;
         let compiled = compile(&scene, options);
@@ -91,7 +91,7 @@ fn in_a_scene_far_from_the_origin_as_well() {
     let mut plan = compile(&first, &PLAIN);
     // The last camera is so far away that the scene needs no render space of its own.
     for offset in [0.5, 7.0, 3e5] {
-        plan.look_through(&camera(offset), [61, 43]).expect("a sound camera");
+        plan.set_camera(&camera(offset), [61, 43]).expect("a sound camera");
         scene.cameras[0].settings = camera(offset);
         assert_eq!(image(&plan), image(&compile(&scene, &PLAIN)), "{offset}");
     }
@@ -103,7 +103,7 @@ fn structures_are_not_built_again() {
     scene.settings.accel = Accel::BihLazy;
     let mut plan = compile(&scene, &PLAIN);
     let build_seconds = plan.build_seconds();
-    plan.look_through(&cameras()[0], [20, 20]).expect("a sound camera");
+    plan.set_camera(&cameras()[0], [20, 20]).expect("a sound camera");
     assert_eq!(plan.build_seconds().to_bits(), build_seconds.to_bits());
 }
 
@@ -112,7 +112,7 @@ fn replacing_the_camera_drops_the_crop() {
     let scene = everything();
     let crop = Some(Crop { x: 5, y: 6, width: 7, height: 8 });
     let mut plan = compile(&scene, &PlanOptions { crop, ..PLAIN });
-    plan.look_through(&scene.cameras[0].settings, [61, 43]).expect("a sound camera");
+    plan.set_camera(&scene.cameras[0].settings, [61, 43]).expect("a sound camera");
     assert_eq!(image(&plan), image(&compile(&scene, &PLAIN)));
 }
 
@@ -123,7 +123,7 @@ fn a_refused_camera_leaves_the_plan_as_it_was() {
     let before = image(&plan);
     let blind =
         CameraSettings { projection: Projection::Orthographic { height: 0.0 }, ..looking([0.0, 0.0, 5.0], [0.0; 3]) };
-    assert!(matches!(plan.look_through(&blind, [8, 8]), Err(RenderError::Camera { .. })));
-    assert!(matches!(plan.look_through(&cameras()[0], [0, 8]), Err(RenderError::Film(_))));
+    assert!(matches!(plan.set_camera(&blind, [8, 8]), Err(RenderError::Camera { .. })));
+    assert!(matches!(plan.set_camera(&cameras()[0], [0, 8]), Err(RenderError::Film(_))));
     assert_eq!(image(&plan), before);
 }

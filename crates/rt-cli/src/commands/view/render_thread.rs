@@ -78,7 +78,7 @@ impl Renderer<'_> {
         if self.shared.is_outdated() {
             return Ok(());
         }
-        plan.look_through(&view.camera, view.size)?;
+        plan.set_camera(&view.camera, view.size)?;
         let mut canvas = Canvas {
             plan,
             shared: self.shared,
@@ -117,7 +117,7 @@ impl Renderer<'_> {
     fn preview(&mut self, plan: &mut RenderPlan<'_>, view: &View) -> Result<(Image, u32), RenderError> {
         let started = Instant::now();
         let pixel_side = self.budget.pixel_side(view.size);
-        plan.look_through(&view.camera, view.size.map(|length| length.div_ceil(pixel_side)))?;
+        plan.set_camera(&view.camera, view.size.map(|length| length.div_ceil(pixel_side)))?;
         let run = RunOptions { threads: self.threads, ..RunOptions::default() };
         let rule = StopRule { max_spp: 1, ..StopRule::default() };
         let coarse = plan.render_until(&run, &rule, |_: rt_render::Progress| {})?.film;
