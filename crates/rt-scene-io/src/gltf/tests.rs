@@ -103,6 +103,30 @@ fn images_are_read_from_data_uris_at_the_given_coordinates() {
     assert!(matches!(model.materials[0].phong.diffuse, ColorTexture::Textured(_, Rgb::WHITE)));
 }
 
+/// A material with KHR_materials_transmission and KHR_materials_volume.
+fn volume(base_color: &str, metallic: f64, transmission: f64, thickness: f64) -> rt_shading::Material {
+    let primitive = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
+    let rest = format!(
+        r#""nodes": [{{"mesh": 0}}], "materials": [{{
+            "pbrMetallicRoughness": {{"metallicFactor": {metallic}, "baseColorFactor": {base_color}}},
+            "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": {transmission}}},
+                "KHR_materials_volume": {{"thicknessFactor": {thickness}}}}}}}]"#
+    );
+    load_with(&primitive, &rest).expect("a model").materials[0].clone()
+}
+
+#[test]
+fn black_and_metallic_volumes_enclose_no_medium() {
+    let medium = |base_color, metallic, transmission, thickness| {
+        volume(base_color, metallic, transmission, thickness).body().map(|inside| inside.ior)
+    };
+    assert_eq!(medium("[1, 1, 1, 1]", 0.0, 1.0, 1.0), Some(1.5));
+    assert_eq!(medium("[0, 0, 0, 1]", 0.0, 1.0, 1.0), None, "black");
+    assert_eq!(medium("[1, 1, 1, 1]", 1.0, 1.0, 1.0), None, "metallic");
+    assert_eq!(medium("[1, 1, 1, 1]", 0.0, 0.0, 1.0), None, "opaque");
+    assert_eq!(medium("[1, 1, 1, 1]", 0.0, 1.0, 0.0), None, "thin");
+}
+
 #[test]
 fn matrices_are_columns_and_nest() {
     let model = load_nodes(

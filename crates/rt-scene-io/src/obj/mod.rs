@@ -340,6 +340,19 @@ mod tests {
     }
 
     #[test]
+    fn physical_glass_with_a_black_filter_encloses_no_medium() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        let mtl = "newmtl black\nillum 7\nNi 1.5\nPr 0\nTf 0 0 0\nnewmtl clear\nillum 7\nNi 1.5\nPr 0\n";
+        fs::write(place("m.mtl"), mtl).expect("written");
+        let text = format!("mtllib m.mtl\n{SQUARE}usemtl black\nf 1 2 3\nusemtl clear\nf 1 2 3\n");
+        fs::write(place("m.obj"), text).expect("written");
+        let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let iors: Vec<_> = model.materials.iter().map(|material| material.body().map(|inside| inside.ior)).collect();
+        assert_eq!(iors, [None, Some(1.5)]);
+    }
+
+    #[test]
     fn references_must_not_leave_the_folder() {
         let outer = tempfile::tempdir().expect("a folder");
         let inner = outer.path().join("inner");
