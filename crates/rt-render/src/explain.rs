@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, fmt};
 use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_geometry::{Primitives as _, Shape};
 use rt_scene_io::{Integrator, LightSampling};
-use rt_shading::{Follows, Light, LightKind, Material, PathSettings};
+use rt_shading::{Follows, Light, LightKind, PathSettings};
 
 use crate::{
     MemoryPrediction, RenderPlan, RenderSpace,
@@ -376,7 +376,7 @@ impl RenderPlan<'_> {
 
     /// Line on overlapping dielectrics and the medium of the camera; `None` for thin dielectrics only.
     fn nesting(&self) -> Option<String> {
-        let transparent = self.scene.appearance.materials.iter().filter_map(Material::body);
+        let transparent = self.scene.appearance.materials.iter().filter_map(|material| material.interior);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
         let (least, greatest) = (priorities.first()?, priorities.last()?);
         let order = if least < greatest {

@@ -7,7 +7,7 @@ use rt_accel::BuildError;
 use rt_geometry::{Primitives, Shape, TransformedShape};
 use rt_math::{Aabb, AnimatedTransformChain, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Node, Scene};
-use rt_shading::{Coverage, Texture};
+use rt_shading::{Alpha, Material, Texture};
 
 use crate::{
     RenderError,
@@ -55,7 +55,7 @@ pub(crate) fn flatten(
 /// The textures, if the geometry looks at them.
 fn textures(scene: &Scene) -> Vec<Texture> {
     let mut materials = scene.appearance.materials.iter();
-    let looks = materials.any(|material| material.relief.is_some() || material.coverage != Coverage::ALL);
+    let looks = materials.any(|material| material.normal_map.is_some() || material.alpha != Alpha::OPAQUE);
     if looks { scene.appearance.textures.clone() } else { Vec::new() }
 }
 
@@ -350,10 +350,10 @@ impl<'s> Flattener<'s> {
         let count = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let alpha_test = material.and_then(|material| AlphaTest::of(material, &named.mesh));
-        let has_relief = material.is_some_and(|material| material.relief.is_some());
+        let has_normal_map = material.is_some_and(|material| material.normal_map.is_some());
         if count <= MAX_INLINED_TRIANGLES
             && alpha_test.is_none()
-            && !has_relief
+            && !has_normal_map
             && here.aggregate_from_parent.as_constant().is_some_and(Transform::is_identity)
         {
             let facet = |index| {
@@ -432,13 +432,14 @@ impl<'s> Flattener<'s> {
             let (object, index) = (node.name.clone(), node.material.0);
             return Err(RenderError::Dangling { object, what: "material", index, count });
         }
-        // Shadow rays take no notice of what fills a body. One of air must not darken the air around it; inside of glass,
-        // where it is a bubble, the surface of the glass decides.
-        let is_air = !is_group && self.scene.appearance.materials[node.material.0 as usize].phong.is_air();
-        let relief = if is_group { None } else { self.scene.appearance.materials[node.material.0 as usize].relief };
+        // Shadow rays ignore media. A solid of air must cast no shadow in air. For a bubble in glass, the surface of the glass
+        // casts the shadow.
+        let material = (!is_group).then(|| &self.scene.appearance.materials[node.material.0 as usize]);
+        let is_air = material.is_some_and(Material::is_air);
+        let normal_map = material.and_then(|material| material.normal_map);
         Ok(Instance {
             geometry,
-            relief,
+            normal_map,
             textured: true,
             material: node.material.0,
             casts_shadow: here.casts_shadow && !is_air,

@@ -1,4 +1,4 @@
-//! All that decides about colour in a scene, apart from its geometry.
+//! Appearance of a scene: everything but the geometry.
 
 use crate::{Light, Material, Texture, emitter::EnvironmentLight};
 use rt_math::{DVec3, Rgb};
@@ -9,19 +9,19 @@ use std::sync::Arc;
 pub enum Background {
     /// The same radiance everywhere.
     Constant(Rgb),
-    /// From `bottom` straight down (−y) to `top` straight up, linear in the height of the unit direction.
+    /// Linear in the y component of the unit direction.
     Gradient {
         /// Radiance straight down.
         bottom: Rgb,
         /// Radiance straight up.
         top: Rgb,
     },
-    /// An image all around, which is a light as well.
+    /// An environment image, which is a light as well.
     Environment(Arc<EnvironmentLight>),
 }
 
 impl Background {
-    /// True if it gives no light.
+    /// True if it emits no light.
     pub fn is_black(&self) -> bool {
         match self {
             Self::Constant(rgb) => rgb.is_black(),
@@ -30,7 +30,7 @@ impl Background {
         }
     }
 
-    /// The radiance that arrives against `direction` (any non-zero length, world space).
+    /// Radiance of a ray in `direction` (any non-zero length, world space).
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         match self {
             Self::Constant(rgb) => *rgb,
@@ -47,16 +47,16 @@ pub struct Appearance {
     pub materials: Vec<Material>,
     /// Textures; [`TextureId`](crate::TextureId) is an index into this list.
     pub textures: Vec<Texture>,
-    /// Lights with a place or a direction.
+    /// Delta lights.
     pub lights: Vec<Light>,
-    /// Light from everywhere, scaled by the ambient coefficient of materials.
+    /// Ambient light, scaled by the ambient coefficient of materials.
     pub ambient: Rgb,
     /// Radiance of rays that hit nothing.
     pub background: Background,
 }
 
 impl Default for Appearance {
-    /// Nothing at all, before a black background.
+    /// Nothing before a black background.
     fn default() -> Self {
         Self {
             materials: Vec::new(),

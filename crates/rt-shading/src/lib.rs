@@ -11,7 +11,7 @@
 //! ```
 //!
 //! **Owns** lights without extent ([`Light`]) and with it ([`emitter`]), the classical surface ([`Phong`]), textures, the laws of reflection and
-//! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), transparent bodies within each other ([`Interior`]), and the integrators
+//! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), nested dielectrics ([`InteriorList`]), and the integrators
 //! that follow camera paths ([`Whitted`], [`AovIntegrator`]).
 //! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
 //!
@@ -49,47 +49,58 @@
 
 #![forbid(unsafe_code)]
 
+mod alpha;
 mod ambient_occlusion;
 mod aov;
 mod appearance;
 pub mod bsdf;
 mod bsdf_cache;
-mod coverage;
+mod color_texture;
 pub mod emitter;
+mod eval_context;
+mod float_texture;
 mod hit_context;
-mod interior;
+mod interior_list;
 mod layered_surface;
 mod light;
 mod light_tracing;
 mod material;
+mod material_model;
+mod medium;
 mod medium_tracker;
 mod needs;
+mod normal_map;
 pub mod optics;
 mod path;
-mod physical;
+mod phong;
 mod ray_queues;
-mod relief;
 mod russian_roulette;
 mod texture;
+mod to_phong;
 mod tracer;
 mod vertex;
 mod viewed_surface;
 mod whitted;
 
+pub use alpha::{Alpha, AlphaMode};
 pub use ambient_occlusion::{AmbientOcclusion, OcclusionWave};
 pub use aov::AovIntegrator;
 pub use appearance::{Appearance, Background};
 pub use bsdf_cache::BsdfCache;
-pub use coverage::{Alpha, Coverage};
-pub use interior::Interior;
+pub use color_texture::ColorTexture;
+pub use eval_context::MaterialEvalContext;
+pub use float_texture::{Channel, FloatTexture};
+pub use interior_list::InteriorList;
 pub use layered_surface::{LayeredBase, LayeredSurface};
 pub use light::{Falloff, Illumination, Light, LightKind, LightUnits};
 pub use light_tracing::{Ball, CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, Targets};
-pub use material::{Channel, ColorTexture, FloatTexture, Highlight, Material, Phong, Transmission};
+pub use material::Material;
+pub use material_model::MaterialModel;
+pub use medium::InteriorMedium;
 pub use needs::Needs;
+pub use normal_map::NormalMap;
 pub use path::{Clamp, Follows, Lighting, PathSettings, PathTracer};
-pub use physical::{Physical, PhysicalPoint};
-pub use relief::Relief;
+pub use phong::{Highlight, Phong, Transmission};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use tracer::{Seen, SurfaceHit, Tracer};
 pub use whitted::{ShadingCounts, Whitted};

@@ -4,7 +4,7 @@ mod counts;
 mod shade;
 mod wave;
 
-use crate::{Appearance, Interior, Needs, Seen, Tracer, ray_queues::RayQueues};
+use crate::{Appearance, InteriorList, Needs, Seen, Tracer, ray_queues::RayQueues};
 pub use counts::ShadingCounts;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
@@ -18,7 +18,7 @@ use wave::{DirectLighting, Path, PixelTree};
 /// limited by `max_depth` and not by the machine's stack, and what a camera ray sees is the same to the bit whatever
 /// else is in the wave. Keep one instance per thread: all buffers are reused.
 ///
-/// Rays know which transparent bodies they are inside of ([`Interior`]). Where the index of refraction is the same on both
+/// Rays know which transparent bodies they are inside of ([`InteriorList`]). Where the index of refraction is the same on both
 /// sides of a surface, nothing is mirrored by Fresnel's equations and light goes straight on; where nothing else shows the
 /// surface either ([`Phong::is_clear`](crate::Phong::is_clear)), the very same ray goes on, and no bounce is counted.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct Whitted {
     min_contribution: f64,
     needs: Needs,
     /// Media around the camera.
-    surroundings: Interior,
+    surroundings: InteriorList,
     /// Rays of the current wave.
     wave: RayQueues<Path>,
     next: RayQueues<Path>,
@@ -46,7 +46,7 @@ impl Whitted {
             max_depth,
             min_contribution,
             needs,
-            surroundings: Interior::default(),
+            surroundings: InteriorList::default(),
             wave: RayQueues::default(),
             next: RayQueues::default(),
             samples: Vec::new(),
@@ -57,7 +57,7 @@ impl Whitted {
     }
 
     /// Sets the media around the camera; air by default.
-    pub fn set_surroundings(&mut self, surroundings: &Interior) {
+    pub fn set_surroundings(&mut self, surroundings: &InteriorList) {
         self.surroundings.clone_from(surroundings);
     }
 

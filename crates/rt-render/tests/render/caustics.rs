@@ -7,8 +7,8 @@ use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, ColorTexture, Falloff, Light, LightKind, LightUnits, Material, Phong, Physical,
-    Transmission, bsdf::ComplexIor, emitter::Sides,
+    Appearance, Background, ColorTexture, Falloff, InteriorMedium, Light, LightKind, LightUnits, Material,
+    MaterialModel, bsdf::ComplexIor, emitter::Sides,
 };
 
 use crate::support::everything;
@@ -16,37 +16,22 @@ use crate::support::everything;
 const IOR: f64 = 1.5;
 
 fn body(roughness: f64, absorption: Rgb) -> Material {
-    let white = ColorTexture::Constant(Rgb::WHITE);
-    let inside = Transmission { coefficient: white, ior: IOR, fresnel: true, absorption, priority: 0 };
-    let phong = Phong {
-        diffuse: ColorTexture::ZERO,
-        ambient: ColorTexture::ZERO,
-        transmission: Some(inside),
-        ..Phong::default()
-    };
-    Material {
-        physical: Some(Physical::Dielectric { roughness, transmittance: white }),
-        ..Material::new("glass".into(), phong)
-    }
+    let transmittance = ColorTexture::Constant(Rgb::WHITE);
+    let interior = Some(InteriorMedium { absorption, ..InteriorMedium::clear(IOR) });
+    Material { interior, ..Material::new("glass".into(), MaterialModel::Dielectric { roughness, transmittance }) }
 }
 
-fn physical(physical: Physical) -> Material {
-    let phong = Phong { diffuse: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..Phong::default() };
-    Material { physical: Some(physical), ..Material::new("surface".into(), phong) }
+fn surface(model: MaterialModel) -> Material {
+    Material::new("surface".into(), model)
 }
 
 fn diffuse(albedo: f64) -> Material {
-    physical(Physical::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(albedo)), roughness: 0.0 })
+    surface(MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(albedo)), roughness: 0.0 })
 }
 
-fn lamp(radiance: f64, shines: Sides) -> Material {
-    let phong = Phong {
-        emission: ColorTexture::Constant(Rgb::gray(radiance)),
-        diffuse: ColorTexture::ZERO,
-        ambient: ColorTexture::ZERO,
-        ..Phong::default()
-    };
-    Material { physical: Some(Physical::Black), shines, ..Material::new("lamp".into(), phong) }
+fn lamp(radiance: f64, emission_sides: Sides) -> Material {
+    let emission = ColorTexture::Constant(Rgb::gray(radiance));
+    Material { emission, emission_sides, ..Material::new("lamp".into(), MaterialModel::Black) }
 }
 
 fn sphere(centre: [f64; 3], radius: f64) -> Content {
@@ -170,7 +155,7 @@ fn a_flat_mirror_shows_its_lamps_again() {
     let mirror = Shape::Rectangle(Rectangle::new(12.0, 12.0).expect("a rectangle"));
     let nodes = nodes(&[(block([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0), (Content::Shape(mirror), 1)]);
     let white = ColorTexture::Constant(Rgb::gray(0.8));
-    let materials = vec![diffuse(0.5), physical(Physical::Mirror { reflectance: white })];
+    let materials = vec![diffuse(0.5), surface(MaterialModel::Mirror { reflectance: white })];
     let position = DVec3::new(0.4, 1.0, 0.2);
     let point = |falloff| LightKind::Point { position, falloff, shadow_near: 0.0 };
     let spot = LightKind::Spot {
@@ -219,19 +204,19 @@ fn agreeable() -> Scene {
         // A bumpy sheet with interpolated normals.
         (Content::Mesh(MeshId(0)), 0),
     ];
-    let coat = Physical::Mix(vec![
-        (0.5, Physical::Mirror { reflectance: ColorTexture::Constant(Rgb::gray(0.9)) }),
-        (0.5, Physical::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(0.7)), roughness: 0.3 }),
+    let coat = MaterialModel::Mix(vec![
+        (0.5, MaterialModel::Mirror { reflectance: ColorTexture::Constant(Rgb::gray(0.9)) }),
+        (0.5, MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(0.7)), roughness: 0.3 }),
     ]);
     let materials = vec![
         diffuse(0.7),
         body(0.0, Rgb::BLACK),
         body(0.4, Rgb::new(0.2, 0.5, 1.0)),
-        physical(Physical::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }),
+        surface(MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }),
         body(0.0, Rgb::new(1.5, 0.3, 0.1)),
         lamp(4.0, Sides::Front),
         lamp(3.0, Sides::Both),
-        physical(coat),
+        surface(coat),
     ];
     let mut scene = scene(camera, materials, nodes(&contents), vec![]);
     scene.appearance.background = Background::Constant(Rgb::gray(0.05));

@@ -6,7 +6,7 @@ use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Adaptive, Content, GroupId, Integrator, MaterialId, Node, Scene, Settings};
-use rt_shading::{Background, ColorTexture, Phong};
+use rt_shading::{Background, ColorTexture, Material, Phong};
 
 fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
     let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
@@ -110,7 +110,7 @@ fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
 #[test]
 fn the_picture_is_the_mean_of_the_still_pictures_of_its_moments() {
     let mut scene = everything_moves();
-    scene.appearance.materials[5].phong.emission = ColorTexture::ZERO;
+    scene.appearance.materials[5].emission = ColorTexture::ZERO;
     let camera = &mut scene.cameras[0].settings;
     camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     for (integrator, tolerance) in [
@@ -286,8 +286,9 @@ fn a_ball_that_moves_across_covers_points_by_the_length_of_its_chords() {
     (scene.settings.spp, scene.settings.pattern) = (4096, SamplerKind::Sobol);
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
-    let white = Phong { emission: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
-    scene.appearance.materials[0].phong = white;
+    let dark = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
     let mut ball = Node::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
     ball.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
     ball.moves_to = Some(shift(0.5 * way, 0.0, 0.0));
@@ -319,7 +320,8 @@ fn a_ball_that_moves_across_covers_points_by_the_length_of_its_chords() {
 fn mirrored_rays_do_not_meet_what_they_left() {
     let mut scene = spheres();
     let mirror = Phong { mirror: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
-    scene.appearance.materials[0].phong = Phong { specular: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..mirror };
+    scene.appearance.materials[0].model =
+        Phong { specular: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..mirror }.into();
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::WHITE);
     scene.settings.depth = 1;
@@ -363,7 +365,8 @@ fn lamps_that_move_are_found_by_rays() {
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
     let mut lamp_material = scene.appearance.materials[0].clone();
-    lamp_material.phong = Phong { emission: ColorTexture::Constant(Rgb::WHITE), ..Phong::default() };
+    lamp_material.emission = ColorTexture::Constant(Rgb::WHITE);
+    lamp_material.model = Phong::default().into();
     scene.appearance.materials.push(lamp_material);
     // A ceiling that is everywhere at all moments, so that its light is that of one at rest.
     let wide = rt_geometry::Cuboid::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");

@@ -49,8 +49,7 @@ fn colour(value: Rgb) -> ColorTexture {
 
 /// One that shows its own colour whatever the light.
 fn glowing(colour: Rgb) -> Material {
-    let dark = Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, ..Phong::default() };
-    Material::new("glow".into(), Phong { emission: self::colour(colour), ..dark })
+    Material { emission: self::colour(colour), ..Material::new("glow".into(), Phong::BLACK) }
 }
 
 fn matte() -> Material {
