@@ -137,9 +137,7 @@ fn a_scene_changes_materials_of_its_models_by_name() {
     );
     assert_eq!(diffuse(&scene, "red"), ColorTexture::Constant(Rgb::gray(0.5)));
     // The texture stays and is tinted.
-    assert!(
-        matches!(diffuse(&scene, "picture"), ColorTexture::Textured(_, scale) if scale == Rgb::new(1.0, 0.0, 0.0))
-    );
+    assert!(matches!(diffuse(&scene, "picture"), ColorTexture::Textured(_, scale) if scale == Rgb::new(1.0, 0.0, 0.0)));
     let red = scene.appearance.materials.iter().find(|material| material.name == "red").unwrap();
     assert_eq!(red.to_phong().specular, ColorTexture::Constant(Rgb::gray(0.5)), "what is not given stays");
 }

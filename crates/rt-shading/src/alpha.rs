@@ -9,8 +9,8 @@ pub enum AlphaMode {
     Opaque,
     /// Rays hit where alpha is at least this cutoff, as for leaves and fences.
     Mask(f64),
-    /// Each ray hits with the probability alpha, so that the mean over rays is the blend of surface and background
-    /// (Wyman, McGuire, "Hashed Alpha Testing", 2017).
+    /// Each ray hits with the probability alpha (Wyman, McGuire, "Hashed Alpha Testing", 2017). The mean over rays is the
+    /// blend of surface and background.
     Blend,
 }
 

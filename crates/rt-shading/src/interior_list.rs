@@ -25,7 +25,7 @@ struct MediumEntry {
 ///        glass     ignored      now in water
 /// ```
 ///
-/// Where dielectrics overlap, the one of the highest [`priority`](InteriorMedium::priority) counts, among equals the one
+/// Among overlapping dielectrics, the one of the highest [`priority`](InteriorMedium::priority) counts, among equals the one
 /// entered last. Surfaces of the others are ignored. Of coincident surfaces, a ray hits the one of the lower index only:
 /// touching dielectrics should overlap instead.
 ///

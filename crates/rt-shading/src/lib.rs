@@ -10,10 +10,10 @@
 //!                     |    \ refracted
 //! ```
 //!
-//! **Owns** lights without extent ([`Light`]) and with it ([`emitter`]), the classical surface ([`Phong`]), textures, the laws of reflection and
-//! refraction ([`optics`]), surfaces that obey physics ([`bsdf`]), nested dielectrics ([`InteriorList`]), and the integrators
-//! that follow camera paths ([`Whitted`], [`AovIntegrator`]).
-//! **Does not own** shapes (rt-geometry), or how a ray finds one: an integrator asks a [`Tracer`].
+//! **Owns** materials ([`Material`], [`MaterialModel`]) and their [`bsdf`]s, textures, the laws of reflection and refraction
+//! ([`optics`]), and nested dielectrics ([`InteriorList`]). It also owns delta lights ([`Light`]), area and environment lights
+//! ([`emitter`]), and the integrators ([`Whitted`], [`PathTracer`], [`LightTracingIntegrator`], [`AovIntegrator`]).
+//! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`Tracer`].
 //!
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};

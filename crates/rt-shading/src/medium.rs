@@ -37,7 +37,7 @@ pub struct InteriorMedium {
     pub ior: f64,
     /// Absorption per world unit (Beer's law): light falls by exp(−absorption · length).
     pub absorption: Rgb,
-    /// Where dielectrics overlap, the one of the highest priority counts, among equals the one entered last.
+    /// Rank among overlapping dielectrics: the highest counts, among equals the one entered last.
     ///
     /// Glass has a higher priority than the liquid that reaches into its wall.
     pub priority: i32,

@@ -16,12 +16,13 @@ use rt_math::{DVec3, Rgb};
 pub enum Coupling {
     /// Appendix B.3 of the specification: microfacets with half vector m transmit 1 − F(wo·m) to the base.
     ///
-    /// As the specification notes, this gains energy at grazing angles. The albedo of white plastic of roughness 0.3 is 1.001
+    /// This gains energy at grazing angles, as the specification notes. The albedo of white plastic of roughness 0.3 is 1.001
     /// at 45°, 1.149 at 75°, and 1.357 at 89°. That of metal and dark plastic is at most 1.
     #[default]
     FresnelMix,
-    /// The layer transmits (1 − E(wo)) · (1 − E(wi)) / (1 − Ē), where E is its directional albedo and Ē the mean of E (Kulla,
-    /// Conty 2017, which the specification recommends). The albedo of white plastic is 1 ± 0.005 at all angles.
+    /// The layer transmits (1 − E(wo)) · (1 − E(wi)) / (1 − Ē), with its directional albedo E and the mean Ē of E.
+    ///
+    /// Kulla, Conty 2017, which the specification recommends. The albedo of white plastic is 1 ± 0.005 at all angles.
     Albedo,
 }
 
@@ -35,7 +36,7 @@ pub enum Coupling {
 /// f          = mix(dielectric, metal, metallic)
 /// ```
 ///
-/// Smooth surfaces have a delta lobe beside the diffuse one.
+/// Smooth surfaces have a delta lobe and a diffuse lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetallicRoughness {
     /// Albedo of the diffuse lobe, or reflectance of the metal at normal incidence, per channel in \[0, 1\].

@@ -10,7 +10,7 @@ use rt_math::{DVec3, Frame, Rgb, transcendental};
 /// Lobe around the mirrored direction: f = reflectance · (n + 2)/2π · cosⁿ α, where α is the angle to it.
 ///
 /// Phong 1975, in the reciprocal and bounded form of Lafortune and Willems 1994. A lobe of reflectance 1 reflects all light
-/// at normal incidence, and about 1/√2 at 45° if the exponent is high: part of the lobe is then below the surface.
+/// at normal incidence. At 45° it reflects about 1/√2 if the exponent is high, since part of the lobe is below the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongLobe {
     /// Albedo at normal incidence, per channel in \[0, 1\].

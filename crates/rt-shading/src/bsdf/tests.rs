@@ -1,4 +1,4 @@
-//! What all models promise, tested on the same list of surfaces.
+//! Properties of all models, tested on the same list of surfaces.
 
 mod agreement;
 mod bent_normals;
@@ -45,7 +45,7 @@ pub(super) fn gltf(metallic: f64, roughness: f64) -> MetallicRoughness {
     MetallicRoughness { base_color: Rgb::WHITE, metallic, roughness, coupling: Coupling::FresnelMix }
 }
 
-/// As [`gltf`], with a base that gets what its layer leaves.
+/// Version of [`gltf`] with [`Coupling::Albedo`].
 pub(super) fn plastic(roughness: f64) -> MetallicRoughness {
     MetallicRoughness { coupling: Coupling::Albedo, ..gltf(0.0, roughness) }
 }
