@@ -54,8 +54,8 @@ pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, Transfor
         }
     }
     for material in &mut scene.appearance.materials {
-        if let Some(transmission) = &mut material.phong.transmission {
-            transmission.absorption = transmission.absorption * scale.recip();
+        if let Some(interior) = &mut material.interior {
+            interior.absorption = interior.absorption * scale.recip();
         }
     }
     Ok(scene)

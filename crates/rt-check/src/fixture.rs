@@ -7,8 +7,8 @@ use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
 use rt_shading::{
-    Appearance, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Texture, TextureId,
-    Transmission,
+    Appearance, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material, Phong,
+    Texture, TextureId, Transmission,
 };
 
 pub(crate) use crate::Severity;
@@ -22,13 +22,14 @@ pub(crate) const CHECKER: MaterialId = MaterialId(2);
 pub(crate) fn empty() -> Scene {
     let material = |name: &str, phong| Material::new(name.into(), phong);
     let white = ColorTexture::Constant(Rgb::WHITE);
-    let inside = Transmission { coefficient: white, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
-    let glass = Phong { diffuse: ColorTexture::ZERO, mirror: white, transmission: Some(inside), ..Phong::default() };
+    let transmission = Some(Transmission { coefficient: white, fresnel: true });
+    let glass = Phong { diffuse: ColorTexture::ZERO, mirror: white, transmission, ..Phong::default() };
+    let glass = Material { interior: Some(InteriorMedium::clear(1.5)), ..material("glass", glass) };
     let checker = Phong { diffuse: ColorTexture::Textured(TextureId(0), Rgb::WHITE), ..Phong::default() };
     Scene {
         film: FilmSettings { width: 48, height: 48, ..FilmSettings::default() },
         appearance: Appearance {
-            materials: vec![material("grey", Phong::default()), material("glass", glass), material("checker", checker)],
+            materials: vec![material("grey", Phong::default()), glass, material("checker", checker)],
             textures: vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 1.0 }],
             ..Appearance::default()
         },

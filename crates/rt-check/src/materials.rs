@@ -19,7 +19,7 @@ pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
 /// Checks the albedo at normal incidence of the diffuse part and the highlight, kd + ks·2π / (n + 2). Source: Lewis,
 /// "Making shaders more physically plausible", 1994.
 fn energy(material: &Material, textures: &[Texture], findings: &mut Findings) {
-    let phong = &material.phong;
+    let phong = material.to_phong();
     let lobe = TAU / (phong.exponent + 2.0);
     let (kd, ks) = (brightest(&phong.diffuse, textures), brightest(&phong.specular, textures));
     let sums = [kd.r + ks.r * lobe, kd.g + ks.g * lobe, kd.b + ks.b * lobe];
@@ -79,15 +79,15 @@ mod tests {
     use crate::fixture::*;
     use rt_math::DVec3;
     use rt_scene_io::Group;
+    use rt_shading::Phong;
 
     #[test]
     fn too_bright_highlights_are_noted() {
         let mut scene = empty();
         scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
-        let phong = &mut scene.appearance.materials[0].phong;
-        phong.diffuse = ColorTexture::Constant(Rgb::gray(0.25));
-        phong.specular = ColorTexture::Constant(Rgb::new(0.5, 2.0, 0.5));
-        phong.exponent = 6.0;
+        let (diffuse, specular) = (Rgb::gray(0.25), Rgb::new(0.5, 2.0, 0.5));
+        let (diffuse, specular) = (ColorTexture::Constant(diffuse), ColorTexture::Constant(specular));
+        scene.appearance.materials[0].model = Phong { diffuse, specular, exponent: 6.0, ..Phong::default() }.into();
         let finding = only(&scene, Kind::EnergyGain);
         assert!((finding.values[0].value - (0.25 + 2.0 * TAU / 8.0)).abs() < 1e-15, "{finding:?}");
         assert_eq!(finding.object, "grey");

@@ -71,7 +71,7 @@ fn uvs(named: &NamedMesh, findings: &mut Findings) {
 #[cfg(test)]
 mod tests {
     use rt_math::Rgb;
-    use rt_shading::{ColorTexture, Texture, TextureId};
+    use rt_shading::{ColorTexture, Phong, Texture, TextureId};
 
     use super::*;
     use crate::fixture::*;
@@ -101,10 +101,11 @@ mod tests {
         // Colours of vertices are no such texture.
         let colours = TextureId(scene.appearance.textures.len() as u32);
         scene.appearance.textures.push(Texture::VertexColor(None));
-        let checker = scene.appearance.materials[CHECKER.0 as usize].phong.diffuse;
-        scene.appearance.materials[CHECKER.0 as usize].phong.diffuse = ColorTexture::Textured(colours, Rgb::WHITE);
+        let checker = scene.appearance.materials[CHECKER.0 as usize].model.clone();
+        let diffuse = ColorTexture::Textured(colours, Rgb::WHITE);
+        scene.appearance.materials[CHECKER.0 as usize].model = Phong { diffuse, ..Phong::default() }.into();
         assert_eq!(of_kind(&scene, Kind::MissingUvs), []);
-        scene.appearance.materials[CHECKER.0 as usize].phong.diffuse = checker;
+        scene.appearance.materials[CHECKER.0 as usize].model = checker;
 
         let mut data = cube_data();
         // Seen along z, four faces of the cube are lines.

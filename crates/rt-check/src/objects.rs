@@ -197,7 +197,7 @@ impl<'s> Objects<'s> {
     }
 
     pub(crate) fn is_glass(&self, object: &Object<'_>) -> bool {
-        self.material(object).is_some_and(|material| material.body().is_some())
+        self.material(object).is_some_and(|material| material.interior.is_some())
     }
 
     /// Box around all bounded objects; empty if there are none.

@@ -99,7 +99,7 @@ fn simplification(scene: &Scene) -> Option<String> {
         }
         _ => return None,
     };
-    let is_physical = |material: &rt_scene_io::Material| material.has_physical_surface();
+    let is_physical = |material: &rt_scene_io::Material| material.is_physically_based();
     let integrator = scene.settings.integrator.name();
     let is_simplified = scene.appearance.materials.iter().any(is_physical);
     is_simplified.then(|| format!("`{integrator}` {left_out}; `path` shows them in full."))

@@ -2,22 +2,22 @@
 
 use rt_geometry::{Hit, Primitives, TriangleMesh, VertexAttributes};
 use rt_math::{Aabb, DVec3, Interval, Ray, random};
-use rt_shading::{Alpha, Coverage, Material, Texture, TexturePoint};
+use rt_shading::{Alpha, AlphaMode, Material, Texture, TexturePoint};
 
 /// Alpha test of a mesh: rays pass where the material does not cover it.
 #[derive(Clone, Debug)]
 pub(crate) struct AlphaTest {
-    coverage: Coverage,
+    alpha: Alpha,
     /// True if back faces are culled.
-    has_front_only: bool,
+    culls_back_faces: bool,
 }
 
 impl AlphaTest {
     /// Alpha test of a mesh with this material; `None` if every hit passes. Back faces of closed meshes need no culling.
     pub(crate) fn of(material: &Material, mesh: &TriangleMesh) -> Option<Self> {
-        let coverage = &material.coverage;
-        let has_front_only = coverage.has_front_only && !mesh.data().is_closed();
-        (coverage.alpha != Alpha::Opaque || has_front_only).then(|| Self { coverage: coverage.clone(), has_front_only })
+        let alpha = &material.alpha;
+        let culls_back_faces = alpha.culls_back_faces && !mesh.data().is_closed();
+        (alpha.mode != AlphaMode::Opaque || culls_back_faces).then(|| Self { alpha: alpha.clone(), culls_back_faces })
     }
 }
 
@@ -33,19 +33,19 @@ pub(crate) struct AlphaTestedMesh<'w> {
 
 impl AlphaTestedMesh<'_> {
     fn passes_test(&self, ray: &Ray, hit: &Hit) -> bool {
-        if self.alpha_test.has_front_only {
+        if self.alpha_test.culls_back_faces {
             let Some([a, b, c]) = self.mesh.vertices(hit.primitive) else { return false };
             if (b - a).cross(c - a).dot(ray.direction) > 0.0 {
                 return false;
             }
         }
-        if self.alpha_test.coverage.alpha == Alpha::Opaque {
+        if self.alpha_test.alpha.mode == AlphaMode::Opaque {
             return true;
         }
         let Some(([uv, second], alpha)) = self.mesh.coverage_at(hit) else { return false };
         let detail = VertexAttributes { second_uv: second.map(|x| x as f32), ..VertexAttributes::default() };
         let threshold = || random::unit(hash(ray, hit.primitive));
-        self.alpha_test.coverage.covers(self.textures, &TexturePoint { uv, detail }, alpha, threshold)
+        self.alpha_test.alpha.hits(self.textures, &TexturePoint { uv, detail }, alpha, threshold)
     }
 }
 
@@ -88,8 +88,8 @@ mod tests {
         TriangleMesh::build(data).expect("a mesh").0
     }
 
-    fn alpha_test(coverage: Coverage) -> Option<AlphaTest> {
-        AlphaTest::of(&Material { coverage, ..Material::new(String::new(), Phong::default()) }, &square())
+    fn alpha_test(alpha: Alpha) -> Option<AlphaTest> {
+        AlphaTest::of(&Material { alpha, ..Material::new(String::new(), Phong::default()) }, &square())
     }
 
     fn hits(alpha_test: &AlphaTest, textures: &[Texture], ray: &Ray) -> usize {
@@ -99,11 +99,11 @@ mod tests {
 
     #[test]
     fn back_faces_of_open_meshes_are_culled_if_the_material_is_single_sided() {
-        let front_only = alpha_test(Coverage { has_front_only: true, ..Coverage::ALL }).expect("an open mesh");
+        let front_only = alpha_test(Alpha { culls_back_faces: true, ..Alpha::OPAQUE }).expect("an open mesh");
         let point = DVec3::new(0.6, 0.3, 1.0);
         assert_eq!(hits(&front_only, &[], &Ray::new(point, DVec3::NEG_Z)), 1);
         assert_eq!(hits(&front_only, &[], &Ray::new(-point + point.with_z(0.0) * 2.0, DVec3::Z)), 0);
-        assert!(alpha_test(Coverage::ALL).is_none());
+        assert!(alpha_test(Alpha::OPAQUE).is_none());
     }
 
     #[test]
@@ -112,7 +112,7 @@ mod tests {
             rt_shading::Bitmap { alpha: vec![1.0, 0.0], ..rt_shading::Bitmap::opaque(2, 1, vec![[1.0; 3]; 2]) };
         let wrap = [rt_shading::Wrap::Clamp; 2];
         let image = Texture::Image { bitmap: std::sync::Arc::new(bitmap), wrap, smooth: false };
-        let mask = Coverage { alpha: Alpha::Mask(0.5), texture: Some(TextureId(0)), ..Coverage::ALL };
+        let mask = Alpha { mode: AlphaMode::Mask(0.5), texture: Some(TextureId(0)), ..Alpha::OPAQUE };
         let mask = alpha_test(mask).expect("a mask");
         let at = |x: f64| hits(&mask, std::slice::from_ref(&image), &Ray::new(DVec3::new(x, 0.2, 1.0), DVec3::NEG_Z));
         assert_eq!([at(0.3), at(0.7)], [1, 0]);
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn blended_surfaces_block_the_share_of_rays_given_by_alpha() {
-        let blend = alpha_test(Coverage { alpha: Alpha::Blend, factor: 0.3, ..Coverage::ALL }).expect("a blend");
+        let blend = alpha_test(Alpha { mode: AlphaMode::Blend, factor: 0.3, ..Alpha::OPAQUE }).expect("a blend");
         let ray = |i: u32| {
             let at = |k: u32| random::unit(random::hash(&[1, u64::from(i), u64::from(k)]));
             Ray::new(DVec3::new(at(0), at(1), 1.0), DVec3::NEG_Z)

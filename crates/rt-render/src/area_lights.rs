@@ -4,7 +4,7 @@ use rt_geometry::{Polygon, Shape, TriangleMesh};
 use rt_math::{Aabb, DVec3, Rgb, Transform};
 use rt_scene_io::Scene;
 use rt_shading::{
-    Alpha, ColorTexture,
+    AlphaMode, ColorTexture,
     light::{CylinderLight, DiskLight, Emission, Light, MeshLight, QuadLight, SphereLight},
 };
 
@@ -48,7 +48,7 @@ pub(crate) fn area_lights(scene: &Scene, top: &mut Aggregate, levels: &mut Botto
 pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &BottomLevel) -> Option<String> {
     let shines = |material: u32| {
         let material = scene.appearance.materials.get(material as usize);
-        material.is_some_and(|material| !material.phong.emission.is_zero())
+        material.is_some_and(|material| !material.emission.is_zero())
     };
     let mut animated = top.all_instances(levels).filter(|instance| instance.has_motion());
     animated.find(|instance| uses_material(instance, levels, &shines)).map(|instance| instance.name.to_string())
@@ -87,12 +87,12 @@ fn emission_of(scene: &Scene, instance: &Instance) -> Option<Emission> {
         return None;
     }
     let material = scene.appearance.materials.get(instance.material as usize)?;
-    let ColorTexture::Constant(radiance) = material.phong.emission else { return None };
+    let ColorTexture::Constant(radiance) = material.emission else { return None };
     // The whole surface is sampled: one with an alpha test is found by rays only.
-    if material.coverage.alpha != Alpha::Opaque {
+    if material.alpha.mode != AlphaMode::Opaque {
         return None;
     }
-    (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.shines).ok())?
+    (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.emission_sides).ok())?
 }
 
 /// Light of an instance in a transformed aggregate.

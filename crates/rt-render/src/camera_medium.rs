@@ -4,7 +4,7 @@ use rt_camera::{Camera, Projection};
 use rt_geometry::NoProbe;
 use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
-use rt_shading::{Interior, Material};
+use rt_shading::{InteriorList, Material};
 
 use crate::{frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, world::World};
 
@@ -16,7 +16,7 @@ const PROBE_DIRECTION: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 #[derive(Debug)]
 pub(crate) enum CameraMedium {
     /// The same for all rays.
-    Constant(Interior),
+    Constant(InteriorList),
     /// Found for each ray that starts in this box: ray origins differ with a lens or a parallel projection, and media can
     /// move.
     PerRay(Aabb),
@@ -25,13 +25,13 @@ pub(crate) enum CameraMedium {
 impl CameraMedium {
     /// Medium outside of all dielectrics.
     pub(crate) fn air() -> Self {
-        Self::Constant(Interior::default())
+        Self::Constant(InteriorList::default())
     }
 
     /// Medium named by the camera, or else found in the world around it.
     pub(crate) fn of(named: &NamedCamera, camera: &Camera, moves: bool, scene: &Scene, world: &World) -> Self {
         if let Some(medium) = named.medium {
-            return Self::Constant(Interior::filled_with(medium.0));
+            return Self::Constant(InteriorList::filled_with(medium.0));
         }
         let bounds = bounds_of_dielectrics(&scene.appearance.materials, world);
         let start_apart = matches!(named.settings.projection, Projection::Orthographic { .. }) || camera.has_lens();
@@ -49,9 +49,9 @@ impl CameraMedium {
     }
 }
 
-fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
+fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> InteriorList {
     let materials = &scene.appearance.materials;
-    let mut interior = Interior::default();
+    let mut interior = InteriorList::default();
     match world {
         World::Spheres(world, structure) => {
             interior.find_enclosing_media(
@@ -75,7 +75,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> Interior {
 
 /// Bounds of all dielectrics; all of space if one of them is unbounded.
 pub(crate) fn bounds_of_dielectrics(materials: &[Material], world: &World) -> Aabb {
-    let is_transparent = |material: u32| materials.get(material as usize).is_some_and(|m| m.body().is_some());
+    let is_transparent = |material: u32| materials.get(material as usize).is_some_and(|m| m.interior.is_some());
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
     match world {
         World::Spheres(world, _) => {

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, fmt};
 use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_geometry::{Primitives as _, Shape};
 use rt_scene_io::{Integrator, LightSampling};
-use rt_shading::{DeltaLight, Material, PathSettings, Transport};
+use rt_shading::{DeltaLight, PathSettings, Transport};
 
 use crate::{
     MemoryPrediction, RenderPlan, RenderSpace,
@@ -373,7 +373,7 @@ impl RenderPlan<'_> {
 
     /// Line on overlapping dielectrics and the medium of the camera; `None` for thin dielectrics only.
     fn nesting(&self) -> Option<String> {
-        let transparent = self.scene.appearance.materials.iter().filter_map(Material::body);
+        let transparent = self.scene.appearance.materials.iter().filter_map(|material| material.interior);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
         let (min, max) = (priorities.first()?, priorities.last()?);
         let order = if min < max { format!("priorities {min} to {max}") } else { "all of one priority".to_owned() };

@@ -7,7 +7,7 @@ use rt_accel::BuildError;
 use rt_geometry::{Primitives, Shape, TransformedShape};
 use rt_math::{Aabb, AnimatedTransformChain, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Node, Scene};
-use rt_shading::{Coverage, Texture};
+use rt_shading::{Alpha, Material, Texture};
 
 use crate::{
     RenderError,
@@ -56,7 +56,7 @@ pub(crate) fn flatten(
 /// Textures, if an alpha test or a normal map uses them.
 fn textures(scene: &Scene) -> Vec<Texture> {
     let mut materials = scene.appearance.materials.iter();
-    let uses_textures = materials.any(|material| material.relief.is_some() || material.coverage != Coverage::ALL);
+    let uses_textures = materials.any(|material| material.normal_map.is_some() || material.alpha != Alpha::OPAQUE);
     if uses_textures { scene.appearance.textures.clone() } else { Vec::new() }
 }
 
@@ -352,7 +352,7 @@ impl<'s> Flattener<'s> {
         let count = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let alpha_test = material.and_then(|material| AlphaTest::of(material, &named.mesh));
-        let has_normal_map = material.is_some_and(|material| material.relief.is_some());
+        let has_normal_map = material.is_some_and(|material| material.normal_map.is_some());
         if count <= MAX_INLINED_TRIANGLES
             && alpha_test.is_none()
             && !has_normal_map
@@ -436,11 +436,12 @@ impl<'s> Flattener<'s> {
         }
         // Shadow rays ignore media. A solid of air must not cast a shadow in air; as a bubble in glass, the surface of the
         // glass blocks the ray.
-        let is_air = !is_group && self.scene.appearance.materials[node.material.0 as usize].phong.is_air();
-        let relief = if is_group { None } else { self.scene.appearance.materials[node.material.0 as usize].relief };
+        let material = (!is_group).then(|| &self.scene.appearance.materials[node.material.0 as usize]);
+        let is_air = material.is_some_and(Material::is_air);
+        let normal_map = material.and_then(|material| material.normal_map);
         Ok(Instance {
             geometry,
-            relief,
+            normal_map,
             textured: true,
             material: node.material.0,
             casts_shadow: here.casts_shadow && !is_air,

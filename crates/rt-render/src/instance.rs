@@ -11,7 +11,7 @@ use rt_geometry::{
     TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
-use rt_shading::{Relief, SurfaceHit, Texture, light::LightId};
+use rt_shading::{NormalMap, SurfaceHit, Texture, light::LightId};
 
 use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
 
@@ -32,7 +32,7 @@ pub(crate) struct Instance {
     /// True if its texture coordinates are used.
     pub(crate) textured: bool,
     /// Normal map of its material; `None` for a group.
-    pub(crate) relief: Option<Relief>,
+    pub(crate) normal_map: Option<NormalMap>,
     /// Name of its node, for messages.
     pub(crate) name: Arc<str>,
 }
@@ -262,7 +262,7 @@ impl Instances<'_> {
         // The common kinds come first, so that their results are constructed in place.
         match &instance.geometry {
             InstanceGeometry::Triangle(mesh, triangle) => instance.triangle_surface(mesh, *triangle, ray, hit, needs),
-            InstanceGeometry::Mesh(level, None) if instance.relief.is_none() => {
+            InstanceGeometry::Mesh(level, None) if instance.normal_map.is_none() => {
                 instance.triangle_surface(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
             }
             InstanceGeometry::Shape(shape) => Some(instance.shape_surface(shape, ray, hit, needs)),
@@ -291,8 +291,8 @@ impl Instances<'_> {
                     hit,
                     needs,
                 )?;
-                if let Some(relief) = &instance.relief {
-                    relief.shape(&self.levels.textures, &mut surface);
+                if let Some(map) = &instance.normal_map {
+                    map.apply(&self.levels.textures, &mut surface);
                 }
                 instance.surface_hit(hit.t, to_world(surface, transform.as_deref()), Some(hit.primitive))
             }

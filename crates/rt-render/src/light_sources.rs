@@ -11,26 +11,27 @@ use crate::{
 
 /// Lights of the world as origins of light paths; `None` if none of them can reach a specular surface.
 pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &World) -> Option<LightSources> {
-    let is_sharp =
-        |material: u32| appearance.materials.get(material as usize).is_some_and(rt_shading::Material::is_sharp);
+    let may_be_delta = |material: u32| {
+        appearance.materials.get(material as usize).is_some_and(|material| material.model.may_be_delta())
+    };
     let targets = match world {
         World::Spheres(world, _) => {
             let sharp = world.spheres.as_slice().iter().zip(&world.materials);
-            let sharp = sharp.filter(|(_, material)| is_sharp(**material));
+            let sharp = sharp.filter(|(_, material)| may_be_delta(**material));
             let sphere = |(sphere, _): (&rt_geometry::Sphere, _)| TargetSphere {
                 centre: sphere.centre(),
                 radius: sphere.radius(),
             };
             Targets::new(sharp.map(sphere).collect())
         }
-        World::Instances(top, levels) => targets(&top.instances, levels, &is_sharp),
+        World::Instances(top, levels) => targets(&top.instances, levels, &may_be_delta),
     };
     let bodies = bounds_of_dielectrics(&appearance.materials, world);
     let sources = LightSources::new(lights, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)
 }
 
-fn targets(instances: &[Instance], levels: &BottomLevel, is_sharp: &impl Fn(u32) -> bool) -> Targets {
+fn targets(instances: &[Instance], levels: &BottomLevel, may_be_delta: &impl Fn(u32) -> bool) -> Targets {
     let sphere = |instance: &Instance| match &instance.geometry {
         InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
             Some(TargetSphere { centre: sphere.centre(), radius: sphere.radius() })
@@ -39,6 +40,6 @@ fn targets(instances: &[Instance], levels: &BottomLevel, is_sharp: &impl Fn(u32)
             .bounds
             .map(|bounds| TargetSphere { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
     };
-    let sharp = instances.iter().filter(|instance| uses_material(instance, levels, is_sharp));
+    let sharp = instances.iter().filter(|instance| uses_material(instance, levels, may_be_delta));
     sharp.map(sphere).collect::<Option<Vec<_>>>().map_or(Targets::EVERYWHERE, Targets::new)
 }

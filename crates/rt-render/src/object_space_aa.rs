@@ -238,7 +238,7 @@ impl<W: ShadedPrimitives> PixelClassifier<'_, W> {
     fn is_evenly_lit(&self, patch: &SurfacePatch) -> bool {
         let appearance = &self.plan.scene.appearance;
         let Some(material) = patch.plain_material(appearance) else { return false };
-        let phong = &material.phong;
+        let phong = &material.to_phong();
         if phong.diffuse.is_zero() && phong.specular.is_zero() {
             return true;
         }

@@ -5,7 +5,7 @@ use rt_camera::SampleStream;
 use rt_geometry::{Counters, Hit, NoProbe};
 use rt_math::Ray;
 use rt_scene_io::Integrator;
-use rt_shading::{Background, Interior, Lighting, OcclusionWave, PathTracer, Seen, Whitted};
+use rt_shading::{Background, InteriorList, Lighting, OcclusionWave, PathTracer, Seen, Whitted};
 
 use crate::{
     Crop, RenderPlan,
@@ -100,7 +100,7 @@ impl RenderPlan<'_> {
                 })
             }
             (IntegratorState::Path(_), CameraMedium::PerRay(bounds)) => {
-                let mut interior = Interior::default();
+                let mut interior = InteriorList::default();
                 self.sample_tile(job, camera, |batch, seen| {
                     for (i, ray) in batch.rays.iter().enumerate() {
                         interior.find_enclosing_media_within(
@@ -119,7 +119,7 @@ impl RenderPlan<'_> {
                 occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
             }),
             (IntegratorState::Whitted, CameraMedium::PerRay(bounds)) => {
-                let mut interior = Interior::default();
+                let mut interior = InteriorList::default();
                 self.sample_per_ray(job, camera, |ray| {
                     interior.find_enclosing_media_within(*bounds, &mut tracer, &self.scene.appearance.materials, ray);
                     whitted.set_surroundings(&interior);

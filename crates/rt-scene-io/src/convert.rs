@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 
-use crate::default_scene::{material, physical_material};
 use crate::error::ErrorAt;
 use crate::format::{Background, ColorTexture, Material, Node, NodeMaterial, SceneFile};
 use crate::load::{extension, load_standalone_model, read_scene_file};
 use crate::options::folder_of;
+use crate::resolve::written_material;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, Warning, resolve, resolve_path};
 
 /// Result of [`convert`].
@@ -87,12 +87,11 @@ fn write_materials(file: &mut SceneFile, scene: &Scene) -> Vec<String> {
         *uses.entry(&material.name).or_default() += 1;
     }
     for each in &scene.appearance.materials {
-        let crate::Material { name, phong, physical, .. } = each;
+        let name = &each.name;
         if uses[name.as_str()] != 1 || file.materials.contains_key(name) {
             continue;
         }
-        let written = if physical.is_some() { physical_material(each) } else { Some(material(phong)) };
-        match written {
+        match written_material(each) {
             Some(written) => drop(file.materials.insert(name.clone(), written)),
             None => left.push(name.clone()),
         }

@@ -4,14 +4,13 @@ use core::f64::consts::PI;
 use rt_camera::Projection;
 
 use rt_math::{Aabb, DVec3, Rgb, Transform, transcendental};
-use rt_shading::light::EmissionSides;
-use rt_shading::{ColorTexture, DeltaLight, DeltaLightKind, Phong, Physical};
+use rt_shading::{ColorTexture, DeltaLight, DeltaLightKind, MaterialModel, Phong};
 
 use crate::bounds::tree_bounds;
-use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Material, Node, SceneFile, Shape, Step};
-use crate::resolve::rounded;
+use crate::format::{self, CameraAnimation, CameraKey, Color, Interpolation, Node, SceneFile, Shape, Step};
+use crate::resolve::{rounded, written_phong};
 use crate::scene::{is_emissive, used_materials};
-use crate::{LoadOptions, Material as SceneMaterial, Model, NamedCamera, StudioLights};
+use crate::{LoadOptions, Material, Model, NamedCamera, StudioLights};
 
 /// Name of the ground plane.
 const GROUND: &str = "ground";
@@ -45,10 +44,10 @@ pub(crate) fn scene_for_model(
     }
     notes.extend(model.notes.iter().cloned());
     let used = used_materials([&*model.nodes]);
-    let used: Vec<&SceneMaterial> = used.iter().filter_map(|id| model.materials.get(*id as usize)).collect();
+    let used: Vec<&Material> = used.iter().filter_map(|id| model.materials.get(*id as usize)).collect();
     let has_emissive = used.iter().any(|material| is_emissive(material));
     let is_lit_by_objects = has_emissive && model.lights.is_empty() && options.studio_lights != StudioLights::Studio;
-    let reason = if used.iter().any(|material| material.physical.is_some()) {
+    let reason = if used.iter().any(|material| !matches!(material.model, MaterialModel::Phong(_))) {
         Some("materials are physically based")
     } else {
         is_lit_by_objects.then_some("surfaces are its only lights")
@@ -118,7 +117,7 @@ fn add_ground(file: &mut SceneFile, bounds: &Aabb, model: &Model) {
         ..Node::default()
     });
     let matte = Phong { diffuse: ColorTexture::Constant(Rgb::gray(0.5)), ..Phong::default() };
-    file.materials.insert(name, material(&matte));
+    file.materials.insert(name, written_phong(&matte, ColorTexture::ZERO, None));
 }
 
 /// Typical unshadowed illuminance in a box: the geometric mean of average and maximum. A spot may light a small part only, and
@@ -214,93 +213,11 @@ fn light(light: &DeltaLight) -> format::Light {
     }
 }
 
-/// A physical surface as scene files describe it; `None` for one that they cannot describe.
-pub(crate) fn physical_material(material: &SceneMaterial) -> Option<Material> {
-    let SceneMaterial { phong, physical, shines, .. } = material;
-    let constant = |coefficient: &ColorTexture| match coefficient {
-        ColorTexture::Constant(rgb) if rgb.max_component() <= 1.0 => Some(Color::from_rgb(rgb.to_array()).into()),
-        _ => None,
-    };
-    let emission = match phong.emission {
-        ColorTexture::Constant(rgb) if rgb.is_black() => None,
-        ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
-        ColorTexture::Textured(..) => return None,
-    };
-    let is_dark = emission.is_none();
-    let written = match physical.as_ref()? {
-        Physical::Black => Material::Light {
-            radiance: emission.unwrap_or(format::ColorTexture::Gray(0.0)),
-            emission_sides: (*shines).into(),
-        },
-        _ if !(is_dark || *shines == EmissionSides::Both) => return None,
-        Physical::Diffuse { albedo, roughness } => {
-            Material::Diffuse { albedo: constant(albedo)?, roughness: *roughness, emission }
-        }
-        Physical::MetallicRoughness { base_color, metallic, roughness } => Material::MetallicRoughness {
-            base_color: constant(base_color)?,
-            metallic: *metallic,
-            roughness: *roughness,
-            emission,
-        },
-        _ if !is_dark => return None,
-        Physical::Glossy { diffuse, specular, exponent } => {
-            Material::Glossy { diffuse: constant(diffuse)?, specular: constant(specular)?, exponent: *exponent }
-        }
-        Physical::Mirror { reflectance } => Material::Mirror { reflectance: constant(reflectance)? },
-        Physical::Dielectric { roughness, transmittance } => {
-            let inside = phong.transmission.filter(|inside| inside.fresnel && inside.coefficient == *transmittance)?;
-            let absorption = (!inside.absorption.is_black()).then(|| Color::from_rgb(inside.absorption.to_array()));
-            Material::Glass {
-                ior: inside.ior,
-                roughness: *roughness,
-                transmittance: constant(transmittance)?,
-                absorption,
-                priority: inside.priority,
-            }
-        }
-        Physical::Conductor { ior, roughness } => Material::Metal {
-            metal: None,
-            n: Some(Color::from_rgb(ior.n.to_array())),
-            k: Some(Color::from_rgb(ior.k.to_array())),
-            roughness: *roughness,
-        },
-        Physical::ThinGlass { ior, transmittance } => {
-            Material::ThinGlass { ior: *ior, transmittance: constant(transmittance)? }
-        }
-        Physical::Layered(_) | Physical::Mix(_) => return None,
-    };
-    Some(written)
-}
-
-/// Constant coefficients of a surface; textured ones stay with the model.
-pub(crate) fn material(phong: &Phong) -> Material {
-    let constant = |coefficient: ColorTexture| match coefficient {
-        ColorTexture::Constant(rgb) => Some(Color::from_rgb(rgb.to_array()).into()),
-        ColorTexture::Textured(..) => None,
-    };
-    Material::Phong {
-        color: None,
-        ambient: constant(phong.ambient),
-        diffuse: constant(phong.diffuse),
-        specular: constant(phong.specular),
-        exponent: Some(phong.exponent),
-        highlight: Some(phong.highlight.into()),
-        emission: constant(phong.emission),
-        mirror: constant(phong.mirror),
-        transmission: phong.transmission.and_then(|t| constant(t.coefficient)),
-        ior: phong.transmission.map(|t| t.ior),
-        fresnel: phong.transmission.map(|t| t.fresnel),
-        absorption: phong.transmission.map(|t| Color::from_rgb(t.absorption.to_array())),
-        priority: phong.transmission.map(|t| t.priority),
-        emission_sides: None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::resolve::resolve_with;
-    use crate::{Content, Material, MaterialId, Node as SceneNode, Scene};
+    use crate::{Content, MaterialId, Node as SceneNode, Scene};
     use rt_geometry::{Cuboid, Shape};
     use rt_shading::{Falloff, LightUnits};
     use std::path::Path;
@@ -390,13 +307,14 @@ mod tests {
     #[test]
     fn the_ground_keeps_out_of_the_way_of_a_material_of_its_name() {
         let mut model = lit(&[], 0.0);
-        model.materials[0].phong.diffuse = ColorTexture::Constant(Rgb::gray(0.25));
+        let grey = Phong { diffuse: ColorTexture::Constant(Rgb::gray(0.25)), ..Phong::default() };
+        model.materials[0].model = grey.into();
         let scene = scene(model, true);
         let materials: Vec<_> = scene
             .appearance
             .materials
             .iter()
-            .map(|material| (material.name.as_str(), material.phong.diffuse))
+            .map(|material| (material.name.as_str(), material.to_phong().diffuse))
             .collect();
         let gray = |value| ColorTexture::Constant(Rgb::gray(value));
         assert_eq!(materials, [("ground", gray(0.25)), ("ground'", gray(0.5))]);

@@ -84,7 +84,6 @@ mod options;
 #[cfg(feature = "pbrt")]
 mod pbrt;
 #[cfg(feature = "format")]
-mod phong_fallback;
 #[cfg(feature = "ply")]
 mod ply;
 #[cfg(feature = "format")]

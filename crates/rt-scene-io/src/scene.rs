@@ -324,7 +324,7 @@ pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [Node]>) ->
 /// less are screens, signs and glowing details, which do not light a scene.
 #[cfg(feature = "format")]
 pub(crate) fn is_emissive(material: &Material) -> bool {
-    match material.phong.emission {
+    match material.emission {
         ColorTexture::Constant(radiance) => !radiance.is_black(),
         ColorTexture::Textured(_, radiance) => radiance.max_component() > 1.0,
     }

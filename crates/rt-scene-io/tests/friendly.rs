@@ -8,7 +8,7 @@ use std::path::Path;
 use rt_math::Rgb;
 use rt_scene_io::format::{SceneFile, parse_json, parse_ron};
 use rt_scene_io::{LoadError, LoadOptions, Scene, resolve};
-use rt_shading::{Background, ColorTexture, Physical, Texture};
+use rt_shading::{Background, ColorTexture, MaterialModel, Texture};
 
 fn resolved(file: Result<SceneFile, LoadError>, text: &str) -> Scene {
     let file = file.unwrap_or_else(|error| panic!("{text}\n{error}"));
@@ -24,8 +24,8 @@ fn json(text: &str) -> Scene {
 }
 
 fn albedo(scene: &Scene) -> ColorTexture {
-    match scene.appearance.materials[0].physical {
-        Some(Physical::Diffuse { albedo, .. }) => albedo,
+    match scene.appearance.materials[0].model {
+        MaterialModel::Diffuse { albedo, .. } => albedo,
         ref other => panic!("{other:?}"),
     }
 }
@@ -102,8 +102,8 @@ fn a_material_may_stand_at_a_node() {
         (shape: sphere(), material: diffuse(albedo: 0.8)),
         (material: diffuse(albedo: (1, 0, 0)), children: [(shape: sphere()), (shape: sphere())]),
     ])");
-    let albedo_of = |index: u32| match scene.appearance.materials[index as usize].physical {
-        Some(Physical::Diffuse { albedo, .. }) => albedo,
+    let albedo_of = |index: u32| match scene.appearance.materials[index as usize].model {
+        MaterialModel::Diffuse { albedo, .. } => albedo,
         ref other => panic!("{other:?}"),
     };
     assert_eq!(albedo_of(scene.nodes[0].material.0), ColorTexture::Constant(Rgb::gray(0.8)));

@@ -55,8 +55,8 @@ fn materials_of(scene: &Scene) -> Vec<&str> {
     names
 }
 
-fn diffuse<'a>(scene: &'a Scene, name: &str) -> &'a ColorTexture {
-    &scene.appearance.materials.iter().find(|material| material.name == name).unwrap().phong.diffuse
+fn diffuse(scene: &Scene, name: &str) -> ColorTexture {
+    scene.appearance.materials.iter().find(|material| material.name == name).unwrap().to_phong().diffuse
 }
 
 #[test]
@@ -135,13 +135,11 @@ fn a_scene_changes_materials_of_its_models_by_name() {
             nodes: [(model: "a.obj")],
         )"#,
     );
-    assert_eq!(*diffuse(&scene, "red"), ColorTexture::Constant(Rgb::gray(0.5)));
+    assert_eq!(diffuse(&scene, "red"), ColorTexture::Constant(Rgb::gray(0.5)));
     // The texture stays and is tinted.
-    assert!(
-        matches!(diffuse(&scene, "picture"), ColorTexture::Textured(_, scale) if *scale == Rgb::new(1.0, 0.0, 0.0))
-    );
+    assert!(matches!(diffuse(&scene, "picture"), ColorTexture::Textured(_, scale) if scale == Rgb::new(1.0, 0.0, 0.0)));
     let red = scene.appearance.materials.iter().find(|material| material.name == "red").unwrap();
-    assert_eq!(red.phong.specular, ColorTexture::Constant(Rgb::gray(0.5)), "what is not given stays");
+    assert_eq!(red.to_phong().specular, ColorTexture::Constant(Rgb::gray(0.5)), "what is not given stays");
 }
 
 #[test]

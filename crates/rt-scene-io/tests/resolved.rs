@@ -143,8 +143,8 @@ fn groups_come_after_those_that_they_contain() {
 fn colour_is_a_factor_for_ambient_and_diffuse() {
     let scene = resolved(SCENE);
     let floor = scene.appearance.materials.iter().find(|material| material.name == "floor").unwrap();
-    assert!(matches!(floor.phong.diffuse, ColorTexture::Textured(_, scale) if scale == Rgb::gray(0.5)));
-    assert!(floor.phong.ambient.is_zero());
+    assert!(matches!(floor.to_phong().diffuse, ColorTexture::Textured(_, scale) if scale == Rgb::gray(0.5)));
+    assert!(floor.to_phong().ambient.is_zero());
     assert!(matches!(scene.appearance.textures[..], [Texture::Checker { size: 1.0, .. }]));
 }
 
@@ -154,7 +154,7 @@ fn fresnel_glass_mirrors_unless_the_file_says_otherwise() {
         let scene = resolved(&format!(
             r#"(materials: {{"glass": phong({glass})}}, nodes: [(shape: sphere(), material: "glass")])"#
         ));
-        scene.appearance.materials[0].phong.mirror
+        scene.appearance.materials[0].to_phong().mirror
     };
     let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     assert_eq!(mirror("transmission: gray(1), fresnel: true"), gray(1.0));

@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub enum Background {
     /// The same radiance everywhere.
     Constant(Rgb),
-    /// From `bottom` straight down (−y) to `top` straight up, linear in the height of the unit direction.
+    /// Linear in the y component of the unit direction.
     Gradient {
         /// Radiance straight down.
         bottom: Rgb,

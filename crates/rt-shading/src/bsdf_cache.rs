@@ -1,15 +1,15 @@
 //! BSDFs of uniform materials, computed once.
 
-use crate::{Appearance, PhysicalPoint, bsdf::Bsdf, path::transport::Transport};
+use crate::{Appearance, MaterialEvalContext, bsdf::Bsdf};
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
-/// The BSDFs of the materials that [scatter alike everywhere](crate::Material::is_uniform): made once, and
-/// not at every hit. By `default()` there are none, and all are made at the hit.
+/// BSDFs of [uniform](crate::Material::is_uniform) materials, computed once and not at every hit. The default is empty: all
+/// BSDFs are computed at the hit.
 #[derive(Clone, Debug, Default)]
 pub struct BsdfCache {
-    /// By material.
-    of: Vec<Option<Box<CachedBsdf>>>,
+    /// BSDF by material.
+    bsdfs: Vec<Option<Box<CachedBsdf>>>,
     n_used: usize,
 }
 
@@ -22,34 +22,34 @@ pub(crate) struct CachedBsdf {
 }
 
 impl CachedBsdf {
-    /// With all that is followed of it.
-    pub(crate) fn new(bsdf: Bsdf, transport: Transport) -> Self {
-        let without_diffuse = if transport == Transport::Specular { bsdf.without_diffuse() } else { None };
+    /// Separates the diffuse lobes if they are not followed.
+    pub(crate) fn new(bsdf: Bsdf, splits_diffuse: bool) -> Self {
+        let without_diffuse = if splits_diffuse { bsdf.without_diffuse() } else { None };
         Self { bsdf, without_diffuse }
     }
 }
 
 impl BsdfCache {
-    /// Those of an appearance, of materials that are `used`.
+    /// BSDFs of the materials of an appearance that are `used`.
     pub fn new(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
         let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
-        let point = PhysicalPoint { textures: &appearance.textures, surface: &anywhere, ior: 1.0 };
+        let point = MaterialEvalContext { textures: &appearance.textures, surface: &anywhere, ior: 1.0 };
         let materials = || appearance.materials.iter().enumerate().map(|(index, material)| (used(index), material));
-        let of = materials().map(|(is_used, material)| {
-            let is_made = is_used && material.is_uniform();
-            is_made.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), Transport::Specular)))
+        let bsdfs = materials().map(|(is_used, material)| {
+            let is_cached = is_used && material.is_uniform();
+            is_cached.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), true)))
         });
-        Self { of: of.collect(), n_used: materials().filter(|(is_used, _)| *is_used).count() }
+        Self { bsdfs: bsdfs.collect(), n_used: materials().filter(|(is_used, _)| *is_used).count() }
     }
 
-    /// The number of materials that have one, and of those that are used.
+    /// Numbers of cached materials and of used materials.
     pub fn count(&self) -> (usize, usize) {
-        (self.of.iter().flatten().count(), self.n_used)
+        (self.bsdfs.iter().flatten().count(), self.n_used)
     }
 
     /// BSDF of a material; `None` if it must be computed at the hit.
     pub(crate) fn get(&self, material: u32) -> Option<&CachedBsdf> {
-        self.of.get(material as usize)?.as_deref()
+        self.bsdfs.get(material as usize)?.as_deref()
     }
 }
 
@@ -57,18 +57,19 @@ impl BsdfCache {
 mod tests {
     use super::*;
     use crate::{
-        ColorTexture, FloatTexture, LayeredBase, LayeredSurface, Material, Phong, Physical, TextureId, Transmission,
+        ColorTexture, FloatTexture, InteriorMedium, LayeredBase, LayeredSurface, Material, MaterialModel, Phong,
+        TextureId,
     };
     use rt_geometry::VertexAttributes;
     use rt_math::{Rgb, Vec3};
 
     #[test]
-    fn only_what_is_the_same_everywhere_is_made_once() {
+    fn only_uniform_materials_are_cached() {
         let grey = ColorTexture::Constant(Rgb::gray(0.5));
         let textured = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
-        let glass = Transmission { coefficient: grey, ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
-        let phong = |phong| Material::new(String::new(), phong);
-        let physical = |physical| Material { physical: Some(physical), ..phong(Phong::default()) };
+        let glass = MaterialModel::Dielectric { roughness: 0.0, transmittance: grey };
+        let phong = |phong: Phong| Material::new(String::new(), phong);
+        let physical = |model: MaterialModel| Material::new(String::new(), model);
         let base = LayeredBase::MetallicRoughness {
             base_color: grey,
             metallic: FloatTexture::Constant(0.2),
@@ -77,21 +78,23 @@ mod tests {
         let layered = |changed: fn(&mut LayeredSurface)| {
             let mut surface = LayeredSurface::new(base.clone());
             changed(&mut surface);
-            physical(Physical::Layered(Box::new(surface)))
+            physical(MaterialModel::Layered(Box::new(surface)))
         };
-        let pane = Physical::ThinGlass { ior: 1.5, transmittance: grey };
+        let pane = MaterialModel::ThinGlass { ior: 1.5, transmittance: grey };
         let alike = [
             phong(Phong { specular: grey, ..Phong::default() }),
-            physical(Physical::Diffuse { albedo: grey, roughness: 0.3 }),
-            layered(|surface| surface.coat = FloatTexture::Constant(0.5)),
-            Material { physical: Some(pane), ..phong(Phong { transmission: Some(glass), ..Phong::default() }) },
+            physical(MaterialModel::Diffuse { albedo: grey, roughness: 0.3 }),
+            layered(|surface| surface.clearcoat = FloatTexture::Constant(0.5)),
+            physical(pane),
         ];
         let varying = [
             phong(Phong { diffuse: textured, ..Phong::default() }),
-            phong(Phong { transmission: Some(glass), ..Phong::default() }),
-            physical(Physical::Mix(vec![(1.0, Physical::Diffuse { albedo: textured, roughness: 0.0 })])),
+            Material { interior: Some(InteriorMedium::clear(1.5)), ..physical(glass) },
+            physical(MaterialModel::Mix(vec![(1.0, MaterialModel::Diffuse { albedo: textured, roughness: 0.0 })])),
             layered(|surface| surface.anisotropy = FloatTexture::Constant(0.9)),
-            layered(|surface| surface.coat_roughness = FloatTexture::Textured(TextureId(0), crate::Channel::Red, 1.0)),
+            layered(|surface| {
+                surface.clearcoat_roughness = FloatTexture::textured(&[], TextureId(0), crate::Channel::Red, 1.0)
+            }),
         ];
         let n_alike = alike.len();
         let materials: Vec<_> = alike.into_iter().chain(varying).collect();
@@ -104,7 +107,7 @@ mod tests {
             let made = constant.get(index as u32);
             assert_eq!(made.is_some(), index < n_alike, "{index}");
             if let Some(made) = made {
-                let at_a_hit = material.bsdf(&PhysicalPoint { textures: &[], surface: &surface, ior: 1.0 });
+                let at_a_hit = material.bsdf(&MaterialEvalContext { textures: &[], surface: &surface, ior: 1.0 });
                 assert_eq!((made.bsdf, made.without_diffuse), (at_a_hit, at_a_hit.without_diffuse()), "{index}");
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::{
     Material, Needs, SurfaceHit,
-    interior::{Interior, MediumInterface},
+    interior_list::{InteriorList, MediumInterface},
     viewed_surface::is_inside,
 };
 use rt_math::{DVec3, Ray};
@@ -20,13 +20,13 @@ pub(crate) struct HitContext<'m> {
     pub(crate) length: f64,
     /// True if the ray comes from behind the surface.
     pub(crate) is_inside: bool,
-    transmission: Transmission,
+    transmission: SurfaceTransmission,
 }
 
 /// Transmission through a surface.
 #[derive(Clone, Copy, PartialEq)]
-enum Transmission {
-    /// No light, or the plan leaves refraction out.
+enum SurfaceTransmission {
+    /// No light is transmitted, or the plan leaves refraction out.
     None,
     /// Thin dielectric: the same medium on both sides.
     Thin,
@@ -41,12 +41,14 @@ impl<'m> HitContext<'m> {
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let is_inside = is_inside(direction, &hit.interaction);
-        let transmission = if !needs.refraction || material.phong.transmission.is_none() {
-            Transmission::None
-        } else if material.body().is_none() {
-            Transmission::Thin
+        let transmission = if !needs.refraction {
+            SurfaceTransmission::None
+        } else if material.interior.is_some() {
+            SurfaceTransmission::Solid
+        } else if material.model.is_transmissive() {
+            SurfaceTransmission::Thin
         } else {
-            Transmission::Solid
+            SurfaceTransmission::None
         };
         Some(Self { material, direction, length, is_inside, transmission })
     }
@@ -57,22 +59,22 @@ impl<'m> HitContext<'m> {
     #[inline]
     pub(crate) fn interface(
         &self,
-        interior: &mut Interior,
+        interior: &mut InteriorList,
         materials: &[Material],
         hit: &SurfaceHit,
     ) -> Option<MediumInterface> {
         match self.transmission {
-            Transmission::None => None,
-            Transmission::Thin => Some(interior.thin_interface(materials)),
-            Transmission::Solid => interior.interface(materials, hit, self.is_inside),
+            SurfaceTransmission::None => None,
+            SurfaceTransmission::Thin => Some(interior.thin_interface(materials)),
+            SurfaceTransmission::Solid => interior.interface(materials, hit, self.is_inside),
         }
     }
 
-    /// False if the surface does nothing to the ray: all there is to do is to note this [`interface`](Self::crossing).
+    /// False if the surface does not change the ray, so that only the [`interface`](Self::interface) is crossed.
     #[inline]
     pub(crate) fn is_visible(&self, interface: Option<&MediumInterface>) -> bool {
-        let is_clear = |interface: &MediumInterface| interface.is_null() && self.material.phong.is_clear();
-        self.transmission != Transmission::Solid
+        let is_clear = |interface: &MediumInterface| interface.is_null() && self.material.is_clear();
+        self.transmission != SurfaceTransmission::Solid
             || interface.is_some_and(|interface| interface.is_boundary && !is_clear(interface))
     }
 }

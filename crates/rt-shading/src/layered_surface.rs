@@ -1,72 +1,76 @@
-//! The material of glTF with its extensions, as a scene describes it.
+//! Material of glTF with its extensions.
 
 use crate::{
-    ColorTexture, FloatTexture, PhysicalPoint, Relief, TextureId,
+    ColorTexture, FloatTexture, MaterialEvalContext, NormalMap, TextureId,
     bsdf::{DispersiveDielectric, Ggx, Layered, Sheen},
 };
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Frame, Rgb, Vec3, transcendental};
 
-/// How the base of a layered surface is described.
+/// Base layer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LayeredBase {
     /// A dielectric mixed with metal.
     MetallicRoughness {
-        /// Colour of the diffuse part, or of the metal.
+        /// Albedo of the diffuse lobe, or reflectance of the metal.
         base_color: ColorTexture,
         /// 0 for a dielectric, 1 for metal.
         metallic: FloatTexture,
-        /// Roughness of the facets, 0 to 1.
+        /// Roughness of the microfacets, 0 to 1.
         roughness: FloatTexture,
     },
-    /// Diffuse and mirrored colours apart (KHR_materials_pbrSpecularGlossiness).
+    /// Separate diffuse and specular colours (KHR_materials_pbrSpecularGlossiness).
     SpecularGlossiness {
-        /// Albedo of the diffuse part.
+        /// Albedo of the diffuse lobe.
         diffuse: ColorTexture,
-        /// What facets reflect along their normal.
+        /// Reflectance of the microfacets at normal incidence.
         specular: ColorTexture,
-        /// 1 less the roughness.
+        /// 1 minus the roughness.
         glossiness: FloatTexture,
+        /// Base colour of the nearest metallic-roughness material, for the conversion to Phong.
+        base_color: ColorTexture,
+        /// Approximate mean of `specular` over the surface, for the conversion to Phong.
+        mean_specular: Rgb,
     },
 }
 
-/// A base under facets, fibres and a coat. Factors that are zero leave their layer out.
+/// A base under microfacets, sheen and clearcoat. Layers with a factor of zero are left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayeredSurface {
-    /// The base.
+    /// Base layer.
     pub base: LayeredBase,
-    /// Index of refraction, which says how much facets of a dielectric reflect; 0 for all.
+    /// Index of refraction, which gives the reflectance of dielectric microfacets; 0 means total reflection.
     pub ior: f64,
     /// Strength of that reflection (KHR_materials_specular).
     pub specular: FloatTexture,
-    /// Its colour along the normal.
+    /// Its colour at normal incidence.
     pub specular_color: ColorTexture,
-    /// Part of the light that comes through where it would be scattered below the surface (KHR_materials_transmission).
+    /// Transmitted part of the light that a diffuse base would scatter (KHR_materials_transmission).
     pub transmission: FloatTexture,
-    /// Whether that is a pane without thickness rather than the surface of a body (KHR_materials_volume).
+    /// True for a pane without thickness, false for the surface of a solid (KHR_materials_volume).
     pub is_thin: bool,
-    /// 20 divided by Abbe's number, 0 for none (KHR_materials_dispersion).
+    /// 20 divided by the Abbe number, 0 for none (KHR_materials_dispersion).
     pub dispersion: f64,
-    /// Part that the coat covers (KHR_materials_clearcoat).
-    pub coat: FloatTexture,
-    /// Roughness of the coat.
-    pub coat_roughness: FloatTexture,
-    /// Normal map of the coat, whose normals are smooth without one, whatever those of the base.
-    pub coat_relief: Option<Relief>,
-    /// Colour of the fibres (KHR_materials_sheen).
+    /// Strength of the clearcoat, 0 to 1 (KHR_materials_clearcoat).
+    pub clearcoat: FloatTexture,
+    /// Roughness of the clearcoat.
+    pub clearcoat_roughness: FloatTexture,
+    /// Normal map of the clearcoat. Without one it has the smooth normal, whatever the normal map of the base.
+    pub clearcoat_normal_map: Option<NormalMap>,
+    /// Colour of the sheen (KHR_materials_sheen).
     pub sheen_color: ColorTexture,
-    /// Their roughness.
+    /// Roughness of the sheen.
     pub sheen_roughness: FloatTexture,
-    /// How much facets are stretched, 0 to 1 (KHR_materials_anisotropy).
+    /// Strength of the anisotropy, 0 to 1 (KHR_materials_anisotropy).
     pub anisotropy: FloatTexture,
-    /// Angle from the tangent to the direction of the stretch, in radians, counter-clockwise.
+    /// Angle from the tangent to the direction of the anisotropy, in radians, counter-clockwise.
     pub anisotropy_rotation: f64,
-    /// Texture whose red and green turn that direction.
+    /// Texture with the direction of the anisotropy in red and green.
     pub anisotropy_direction: Option<TextureId>,
 }
 
 impl LayeredSurface {
-    /// The base alone.
+    /// A base without extensions.
     pub const fn new(base: LayeredBase) -> Self {
         Self {
             base,
@@ -76,9 +80,9 @@ impl LayeredSurface {
             transmission: FloatTexture::Constant(0.0),
             is_thin: true,
             dispersion: 0.0,
-            coat: FloatTexture::Constant(0.0),
-            coat_roughness: FloatTexture::Constant(0.0),
-            coat_relief: None,
+            clearcoat: FloatTexture::Constant(0.0),
+            clearcoat_roughness: FloatTexture::Constant(0.0),
+            clearcoat_normal_map: None,
             sheen_color: ColorTexture::ZERO,
             sheen_roughness: FloatTexture::Constant(0.0),
             anisotropy: FloatTexture::Constant(0.0),
@@ -87,82 +91,85 @@ impl LayeredSurface {
         }
     }
 
-    /// What the surface does to light at a point.
-    pub(crate) fn bsdf(&self, at: &PhysicalPoint<'_>) -> Layered {
+    /// BSDF at a point.
+    pub(crate) fn bsdf(&self, at: &MaterialEvalContext<'_>) -> Layered {
         let mut layers = match &self.base {
-            LayeredBase::MetallicRoughness { base_color, metallic, roughness } => {
-                self.mixed_with_metal(at, at.reflectance(base_color), at.share(metallic), at.share(roughness))
-            }
-            LayeredBase::SpecularGlossiness { diffuse, specular, glossiness } => {
+            LayeredBase::MetallicRoughness { base_color, metallic, roughness } => self.metallic_roughness(
+                at,
+                at.reflectance(base_color),
+                at.unit_value(metallic),
+                at.unit_value(roughness),
+            ),
+            LayeredBase::SpecularGlossiness { diffuse, specular, glossiness, .. } => {
                 let f0 = at.reflectance(specular);
                 let strongest = f0.max_component();
                 let diffuse = at.reflectance(diffuse) * (1.0 - strongest);
                 Layered {
                     diffuse,
                     f0,
-                    dims: [strongest, 1.0],
-                    roughness: 1.0 - at.share(glossiness),
+                    dielectric_reflectance: [strongest, 1.0],
+                    roughness: 1.0 - at.unit_value(glossiness),
                     ..Layered::PLASTIC
                 }
             }
         };
-        if !self.coat.is_zero() {
-            layers.coat = at.share(&self.coat);
-            layers.coat_roughness = at.share(&self.coat_roughness);
-            layers.coat_normal = self.coat_normal(at);
+        if !self.clearcoat.is_zero() {
+            layers.clearcoat = at.unit_value(&self.clearcoat);
+            layers.clearcoat_roughness = at.unit_value(&self.clearcoat_roughness);
+            layers.clearcoat_normal = self.clearcoat_normal(at);
         }
         if !self.sheen_color.is_zero() {
-            let (color, roughness) = (at.reflectance(&self.sheen_color), at.share(&self.sheen_roughness));
+            let (color, roughness) = (at.reflectance(&self.sheen_color), at.unit_value(&self.sheen_roughness));
             layers.sheen = (!color.is_black()).then_some(Sheen { color, roughness });
         }
         if !self.anisotropy.is_zero() {
-            (layers.anisotropy, layers.axis) = self.stretch(at);
+            (layers.anisotropy, layers.axis) = self.anisotropy(at);
         }
         layers
     }
 
-    fn mixed_with_metal(&self, at: &PhysicalPoint<'_>, color: Rgb, metallic: f64, roughness: f64) -> Layered {
+    fn metallic_roughness(&self, at: &MaterialEvalContext<'_>, color: Rgb, metallic: f64, roughness: f64) -> Layered {
         let fresnel = if self.ior == 0.0 { 1.0 } else { (self.ior - 1.0) / (self.ior + 1.0) };
-        let strength = at.share(&self.specular);
+        let strength = at.unit_value(&self.specular);
         let tint = self.specular_color.at(at.textures, at.surface);
         let f0 = (tint * (fresnel * fresnel)).map(|f| f.min(1.0)) * strength;
-        let passes = if self.transmission.is_zero() { 0.0 } else { at.share(&self.transmission) };
+        let transmitted = if self.transmission.is_zero() { 0.0 } else { at.unit_value(&self.transmission) };
         let below = color * (1.0 - metallic);
         let layers = Layered {
             f0: f0.lerp(color, metallic),
             f90: Rgb::gray(strength).lerp(Rgb::WHITE, metallic),
-            dims: [f0.max_component(), strength],
+            dielectric_reflectance: [f0.max_component(), strength],
             roughness,
             ..Layered::PLASTIC
         };
         if self.is_thin {
-            return Layered { diffuse: below * (1.0 - passes), passing: below * passes, ..layers };
+            return Layered { diffuse: below * (1.0 - transmitted), transmittance: below * transmitted, ..layers };
         }
-        let share = passes * (1.0 - metallic);
+        let weight = transmitted * (1.0 - metallic);
         let glass = DispersiveDielectric { iors: self.iors(at.ior), roughness, transmittance: color };
-        Layered { diffuse: below, glass: (share > 0.0).then_some((share, glass)), ..layers }
+        Layered { diffuse: below, glass: (weight > 0.0).then_some((weight, glass)), ..layers }
     }
 
-    /// The indices of red, green and blue light, where that of green is `ior`.
+    /// Indices of refraction of red, green and blue, where that of green is `ior`.
     fn iors(&self, ior: f64) -> [f64; 3] {
         let spread = (self.ior - 1.0) * 0.025 * self.dispersion / self.ior;
         [1.0 - spread, 1.0, 1.0 + spread].map(|part| ior * part)
     }
 
-    /// The normal of the coat in shading coordinates.
-    fn coat_normal(&self, at: &PhysicalPoint<'_>) -> DVec3 {
+    /// Normal of the clearcoat in shading coordinates.
+    fn clearcoat_normal(&self, at: &MaterialEvalContext<'_>) -> DVec3 {
         let base = at.surface.shading_normal;
-        let is_turned = at.surface.detail.smooth_normal != Vec3::ZERO;
-        let smooth = if is_turned { at.surface.detail.smooth_normal.as_dvec3().normalize() } else { base };
-        let turned = self.coat_relief.and_then(|relief| relief.turned(at.textures, at.surface, smooth));
-        match turned {
-            None if !is_turned => DVec3::Z,
-            turned => Frame::from_z(base).to_local(turned.unwrap_or(smooth)),
+        let has_normal_map = at.surface.detail.smooth_normal != Vec3::ZERO;
+        let smooth = if has_normal_map { at.surface.detail.smooth_normal.as_dvec3().normalize() } else { base };
+        let mapped = self.clearcoat_normal_map.and_then(|map| map.mapped(at.textures, at.surface, smooth));
+        match mapped {
+            None if !has_normal_map => DVec3::Z,
+            mapped => Frame::from_z(base).to_local(mapped.unwrap_or(smooth)),
         }
     }
 
-    /// How much facets are stretched at a point, and along which axis in shading coordinates.
-    fn stretch(&self, at: &PhysicalPoint<'_>) -> (f64, [f64; 2]) {
+    /// Strength and direction of the anisotropy in shading coordinates.
+    fn anisotropy(&self, at: &MaterialEvalContext<'_>) -> (f64, [f64; 2]) {
         let SurfaceInteraction { detail, shading_normal, .. } = at.surface;
         let texture = self.anisotropy_direction.and_then(|id| at.textures.get(id.0 as usize));
         let turned = texture.map_or([1.0, 0.0], |texture| {
@@ -182,21 +189,16 @@ impl LayeredSurface {
             0.0,
         );
         match axis.try_normalize() {
-            Some(axis) => (at.share(&self.anisotropy), [axis.x, axis.y]),
+            Some(axis) => (at.unit_value(&self.anisotropy), [axis.x, axis.y]),
             None => (0.0, [1.0, 0.0]),
         }
     }
 
-    /// True if light that comes through the surface goes on in a body behind it.
-    pub(crate) fn encloses_body(&self) -> bool {
-        !self.is_thin && !self.transmission.is_zero()
-    }
-
-    /// True if light may go on in a single direction; what textures say is not known.
-    pub(crate) fn is_sharp(&self) -> bool {
+    /// True if a lobe may be a delta distribution. Textures count as if they had smooth parts.
+    pub(crate) fn may_be_delta(&self) -> bool {
         let may_be_smooth = |roughness: &FloatTexture| match roughness {
             FloatTexture::Constant(value) => Ggx::from_roughness(*value).is_none(),
-            FloatTexture::Textured(..) => true,
+            FloatTexture::Textured { .. } => true,
         };
         let facets = match &self.base {
             LayeredBase::MetallicRoughness { roughness, .. } => may_be_smooth(roughness),
@@ -205,48 +207,75 @@ impl LayeredSurface {
             }
             LayeredBase::SpecularGlossiness { .. } => true,
         };
-        facets || self.encloses_body() || (!self.coat.is_zero() && may_be_smooth(&self.coat_roughness))
+        facets || self.has_glass_interface() || (!self.clearcoat.is_zero() && may_be_smooth(&self.clearcoat_roughness))
     }
 
-    /// True if it looks at the tangents of meshes.
+    /// True if transmitted light enters a solid.
+    fn has_glass_interface(&self) -> bool {
+        !self.is_thin && !self.transmission.is_zero()
+    }
+
+    /// True if it reads the tangents of meshes.
     pub fn needs_tangents(&self) -> bool {
-        !self.anisotropy.is_zero() || (self.coat_relief.is_some() && !self.coat.is_zero())
+        !self.anisotropy.is_zero() || (self.clearcoat_normal_map.is_some() && !self.clearcoat.is_zero())
     }
-}
 
-/// Lists what may have textures, borrowed as the surface is.
-macro_rules! lists {
-    ($coefficients:ident, $scalars:ident, $($borrow:tt)+) => {
-        /// The coefficients.
-        pub(crate) fn $coefficients($($borrow)+ self) -> Vec<$($borrow)+ ColorTexture> {
-            let mut list = match $($borrow)+ self.base {
-                LayeredBase::MetallicRoughness { base_color, .. } => vec![base_color],
-                LayeredBase::SpecularGlossiness { diffuse, specular, .. } => vec![diffuse, specular],
-            };
-            list.extend([$($borrow)+ self.specular_color, $($borrow)+ self.sheen_color]);
-            list
-        }
+    /// Base colour, metalness and roughness of a surface without textured numbers and without extensions.
+    ///
+    /// Such a surface is evaluated as the metallic-roughness BSDF, which has fewer lobes.
+    pub fn as_metallic_roughness(&self) -> Option<(&ColorTexture, f64, f64)> {
+        let LayeredBase::MetallicRoughness {
+            base_color,
+            metallic: FloatTexture::Constant(metallic),
+            roughness: FloatTexture::Constant(roughness),
+        } = &self.base
+        else {
+            return None;
+        };
+        let Self { base: _, ior, specular, specular_color, transmission, is_thin, dispersion, .. } = self;
+        let Self { clearcoat, clearcoat_roughness, clearcoat_normal_map, sheen_color, sheen_roughness, .. } = self;
+        let Self { anisotropy, anisotropy_rotation, anisotropy_direction, .. } = self;
+        let (zero, one) = (FloatTexture::Constant(0.0), FloatTexture::Constant(1.0));
+        let has_zeros = [transmission, clearcoat, clearcoat_roughness, sheen_roughness, anisotropy]
+            .into_iter()
+            .all(|parameter| *parameter == zero);
+        let is_plain = has_zeros
+            && (*ior, *specular, *is_thin) == (1.5, one, true)
+            && (*specular_color, *sheen_color) == (ColorTexture::Constant(Rgb::WHITE), ColorTexture::ZERO)
+            && (*dispersion, *anisotropy_rotation) == (0.0, 0.0)
+            && clearcoat_normal_map.is_none()
+            && anisotropy_direction.is_none();
+        is_plain.then_some((base_color, *metallic, *roughness))
+    }
 
-        /// The numbers.
-        pub(crate) fn $scalars($($borrow)+ self) -> Vec<$($borrow)+ FloatTexture> {
-            let mut list = match $($borrow)+ self.base {
-                LayeredBase::MetallicRoughness { metallic, roughness, .. } => vec![metallic, roughness],
-                LayeredBase::SpecularGlossiness { glossiness, .. } => vec![glossiness],
-            };
-            list.extend([
-                $($borrow)+ self.specular,
-                $($borrow)+ self.transmission,
-                $($borrow)+ self.coat,
-                $($borrow)+ self.coat_roughness,
-                $($borrow)+ self.sheen_roughness,
-                $($borrow)+ self.anisotropy,
-            ]);
-            list
-        }
-    };
-}
+    /// Coefficients, which may be textured.
+    pub(crate) fn color_textures_mut(&mut self) -> Vec<&mut ColorTexture> {
+        let mut list = match &mut self.base {
+            LayeredBase::MetallicRoughness { base_color, .. } => vec![base_color],
+            LayeredBase::SpecularGlossiness { diffuse, specular, base_color, .. } => {
+                vec![diffuse, specular, base_color]
+            }
+        };
+        list.extend([&mut self.specular_color, &mut self.sheen_color]);
+        list
+    }
 
-impl LayeredSurface {
-    lists!(coefficients, scalars, &);
-    lists!(coefficients_mut, scalars_mut, &mut);
+    /// Textures that are read as numbers, normals or directions.
+    pub(crate) fn data_textures_mut(&mut self) -> Vec<&mut TextureId> {
+        let of_base = match &mut self.base {
+            LayeredBase::MetallicRoughness { metallic, roughness, .. } => [Some(metallic), Some(roughness)],
+            LayeredBase::SpecularGlossiness { glossiness, .. } => [Some(glossiness), None],
+        };
+        let parameters = [
+            &mut self.specular,
+            &mut self.transmission,
+            &mut self.clearcoat,
+            &mut self.clearcoat_roughness,
+            &mut self.sheen_roughness,
+            &mut self.anisotropy,
+        ];
+        let normal_map = self.clearcoat_normal_map.as_mut().map(|map| &mut map.texture);
+        let parameters = of_base.into_iter().flatten().chain(parameters).filter_map(FloatTexture::texture_mut);
+        parameters.chain(normal_map).chain(&mut self.anisotropy_direction).collect()
+    }
 }

@@ -10,9 +10,10 @@
 //!                     |    \ refracted
 //! ```
 //!
-//! **Owns** lights ([`light`]), classical and physically based surfaces ([`Phong`], [`bsdf`]), textures, and reflection and refraction
-//! ([`optics`]). It has nested dielectrics ([`Interior`]) and the integrators ([`Whitted`], [`PathTracer`], [`AovIntegrator`]).
-//! **Does not own** shapes (rt-geometry) or ray queries: an integrator calls a [`Tracer`].
+//! **Owns** materials ([`Material`], [`MaterialModel`]) and their [`bsdf`]s, lights ([`light`]), textures, and reflection and
+//! refraction ([`optics`]). It has nested dielectrics ([`InteriorList`]) and the integrators ([`Whitted`], [`PathTracer`],
+//! [`LightTracingIntegrator`], [`AovIntegrator`]).
+//! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`Tracer`].
 //!
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
@@ -48,49 +49,60 @@
 
 #![forbid(unsafe_code)]
 
+mod alpha;
 mod ambient_occlusion;
 mod aov;
 mod appearance;
 pub mod bsdf;
 mod bsdf_cache;
-mod coverage;
+mod color_texture;
+mod eval_context;
+mod float_texture;
 mod hit_context;
-mod interior;
+mod interior_list;
 mod layered_surface;
 pub mod light;
 mod light_tracing;
 mod material;
+mod material_model;
+mod medium;
 mod medium_tracker;
 mod mis;
 mod needs;
+mod normal_map;
 pub mod optics;
 mod path;
-mod physical;
+mod phong;
 mod ray_queues;
-mod relief;
 mod russian_roulette;
 mod texture;
+mod to_phong;
 mod tracer;
 mod vertex;
 mod viewed_surface;
 mod whitted;
 
+pub use alpha::{Alpha, AlphaMode};
 pub use ambient_occlusion::{AmbientOcclusion, OcclusionWave};
 pub use aov::AovIntegrator;
 pub use appearance::{Appearance, Background};
 pub use bsdf_cache::BsdfCache;
-pub use coverage::{Alpha, Coverage};
-pub use interior::Interior;
+pub use color_texture::ColorTexture;
+pub use eval_context::MaterialEvalContext;
+pub use float_texture::{Channel, FloatTexture};
+pub use interior_list::InteriorList;
 pub use layered_surface::{LayeredBase, LayeredSurface};
 pub use light::{DeltaLiSample, DeltaLight, DeltaLightKind, Falloff, Light, LightUnits};
 pub use light_tracing::{
     CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, TargetSphere, Targets,
 };
-pub use material::{Channel, ColorTexture, FloatTexture, Highlight, Material, Phong, Transmission};
+pub use material::Material;
+pub use material_model::MaterialModel;
+pub use medium::InteriorMedium;
 pub use needs::Needs;
+pub use normal_map::NormalMap;
 pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
-pub use physical::{Physical, PhysicalPoint};
-pub use relief::Relief;
+pub use phong::{Highlight, Phong, Transmission};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use tracer::{Seen, SurfaceHit, Tracer};
 pub use whitted::{ShadingCounts, Whitted};

@@ -1,17 +1,18 @@
 //! Media along a path, and absorption in them.
 
 use crate::{
-    Interior, Material, ShadingCounts, SurfaceHit,
+    InteriorList, Material, ShadingCounts, SurfaceHit,
     bsdf::Scattering,
     hit_context::MAX_NULL_INTERFACES,
-    interior::{Medium, MediumInterface, absorb},
+    interior_list::MediumInterface,
+    medium::{Medium, absorb},
 };
 use rt_math::Rgb;
 
 /// Media that a path is inside of.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MediumTracker {
-    pub(crate) interior: Interior,
+    pub(crate) interior: InteriorList,
     /// Ray parameter where the current medium began.
     medium_start: f64,
     /// Consecutive null interfaces.

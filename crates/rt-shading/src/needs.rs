@@ -1,33 +1,33 @@
 //! Features of shading that a scene uses.
 
-use crate::{Appearance, Phong};
+use crate::{Appearance, Material, Phong};
 use rt_geometry::InteractionFlags;
 use rt_math::Rgb;
 
-/// The parts of shading that a scene uses. What is `false` is not computed; the picture is the same to the bit.
+/// Parts of shading that a scene uses. Parts that are `false` are not computed; the image is bit-identical.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
-    /// Some light casts shadows.
+    /// A light casts shadows.
     pub shadows: bool,
-    /// There is ambient light and a surface that reflects it.
+    /// A material reflects ambient light.
     pub ambient: bool,
-    /// Some surface is emissive.
+    /// A material is emissive.
     pub emission: bool,
-    /// Some surface has a highlight.
+    /// A material has a highlight.
     pub highlights: bool,
-    /// Some surface mirrors.
+    /// A material mirrors.
     pub reflection: bool,
-    /// Some surface lets light through.
+    /// A material transmits light.
     pub refraction: bool,
-    /// Some transparent surface shares its light by Fresnel's equations.
+    /// A material splits light by Fresnel's equations.
     pub fresnel: bool,
-    /// Some transparent body absorbs.
+    /// A medium absorbs.
     pub absorption: bool,
-    /// Some coefficient is textured, so texture coordinates are needed.
+    /// A material is textured, so that texture coordinates are needed.
     pub textures: bool,
-    /// Some surface has interpolated normals.
+    /// A surface has interpolated normals.
     pub shading_normals: bool,
-    /// Some surface looks at what only some meshes have: a second set of texture coordinates, colours, tangents.
+    /// A material reads vertex attributes: second texture coordinates, colours, tangents.
     pub detail: bool,
 }
 
@@ -47,24 +47,24 @@ impl Needs {
         detail: true,
     };
 
-    /// Features of an appearance whose materials are in use if `used` is true for their index. Interpolated normals are a
-    /// matter of the geometry and assumed needed.
+    /// Needs of an appearance, of materials with a `used` index. Interpolated normals are assumed to be needed.
     pub fn of(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
         let materials = || appearance.materials.iter().enumerate().filter(|(index, _)| used(*index));
-        let any = |test: &dyn Fn(&Phong) -> bool| materials().any(|(_, material)| test(&material.phong));
+        let any = |test: &dyn Fn(&Material) -> bool| materials().any(|(_, material)| test(material));
+        let any_phong = |test: &dyn Fn(&Phong) -> bool| any(&|material| test(&material.to_phong()));
         let lit = !appearance.lights.is_empty();
         Self {
             shadows: appearance.lights.iter().any(|light| light.casts_shadows),
-            ambient: !appearance.ambient.is_black() && any(&|p| !p.ambient.is_zero()),
-            emission: any(&|p| !p.emission.is_zero()),
-            highlights: lit && any(&|p| !p.specular.is_zero()),
-            reflection: any(&|p| !p.mirror.is_zero()),
-            refraction: any(&|p| p.transmission.is_some()),
-            fresnel: any(&|p| p.transmission.is_some_and(|t| t.fresnel)),
-            absorption: any(&|p| p.transmission.is_some_and(|t| t.absorption != Rgb::BLACK)),
-            textures: materials().any(|(_, material)| material.is_textured()),
+            ambient: !appearance.ambient.is_black() && any_phong(&|phong| !phong.ambient.is_zero()),
+            emission: any(&|material| !material.emission.is_zero()),
+            highlights: lit && any_phong(&|phong| !phong.specular.is_zero()),
+            reflection: any_phong(&|phong| !phong.mirror.is_zero()),
+            refraction: any_phong(&|phong| phong.transmission.is_some()),
+            fresnel: any_phong(&|phong| phong.transmission.is_some_and(|transmission| transmission.fresnel)),
+            absorption: any(&|material| material.interior.is_some_and(|interior| interior.absorption != Rgb::BLACK)),
+            textures: any(&Material::is_textured),
             shading_normals: true,
-            detail: materials().any(|(_, material)| material.needs_detail()),
+            detail: any(&Material::needs_detail),
         }
     }
 

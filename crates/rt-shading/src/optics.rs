@@ -7,8 +7,10 @@ pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * direction.dot(normal))
 }
 
-/// Refracts the unit vector `direction` at a surface whose unit `normal` points against it; `eta` is the index of
-/// refraction on the side of the normal divided by that behind it. Unit result; `None` on total internal reflection.
+/// Refracts the unit vector `direction` at a surface whose unit `normal` points against it. Unit result; `None` on total
+/// internal reflection.
+///
+/// `eta` is the index of refraction on the side of the normal divided by that behind it.
 ///
 /// Snell's law. The sine comes from the cross product: near the normal, `√(1 − cos²)` would lose half its digits.
 #[inline(always)]
@@ -23,14 +25,15 @@ pub fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
     Some((direction * eta + normal * (eta * cos_i - cos2_t.sqrt())).normalize_or(-normal))
 }
 
-/// Part of unpolarised light that a smooth dielectric reflects (Fresnel 1823): `cos_i` is the cosine of the angle of
-/// incidence, in [0, 1], `eta` as in [`refract`]. 1 on total internal reflection.
+/// Reflectance of a smooth dielectric for unpolarised light (Fresnel 1823); 1 on total internal reflection.
+///
+/// `cos_i` is the cosine of the angle of incidence, in [0, 1], and `eta` as in [`refract`].
 pub fn fresnel(cos_i: f64, eta: f64) -> f64 {
     let [perpendicular, parallel] = polarised_fresnel(cos_i, eta);
     0.5 * (perpendicular + parallel)
 }
 
-/// As [`fresnel`], of light that is polarised across the plane of incidence, and of light that is polarised in it.
+/// Version of [`fresnel`] for light polarised perpendicular and parallel to the plane of incidence.
 pub fn polarised_fresnel(cos_i: f64, eta: f64) -> [f64; 2] {
     let cos_i = cos_i.clamp(0.0, 1.0);
     let sin_t = eta * ((1.0 - cos_i) * (1.0 + cos_i)).sqrt();

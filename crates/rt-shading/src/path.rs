@@ -6,7 +6,7 @@ pub(crate) mod transport;
 mod wave;
 
 use crate::{
-    Appearance, BsdfCache, Interior, Needs, Seen, ShadingCounts, Tracer, light::LightSet, ray_queues::RayQueues,
+    Appearance, BsdfCache, InteriorList, Needs, Seen, ShadingCounts, Tracer, light::LightSet, ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
 use rt_geometry::RayKind;
@@ -49,7 +49,7 @@ pub struct PathTracer<S> {
     settings: PathSettings,
     needs: Needs,
     /// Media around the camera.
-    surroundings: Interior,
+    surroundings: InteriorList,
     paths: Vec<Path<S>>,
     /// Rays of the current wave.
     ray_queues: RayQueues<u32>,
@@ -77,7 +77,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         Self {
             settings,
             needs,
-            surroundings: Interior::default(),
+            surroundings: InteriorList::default(),
             paths: Vec::new(),
             ray_queues: RayQueues::default(),
             next: RayQueues::default(),
@@ -88,7 +88,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     }
 
     /// Sets the media around the camera; air by default.
-    pub fn set_surroundings(&mut self, surroundings: &Interior) {
+    pub fn set_surroundings(&mut self, surroundings: &InteriorList) {
         self.surroundings.clone_from(surroundings);
     }
 

@@ -1,4 +1,4 @@
-//! Colour that varies over a surface.
+//! Textures: colours that vary over a surface.
 
 use rt_geometry::{SurfaceInteraction, VertexAttributes};
 use rt_math::Rgb;
@@ -8,14 +8,14 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureId(pub u32);
 
-/// What happens beyond the edge of an image.
+/// Rule for coordinates outside of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
-    /// It repeats.
+    /// The image repeats.
     Repeat,
-    /// It repeats, mirrored every other time.
+    /// The image repeats, mirrored every other time.
     Mirror,
-    /// The edge goes on.
+    /// Coordinates are clamped to the edge.
     Clamp,
 }
 
@@ -28,21 +28,21 @@ pub struct Bitmap {
     pub height: u32,
     /// Linear colour of each pixel; `width · height` of them.
     pub pixels: Vec<[f32; 3]>,
-    /// How much of the surface each pixel covers, or empty if all of them cover it.
+    /// Alpha of each pixel, or empty if all are opaque.
     pub alpha: Vec<f32>,
 }
 
-/// Where on a surface a texture is looked at.
+/// Point of a surface at which a texture is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexturePoint {
     /// Texture coordinates.
     pub uv: [f64; 2],
-    /// Those of the second set, and the colour of the vertices.
+    /// Second texture coordinates, and vertex colours.
     pub detail: VertexAttributes,
 }
 
 impl TexturePoint {
-    /// At first texture coordinates, where there is nothing else.
+    /// A point with texture coordinates only.
     pub fn at(uv: [f64; 2]) -> Self {
         Self { uv, detail: VertexAttributes::default() }
     }
@@ -54,17 +54,17 @@ impl From<&SurfaceInteraction> for TexturePoint {
     }
 }
 
-/// From texture coordinates of a surface to those of a texture: u′ = m₀₀ u + m₀₁ v + m₀₂, and v′ by the second row.
+/// Affine map of texture coordinates: u′ = m₀₀ u + m₀₁ v + m₀₂, and v′ by the second row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UvMap {
-    /// Whether the second set of coordinates is mapped.
+    /// True if the second set of coordinates is mapped.
     pub is_second: bool,
-    /// Two rows.
+    /// Rows of the matrix.
     pub rows: [[f64; 3]; 2],
 }
 
 impl UvMap {
-    /// The first set as it is.
+    /// The first set, unchanged.
     pub const IDENTITY: Self = Self { is_second: false, rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
 
     fn map(&self, point: &TexturePoint) -> [f64; 2] {
@@ -78,7 +78,7 @@ impl UvMap {
 pub enum Texture {
     /// A checkerboard with squares of side `size` in texture space; the square at the origin is `even`.
     Checker {
-        /// Colour of the squares whose coordinates add up to an even number.
+        /// Colour of the squares with an even sum of coordinates.
         even: Rgb,
         /// Colour of the others.
         odd: Rgb,
@@ -87,26 +87,26 @@ pub enum Texture {
     },
     /// An image; (0, 0) is its lower left corner, (1, 1) its upper right.
     Image {
-        /// The pixels, which several textures may share.
+        /// Pixels, which several textures may share.
         bitmap: Arc<Bitmap>,
-        /// Beyond the edge, along u and v.
+        /// Rules outside of the image, along u and v.
         wrap: [Wrap; 2],
-        /// Interpolate between pixels rather than take the nearest.
+        /// True to interpolate between pixels, false for the nearest.
         smooth: bool,
     },
-    /// A texture at coordinates of its own.
+    /// A texture with mapped coordinates.
     Mapped {
         /// The texture.
         texture: Arc<Texture>,
-        /// Leads to its coordinates.
+        /// Map to its coordinates.
         map: UvMap,
     },
-    /// The colour of the vertices, times a texture if there is one.
+    /// Vertex colours, times a texture if there is one.
     VertexColor(Option<Arc<Texture>>),
 }
 
 impl Wrap {
-    /// The pixel that index `i`, possibly outside, stands for in a row of `length`.
+    /// Index of the pixel for index `i`, possibly outside, in a row of `length`.
     fn index(self, i: i64, length: u32) -> u32 {
         let n = i64::from(length);
         let wrapped = match self {
@@ -122,9 +122,28 @@ impl Wrap {
 }
 
 impl Bitmap {
-    /// An image of which every pixel covers the surface.
+    /// An opaque image.
     pub const fn opaque(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Self {
         Self { width, height, pixels, alpha: Vec::new() }
+    }
+
+    /// Mean colour of 4096 to 8191 evenly spaced pixels, or of all pixels of a smaller image.
+    pub fn approximate_mean(&self) -> Rgb {
+        let step = (self.pixels.len() / 4096).max(1);
+        let (mut sum, mut count) = (Rgb::BLACK, 0.0);
+        for pixel in self.pixels.iter().step_by(step) {
+            sum += Rgb::from(pixel.map(f64::from)).map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
+            count += 1.0;
+        }
+        sum / count
+    }
+
+    /// Version of [`approximate_mean`](Self::approximate_mean) for alpha.
+    pub fn approximate_mean_alpha(&self) -> f64 {
+        let step = (self.alpha.len() / 4096).max(1);
+        let sampled = self.alpha.iter().step_by(step);
+        let count = sampled.len();
+        if count == 0 { 1.0 } else { sampled.map(|alpha| f64::from(*alpha)).sum::<f64>() / count as f64 }
     }
 
     /// Size of the pixels in bytes.
@@ -164,7 +183,7 @@ impl Texture {
         }
     }
 
-    /// How much of the surface the texture covers at a point, 0 to 1: 1 where it does not say.
+    /// Alpha at a point, 0 to 1; 1 for textures without alpha.
     pub fn alpha_at(&self, point: &TexturePoint) -> f64 {
         match self {
             Self::Mapped { texture, map } => texture.alpha_at(&TexturePoint { uv: map.map(point), ..*point }),
@@ -179,7 +198,7 @@ impl Texture {
         }
     }
 
-    /// The image that it shows, if it shows one.
+    /// Image of the texture, if any.
     pub fn bitmap(&self) -> Option<&Arc<Bitmap>> {
         match self {
             Self::Image { bitmap, .. } => Some(bitmap),
@@ -190,8 +209,8 @@ impl Texture {
     }
 }
 
-/// The four pixels around a place, from the upper left to the lower right, and the way from the first to the others. All are
-/// one where images are not smooth.
+/// Four pixels around a point, from the upper left to the lower right, and the fractions for interpolation. Without
+/// interpolation, all are the nearest pixel.
 struct Taps {
     pixels: [usize; 4],
     right: f64,
@@ -199,7 +218,7 @@ struct Taps {
 }
 
 impl Taps {
-    /// `None` where no pixel can be numbered.
+    /// Taps at texture coordinates. `None` for an empty image and for coordinates that are not finite.
     fn at(bitmap: &Bitmap, wrap: [Wrap; 2], smooth: bool, [u, v]: [f64; 2]) -> Option<Self> {
         let (x, y) = (u * f64::from(bitmap.width), (1.0 - v) * f64::from(bitmap.height));
         if bitmap.width == 0 || bitmap.height == 0 || !(x.is_finite() && y.is_finite()) {
@@ -244,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn images_wrap_as_asked() {
+    fn coordinates_outside_wrap() {
         assert_eq!(at(&image(Wrap::Repeat, false), 1.25, -0.25), 1.0);
         assert_eq!(at(&image(Wrap::Clamp, false), 1.75, -3.0), 4.0);
         assert_eq!(at(&image(Wrap::Mirror, false), 1.25, 0.25), 4.0);
@@ -270,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_black() {
+    fn invalid_coordinates_and_images_are_black() {
         let at = |texture: Texture, uv| texture.at(&TexturePoint::at(uv));
         assert_eq!(at(image(Wrap::Repeat, true), [f64::NAN, 0.0]), Rgb::BLACK);
         assert_eq!(at(image(Wrap::Repeat, true), [f64::INFINITY, 0.0]), Rgb::BLACK);
@@ -281,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn textures_are_read_at_coordinates_of_their_own() {
+    fn coordinates_are_mapped() {
         let texture = Arc::new(image(Wrap::Repeat, false));
         let half = [[0.5, 0.0, 0.25], [0.0, 0.5, 0.25]];
         let detail =
@@ -298,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn what_pixels_cover_is_interpolated_as_colours_are() {
+    fn alpha_is_interpolated_like_colours() {
         let bitmap = Bitmap { alpha: vec![1.0, 0.0], ..Bitmap::opaque(2, 1, vec![[1.0; 3]; 2]) };
         let texture = Texture::Image { bitmap: Arc::new(bitmap), wrap: [Wrap::Clamp; 2], smooth: true };
         let alpha = |u| texture.alpha_at(&TexturePoint::at([u, 0.5]));

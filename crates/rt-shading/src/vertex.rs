@@ -1,9 +1,9 @@
 //! Vertex of a path.
 
 use crate::{
-    Appearance, Material, PhysicalPoint,
+    Appearance, Material, MaterialEvalContext,
     bsdf::{Bsdf, BsdfSample},
-    interior::MediumInterface,
+    interior_list::MediumInterface,
     mis::power_heuristic,
     viewed_surface::ViewedSurface,
 };
@@ -20,7 +20,7 @@ pub(crate) fn bsdf_at(
         let (before, after) = (interface.before.ior, interface.after.ior);
         if view.is_inside { before / after } else { after / before }
     });
-    material.bsdf(&PhysicalPoint { textures: &appearance.textures, surface: view.surface, ior })
+    material.bsdf(&MaterialEvalContext { textures: &appearance.textures, surface: view.surface, ior })
 }
 
 /// Vertex of a path: a surface with its BSDF and shading frame.

@@ -55,7 +55,7 @@ impl<'s> ViewedSurface<'s> {
 
     /// Shading coordinates, of which z is the shading normal on the outside, and the unit direction to the viewer in them.
     ///
-    /// The geometric normal decides about the side of the viewer: the sign of the cosine follows [`is_inside`](Self::is_inside).
+    /// The geometric normal gives the side of the viewer: the sign of the cosine follows [`is_inside`](Self::is_inside).
     /// From this sign, BSDFs derive reflection, transmission, and the relative index of refraction.
     #[inline]
     pub(crate) fn shading_coordinates(&self) -> (Frame, DVec3) {

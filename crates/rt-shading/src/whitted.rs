@@ -4,7 +4,7 @@ mod counts;
 mod shade;
 mod wave;
 
-use crate::{Appearance, Interior, Needs, Seen, Tracer, ray_queues::RayQueues};
+use crate::{Appearance, InteriorList, Needs, Seen, Tracer, ray_queues::RayQueues};
 pub use counts::ShadingCounts;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
@@ -18,7 +18,7 @@ use wave::{DirectLighting, PixelTree, TreePath};
 /// The ray tree of each camera ray is traversed depth first with a stack of its own. Only `max_depth` limits the depth, and the
 /// radiance of a camera ray is bit-identical in every wave. Keep one instance per thread: all buffers are reused.
 ///
-/// Rays carry the list of dielectrics that they are inside of ([`Interior`]). At equal indices of refraction on both sides of a
+/// Rays carry the list of dielectrics that they are inside of ([`InteriorList`]). At equal indices of refraction on both sides of a
 /// surface, Fresnel reflection is 0 and light is not deflected. If nothing else makes the surface visible
 /// ([`Phong::is_clear`](crate::Phong::is_clear)), the same ray continues, and no bounce is counted.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct Whitted {
     min_contribution: f64,
     needs: Needs,
     /// Media around the camera.
-    surroundings: Interior,
+    surroundings: InteriorList,
     /// Rays of the current wave.
     wave: RayQueues<TreePath>,
     next: RayQueues<TreePath>,
@@ -46,7 +46,7 @@ impl Whitted {
             max_depth,
             min_contribution,
             needs,
-            surroundings: Interior::default(),
+            surroundings: InteriorList::default(),
             wave: RayQueues::default(),
             next: RayQueues::default(),
             samples: Vec::new(),
@@ -57,7 +57,7 @@ impl Whitted {
     }
 
     /// Sets the media around the camera; air by default.
-    pub fn set_surroundings(&mut self, surroundings: &Interior) {
+    pub fn set_surroundings(&mut self, surroundings: &InteriorList) {
         self.surroundings.clone_from(surroundings);
     }
 

@@ -193,18 +193,18 @@ impl<'s> Surveyor<'s, '_> {
         let Some(named) = self.scene.meshes.get(id.0 as usize) else { return 0 };
         let triangles = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
-        let is_plain = material.is_none_or(|m| m.relief.is_none() && m.coverage == rt_shading::Coverage::ALL);
+        let is_plain = material.is_none_or(|m| m.normal_map.is_none() && m.alpha == rt_shading::Alpha::OPAQUE);
         if triangles <= MAX_INLINED_TRIANGLES && is_untransformed && is_plain {
             return triangles as u64;
         }
-        let alpha_test = material.filter(|m| m.coverage != rt_shading::Coverage::ALL).map(|_| node.material.0);
+        let alpha_test = material.filter(|m| m.alpha != rt_shading::Alpha::OPAQUE).map(|_| node.material.0);
         if self.meshes.insert((id.0, alpha_test)) {
             self.add_accel(triangles as u64, || {
                 let name =
                     if named.name.is_empty() { "without a name".to_owned() } else { format!("`{}`", named.name) };
                 format!("the structure over the {triangles} triangles of the mesh {name}")
             });
-            if material.is_some_and(|material| !material.phong.emission.is_zero()) {
+            if material.is_some_and(|material| !material.emission.is_zero()) {
                 self.survey.geometry = self.survey.geometry.saturating_add(EMITTER_BYTES * triangles as u64);
             }
         }

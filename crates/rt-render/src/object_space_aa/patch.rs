@@ -89,7 +89,7 @@ impl SurfacePatch {
     /// Material, if a few samples are enough: it is neither specular nor textured.
     pub(super) fn plain_material<'a>(&self, appearance: &'a Appearance) -> Option<&'a Material> {
         let material = appearance.materials.get(self.material as usize)?;
-        let phong = &material.phong;
+        let phong = material.to_phong();
         let is_plain = phong.mirror.is_zero() && phong.transmission.is_none() && !material.is_textured();
         is_plain.then_some(material)
     }

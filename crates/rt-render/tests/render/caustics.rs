@@ -7,8 +7,8 @@ use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Physical,
-    Transmission, bsdf::ComplexIor, light::EmissionSides,
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
+    MaterialModel, bsdf::ComplexIor, light::EmissionSides,
 };
 
 use crate::support::everything;
@@ -16,37 +16,22 @@ use crate::support::everything;
 const IOR: f64 = 1.5;
 
 fn body(roughness: f64, absorption: Rgb) -> Material {
-    let white = ColorTexture::Constant(Rgb::WHITE);
-    let inside = Transmission { coefficient: white, ior: IOR, fresnel: true, absorption, priority: 0 };
-    let phong = Phong {
-        diffuse: ColorTexture::ZERO,
-        ambient: ColorTexture::ZERO,
-        transmission: Some(inside),
-        ..Phong::default()
-    };
-    Material {
-        physical: Some(Physical::Dielectric { roughness, transmittance: white }),
-        ..Material::new("glass".into(), phong)
-    }
+    let transmittance = ColorTexture::Constant(Rgb::WHITE);
+    let interior = Some(InteriorMedium { absorption, ..InteriorMedium::clear(IOR) });
+    Material { interior, ..Material::new("glass".into(), MaterialModel::Dielectric { roughness, transmittance }) }
 }
 
-fn physical(physical: Physical) -> Material {
-    let phong = Phong { diffuse: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..Phong::default() };
-    Material { physical: Some(physical), ..Material::new("surface".into(), phong) }
+fn surface(model: MaterialModel) -> Material {
+    Material::new("surface".into(), model)
 }
 
 fn diffuse(albedo: f64) -> Material {
-    physical(Physical::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(albedo)), roughness: 0.0 })
+    surface(MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(albedo)), roughness: 0.0 })
 }
 
-fn lamp(radiance: f64, shines: EmissionSides) -> Material {
-    let phong = Phong {
-        emission: ColorTexture::Constant(Rgb::gray(radiance)),
-        diffuse: ColorTexture::ZERO,
-        ambient: ColorTexture::ZERO,
-        ..Phong::default()
-    };
-    Material { physical: Some(Physical::Black), shines, ..Material::new("lamp".into(), phong) }
+fn emissive(radiance: f64, emission_sides: EmissionSides) -> Material {
+    let emission = ColorTexture::Constant(Rgb::gray(radiance));
+    Material { emission, emission_sides, ..Material::new("lamp".into(), MaterialModel::Black) }
 }
 
 fn sphere(centre: [f64; 3], radius: f64) -> Content {
@@ -176,7 +161,7 @@ fn a_flat_mirror_reflects_each_kind_of_light() {
     let mirror = Shape::Rectangle(Rectangle::new(12.0, 12.0).expect("a rectangle"));
     let nodes = nodes(&[(block([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0), (Content::Shape(mirror), 1)]);
     let white = ColorTexture::Constant(Rgb::gray(0.8));
-    let materials = vec![diffuse(0.5), physical(Physical::Mirror { reflectance: white })];
+    let materials = vec![diffuse(0.5), surface(MaterialModel::Mirror { reflectance: white })];
     let position = DVec3::new(0.4, 1.0, 0.2);
     let point = |falloff| DeltaLightKind::Point { position, falloff, shadow_near: 0.0 };
     let spot = DeltaLightKind::Spot {
@@ -226,19 +211,19 @@ fn comparable() -> Scene {
         // A bumpy sheet with interpolated normals.
         (Content::Mesh(MeshId(0)), 0),
     ];
-    let coat = Physical::Mix(vec![
-        (0.5, Physical::Mirror { reflectance: ColorTexture::Constant(Rgb::gray(0.9)) }),
-        (0.5, Physical::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(0.7)), roughness: 0.3 }),
+    let coat = MaterialModel::Mix(vec![
+        (0.5, MaterialModel::Mirror { reflectance: ColorTexture::Constant(Rgb::gray(0.9)) }),
+        (0.5, MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(0.7)), roughness: 0.3 }),
     ]);
     let materials = vec![
         diffuse(0.7),
         body(0.0, Rgb::BLACK),
         body(0.4, Rgb::new(0.2, 0.5, 1.0)),
-        physical(Physical::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }),
+        surface(MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }),
         body(0.0, Rgb::new(1.5, 0.3, 0.1)),
-        lamp(4.0, EmissionSides::Front),
-        lamp(3.0, EmissionSides::Both),
-        physical(coat),
+        emissive(4.0, EmissionSides::Front),
+        emissive(3.0, EmissionSides::Both),
+        surface(coat),
     ];
     let mut scene = scene(camera, materials, nodes(&contents), vec![]);
     scene.appearance.background = Background::Constant(Rgb::gray(0.05));
@@ -345,7 +330,7 @@ fn without_mirrors_and_glass_it_is_path_tracing() {
     let mut scene = comparable();
     scene.settings.spp = 4;
     scene.appearance.materials = vec![diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5)];
-    scene.appearance.materials.extend([lamp(4.0, EmissionSides::Front), lamp(3.0, EmissionSides::Both), diffuse(0.4)]);
+    scene.appearance.materials.extend([emissive(4.0, EmissionSides::Front), emissive(3.0, EmissionSides::Both), diffuse(0.4)]);
     let caustics = film(&scene);
     scene.settings.integrator = Integrator::Path;
     assert_eq!(caustics, film(&scene));

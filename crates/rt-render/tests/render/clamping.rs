@@ -5,13 +5,11 @@ use rt_geometry::{Cuboid, Shape, Sphere};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{Clamping, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
 use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
-use rt_shading::{Appearance, Background, ColorTexture, Material, Phong, Physical};
+use rt_shading::{Appearance, Background, ColorTexture, Material, MaterialModel};
 
-fn material(physical: Physical, emission: f64) -> Material {
-    let zero = ColorTexture::ZERO;
+fn material(model: MaterialModel, emission: f64) -> Material {
     let emission = ColorTexture::Constant(Rgb::new(emission, 0.8 * emission, 0.5 * emission));
-    let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };
-    Material { physical: Some(physical), ..Material::new("surface".into(), phong) }
+    Material { emission, ..Material::new("surface".into(), model) }
 }
 
 fn sphere(centre: DVec3, radius: f64) -> Content {
@@ -30,9 +28,9 @@ fn closed_scene() -> Scene {
         settings: Settings { spp: 16, pattern: SamplerKind::Random, depth: 6, ..Settings::default() },
         appearance: Appearance {
             materials: vec![
-                material(Physical::Diffuse { albedo: gray(0.7), roughness: 0.0 }, 0.0),
-                material(Physical::Mirror { reflectance: gray(0.9) }, 0.0),
-                material(Physical::Black, 60.0),
+                material(MaterialModel::Diffuse { albedo: gray(0.7), roughness: 0.0 }, 0.0),
+                material(MaterialModel::Mirror { reflectance: gray(0.9) }, 0.0),
+                material(MaterialModel::Black, 60.0),
             ],
             background: Background::Constant(Rgb::BLACK),
             ..Appearance::default()

@@ -15,7 +15,7 @@ fn surrounded() -> Scene {
     scene.name = "surrounded".into();
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     let mirror = ColorTexture::Constant(Rgb::gray(0.5));
-    scene.appearance.materials[0].phong = Phong { mirror, ..Phong::default() };
+    scene.appearance.materials[0].model = Phong { mirror, ..Phong::default() }.into();
     scene.appearance.lights = vec![point_light((eye + 0.5).to_array(), 0.8)];
     scene.nodes = (0..300u32)
         .map(|i| {

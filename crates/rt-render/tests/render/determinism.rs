@@ -117,7 +117,7 @@ fn seeds_and_patterns_do_change_the_image() {
 #[test]
 fn images_of_any_shape_are_covered() {
     let mut scene = spheres();
-    scene.appearance.materials[0].phong.emission = ColorTexture::Constant(Rgb::gray(0.01));
+    scene.appearance.materials[0].emission = ColorTexture::Constant(Rgb::gray(0.01));
     for (width, height) in [(1, 1), (1, 300), (300, 1), (16, 16), (17, 15)] {
         (scene.film.width, scene.film.height) = (width, height);
         let film = film(&scene);

@@ -75,7 +75,7 @@ fn unused_materials_cost_nothing() {
 fn invalid_samples_are_counted_and_black() {
     for bad in [f64::NAN, f64::INFINITY, -1e3, 1e39] {
         let mut scene = spheres();
-        scene.appearance.materials[0].phong.emission = ColorTexture::Constant(Rgb::new(bad, 0.0, 0.0));
+        scene.appearance.materials[0].emission = ColorTexture::Constant(Rgb::new(bad, 0.0, 0.0));
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
         let rendering = plan.render(&COUNT, |_| {}).expect("threads start");
         assert!(rendering.statistics.bad_samples > 0, "{bad}");

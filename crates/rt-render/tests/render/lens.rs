@@ -6,7 +6,7 @@ use rt_image::Image;
 use rt_math::{DVec3, Rgb};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Integrator, MaterialId, Node, Scene};
-use rt_shading::{Background, ColorTexture, Phong};
+use rt_shading::{Background, ColorTexture, Material, Phong};
 
 const LENS: Lens = Lens { radius: 0.4, focus: 8.0, blades: Some(6), rotation: 0.3 };
 
@@ -82,8 +82,9 @@ fn culling_covers_rays_through_all_points_of_the_lens() {
 #[test]
 fn blur_conserves_energy() {
     let mut scene = spheres();
-    let white = Phong { emission: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
-    scene.appearance.materials[0].phong = white;
+    let dark = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
     scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.0, 0.8), MaterialId(0))];

@@ -6,7 +6,7 @@ use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Adaptive, Content, GroupId, Integrator, MaterialId, Node, Scene, Settings};
-use rt_shading::{Background, ColorTexture, Phong};
+use rt_shading::{Background, ColorTexture, Material, Phong};
 
 fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
     let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
@@ -109,7 +109,7 @@ fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
 #[test]
 fn the_image_is_the_mean_of_static_images() {
     let mut scene = everything_moves();
-    scene.appearance.materials[5].phong.emission = ColorTexture::ZERO;
+    scene.appearance.materials[5].emission = ColorTexture::ZERO;
     let camera = &mut scene.cameras[0].settings;
     camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     for (integrator, tolerance) in [
@@ -283,8 +283,9 @@ fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
     (scene.settings.spp, scene.settings.pattern) = (4096, SamplerKind::Sobol);
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
-    let white = Phong { emission: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
-    scene.appearance.materials[0].phong = white;
+    let dark = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
     let mut ball = Node::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
     ball.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
     ball.moves_to = Some(shift(0.5 * way, 0.0, 0.0));
@@ -316,7 +317,8 @@ fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
 fn reflected_rays_do_not_hit_their_origin() {
     let mut scene = spheres();
     let mirror = Phong { mirror: ColorTexture::Constant(Rgb::WHITE), diffuse: ColorTexture::ZERO, ..Phong::default() };
-    scene.appearance.materials[0].phong = Phong { specular: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..mirror };
+    scene.appearance.materials[0].model =
+        Phong { specular: ColorTexture::ZERO, ambient: ColorTexture::ZERO, ..mirror }.into();
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::WHITE);
     scene.settings.depth = 1;
@@ -360,7 +362,8 @@ fn animated_lights_are_found_by_rays() {
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
     let mut emissive_material = scene.appearance.materials[0].clone();
-    emissive_material.phong = Phong { emission: ColorTexture::Constant(Rgb::WHITE), ..Phong::default() };
+    emissive_material.emission = ColorTexture::Constant(Rgb::WHITE);
+    emissive_material.model = Phong::default().into();
     scene.appearance.materials.push(emissive_material);
     // An infinite ceiling covers the same points at all times: its light is that of a static one.
     let wide = rt_geometry::Cuboid::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");

@@ -7,7 +7,7 @@ use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, transcendental::exp};
 use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
 use rt_scene_io::{Accel, Content, MaterialId, Node, Scene};
-use rt_shading::{Bitmap, ColorTexture, Material, Phong, Texture, TextureId, Transmission, Wrap};
+use rt_shading::{Bitmap, ColorTexture, InteriorMedium, Material, Phong, Texture, TextureId, Transmission, Wrap};
 
 fn render(scene: &Scene, options: &PlanOptions) -> Rendering {
     let plan = RenderPlan::compile(scene, options).expect("the scene compiles");
@@ -27,10 +27,11 @@ fn assert_same(a: &Image, b: &Image, what: &str) {
 fn dielectric(ior: f64, absorption: f64, priority: i32) -> Material {
     let white = ColorTexture::Constant(Rgb::WHITE);
     let absorption = Rgb::new(absorption, 0.5 * absorption, 0.0);
-    let inside = Transmission { coefficient: white, ior, fresnel: true, absorption, priority };
+    let transmission = Some(Transmission { coefficient: white, fresnel: true });
     let (ambient, diffuse) = (ColorTexture::ZERO, ColorTexture::ZERO);
-    let phong = Phong { ambient, diffuse, mirror: white, transmission: Some(inside), ..Phong::default() };
-    Material::new("dielectric".into(), phong)
+    let phong = Phong { ambient, diffuse, mirror: white, transmission, ..Phong::default() };
+    let interior = Some(InteriorMedium { ior, absorption, priority });
+    Material { interior, ..Material::new("dielectric".into(), phong) }
 }
 
 fn slab(min: [f64; 3], max: [f64; 3]) -> Content {
@@ -198,8 +199,7 @@ fn each_sample_of_a_nan_texel_is_counted() {
     let bitmap = std::sync::Arc::new(Bitmap::opaque(4, 2, pixels));
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
     let emission = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
-    let phong = Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, emission, ..Phong::default() };
-    scene.appearance.materials = vec![Material::new("screen".into(), phong)];
+    scene.appearance.materials = vec![Material { emission, ..Material::new("screen".into(), Phong::BLACK) }];
     scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
     // The face of the box towards the camera shows the whole image.
     scene.nodes = vec![Node::new(slab([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), MaterialId(0))];

@@ -51,8 +51,7 @@ fn colour(value: Rgb) -> ColorTexture {
 
 /// Emissive material: its colour is independent of lights.
 fn glowing(colour: Rgb) -> Material {
-    let dark = Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, ..Phong::default() };
-    Material::new("glow".into(), Phong { emission: self::colour(colour), ..dark })
+    Material { emission: self::colour(colour), ..Material::new("glow".into(), Phong::BLACK) }
 }
 
 fn matte() -> Material {

@@ -20,7 +20,7 @@ fn from_above(content: Content) -> Scene {
     (scene.film.width, scene.film.height, scene.settings.spp) = (33, 33, 1);
     scene.settings.pattern = rt_camera::SamplerKind::Centre;
     let white = ColorTexture::Constant(Rgb::WHITE);
-    scene.appearance.materials[0].phong = Phong { ambient: ColorTexture::ZERO, diffuse: white, ..Phong::default() };
+    scene.appearance.materials[0].model = Phong { diffuse: white, ..Phong::BLACK }.into();
     scene.appearance.lights = vec![point_light([0.0, 4.0, 0.0], 1.0)];
     scene.nodes = vec![Node::new(content, MaterialId(0))];
     scene

@@ -7,8 +7,8 @@ use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings};
 use rt_shading::{
-    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Texture,
-    TextureId, Transmission,
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
+    Phong, Texture, TextureId, Transmission,
 };
 
 pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
@@ -93,14 +93,10 @@ fn sheet() -> TriangleMesh {
 pub(crate) fn everything() -> Scene {
     let mut scene = spheres();
     scene.name = "everything".into();
-    let glass = Transmission {
-        coefficient: gray(1.0),
-        ior: 1.5,
-        fresnel: true,
-        absorption: Rgb::new(0.5, 0.1, 0.4),
-        priority: 0,
-    };
-    let whitted_glass = Transmission { coefficient: gray(0.8), fresnel: false, absorption: Rgb::BLACK, ..glass };
+    let glass = Transmission { coefficient: gray(1.0), fresnel: true };
+    let whitted_glass = Transmission { coefficient: gray(0.8), fresnel: false };
+    let clear = InteriorMedium::clear(1.5);
+    let filled = |interior, material| Material { interior: Some(interior), ..material };
     let checker = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
     scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];
     scene.appearance.ambient = Rgb::gray(0.5);
@@ -108,12 +104,18 @@ pub(crate) fn everything() -> Scene {
         material("plain", Phong { specular: gray(0.4), ..Phong::default() }),
         material("checker", Phong { diffuse: checker, ..Phong::default() }),
         material("mirror", Phong { mirror: gray(0.8), diffuse: gray(0.1), ..Phong::default() }),
-        material(
-            "glass",
-            Phong { mirror: gray(1.0), diffuse: ColorTexture::ZERO, transmission: Some(glass), ..Phong::default() },
+        filled(
+            InteriorMedium { absorption: Rgb::new(0.5, 0.1, 0.4), ..clear },
+            material(
+                "glass",
+                Phong { mirror: gray(1.0), diffuse: ColorTexture::ZERO, transmission: Some(glass), ..Phong::default() },
+            ),
         ),
-        material("bubble", Phong { mirror: gray(0.1), transmission: Some(whitted_glass), ..Phong::default() }),
-        material("glow", Phong { emission: gray(0.3), ..Phong::default() }),
+        filled(
+            clear,
+            material("bubble", Phong { mirror: gray(0.1), transmission: Some(whitted_glass), ..Phong::default() }),
+        ),
+        Material { emission: gray(0.3), ..material("glow", Phong::default()) },
     ];
     scene.appearance.lights.push(DeltaLight {
         name: "sun".into(),

@@ -3,17 +3,16 @@
 use std::{collections::HashMap, sync::Arc};
 
 use gltf::{Document, Material};
-use rt_math::Rgb;
+use rt_math::{Rgb, transcendental};
 use rt_shading::{
-    Alpha, Bitmap, Channel, Coverage, FloatTexture, Material as Named, Relief, Texture, TextureId,
-    light::EmissionSides as Sides,
+    Alpha, AlphaMode, Bitmap, Channel, ColorTexture, FloatTexture, InteriorMedium, LayeredBase, LayeredSurface,
+    Material as NamedMaterial, MaterialModel, NormalMap, Texture, TextureId, light::EmissionSides,
 };
 
 use super::{
     buffers::Buffers,
-    material_json::{AlphaMode, MaterialJson, SpecularGlossiness, TextureInfo},
+    material_json::{self, MaterialJson, SpecularGlossiness, TextureInfo, Volume},
     primitive::RequiredAttributes,
-    surface::{Base, ColorFactor, FloatFactor, GltfSurface},
     textures::{GltfTextures, PixelEncoding, UvSets, image_texture},
 };
 use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, Model};
@@ -116,113 +115,123 @@ impl MaterialBuilder<'_, '_> {
         self.model.warn(self.place, message);
     }
 
-    fn material(&mut self, name: &str, description: &MaterialJson) -> Result<Named, LoadError> {
-        let surface = self.surface(description)?;
-        let shines = if description.double_sided { Sides::Both } else { Sides::Front };
-        let mut named = Named { physical: Some(surface.physical()), ..Named::new(name.to_owned(), surface.phong()) };
-        named.shines = shines;
-        named.coverage = self.coverage(description, &surface)?;
-        if surface.unlit {
-            return Ok(named);
+    fn material(&mut self, name: &str, description: &MaterialJson) -> Result<NamedMaterial, LoadError> {
+        let emission_sides = if description.double_sided { EmissionSides::Both } else { EmissionSides::Front };
+        if description.extensions.unlit.is_some() {
+            let emission = self.base_color(description)?;
+            let alpha = self.alpha(description, false)?;
+            let black = NamedMaterial::new(name.to_owned(), MaterialModel::Black);
+            return Ok(NamedMaterial { emission, emission_sides, alpha, ..black });
         }
-        named.relief = self.relief(description.normal_texture.as_ref())?;
+        let layered = self.layered(description)?;
+        let alpha = self.alpha(description, !layered.transmission.is_zero())?;
+        let emission = self.emission(description)?;
+        let interior = interior(&layered, description.extensions.volume.as_ref());
+        let model = MaterialModel::Layered(Box::new(layered));
+        let normal_map = self.normal_map(description.normal_texture.as_ref())?;
+        let mut material = NamedMaterial {
+            emission,
+            emission_sides,
+            interior,
+            alpha,
+            normal_map,
+            ..NamedMaterial::new(name.to_owned(), model)
+        };
         if let Some(occlusion) = &description.occlusion_texture {
-            named.occlusion = self.occlusion(occlusion)?;
+            material.occlusion = self.occlusion(occlusion)?;
         }
-        Ok(named)
+        Ok(material)
     }
 
-    fn surface(&mut self, description: &MaterialJson) -> Result<GltfSurface, LoadError> {
-        let (pbr, all) = (&description.pbr_metallic_roughness, &description.extensions);
-        let strength = all.emissive_strength.as_ref().map_or(1.0, |extension| extension.emissive_strength);
+    fn emission(&mut self, description: &MaterialJson) -> Result<ColorTexture, LoadError> {
+        let strength = description.extensions.emissive_strength.as_ref();
+        let strength = strength.map_or(1.0, |extension| extension.emissive_strength);
         let emissive = rgb(description.emissive_factor) * f64::from(strength.max(0.0));
-        let metal_rough = pbr.metallic_roughness_texture.as_ref();
-        let mut surface = GltfSurface {
-            base: Base::MetallicRoughness {
-                color: self.tinted(pbr.base_color_texture.as_ref(), opaque(pbr.base_color_factor))?,
-                metallic: self.value(metal_rough, Channel::Blue, pbr.metallic_factor)?,
-                roughness: self.value(metal_rough, Channel::Green, pbr.roughness_factor)?,
-            },
-            emission: self.tint(description.emissive_texture.as_ref(), emissive)?,
-            unlit: all.unlit.is_some(),
-            ..GltfSurface::default()
-        };
-        if surface.unlit {
-            return Ok(surface);
-        }
+        self.color(description.emissive_texture.as_ref(), emissive)
+    }
+
+    fn base_color(&mut self, description: &MaterialJson) -> Result<ColorTexture, LoadError> {
+        let pbr = &description.pbr_metallic_roughness;
+        self.tinted(pbr.base_color_texture.as_ref(), opaque(pbr.base_color_factor))
+    }
+
+    fn layered(&mut self, description: &MaterialJson) -> Result<LayeredSurface, LoadError> {
+        let (pbr, all) = (&description.pbr_metallic_roughness, &description.extensions);
         if let Some(other) = &all.specular_glossiness {
-            surface.base = self.specular_glossiness(other)?;
-            // The extension stands for itself: others are not combined with it.
-            return Ok(surface);
+            // The extension is not combined with others.
+            return Ok(LayeredSurface::new(self.specular_glossiness(other)?));
         }
+        let metal_rough = pbr.metallic_roughness_texture.as_ref();
+        let mut layered = LayeredSurface::new(LayeredBase::MetallicRoughness {
+            base_color: self.base_color(description)?,
+            metallic: self.value(metal_rough, Channel::Blue, pbr.metallic_factor)?,
+            roughness: self.value(metal_rough, Channel::Green, pbr.roughness_factor)?,
+        });
         if let Some(ior) = all.ior.as_ref().map(|extension| f64::from(extension.ior)) {
             if ior == 0.0 || ior >= 1.0 {
-                surface.ior = ior;
+                layered.ior = ior;
             } else {
                 self.warn("its index of refraction is below 1; that of glass is used");
             }
         }
-        self.read_layers(description, &mut surface)?;
-        self.read_body(description, &mut surface)?;
-        Ok(surface)
+        self.read_layers(description, &mut layered)?;
+        self.read_transmission(description, &mut layered)?;
+        Ok(layered)
     }
 
     /// Reads the layers over the base: specular, clearcoat, sheen, anisotropy.
-    fn read_layers(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
+    fn read_layers(&mut self, description: &MaterialJson, layered: &mut LayeredSurface) -> Result<(), LoadError> {
         let all = &description.extensions;
         if let Some(specular) = &all.specular {
-            surface.specular =
+            layered.specular =
                 self.value(specular.specular_texture.as_ref(), Channel::Alpha, specular.specular_factor)?;
             let color = rgb(specular.specular_color_factor);
-            surface.specular_color = self.tint(specular.specular_color_texture.as_ref(), color)?;
+            layered.specular_color = self.color(specular.specular_color_texture.as_ref(), color)?;
         }
         if let Some(coat) = &all.clearcoat {
-            surface.coat = self.value(coat.clearcoat_texture.as_ref(), Channel::Red, coat.clearcoat_factor)?;
+            layered.clearcoat = self.value(coat.clearcoat_texture.as_ref(), Channel::Red, coat.clearcoat_factor)?;
             let roughness = coat.clearcoat_roughness_texture.as_ref();
-            surface.coat_roughness = self.value(roughness, Channel::Green, coat.clearcoat_roughness_factor)?;
-            surface.coat_relief = self.relief(coat.clearcoat_normal_texture.as_ref())?;
+            layered.clearcoat_roughness = self.value(roughness, Channel::Green, coat.clearcoat_roughness_factor)?;
+            layered.clearcoat_normal_map = self.normal_map(coat.clearcoat_normal_texture.as_ref())?;
         }
         if let Some(sheen) = &all.sheen {
-            surface.sheen_color = self.tint(sheen.sheen_color_texture.as_ref(), rgb(sheen.sheen_color_factor))?;
+            layered.sheen_color = self.color(sheen.sheen_color_texture.as_ref(), rgb(sheen.sheen_color_factor))?;
             let roughness = sheen.sheen_roughness_texture.as_ref();
-            surface.sheen_roughness = self.value(roughness, Channel::Alpha, sheen.sheen_roughness_factor)?;
+            layered.sheen_roughness = self.value(roughness, Channel::Alpha, sheen.sheen_roughness_factor)?;
         }
         if let Some(anisotropy) = &all.anisotropy {
             let texture = anisotropy.anisotropy_texture.as_ref();
-            surface.anisotropy = self.value(texture, Channel::Blue, anisotropy.anisotropy_strength)?;
-            surface.anisotropy_rotation = f64::from(anisotropy.anisotropy_rotation);
-            surface.anisotropy_direction = self.texture(texture, PixelEncoding::Numbers)?;
+            layered.anisotropy = self.value(texture, Channel::Blue, anisotropy.anisotropy_strength)?;
+            layered.anisotropy_rotation = f64::from(anisotropy.anisotropy_rotation);
+            layered.anisotropy_direction = self.texture(texture, PixelEncoding::Numbers)?;
         }
         Ok(())
     }
 
     /// Reads transmission, volume and dispersion.
-    fn read_body(&mut self, description: &MaterialJson, surface: &mut GltfSurface) -> Result<(), LoadError> {
+    fn read_transmission(&mut self, description: &MaterialJson, layered: &mut LayeredSurface) -> Result<(), LoadError> {
         let all = &description.extensions;
         if let Some(transmission) = &all.transmission {
             let texture = transmission.transmission_texture.as_ref();
-            surface.transmission = self.value(texture, Channel::Red, transmission.transmission_factor)?;
+            layered.transmission = self.value(texture, Channel::Red, transmission.transmission_factor)?;
         }
-        if let Some(volume) = all.volume.as_ref().filter(|volume| volume.thickness_factor > 0.0) {
-            surface.is_thin = false;
-            surface.attenuation =
-                Some((f64::from(volume.attenuation_distance), rgb(volume.attenuation_color).map(|c| c.min(1.0))));
-        }
-        surface.dispersion = all.dispersion.as_ref().map_or(0.0, |d| f64::from(d.dispersion.max(0.0)));
+        layered.is_thin = all.volume.as_ref().is_none_or(|volume| !has_thickness(volume));
+        layered.dispersion = all.dispersion.as_ref().map_or(0.0, |d| f64::from(d.dispersion.max(0.0)));
         Ok(())
     }
 
-    /// Reads KHR_materials_pbrSpecularGlossiness. The Phong surface has one colour: metals have theirs in the specular
-    /// texture and a black diffuse one, so the sum of both serves.
-    fn specular_glossiness(&mut self, other: &SpecularGlossiness) -> Result<Base, LoadError> {
+    /// Reads KHR_materials_pbrSpecularGlossiness.
+    ///
+    /// The base colour is the sum of both colours: metals have a black diffuse colour.
+    fn specular_glossiness(&mut self, other: &SpecularGlossiness) -> Result<LayeredBase, LoadError> {
         let (diffuse_factor, specular_factor) = (opaque(other.diffuse_factor), rgb(other.specular_factor));
         let shine = other.specular_glossiness_texture.as_ref();
         let diffuse = self.tinted(other.diffuse_texture.as_ref(), diffuse_factor)?;
-        let mut base = Base::SpecularGlossiness {
-            color: diffuse,
+        let mut base = LayeredBase::SpecularGlossiness {
             diffuse,
-            specular: self.tint(shine, specular_factor)?,
+            specular: self.color(shine, specular_factor)?,
             glossiness: self.glossiness(shine, other.glossiness_factor)?,
+            base_color: diffuse,
             mean_specular: specular_factor,
         };
         let Some(info) = shine else { return Ok(base) };
@@ -238,45 +247,45 @@ impl MaterialBuilder<'_, '_> {
         self.textures.count(&bitmap)?;
         let sampler = self.textures.document.textures().nth(info.index).map(|texture| texture.sampler());
         let id = self.model.add_texture(image_texture(Arc::new(bitmap), sampler.as_ref()));
-        if let Base::SpecularGlossiness { color, mean_specular, .. } = &mut base {
-            *color = ColorFactor { texture: Some(id), colour: Rgb::WHITE };
-            *mean_specular = specular_factor * mean(&shine);
+        if let LayeredBase::SpecularGlossiness { base_color, mean_specular, .. } = &mut base {
+            *base_color = ColorTexture::Textured(id, Rgb::WHITE);
+            *mean_specular = specular_factor * shine.approximate_mean();
         }
         Ok(base)
     }
 
-    /// Glossiness stands in the alpha of an image of colours.
-    fn glossiness(&mut self, info: Option<&TextureInfo>, factor: f32) -> Result<FloatFactor, LoadError> {
+    /// Reads glossiness, which is the alpha of an image of colours.
+    fn glossiness(&mut self, info: Option<&TextureInfo>, factor: f32) -> Result<FloatTexture, LoadError> {
         let factor = f64::from(factor).clamp(0.0, 1.0);
         let Some(texture) = self.texture(info, PixelEncoding::Colors)? else {
-            return Ok(FloatFactor::constant(factor));
+            return Ok(FloatTexture::Constant(factor));
         };
-        let alpha = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| mean_alpha(bitmap));
-        Ok(FloatFactor { scalar: FloatTexture::Textured(texture, Channel::Alpha, factor), mean: factor * alpha })
+        Ok(FloatTexture::textured(&self.model.textures, texture, Channel::Alpha, factor))
     }
 
-    fn coverage(&mut self, description: &MaterialJson, surface: &GltfSurface) -> Result<Coverage, LoadError> {
-        let gloss = description.extensions.specular_glossiness.as_ref().filter(|_| !surface.unlit);
+    fn alpha(&mut self, description: &MaterialJson, is_transmissive: bool) -> Result<Alpha, LoadError> {
+        let is_unlit = description.extensions.unlit.is_some();
+        let gloss = description.extensions.specular_glossiness.as_ref().filter(|_| !is_unlit);
         let pbr = &description.pbr_metallic_roughness;
         let (info, factor) = match gloss {
             Some(other) => (other.diffuse_texture.as_ref(), other.diffuse_factor[3]),
             None => (pbr.base_color_texture.as_ref(), pbr.base_color_factor[3]),
         };
-        let alpha = match description.alpha_mode {
-            AlphaMode::Opaque => Alpha::Opaque,
-            AlphaMode::Mask => Alpha::Mask(f64::from(description.alpha_cutoff)),
-            AlphaMode::Blend => Alpha::Blend,
+        let mode = match description.alpha_mode {
+            material_json::AlphaMode::Opaque => AlphaMode::Opaque,
+            material_json::AlphaMode::Mask => AlphaMode::Mask(f64::from(description.alpha_cutoff)),
+            material_json::AlphaMode::Blend => AlphaMode::Blend,
         };
-        let texture = if alpha == Alpha::Opaque { None } else { self.texture(info, PixelEncoding::Colors)? };
+        let texture = if mode == AlphaMode::Opaque { None } else { self.texture(info, PixelEncoding::Colors)? };
         let texture = texture
             .filter(|id| self.model.textures[id.0 as usize].bitmap().is_some_and(|bitmap| !bitmap.alpha.is_empty()));
         let factor = f64::from(factor).clamp(0.0, 1.0);
         // A blended surface without translucent parts is opaque, which is faster to trace.
         let is_whole = texture.is_none() && !self.has_colors && factor == 1.0;
-        let alpha = if is_whole && alpha == Alpha::Blend { Alpha::Opaque } else { alpha };
+        let mode = if is_whole && mode == AlphaMode::Blend { AlphaMode::Opaque } else { mode };
         // Light leaves a transmissive solid through the back of its surface.
-        let has_front_only = !description.double_sided && surface.transmission.scalar.is_zero();
-        Ok(Coverage { alpha, factor, texture, has_front_only })
+        let culls_back_faces = !description.double_sided && !is_transmissive;
+        Ok(Alpha { mode, factor, texture, culls_back_faces })
     }
 
     /// Reads occlusion, 1 + strength · (texture − 1). A strength below 1 is applied to a copy of the texture.
@@ -285,7 +294,7 @@ impl MaterialBuilder<'_, '_> {
         let Some(texture) = self.texture(Some(info), PixelEncoding::Numbers)? else { return Ok(whole) };
         let strength = info.strength.clamp(0.0, 1.0);
         if strength == 1.0 {
-            return Ok(FloatTexture::Textured(texture, Channel::Red, 1.0));
+            return Ok(FloatTexture::textured(&self.model.textures, texture, Channel::Red, 1.0));
         }
         let faded = |bitmap: &Bitmap| {
             let pixels = bitmap.pixels.iter().map(|pixel| [1.0 + strength * (pixel[0] - 1.0); 3]).collect();
@@ -305,7 +314,8 @@ impl MaterialBuilder<'_, '_> {
         if let Some(bitmap) = texture.bitmap() {
             self.textures.count(bitmap)?;
         }
-        Ok(FloatTexture::Textured(self.model.add_texture(texture), Channel::Red, 1.0))
+        let texture = self.model.add_texture(texture);
+        Ok(FloatTexture::textured(&self.model.textures, texture, Channel::Red, 1.0))
     }
 
     fn texture(&mut self, info: Option<&TextureInfo>, pixels: PixelEncoding) -> Result<Option<TextureId>, LoadError> {
@@ -315,59 +325,63 @@ impl MaterialBuilder<'_, '_> {
         }
     }
 
-    fn relief(&mut self, info: Option<&TextureInfo>) -> Result<Option<Relief>, LoadError> {
+    fn normal_map(&mut self, info: Option<&TextureInfo>) -> Result<Option<NormalMap>, LoadError> {
         let scale = info.map_or(1.0, |info| f64::from(info.scale));
-        Ok(self.texture(info, PixelEncoding::Numbers)?.map(|texture| Relief { texture, scale }))
+        Ok(self.texture(info, PixelEncoding::Numbers)?.map(|texture| NormalMap { texture, scale }))
     }
 
-    fn tint(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<ColorFactor, LoadError> {
-        let texture = if colour.is_black() { None } else { self.texture(info, PixelEncoding::Colors)? };
-        Ok(ColorFactor { texture, colour })
+    fn color(&mut self, info: Option<&TextureInfo>, factor: Rgb) -> Result<ColorTexture, LoadError> {
+        let texture = if factor.is_black() { None } else { self.texture(info, PixelEncoding::Colors)? };
+        Ok(texture.map_or(ColorTexture::Constant(factor), |texture| ColorTexture::Textured(texture, factor)))
     }
 
-    /// A colour that the colours of vertices multiply, if there are any.
-    fn tinted(&mut self, info: Option<&TextureInfo>, colour: Rgb) -> Result<ColorFactor, LoadError> {
-        let tint = self.tint(info, colour)?;
-        if !self.has_colors || colour.is_black() {
-            return Ok(tint);
+    /// Reads a colour, which vertex colours multiply, if there are any.
+    fn tinted(&mut self, info: Option<&TextureInfo>, factor: Rgb) -> Result<ColorTexture, LoadError> {
+        let color = self.color(info, factor)?;
+        if !self.has_colors || factor.is_black() {
+            return Ok(color);
         }
-        let below = tint.texture.map(|id| Arc::new(self.model.textures[id.0 as usize].clone()));
-        Ok(ColorFactor { texture: Some(self.model.add_texture(Texture::VertexColor(below))), colour })
+        let below = match color {
+            ColorTexture::Constant(_) => None,
+            ColorTexture::Textured(id, _) => Some(Arc::new(self.model.textures[id.0 as usize].clone())),
+        };
+        Ok(ColorTexture::Textured(self.model.add_texture(Texture::VertexColor(below)), factor))
     }
 
-    fn value(&mut self, info: Option<&TextureInfo>, channel: Channel, factor: f32) -> Result<FloatFactor, LoadError> {
+    fn value(&mut self, info: Option<&TextureInfo>, channel: Channel, factor: f32) -> Result<FloatTexture, LoadError> {
         let factor = f64::from(factor).clamp(0.0, 1.0);
         let info = info.filter(|_| factor > 0.0);
         let Some(texture) = self.texture(info, PixelEncoding::Numbers)? else {
-            return Ok(FloatFactor::constant(factor));
+            return Ok(FloatTexture::Constant(factor));
         };
-        let mean = self.model.textures[texture.0 as usize].bitmap().map_or(1.0, |bitmap| match channel {
-            Channel::Red => mean(bitmap).r,
-            Channel::Green => mean(bitmap).g,
-            Channel::Blue => mean(bitmap).b,
-            Channel::Alpha => mean_alpha(bitmap),
-        });
-        Ok(FloatFactor { scalar: FloatTexture::Textured(texture, channel, factor), mean: factor * mean })
+        Ok(FloatTexture::textured(&self.model.textures, texture, channel, factor))
     }
 }
 
-/// Mean colour of at most about 8000 pixels.
-fn mean(bitmap: &Bitmap) -> Rgb {
-    let step = (bitmap.pixels.len() / 4096).max(1);
-    let (mut sum, mut count) = (Rgb::BLACK, 0.0);
-    for pixel in bitmap.pixels.iter().step_by(step) {
-        sum += rgb(*pixel);
-        count += 1.0;
-    }
-    sum / count
+fn has_thickness(volume: &Volume) -> bool {
+    volume.thickness_factor > 0.0
 }
 
-/// The mean of what pixels cover, from as many of them.
-fn mean_alpha(bitmap: &Bitmap) -> f64 {
-    let step = (bitmap.alpha.len() / 4096).max(1);
-    let some = bitmap.alpha.iter().step_by(step);
-    let count = some.len();
-    if count == 0 { 1.0 } else { some.map(|alpha| f64::from(*alpha)).sum::<f64>() / count as f64 }
+/// Medium of a solid. Black and metallic surfaces transmit nothing on average, and enclose none.
+fn interior(layered: &LayeredSurface, volume: Option<&Volume>) -> Option<InteriorMedium> {
+    let volume = volume.filter(|volume| has_thickness(volume))?;
+    let LayeredBase::MetallicRoughness { base_color, metallic, .. } = &layered.base else { return None };
+    let transmission = layered.transmission.mean() * (1.0 - metallic.mean());
+    if layered.transmission.is_zero() || base_color.scaled(transmission).is_zero() {
+        return None;
+    }
+    let distance = f64::from(volume.attenuation_distance);
+    let color = rgb(volume.attenuation_color).map(|c| c.min(1.0));
+    Some(InteriorMedium { absorption: absorption(distance, color), ..InteriorMedium::clear(layered.ior.max(1.0)) })
+}
+
+/// Absorption per length: light falls to `color` over `distance` (KHR_materials_volume).
+fn absorption(distance: f64, color: Rgb) -> Rgb {
+    if distance <= 0.0 {
+        return Rgb::BLACK;
+    }
+    // A black colour would make the absorption infinite.
+    color.map(|part| (-transcendental::log(part.max(1e-6)) / distance).max(0.0))
 }
 
 /// Diffuse colour plus what the specular colour has above the 4 % of a dielectric, at the resolution of the diffuse
@@ -398,6 +412,13 @@ fn rgb(colour: [f32; 3]) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn media_absorb_to_the_attenuation_color() {
+        let absorption = absorption(2.0, Rgb::new(1.0, 0.5, 0.0));
+        let left = absorption.map(|a| transcendental::exp(-2.0 * a));
+        assert!((left.r - 1.0).abs() < 1e-12 && (left.g - 0.5).abs() < 1e-12 && left.b < 1e-5, "{left:?}");
+    }
 
     #[test]
     fn the_colour_of_metals_is_added_to_the_diffuse_colour() {

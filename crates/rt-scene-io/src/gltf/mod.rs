@@ -25,7 +25,6 @@ mod node_pose;
 mod node_tree;
 mod primitive;
 mod skin;
-mod surface;
 mod textures;
 mod variants;
 

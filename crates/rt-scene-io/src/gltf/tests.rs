@@ -76,7 +76,7 @@ fn primitives_become_nodes_with_their_materials() {
     let [strip] = &model.nodes[0].children[1..] else { panic!("two primitives") };
     assert_eq!((&strip.content, strip.material), (&Some(Content::Mesh(MeshId(1))), MaterialId(1)));
     assert_eq!(model.meshes[1].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
-    assert_eq!(model.materials[1].phong.diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
+    assert_eq!(model.materials[1].to_phong().diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
 }
 
 #[test]
@@ -100,7 +100,31 @@ fn images_are_read_from_data_uris_at_the_given_coordinates() {
     let rt_shading::Texture::Image { bitmap, wrap, smooth } = &**texture else { panic!("an image") };
     assert_eq!((bitmap.pixels[0], *smooth), ([1.0, 0.0, 0.0], false));
     assert_eq!(*wrap, [rt_shading::Wrap::Clamp, rt_shading::Wrap::Repeat]);
-    assert!(matches!(model.materials[0].phong.diffuse, ColorTexture::Textured(_, Rgb::WHITE)));
+    assert!(matches!(model.materials[0].to_phong().diffuse, ColorTexture::Textured(_, Rgb::WHITE)));
+}
+
+/// A material with KHR_materials_transmission and KHR_materials_volume.
+fn volume(base_color: &str, metallic: f64, transmission: f64, thickness: f64) -> rt_shading::Material {
+    let primitive = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
+    let rest = format!(
+        r#""nodes": [{{"mesh": 0}}], "materials": [{{
+            "pbrMetallicRoughness": {{"metallicFactor": {metallic}, "baseColorFactor": {base_color}}},
+            "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": {transmission}}},
+                "KHR_materials_volume": {{"thicknessFactor": {thickness}}}}}}}]"#
+    );
+    load_with(&primitive, &rest).expect("a model").materials[0].clone()
+}
+
+#[test]
+fn black_and_metallic_volumes_enclose_no_medium() {
+    let medium = |base_color, metallic, transmission, thickness| {
+        volume(base_color, metallic, transmission, thickness).interior.map(|inside| inside.ior)
+    };
+    assert_eq!(medium("[1, 1, 1, 1]", 0.0, 1.0, 1.0), Some(1.5));
+    assert_eq!(medium("[0, 0, 0, 1]", 0.0, 1.0, 1.0), None, "black");
+    assert_eq!(medium("[1, 1, 1, 1]", 1.0, 1.0, 1.0), None, "metallic");
+    assert_eq!(medium("[1, 1, 1, 1]", 0.0, 0.0, 1.0), None, "opaque");
+    assert_eq!(medium("[1, 1, 1, 1]", 0.0, 1.0, 0.0), None, "thin");
 }
 
 #[test]

@@ -10,11 +10,11 @@
 //! The format has no ambient light.
 
 use rt_math::Rgb;
-use rt_shading::{ColorTexture, Highlight, Phong, Transmission};
+use rt_shading::{ColorTexture, Highlight, InteriorMedium, Phong, Transmission};
 
 use crate::error::LineError;
-use crate::limits;
 use crate::text::tokenizer::Tokenizer;
+use crate::{Material, limits};
 
 /// The numbers of an `f` statement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,26 +58,25 @@ impl Fill {
         [r, g, b, self.diffuse, self.specular, self.shine, self.transmittance, self.ior].map(|x| (x + 0.0).to_bits())
     }
 
-    /// The surface.
-    pub(super) fn phong(&self) -> Phong {
+    /// Material of the fill.
+    pub(super) fn material(&self, name: String) -> Material {
+        let phong = self.phong();
+        let interior = phong.transmission.map(|_| InteriorMedium::clear(self.ior));
+        Material { interior, ..Material::new(name, phong) }
+    }
+
+    fn phong(&self) -> Phong {
         let constant = |rgb| ColorTexture::Constant(rgb);
         let ks = constant(Rgb::gray(self.specular));
-        let passing = Transmission {
-            coefficient: constant(Rgb::gray(self.transmittance)),
-            ior: self.ior,
-            fresnel: false,
-            absorption: Rgb::BLACK,
-            priority: 0,
-        };
+        let transmission = Transmission { coefficient: constant(Rgb::gray(self.transmittance)), fresnel: false };
         Phong {
             ambient: ColorTexture::ZERO,
             diffuse: constant(Rgb::from(self.colour) * self.diffuse),
             specular: ks,
             exponent: self.shine.min(limits::HIGHLIGHT_EXPONENT),
             highlight: Highlight::Phong,
-            emission: ColorTexture::ZERO,
             mirror: ks,
-            transmission: (self.transmittance > 0.0).then_some(passing),
+            transmission: (self.transmittance > 0.0).then_some(transmission),
         }
     }
 }
@@ -92,12 +91,14 @@ mod tests {
 
     #[test]
     fn coefficients_follow_the_convention() {
-        let phong = fill("1 0.5 0 0.8 0.25 12 0.5 1.5").expect("a fill").phong();
+        let material = fill("1 0.5 0 0.8 0.25 12 0.5 1.5").expect("a fill").material(String::new());
+        let phong = material.to_phong();
         assert_eq!(phong.diffuse, ColorTexture::Constant(Rgb::new(0.8, 0.4, 0.0)));
         assert_eq!((phong.specular, phong.mirror), (ColorTexture::Constant(Rgb::gray(0.25)), phong.specular));
         assert_eq!((phong.exponent, phong.ambient), (12.0, ColorTexture::ZERO));
-        let inside = phong.transmission.expect("glass");
-        assert_eq!((inside.coefficient, inside.ior), (ColorTexture::Constant(Rgb::gray(0.5)), 1.5));
+        let coefficient = phong.transmission.expect("glass").coefficient;
+        assert_eq!(coefficient, ColorTexture::Constant(Rgb::gray(0.5)));
+        assert_eq!(material.interior, Some(InteriorMedium::clear(1.5)));
         assert_eq!(fill("1 1 1 1 0 100000 0 0").expect("a fill").phong().transmission, None);
     }
 

@@ -181,14 +181,14 @@ impl<'p> NffReader<'p> {
         if let Some(id) = self.known_fills.get(&fill.key()) {
             return *id;
         }
-        let id = self.add_material(format!("fill {}", self.surfaces.len() + 1), fill.phong(), Some(fill));
+        let id = self.add_material(fill.material(format!("fill {}", self.surfaces.len() + 1)), Some(fill));
         self.known_fills.insert(fill.key(), id);
         id
     }
 
-    fn add_material(&mut self, name: String, phong: Phong, fill: Option<Fill>) -> MaterialId {
+    fn add_material(&mut self, material: Material, fill: Option<Fill>) -> MaterialId {
         self.surfaces.push(FillFaces { fill, polygons: FaceList::default(), patches: FaceList::default() });
-        self.model.add_material(Material::new(name, phong))
+        self.model.add_material(material)
     }
 
     /// The material in force; plain grey before the first fill.
@@ -197,7 +197,7 @@ impl<'p> NffReader<'p> {
             return id;
         }
         self.warn(line, "an object comes before the first fill colour; it becomes plain grey".to_owned());
-        let id = self.add_material("no fill".to_owned(), Phong::default(), None);
+        let id = self.add_material(Material::new("no fill".to_owned(), Phong::default()), None);
         self.fill = Some(id);
         id
     }

@@ -34,7 +34,7 @@ fn a_whole_file_becomes_a_model() {
     assert!(matches!(shapes[0], ("line 13", Some(Content::Shape(Shape::Sphere(_))))));
     assert!(matches!(shapes[1], ("line 14", Some(Content::Shape(Shape::Frustum(_))))));
     assert!(matches!(shapes[2], ("line 17", Some(Content::Shape(Shape::Triangle(_))))));
-    assert_eq!(model.materials[0].phong.mirror, ColorTexture::Constant(Rgb::gray(0.2)));
+    assert_eq!(model.materials[0].to_phong().mirror, ColorTexture::Constant(Rgb::gray(0.2)));
     assert_eq!(model.warnings, []);
 }
 

@@ -6,10 +6,10 @@ use std::{
     sync::Arc,
 };
 
-use rt_shading::{Channel, Material, Phong, Relief, Texture, TextureId};
+use rt_shading::{Channel, Material, NormalMap, Phong, Texture, TextureId};
 
 use super::{
-    material::{MaterialMaps, coverage, is_glass, needs_tangents, phong, physical},
+    material::{MaterialMaps, is_glass, material, needs_tangents},
     mtl,
     texture_map::TextureMap,
     textures::{ObjTextures, PixelMeaning},
@@ -136,22 +136,19 @@ impl<'a> MaterialLibrary<'a> {
                     maps.diffuse = Some(tinted(maps.diffuse, model));
                 }
                 Self::warn_about_unused(&mtl, &file, model);
-                Material {
-                    physical: physical(&mtl, maps),
-                    coverage: coverage(&mtl, maps),
-                    relief: maps.relief,
-                    ..Material::new(mtl.name.clone(), phong(&mtl, maps))
-                }
+                material(&mtl, maps, &model.textures)
             }
             None => {
                 if let (Some(name), false) = (&name, self.incomplete) {
                     model.warnings.push(self.unknown(name));
                 }
-                let mtl = tobj::Material::default();
-                let maps =
-                    MaterialMaps { diffuse: has_colours.then(|| tinted(None, model)), ..MaterialMaps::default() };
-                let phong = if has_colours { phong(&mtl, maps) } else { Phong::default() };
-                Material::new(name.clone().unwrap_or_else(|| "default".to_owned()), phong)
+                let name = name.clone().unwrap_or_else(|| "default".to_owned());
+                if has_colours {
+                    let maps = MaterialMaps { diffuse: Some(tinted(None, model)), ..MaterialMaps::default() };
+                    Material { name, ..material(&tobj::Material::default(), maps, &model.textures) }
+                } else {
+                    Material::new(name, Phong::default())
+                }
             }
         };
         let id = model.add_material(material);
@@ -184,7 +181,7 @@ impl<'a> MaterialLibrary<'a> {
             Ok::<_, LoadError>(id.map(|id| (id, map.channel.unwrap_or(Channel::Red))))
         };
         let textures = &mut self.textures;
-        let (metallic, roughness, coat) = match is_glass(mtl) {
+        let (metallic, roughness, clearcoat) = match is_glass(mtl) {
             true => (None, None, None),
             false => (
                 number("map_Pm", textures, model)?,
@@ -192,21 +189,21 @@ impl<'a> MaterialLibrary<'a> {
                 number("map_Pc", textures, model)?,
             ),
         };
-        let cover = mtl.dissolve_texture.as_deref();
-        let channel = cover.and_then(TextureMap::parse).and_then(|map| map.channel);
-        let relief = other("norm").or(mtl.normal_texture.as_deref());
-        let scale = relief.and_then(TextureMap::parse).map_or(1.0, |map| map.bump);
-        let relief = texture(relief, textures, PixelMeaning::Relief, model)?;
+        let alpha = mtl.dissolve_texture.as_deref();
+        let channel = alpha.and_then(TextureMap::parse).and_then(|map| map.channel);
+        let normal_map = other("norm").or(mtl.normal_texture.as_deref());
+        let scale = normal_map.and_then(TextureMap::parse).map_or(1.0, |map| map.bump);
+        let normal_map = texture(normal_map, textures, PixelMeaning::NormalMap, model)?;
         Ok(MaterialMaps {
             diffuse: texture(mtl.diffuse_texture.as_deref(), textures, colours, model)?,
             specular: texture(mtl.specular_texture.as_deref(), textures, colours, model)?,
             emission: texture(other("map_Ke"), textures, colours, model)?,
             metallic,
             roughness,
-            coat,
+            clearcoat,
             sheen: if is_glass(mtl) { None } else { texture(other("map_Ps"), textures, colours, model)? },
-            cover: texture(cover, textures, PixelMeaning::Cover(channel), model)?,
-            relief: relief.map(|texture| Relief { texture, scale }),
+            alpha: texture(alpha, textures, PixelMeaning::Alpha(channel), model)?,
+            normal_map: normal_map.map(|texture| NormalMap { texture, scale }),
         })
     }
 

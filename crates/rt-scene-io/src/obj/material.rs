@@ -1,4 +1,4 @@
-//! MTL materials as Phong surfaces, and as physical surfaces if they have physical parameters.
+//! MTL materials as Phong models, or as physically based models if they have physically based parameters.
 //!
 //! ```text
 //! diffuse      = d · Kd · map_Kd
@@ -10,8 +10,8 @@
 //!              = 1 − d    otherwise, without refraction
 //! ```
 //!
-//! Materials with a physical parameter have a second surface for the path tracer: the metallic-roughness model of glTF, or
-//! glass for models 6 and 7.
+//! Materials with a physically based parameter have a second model: the metallic-roughness model of glTF, or a dielectric for
+//! models 6 and 7. The file states both, so that the Phong model remains as `phong_override`.
 //!
 //! ```text
 //! base colour = Kd · map_Kd        metalness  = Pm · map_Pm       roughness = Pr · map_Pr
@@ -19,15 +19,15 @@
 //! anisotropy  = aniso, rotated by anisor of a full turn
 //! ```
 //!
-//! With a `map_d`, and on physical surfaces other than glass, opacity is alpha: a ray hits the surface with the probability `d
-//! · map_d`, and passes straight otherwise.
+//! With a `map_d`, and in physically based models other than glass, opacity is alpha. A ray then hits the surface with the
+//! probability `d · map_d`, and passes straight otherwise.
 
 use std::f64::consts::TAU;
 
 use rt_math::Rgb;
 use rt_shading::{
-    Alpha, Channel, ColorTexture, Coverage, FloatTexture, Highlight, LayeredBase, LayeredSurface, Phong, Physical,
-    Relief, TextureId, Transmission,
+    Alpha, AlphaMode, Channel, ColorTexture, FloatTexture, Highlight, InteriorMedium, LayeredBase, LayeredSurface,
+    Material, MaterialModel, NormalMap, Phong, Texture, TextureId, Transmission,
 };
 
 use crate::limits;
@@ -40,32 +40,44 @@ pub(super) struct MaterialMaps {
     pub(super) emission: Option<TextureId>,
     pub(super) metallic: Option<(TextureId, Channel)>,
     pub(super) roughness: Option<(TextureId, Channel)>,
-    pub(super) coat: Option<(TextureId, Channel)>,
+    pub(super) clearcoat: Option<(TextureId, Channel)>,
     pub(super) sheen: Option<TextureId>,
     /// Alpha map.
-    pub(super) cover: Option<TextureId>,
+    pub(super) alpha: Option<TextureId>,
     /// Normals, or heights that were made normals.
-    pub(super) relief: Option<Relief>,
+    pub(super) normal_map: Option<NormalMap>,
 }
 
-/// Roughness where a file with physical parameters leaves it out: what programs with these parameters begin with.
+/// Default roughness of a file with physically based parameters, as in programs with these parameters.
 const ROUGHNESS: f64 = 0.5;
 
-/// Share of the diffuse coefficient that ambient light sees.
+/// Ambient coefficient divided by the diffuse one.
 const AMBIENT_SHARE: f64 = 0.1;
 
-/// The surface of an MTL material. All numbers of `mtl` must be finite and not negative.
-pub(super) fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
+/// Material with these maps of `textures`. All numbers of `mtl` must be finite and not negative.
+pub(super) fn material(mtl: &tobj::Material, maps: MaterialMaps, textures: &[Texture]) -> Material {
+    let phong = phong(mtl, maps);
+    let (model, phong_override) = match physically_based(mtl, maps, textures) {
+        Some(model) => (model, Some(phong)),
+        None => (phong.into(), None),
+    };
+    Material {
+        phong_override,
+        emission: emission(mtl, maps),
+        // Glass whose filter passes no light encloses no medium.
+        interior: phong.transmission.map(|_| InteriorMedium::clear(ior(mtl))),
+        alpha: alpha(mtl, maps),
+        normal_map: maps.normal_map,
+        ..Material::new(mtl.name.clone(), model)
+    }
+}
+
+fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
     let model = mtl.illumination_model.unwrap_or(2);
-    let opacity = if is_cut(mtl, maps) { 1.0 } else { opacity(mtl) };
+    let opacity = if is_blended(mtl, maps) { 1.0 } else { opacity(mtl) };
     let default = Phong::default();
     let kd = base_colour(mtl, maps);
     let ks = mtl.specular.map_or(Rgb::BLACK, rgb);
-    let ke = match (mtl.emissive.map(rgb), maps.emission) {
-        (None, Some(_)) => Rgb::WHITE,
-        (ke, _) => ke.unwrap_or(Rgb::BLACK),
-    };
-
     Phong {
         ambient: coefficient(maps.diffuse, kd * (AMBIENT_SHARE * opacity)),
         diffuse: coefficient(maps.diffuse, kd * opacity),
@@ -77,7 +89,6 @@ pub(super) fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
         },
         exponent: mtl.shininess.map_or(default.exponent, |ns| f64::from(ns).min(limits::HIGHLIGHT_EXPONENT)),
         highlight: Highlight::Blinn,
-        emission: coefficient(maps.emission, ke),
         mirror: match model {
             3..=6 | 8 | 9 => coefficient(maps.specular, ks),
             7 => ColorTexture::Constant(Rgb::WHITE),
@@ -87,65 +98,81 @@ pub(super) fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
     }
 }
 
-/// The physical surface, of a material that has physical parameters.
-pub(super) fn physical(mtl: &tobj::Material, maps: MaterialMaps) -> Option<Physical> {
-    let number = |name: &str| number(mtl, name);
-    let has_maps = maps.metallic.or(maps.roughness).or(maps.coat).is_some() || maps.sheen.is_some();
-    let is_physical = has_maps
-        || number("Pr").or(number("Pm")).is_some()
-        || ["Ps", "Pc", "aniso"].iter().any(|name| number(name).is_some_and(|number| number > 0.0));
-    if !is_physical {
+fn emission(mtl: &tobj::Material, maps: MaterialMaps) -> ColorTexture {
+    let ke = match (mtl.emissive.map(rgb), maps.emission) {
+        (None, Some(_)) => Rgb::WHITE,
+        (ke, _) => ke.unwrap_or(Rgb::BLACK),
+    };
+    coefficient(maps.emission, ke)
+}
+
+/// Physically based model, if the material has parameters of one.
+fn physically_based(mtl: &tobj::Material, maps: MaterialMaps, textures: &[Texture]) -> Option<MaterialModel> {
+    if !is_physically_based(mtl, maps) {
         return None;
     }
+    let number = |name: &str| number(mtl, name);
     // A factor of a map that is missing or zero means the map alone, as with colours.
     let scalar = |name: &str, map: Option<(TextureId, Channel)>, otherwise: f64| match (number(name), map) {
         (factor, Some((id, channel))) => {
-            FloatTexture::Textured(id, channel, factor.filter(|factor| *factor > 0.0).unwrap_or(1.0).min(1.0))
+            let factor = factor.filter(|factor| *factor > 0.0).unwrap_or(1.0).min(1.0);
+            FloatTexture::textured(textures, id, channel, factor)
         }
         (factor, None) => FloatTexture::Constant(factor.unwrap_or(otherwise).min(1.0)),
     };
     if is_glass(mtl) {
         let roughness = number("Pr").unwrap_or(ROUGHNESS).min(1.0);
-        return Some(Physical::Dielectric { roughness, transmittance: ColorTexture::Constant(filter_colour(mtl)) });
+        return Some(MaterialModel::Dielectric {
+            roughness,
+            transmittance: ColorTexture::Constant(filter_colour(mtl)),
+        });
     }
     let base_color = coefficient(maps.diffuse, base_colour(mtl, maps));
     let (metallic, roughness) = (scalar("Pm", maps.metallic, 0.0), scalar("Pr", maps.roughness, ROUGHNESS));
-    let fibres = match (number("Ps"), maps.sheen) {
+    let sheen = match (number("Ps"), maps.sheen) {
         (factor, Some(_)) => factor.filter(|factor| *factor > 0.0).unwrap_or(1.0),
         (factor, None) => factor.unwrap_or(0.0),
     };
     let layers = LayeredSurface {
-        coat: scalar("Pc", maps.coat, 0.0),
-        coat_roughness: FloatTexture::Constant(number("Pcr").unwrap_or(0.0).min(1.0)),
-        sheen_color: coefficient(maps.sheen, Rgb::gray(fibres.min(1.0))),
+        clearcoat: scalar("Pc", maps.clearcoat, 0.0),
+        clearcoat_roughness: FloatTexture::Constant(number("Pcr").unwrap_or(0.0).min(1.0)),
+        sheen_color: coefficient(maps.sheen, Rgb::gray(sheen.min(1.0))),
         sheen_roughness: FloatTexture::Constant(ROUGHNESS),
         anisotropy: FloatTexture::Constant(number("aniso").unwrap_or(0.0).min(1.0)),
         anisotropy_rotation: TAU * number("anisor").unwrap_or(0.0).min(1.0),
         ..LayeredSurface::new(LayeredBase::MetallicRoughness { base_color, metallic, roughness })
     };
-    let is_bare = layers.coat.is_zero() && layers.sheen_color.is_zero() && layers.anisotropy.is_zero();
+    let is_bare = layers.clearcoat.is_zero() && layers.sheen_color.is_zero() && layers.anisotropy.is_zero();
     Some(match (metallic, roughness) {
         (FloatTexture::Constant(metallic), FloatTexture::Constant(roughness)) if is_bare => {
-            Physical::MetallicRoughness { base_color, metallic, roughness }
+            MaterialModel::MetallicRoughness { base_color, metallic, roughness }
         }
-        _ => Physical::Layered(Box::new(layers)),
+        _ => MaterialModel::Layered(Box::new(layers)),
     })
 }
 
-/// Alpha of the surface.
-pub(super) fn coverage(mtl: &tobj::Material, maps: MaterialMaps) -> Coverage {
+/// True if the material has parameters of a physically based model.
+fn is_physically_based(mtl: &tobj::Material, maps: MaterialMaps) -> bool {
+    let number = |name: &str| number(mtl, name);
+    let has_maps = maps.metallic.or(maps.roughness).or(maps.clearcoat).is_some() || maps.sheen.is_some();
+    has_maps
+        || number("Pr").or(number("Pm")).is_some()
+        || ["Ps", "Pc", "aniso"].iter().any(|name| number(name).is_some_and(|number| number > 0.0))
+}
+
+fn alpha(mtl: &tobj::Material, maps: MaterialMaps) -> Alpha {
     // A factor of zero means the map alone, as for colours.
-    let factor = match (opacity(mtl), maps.cover) {
+    let factor = match (opacity(mtl), maps.alpha) {
         (0.0, Some(_)) => 1.0,
         (opacity, _) => opacity,
     };
-    let cut = Coverage { alpha: Alpha::Blend, factor, texture: maps.cover, has_front_only: false };
-    if is_cut(mtl, maps) { cut } else { Coverage::ALL }
+    let blend = Alpha { mode: AlphaMode::Blend, factor, texture: maps.alpha, culls_back_faces: false };
+    if is_blended(mtl, maps) { blend } else { Alpha::OPAQUE }
 }
 
-/// True if rays pass what is not opaque, rather than that the surface lets light through.
-fn is_cut(mtl: &tobj::Material, maps: MaterialMaps) -> bool {
-    maps.cover.is_some() || (opacity(mtl) < 1.0 && !is_glass(mtl) && physical(mtl, maps).is_some())
+/// True if opacity is alpha, rather than the opposite of transmission.
+fn is_blended(mtl: &tobj::Material, maps: MaterialMaps) -> bool {
+    maps.alpha.is_some() || (opacity(mtl) < 1.0 && !is_glass(mtl) && is_physically_based(mtl, maps))
 }
 
 /// True for the illumination models of glass.
@@ -153,7 +180,7 @@ pub(super) const fn is_glass(mtl: &tobj::Material) -> bool {
     matches!(mtl.illumination_model, Some(6 | 7))
 }
 
-/// True if the surface has a direction along which it is laid: its meshes need tangents.
+/// True if meshes of the material need tangents.
 pub(super) fn needs_tangents(mtl: &tobj::Material) -> bool {
     let bumps = mtl.normal_texture.is_some() || mtl.unknown_param.contains_key("norm");
     bumps || number(mtl, "aniso").is_some_and(|aniso| aniso > 0.0)
@@ -188,16 +215,15 @@ fn opacity(mtl: &tobj::Material) -> f64 {
 }
 
 fn transmission(mtl: &tobj::Material, model: u8, opacity: f64) -> Option<Transmission> {
-    let (filter, ior) = match model {
-        6 | 7 => {
-            let ior = mtl.optical_density.map_or(1.0, f64::from);
-            (filter_colour(mtl), if ior > 0.0 { ior } else { 1.0 })
-        }
-        _ => (Rgb::gray(1.0 - opacity), 1.0),
-    };
+    let filter = if matches!(model, 6 | 7) { filter_colour(mtl) } else { Rgb::gray(1.0 - opacity) };
     let coefficient = ColorTexture::Constant(filter);
-    let (fresnel, absorption, priority) = (model == 7, Rgb::BLACK, 0);
-    (!filter.is_black()).then_some(Transmission { coefficient, ior, fresnel, absorption, priority })
+    (!filter.is_black()).then_some(Transmission { coefficient, fresnel: model == 7 })
+}
+
+/// Index of refraction behind the surface: `Ni` of glass, otherwise that of air.
+fn ior(mtl: &tobj::Material) -> f64 {
+    let ior = mtl.optical_density.filter(|_| is_glass(mtl)).map_or(1.0, f64::from);
+    if ior > 0.0 { ior } else { 1.0 }
 }
 
 /// Tf, the transmitted share of each colour; 1 if unspecified.
@@ -230,15 +256,21 @@ mod tests {
         materials.into_iter().next().expect("one material")
     }
 
+    fn made(text: &str) -> Material {
+        material(&mtl(text), MaterialMaps::default(), &[])
+    }
+
     fn gray(value: f64) -> ColorTexture {
         ColorTexture::Constant(Rgb::gray(value))
     }
 
     #[test]
     fn plain_materials() {
-        let phong = phong(&mtl("Kd 0.5\nKa 1\nKs 0.25\nNs 8\nKe 2\nillum 2"), MaterialMaps::default());
+        let material = made("Kd 0.5\nKa 1\nKs 0.25\nNs 8\nKe 2\nillum 2");
+        assert_eq!((material.emission, material.interior), (gray(2.0), None));
+        let phong = material.to_phong();
         assert_eq!((phong.diffuse, phong.ambient), (gray(0.5), gray(0.05)));
-        assert_eq!((phong.specular, phong.exponent, phong.emission), (gray(0.25), 8.0, gray(2.0)));
+        assert_eq!((phong.specular, phong.exponent), (gray(0.25), 8.0));
         assert_eq!((phong.mirror, phong.transmission), (ColorTexture::ZERO, None));
     }
 
@@ -249,16 +281,13 @@ mod tests {
 
     #[test]
     fn the_illumination_model_decides_about_highlight_mirror_and_glass() {
-        let with = |model: u8| {
-            phong(&mtl(&format!("Kd 0.5\nKs 0.25\nNi 1.5\nTf 1 0.5 0\nillum {model}")), MaterialMaps::default())
-        };
+        let text = |model: u8| format!("Kd 0.5\nKs 0.25\nNi 1.5\nTf 1 0.5 0\nillum {model}");
+        let with = |model: u8| phong(&mtl(&text(model)), MaterialMaps::default());
         assert_eq!((with(1).specular, with(1).mirror), (ColorTexture::ZERO, ColorTexture::ZERO));
         assert_eq!((with(3).specular, with(3).mirror, with(3).transmission), (gray(0.25), gray(0.25), None));
         let glass = with(7).transmission.expect("glass");
-        assert_eq!(
-            (glass.ior, glass.fresnel, glass.coefficient),
-            (1.5, true, ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0)))
-        );
+        assert_eq!((glass.fresnel, glass.coefficient), (true, ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0))));
+        assert_eq!(made(&text(7)).interior, Some(InteriorMedium::clear(1.5)));
         assert_eq!(with(7).mirror, gray(1.0));
         assert!(!with(6).transmission.expect("glass").fresnel);
     }
@@ -266,26 +295,30 @@ mod tests {
     #[test]
     fn what_is_not_opaque_lets_the_rest_pass_straight() {
         for text in ["d 0.25\nKd 0.5", "Tr 0.75\nKd 0.5", "Tr 0.25\nd 0.25\nKd 0.5"] {
-            let phong = phong(&mtl(text), MaterialMaps::default());
+            let (material, phong) = (made(text), phong(&mtl(text), MaterialMaps::default()));
             assert_eq!(phong.diffuse, gray(0.125));
             let through = phong.transmission.expect("some light passes");
-            assert_eq!((through.coefficient, through.ior, through.fresnel), (gray(0.75), 1.0, false));
+            assert_eq!((through.coefficient, through.fresnel), (gray(0.75), false));
+            assert_eq!(material.interior, Some(InteriorMedium::clear(1.0)));
         }
     }
 
     #[test]
     fn roughness_and_metalness_make_a_physical_surface() {
-        let of = |text: &str| physical(&mtl(text), MaterialMaps::default());
+        let of = |text: &str| physically_based(&mtl(text), MaterialMaps::default(), &[]);
         assert_eq!(of("Kd 0.5\nNs 100"), None);
-        let metal = |metallic, roughness| Physical::MetallicRoughness { base_color: gray(0.5), metallic, roughness };
+        let metal =
+            |metallic, roughness| MaterialModel::MetallicRoughness { base_color: gray(0.5), metallic, roughness };
         assert_eq!(of("Kd 0.5\nPr 0.25\nPm 1"), Some(metal(1.0, 0.25)));
         assert_eq!(of("Kd 0.5\npm 7"), Some(metal(1.0, 0.5)));
-        let glass =
-            Physical::Dielectric { roughness: 0.0, transmittance: ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0)) };
+        let glass = MaterialModel::Dielectric {
+            roughness: 0.0,
+            transmittance: ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0)),
+        };
         assert_eq!(of("Pr 0\nillum 7\nTf 1 0.5 0"), Some(glass));
         let (veil, none) = (mtl("Kd 0.5\nPr 0\nd 0.75"), MaterialMaps::default());
-        assert_eq!(physical(&veil, none), Some(metal(0.0, 0.0)));
-        assert_eq!((coverage(&veil, none).alpha, coverage(&veil, none).factor), (Alpha::Blend, 0.75));
+        assert_eq!(physically_based(&veil, none, &[]), Some(metal(0.0, 0.0)));
+        assert_eq!((alpha(&veil, none).mode, alpha(&veil, none).factor), (AlphaMode::Blend, 0.75));
         assert!(phong(&veil, none).transmission.is_none());
     }
 
@@ -293,32 +326,43 @@ mod tests {
     fn maps_and_layers_make_a_layered_surface() {
         let map = |id| Some((TextureId(id), Channel::Red));
         let maps = MaterialMaps { metallic: map(1), roughness: map(2), ..MaterialMaps::default() };
-        let Some(Physical::Layered(layers)) = physical(&mtl("Kd 0.5\nPr 0.25\nPm 0"), maps) else { panic!("layers") };
+        let Some(MaterialModel::Layered(layers)) = physically_based(&mtl("Kd 0.5\nPr 0.25\nPm 0"), maps, &[]) else {
+            panic!("layers")
+        };
         let (metallic, roughness) = (
-            FloatTexture::Textured(TextureId(1), Channel::Red, 1.0),
-            FloatTexture::Textured(TextureId(2), Channel::Red, 0.25),
+            FloatTexture::textured(&[], TextureId(1), Channel::Red, 1.0),
+            FloatTexture::textured(&[], TextureId(2), Channel::Red, 0.25),
         );
         assert_eq!(layers.base, LayeredBase::MetallicRoughness { base_color: gray(0.5), metallic, roughness });
-        assert!(layers.coat.is_zero() && layers.sheen_color.is_zero());
+        assert!(layers.clearcoat.is_zero() && layers.sheen_color.is_zero());
 
         let text = "Kd 0.5\nPc 0.75\nPcr 0.1\nPs 0.5\naniso 0.25\nanisor 0.25";
-        let Some(Physical::Layered(layers)) = physical(&mtl(text), MaterialMaps::default()) else { panic!("layers") };
-        assert_eq!((layers.coat, layers.coat_roughness), (FloatTexture::Constant(0.75), FloatTexture::Constant(0.1)));
+        let Some(MaterialModel::Layered(layers)) = physically_based(&mtl(text), MaterialMaps::default(), &[]) else {
+            panic!("layers")
+        };
+        assert_eq!(
+            (layers.clearcoat, layers.clearcoat_roughness),
+            (FloatTexture::Constant(0.75), FloatTexture::Constant(0.1))
+        );
         assert_eq!((layers.sheen_color, layers.anisotropy), (gray(0.5), FloatTexture::Constant(0.25)));
         assert_eq!(layers.anisotropy_rotation, TAU / 4.0);
-        assert_eq!(physical(&mtl("Kd 0.5\nPs 0\nPc 0\naniso 0"), MaterialMaps::default()), None, "written by default");
+        assert_eq!(
+            physically_based(&mtl("Kd 0.5\nPs 0\nPc 0\naniso 0"), MaterialMaps::default(), &[]),
+            None,
+            "written by default"
+        );
     }
 
     #[test]
     fn a_map_of_opacity_cuts_instead_of_a_veil() {
         let (mtl, maps) =
-            (mtl("Kd 0.5\nd 0.5\nPr 1"), MaterialMaps { cover: Some(TextureId(7)), ..MaterialMaps::default() });
-        let cut = coverage(&mtl, maps);
-        assert_eq!((cut.alpha, cut.factor, cut.texture), (Alpha::Blend, 0.5, Some(TextureId(7))));
+            (mtl("Kd 0.5\nd 0.5\nPr 1"), MaterialMaps { alpha: Some(TextureId(7)), ..MaterialMaps::default() });
+        let cut = alpha(&mtl, maps);
+        assert_eq!((cut.mode, cut.factor, cut.texture), (AlphaMode::Blend, 0.5, Some(TextureId(7))));
         assert!(phong(&mtl, maps).transmission.is_none() && phong(&mtl, maps).diffuse == gray(0.5));
-        assert_eq!(coverage(&self::mtl("d 0"), maps).factor, 1.0);
-        assert!(matches!(physical(&mtl, maps), Some(Physical::MetallicRoughness { .. })));
-        assert_eq!(coverage(&self::mtl("Kd 0.5\nd 0.5"), MaterialMaps::default()), Coverage::ALL);
+        assert_eq!(alpha(&self::mtl("d 0"), maps).factor, 1.0);
+        assert!(matches!(physically_based(&mtl, maps, &[]), Some(MaterialModel::MetallicRoughness { .. })));
+        assert_eq!(alpha(&self::mtl("Kd 0.5\nd 0.5"), MaterialMaps::default()), Alpha::OPAQUE);
     }
 
     #[test]

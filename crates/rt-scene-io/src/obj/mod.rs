@@ -180,7 +180,7 @@ fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
 mod tests {
     use super::*;
     use rt_math::Rgb;
-    use rt_shading::{Channel, ColorTexture, FloatTexture, LayeredBase, Physical, Texture, TextureId};
+    use rt_shading::{Channel, ColorTexture, FloatTexture, LayeredBase, MaterialModel, Texture, TextureId};
     use std::fs;
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -233,7 +233,7 @@ mod tests {
         // The sRGB curve takes 1/2 to 0.214.
         assert!((colors[1][0] - 0.214_041).abs() < 1e-6 && colors[1][3] == 1.0, "{colors:?}");
         assert!(model.meshes[1].mesh.data().colors.is_empty());
-        let diffuse = |node: usize| model.materials[model.nodes[node].material.0 as usize].phong.diffuse;
+        let diffuse = |node: usize| model.materials[model.nodes[node].material.0 as usize].to_phong().diffuse;
         assert!(matches!(diffuse(0), ColorTexture::Textured(TextureId(0), _)));
         assert_eq!(model.textures, [Texture::VertexColor(None)]);
         assert!(matches!(diffuse(1), ColorTexture::Constant(_)));
@@ -298,8 +298,8 @@ mod tests {
         fs::write(place("m.obj"), head + "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n").expect("written");
 
         let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
-        assert_eq!(model.materials[0].phong.diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
-        assert!(matches!(model.materials[1].phong.diffuse, ColorTexture::Textured(..)));
+        assert_eq!(model.materials[0].to_phong().diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
+        assert!(matches!(model.materials[1].to_phong().diffuse, ColorTexture::Textured(..)));
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
         assert_eq!(what[0], "the material library `none.mtl` is not there; its materials become plain grey");
@@ -322,21 +322,34 @@ mod tests {
         let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
         let material = &model.materials[0];
         let bitmap = |id: TextureId| model.textures[id.0 as usize].bitmap().expect("an image");
-        let Some(Physical::Layered(layers)) = &material.physical else { panic!("layers") };
-        let LayeredBase::MetallicRoughness { roughness: FloatTexture::Textured(id, Channel::Green, 0.5), .. } =
-            layers.base
-        else {
-            panic!("the green of a texture: {layers:?}")
+        let MaterialModel::Layered(layers) = &material.model else { panic!("layers") };
+        let LayeredBase::MetallicRoughness { roughness, .. } = layers.base else { panic!("{layers:?}") };
+        let FloatTexture::Textured { texture: id, channel: Channel::Green, factor: 0.5, mean } = roughness else {
+            panic!("the green of a texture: {roughness:?}")
         };
+        assert!((mean - 0.5 * 0.4).abs() < 1e-7, "{mean}");
         assert_eq!(bitmap(id).pixels[0], [0.2, 0.4, 0.8], "numbers, not sRGB");
-        assert_eq!(bitmap(material.coverage.texture.expect("a cut")).alpha, [0.2; 2]);
-        let relief = material.relief.expect("bumps");
-        assert_eq!(relief.scale, 2.0);
-        assert!(bitmap(relief.texture).pixels[1][0] < 0.5, "the slope rises to the right");
+        assert_eq!(bitmap(material.alpha.texture.expect("a cut")).alpha, [0.2; 2]);
+        let normal_map = material.normal_map.expect("bumps");
+        assert_eq!(normal_map.scale, 2.0);
+        assert!(bitmap(normal_map.texture).pixels[1][0] < 0.5, "the slope rises to the right");
         assert_eq!(model.meshes[0].mesh.data().tangents[0], [1.0, 0.0, 0.0, 1.0]);
         assert!(model.meshes[1].mesh.data().tangents.is_empty());
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
         assert_eq!(what, ["`disp` is not followed", "`map_Pr` is not followed", "`Pc` is not followed"]);
+    }
+
+    #[test]
+    fn physical_glass_with_a_black_filter_encloses_no_medium() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        let mtl = "newmtl black\nillum 7\nNi 1.5\nPr 0\nTf 0 0 0\nnewmtl clear\nillum 7\nNi 1.5\nPr 0\n";
+        fs::write(place("m.mtl"), mtl).expect("written");
+        let text = format!("mtllib m.mtl\n{SQUARE}usemtl black\nf 1 2 3\nusemtl clear\nf 1 2 3\n");
+        fs::write(place("m.obj"), text).expect("written");
+        let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let iors: Vec<_> = model.materials.iter().map(|material| material.interior.map(|inside| inside.ior)).collect();
+        assert_eq!(iors, [None, Some(1.5)]);
     }
 
     #[test]

@@ -25,9 +25,9 @@ pub(super) enum PixelMeaning {
     /// Numbers, such as how rough the surface is.
     Numbers,
     /// Alpha: that of the image, or else its red channel, unless specified.
-    Cover(Option<Channel>),
+    Alpha(Option<Channel>),
     /// Normals along the tangents, or heights if all of its pixels are grey.
-    Relief,
+    NormalMap,
 }
 
 pub(super) struct ObjTextures<'a> {
@@ -62,8 +62,8 @@ impl<'a> ObjTextures<'a> {
         let instead = match meaning {
             PixelMeaning::Colors => "the plain colour is used",
             PixelMeaning::Numbers => "the plain number is used",
-            PixelMeaning::Cover(_) => "the surface is whole",
-            PixelMeaning::Relief => "the surface is smooth",
+            PixelMeaning::Alpha(_) => "the surface is whole",
+            PixelMeaning::NormalMap => "the surface is smooth",
         };
         // Absolute paths are those of another machine.
         if is_absolute(&map.file) {
@@ -115,15 +115,15 @@ impl<'a> ObjTextures<'a> {
         let mut bitmap = read_texture_as(file, pixels, self.options)?;
         match meaning {
             PixelMeaning::Colors | PixelMeaning::Numbers => {}
-            PixelMeaning::Cover(channel) => {
+            PixelMeaning::Alpha(channel) => {
                 let more = format_args!("the texture {}", file.display());
                 self.options.memory.keep(more, (bitmap.pixels.len() * size_of::<f32>()) as u64)?;
                 cover(&mut bitmap, channel);
             }
-            PixelMeaning::Relief if bump_to_normal::is_height(&bitmap) => {
+            PixelMeaning::NormalMap if bump_to_normal::is_height(&bitmap) => {
                 bump_to_normal::normals_from_heights(&mut bitmap, clamp)
             }
-            PixelMeaning::Relief => {}
+            PixelMeaning::NormalMap => {}
         }
         Ok(bitmap)
     }

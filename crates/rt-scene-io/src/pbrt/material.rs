@@ -1,4 +1,4 @@
-//! Materials as physical surfaces, each with a Phong surface that resembles it.
+//! Materials as physically based models.
 //!
 //! ```text
 //! diffuse         Lambert
@@ -12,13 +12,12 @@
 
 use rt_math::Rgb;
 use rt_shading::bsdf::ComplexIor;
-use rt_shading::{ColorTexture, Phong, Physical};
+use rt_shading::{ColorTexture, InteriorMedium, MaterialModel, Phong};
 
 use super::parameters::{Parameters, Values};
 use super::spectrum::{colour, glass, metal};
 use super::texture::PbrtTextures;
 use crate::error::LineError;
-use crate::phong_fallback::{self, BLACK, diffuse};
 use crate::{LoadErrorKind, Material};
 
 /// Kinds of materials that only other programs have.
@@ -40,38 +39,35 @@ pub(super) fn read(
     warnings: &mut Vec<String>,
 ) -> Result<OptionalMaterial, LineError> {
     let name = format!("line {}", parameters.line);
-    let made = |phong, physical| Material { physical: Some(physical), ..Material::new(name.clone(), phong) };
+    let made = |model: MaterialModel| Material::new(name.clone(), model);
     let reader = MaterialParameters { parameters, textures };
     Ok(Some(match kind {
         "diffuse" => {
             let albedo = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), warnings)?;
-            made(diffuse(albedo), Physical::Diffuse { albedo, roughness: 0.0 })
+            made(MaterialModel::Diffuse { albedo, roughness: 0.0 })
         }
         "coateddiffuse" => {
             let base_color = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), warnings)?;
             let roughness = reader.roughness(warnings)?;
-            made(diffuse(base_color), Physical::MetallicRoughness { base_color, metallic: 0.0, roughness })
+            made(MaterialModel::MetallicRoughness { base_color, metallic: 0.0, roughness })
         }
-        "conductor" => {
-            let (phong, physical) = reader.conductor(warnings)?;
-            made(phong, physical)
-        }
+        "conductor" => reader.conductor(name, warnings)?,
         "dielectric" => {
             let (ior, roughness) = (reader.ior(warnings)?, reader.roughness(warnings)?);
             let transmittance = ColorTexture::Constant(Rgb::WHITE);
-            let phong = phong_fallback::dielectric(ior, transmittance, Rgb::BLACK, 0);
-            made(phong, Physical::Dielectric { roughness, transmittance })
+            let interior = Some(InteriorMedium::clear(ior));
+            Material { interior, ..made(MaterialModel::Dielectric { roughness, transmittance }) }
         }
         "thindielectric" => {
             let (ior, transmittance) = (reader.ior(warnings)?, ColorTexture::Constant(Rgb::WHITE));
-            made(phong_fallback::thin_dielectric(transmittance), Physical::ThinGlass { ior, transmittance })
+            made(MaterialModel::ThinGlass { ior, transmittance })
         }
         "mix" => return reader.mix(find, warnings),
         "interface" | "none" | "" => return Ok(None),
         other if UNSUPPORTED.contains(&other) => {
             warnings.push(format!("the material \"{other}\" is not supported: grey is in its place"));
             let albedo = ColorTexture::Constant(Rgb::gray(0.5));
-            made(diffuse(albedo), Physical::Diffuse { albedo, roughness: 0.0 })
+            made(MaterialModel::Diffuse { albedo, roughness: 0.0 })
         }
         other => return Err(unknown("material", other, parameters.line, SUPPORTED.into_iter().chain(UNSUPPORTED))),
     }))
@@ -90,7 +86,7 @@ pub(super) fn unknown<'a>(
 
 /// A material that emits and scatters no light.
 pub(super) fn black() -> Material {
-    Material { physical: Some(Physical::Black), ..Material::new("light".to_owned(), BLACK) }
+    Material::new("light".to_owned(), MaterialModel::Black)
 }
 
 struct MaterialParameters<'r> {
@@ -136,12 +132,16 @@ impl MaterialParameters<'_> {
         }
     }
 
-    fn conductor(&self, warnings: &mut Vec<String>) -> Result<(Phong, Physical), LineError> {
+    fn conductor(&self, name: String, warnings: &mut Vec<String>) -> Result<Material, LineError> {
         let (p, roughness) = (self.parameters, self.roughness(warnings)?);
         if p.get("reflectance").is_some() {
             let base_color = self.textures.coefficient(p, "reflectance", Rgb::WHITE, warnings)?;
-            let physical = Physical::MetallicRoughness { base_color, metallic: 1.0, roughness };
-            return Ok((phong_fallback::metal(base_color, roughness), physical));
+            let model = MaterialModel::MetallicRoughness { base_color, metallic: 1.0, roughness };
+            let material = Material::new(name, model);
+            // Ambient light is reflected by the diffuse part only.
+            let phong = *material.to_phong();
+            let phong_override = Some(Phong { ambient: Phong::lambertian(phong.diffuse).ambient, ..phong });
+            return Ok(Material { phong_override, ..material });
         }
         let mut half = |name: &str, of: fn(&ComplexIor) -> Rgb| match p.get(name) {
             None => Ok(of(&ComplexIor::COPPER)),
@@ -161,8 +161,7 @@ impl MaterialParameters<'_> {
             },
         };
         let ior = ComplexIor { n: half("eta", |ior| ior.n)?, k: half("k", |ior| ior.k)? };
-        let reflectance = ColorTexture::Constant(ior.fresnel(1.0));
-        Ok((phong_fallback::metal(reflectance, roughness), Physical::Conductor { ior, roughness }))
+        Ok(Material::new(name, MaterialModel::Conductor { ior, roughness }))
     }
 
     fn mix(
@@ -183,20 +182,22 @@ impl MaterialParameters<'_> {
         let (Some(first), Some(second)) = (first, second) else {
             return Err(LineError::new(p.line, "a mix", "has a part that is not seen: give it a material"));
         };
-        let mixes = |part: &Material| match &part.physical {
-            None | Some(Physical::Mix(_) | Physical::Dielectric { .. }) => None,
-            Some(physical) => Some(physical.clone()),
+        let mixes = |part: &Material| match &part.model {
+            MaterialModel::Mix(_) | MaterialModel::Dielectric { .. } => None,
+            model => Some(model.clone()),
         };
         let (Some(a), Some(b)) = (mixes(&first), mixes(&second)) else {
             warnings.push("a mix with glass or another mix is not supported: its first part alone is seen".to_owned());
             return Ok(Some(first));
         };
-        if first.relief.or(second.relief).is_some() {
+        if first.normal_map.or(second.normal_map).is_some() {
             warnings.push("the normal maps of the parts of a mix are left out".to_owned());
         }
         let parts = vec![(1.0 - amount, a), (amount, b)];
-        let nearest = if amount > 0.5 { second.phong } else { first.phong };
+        // The Phong model is that of the larger part.
+        let larger = if amount > 0.5 { second } else { first };
+        let phong_override = Some(*larger.to_phong());
         let name = format!("line {}", p.line);
-        Ok(Some(Material { physical: Some(Physical::Mix(parts)), ..Material::new(name, nearest) }))
+        Ok(Some(Material { phong_override, ..Material::new(name, MaterialModel::Mix(parts)) }))
     }
 }

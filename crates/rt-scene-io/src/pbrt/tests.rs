@@ -5,8 +5,8 @@ use rt_camera::{FovAxis, Projection};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_shading::bsdf::ComplexIor;
-use rt_shading::light::EmissionSides as Sides;
-use rt_shading::{ColorTexture, DeltaLightKind, Physical, Texture};
+use rt_shading::light::EmissionSides;
+use rt_shading::{ColorTexture, DeltaLightKind, MaterialModel, Texture};
 
 /// A scene with most of the supported directives.
 const SCENE: &str = r#"
@@ -105,19 +105,17 @@ fn known_values_of_a_scene() {
     let kinds: Vec<_> = all.iter().map(|(_, node)| node.name.as_str()).collect();
     assert_eq!(kinds, ["line 15", "line 21", "line 24", "line 24", "line 32"]);
     let of = |i: usize| &model.materials[all[i].1.material.0 as usize];
-    assert_eq!((of(0).phong.emission, of(0).shines), (ColorTexture::Constant(Rgb::gray(5.0)), Sides::Front));
-    let Some(Physical::Diffuse { albedo: ColorTexture::Textured(id, _), .. }) = of(1).physical else {
-        panic!("squares")
-    };
+    assert_eq!((of(0).emission, of(0).emission_sides), (ColorTexture::Constant(Rgb::gray(5.0)), EmissionSides::Front));
+    let MaterialModel::Diffuse { albedo: ColorTexture::Textured(id, _), .. } = of(1).model else { panic!("squares") };
     let Texture::Mapped { texture, map } = &model.textures[id.0 as usize] else { panic!("mapped") };
     assert_eq!(**texture, Texture::Checker { even: Rgb::new(1.0, 0.0, 0.0), odd: Rgb::BLACK, size: 1.0 });
     assert_eq!(map.rows[0], [8.0, 0.0, 0.0]);
-    assert_eq!(of(2).physical, Some(Physical::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }));
+    assert_eq!(of(2).model, MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 });
     assert_eq!(all[2].1.material, all[3].1.material);
     assert_eq!((all[2].0.point(DVec3::ZERO), all[3].0.point(DVec3::ZERO)), (DVec3::Y * 3.0, DVec3::ZERO));
     // α = √(1/16) is ours of 1/2.
-    let Some(Physical::Dielectric { roughness, .. }) = of(4).physical else { panic!("glass") };
-    assert_eq!((roughness, of(4).phong.transmission.expect("a body").ior), (0.5, 1.25));
+    let MaterialModel::Dielectric { roughness, .. } = of(4).model else { panic!("glass") };
+    assert_eq!((roughness, of(4).interior.expect("a body").ior), (0.5, 1.25));
 }
 
 #[test]
@@ -312,7 +310,7 @@ fn attributes_and_mixes_hold_for_what_follows() {
     ));
     let (_, node) = &shapes(&model)[0];
     assert!(matches!(&node.content, Some(Content::Shape(Shape::Sphere(sphere))) if sphere.radius() == 3.0));
-    let Some(Physical::Mix(parts)) = &model.materials[0].physical else { panic!("a mix") };
+    let MaterialModel::Mix(parts) = &model.materials[0].model else { panic!("a mix") };
     assert_eq!(parts.iter().map(|(weight, _)| *weight).collect::<Vec<_>>(), [0.75, 0.25]);
     assert_eq!(model.warnings, []);
 }
@@ -372,7 +370,7 @@ fn images_are_shown_and_maps_all_around_become_their_mean() {
         model.textures[..],
         [Texture::Image { wrap: [rt_shading::Wrap::Clamp, rt_shading::Wrap::Clamp], smooth: true, .. }]
     ));
-    assert!(matches!(model.materials[0].phong.diffuse, ColorTexture::Textured(_, rgb) if rgb == Rgb::gray(0.5)));
+    assert!(matches!(model.materials[0].to_phong().diffuse, ColorTexture::Textured(_, rgb) if rgb == Rgb::gray(0.5)));
 }
 
 /// Ten lines may stand for a million spheres.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rt_math::Rgb;
-use rt_shading::{Alpha, Bitmap, ColorTexture, Coverage, Relief, Texture, TextureId, UvMap, Wrap};
+use rt_shading::{Alpha, AlphaMode, Bitmap, ColorTexture, NormalMap, Texture, TextureId, UvMap, Wrap};
 
 use super::FileScope;
 use super::material::unknown;
@@ -27,7 +27,7 @@ pub(super) struct PbrtTextures {
     named: BTreeMap<String, ColorTexture>,
     images: HashMap<(PathBuf, PixelEncoding), Arc<Bitmap>>,
     /// Alpha textures made from the colours of other textures.
-    covers: HashMap<TextureId, TextureId>,
+    alphas: HashMap<TextureId, TextureId>,
     bytes: u64,
 }
 
@@ -193,41 +193,41 @@ impl PbrtTextures {
     }
 
     /// The normal map of a material, if it has one.
-    pub(super) fn relief(
+    pub(super) fn normal_map(
         &mut self,
         parameters: &Parameters,
         files: FileScope<'_>,
-    ) -> Result<Option<Relief>, LineError> {
+    ) -> Result<Option<NormalMap>, LineError> {
         let Some(file) = parameters.word("normalmap", "string")? else { return Ok(None) };
         let bitmap = self.bitmap(file, PixelEncoding::Numbers, parameters.line, files)?;
         let texture = self.push(Texture::Image { bitmap, wrap: [Wrap::Repeat; 2], smooth: true });
-        Ok(Some(Relief { texture, scale: 1.0 }))
+        Ok(Some(NormalMap { texture, scale: 1.0 }))
     }
 
     /// Alpha of a shape: a number or a texture of numbers.
-    pub(super) fn cover(
+    pub(super) fn alpha(
         &mut self,
         parameters: &Parameters,
         files: FileScope<'_>,
         warnings: &mut Vec<String>,
-    ) -> Result<Coverage, LineError> {
+    ) -> Result<Alpha, LineError> {
         let (texture, factor) = match self.coefficient(parameters, "alpha", Rgb::WHITE, warnings)? {
-            ColorTexture::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Coverage::ALL),
+            ColorTexture::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Alpha::OPAQUE),
             ColorTexture::Constant(rgb) => (None, rgb.g),
-            ColorTexture::Textured(id, rgb) => match self.cover_of(id, parameters.line, files)? {
-                Some(cover) => (Some(cover), rgb.g),
+            ColorTexture::Textured(id, rgb) => match self.alpha_of(id, parameters.line, files)? {
+                Some(alpha) => (Some(alpha), rgb.g),
                 None => {
                     warnings.push("its \"alpha\" is no image, and is not followed: the shape is whole".to_owned());
-                    return Ok(Coverage::ALL);
+                    return Ok(Alpha::OPAQUE);
                 }
             },
         };
-        Ok(Coverage { alpha: Alpha::Blend, factor: factor.clamp(0.0, 1.0), texture, has_front_only: false })
+        Ok(Alpha { mode: AlphaMode::Blend, factor: factor.clamp(0.0, 1.0), texture, culls_back_faces: false })
     }
 
     /// The texture whose alpha is the mean of the colours of another; `None` if that shows no image.
-    fn cover_of(&mut self, id: TextureId, line: usize, files: FileScope<'_>) -> Result<Option<TextureId>, LineError> {
-        if let Some(known) = self.covers.get(&id) {
+    fn alpha_of(&mut self, id: TextureId, line: usize, files: FileScope<'_>) -> Result<Option<TextureId>, LineError> {
+        if let Some(known) = self.alphas.get(&id) {
             return Ok(Some(*known));
         }
         let (image, map) = match self.list.get(id.0 as usize) {
@@ -243,12 +243,12 @@ impl PbrtTextures {
         let bitmap = Arc::new(Bitmap { alpha, ..Bitmap::clone(&bitmap) });
         self.count(&bitmap, line)?;
         let image = Texture::Image { bitmap, wrap, smooth };
-        let cover = self.push(match map {
+        let alpha = self.push(match map {
             Some(map) => Texture::Mapped { texture: Arc::new(image), map },
             None => image,
         });
-        self.covers.insert(id, cover);
-        Ok(Some(cover))
+        self.alphas.insert(id, alpha);
+        Ok(Some(alpha))
     }
 
     fn push(&mut self, texture: Texture) -> TextureId {
@@ -311,18 +311,17 @@ mod tests {
     #[test]
     fn shapes_are_cut_by_numbers_and_images() {
         let model = square("", "\"texture alpha\" \"mask\"");
-        let Coverage { alpha: Alpha::Blend, factor: 1.0, texture: Some(TextureId(id)), .. } =
-            model.materials[0].coverage
+        let Alpha { mode: AlphaMode::Blend, factor: 1.0, texture: Some(TextureId(id)), .. } = model.materials[0].alpha
         else {
-            panic!("not cut: {:?}", model.materials[0].coverage)
+            panic!("not cut: {:?}", model.materials[0].alpha)
         };
         let Texture::Mapped { texture, .. } = &model.textures[id as usize] else { panic!("not scaled") };
         assert_eq!(texture.bitmap().expect("an image").alpha, [0.0, 1.0, 0.0, 1.0]);
         let half = square("", "\"float alpha\" 0.5");
-        assert_eq!((half.materials[0].coverage.alpha, half.materials[0].coverage.factor), (Alpha::Blend, 0.5));
-        assert_eq!(square("", "\"float alpha\" 1").materials[0].coverage, Coverage::ALL);
+        assert_eq!((half.materials[0].alpha.mode, half.materials[0].alpha.factor), (AlphaMode::Blend, 0.5));
+        assert_eq!(square("", "\"float alpha\" 1").materials[0].alpha, Alpha::OPAQUE);
         let other = square("", "\"texture alpha\" \"squares\"");
-        assert_eq!(other.materials[0].coverage, Coverage::ALL);
+        assert_eq!(other.materials[0].alpha, Alpha::OPAQUE);
         assert!(other.warnings[0].message.contains("\"alpha\" is no image"), "{:?}", other.warnings);
     }
 
@@ -330,16 +329,16 @@ mod tests {
     fn a_shape_that_is_cut_has_a_material_of_its_own() {
         let model = square("Shape \"sphere\"", "\"float alpha\" 0.5");
         assert_eq!(model.materials.len(), 2);
-        assert_eq!((&model.materials[0].coverage, model.materials[1].coverage.factor), (&Coverage::ALL, 0.5));
+        assert_eq!((&model.materials[0].alpha, model.materials[1].alpha.factor), (&Alpha::OPAQUE, 0.5));
     }
 
     #[test]
     fn normal_maps_are_numbers_along_tangents() {
         let bumpy = "Material \"diffuse\" \"string normalmap\" \"normals.png\"";
         let model = square(bumpy, "");
-        let relief = model.materials[0].relief.expect("a normal map");
-        let bitmap = model.textures[relief.texture.0 as usize].bitmap().expect("an image");
-        assert_eq!((bitmap.pixels[0][1], relief.scale), (0.2, 1.0), "not sRGB");
+        let normal_map = model.materials[0].normal_map.expect("a normal map");
+        let bitmap = model.textures[normal_map.texture.0 as usize].bitmap().expect("an image");
+        assert_eq!((bitmap.pixels[0][1], normal_map.scale), (0.2, 1.0), "not sRGB");
         assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
         assert!(model.warnings.is_empty(), "{:?}", model.warnings);
         let ball = square(&format!("{bumpy}\nShape \"sphere\""), "");

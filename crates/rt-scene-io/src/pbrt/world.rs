@@ -1,8 +1,8 @@
 //! Directives of the world: objects, materials, lights and shapes.
 
 use rt_math::Rgb;
-use rt_shading::light::EmissionSides as Sides;
-use rt_shading::{ColorTexture, Coverage, Material};
+use rt_shading::light::EmissionSides;
+use rt_shading::{Alpha, ColorTexture, Material};
 
 use super::light::PbrtLight;
 use super::material::unknown;
@@ -95,9 +95,9 @@ impl PbrtReader<'_> {
                     None => Err(unknown("material", part, line, named.keys().map(String::as_str))),
                 };
                 let mut surface = material::read(&kind, &parameters, &self.textures, find, &mut warnings)?;
-                let relief = self.textures.relief(&parameters, self.files)?;
-                if let (Some(surface), Some(_)) = (&mut surface, relief) {
-                    surface.relief = relief;
+                let normal_map = self.textures.normal_map(&parameters, self.files)?;
+                if let (Some(surface), Some(_)) = (&mut surface, normal_map) {
+                    surface.normal_map = normal_map;
                 }
                 self.surfaces.push(surface);
                 let index = self.surfaces.len() - 1;
@@ -157,12 +157,12 @@ impl PbrtReader<'_> {
         let mut warnings = Vec::new();
         let mut solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut warnings)?;
         let name = format!("line {line}");
-        let mut cover = self.textures.cover(&parameters, self.files, &mut warnings)?;
-        if matches!(solid, PbrtShape::Exact(..)) && cover != Coverage::ALL {
+        let mut alpha = self.textures.alpha(&parameters, self.files, &mut warnings)?;
+        if matches!(solid, PbrtShape::Exact(..)) && alpha != Alpha::OPAQUE {
             warnings.push(format!("\"alpha\" cuts meshes alone: the {kind} is whole"));
-            cover = Coverage::ALL;
+            alpha = Alpha::OPAQUE;
         }
-        if self.surface().is_some_and(|surface| surface.relief.is_some()) && !lay_tangents(&mut solid) {
+        if self.surface().is_some_and(|surface| surface.normal_map.is_some()) && !lay_tangents(&mut solid) {
             warnings.push("without texture coordinates it has no tangents: its normal map is left out".to_owned());
         }
         let (content, place) = match solid {
@@ -179,7 +179,7 @@ impl PbrtReader<'_> {
             }
         };
         self.warn_all(&format!("the shape \"{kind}\""), &parameters, warnings);
-        let Some(material) = self.material(cover) else {
+        let Some(material) = self.material(alpha) else {
             self.warn(line, "a shape of no material is not seen: it is left out".to_owned());
             return Ok(());
         };
@@ -193,11 +193,11 @@ impl PbrtReader<'_> {
     }
 
     /// The current material with its emission and alpha; `None` if it is invisible.
-    fn material(&mut self, cover: Coverage) -> Option<MaterialId> {
+    fn material(&mut self, alpha: Alpha) -> Option<MaterialId> {
         let emission = self.state.emission.filter(|emission| !emission.radiance.is_black());
         let surface = self.surface().cloned();
         let bits = emission.map(|light| (light.radiance.to_array().map(f64::to_bits), light.both_sides));
-        let key = (self.state.surface, bits, (cover.factor.to_bits(), cover.texture));
+        let key = (self.state.surface, bits, (alpha.factor.to_bits(), alpha.texture));
         if let Some(known) = self.materials.get(&key) {
             return Some(*known);
         }
@@ -207,10 +207,10 @@ impl PbrtReader<'_> {
         };
         if let Some(Emission { radiance, both_sides }) = emission {
             self.shines = true;
-            made.phong.emission = ColorTexture::Constant(radiance);
-            made.shines = if both_sides { Sides::Both } else { Sides::Front };
+            made.emission = ColorTexture::Constant(radiance);
+            made.emission_sides = if both_sides { EmissionSides::Both } else { EmissionSides::Front };
         }
-        made.coverage = cover;
+        made.alpha = alpha;
         let id = self.model.add_material(made);
         self.materials.insert(key, id);
         Some(id)

@@ -16,15 +16,14 @@ use std::path::Path;
 use rt_geometry::{Face, MeshData};
 use rt_image::Encoding;
 use rt_math::{Rgb, Vec3};
-use rt_shading::{ColorTexture, Texture, TextureId};
+use rt_shading::{ColorTexture, Phong, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
 use self::rows::{FaceCorners, STRIPS, Skipped, TriangleStrips, Vertices};
 use crate::error::ErrorAt;
 use crate::files::refuse_utf16;
 use crate::memory::{FileSample, load_within_budget};
-use crate::phong_fallback::AMBIENT;
-use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Material, Model};
+use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
 
 /// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
@@ -84,9 +83,8 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
 fn show_colors(model: &mut Model) {
     let color = TextureId(model.textures.len() as u32);
     model.textures.push(Texture::VertexColor(None));
-    for Material { phong, .. } in &mut model.materials {
-        phong.ambient = ColorTexture::Textured(color, Rgb::gray(AMBIENT));
-        phong.diffuse = ColorTexture::Textured(color, Rgb::WHITE);
+    for material in &mut model.materials {
+        material.model = Phong::lambertian(ColorTexture::Textured(color, Rgb::WHITE)).into();
     }
 }
 

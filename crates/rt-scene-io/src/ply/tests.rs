@@ -178,7 +178,7 @@ fn colours_of_vertices_are_decoded_and_shown() {
     assert_eq!((shown[0], shown[1], shown[3]), (1.0, 0.0, 1.0));
     assert!((shown[2] - 0.502_886_5).abs() < 1e-6, "{shown:?}");
     assert_eq!(bytes.warnings, []);
-    let phong = &bytes.materials[0].phong;
+    let phong = bytes.materials[0].to_phong();
     assert_eq!(bytes.textures, [Texture::VertexColor(None)]);
     assert_eq!(phong.diffuse, ColorTexture::Textured(TextureId(0), Rgb::WHITE));
     assert_eq!(phong.ambient, ColorTexture::Textured(TextureId(0), Rgb::gray(0.1)));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rt_geometry::{Cylinder, Disk, InsideRule, Polygon, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Rgb, Transform};
 use rt_shading::light::EmissionSides;
-use rt_shading::{ColorTexture, Phong, Physical};
+use rt_shading::{ColorTexture, MaterialModel};
 
 use super::material::Materials;
 use super::value::{colour, direction, positive, vector};
@@ -18,11 +18,11 @@ pub(super) fn nodes(report: &mut Diagnostics, lights: &[format::Light], material
     let mut nodes = Vec::new();
     for (i, light) in lights.iter().enumerate() {
         let path = format!("lights[{i}]");
-        let Some((name, radiance, shines)) = surface(light) else { continue };
+        let Some((name, radiance, sides)) = surface(light) else { continue };
         let radiance = report.check(format_args!("{path}.radiance"), colour(radiance));
         let (Some(radiance), Some((shape, place))) = (radiance, placed(report, &path, light)) else { continue };
         let name = if name.is_empty() { format!("light {i}") } else { name.to_owned() };
-        let node = Node::new(Content::Shape(shape), materials.add(light_material(&name, radiance, shines)));
+        let node = Node::new(Content::Shape(shape), materials.add(light_material(&name, radiance, sides)));
         nodes.push(Node { name, parent_from_local: place, ..node });
     }
     nodes
@@ -47,11 +47,9 @@ fn surface(light: &format::Light) -> Option<(&str, &format::Color, EmissionSides
     }
 }
 
-fn light_material(name: &str, radiance: Rgb, shines: EmissionSides) -> Material {
-    let zero = ColorTexture::ZERO;
+fn light_material(name: &str, radiance: Rgb, emission_sides: EmissionSides) -> Material {
     let emission = ColorTexture::Constant(radiance);
-    let phong = Phong { ambient: zero, diffuse: zero, emission, ..Phong::default() };
-    Material { physical: Some(Physical::Black), shines, ..Material::new(name.to_owned(), phong) }
+    Material { emission, emission_sides, ..Material::new(name.to_owned(), MaterialModel::Black) }
 }
 
 /// Shape and transform of a light. Errors are reported.

@@ -63,7 +63,7 @@ impl Objects<'_> {
         self.textures.list.extend(model.textures);
         let mut ids = Vec::with_capacity(model.materials.len());
         for mut material in model.materials {
-            material.count_textures_from(first_texture);
+            material.offset_textures(first_texture);
             ids.push(self.materials.add_of_model(material, &mut self.textures, &mut self.report));
         }
         let mut nodes = model.nodes;

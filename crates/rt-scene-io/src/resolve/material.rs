@@ -4,9 +4,9 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 use rt_math::Rgb;
-use rt_shading::{ColorTexture, Phong, Transmission};
+use rt_shading::{ColorTexture, InteriorMedium, MaterialModel, Phong, Transmission};
 
-use super::physical::PhysicalReader;
+use super::material_model::ModelReader;
 use super::texture::Textures;
 use super::value::{colour, positive, within};
 use crate::diagnostics::Diagnostics;
@@ -143,33 +143,57 @@ fn changed(
     report: &mut Diagnostics,
 ) -> Option<Material> {
     let format::Material::Phong { emission_sides, .. } = definition else {
-        let read = PhysicalReader { textures, report }.material(path, &base.name, definition)?;
-        let is_same = read.physical == base.physical
-            && (read.shines == base.shines || base.phong.emission.is_zero())
-            && read.phong.emission == base.phong.emission
-            && read.body() == base.body();
-        // A definition without changes keeps the Phong surface of the model. Normal maps and alpha are always kept.
+        let read = ModelReader { textures, report }.material(path, &base.name, definition)?;
+        let is_same = is_same_model(&read.model, &base.model)
+            && (read.emission_sides == base.emission_sides || base.emission.is_zero())
+            && read.emission == base.emission
+            && read.interior == base.interior;
+        // A definition without changes keeps the Phong override of the model. Normal maps and alpha are always kept.
         return Some(if is_same {
             base
         } else {
-            Material { phong: read.phong, physical: read.physical, shines: read.shines, ..base }
+            let Material { model, emission, emission_sides, interior, .. } = read;
+            Material { model, phong_override: None, emission, emission_sides, interior, ..base }
         });
     };
-    let shines = emission_sides.map_or(base.shines, Into::into);
-    let phong = changed_phong(path, definition, base.phong, textures, report)?;
-    // A changed Phong surface applies to all integrators.
-    let physical = if phong == base.phong { base.physical } else { None };
-    Some(Material { phong, physical, shines, ..base })
+    let emission_sides = emission_sides.map_or(base.emission_sides, Into::into);
+    let before = PhongMaterial { phong: *base.to_phong(), emission: base.emission, interior: base.phong_interior() };
+    let after = changed_phong(path, definition, before, textures, report)?;
+    if after == before {
+        return Some(Material { emission_sides, ..base });
+    }
+    // A changed Phong material applies to all integrators.
+    let PhongMaterial { phong, emission, interior } = after;
+    Some(Material { model: phong.into(), phong_override: None, emission, emission_sides, interior, ..base })
 }
 
-/// `base` with the fields replaced that the definition gives.
+/// True if two models are equal. Scene files describe a layered model without layers as `metallic_roughness`.
+fn is_same_model(read: &MaterialModel, base: &MaterialModel) -> bool {
+    match (read, base) {
+        (MaterialModel::MetallicRoughness { base_color, metallic, roughness }, MaterialModel::Layered(layered)) => {
+            layered.as_metallic_roughness() == Some((base_color, *metallic, *roughness))
+        }
+        _ => read == base,
+    }
+}
+
+/// The parts of a material that a `phong` definition describes.
+#[derive(Clone, Copy, PartialEq)]
+struct PhongMaterial {
+    phong: Phong,
+    emission: ColorTexture,
+    interior: Option<InteriorMedium>,
+}
+
+/// `before` with the fields replaced that the definition gives.
 fn changed_phong(
     path: &str,
     definition: &format::Material,
-    base: Phong,
+    before: PhongMaterial,
     textures: &mut Textures<'_>,
     report: &mut Diagnostics,
-) -> Option<Phong> {
+) -> Option<PhongMaterial> {
+    let PhongMaterial { phong: base, interior: inside, .. } = before;
     let format::Material::Phong {
         color,
         ambient,
@@ -197,37 +221,38 @@ fn changed_phong(
     let ambient = read("ambient", ambient, base.ambient);
     let diffuse = read("diffuse", diffuse, base.diffuse);
     let specular = read("specular", specular, base.specular);
-    let emission = read("emission", emission, base.emission);
+    let emission = read("emission", emission, before.emission);
     let fresnel = fresnel.unwrap_or(base.transmission.is_some_and(|t| t.fresnel));
     // Light that Fresnel's equations reflect is mirrored unless the file says otherwise.
     let passes = transmission.is_some() || base.transmission.is_some();
     let default_mirror =
         if fresnel && passes && base.mirror.is_zero() { ColorTexture::Constant(Rgb::WHITE) } else { base.mirror };
     let mirror = read("mirror", mirror, default_mirror);
-    let before = base.transmission;
-    let passing = read("transmission", transmission, before.map_or(ColorTexture::ZERO, |t| t.coefficient));
+    let transmitted = base.transmission.map_or(ColorTexture::ZERO, |t| t.coefficient);
+    let coefficient = read("transmission", transmission, transmitted);
     let exponent =
         report.check(at("exponent"), within(exponent.unwrap_or(base.exponent), 0.0, limits::HIGHLIGHT_EXPONENT));
-    let ior = ior.unwrap_or(before.map_or(DEFAULT_IOR, |t| t.ior));
+    let ior = ior.unwrap_or(inside.map_or(DEFAULT_IOR, |inside| inside.ior));
     let ior = report.check(at("ior"), positive(ior));
     let absorption = match absorption {
         Some(value) => report.check(at("absorption"), colour(value)),
-        None => Some(before.map_or(Rgb::BLACK, |t| t.absorption)),
+        None => Some(inside.map_or(Rgb::BLACK, |inside| inside.absorption)),
     };
     let ambient = report.check(at("ambient"), product(color?, ambient?));
     let diffuse = report.check(at("diffuse"), product(color?, diffuse?));
-    let priority = priority.unwrap_or(before.map_or(0, |t| t.priority));
-    let inside = Transmission { coefficient: passing?, ior: ior?, fresnel, absorption: absorption?, priority };
-    Some(Phong {
+    let priority = priority.unwrap_or(inside.map_or(0, |inside| inside.priority));
+    let transmission = Transmission { coefficient: coefficient?, fresnel };
+    let interior = InteriorMedium { ior: ior?, absorption: absorption?, priority };
+    let phong = Phong {
         ambient: ambient?,
         diffuse: diffuse?,
         specular: specular?,
         exponent: exponent?,
         highlight: highlight.map_or(base.highlight, Into::into),
-        emission: emission?,
         mirror: mirror?,
-        transmission: passes.then_some(inside),
-    })
+        transmission: passes.then_some(transmission),
+    };
+    Some(PhongMaterial { phong, emission: emission?, interior: passes.then_some(interior) })
 }
 
 /// Product of a colour and a coefficient, of which at most one is textured.

@@ -11,8 +11,8 @@ mod include;
 mod lens;
 mod light;
 mod material;
+mod material_model;
 mod node;
-mod physical;
 mod shape;
 mod shutter;
 mod texture;
@@ -23,7 +23,7 @@ mod value;
 use std::path::Path;
 
 use rt_math::Aabb;
-use rt_shading::{Appearance, Physical};
+use rt_shading::Appearance;
 
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
@@ -32,6 +32,7 @@ use crate::{Integrator, LoadError, LoadOptions, Material, Model, Scene, StudioLi
 use defaults::SceneLighting;
 pub(crate) use defaults::{EffectiveFields, rounded};
 use include::Models;
+pub(crate) use material_model::{written_material, written_phong};
 use node::Objects;
 use shutter::{is_animated, key_times};
 
@@ -65,7 +66,7 @@ pub(crate) fn resolve_with(
     let used = used_materials(groups.iter().map(|group| &*group.nodes).chain([&*nodes]));
     let used: Vec<&Material> = used.iter().filter_map(|id| materials.list.get(*id as usize)).collect();
     let has_emissive = used.iter().any(|material| is_emissive(material));
-    let has_layers = used.iter().any(|material| material.physical.as_ref().is_some_and(Physical::has_layers));
+    let has_layers = used.iter().any(|material| material.model.has_layers());
     let default_integrator = default_integrator(file, &used, &options);
     let set = file.settings.integrator.unwrap_or(default_integrator);
     let integrator = match options.integrator {
@@ -121,7 +122,7 @@ fn bounds_at_rest(
 /// scene, physical materials of models and emissive objects count too. `used` are the materials of all objects.
 fn default_integrator(file: &SceneFile, used: &[&Material], options: &LoadOptions) -> Integrator {
     let has_studio = options.studio_lights == StudioLights::Studio;
-    let needs_path = |material: &&Material| material.has_physical_surface() || (is_emissive(material) && !has_studio);
+    let needs_path = |material: &&Material| material.is_physically_based() || (is_emissive(material) && !has_studio);
     let is_unspecified = file.lights.is_none() && used.iter().any(needs_path);
     let lights = file.lights.as_deref().unwrap_or_default();
     let is_physical = lights.iter().any(area_light::is_area_light)

@@ -153,7 +153,7 @@ impl<'a> Objects<'a> {
     fn medium(&mut self, path: &str, camera: &format::Camera) -> Option<MaterialId> {
         let name = camera.medium.as_deref()?;
         let id = self.materials.id(Some(name), &mut self.textures, &mut self.report).and_then(|id| {
-            if self.materials.list[id.0 as usize].body().is_some() {
+            if self.materials.list[id.0 as usize].interior.is_some() {
                 return Ok(id);
             }
             let rule = "is not transparent: name a material with `transmission`, or glass";

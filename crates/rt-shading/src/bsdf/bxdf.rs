@@ -1,14 +1,14 @@
-//! The one list of models.
+//! List of all lobes.
 
 use super::{
     BsdfSample, Conductor, Dielectric, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe, Refraction, ThinGlass,
 };
 use rt_math::{DVec3, Rgb};
 
-/// Makes [`Bxdf`] from the list: its variants, what they are made from, and the way to each model's own functions.
+/// Defines [`Bxdf`] by a list of variants: the conversions to it, and the dispatch to each lobe.
 macro_rules! lobes {
     ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
-        /// One model of scattering.
+        /// One lobe, or a set of lobes that is sampled together.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Bxdf {
             $($(#[$doc])* $name($model),)*
@@ -21,7 +21,7 @@ macro_rules! lobes {
         })*
 
         impl Bxdf {
-            /// As [`super::Bsdf::eval`].
+            /// Implements [`super::Bsdf::eval`].
             #[inline]
             pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
                 match self {
@@ -29,7 +29,7 @@ macro_rules! lobes {
                 }
             }
 
-            /// As [`super::Bsdf::pdf`].
+            /// Implements [`super::Bsdf::pdf`].
             #[inline]
             pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
                 match self {
@@ -37,7 +37,7 @@ macro_rules! lobes {
                 }
             }
 
-            /// As [`super::Bsdf::sample`].
+            /// Implements [`super::Bsdf::sample`].
             #[inline]
             pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
                 match self {
@@ -49,28 +49,28 @@ macro_rules! lobes {
 }
 
 lobes! {
-    /// Ideally diffuse.
+    /// Lambertian reflection.
     Lambert(Lambert),
-    /// Diffuse with grooves.
+    /// Rough diffuse reflection.
     OrenNayar(OrenNayar),
-    /// A highlight by a power of the cosine.
+    /// Lobe by a power of the cosine.
     Phong(PhongLobe),
     /// A perfect mirror.
     Mirror(Mirror),
-    /// The surface of glass or water, smooth or rough.
+    /// Interface of a dielectric, smooth or rough.
     Dielectric(Dielectric),
-    /// Metal with a measured index of refraction, smooth or rough.
+    /// Metal with a complex index of refraction, smooth or rough.
     Conductor(Conductor),
-    /// The material of glTF.
+    /// Metallic-roughness model of glTF.
     MetallicRoughness(MetallicRoughness),
     /// A pane of glass without thickness.
     ThinGlass(ThinGlass),
-    /// Light straight through, bent by Snell's law.
+    /// Specular transmission with a constant transmittance.
     Refraction(Refraction),
 }
 
 impl Bxdf {
-    /// As [`super::Bsdf::eval_with_pdf`].
+    /// Implements [`super::Bsdf::eval_with_pdf`].
     #[inline]
     pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
         match self {
@@ -79,7 +79,7 @@ impl Bxdf {
         }
     }
 
-    /// True if all light goes into single directions.
+    /// True if all lobes are delta distributions.
     pub fn is_delta(&self) -> bool {
         match self {
             Self::Mirror(_) | Self::ThinGlass(_) | Self::Refraction(_) => true,
@@ -89,22 +89,22 @@ impl Bxdf {
         }
     }
 
-    /// True if the first number of [`sample`](Self::sample) matters.
+    /// True if [`sample`](Self::sample) uses its first number.
     pub fn uses_component_sample(&self) -> bool {
         matches!(self, Self::Dielectric(_) | Self::MetallicRoughness(_) | Self::ThinGlass(_))
     }
 
-    /// True if it spreads light evenly, and nothing else.
+    /// True for a diffuse lobe.
     pub fn is_diffuse(&self) -> bool {
         matches!(self, Self::Lambert(_) | Self::OrenNayar(_))
     }
 
-    /// True if light may pass to the other side.
+    /// True if it transmits light.
     pub fn transmits(&self) -> bool {
         matches!(self, Self::Dielectric(_) | Self::ThinGlass(_) | Self::Refraction(_))
     }
 
-    /// Roughly what part of the light it scatters, to choose among lobes by.
+    /// Approximate albedo, by which lobes of a mix are chosen.
     pub(super) fn strength(&self) -> f64 {
         match self {
             Self::Lambert(lambert) => lambert.albedo.max_component(),

@@ -1,4 +1,4 @@
-//! Metal.
+//! Conductors: metals.
 
 use super::{
     BsdfSample, Ggx, Scattering, mirror,
@@ -9,9 +9,9 @@ use rt_math::{DVec3, Rgb};
 
 /// Complex index of refraction n + ik per channel.
 ///
-/// The constants are measurements, interpolated between their wavelengths at the dominant ones of the primaries of sRGB,
-/// 611.4, 549.1 and 464.2 nm. Tables: Johnson and Christy, Phys. Rev. B 6, 4370 (1972) and 9, 5056 (1974); Rakić,
-/// Appl. Opt. 34, 4755 (1995) for aluminium; as in the public domain data base refractiveindex.info.
+/// The constants are measurements, interpolated at the dominant wavelengths of the primaries of sRGB: 611.4, 549.1 and
+/// 464.2 nm. Tables: Johnson and Christy, Phys. Rev. B 6, 4370 (1972) and 9, 5056 (1974); Rakić, Appl. Opt. 34, 4755
+/// (1995) for aluminium; as in the public domain data base refractiveindex.info.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComplexIor {
     /// Real part n, relative to the medium outside.
@@ -36,18 +36,18 @@ impl ComplexIor {
     /// Titanium (Johnson, Christy 1974).
     pub const TITANIUM: Self = Self { n: Rgb::new(2.659, 2.540, 2.303), k: Rgb::new(3.698, 3.430, 3.080) };
 
-    /// Part of unpolarised light that is reflected, per channel, by [`conductor_fresnel`].
+    /// Reflectance for unpolarised light, per channel, by [`conductor_fresnel`].
     pub fn fresnel(&self, cos_i: f64) -> Rgb {
         let channel = |n, k| conductor_fresnel(cos_i, n, k);
         Rgb::new(channel(self.n.r, self.k.r), channel(self.n.g, self.k.g), channel(self.n.b, self.k.b))
     }
 }
 
-/// Part of unpolarised light that a smooth conductor of index n + ik reflects (Fresnel's equations with a complex index,
-/// Born and Wolf, 14.4); `cos_i` is the cosine of the angle of incidence. With k = 0 it is [`optics::fresnel`] for 1/n.
+/// Reflectance of a smooth conductor of index n + ik for unpolarised light, at the cosine `cos_i` of the angle of incidence.
 ///
-/// With a + ib = √((n + ik)² − sin²), perpendicular light is reflected by |cos − a − ib|² / |cos + a + ib|², and light in the
-/// plane by as much again times |a + ib − sin·tan|² / |a + ib + sin·tan|².
+/// Fresnel's equations with a complex index (Born and Wolf, 14.4). With k = 0 it is [`optics::fresnel`] for 1/n. Let
+/// a + ib = √((n + ik)² − sin²). Rs is |cos − a − ib|² / |cos + a + ib|², and Rp is Rs · |a + ib − sin·tan|² /
+/// |a + ib + sin·tan|².
 pub fn conductor_fresnel(cos_i: f64, n: f64, k: f64) -> f64 {
     let cos2 = cos_i.clamp(0.0, 1.0) * cos_i.clamp(0.0, 1.0);
     let sin2 = 1.0 - cos2;
@@ -65,8 +65,9 @@ fn ratio(a: f64, b: f64) -> f64 {
     if a + b > 0.0 { (a - b) / (a + b) } else { 1.0 }
 }
 
-/// The surface of a metal: f = F·D·G₂ / (4 cos cos) with the facets of [`Ggx`] (Cook, Torrance 1982), a mirror if it is
-/// smooth. Facets are those that are seen (Heitz 2018). Light that facets reflect to each other is lost.
+/// Smooth or rough metal: f = F·D·G₂ / (4 cos cos) with microfacets of [`Ggx`] (Cook, Torrance 1982).
+///
+/// Visible normals are sampled (Heitz 2018). Multiple scattering between microfacets is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
     /// Index of refraction of the metal.
@@ -76,12 +77,12 @@ pub struct Conductor {
 }
 
 impl Conductor {
-    /// True if it reflects like a mirror.
+    /// True if it is a delta lobe.
     pub fn is_smooth(&self) -> bool {
         Ggx::from_roughness(self.roughness).is_none()
     }
 
-    /// As [`super::Bsdf::eval`].
+    /// Implements [`super::Bsdf::eval`].
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let Some((facets, (wo, wi))) = Ggx::from_roughness(self.roughness).zip(same_side(wo, wi)) else {
             return Rgb::BLACK;
@@ -90,14 +91,14 @@ impl Conductor {
         self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m)
     }
 
-    /// As [`super::Bsdf::pdf`]. It lacks what facets reflect below the surface.
+    /// Implements [`super::Bsdf::pdf`]. Reflections below the surface are missing.
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let facets_and_directions = Ggx::from_roughness(self.roughness).zip(same_side(wo, wi));
         facets_and_directions
             .map_or(0.0, |(facets, (wo, wi))| facets.reflection_pdf(wo, (wo + wi).normalize_or(DVec3::Z)))
     }
 
-    /// As [`super::Bsdf::sample`]; the weight is at most 1.
+    /// Implements [`super::Bsdf::sample`]; the weight is at most 1.
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (wo, side) = Side::of(wo, u)?;
         let Some(facets) = Ggx::from_roughness(self.roughness) else {

@@ -1,4 +1,4 @@
-//! The surface between two transparent media.
+//! Dielectric interface.
 
 use super::{
     BsdfSample, Ggx, Scattering, mirror,
@@ -7,9 +7,9 @@ use super::{
 use crate::optics;
 use rt_math::{DVec3, Rgb};
 
-/// The surface of glass or water: reflects by Fresnel's equations and refracts the rest by Snell's law, at facets of
-/// [`Ggx`], or in its plane if it is smooth (Walter et al., "Microfacet models for refraction through rough surfaces",
-/// 2007, equations 20 and 21).
+/// Smooth or rough interface of a dielectric: Fresnel's equations and Snell's law at microfacets of [`Ggx`].
+///
+/// Source: Walter et al., "Microfacet models for refraction through rough surfaces", 2007, equations 20 and 21.
 ///
 /// ```text
 /// η = n(wi side) / n(wo side)
@@ -18,21 +18,21 @@ use rt_math::{DVec3, Rgb};
 /// transmission   |wo·m| |wi·m| / (cos cos) · (1 − F)·D·G / (wo·m + η wi·m)²        m = ±(wo + η wi)
 /// ```
 ///
-/// G is G₁(wo)·G₁(wi) for transmission. This is of radiance: f(wo, wi) · η² = f(wi, wo). Light that facets pass to each
-/// other is lost.
+/// G is G₁(wo)·G₁(wi) for transmission. f transports radiance: f(wo, wi) · η² = f(wi, wo). Multiple scattering between
+/// microfacets is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
-    /// Index of refraction below the surface divided by that above, positive and finite; otherwise nothing is scattered.
+    /// Index of refraction below the surface divided by that above, positive and finite; otherwise all light is absorbed.
     pub ior: f64,
     /// Roughness in \[0, 1\], as in [`Ggx::from_roughness`].
     pub roughness: f64,
-    /// What is left of reflected light, per channel in \[0, 1\]: white for physics.
+    /// Factor of reflected light, per channel in \[0, 1\]; 1 if physically based.
     pub reflectance: Rgb,
-    /// What is left of transmitted light, per channel in \[0, 1\]: white for physics.
+    /// Factor of transmitted light, per channel in \[0, 1\]; 1 if physically based.
     pub transmittance: Rgb,
 }
 
-/// The surface as seen from one side.
+/// Interface relative to the side of `wo`.
 struct Interface {
     /// Index of refraction behind, divided by that in front.
     eta: f64,
@@ -41,18 +41,19 @@ struct Interface {
 }
 
 impl Dielectric {
-    /// A surface without colour.
+    /// An interface without colour.
     pub fn clear(ior: f64, roughness: f64) -> Self {
         Self { ior, roughness, reflectance: Rgb::WHITE, transmittance: Rgb::WHITE }
     }
 
-    /// True if it scatters into single directions. So does a rough one between media that are almost alike, through which
-    /// light goes straight on but for less than a millionth of a radian.
+    /// True if all lobes are delta distributions.
+    ///
+    /// Rough interfaces between media of nearly equal index count: they deflect light by less than a millionth of a radian.
     pub fn is_smooth(&self) -> bool {
         self.facets().is_none()
     }
 
-    /// As [`super::Bsdf::eval`].
+    /// Implements [`super::Bsdf::eval`].
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let Some((interface, facets)) = self.interface(wo).zip(self.facets()) else {
             return Rgb::BLACK;
@@ -64,7 +65,7 @@ impl Dielectric {
         })
     }
 
-    /// As [`super::Bsdf::pdf`].
+    /// Implements [`super::Bsdf::pdf`].
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let Some((interface, facets)) = self.interface(wo).zip(self.facets()) else {
             return 0.0;
@@ -76,7 +77,7 @@ impl Dielectric {
         })
     }
 
-    /// As [`super::Bsdf::sample`].
+    /// Implements [`super::Bsdf::sample`].
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let interface = self.interface(wo)?;
         let (wo, side) = Side::of(wo, u)?;
@@ -117,7 +118,7 @@ impl Dielectric {
 
     fn facets(&self) -> Option<Ggx> {
         let bends = (self.ior - 1.0).abs().min(1.0);
-        Ggx::from_roughness(self.roughness).filter(|facets| facets.alpha() * bends >= Ggx::SMOOTHEST)
+        Ggx::from_roughness(self.roughness).filter(|facets| facets.alpha() * bends >= Ggx::MIN_ALPHA)
     }
 
     fn interface(&self, wo: DVec3) -> Option<Interface> {
@@ -128,12 +129,12 @@ impl Dielectric {
 }
 
 impl Interface {
-    /// Part of the light that a facet reflects; media of the same index have no surface between them.
+    /// Reflectance of a microfacet; 0 between media of the same index.
     fn fresnel(&self, cos: f64) -> f64 {
         if self.eta == 1.0 { 0.0 } else { optics::fresnel(cos, 1.0 / self.eta) }
     }
 
-    /// How often `sample` reflects at a facet: as much of the light as the colours leave.
+    /// Probability with which `sample` reflects at a microfacet: the reflected part of the scattered light.
     fn chance_of_reflection(&self, cos: f64) -> f64 {
         let fresnel = self.fresnel(cos);
         let reflected = fresnel * self.reflectance.max_component();
@@ -146,7 +147,7 @@ impl Interface {
         if u < chance {
             return mirror::reflection(wo, side, self.reflectance * fresnel, chance);
         }
-        // Where there is no surface, directions keep all of their bits.
+        // Index-matched interfaces keep all bits of the direction.
         let wi = if self.eta == 1.0 { -wo } else { optics::refract(-wo, DVec3::Z, 1.0 / self.eta)? };
         BsdfSample {
             wi: side.restore(wi),
@@ -160,7 +161,7 @@ impl Interface {
         .if_finite()
     }
 
-    /// The normal of facets that send light from `wi` to `wo`, which is above: upwards, if there are such that both see.
+    /// Upward normal of microfacets that transmit from `wi` to `wo`, which is above. `None` if they face away from either.
     fn half_vector(&self, wo: DVec3, wi: DVec3) -> Option<DVec3> {
         if wi.z > 0.0 {
             return (wo + wi).try_normalize();

@@ -1,41 +1,40 @@
-//! Microfacets: how the normals of a rough surface are spread, and which of them are seen.
+//! Microfacet distribution.
 
 use core::f64::consts::{PI, TAU};
 use rt_math::{DVec3, transcendental};
 
-/// The distribution of Trowbridge and Reitz (1975), known as GGX (Walter et al. 2007), with Smith's shadowing.
+/// The GGX distribution (Trowbridge, Reitz 1975; Walter et al. 2007) with Smith's masking-shadowing function.
 ///
 /// ```text
-/// D(m)  = 1 / (π α² · (cos² θm + sin² θm / α²)²)          facets of normal m, per solid angle and area
+/// D(m)  = 1 / (π α² · (cos² θm + sin² θm / α²)²)          microfacets of normal m, per solid angle and area
 /// S(w)  = √(cos² θ + α² sin² θ)
-/// G₁(w) = 2 cos θ / (cos θ + S)                            part of the facets that is seen from w
-/// G₂    = 2 cos cos / (cos θo · S(wi) + cos θi · S(wo))    part that is seen from both, on the same side (Heitz 2014)
+/// G₁(w) = 2 cos θ / (cos θ + S)                            masking
+/// G₂    = 2 cos cos / (cos θo · S(wi) + cos θi · S(wo))    masking-shadowing on the same side (Heitz 2014)
 /// ```
 ///
-/// Directions are above the surface, with a positive cosine. All forms are chosen to keep their digits at grazing angles
-/// and for tiny α.
+/// Directions are above the surface, with a positive cosine. All forms are accurate at grazing angles and for tiny α.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// α: the slope of a typical facet, at least [`Ggx::SMOOTHEST`], along y.
+    /// α along y, at least [`Ggx::MIN_ALPHA`].
     alpha: f64,
-    /// The same along x, where α stands for either of them by its direction.
+    /// α along x.
     along_x: f64,
 }
 
 impl Ggx {
-    /// The least α that is not taken for smooth. Lobes are narrower than a millionth of a radian below it, and rounding
-    /// in the half vector begins to count.
-    pub const SMOOTHEST: f64 = 1e-6;
+    /// Minimum α that does not count as smooth. Below it, lobes are narrower than a millionth of a radian, near the
+    /// rounding of the half vector.
+    pub const MIN_ALPHA: f64 = 1e-6;
 
-    /// The distribution of roughness r in \[0, 1\], α = r² (Burley 2012); `None` if that is smooth, or NaN. Greater
-    /// roughness is taken for 1.
+    /// Distribution of roughness r in \[0, 1\], α = r² (Burley 2012); `None` if that is smooth, or NaN. Roughness above 1
+    /// counts as 1.
     pub fn from_roughness(roughness: f64) -> Option<Self> {
         let roughness = roughness.min(1.0);
         let alpha = roughness * roughness;
-        (roughness > 0.0 && alpha >= Self::SMOOTHEST).then_some(Self { alpha, along_x: alpha })
+        (roughness > 0.0 && alpha >= Self::MIN_ALPHA).then_some(Self { alpha, along_x: alpha })
     }
 
-    /// The distribution of this roughness, of which the slope along x grows with `anisotropy` in \[0, 1\] to 1
+    /// Distribution of this roughness, with an α along x that grows with `anisotropy` in \[0, 1\] to 1
     /// (KHR_materials_anisotropy).
     pub fn stretched_along_x(roughness: f64, anisotropy: f64) -> Option<Self> {
         let even = Self::from_roughness(roughness)?;
@@ -43,12 +42,12 @@ impl Ggx {
         Some(Self { along_x: even.alpha + (1.0 - even.alpha) * (strength * strength), ..even })
     }
 
-    /// The lesser slope α.
+    /// The lesser α.
     pub fn alpha(&self) -> f64 {
         self.alpha
     }
 
-    /// D(m), per solid angle; 0 of normals that point down.
+    /// D(m), per solid angle; 0 for normals that point down.
     pub fn d(&self, m: DVec3) -> f64 {
         if !(m.z > 0.0) {
             return 0.0;
@@ -71,19 +70,19 @@ impl Ggx {
         (w.z * w.z + self.along_x * self.along_x * (w.x * w.x) + alpha2 * (w.y * w.y)).sqrt()
     }
 
-    /// G₁(w): the part of the facets that is seen from `w`.
+    /// G₁(w): masking.
     pub fn g1(&self, w: DVec3) -> f64 {
         2.0 * w.z / (w.z + self.stretched(w))
     }
 
-    /// Density of [`Ggx::sample`] over the normals: what `wo` sees of facets of the normal `m` (Heitz 2018, equation 3).
+    /// Density of [`Ggx::sample`] over normals: the visible normals from `wo` (Heitz 2018, equation 3).
     pub fn pdf(&self, wo: DVec3, m: DVec3) -> f64 {
         2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z + self.stretched(wo))
     }
 
-    /// A normal that is seen from `wo` (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023).
+    /// Normal that is visible from `wo` (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023).
     pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
-        // On the stretched surface, facets are those of a hemisphere, and a half of what these reflect is a cap.
+        // The stretched surface is a hemisphere, of which the visible normals reflect to a spherical cap.
         let wo = DVec3::new(self.along_x * wo.x, self.alpha * wo.y, wo.z).normalize_or(DVec3::Z);
         let height = (1.0 - u[1]) * (1.0 + wo.z);
         let z = height - wo.z;
@@ -93,13 +92,13 @@ impl Ggx {
         DVec3::new(self.along_x * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
     }
 
-    /// D·G₂ / (4 cos cos): the BRDF of perfectly reflecting facets for two directions of which `m` is the half vector.
+    /// D·G₂ / (4 cos cos): the BRDF of perfectly reflecting microfacets for two directions with half vector `m`.
     pub fn reflection(&self, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
         self.d(m) / (2.0 * (wo.z * self.stretched(wi) + wi.z * self.stretched(wo)))
     }
 
-    /// Density over solid angle of what facets of [`Ggx::sample`] reflect, `m` being the half vector. The weight
-    /// f · cos / pdf of perfectly reflecting facets is G₂/G₁, at most 1.
+    /// Density over solid angle of reflections at normals of [`Ggx::sample`], where `m` is the half vector. The weight
+    /// f · cos / pdf of perfectly reflecting microfacets is G₂/G₁, at most 1.
     pub fn reflection_pdf(&self, wo: DVec3, m: DVec3) -> f64 {
         self.d(m) / (2.0 * (wo.z + self.stretched(wo)))
     }

@@ -1,4 +1,4 @@
-//! Ideally diffuse reflection.
+//! Lambertian reflection.
 
 use super::{
     BsdfSample, Scattering,
@@ -7,27 +7,27 @@ use super::{
 use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
 use rt_math::{DVec3, Rgb, transcendental};
 
-/// Reflects light to all directions alike: f = albedo / π (Lambert 1760).
+/// Lambertian reflection: f = albedo / π (Lambert 1760).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lambert {
-    /// Part of the light that is reflected, per channel in \[0, 1\].
+    /// Albedo, per channel in \[0, 1\].
     pub albedo: Rgb,
 }
 
 impl Lambert {
-    /// As [`super::Bsdf::eval`].
+    /// Implements [`super::Bsdf::eval`].
     #[inline]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         same_side(wo, wi).map_or(Rgb::BLACK, |_| self.albedo * FRAC_1_PI)
     }
 
-    /// As [`super::Bsdf::pdf`]: cos θ(wi) / π.
+    /// Implements [`super::Bsdf::pdf`]: cos θ(wi) / π.
     #[inline]
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         same_side(wo, wi).map_or(0.0, |(_, wi)| cosine_pdf(wi))
     }
 
-    /// As [`super::Bsdf::sample`]; the weight is the albedo.
+    /// Implements [`super::Bsdf::sample`]; the weight is the albedo.
     #[inline]
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (_, side) = Side::of(wo, u)?;
@@ -51,8 +51,8 @@ pub(super) fn cosine_pdf(w: DVec3) -> f64 {
     w.z * FRAC_1_PI
 }
 
-/// A direction above the surface by the cosine of its angle to the normal: a point of the unit disk, raised to the
-/// hemisphere (Malley 1988). The map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
+/// Cosine-weighted direction above the surface: a point of the unit disk, projected to the hemisphere (Malley 1988). The
+/// concentric map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
 #[inline]
 pub(crate) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let [x, y] = u.map(|u| 2.0 * u - 1.0);

@@ -1,106 +1,105 @@
-//! A base under layers: the material of glTF with its extensions.
+//! Layered BSDF of glTF with its extensions.
 
 use super::{
     BsdfSample, DispersiveDielectric, Ggx, Scattering, Sheen,
+    albedo_table::LayerAlbedo,
     lambert::{cosine_hemisphere, cosine_pdf},
-    layer::LayerOf,
-    metallic_roughness::{dielectric_fresnel, schlick_weight},
+    schlick::{dielectric_fresnel, schlick_weight},
     side::{Side, flip, reflect_dir, seen_from},
 };
 use crate::optics;
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{DVec3, Frame, Rgb};
 
-/// The metallic-roughness material under a coat of varnish and a sheen of fibres, as the extensions of glTF 2.0 lay them
-/// (KHR_materials_clearcoat, _sheen, _specular, _ior, _anisotropy, and _transmission of thin panes).
+/// The metallic-roughness BSDF under clearcoat and sheen (glTF 2.0 with KHR_materials_clearcoat, _sheen, _specular, _ior,
+/// _anisotropy, and _transmission of thin surfaces).
 ///
 /// ```text
-///        coat        F·D·G₂ / (4 cos cos), F = 0.04 + 0.96 w                     w = (1 − |wo·m|)⁵
+///        clearcoat   F·D·G₂ / (4 cos cos), F = 0.04 + 0.96 w                     w = (1 − |wo·m|)⁵
 ///        sheen       colour · D·V                                              see Sheen
-///        facets      (f0 + (f90 − f0) w) · D·G₂ / (4 cos cos)
+///        specular    (f0 + (f90 − f0) w) · D·G₂ / (4 cos cos)
 ///   ______________
-///        base        diffuse / π, and behind a pane   passing · (1 − F) · D·G₂ / (4 cos cos), mirrored in the surface
+///        base        diffuse / π, and transmittance · (1 − F) · D·G₂ / (4 cos cos), mirrored at the surface
 /// ```
 ///
-/// What a layer reflects of the light from a direction and towards one, it keeps from what lies below; of the base, what is
-/// lost so on the way in and out comes back in the mean, as in [`Coupling::Albedo`](super::Coupling::Albedo). Smooth facets
-/// and a smooth coat reflect into single directions.
+/// A layer attenuates those below by its albedo towards `wo` and `wi`. The base is divided by the mean of this attenuation, as
+/// in [`Coupling::Albedo`](super::Coupling::Albedo). A smooth base and a smooth clearcoat have delta lobes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layered {
-    /// Albedo of the diffuse base.
+    /// Albedo of the diffuse lobe.
     pub diffuse: Rgb,
-    /// Transmittance of the base, of a pane without thickness.
-    pub passing: Rgb,
-    /// What facets reflect along their normal.
+    /// Transmittance of the base of a thin surface.
+    pub transmittance: Rgb,
+    /// Reflectance of the microfacets at normal incidence.
     pub f0: Rgb,
-    /// What facets reflect at grazing angles.
+    /// Reflectance of the microfacets at grazing angles.
     pub f90: Rgb,
-    /// Of these, per unit of what is no metal, by what the base below is dimmed: along the normal and at grazing angles.
-    pub dims: [f64; 2],
-    /// Roughness of the facets in \[0, 1\], as in [`Ggx::from_roughness`].
+    /// Reflectances of the dielectric part, at normal incidence and at grazing angles. They attenuate the base.
+    pub dielectric_reflectance: [f64; 2],
+    /// Roughness of the microfacets in \[0, 1\], as in [`Ggx::from_roughness`].
     pub roughness: f64,
-    /// How much rougher facets are along `axis`, in \[0, 1\] (KHR_materials_anisotropy).
+    /// Strength of the anisotropy along `axis`, in \[0, 1\] (KHR_materials_anisotropy).
     pub anisotropy: f64,
-    /// Unit vector in the surface, in shading coordinates.
+    /// Direction of the anisotropy: a unit vector in the plane of the surface, in shading coordinates.
     pub axis: [f64; 2],
     /// Sheen, if there is one.
     pub sheen: Option<Sheen>,
-    /// How much of the surface the coat covers, 0 to 1.
-    pub coat: f64,
-    /// Roughness of the coat.
-    pub coat_roughness: f64,
-    /// Unit normal of the coat in shading coordinates, which a normal map of the base or of the coat leans.
-    pub coat_normal: DVec3,
-    /// The part of the surface that is glass, and its surface: light that comes through goes on in a body.
+    /// Strength of the clearcoat, 0 to 1.
+    pub clearcoat: f64,
+    /// Roughness of the clearcoat.
+    pub clearcoat_roughness: f64,
+    /// Unit normal of the clearcoat in shading coordinates; not +z if there are normal maps.
+    pub clearcoat_normal: DVec3,
+    /// Weight and interface of a solid dielectric, if any.
     pub glass: Option<(f64, DispersiveDielectric)>,
 }
 
-/// The ways in which light is scattered, in the order in which `sample` chooses.
+/// Lobes, in the order in which `sample` chooses.
 #[derive(Clone, Copy, PartialEq)]
 enum Component {
-    Coat,
+    Clearcoat,
     Sheen,
-    Facets,
-    Passing,
-    Base,
+    Specular,
+    Transmission,
+    Diffuse,
 }
 
 const COMPONENTS: [Component; 5] =
-    [Component::Coat, Component::Sheen, Component::Facets, Component::Passing, Component::Base];
+    [Component::Clearcoat, Component::Sheen, Component::Specular, Component::Transmission, Component::Diffuse];
 
-/// The layers as they are seen along `wo`.
-struct Seen<'l> {
+/// Layers and sampling probabilities for one `wo`.
+struct LayeredView<'l> {
     surface: &'l Layered,
     wo: DVec3,
     facets: Option<Ggx>,
-    coating: Option<Ggx>,
-    /// The coordinates of the coat, if they are others.
-    leaning: Option<Frame>,
-    /// Part of the light that the coat leaves on one way.
-    coat_leaves: f64,
-    /// How often each way is chosen.
-    chances: [f64; 5],
+    clearcoat: Option<Ggx>,
+    /// Shading frame of the clearcoat, if it differs from that of the base.
+    clearcoat_frame: Option<Frame>,
+    /// Transmittance of the clearcoat towards `wo`.
+    clearcoat_transmittance: f64,
+    /// Sampling probability of each component.
+    probabilities: [f64; 5],
 }
 
 impl Layered {
-    /// A diffuse and white base, and facets of the index 1.5.
+    /// A white diffuse base under a dielectric of index 1.5.
     pub const PLASTIC: Self = Self {
         diffuse: Rgb::WHITE,
-        passing: Rgb::BLACK,
+        transmittance: Rgb::BLACK,
         f0: Rgb::gray(0.04),
         f90: Rgb::WHITE,
-        dims: [0.04, 1.0],
+        dielectric_reflectance: [0.04, 1.0],
         roughness: 0.5,
         anisotropy: 0.0,
         axis: [1.0, 0.0],
         sheen: None,
-        coat: 0.0,
-        coat_roughness: 0.0,
-        coat_normal: DVec3::Z,
+        clearcoat: 0.0,
+        clearcoat_roughness: 0.0,
+        clearcoat_normal: DVec3::Z,
         glass: None,
     };
 
-    /// As [`super::Bsdf::eval`].
+    /// Implements [`super::Bsdf::eval`].
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         match &self.glass {
             None => self.eval_layers(wo, wi),
@@ -111,10 +110,10 @@ impl Layered {
     fn eval_layers(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let is_above = wo.z > 0.0;
         let Some((wo, wi)) = seen_from(self.turned(wo), self.turned(wi)) else { return Rgb::BLACK };
-        Seen::new(self, wo, is_above).value(wi)
+        LayeredView::new(self, wo, is_above).value(wi)
     }
 
-    /// As [`super::Bsdf::pdf`].
+    /// Implements [`super::Bsdf::pdf`].
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match &self.glass {
             None => self.pdf_of_layers(wo, wi),
@@ -125,21 +124,21 @@ impl Layered {
     fn pdf_of_layers(&self, wo: DVec3, wi: DVec3) -> f64 {
         let is_above = wo.z > 0.0;
         let Some((wo, wi)) = seen_from(self.turned(wo), self.turned(wi)) else { return 0.0 };
-        Seen::new(self, wo, is_above).density(wi)
+        LayeredView::new(self, wo, is_above).density(wi)
     }
 
-    /// As [`super::Bsdf::sample`].
+    /// Implements [`super::Bsdf::sample`].
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let Some((share, glass)) = &self.glass else { return self.sample_layers(wo, u) };
         Side::of(wo, u)?;
-        let (sample, chance) = if u[0] < *share {
+        let (sample, probability) = if u[0] < *share {
             (glass.sample(wo, [(u[0] / share).min(1.0), u[1], u[2]])?, *share)
         } else {
             let within = ((u[0] - share) / (1.0 - share)).clamp(0.0, 1.0);
             (self.sample_layers(wo, [within, u[1], u[2]])?, 1.0 - share)
         };
         let (value, pdf) = if sample.is_delta {
-            (sample.value * chance, sample.pdf * chance)
+            (sample.value * probability, sample.pdf * probability)
         } else {
             (self.eval(wo, sample.wi), self.pdf(wo, sample.wi))
         };
@@ -149,16 +148,16 @@ impl Layered {
     fn sample_layers(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let is_above = wo.z > 0.0;
         let (wo, side) = Side::of(self.turned(wo), u)?;
-        let sample = Seen::new(self, wo, is_above).sample(u)?;
+        let sample = LayeredView::new(self, wo, is_above).sample(u)?;
         BsdfSample { wi: self.turned_back(side.restore(sample.wi)), ..sample }.if_finite()
     }
 
     /// True if light may pass to the other side.
     pub fn transmits(&self) -> bool {
-        !self.passing.is_black() || self.glass.is_some_and(|(share, _)| share > 0.0)
+        !self.transmittance.is_black() || self.glass.is_some_and(|(share, _)| share > 0.0)
     }
 
-    /// True if all light goes into single directions.
+    /// True if all lobes are delta distributions.
     pub fn is_delta(&self) -> bool {
         let is_all_glass = self.glass.is_some_and(|(share, _)| share >= 1.0);
         self.glass.is_none_or(|(_, glass)| glass.is_smooth()) && (is_all_glass || self.layers_are_delta())
@@ -169,10 +168,10 @@ impl Layered {
         self.diffuse.is_black()
             && self.sheen.is_none()
             && is_smooth(self.roughness)
-            && (self.coat == 0.0 || is_smooth(self.coat_roughness))
+            && (self.clearcoat == 0.0 || is_smooth(self.clearcoat_roughness))
     }
 
-    /// A direction in coordinates of which x is the axis.
+    /// Direction in coordinates with x along the anisotropy.
     fn turned(&self, w: DVec3) -> DVec3 {
         let [cos, sin] = self.axis;
         DVec3::new(w.x * cos + w.y * sin, w.y * cos - w.x * sin, w.z)
@@ -183,192 +182,207 @@ impl Layered {
         DVec3::new(w.x * cos - w.y * sin, w.y * cos + w.x * sin, w.z)
     }
 
-    /// What facets of this normal reflect.
+    /// Reflectance of the microfacets at a cosine.
     fn fresnel(&self, cos: f64) -> Rgb {
         let w = schlick_weight(cos);
         self.f0 * (1.0 - w) + self.f90 * w
     }
 
-    /// Part of the light that facets keep from the base, at one of them.
-    fn kept(&self, cos: f64) -> f64 {
+    /// Reflectance of the dielectric part at a cosine.
+    fn dielectric_fresnel_term(&self, cos: f64) -> f64 {
         let w = schlick_weight(cos);
-        self.dims[0] * (1.0 - w) + self.dims[1] * w
+        self.dielectric_reflectance[0] * (1.0 - w) + self.dielectric_reflectance[1] * w
     }
 
-    /// Part of the light at the angle of the cosine that passes the facets on its way in or out.
-    fn enters(&self, layer: &LayerOf, cos: f64) -> f64 {
-        let [along, grazing] = layer.reflects_split(cos);
-        1.0 - (self.dims[0] * along + self.dims[1] * grazing)
+    /// Transmittance of the dielectric layer at a cosine.
+    fn dielectric_transmittance(&self, layer: &LayerAlbedo, cos: f64) -> f64 {
+        let [along, grazing] = layer.directional_by_fresnel(cos);
+        1.0 - (self.dielectric_reflectance[0] * along + self.dielectric_reflectance[1] * grazing)
     }
 
-    /// The same of light from everywhere.
-    fn enters_on_average(&self, layer: &LayerOf) -> f64 {
-        let [along, grazing] = layer.reflects_split_on_average();
-        1.0 - (self.dims[0] * along + self.dims[1] * grazing)
+    /// Mean of [`dielectric_transmittance`](Self::dielectric_transmittance) over the hemisphere.
+    fn mean_dielectric_transmittance(&self, layer: &LayerAlbedo) -> f64 {
+        let [along, grazing] = layer.mean_by_fresnel();
+        1.0 - (self.dielectric_reflectance[0] * along + self.dielectric_reflectance[1] * grazing)
     }
 
-    /// Part of the light at the angle of the cosine that the coat leaves.
-    fn coat_leaves(&self, cos: f64) -> f64 {
-        if self.coat == 0.0 { 1.0 } else { 1.0 - self.coat * LayerOf::roughness(self.coat_roughness).reflects(cos) }
+    /// Transmittance of the clearcoat at a cosine.
+    fn clearcoat_transmittance(&self, cos: f64) -> f64 {
+        if self.clearcoat == 0.0 {
+            1.0
+        } else {
+            1.0 - self.clearcoat * LayerAlbedo::new(self.clearcoat_roughness).directional(cos)
+        }
     }
 
-    /// Part of the light that the sheen leaves, on its way in and out.
-    fn sheen_leaves(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.sheen.map_or(1.0, |sheen| sheen.leaves(wo.z).min(sheen.leaves(wi.z.abs())))
+    /// Transmittance of the sheen from `wi` to `wo`.
+    fn sheen_transmittance(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.sheen.map_or(1.0, |sheen| sheen.transmittance(wo.z).min(sheen.transmittance(wi.z.abs())))
     }
 }
 
-impl<'l> Seen<'l> {
+impl<'l> LayeredView<'l> {
     fn new(surface: &'l Layered, wo: DVec3, is_above: bool) -> Self {
         let facets = Ggx::stretched_along_x(surface.roughness, surface.anisotropy);
-        let coating = Ggx::from_roughness(surface.coat_roughness).filter(|_| surface.coat > 0.0);
-        let leaning = (surface.coat > 0.0 && surface.coat_normal != DVec3::Z).then(|| {
-            let normal = surface.turned(surface.coat_normal);
-            // From below, the back of the coat is seen in the mirror that turns the surface over.
+        let clearcoat = Ggx::from_roughness(surface.clearcoat_roughness).filter(|_| surface.clearcoat > 0.0);
+        let clearcoat_frame = (surface.clearcoat > 0.0 && surface.clearcoat_normal != DVec3::Z).then(|| {
+            let normal = surface.turned(surface.clearcoat_normal);
+            // `wo` below the surface was mirrored at its plane.
             Frame::from_z(if is_above { normal } else { reflect_dir(normal) })
         });
-        let coat_leaves = surface.coat_leaves(to_coat(leaning.as_ref(), wo).z.abs());
-        let layer = LayerOf::roughness(surface.roughness);
-        let [along, grazing] = layer.reflects_split(wo.z);
-        let enters = surface.enters(&layer, wo.z);
-        let below = coat_leaves * surface.sheen.map_or(1.0, |sheen| sheen.leaves(wo.z));
-        let mut chances = [
-            1.0 - coat_leaves,
-            coat_leaves * surface.sheen.map_or(0.0, |sheen| sheen.albedo(wo.z)),
+        let clearcoat_transmittance =
+            surface.clearcoat_transmittance(to_clearcoat_frame(clearcoat_frame.as_ref(), wo).z.abs());
+        let layer = LayerAlbedo::new(surface.roughness);
+        let [along, grazing] = layer.directional_by_fresnel(wo.z);
+        let dielectric_transmittance = surface.dielectric_transmittance(&layer, wo.z);
+        let below = clearcoat_transmittance * surface.sheen.map_or(1.0, |sheen| sheen.transmittance(wo.z));
+        let mut probabilities = [
+            1.0 - clearcoat_transmittance,
+            clearcoat_transmittance * surface.sheen.map_or(0.0, |sheen| sheen.albedo(wo.z)),
             below * (surface.f0 * along + surface.f90 * grazing).max_component(),
-            below * enters * surface.passing.max_component(),
-            below * enters * surface.diffuse.max_component(),
+            below * dielectric_transmittance * surface.transmittance.max_component(),
+            below * dielectric_transmittance * surface.diffuse.max_component(),
         ];
-        let sum: f64 = chances.iter().sum();
+        let sum: f64 = probabilities.iter().sum();
         if sum > 0.0 {
-            chances = chances.map(|chance| chance / sum);
+            probabilities = probabilities.map(|probability| probability / sum);
         }
-        Self { surface, wo, facets, coating, leaning, coat_leaves, chances }
+        Self { surface, wo, facets, clearcoat, clearcoat_frame, clearcoat_transmittance, probabilities }
     }
 
-    fn chance(&self, way: Component) -> f64 {
-        self.chances[way as usize]
+    fn probability(&self, component: Component) -> f64 {
+        self.probabilities[component as usize]
     }
 
     fn value(&self, wi: DVec3) -> Rgb {
         let (surface, wo) = (self.surface, self.wo);
-        let leaves = self.coat_leaves * surface.coat_leaves(self.to_coat(wi).z.abs());
-        let below = leaves * surface.sheen_leaves(wo, wi);
+        let transmittance =
+            self.clearcoat_transmittance * surface.clearcoat_transmittance(self.to_clearcoat_frame(wi).z.abs());
+        let below = transmittance * surface.sheen_transmittance(wo, wi);
         if wi.z < 0.0 {
             let wi = flip(wi);
             let m = half(wo, wi);
             let facets = self.facets.map_or(0.0, |facets| facets.reflection(wo, wi, m));
-            return surface.passing * (below * (1.0 - surface.kept(wo.dot(m))) * facets);
+            return surface.transmittance * (below * (1.0 - surface.dielectric_fresnel_term(wo.dot(m))) * facets);
         }
         let m = half(wo, wi);
         let mut value = Rgb::BLACK;
         if !surface.diffuse.is_black() {
-            let layer = LayerOf::roughness(surface.roughness);
-            let enters =
-                surface.enters(&layer, wo.z) * surface.enters(&layer, wi.z) / surface.enters_on_average(&layer);
-            value += surface.diffuse * (below * enters * FRAC_1_PI);
+            let layer = LayerAlbedo::new(surface.roughness);
+            let dielectric_transmittance = surface.dielectric_transmittance(&layer, wo.z)
+                * surface.dielectric_transmittance(&layer, wi.z)
+                / surface.mean_dielectric_transmittance(&layer);
+            value += surface.diffuse * (below * dielectric_transmittance * FRAC_1_PI);
         }
         if let Some(facets) = self.facets {
             value += surface.fresnel(wo.dot(m)) * (below * facets.reflection(wo, wi, m));
         }
         if let Some(sheen) = surface.sheen {
-            value += sheen.value(wo, wi, m) * leaves;
+            value += sheen.value(wo, wi, m) * transmittance;
         }
-        if let Some(coating) = self.coating {
-            let fresnel = surface.coat * dielectric_fresnel(wo.dot(m));
-            let reflection = if self.leaning.is_none() {
-                coating.reflection(wo, wi, m)
+        if let Some(clearcoat) = self.clearcoat {
+            let fresnel = surface.clearcoat * dielectric_fresnel(wo.dot(m));
+            let reflection = if self.clearcoat_frame.is_none() {
+                clearcoat.reflection(wo, wi, m)
             } else {
-                let [out, into, facet] = [wo, wi, m].map(|w| self.to_coat(w));
-                // The angle to the coat counts, and not that to the base, by whose cosine callers multiply.
+                let [out, into, facet] = [wo, wi, m].map(|w| self.to_clearcoat_frame(w));
+                // Callers multiply by the cosine to the base, not to the clearcoat.
                 let is_seen = out.z > 0.0 && into.z > 0.0;
-                if is_seen { coating.reflection(out, into, facet) * (into.z / wi.z) } else { 0.0 }
+                if is_seen { clearcoat.reflection(out, into, facet) * (into.z / wi.z) } else { 0.0 }
             };
             value += Rgb::gray(fresnel * reflection);
         }
         value
     }
 
-    fn to_coat(&self, w: DVec3) -> DVec3 {
-        to_coat(self.leaning.as_ref(), w)
+    fn to_clearcoat_frame(&self, w: DVec3) -> DVec3 {
+        to_clearcoat_frame(self.clearcoat_frame.as_ref(), w)
     }
 
-    /// Where the coat reflects to, and whether that is the only direction; `None` if its back is seen.
-    fn reflected_by_coat(&self, u: [f64; 2]) -> Option<(DVec3, bool)> {
-        let wo = self.to_coat(self.wo);
+    /// Direction reflected by the clearcoat, and true if it is a delta lobe. `None` if `wo` is behind the clearcoat.
+    fn reflected_by_clearcoat(&self, u: [f64; 2]) -> Option<(DVec3, bool)> {
+        let wo = self.to_clearcoat_frame(self.wo);
         if !(wo.z > 0.0) {
             return None;
         }
-        let (wi, is_delta) = match self.coating {
-            Some(coating) => (optics::reflect(-wo, coating.sample(wo, u)), false),
+        let (wi, is_delta) = match self.clearcoat {
+            Some(clearcoat) => (optics::reflect(-wo, clearcoat.sample(wo, u)), false),
             None => (reflect_dir(wo), true),
         };
-        Some((self.leaning.as_ref().map_or(wi, |frame| frame.from_local(wi)), is_delta))
+        Some((self.clearcoat_frame.as_ref().map_or(wi, |frame| frame.from_local(wi)), is_delta))
     }
 
-    fn density_of_coat(&self, m: DVec3) -> f64 {
-        let wo = self.to_coat(self.wo);
-        self.coating.filter(|_| wo.z > 0.0).map_or(0.0, |coating| coating.reflection_pdf(wo, self.to_coat(m)))
+    fn clearcoat_pdf(&self, m: DVec3) -> f64 {
+        let wo = self.to_clearcoat_frame(self.wo);
+        self.clearcoat
+            .filter(|_| wo.z > 0.0)
+            .map_or(0.0, |clearcoat| clearcoat.reflection_pdf(wo, self.to_clearcoat_frame(m)))
     }
 
     fn density(&self, wi: DVec3) -> f64 {
         let wo = self.wo;
         let of_facets = |facets: Option<Ggx>, m| facets.map_or(0.0, |facets| facets.reflection_pdf(wo, m));
         if wi.z < 0.0 {
-            return self.chance(Component::Passing) * of_facets(self.facets, half(wo, flip(wi)));
+            return self.probability(Component::Transmission) * of_facets(self.facets, half(wo, flip(wi)));
         }
         let m = half(wo, wi);
-        self.chance(Component::Coat) * self.density_of_coat(m)
-            + self.chance(Component::Facets) * of_facets(self.facets, m)
-            + (self.chance(Component::Sheen) + self.chance(Component::Base)) * cosine_pdf(wi)
+        self.probability(Component::Clearcoat) * self.clearcoat_pdf(m)
+            + self.probability(Component::Specular) * of_facets(self.facets, m)
+            + (self.probability(Component::Sheen) + self.probability(Component::Diffuse)) * cosine_pdf(wi)
     }
 
     fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
         let wo = self.wo;
-        let way = self.choose(u[0])?;
+        let component = self.choose(u[0])?;
         let reflected = |facets: Option<Ggx>| match facets {
             Some(facets) => (optics::reflect(-wo, facets.sample(wo, [u[1], u[2]])), false),
             None => (reflect_dir(wo), true),
         };
-        let (wi, is_delta) = match way {
-            Component::Coat => self.reflected_by_coat([u[1], u[2]])?,
-            Component::Facets | Component::Passing => reflected(self.facets),
-            Component::Sheen | Component::Base => (cosine_hemisphere([u[1], u[2]]), false),
+        let (wi, is_delta) = match component {
+            Component::Clearcoat => self.reflected_by_clearcoat([u[1], u[2]])?,
+            Component::Specular | Component::Transmission => reflected(self.facets),
+            Component::Sheen | Component::Diffuse => (cosine_hemisphere([u[1], u[2]]), false),
         };
         if !(wi.z > 0.0) {
             return None;
         }
-        let (wi, kind) = match way {
-            Component::Passing => (flip(wi), Scattering::Transmission),
+        let (wi, kind) = match component {
+            Component::Transmission => (flip(wi), Scattering::Transmission),
             _ => (wi, Scattering::Reflection),
         };
         let (value, pdf) = if is_delta {
-            (self.share(way) / wi.z.abs(), self.chance(way))
+            (self.share(component) / wi.z.abs(), self.probability(component))
         } else {
             (self.value(wi), self.density(wi))
         };
-        let is_diffuse = matches!(way, Component::Sheen | Component::Base);
+        let is_diffuse = matches!(component, Component::Sheen | Component::Diffuse);
         Some(BsdfSample { wi, value, pdf, kind, is_delta, is_diffuse, eta: 1.0 })
     }
 
-    /// Part of the light that goes into the single direction of this way.
-    fn share(&self, way: Component) -> Rgb {
+    /// Reflectance or transmittance of the delta lobe of a component.
+    fn share(&self, component: Component) -> Rgb {
         let (surface, cos) = (self.surface, self.wo.z);
-        if way == Component::Coat {
-            return Rgb::gray(surface.coat * dielectric_fresnel(self.to_coat(self.wo).z));
+        if component == Component::Clearcoat {
+            return Rgb::gray(surface.clearcoat * dielectric_fresnel(self.to_clearcoat_frame(self.wo).z));
         }
-        let below = self.coat_leaves * self.coat_leaves * surface.sheen_leaves(self.wo, self.wo);
-        let share =
-            if way == Component::Passing { surface.passing * (1.0 - surface.kept(cos)) } else { surface.fresnel(cos) };
+        let below =
+            self.clearcoat_transmittance * self.clearcoat_transmittance * surface.sheen_transmittance(self.wo, self.wo);
+        let share = if component == Component::Transmission {
+            surface.transmittance * (1.0 - surface.dielectric_fresnel_term(cos))
+        } else {
+            surface.fresnel(cos)
+        };
         share * below
     }
 
     fn choose(&self, u: f64) -> Option<Component> {
         let mut below = 0.0;
         let mut last = None;
-        for (way, chance) in COMPONENTS.into_iter().zip(self.chances).filter(|(_, chance)| *chance > 0.0) {
-            below += chance;
-            last = Some(way);
+        for (component, probability) in
+            COMPONENTS.into_iter().zip(self.probabilities).filter(|(_, probability)| *probability > 0.0)
+        {
+            below += probability;
+            last = Some(component);
             if u < below {
                 break;
             }
@@ -377,9 +391,9 @@ impl<'l> Seen<'l> {
     }
 }
 
-/// A direction in the coordinates of a coat that leans.
-fn to_coat(leaning: Option<&Frame>, w: DVec3) -> DVec3 {
-    leaning.map_or(w, |frame| frame.to_local(w))
+/// Direction in the frame of the clearcoat.
+fn to_clearcoat_frame(clearcoat_frame: Option<&Frame>, w: DVec3) -> DVec3 {
+    clearcoat_frame.map_or(w, |frame| frame.to_local(w))
 }
 
 fn half(wo: DVec3, wi: DVec3) -> DVec3 {

@@ -1,31 +1,32 @@
-//! The material of glTF.
+//! The metallic-roughness BSDF of glTF.
 
 use super::{
     BsdfSample, Ggx, Scattering,
+    albedo_table::LayerAlbedo,
     lambert::{cosine_hemisphere, cosine_pdf},
-    layer::LayerOf,
+    schlick::{dielectric_fresnel, schlick_weight},
     side::{Side, reflect_dir, same_side},
 };
 use crate::optics;
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{DVec3, Rgb};
 
-/// How the diffuse base and the layer above it share the light.
+/// Split of the light between the diffuse base and the layer above it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coupling {
-    /// The equations of the specification, appendix B.3: facets that face `wo` and `wi` pass 1 − F(wo·m) to the base. The
-    /// specification says of them that they are simple and make light: the base keeps its light at grazing angles, where
-    /// the layer reflects nearly all. White plastic of roughness 0.3 reflects 1.001 of the light that comes at 45°, 1.149
-    /// at 75°, and 1.357 at 89°. Metal and dark plastic never reflect more than 1.
+    /// Appendix B.3 of the specification: microfacets with half vector m transmit 1 − F(wo·m) to the base.
+    ///
+    /// This gains energy at grazing angles, as the specification notes. The albedo of white plastic of roughness 0.3 is 1.001
+    /// at 45°, 1.149 at 75°, and 1.357 at 89°. That of metal and dark plastic is at most 1.
     #[default]
     FresnelMix,
-    /// What passes the layer is what it does not reflect: (1 − E(wo)) · (1 − E(wi)) / (1 − Ē), where E is the albedo of the
-    /// layer towards a direction and Ē its mean (Kulla, Conty 2017, which the specification recommends). White plastic
-    /// reflects 1 ± 0.001 at any angle.
+    /// The layer transmits (1 − E(wo)) · (1 − E(wi)) / (1 − Ē), with its directional albedo E and the mean Ē of E.
+    ///
+    /// Kulla, Conty 2017, which the specification recommends. The albedo of white plastic is 1 ± 0.001 at all angles.
     Albedo,
 }
 
-/// The metallic-roughness material of glTF 2.0, appendix B.
+/// The metallic-roughness BSDF of glTF 2.0, appendix B.
 ///
 /// ```text
 /// α = roughness²     m = wo + wi, normalised     w = (1 − |wo·m|)⁵                   Schlick 1994
@@ -35,37 +36,34 @@ pub enum Coupling {
 /// f          = mix(dielectric, metal, metallic)
 /// ```
 ///
-/// Smooth surfaces reflect into a single direction, beside the diffuse part.
+/// Smooth surfaces have a delta lobe and a diffuse lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetallicRoughness {
-    /// Albedo of the diffuse part, or reflectance of the metal along the normal, per channel in \[0, 1\].
+    /// Albedo of the diffuse lobe, or reflectance of the metal at normal incidence, per channel in \[0, 1\].
     pub base_color: Rgb,
-    /// 0 for a dielectric, 1 for metal; what is out of it is taken for the nearer end, NaN for 0.
+    /// 0 for a dielectric, 1 for metal; clamped to \[0, 1\], NaN counts as 0.
     pub metallic: f64,
     /// Roughness in \[0, 1\], as in [`Ggx::from_roughness`].
     pub roughness: f64,
-    /// How the dielectric's base and layer share the light.
+    /// Split of the light between base and layer of the dielectric.
     pub coupling: Coupling,
 }
 
-/// Reflectance along the normal of a dielectric of index 1.5.
-const DIELECTRIC_F0: f64 = 0.04;
-
 impl MetallicRoughness {
-    /// As [`super::Bsdf::eval`].
+    /// Implements [`super::Bsdf::eval`].
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         same_side(wo, wi).map_or(Rgb::BLACK, |(wo, wi)| self.value(wo, wi, (wo + wi).normalize_or(DVec3::Z)))
     }
 
-    /// As [`super::Bsdf::pdf`].
+    /// Implements [`super::Bsdf::pdf`].
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         same_side(wo, wi).map_or(0.0, |(wo, wi)| self.density(wo, wi, (wo + wi).normalize_or(DVec3::Z)))
     }
 
-    /// As [`super::Bsdf::sample`].
+    /// Implements [`super::Bsdf::sample`].
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (wo, side) = Side::of(wo, u)?;
-        let chance = self.chance_of_specular(wo.z);
+        let chance = self.specular_probability(wo.z);
         let facets = Ggx::from_roughness(self.roughness);
         let (wi, m) = if u[0] < chance {
             let Some(facets) = facets else {
@@ -109,14 +107,14 @@ impl MetallicRoughness {
         if self.metallic > 0.0 { self.metallic.min(1.0) } else { 0.0 }
     }
 
-    /// What facets reflect at the angle of the cosine to them.
+    /// Reflectance of the microfacets at a cosine.
     fn specular(&self, cos: f64) -> Rgb {
         let w = schlick_weight(cos);
         let metallic = self.metallic();
         self.base_color.map(|f0| (1.0 - metallic) * dielectric_fresnel(cos) + metallic * (f0 + (1.0 - f0) * w))
     }
 
-    /// Albedo of the diffuse part below the layer.
+    /// Albedo of the diffuse lobe below the layer.
     fn diffuse(&self, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
         let dielectric = 1.0 - self.metallic();
         if dielectric == 0.0 {
@@ -125,21 +123,21 @@ impl MetallicRoughness {
         let passes = match self.coupling {
             Coupling::FresnelMix => 1.0 - dielectric_fresnel(wo.dot(m)),
             Coupling::Albedo => {
-                let layer = LayerOf::roughness(self.roughness);
-                let passes = |cos| 1.0 - layer.reflects(cos);
-                passes(wo.z) * passes(wi.z) / (1.0 - layer.reflects_on_average())
+                let layer = LayerAlbedo::new(self.roughness);
+                let passes = |cos| 1.0 - layer.directional(cos);
+                passes(wo.z) * passes(wi.z) / (1.0 - layer.mean())
             }
         };
         self.base_color * (dielectric * passes)
     }
 
-    /// How often `sample` chooses a facet: as much of the light as facets reflect.
-    fn chance_of_specular(&self, cos: f64) -> f64 {
+    /// Probability with which `sample` chooses the specular lobe: its part of the albedo.
+    fn specular_probability(&self, cos: f64) -> f64 {
         let metallic = self.metallic();
         if metallic == 1.0 {
             return 1.0;
         }
-        let layer = LayerOf::roughness(self.roughness).reflects(cos);
+        let layer = LayerAlbedo::new(self.roughness).directional(cos);
         let specular = (1.0 - metallic) * layer + metallic * self.base_color.max_component();
         let diffuse = (1.0 - metallic) * (1.0 - layer) * self.base_color.max_component();
         if diffuse > 0.0 { specular / (specular + diffuse) } else { 1.0 }
@@ -151,19 +149,8 @@ impl MetallicRoughness {
     }
 
     fn density(&self, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
-        let chance = self.chance_of_specular(wo.z);
+        let chance = self.specular_probability(wo.z);
         let facets = Ggx::from_roughness(self.roughness).map_or(0.0, |facets| facets.reflection_pdf(wo, m));
         chance * facets + (1.0 - chance) * cosine_pdf(wi)
     }
-}
-
-/// Schlick's form of Fresnel's equations for a dielectric.
-pub(super) fn dielectric_fresnel(cos: f64) -> f64 {
-    DIELECTRIC_F0 + (1.0 - DIELECTRIC_F0) * schlick_weight(cos)
-}
-
-/// (1 − cos)⁵.
-pub(super) fn schlick_weight(cos: f64) -> f64 {
-    let x = 1.0 - cos.clamp(0.0, 1.0);
-    x * x * x * x * x
 }

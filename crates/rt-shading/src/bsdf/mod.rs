@@ -1,4 +1,4 @@
-//! How a surface scatters light: bidirectional scattering distribution functions (BSDFs).
+//! Bidirectional scattering distribution functions (BSDFs).
 //!
 //! ```text
 //!              z = normal
@@ -7,60 +7,62 @@
 //!           \  |  /             radiance towards wo  =  ∫ f(wo, wi) · L(wi) · |cos θ(wi)| dω(wi)
 //!            \ | /                                   ≈  f · L · |cos θ(wi)| / pdf,   one sample
 //!   __________\|/__________
-//!              |\               weight = f · |cos θ| / pdf: what a path carries on
+//!              |\               weight = f · |cos θ| / pdf: factor of the throughput
 //!              | \ wi
 //! ```
 //!
 //! All directions are unit vectors that leave the surface, in shading coordinates: the normal is +z, towards the outside
-//! of a body. [`rt_math::Frame`] leads there and back. Each model has three functions that agree with each other:
+//! of a solid. [`rt_math::Frame`] converts. Each model has three functions:
 //!
-//! | function | gives | of directions it never scatters to |
+//! | function | returns | for directions it never scatters to |
 //! |---|---|---|
 //! | `eval(wo, wi)` | f, without the cosine | black |
-//! | `pdf(wo, wi)` | density over solid angle with which `sample` finds `wi` | 0 |
+//! | `pdf(wo, wi)` | density of `sample` over solid angle | 0 |
 //! | `sample(wo, u)` | a direction with its f and density, from three numbers in \[0, 1\] | `None` |
 //!
-//! `sample` may fail: then the light is absorbed, and the density integrates to as much less than 1. The first number
-//! chooses among kinds of scattering, the other two a direction, so that well-spread pairs stay well-spread directions.
+//! `sample` may return `None`: the light is absorbed, and the density integrates to less than 1. The first number chooses
+//! a lobe, the other two a direction, so that stratified pairs remain stratified directions.
 //!
-//! **Perfect mirrors** and smooth glass scatter into single directions. `eval` and `pdf` know nothing of these; `sample`
-//! marks them by [`BsdfSample::is_delta`]. Their `pdf` is the probability of the choice and their `value` is divided by the
-//! cosine, so that [`BsdfSample::weight`] holds for all, but multiple importance sampling must give them the whole weight.
+//! **Delta lobes** are those of mirrors and smooth glass. `eval` and `pdf` leave them out; `sample` marks them by
+//! [`BsdfSample::is_delta`]. Their `pdf` is the probability of the choice, and their `value` is divided by the cosine, so
+//! that [`BsdfSample::weight`] holds for all. Their MIS weight must be 1.
 //!
-//! **Radiance and importance.** All functions are those of paths from the camera: radiance that enters a medium of the
-//! index n is squeezed by n² (Veach 1997, 5.2), so transmission towards `wo` holds the factor (n(wo) / n(wi))². Light that
-//! is traced the other way is scattered by the adjoint: `eval(wi, wo)`, and [`Bsdf::sample_importance`].
+//! **Radiance and importance.** All functions transport radiance along camera paths: transmission towards `wo` has the
+//! factor (n(wo) / n(wi))² (Veach 1997, 5.2). Light tracing uses the adjoint: `eval(wi, wo)` and
+//! [`Bsdf::sample_importance`].
 //!
-//! **Sides.** Opaque models reflect on both sides alike. Directions in the surface itself, of which the cosine is 0 (up
-//! to 10⁻¹⁰⁰), and such that are not finite, scatter nothing.
+//! **Sides.** Opaque models reflect on both sides alike. Directions in the plane of the surface (cosines up to 10⁻¹⁰⁰),
+//! and directions that are not finite, are absorbed.
 //!
 //! | model | f | source |
 //! |---|---|---|
 //! | [`Lambert`] | ρ / π | Lambert 1760 |
-//! | [`OrenNayar`] | ρ/π · A · (1 + r·s/t) and what bounces between the grooves | Portsmouth, Kutz, Hill 2025 |
+//! | [`OrenNayar`] | ρ/π · A · (1 + r·s/t), and multiple scattering | Portsmouth, Kutz, Hill 2025 |
 //! | [`PhongLobe`] | ρ · (n + 2)/2π · cosⁿ α | Phong 1975; Lafortune, Willems 1994 |
-//! | [`Mirror`], [`ThinGlass`] | single directions | Fresnel 1823 |
-//! | [`Refraction`] | a single direction | Whitted 1980 |
-//! | [`Dielectric`] | F·D·G / (4 cos cos), and Snell's law at each facet | Walter et al. 2007 |
+//! | [`Mirror`], [`ThinGlass`] | delta lobes | Fresnel 1823 |
+//! | [`Refraction`] | a delta lobe | Whitted 1980 |
+//! | [`Dielectric`] | F·D·G / (4 cos cos), and Snell's law at each microfacet | Walter et al. 2007 |
 //! | [`Conductor`] | F·D·G / (4 cos cos) with a complex index | Cook, Torrance 1982; Heitz 2018 |
-//! | [`MetallicRoughness`] | a diffuse base under a layer of dielectric, mixed with metal | glTF 2.0, appendix B; Kulla, Conty 2017 |
-//! | [`Layered`] | the same under a coat, a [`Sheen`], and as a pane | extensions of glTF 2.0 |
+//! | [`MetallicRoughness`] | a diffuse base under a dielectric layer, mixed with metal | glTF 2.0, appendix B; Kulla, Conty 2017 |
+//! | [`Layered`] | the same with clearcoat, [`Sheen`], and transmission | extensions of glTF 2.0 |
 //! | [`Mix`] | Σ weight · f | |
 
+mod albedo_table;
 mod bxdf;
 mod conductor;
 mod dielectric;
+mod dispersive_dielectric;
 mod ggx;
 mod lambert;
-mod layer;
 mod layered;
 mod metallic_roughness;
 mod mirror;
 mod mix;
 mod oren_nayar;
-mod phong;
-mod prism;
+mod phong_lobe;
 mod refraction;
+mod sample;
+mod schlick;
 mod sheen;
 mod side;
 #[cfg(test)]
@@ -70,6 +72,7 @@ mod thin_glass;
 pub use bxdf::Bxdf;
 pub use conductor::{ComplexIor, Conductor, conductor_fresnel};
 pub use dielectric::Dielectric;
+pub use dispersive_dielectric::DispersiveDielectric;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
 pub(crate) use lambert::cosine_hemisphere;
@@ -78,59 +81,17 @@ pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
-pub use phong::PhongLobe;
-pub use prism::DispersiveDielectric;
+pub use phong_lobe::PhongLobe;
 pub use refraction::Refraction;
+pub use sample::{BsdfSample, Scattering};
 pub use sheen::Sheen;
 pub use thin_glass::ThinGlass;
 
 use rt_math::{DVec3, Rgb};
 
-/// On which side of the surface light goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scattering {
-    /// On the side that it came from.
-    Reflection,
-    /// On the other side.
-    Transmission,
-}
-
-/// A direction that a BSDF chose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfSample {
-    /// Where to look for light: a unit vector that leaves the surface.
-    pub wi: DVec3,
-    /// f(wo, wi), without the cosine, in 1/sr; for a single direction the share of the light divided by |cos θ(wi)|.
-    pub value: Rgb,
-    /// Density over solid angle, in 1/sr, as `pdf` gives it; for a single direction the probability of its choice.
-    pub pdf: f64,
-    /// On which side `wi` is.
-    pub kind: Scattering,
-    /// True if `wi` is a single direction, of which `eval` and `pdf` know nothing.
-    pub is_delta: bool,
-    /// True if a lobe chose `wi` that spreads light evenly, and not one around a mirrored or refracted direction.
-    pub is_diffuse: bool,
-    /// Index of refraction on the side of `wi` divided by that on the side of `wo`: 1 but for transmission into another
-    /// medium. Russian roulette must not take the squeezing of radiance by 1/`eta`² for a loss.
-    pub eta: f64,
-}
-
-impl BsdfSample {
-    /// f · |cos θ(wi)| / pdf: by how much the radiance from `wi` counts towards `wo`.
-    pub fn weight(&self) -> Rgb {
-        self.value * (self.wi.z.abs() / self.pdf)
-    }
-
-    /// The sample, unless rounding took it out of what numbers can hold.
-    fn if_finite(self) -> Option<Self> {
-        let is_sound = side::is_valid(self.wi) && self.pdf > 0.0 && self.pdf.is_finite();
-        (is_sound && self.value.is_finite()).then_some(self)
-    }
-}
-
-/// Scattering function of a surface at a point: one [`Bxdf`], or a [`Mix`] of several.
+/// BSDF of a surface at a point: one [`Bxdf`], a [`Mix`] of several, or [`Layered`].
 ///
-/// Plain data without allocations, made anew for each hit where textures ask for it.
+/// Plain data without allocations, computed for each hit of a textured material.
 ///
 /// ```
 /// use rt_math::{DVec3, Rgb};
@@ -144,11 +105,11 @@ impl BsdfSample {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "a hit allocates nothing, and a surface holds one of either")]
 pub enum Bsdf {
-    /// One model.
+    /// One lobe.
     Single(Bxdf),
-    /// Several models at once.
+    /// A weighted sum of lobes.
     Mix(Mix),
-    /// A base under layers.
+    /// A base under clearcoat and sheen.
     Layered(Layered),
 }
 
@@ -181,7 +142,7 @@ impl Bsdf {
         }
     }
 
-    /// Density over solid angle with which [`Bsdf::sample`] finds `wi`.
+    /// Density of [`Bsdf::sample`] over solid angle, in 1/sr.
     #[inline]
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match self {
@@ -191,7 +152,7 @@ impl Bsdf {
         }
     }
 
-    /// [`eval`](Self::eval) and [`pdf`](Self::pdf), which have much in common, at once.
+    /// Results of [`eval`](Self::eval) and [`pdf`](Self::pdf), which share work.
     #[inline]
     pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
         match self {
@@ -201,7 +162,7 @@ impl Bsdf {
         }
     }
 
-    /// A direction about in proportion to f · |cos θ|, from three numbers in \[0, 1\]; `None` if the light is absorbed.
+    /// Samples a direction about in proportion to f · |cos θ|, from three numbers in \[0, 1\]. `None` if the light is absorbed.
     #[inline]
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         match self {
@@ -211,15 +172,14 @@ impl Bsdf {
         }
     }
 
-    /// As [`Bsdf::sample`], for light that arrives from `wo` and is traced on to `wi`: the value is f(wi, wo).
+    /// Version of [`Bsdf::sample`] for light that arrives from `wo` and is traced on to `wi`: the value is f(wi, wo).
     pub fn sample_importance(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let sample = self.sample(wo, u)?;
         let value = if sample.is_delta { sample.value * (sample.eta * sample.eta) } else { self.eval(sample.wi, wo) };
         BsdfSample { value, ..sample }.if_finite()
     }
 
-    /// The lobes that send light on about a mirrored or refracted direction; `None` if there are none. A model that is diffuse
-    /// under a layer counts as one of these.
+    /// Lobes around a mirrored or refracted direction; `None` if there are none. A diffuse lobe below a layer is kept.
     pub fn without_diffuse(&self) -> Option<Self> {
         match self {
             Self::Single(lobe) => (!lobe.is_diffuse()).then_some(*self),
@@ -228,7 +188,7 @@ impl Bsdf {
         }
     }
 
-    /// True if it has a diffuse part under a layer, which [`without_diffuse`](Self::without_diffuse) keeps.
+    /// True if it has a diffuse lobe below a layer, which [`without_diffuse`](Self::without_diffuse) keeps.
     pub fn is_diffuse_below_layer(&self) -> bool {
         let is_layered = |lobe: &Bxdf| matches!(lobe, Bxdf::MetallicRoughness(_));
         match self {
@@ -238,8 +198,7 @@ impl Bsdf {
         }
     }
 
-    /// True if all light goes into single directions: `eval` is black everywhere, and no light that is sampled by itself
-    /// can be seen in the surface.
+    /// True if all lobes are delta distributions: `eval` is black everywhere, and lights need not be sampled.
     pub fn is_delta(&self) -> bool {
         match self {
             Self::Single(lobe) => lobe.is_delta(),
@@ -248,7 +207,7 @@ impl Bsdf {
         }
     }
 
-    /// True if the first number of [`Bsdf::sample`] matters, which chooses among kinds of scattering.
+    /// True if [`Bsdf::sample`] uses its first number, which chooses a lobe.
     pub fn uses_component_sample(&self) -> bool {
         match self {
             Self::Single(lobe) => lobe.uses_component_sample(),
@@ -256,7 +215,7 @@ impl Bsdf {
         }
     }
 
-    /// True if light may pass to the other side.
+    /// True if it transmits light.
     pub fn transmits(&self) -> bool {
         match self {
             Self::Single(lobe) => lobe.transmits(),

@@ -1,40 +1,39 @@
-//! Light that passes through a surface by Snell's law, as much of it as one says.
+//! Specular transmission with a constant transmittance.
 
 use super::{BsdfSample, Scattering, side::Side};
 use crate::optics;
 use rt_math::{DVec3, Rgb};
 
-/// Refracts a constant part of the light, whatever the angle, and drops what would be totally reflected (Whitted 1980).
+/// Refraction by Snell's law with the same transmittance at all angles, without total internal reflection (Whitted 1980).
 ///
-/// Radiance is not squeezed by the media: what enters a body and leaves it again keeps its brightness, and a lamp inside of
-/// one looks as bright as outside.
+/// Radiance is not scaled by eta²: a light source inside of a dielectric looks as bright as outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refraction {
-    /// Index of refraction below the surface divided by that above, positive and finite; otherwise nothing is scattered.
+    /// Index of refraction below the surface divided by that above, positive and finite; otherwise all light is absorbed.
     pub ior: f64,
-    /// Part of the light that passes, per channel in \[0, 1\].
+    /// Transmittance, per channel in \[0, 1\].
     pub transmittance: Rgb,
 }
 
 impl Refraction {
-    /// As [`super::Bsdf::eval`]: black.
+    /// Implements [`super::Bsdf::eval`]: black.
     pub fn eval(&self, _: DVec3, _: DVec3) -> Rgb {
         Rgb::BLACK
     }
 
-    /// As [`super::Bsdf::pdf`]: 0.
+    /// Implements [`super::Bsdf::pdf`]: 0.
     pub fn pdf(&self, _: DVec3, _: DVec3) -> f64 {
         0.0
     }
 
-    /// As [`super::Bsdf::sample`]: the refracted direction, of weight `transmittance`.
+    /// Implements [`super::Bsdf::sample`]: the refracted direction, of weight `transmittance`.
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let ior = if wo.z > 0.0 { self.ior } else { 1.0 / self.ior };
         let (wo, side) = Side::of(wo, u)?;
         if !(ior > 0.0 && ior.is_finite()) {
             return None;
         }
-        // Where there is no surface, directions keep all of their bits.
+        // Index-matched interfaces keep all bits of the direction.
         let wi = if ior == 1.0 { -wo } else { optics::refract(-wo, DVec3::Z, 1.0 / ior)? };
         BsdfSample {
             wi: side.restore(wi),
@@ -54,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn light_passes_by_snells_law_and_keeps_its_part() {
+    fn directions_follow_snells_law_and_weights_are_constant() {
         let surface = Refraction { ior: 1.5, transmittance: Rgb::gray(0.7) };
         let sample = surface.sample(DVec3::new(0.6, 0.0, 0.8), [0.5; 3]).expect("passes");
         assert!((sample.wi.x + 0.4).abs() < 1e-15 && sample.wi.z < 0.0);
@@ -65,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn useless_indices_scatter_nothing() {
+    fn invalid_indices_absorb_all_light() {
         for ior in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert_eq!(Refraction { ior, transmittance: Rgb::WHITE }.sample(DVec3::Z, [0.5; 3]), None);
         }

@@ -1,11 +1,13 @@
-//! Fibres that stand out of a surface.
+//! Sheen of cloth.
 
 use core::f64::consts::{PI, TAU};
 use rt_math::{DVec3, Rgb, transcendental};
 use std::sync::LazyLock;
 
-/// The sheen of cloth: fibres of which the normals lie along the surface (Estevez, Kulla, "Production Friendly Microfacet
-/// Sheen BRDF", 2017), with the visibility of Neubelt and Pettineo (2013), as KHR_materials_sheen has it.
+/// The sheen of cloth as in KHR_materials_sheen.
+///
+/// Distribution of Estevez and Kulla ("Production Friendly Microfacet Sheen BRDF", 2017), visibility of Neubelt and
+/// Pettineo (2013).
 ///
 /// ```text
 /// D(m) = (2 + 1/α) sin^(1/α) θm / 2π        α = roughness²
@@ -16,47 +18,47 @@ use std::sync::LazyLock;
 pub struct Sheen {
     /// Colour, per channel in \[0, 1\].
     pub color: Rgb,
-    /// Roughness in \[0, 1\]; below [`Sheen::SMOOTHEST`] it is taken for that.
+    /// Roughness in \[0, 1\], raised to [`Sheen::MIN_ROUGHNESS`].
     pub roughness: f64,
 }
 
 const COSINES: usize = 32;
 const ROUGHNESSES: usize = 32;
-/// Directions of each axis that the albedo is summed over.
-const NUMBERS: usize = 48;
+/// Directions per axis in the sum of the albedo.
+const N_DIRECTIONS: usize = 48;
 
-/// Directional albedo of white fibres, by roughness and cosine.
+/// Directional albedo of white sheen, by roughness and cosine.
 static ALBEDO: LazyLock<[[f64; COSINES]; ROUGHNESSES]> = LazyLock::new(|| {
     core::array::from_fn(|row| {
         let sheen = Sheen { color: Rgb::WHITE, roughness: roughness_of(row) };
-        core::array::from_fn(|column| sheen.measured(column as f64 / (COSINES - 1) as f64))
+        core::array::from_fn(|column| sheen.integrated(column as f64 / (COSINES - 1) as f64))
     })
 });
 
 fn roughness_of(row: usize) -> f64 {
-    Sheen::SMOOTHEST + (1.0 - Sheen::SMOOTHEST) * row as f64 / (ROUGHNESSES - 1) as f64
+    Sheen::MIN_ROUGHNESS + (1.0 - Sheen::MIN_ROUGHNESS) * row as f64 / (ROUGHNESSES - 1) as f64
 }
 
 impl Sheen {
-    /// Fibres that are smoother would reflect at no angle but the most grazing ones.
-    pub const SMOOTHEST: f64 = 0.07;
+    /// Minimum roughness: smoother sheen reflects at grazing angles only.
+    pub const MIN_ROUGHNESS: f64 = 0.07;
 
-    /// f for two directions above the surface of which `m` is the half vector.
+    /// f for two directions above the surface with half vector `m`.
     pub fn value(&self, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
         self.color * self.white(wo, wi, m)
     }
 
     fn white(&self, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
-        let roughness = self.roughness.clamp(Self::SMOOTHEST, 1.0);
+        let roughness = self.roughness.clamp(Self::MIN_ROUGHNESS, 1.0);
         let power = 1.0 / (roughness * roughness);
         let sin = ((1.0 - m.z) * (1.0 + m.z)).max(0.0).sqrt();
         let d = (2.0 + power) * transcendental::pow(sin, power) / TAU;
         d / (4.0 * (wo.z + wi.z - wo.z * wi.z))
     }
 
-    /// Part of the light under the angle of the cosine that is reflected, in the brightest channel.
+    /// Directional albedo at a cosine, of the brightest channel.
     pub fn albedo(&self, cos: f64) -> f64 {
-        let row = (self.roughness.clamp(Self::SMOOTHEST, 1.0) - Self::SMOOTHEST) / (1.0 - Self::SMOOTHEST);
+        let row = (self.roughness.clamp(Self::MIN_ROUGHNESS, 1.0) - Self::MIN_ROUGHNESS) / (1.0 - Self::MIN_ROUGHNESS);
         let (row, down) = place(row, ROUGHNESSES);
         let (column, right) = place(cos, COSINES);
         let along = |row: usize| ALBEDO[row][column] * (1.0 - right) + ALBEDO[row][column + 1] * right;
@@ -64,32 +66,32 @@ impl Sheen {
         (self.color.max_component() * white).min(1.0)
     }
 
-    /// Part of the light that it leaves to what is below.
-    pub fn leaves(&self, cos: f64) -> f64 {
+    /// Transmittance to the layers below.
+    pub fn transmittance(&self, cos: f64) -> f64 {
         1.0 - self.albedo(cos)
     }
 
-    /// ∫ f cos dω over directions evenly spread by the cosine.
-    fn measured(&self, cos: f64) -> f64 {
-        // In the plane of the surface itself there is nothing to see.
+    /// ∫ f cos dω over directions uniform in the cosine.
+    fn integrated(&self, cos: f64) -> f64 {
+        // Nothing is visible in the plane of the surface.
         let cos = cos.max(1e-4);
         let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
         let term = |index: usize| {
-            let (i, j) = (index % NUMBERS, index / NUMBERS);
-            let z = (i as f64 + 0.5) / NUMBERS as f64;
-            let (sin_phi, cos_phi) = transcendental::sincos(PI * (j as f64 + 0.5) / NUMBERS as f64);
+            let (i, j) = (index % N_DIRECTIONS, index / N_DIRECTIONS);
+            let z = (i as f64 + 0.5) / N_DIRECTIONS as f64;
+            let (sin_phi, cos_phi) = transcendental::sincos(PI * (j as f64 + 0.5) / N_DIRECTIONS as f64);
             let sin = ((1.0 - z) * (1.0 + z)).sqrt();
             let wi = DVec3::new(sin * cos_phi, sin * sin_phi, z);
             self.white(wo, wi, (wo + wi).normalize_or(DVec3::Z)) * z
         };
-        (0..NUMBERS * NUMBERS).map(term).sum::<f64>() * TAU / (NUMBERS * NUMBERS) as f64
+        (0..N_DIRECTIONS * N_DIRECTIONS).map(term).sum::<f64>() * TAU / (N_DIRECTIONS * N_DIRECTIONS) as f64
     }
 }
 
-/// The entry at or below `x` of \[0, 1\], and the way to the next.
+/// Entry at or below `x` of \[0, 1\], and the fraction to the next.
 fn place(x: f64, count: usize) -> (usize, f64) {
     let at = x.clamp(0.0, 1.0) * (count - 1) as f64;
-    // The conversion cuts the fraction off.
+    // The conversion truncates.
     let below = (at as usize).min(count - 2);
     (below, at - below as f64)
 }

@@ -1,4 +1,4 @@
-//! What all models promise, tested on the same list of surfaces.
+//! Properties of all models, tested on the same list of surfaces.
 
 mod agreement;
 mod bent_normals;
@@ -45,7 +45,7 @@ pub(super) fn gltf(metallic: f64, roughness: f64) -> MetallicRoughness {
     MetallicRoughness { base_color: Rgb::WHITE, metallic, roughness, coupling: Coupling::FresnelMix }
 }
 
-/// As [`gltf`], with a base that gets what its layer leaves.
+/// Version of [`gltf`] with [`Coupling::Albedo`].
 pub(super) fn plastic(roughness: f64) -> MetallicRoughness {
     MetallicRoughness { coupling: Coupling::Albedo, ..gltf(0.0, roughness) }
 }
@@ -97,7 +97,7 @@ fn prism(iors: [f64; 3], roughness: f64) -> DispersiveDielectric {
 
 /// Half of what enters passes, in a colour.
 pub(super) fn tinted_pane(roughness: f64) -> Layered {
-    Layered { diffuse: Rgb::gray(0.5), passing: Rgb::new(0.5, 0.4, 0.1), roughness, ..Layered::PLASTIC }
+    Layered { diffuse: Rgb::gray(0.5), transmittance: Rgb::new(0.5, 0.4, 0.1), roughness, ..Layered::PLASTIC }
 }
 
 /// True if channels have indices of their own: rough ones scatter to one direction with as many factors of n².
@@ -108,8 +108,11 @@ pub(super) fn disperses(bsdf: &Bsdf) -> bool {
 /// Varnish on a surface whose normal a map has turned, smooth and rough. It reflects by its own normal, so that it looks different
 /// from where light comes: no law holds light and eye against each other there.
 pub(super) fn leaning() -> [Surface; 2] {
-    let varnish = Layered { coat: 0.8, coat_normal: DVec3::new(0.48, -0.36, 0.8), ..brushed() };
-    [surface("leaning varnish", varnish), surface("leaning rough varnish", Layered { coat_roughness: 0.4, ..varnish })]
+    let varnish = Layered { clearcoat: 0.8, clearcoat_normal: DVec3::new(0.48, -0.36, 0.8), ..brushed() };
+    [
+        surface("leaning varnish", varnish),
+        surface("leaning rough varnish", Layered { clearcoat_roughness: 0.4, ..varnish }),
+    ]
 }
 
 /// One of each model, and rough ones smooth to rough. White where that is possible: that is where energy shows.
@@ -153,8 +156,8 @@ pub(super) fn surfaces() -> Vec<Surface> {
         surface("layered smooth", Layered { roughness: 0.0, ..Layered::PLASTIC }),
         surface("brushed", brushed()),
         surface("cloth", cloth()),
-        surface("varnish", Layered { coat: 1.0, ..cloth() }),
-        surface("rough varnish", Layered { coat: 0.7, coat_roughness: 0.4, ..brushed() }),
+        surface("varnish", Layered { clearcoat: 1.0, ..cloth() }),
+        surface("rough varnish", Layered { clearcoat: 0.7, clearcoat_roughness: 0.4, ..brushed() }),
         surface("tinted pane .3", tinted_pane(0.3)),
         surface("tinted pane", tinted_pane(0.0)),
         surface("half glass", Layered { glass: Some((0.5, prism([1.5; 3], 0.0))), roughness: 0.2, ..Layered::PLASTIC }),

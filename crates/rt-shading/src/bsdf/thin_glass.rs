@@ -4,8 +4,9 @@ use super::{BsdfSample, Scattering, mirror, side::Side};
 use crate::optics;
 use rt_math::{DVec3, Rgb, transcendental};
 
-/// A window, soap film or bulb: two parallel surfaces so near to each other that light leaves where it enters, straight on
-/// or mirrored. All reflections between them are summed.
+/// A thin dielectric, such as a window or soap film. Light leaves where it enters, straight on or mirrored.
+///
+/// All inter-reflections of the two parallel interfaces are summed.
 ///
 /// ```text
 /// per polarisation, with τ = transmittance^(1 / cos θ inside):
@@ -13,25 +14,25 @@ use rt_math::{DVec3, Rgb, transcendental};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinGlass {
-    /// Index of refraction of the glass divided by that around it, positive and finite; otherwise nothing is scattered.
+    /// Index of refraction of the glass divided by that around it, positive and finite; otherwise all light is absorbed.
     pub ior: f64,
-    /// What is left, per channel in \[0, 1\], of light that crosses the glass once along the normal. Beer's law gives it for
-    /// other angles. What is out of the range is taken for the nearer end, NaN for 0.
+    /// Transmittance of one crossing at normal incidence, per channel in \[0, 1\], to which it is clamped; NaN counts as 0.
+    /// Beer's law gives that of other angles.
     pub transmittance: Rgb,
 }
 
 impl ThinGlass {
-    /// As [`super::Bsdf::eval`]: black.
+    /// Implements [`super::Bsdf::eval`]: black.
     pub fn eval(&self, _: DVec3, _: DVec3) -> Rgb {
         Rgb::BLACK
     }
 
-    /// As [`super::Bsdf::pdf`]: 0.
+    /// Implements [`super::Bsdf::pdf`]: 0.
     pub fn pdf(&self, _: DVec3, _: DVec3) -> f64 {
         0.0
     }
 
-    /// As [`super::Bsdf::sample`].
+    /// Implements [`super::Bsdf::sample`].
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (wo, side) = Side::of(wo, u)?;
         if !(self.ior > 0.0 && self.ior.is_finite()) {
@@ -55,7 +56,7 @@ impl ThinGlass {
         .if_finite()
     }
 
-    /// Parts of unpolarised light that are reflected and that pass, for the cosine of the angle of incidence.
+    /// Reflectance and transmittance for unpolarised light at a cosine.
     pub fn shares(&self, cos: f64) -> (Rgb, Rgb) {
         if self.ior == 1.0 {
             return (Rgb::BLACK, self.transmittance.map(|once| absorbed(once, cos)));
@@ -73,7 +74,7 @@ impl ThinGlass {
     }
 }
 
-/// What is left of light that crosses at an angle, of which `once` is left along the normal.
+/// Transmittance of one crossing at an angle, where `once` is that at normal incidence.
 fn absorbed(once: f64, cos_inside: f64) -> f64 {
     if once >= 1.0 {
         1.0

@@ -9,7 +9,7 @@ use crate::{
     Lighting, SurfaceHit, Tracer,
     bsdf::{BsdfSample, Scattering},
     hit_context::HitContext,
-    interior::MediumInterface,
+    interior_list::MediumInterface,
     medium_tracker::MediumTracker,
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},

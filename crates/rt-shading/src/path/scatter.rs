@@ -9,7 +9,7 @@ use crate::{
     bsdf::Scattering,
     bsdf_cache::CachedBsdf,
     hit_context::HitContext,
-    interior::MediumInterface,
+    interior_list::MediumInterface,
     mis::power_heuristic,
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},
@@ -52,7 +52,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             path.medium_tracker.absorb(materials, interface, hit.t, length, &mut path.throughput);
         }
         if self.needs.emission {
-            let emitted = material.emission(&lighting.appearance.textures, &hit.interaction, is_inside);
+            let emitted = material.emitted_radiance(&lighting.appearance.textures, &hit.interaction, is_inside);
             let is_omitted = transport == Transport::NonCaustic && path.is_caustic_of(hit);
             if !emitted.is_black() && !is_omitted {
                 let radiance = path.throughput * emitted * mis_weight_area(lighting, path, hit);
@@ -66,7 +66,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let mut made = None;
         let CachedBsdf { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
             let bsdf = bsdf_at(lighting.appearance, material, &view, interface);
-            made.insert(CachedBsdf::new(bsdf, transport))
+            made.insert(CachedBsdf::new(bsdf, transport == Transport::Specular))
         });
         let vertex = Vertex::new(view, bsdf, ray.time);
         let only_reflects = transport == Transport::Specular;
@@ -75,7 +75,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let gathers_background = !lighting.appearance.background.is_black()
             && (vertex.bsdf.is_diffuse_below_layer() || lighting.lights.environment().is_some());
         if only_reflects && self.needs.ambient && !gathers_background {
-            let ambient = material.ambient(&lighting.appearance.textures, vertex.view.surface);
+            let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, vertex.view.surface);
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
         }

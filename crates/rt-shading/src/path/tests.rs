@@ -2,8 +2,8 @@ mod bent_normals;
 
 use super::*;
 use crate::{
-    Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, Physical,
-    SurfaceHit, Transmission,
+    Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
+    MaterialModel, Phong, SurfaceHit, Transmission,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, QuadLight},
 };
 use core::f64::consts::PI;
@@ -52,14 +52,12 @@ const fn gray(value: f64) -> ColorTexture {
     ColorTexture::Constant(Rgb::gray(value))
 }
 
-fn physical(physical: Physical, emission: f64) -> Material {
-    let zero = ColorTexture::ZERO;
-    let phong = Phong { ambient: zero, diffuse: zero, emission: gray(emission), ..Phong::default() };
-    Material { physical: Some(physical), ..Material::new(String::new(), phong) }
+fn emissive(model: MaterialModel, emission: f64) -> Material {
+    Material { emission: gray(emission), ..Material::new(String::new(), model) }
 }
 
-fn diffuse(albedo: f64) -> Physical {
-    Physical::Diffuse { albedo: gray(albedo), roughness: 0.0 }
+fn diffuse(albedo: f64) -> MaterialModel {
+    MaterialModel::Diffuse { albedo: gray(albedo), roughness: 0.0 }
 }
 
 struct Scene {
@@ -134,10 +132,10 @@ fn under_square(floor_material: Material, roulette: PathSettings) {
     let corner = DVec3::new(-0.5, 1.0, -0.5);
     let outline = vec![corner, corner + DVec3::X, corner + DVec3::X + DVec3::Z, corner + DVec3::Z];
     let light = QuadLight::new(corner, [DVec3::X, DVec3::Z], emission).expect("a light");
-    let mut emissive = physical(Physical::Black, 2.0);
-    emissive.shines = EmissionSides::Front;
+    let mut emitter = emissive(MaterialModel::Black, 2.0);
+    emitter.emission_sides = EmissionSides::Front;
     let shape = Polygon::new(outline, Vec::new(), rt_geometry::InsideRule::Convex).expect("a square");
-    Scene::new(vec![floor_material, emissive], vec![Light::Quad(light)])
+    Scene::new(vec![floor_material, emitter], vec![Light::Quad(light)])
         .with(floor(), 0, None)
         .with(Shape::Polygon(shape.into()), 1, Some(0))
         // Irradiance .7522746885 for radiance 1 (Lambert), albedo one half.
@@ -146,9 +144,9 @@ fn under_square(floor_material: Material, roulette: PathSettings) {
 
 #[test]
 fn direct_light_of_a_square_is_lamberts() {
-    under_square(physical(diffuse(0.5), 0.0), paths(0));
-    under_square(physical(diffuse(0.5), 0.0), paths(20));
-    under_square(physical(diffuse(0.5), 0.0), DISTRIBUTED);
+    under_square(emissive(diffuse(0.5), 0.0), paths(0));
+    under_square(emissive(diffuse(0.5), 0.0), paths(20));
+    under_square(emissive(diffuse(0.5), 0.0), DISTRIBUTED);
     // The classical surface reads its coefficient as albedo.
     let classical = Phong { diffuse: gray(0.5), ambient: ColorTexture::ZERO, ..Phong::default() };
     under_square(Material::new(String::new(), classical), paths(0));
@@ -157,7 +155,7 @@ fn direct_light_of_a_square_is_lamberts() {
 #[test]
 fn a_closed_emissive_enclosure_sums_all_bounces() {
     for albedo in [0.5, 0.8] {
-        let enclosure = || Scene::new(vec![physical(diffuse(albedo), 1.0)], Vec::new()).with(sphere(1.0), 0, None);
+        let enclosure = || Scene::new(vec![emissive(diffuse(albedo), 1.0)], Vec::new()).with(sphere(1.0), 0, None);
         let out = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
         enclosure().assert_shows(paths(1000), out, 1.0 / (1.0 - albedo));
         // Emission of the first surface and of five more.
@@ -171,11 +169,11 @@ fn a_light_that_can_be_drawn_counts_once() {
     // A sky that is drawn as a light and met by rays: a white floor below it is as bright as the sky.
     let sky = EnvironmentLight::constant(Rgb::WHITE).expect("a sky");
     for roughness in [0.0, 0.3, 1.0] {
-        let metal = Physical::MetallicRoughness { base_color: gray(1.0), metallic: 1.0, roughness };
-        for material in [diffuse(1.0), Physical::Mirror { reflectance: gray(1.0) }, metal] {
-            let is_rough = matches!(&material, Physical::MetallicRoughness { roughness, .. } if *roughness > 0.0);
+        let metal = MaterialModel::MetallicRoughness { base_color: gray(1.0), metallic: 1.0, roughness };
+        for material in [diffuse(1.0), MaterialModel::Mirror { reflectance: gray(1.0) }, metal] {
+            let is_rough = matches!(&material, MaterialModel::MetallicRoughness { roughness, .. } if *roughness > 0.0);
             let drawn = vec![Light::Environment(sky.clone())];
-            let mut scene = Scene::new(vec![physical(material, 0.0)], drawn).with(floor(), 0, None);
+            let mut scene = Scene::new(vec![emissive(material, 0.0)], drawn).with(floor(), 0, None);
             scene.appearance.background = Background::Environment(sky.clone().into());
             if is_rough {
                 // Light that facets pass to each other is lost.
@@ -190,16 +188,11 @@ fn a_light_that_can_be_drawn_counts_once() {
 
 #[test]
 fn glass_neither_makes_nor_loses_light() {
-    let inside = |ior: f64, absorption: f64| Transmission {
-        coefficient: gray(1.0),
-        ior,
-        fresnel: true,
-        absorption: Rgb::gray(absorption),
-        priority: 0,
-    };
+    let inside =
+        |ior: f64, absorption: f64| InteriorMedium { absorption: Rgb::gray(absorption), ..InteriorMedium::clear(ior) };
     let glass = |ior, absorption, roughness| {
-        let mut material = physical(Physical::Dielectric { roughness, transmittance: gray(1.0) }, 0.0);
-        material.phong.transmission = Some(inside(ior, absorption));
+        let mut material = emissive(MaterialModel::Dielectric { roughness, transmittance: gray(1.0) }, 0.0);
+        material.interior = Some(inside(ior, absorption));
         material
     };
     let furnace = |material| {
@@ -222,10 +215,11 @@ fn glass_neither_makes_nor_loses_light() {
 /// Each pane was entered as a body and never left, until the list of bodies was full and further panes were not seen.
 #[test]
 fn forty_panes_of_thin_glass_each_take_their_part() {
-    let pane = Physical::ThinGlass { ior: 1.0, transmittance: gray(0.95) };
-    let mut material = physical(pane, 0.0);
-    let air = Transmission { coefficient: gray(0.95), ior: 1.0, fresnel: false, absorption: Rgb::BLACK, priority: 0 };
-    material.phong.transmission = Some(air);
+    let pane = MaterialModel::ThinGlass { ior: 1.0, transmittance: gray(0.95) };
+    let mut material = emissive(pane, 0.0);
+    // Without the mirror of the conversion.
+    let transmission = Some(Transmission { coefficient: gray(0.95), fresnel: false });
+    material.phong_override = Some(Phong { transmission, ..Phong::BLACK });
     let mut scene = Scene::new(vec![material], Vec::new());
     scene.appearance.background = Background::Constant(Rgb::WHITE);
     for z in 0..40 {
@@ -272,7 +266,7 @@ fn what_is_seen_does_not_depend_on_the_wave() {
     let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("an emission");
     let light = DiskLight::new(DVec3::Y * 2.0, DVec3::NEG_Y, 0.5, 0.0, emission).expect("a light");
     let mut scene =
-        Scene::new(vec![physical(diffuse(0.7), 0.0), physical(diffuse(0.3), 0.1)], vec![Light::Disk(light)])
+        Scene::new(vec![emissive(diffuse(0.7), 0.0), emissive(diffuse(0.3), 0.1)], vec![Light::Disk(light)])
             .with(floor(), 0, None)
             .with(sphere(0.5), 1, None);
     let needs = Needs::of(&scene.appearance, |_| true);

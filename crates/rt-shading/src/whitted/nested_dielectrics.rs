@@ -1,7 +1,7 @@
 //! Tests of nested dielectrics against paths in closed form.
 
 use super::*;
-use crate::{Background, ColorTexture, Material, Phong, SurfaceHit, Transmission};
+use crate::{Background, ColorTexture, InteriorMedium, Material, Phong, SurfaceHit, Transmission};
 use rt_geometry::{Cuboid, InteractionFlags, Plane, RayKind, Shape, Sphere, Triangle};
 use rt_math::{
     DVec3,
@@ -54,7 +54,6 @@ pub(super) const BARE: Phong = Phong {
     specular: ColorTexture::ZERO,
     exponent: 1.0,
     highlight: crate::Highlight::Phong,
-    emission: ColorTexture::ZERO,
     mirror: ColorTexture::ZERO,
     transmission: None,
 };
@@ -62,28 +61,27 @@ pub(super) const BARE: Phong = Phong {
 const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
 
 /// A clear body that lets all light pass, whatever its angle.
-pub(super) fn body(ior: f64, absorption: f64, priority: i32) -> Phong {
-    let absorption = Rgb::gray(absorption);
-    Phong { transmission: Some(Transmission { coefficient: WHITE, ior, fresnel: false, absorption, priority }), ..BARE }
+pub(super) fn body(ior: f64, absorption: f64, priority: i32) -> Material {
+    let interior = Some(InteriorMedium { ior, absorption: Rgb::gray(absorption), priority });
+    Material { interior, ..Material::new(String::new(), clear()) }
+}
+
+fn clear() -> Phong {
+    Phong { transmission: Some(Transmission { coefficient: WHITE, fresnel: false }), ..BARE }
 }
 
 /// A clear body of Fresnel's glass.
-fn fresnel(ior: f64) -> Phong {
-    let transmission = body(ior, 0.0, 0).transmission.map(|t| Transmission { fresnel: true, ..t });
-    Phong { mirror: WHITE, transmission, ..BARE }
+fn fresnel(ior: f64) -> Material {
+    let transmission = Some(Transmission { coefficient: WHITE, fresnel: true });
+    Material { model: Phong { mirror: WHITE, transmission, ..BARE }.into(), ..body(ior, 0.0, 0) }
 }
 
-fn glow(radiance: f64) -> Phong {
-    Phong { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..BARE }
+fn glow(radiance: f64) -> Material {
+    Material { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..Material::new(String::new(), BARE) }
 }
 
-pub(super) fn white_room(materials: &[Phong]) -> Appearance {
-    let named = |phong: &Phong| Material::new(String::new(), *phong);
-    Appearance {
-        materials: materials.iter().map(named).collect(),
-        background: Background::Constant(Rgb::WHITE),
-        ..Appearance::default()
-    }
+pub(super) fn white_room(materials: &[Material]) -> Appearance {
+    Appearance { materials: materials.to_vec(), background: Background::Constant(Rgb::WHITE), ..Appearance::default() }
 }
 
 struct Look {
@@ -199,19 +197,19 @@ fn a_body_as_dense_as_the_air_is_not_there() {
 #[test]
 fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
     let half = ColorTexture::Constant(Rgb::gray(0.5));
-    let film = Transmission { coefficient: half, ..body(1.0, 0.0, 0).transmission.expect("transparent") };
-    let mut painted = Phong { mirror: half, ..body(1.0, 0.0, 0) };
-    painted.transmission = Some(film);
+    let with = |phong: Phong, ior: f64| Material { model: phong.into(), ..body(ior, 0.0, 0) };
+    let film = Transmission { coefficient: half, fresnel: false };
+    let painted = with(Phong { mirror: half, transmission: Some(film), ..BARE }, 1.0);
     let shapes = [(sphere(0.0, 0.0, 0.0, 1.0), 0)];
     let ray = Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z);
     // Half is mirrored at the front, a quarter passes both surfaces, and what the back mirrors is cut off.
-    let Look { seen, .. } = look(&shapes, &white_room(&[painted]), 2, &ray);
+    let Look { seen, .. } = look(&shapes, &white_room(std::slice::from_ref(&painted)), 2, &ray);
     assert_eq!(seen, Rgb::gray(0.75));
     assert!(!painted.is_clear() && fresnel(1.0).is_air() && !fresnel(1.1).is_air());
     let smoke = body(1.0, 0.1, 0);
     assert!(smoke.is_clear() && !smoke.is_air());
-    assert!(!Phong { specular: half, ..body(1.0, 0.0, 0) }.is_clear());
-    assert!(Phong { specular: half, ..fresnel(1.0) }.is_clear());
+    assert!(!Phong { specular: half, ..clear() }.is_clear());
+    assert!(Phong { specular: half, ..*fresnel(1.0).to_phong() }.is_clear());
 }
 
 #[test]
@@ -229,9 +227,14 @@ fn smoke_is_seen_though_its_surface_is_not() {
 #[test]
 fn overlapping_bodies_of_one_density_are_one_body() {
     let ray = Ray::new(DVec3::new(-3.0, 4.0, 0.5), DVec3::new(0.6, -0.7, 0.1));
-    let one = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[fresnel(1.5); 2]), 6, &ray);
+    let one = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[fresnel(1.5), fresnel(1.5)]), 6, &ray);
     for second in [0, 1] {
-        let two = look(&[(slab(-1.0, 0.3), 0), (slab(-0.2, 1.0), second)], &white_room(&[fresnel(1.5); 2]), 6, &ray);
+        let two = look(
+            &[(slab(-1.0, 0.3), 0), (slab(-0.2, 1.0), second)],
+            &white_room(&[fresnel(1.5), fresnel(1.5)]),
+            6,
+            &ray,
+        );
         assert_eq!(one.seen, two.seen, "material {second}");
         assert!(two.counts.passages > 0 && one.counts.fresnel == two.counts.fresnel);
     }
@@ -253,7 +256,7 @@ fn a_plate_reflects_and_passes_the_sum_of_all_its_inner_reflections() {
 #[test]
 fn a_mirrored_box_multiplies_a_thousand_times() {
     let mirror = ColorTexture::Constant(Rgb::gray(0.999));
-    let walls = Phong { mirror, emission: ColorTexture::Constant(Rgb::gray(0.001)), ..BARE };
+    let walls = Material { model: Phong { mirror, ..BARE }.into(), ..glow(0.001) };
     let room = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5)).expect("a box");
     let ray = Ray::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.5, -0.6, 0.7));
     let Look { seen, counts, .. } = look(&[(Shape::Cuboid(room), 0)], &white_room(&[walls]), 999, &ray);
@@ -263,7 +266,7 @@ fn a_mirrored_box_multiplies_a_thousand_times() {
 
 #[test]
 fn facing_mirrors_are_cut_at_the_depth_and_no_earlier() {
-    let mirror = Phong { mirror: WHITE, ..BARE };
+    let mirror = Material::new(String::new(), Phong { mirror: WHITE, ..BARE });
     let plane = |y: f64| (Shape::Plane(Plane::new(DVec3::Y * y, DVec3::Y).expect("a plane")), 0);
     // 89.9999° from the mirrors.
     let ray = Ray::new(DVec3::Y * 0.5, down(1e-4));
@@ -298,7 +301,7 @@ fn a_body_that_was_never_entered_is_left_as_if_it_had_been() {
     assert!((seen.r - exp(-0.5 / cos(30f64.to_radians()))).abs() < 1e-15);
     // Mirrored inside, it goes on inside.
     let steep = Ray::new(DVec3::ZERO, down(60.0));
-    let mirrors = Phong { mirror: WHITE, ..body(1.5, 0.5, 0) };
+    let mirrors = Material { model: Phong { mirror: WHITE, ..clear() }.into(), ..body(1.5, 0.5, 0) };
     let Look { seen, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[mirrors]), 1, &steep);
     assert_eq!(seen, Rgb::BLACK, "totally reflected, and met by the other face with no bounces left");
 }
@@ -309,11 +312,11 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     let shapes = [(slab(-1.0, 1.0), 0), (slab(-9.0, 0.0), 1)];
     let appearance = white_room(&[body(1.33, 0.5, 0), body(1.5, 0.25, 1)]);
     let mut world = Shapes::new(shapes.to_vec());
-    let mut interior = Interior::default();
+    let mut interior = InteriorList::default();
     let ray = Ray::new(DVec3::Y * 0.5, down(20.0));
     interior.find_enclosing_media(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
     assert!(!interior.is_empty());
-    for surroundings in [&interior, &Interior::filled_with(0)] {
+    for surroundings in [&interior, &InteriorList::filled_with(0)] {
         let mut whitted = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true));
         whitted.set_surroundings(surroundings);
         let seen = whitted.radiance(&mut world, &appearance, &ray).radiance;

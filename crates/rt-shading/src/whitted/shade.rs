@@ -4,7 +4,7 @@ use super::{Whitted, wave::TreePath};
 use crate::{
     Appearance, Material, Phong, Seen, SurfaceHit,
     hit_context::{HitContext, MAX_NULL_INTERFACES},
-    interior::MediumInterface,
+    interior_list::MediumInterface,
     optics,
     viewed_surface::ViewedSurface,
 };
@@ -44,8 +44,10 @@ impl Whitted {
         }
         let HitContext { material, direction, is_inside, .. } = context;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
-        self.shade_direct(appearance, material, &view, &path, ray.time);
-        self.spawn_secondary_rays(appearance, &material.phong, &view, interface, &path, ray.time);
+        let phong = &material.to_phong();
+        self.shade_direct(appearance, material, phong, &view, &path, ray.time);
+        let interface = interface.filter(|_| phong.transmission.is_some());
+        self.spawn_secondary_rays(appearance, phong, &view, interface, &path, ray.time);
     }
 
     /// Continues the same ray behind a null interface.
@@ -93,19 +95,19 @@ impl Whitted {
         &mut self,
         appearance: &Appearance,
         material: &Material,
+        phong: &Phong,
         view: &ViewedSurface,
         path: &TreePath,
         time: f64,
     ) {
-        let phong = &material.phong;
         let surface = view.surface;
         let textures = &appearance.textures;
         let mut radiance = Rgb::BLACK;
         if self.needs.emission {
-            radiance += material.emission(textures, surface, view.is_inside);
+            radiance += material.emitted_radiance(textures, surface, view.is_inside);
         }
         if self.needs.ambient {
-            radiance += material.ambient(textures, surface) * appearance.ambient;
+            radiance += material.ambient(phong, textures, surface) * appearance.ambient;
         }
         let diffuse = phong.diffuse.at(textures, surface);
         let specular = if self.needs.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::{
-    Background, ColorTexture, DeltaLight, DeltaLightKind, LightUnits, Material, Phong, SurfaceHit, Transmission, optics,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, InteriorMedium, LightUnits, Material, Phong, SurfaceHit,
+    Transmission, optics,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval};
@@ -39,7 +40,10 @@ impl Tracer for Facet {
 /// Radiance of the facet along `direction`.
 fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<DeltaLight>) -> (Rgb, Facet) {
     let appearance = Appearance {
-        materials: vec![Material::new("facet".into(), phong)],
+        materials: vec![Material {
+            interior: phong.transmission.map(|_| InteriorMedium::clear(1.5)),
+            ..Material::new("facet".into(), phong)
+        }],
         lights,
         background: Background::Constant(Rgb::BLACK),
         ..Appearance::default()
@@ -77,7 +81,7 @@ fn mirrored_rays_start_and_stay_on_the_viewers_side() {
 
 #[test]
 fn refracted_rays_start_and_stay_on_the_far_side() {
-    let glass = Transmission { coefficient: WHITE, ior: 1.5, fresnel: false, absorption: Rgb::BLACK, priority: 0 };
+    let glass = Transmission { coefficient: WHITE, fresnel: false };
     let phong = Phong { transmission: Some(glass), ..bare() };
     // From inside, where the floor's normal points along the ray.
     let mut bent = 0;

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{
-    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong, SurfaceHit,
-    Transmission,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material, Phong,
+    SurfaceHit, Transmission,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval, transcendental::exp};
@@ -48,7 +48,6 @@ const BARE: Phong = Phong {
     specular: ColorTexture::ZERO,
     exponent: 1.0,
     highlight: crate::Highlight::Phong,
-    emission: ColorTexture::ZERO,
     mirror: ColorTexture::ZERO,
     transmission: None,
 };
@@ -58,11 +57,16 @@ fn gray(value: f64) -> ColorTexture {
 }
 
 fn white_room(phong: Phong) -> Appearance {
-    Appearance {
-        materials: vec![Material::new("only".into(), phong)],
-        background: Background::Constant(Rgb::WHITE),
-        ..Appearance::default()
-    }
+    room_of(Material::new("only".into(), phong))
+}
+
+/// A white room with a dielectric.
+fn white_room_with(phong: Phong, interior: InteriorMedium) -> Appearance {
+    room_of(Material { interior: Some(interior), ..Material::new("only".into(), phong) })
+}
+
+fn room_of(material: Material) -> Appearance {
+    Appearance { materials: vec![material], background: Background::Constant(Rgb::WHITE), ..Appearance::default() }
 }
 
 fn look(world: &mut Echo, appearance: &Appearance, depth: u32) -> (f64, ShadingCounts) {
@@ -85,9 +89,14 @@ fn a_thousand_mirrors_multiply_exactly_that_often() {
     assert_eq!(cut, 0.0, "one bounce short of the light");
 }
 
+fn glowing_mirror() -> Appearance {
+    let mirror = Material::new("only".into(), Phong { mirror: gray(0.5), ..BARE });
+    room_of(Material { emission: gray(1.0), ..mirror })
+}
+
 #[test]
 fn depth_counts_bounces_after_the_first_hit() {
-    let glowing_mirror = white_room(Phong { mirror: gray(0.5), emission: gray(1.0), ..BARE });
+    let glowing_mirror = glowing_mirror();
     for (depth, expected) in [(0, 1.0), (1, 1.5), (2, 1.75), (5, 1.96875)] {
         let (seen, _) = look(&mut Echo::new(u32::MAX), &glowing_mirror, depth);
         assert_eq!(seen, expected, "depth {depth}");
@@ -96,7 +105,7 @@ fn depth_counts_bounces_after_the_first_hit() {
 
 #[test]
 fn faint_rays_are_not_followed() {
-    let appearance = white_room(Phong { mirror: gray(0.5), emission: gray(1.0), ..BARE });
+    let appearance = glowing_mirror();
     let mut world = Echo::new(u32::MAX);
     let mut whitted = Whitted::new(1000, 0.1, Needs::ALL);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
@@ -106,29 +115,25 @@ fn faint_rays_are_not_followed() {
 
 #[test]
 fn fresnels_equations_share_light_without_loss() {
-    let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
-    let appearance = white_room(Phong { mirror: gray(1.0), transmission: Some(glass), ..BARE });
+    let glass = Transmission { coefficient: gray(1.0), fresnel: true };
+    let inside = InteriorMedium::clear(1.5);
+    let appearance = white_room_with(Phong { mirror: gray(1.0), transmission: Some(glass), ..BARE }, inside);
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 1);
     assert_eq!(world.traced, [RayKind::Primary, RayKind::Reflection, RayKind::Refraction]);
     assert!((seen - 1.0).abs() < 1e-14, "reflected and refracted parts add up: {seen}");
     assert_eq!(counts.fresnel, 1);
     // Without what is mirrored, the reflectance at right angles, 0.04, is missing.
-    let clear = white_room(Phong { transmission: Some(glass), ..BARE });
+    let clear = white_room_with(Phong { transmission: Some(glass), ..BARE }, inside);
     let (seen, _) = look(&mut Echo::new(1), &clear, 1);
     assert!((seen - 0.96).abs() < 1e-14, "{seen}");
 }
 
 #[test]
 fn absorption_follows_beers_law() {
-    let tinted = Transmission {
-        coefficient: gray(1.0),
-        ior: 1.5,
-        fresnel: false,
-        absorption: Rgb::new(0.5, 0.0, 1.0),
-        priority: 0,
-    };
-    let appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
+    let clear = Transmission { coefficient: gray(1.0), fresnel: false };
+    let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
+    let appearance = white_room_with(Phong { transmission: Some(clear), ..BARE }, tinted);
     let mut whitted = Whitted::new(2, 0.0, Needs::of(&appearance, |_| true));
     let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
     let seen = whitted.radiance(&mut Echo::new(2), &appearance, &ray).radiance;
@@ -139,16 +144,11 @@ fn absorption_follows_beers_law() {
 #[test]
 fn what_stands_inside_glass_is_seen_through_it() {
     // Into tinted glass, 2 units to an opaque glowing body in it, which is met from its outside.
-    let tinted = Transmission {
-        coefficient: gray(1.0),
-        ior: 1.5,
-        fresnel: false,
-        absorption: Rgb::new(0.5, 0.0, 1.0),
-        priority: 0,
-    };
-    let mut appearance = white_room(Phong { transmission: Some(tinted), ..BARE });
-    let core = Phong { emission: gray(1.0), mirror: gray(1.0), ..BARE };
-    appearance.materials.push(Material::new("core".into(), core));
+    let clear = Transmission { coefficient: gray(1.0), fresnel: false };
+    let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
+    let mut appearance = white_room_with(Phong { transmission: Some(clear), ..BARE }, tinted);
+    let core = Material::new("core".into(), Phong { mirror: gray(1.0), ..BARE });
+    appearance.materials.push(Material { emission: gray(1.0), ..core });
     struct Paperweight(u32);
     impl Tracer for Paperweight {
         fn closest(&mut self, ray: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
@@ -178,8 +178,9 @@ fn what_stands_inside_glass_is_seen_through_it() {
 #[test]
 fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
     // A ray that grazes a denser outside: the shading normal is tilted, so that Snell has no solution.
-    let thin = Transmission { coefficient: gray(0.85), ior: 0.2, fresnel: false, absorption: Rgb::BLACK, priority: 0 };
-    let appearance = white_room(Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE });
+    let thin = Transmission { coefficient: gray(0.85), fresnel: false };
+    let phong = Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE };
+    let appearance = white_room_with(phong, InteriorMedium::clear(0.2));
     struct Tilted(u32);
     impl Tracer for Tilted {
         fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
@@ -206,15 +207,9 @@ fn local_light_is_phongs_sum() {
         units: LightUnits::Classical,
         casts_shadows,
     };
-    let phong = Phong {
-        ambient: gray(0.1),
-        diffuse: gray(0.5),
-        specular: gray(0.25),
-        exponent: 3.0,
-        emission: gray(0.01),
-        ..BARE
-    };
+    let phong = Phong { ambient: gray(0.1), diffuse: gray(0.5), specular: gray(0.25), exponent: 3.0, ..BARE };
     let mut appearance = white_room(phong);
+    appearance.materials[0].emission = gray(0.01);
     appearance.ambient = Rgb::gray(0.5);
     appearance.lights = vec![light(true), light(false)];
     let mut world = Echo::new(1);

@@ -8,8 +8,8 @@
 //! ```
 
 use crate::{
-    Interior, Seen,
-    interior::{InteriorListStack, MediumInterface},
+    InteriorList, Seen,
+    interior_list::{InteriorListStack, MediumInterface},
     ray_queues::RayQueues,
 };
 use rt_math::{Interval, Ray, Rgb};
@@ -46,7 +46,7 @@ pub(super) struct PixelTree {
     /// Media around the rays in `deferred`.
     interiors: InteriorListStack,
     /// Media around the current path.
-    pub(super) interior: Interior,
+    pub(super) interior: InteriorList,
 }
 
 impl PixelTree {

@@ -94,7 +94,7 @@ fn bright_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let mut image = area_light().scene(&GROUND, 1e-9, "")?;
     if is_wrong {
         for material in image.scene.appearance.materials.iter_mut().filter(|material| material.name == "lamp") {
-            material.phong.emission = ColorTexture::Constant(Rgb::gray(1.01));
+            material.emission = ColorTexture::Constant(Rgb::gray(1.01));
         }
     }
     Ok(image.mean(Integrator::Path, PATTERN, SPP, seed)? * PI / ALBEDO)
@@ -106,7 +106,7 @@ fn two_sided_light(is_wrong: bool, seed: u64) -> Fallible<f64> {
     let mut image = turned.scene(&GROUND, 1e-9, "")?;
     if is_wrong {
         for material in &mut image.scene.appearance.materials {
-            material.shines = rt_shading::light::EmissionSides::Both;
+            material.emission_sides = rt_shading::light::EmissionSides::Both;
         }
     }
     image.mean(Integrator::Path, PATTERN, SPP, seed)

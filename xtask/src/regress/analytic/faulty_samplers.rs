@@ -121,8 +121,8 @@ impl Tracer for TwoShapes {
 fn appearance() -> Appearance {
     let gray = |value| ColorTexture::Constant(Rgb::gray(value));
     let ground = Phong { ambient: ColorTexture::ZERO, diffuse: gray(ALBEDO), ..Phong::default() };
-    let emissive = Phong { diffuse: ColorTexture::ZERO, emission: gray(1.0), ..ground };
-    let area_light = Material { shines: EmissionSides::Front, ..Material::new("lamp".into(), emissive) };
+    let black = Material::new("lamp".into(), Phong::BLACK);
+    let area_light = Material { emission: gray(1.0), emission_sides: EmissionSides::Front, ..black };
     Appearance { materials: vec![Material::new("ground".into(), ground), area_light], ..Appearance::default() }
 }
 

@@ -67,8 +67,8 @@ fn two(strong_is_seen: bool) -> Fallible<(TestImage, f64)> {
             "black" => STRONG,
             _ => continue,
         };
-        material.phong.emission = ColorTexture::Constant(Rgb::gray(radiance));
-        material.shines = EmissionSides::Front;
+        material.emission = ColorTexture::Constant(Rgb::gray(radiance));
+        material.emission_sides = EmissionSides::Front;
     }
     let seen = if strong_is_seen { STRONG * strong.irradiance(&receiver) } else { 0.0 };
     Ok((image, WEAK * weak.irradiance(&receiver) + seen))

@@ -129,15 +129,11 @@ fn nan_texels(conditions: &Conditions) -> CaseResult {
     for (texel, value) in bad {
         pixels[texel][texel % 3] = value;
     }
-    let phong = Phong {
-        ambient: ColorTexture::ZERO,
-        diffuse: ColorTexture::ZERO,
-        emission: ColorTexture::Textured(TextureId(0), Rgb::WHITE),
-        ..Phong::default()
-    };
     let upright = Transform::rotate(DVec3::X, PI / 2.0)?;
     let board = Content::Shape(Shape::Rectangle(Rectangle::new(2.0, 2.0)?));
-    let mut scene = facing(SIDE, SIDE, Node { parent_from_local: upright, ..Node::new(board, MaterialId(0)) }, phong);
+    let mut scene =
+        facing(SIDE, SIDE, Node { parent_from_local: upright, ..Node::new(board, MaterialId(0)) }, Phong::BLACK);
+    scene.appearance.materials[0].emission = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
     let bitmap = Arc::new(Bitmap::opaque(SIDE, SIDE, pixels));
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
     scene.settings.spp = spp;
@@ -158,8 +154,8 @@ fn extreme_sizes(_: &Conditions) -> CaseResult {
     let mut checks = Checks::default();
     for (width, height) in [(1, 1), (1, LONG), (LONG, 1)] {
         let sphere = Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.9)?));
-        let glow = Phong { emission: ColorTexture::Constant(Rgb::gray(0.25)), ..Phong::default() };
-        let mut scene = facing(width, height, Node::new(sphere, MaterialId(0)), glow);
+        let mut scene = facing(width, height, Node::new(sphere, MaterialId(0)), Phong::default());
+        scene.appearance.materials[0].emission = ColorTexture::Constant(Rgb::gray(0.25));
         if width > height {
             // As wide as it would be high.
             scene.cameras[0].settings.projection = Projection::Orthographic { height: 2.0 / f64::from(LONG) };

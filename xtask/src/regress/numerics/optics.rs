@@ -8,8 +8,8 @@ use rt_math::{
     transcendental::{asin, atan, cos, sin, sincos, tan},
 };
 use rt_shading::{
-    Appearance, Background, ColorTexture, Highlight, Material, Needs, Phong, ShadingCounts, SurfaceHit, Tracer,
-    Transmission, Whitted, optics,
+    Appearance, Background, ColorTexture, Highlight, InteriorMedium, Material, Needs, Phong, ShadingCounts, SurfaceHit,
+    Tracer, Transmission, Whitted, optics,
 };
 use rt_tests::{Draw, ShapeSet};
 
@@ -36,19 +36,23 @@ const BARE: Phong = Phong {
     specular: ColorTexture::ZERO,
     exponent: 1.0,
     highlight: Highlight::Phong,
-    emission: ColorTexture::ZERO,
     mirror: ColorTexture::ZERO,
     transmission: None,
 };
 
 /// A clear dielectric that transmits all light, or Fresnel's part of it.
-fn body(ior: f64, fresnel: bool) -> Phong {
-    let transmission = Transmission { coefficient: WHITE, ior, fresnel, absorption: Rgb::BLACK, priority: 0 };
-    Phong { mirror: if fresnel { WHITE } else { ColorTexture::ZERO }, transmission: Some(transmission), ..BARE }
+fn body(ior: f64, fresnel: bool) -> Material {
+    let transmission = Some(Transmission { coefficient: WHITE, fresnel });
+    let phong = Phong { mirror: if fresnel { WHITE } else { ColorTexture::ZERO }, transmission, ..BARE };
+    Material { interior: Some(InteriorMedium::clear(ior)), ..Material::new(String::new(), phong) }
 }
 
-fn glow(radiance: f64) -> Phong {
-    Phong { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..BARE }
+fn emissive(radiance: f64, phong: Phong) -> Material {
+    Material { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..Material::new(String::new(), phong) }
+}
+
+fn mirror() -> Material {
+    Material::new(String::new(), Phong { mirror: WHITE, ..BARE })
 }
 
 /// Shapes, each with the material of its index, and all traced rays.
@@ -81,9 +85,8 @@ struct Look {
     counts: ShadingCounts,
 }
 
-fn look(shapes: &[(Shape, Phong)], background: Background, depth: u32, ray: &Ray) -> Look {
-    let material = |(_, phong): &(Shape, Phong)| Material::new(String::new(), *phong);
-    let materials = shapes.iter().map(material).collect();
+fn look(shapes: &[(Shape, Material)], background: Background, depth: u32, ray: &Ray) -> Look {
+    let materials = shapes.iter().map(|(_, material)| material.clone()).collect();
     let appearance = Appearance { materials, background, ..Appearance::default() };
     let set = ShapeSet::of_shapes(shapes.iter().map(|(shape, _)| shape.clone()));
     let mut world = World { set, rays: Vec::new() };
@@ -110,8 +113,8 @@ fn unit_sphere() -> Result<Shape, rt_geometry::ShapeError> {
 const SKY: Background = Background::Gradient { bottom: Rgb::gray(0.25), top: Rgb::gray(0.75) };
 
 fn null_glass(conditions: &Conditions) -> CaseResult {
-    let (null, floor) = ((unit_sphere()?, body(1.0, true)), (slab(-3.0, -1.2)?, glow(0.625)));
-    let mirror = (slab(3.0, 4.0)?, Phong { mirror: WHITE, ..BARE });
+    let (null, floor) = ((unit_sphere()?, body(1.0, true)), (slab(-3.0, -1.2)?, emissive(0.625, BARE)));
+    let mirror = (slab(3.0, 4.0)?, mirror());
     let with = [floor.clone(), mirror.clone(), null];
     let without = [floor, mirror];
     Ok(Checks::of_all(conditions.count(5_000, 200_000), |index, checks| {
@@ -124,8 +127,8 @@ fn null_glass(conditions: &Conditions) -> CaseResult {
 }
 
 fn one_body(conditions: &Conditions) -> CaseResult {
-    let glass = body(GLASS, true);
-    let (one, two) = ([(slab(-1.0, 1.0)?, glass)], [(slab(-1.0, 0.3)?, glass), (slab(-0.2, 1.0)?, glass)]);
+    let glass = || body(GLASS, true);
+    let (one, two) = ([(slab(-1.0, 1.0)?, glass())], [(slab(-1.0, 0.3)?, glass()), (slab(-0.2, 1.0)?, glass())]);
     Ok(Checks::of_all(conditions.count(2_000, 100_000), |index, checks| {
         let mut draw = Draw::of(50, index);
         let origin = DVec3::new(draw.between(-2.0, 2.0), 4.0, draw.between(-2.0, 2.0));
@@ -214,12 +217,12 @@ fn plate(_: &Conditions) -> CaseResult {
 /// Walls that glow with 0.001 and mirror 0.999: after n bounces 1 − 0.999ⁿ⁺¹ is seen.
 fn mirror_box(_: &Conditions) -> CaseResult {
     let mut checks = Checks::default();
-    let walls = Phong { mirror: ColorTexture::Constant(Rgb::gray(0.999)), ..glow(0.001) };
+    let walls = emissive(0.001, Phong { mirror: ColorTexture::Constant(Rgb::gray(0.999)), ..BARE });
     let mirrors = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5))?;
     for turn in 0..20 {
         let direction = Draw::new(turn).direction();
         let ray = Ray::new(DVec3::new(0.1, 0.2, 0.3), direction);
-        let Look { radiance, counts, .. } = look(&[(Shape::Cuboid(mirrors), walls)], SKY, 999, &ray);
+        let Look { radiance, counts, .. } = look(&[(Shape::Cuboid(mirrors), walls.clone())], SKY, 999, &ray);
         let left = 1.0 - radiance.r;
         checks.near(left, 0.367_695_424_770_964_06, Tolerance::Absolute(1e-12), direction);
         checks.same(counts.depth_limited, 1, "reports of the depth");
@@ -230,8 +233,7 @@ fn mirror_box(_: &Conditions) -> CaseResult {
 fn facing_mirrors(_: &Conditions) -> CaseResult {
     const DEPTH: u32 = 10_000;
     let mut checks = Checks::default();
-    let mirror = Phong { mirror: WHITE, ..BARE };
-    let plane = |height: f64| Plane::new(DVec3::Y * height, DVec3::Y).map(|plane| (Shape::Plane(plane), mirror));
+    let plane = |height: f64| Plane::new(DVec3::Y * height, DVec3::Y).map(|plane| (Shape::Plane(plane), mirror()));
     let ray = Ray::new(DVec3::Y * 0.5, down(1e-4));
     let Look { radiance, rays, counts } = look(&[plane(0.0)?, plane(1.0)?], SKY, DEPTH, &ray);
     checks.same((radiance, counts.depth_limited), (Rgb::BLACK, 1), "what is seen, and reports of the depth");

@@ -1,4 +1,4 @@
-//! `sample` tells the same values as `eval` and `pdf`.
+//! `sample` returns the same values as `eval` and `pdf`.
 
 use super::*;
 
@@ -24,8 +24,8 @@ fn samples_carry_what_eval_and_pdf_give() {
                     continue;
                 }
                 assert!(!bsdf.is_delta(), "{name}");
-                // The half vector is known to about 1e-16, of which lobes of width 0.0025 make 400 times as much, and
-                // refraction by an index of 1.01 a hundred times again.
+                // The half vector has an error of about 1e-16. Lobes of width 0.0025 multiply it by 400, and refraction by an
+                // index of 1.01 by another 100.
                 let pdf = bsdf.pdf(wo, sample.wi);
                 assert!(difference(pdf, sample.pdf) < 1e-9, "{name} at {degrees}°: {pdf} {}", sample.pdf);
                 let value = bsdf.eval(wo, sample.wi);
@@ -40,7 +40,7 @@ fn samples_carry_what_eval_and_pdf_give() {
 }
 
 #[test]
-fn nothing_is_seen_of_single_directions() {
+fn delta_lobes_have_no_value_and_no_density() {
     for Surface { name, bsdf } in surfaces().into_iter().filter(|surface| surface.bsdf.is_delta()) {
         let wo = at_angle(30.0, 0.0);
         let sample = bsdf.sample(wo, [0.99, 0.5, 0.5]).expect("scatters");
@@ -50,7 +50,7 @@ fn nothing_is_seen_of_single_directions() {
 }
 
 #[test]
-fn a_leaning_coat_reflects_by_its_own_normal() {
+fn a_clearcoat_reflects_by_its_own_normal() {
     let [Surface { bsdf, .. }, _] = leaning();
     let normal = DVec3::new(0.48, -0.36, 0.8);
     for (wo, normal) in [(at_angle(20.0, 0.3), normal), (-at_angle(20.0, 0.3), -normal)] {
@@ -58,7 +58,7 @@ fn a_leaning_coat_reflects_by_its_own_normal() {
         let expected = normal * (2.0 * wo.dot(normal)) - wo;
         assert!(sample.is_delta && (sample.wi - expected).length() < 1e-12, "{} is not {expected}", sample.wi);
     }
-    // What is seen of the back of the coat is nothing, and no number that is none.
+    // The back of the clearcoat reflects nothing, without NaN.
     let behind = DVec3::new(-0.9, 0.4, 0.05).normalize();
     assert!(behind.dot(normal) < 0.0);
     for index in 0..200 {

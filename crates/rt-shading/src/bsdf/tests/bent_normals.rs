@@ -46,7 +46,7 @@ fn vertex<'a>(bent: &Bent, surface: &'a mut SurfaceInteraction, bsdf: &'a Bsdf) 
     Vertex::new(ViewedSurface::new(-bent.wo, inside, surface), bsdf, 0.0)
 }
 
-/// Rounding decided about it, and with it about reflection, transmission, and the index of refraction.
+/// Rounding chose the side, and with it reflection, transmission, and the index of refraction.
 #[test]
 fn the_geometric_normal_decides_about_the_viewers_side() {
     let bsdf = Lambert { albedo: Rgb::WHITE }.into();

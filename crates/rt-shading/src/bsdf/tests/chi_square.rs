@@ -16,8 +16,8 @@ pub(super) struct Outcome {
     pub(super) total: f64,
 }
 
-/// Counts the samples of `sample` in cells against the integrals of `pdf`. Samples that fail, and those of single directions,
-/// are a cell of their own: what the density lacks of 1.
+/// Counts the samples of `sample` in cells against the integrals of `pdf`. Samples that fail, and those of delta lobes,
+/// are counted in one more cell, which holds the rest of the density.
 pub(super) fn chi_square(
     sphere: &Sphere,
     seed: u64,
@@ -62,7 +62,7 @@ fn deviation(groups: &[(f64, f64)]) -> f64 {
     (transcendental::cbrt(statistic / freedom) - (1.0 - ninth)) / ninth.sqrt()
 }
 
-/// How far a normal variable must be above its mean for one of `tests` to come there by chance with 1 % (Šidák 1967).
+/// Distance of a normal variable above its mean for one of `tests` to come there by chance with 1 % (Šidák 1967).
 pub(super) fn threshold(tests: usize) -> f64 {
     let level = 1.0 - transcendental::pow(0.99, 1.0 / tests as f64);
     let (mut low, mut high) = (2.0, 10.0);

@@ -1,5 +1,5 @@
-//! The white furnace: in light of radiance 1 from everywhere (n² in a medium of index n) no surface is brighter than that,
-//! and one that absorbs nothing is as bright.
+//! White furnace: the radiance is 1 from all directions (n² in a medium of index n). No surface may be brighter, and one that
+//! absorbs nothing is equally bright.
 
 use super::*;
 
@@ -119,7 +119,7 @@ fn lobes_over_each_other_add_their_light() {
 }
 
 #[test]
-fn a_leaning_coat_makes_no_light() {
+fn a_clearcoat_with_its_own_normal_gains_no_energy() {
     for Surface { name, bsdf } in leaning() {
         for degrees in ANGLES {
             let Brightness { mean, error, .. } = brightness(&bsdf, at_angle(degrees, 0.4), 7);

@@ -28,7 +28,7 @@ fn light_may_go_either_way() {
 }
 
 #[test]
-fn single_directions_lead_back_with_the_same_share() {
+fn delta_lobes_are_reciprocal() {
     for bsdf in [Bsdf::from(Dielectric::clear(1.5, 0.0)), pane().into()] {
         for index in 0..1000 {
             let wo = at_angle(180.0 * numbers(30, index)[0], 1.0);
@@ -240,7 +240,7 @@ fn the_sharpest_lobes_of_phong_keep_their_energy() {
     }
 }
 
-/// What a channel of a prism gets is what glass of its index gives.
+/// Each channel of a dispersive dielectric equals a dielectric of its index.
 #[test]
 fn channels_of_a_prism_are_glass_of_their_own_index() {
     for roughness in [0.0, 0.4] {

@@ -16,8 +16,8 @@ pub(super) struct Sphere {
 }
 
 impl Sphere {
-    /// Cells for the lobes of light from `wo` at a surface of the index of refraction `ior`: the axes are where a smooth
-    /// surface would send it.
+    /// Cells for the lobes of a surface of index of refraction `ior`. The axes are the mirrored and refracted directions of
+    /// `wo`.
     pub(super) fn around(wo: DVec3, ior: f64) -> Self {
         let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
         let eta = if wo.z > 0.0 { 1.0 / ior } else { ior };

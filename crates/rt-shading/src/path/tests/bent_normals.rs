@@ -101,11 +101,11 @@ fn opaque_materials() -> Vec<Material> {
     };
     let metal = crate::bsdf::ComplexIor::GOLD;
     vec![
-        physical(diffuse(1.0), 0.0),
-        physical(Physical::Diffuse { albedo: white, roughness: 0.5 }, 0.0),
-        physical(Physical::Glossy { diffuse: gray(0.5), specular: gray(0.5), exponent: 2.0 }, 0.0),
-        physical(Physical::Conductor { ior: metal, roughness: 0.7 }, 0.0),
-        physical(Physical::MetallicRoughness { base_color: white, metallic: 0.0, roughness: 0.4 }, 0.0),
+        emissive(diffuse(1.0), 0.0),
+        emissive(MaterialModel::Diffuse { albedo: white, roughness: 0.5 }, 0.0),
+        emissive(MaterialModel::Glossy { diffuse: gray(0.5), specular: gray(0.5), exponent: 2.0 }, 0.0),
+        emissive(MaterialModel::Conductor { ior: metal, roughness: 0.7 }, 0.0),
+        emissive(MaterialModel::MetallicRoughness { base_color: white, metallic: 0.0, roughness: 0.4 }, 0.0),
         Material::new(String::new(), classical),
     ]
 }
@@ -117,7 +117,7 @@ fn an_opaque_wall_with_bent_normals_that_is_lit_from_behind_is_black() {
         let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("an emission");
         let disk = DiskLight::new(DVec3::Y * -2.0, DVec3::Y, 1.5, 0.0, emission).expect("a light");
         let glowing = Sphere::new(DVec3::Y * -5.0, 2.5).expect("a sphere");
-        let mut scene = Scene::new(vec![material, physical(diffuse(0.0), 1.0)], vec![Light::Disk(disk)])
+        let mut scene = Scene::new(vec![material, emissive(diffuse(0.0), 1.0)], vec![Light::Disk(disk)])
             .with(wall(), 0, None)
             .with(Shape::Sphere(glowing), 1, None);
         scene.appearance.lights = vec![sun(DVec3::new(0.6, -0.8, 0.0), true), sun(DVec3::new(0.0, -0.6, 0.8), false)];
@@ -155,11 +155,13 @@ fn a_lit_quad_with_bent_normals_is_as_bright_under_every_integrator() {
 /// Mirrors and smooth glass were black there.
 #[test]
 fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
-    let glass = Transmission { coefficient: gray(1.0), ior: 1.5, fresnel: true, absorption: Rgb::BLACK, priority: 0 };
+    let glass = Transmission { coefficient: gray(1.0), fresnel: true };
     let mirror =
         Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, mirror: gray(0.9), ..Phong::default() };
     for phong in [mirror, Phong { transmission: Some(glass), ..mirror }] {
-        let mut scene = Scene::new(vec![Material::new(String::new(), phong)], vec![]).with(wall(), 0, None);
+        let interior = phong.transmission.map(|_| InteriorMedium::clear(1.5));
+        let material = Material { interior, ..Material::new(String::new(), phong) };
+        let mut scene = Scene::new(vec![material], vec![]).with(wall(), 0, None);
         scene.appearance.background = Background::Gradient { bottom: Rgb::gray(0.25), top: Rgb::WHITE };
         for (wo, normal) in bent_views(100) {
             for wo in [wo, -wo] {
@@ -178,7 +180,7 @@ fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
 /// angle β between them, that is (1 + cos β) / 2 of it.
 #[test]
 fn white_diffuse_surfaces_with_bent_normals_show_what_a_numeric_integral_says() {
-    let mut scene = Scene::new(vec![physical(diffuse(1.0), 0.0)], vec![]).with(wall(), 0, None);
+    let mut scene = Scene::new(vec![emissive(diffuse(1.0), 0.0)], vec![]).with(wall(), 0, None);
     scene.appearance.background = Background::Constant(Rgb::WHITE);
     for (wo, normal) in bent_views(20) {
         let bent = (normal - wo * normal.dot(wo)).normalize();

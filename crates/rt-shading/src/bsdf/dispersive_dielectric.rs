@@ -1,22 +1,23 @@
-//! Glass that bends colours apart.
+//! Dielectric interface with dispersion.
 
 use super::{BsdfSample, Dielectric};
 use rt_math::{DVec3, Rgb};
 
-/// The surface of glass whose index of refraction differs among red, green and blue, as KHR_materials_dispersion
-/// approximates it. Each channel is a [`Dielectric`] of its own; a sample follows one of them.
+/// Interface of glass with an index of refraction per channel, as in KHR_materials_dispersion.
+///
+/// Each channel is a [`Dielectric`]; a sample follows one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DispersiveDielectric {
-    /// Index of refraction below the surface divided by that above, of each channel.
+    /// Index of refraction below the surface divided by that above, per channel.
     pub iors: [f64; 3],
     /// Roughness in \[0, 1\].
     pub roughness: f64,
-    /// What is left of transmitted light.
+    /// Factor of transmitted light.
     pub transmittance: Rgb,
 }
 
 impl DispersiveDielectric {
-    /// True if all channels are bent alike.
+    /// True if all channels have the same index.
     pub(super) fn is_plain(&self) -> bool {
         self.iors[0] == self.iors[1] && self.iors[1] == self.iors[2]
     }
@@ -25,12 +26,12 @@ impl DispersiveDielectric {
         Dielectric { transmittance: self.transmittance, ..Dielectric::clear(self.iors[index], self.roughness) }
     }
 
-    /// True if light goes into single directions.
+    /// True if all lobes are delta distributions.
     pub fn is_smooth(&self) -> bool {
         (0..3).all(|index| self.channel(index).is_smooth())
     }
 
-    /// As [`super::Bsdf::eval`].
+    /// Implements [`super::Bsdf::eval`].
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         if self.is_plain() {
             return self.channel(0).eval(wo, wi);
@@ -39,7 +40,7 @@ impl DispersiveDielectric {
         Rgb::new(r.r, g.g, b.b)
     }
 
-    /// As [`super::Bsdf::pdf`].
+    /// Implements [`super::Bsdf::pdf`].
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         if self.is_plain() {
             return self.channel(0).pdf(wo, wi);
@@ -47,19 +48,19 @@ impl DispersiveDielectric {
         (0..3).map(|index| self.channel(index).pdf(wo, wi)).sum::<f64>() / 3.0
     }
 
-    /// As [`super::Bsdf::sample`].
+    /// Implements [`super::Bsdf::sample`].
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         if self.is_plain() {
             return self.channel(0).sample(wo, u);
         }
-        // The conversion cuts the fraction off.
+        // The conversion truncates.
         let index = ((3.0 * u[0]) as usize).min(2);
         let within = [(3.0 * u[0] - index as f64).clamp(0.0, 1.0), u[1], u[2]];
         let sample = self.channel(index).sample(wo, within)?;
         if !sample.is_delta {
             return BsdfSample { value: self.eval(wo, sample.wi), pdf: self.pdf(wo, sample.wi), ..sample }.if_finite();
         }
-        // The light of this channel alone: each is refracted into a direction of its own.
+        // Channels are refracted to different directions, so that the sample carries one of them.
         let value = Rgb::from(core::array::from_fn(|k| {
             if k == index { [sample.value.r, sample.value.g, sample.value.b][k] } else { 0.0 }
         }));

@@ -1,6 +1,6 @@
-//! Directional albedo of a rough dielectric layer over a diffuse base.
+//! Table of the directional albedo of a dielectric layer.
 
-use super::{Ggx, metallic_roughness::schlick_weight};
+use super::{Ggx, schlick::schlick_weight};
 use crate::optics;
 use rt_math::DVec3;
 use std::sync::OnceLock;
@@ -30,39 +30,39 @@ struct Row {
 /// Rows are integrated when a surface of their roughness is shaded first: most scenes need two.
 static ROWS: [OnceLock<Row>; ROUGHNESSES] = [const { OnceLock::new() }; ROUGHNESSES];
 
-/// The layer of roughness `roughness`: between two rows of the table.
-pub(super) struct LayerOf {
+/// Albedo of a layer of one roughness: a position between two rows of the table.
+pub(super) struct LayerAlbedo {
     rows: [&'static Row; 2],
     fraction: f64,
 }
 
-impl LayerOf {
-    /// `roughness` is taken for the nearer end of \[0, 1\], NaN for 0.
-    pub(super) fn roughness(roughness: f64) -> Self {
+impl LayerAlbedo {
+    /// Clamps `roughness` to \[0, 1\]; NaN counts as 0.
+    pub(super) fn new(roughness: f64) -> Self {
         let (below, fraction) = place(roughness, ROUGHNESSES);
         let row = |index: usize| ROWS[index].get_or_init(|| Row::integrate(entry(index, ROUGHNESSES)));
         Self { rows: [row(below), row(below + 1)], fraction }
     }
 
-    /// Part of the light under the angle of the cosine that a dielectric of index 1.5 reflects: E.
-    pub(super) fn reflects(&self, cos: f64) -> f64 {
-        dielectric(self.reflects_split(cos))
+    /// Directional albedo E of a dielectric of index 1.5 at a cosine.
+    pub(super) fn directional(&self, cos: f64) -> f64 {
+        dielectric(self.directional_by_fresnel(cos))
     }
 
-    /// Part of light from everywhere that a dielectric of index 1.5 reflects: Ē.
-    pub(super) fn reflects_on_average(&self) -> f64 {
-        dielectric(self.reflects_split_on_average())
+    /// Mean albedo Ē of a dielectric of index 1.5.
+    pub(super) fn mean(&self) -> f64 {
+        dielectric(self.mean_by_fresnel())
     }
 
     /// E of facets with other Fresnel terms: f0 times the first number plus f90 times the second.
-    pub(super) fn reflects_split(&self, cos: f64) -> Split {
+    pub(super) fn directional_by_fresnel(&self, cos: f64) -> Split {
         let (column, fraction) = place(cos, COSINES);
         let [below, above] = self.rows.map(|row| between(row.albedo[column], row.albedo[column + 1], fraction));
         between(below, above, self.fraction)
     }
 
-    /// Ē in the parts of [`LayerOf::reflects_split`].
-    pub(super) fn reflects_split_on_average(&self) -> Split {
+    /// Ē in the parts of [`LayerAlbedo::directional_by_fresnel`].
+    pub(super) fn mean_by_fresnel(&self) -> Split {
         let [below, above] = self.rows;
         between(below.mean, above.mean, self.fraction)
     }
@@ -72,16 +72,16 @@ fn dielectric([along, grazing]: Split) -> f64 {
     F0 * along + grazing
 }
 
-/// The entry at or below `x`, taken for the nearer end of \[0, 1\], NaN for 0, and the way to the next.
+/// Entry at or below `x`, clamped to \[0, 1\], and the fraction to the next; NaN counts as 0.
 fn place(x: f64, count: usize) -> (usize, f64) {
     let x = if x > 0.0 { x.min(1.0) } else { 0.0 };
-    // The conversion cuts the fraction off.
+    // The conversion truncates.
     let below = ((x.sqrt() * (count - 1) as f64) as usize).min(count - 2);
     let (from, to) = (entry(below, count), entry(below + 1, count));
     (below, (x - from) / (to - from))
 }
 
-/// What the table holds an entry for: squares of evenly spaced numbers from 0 to 1.
+/// Argument of an entry: the square of evenly spaced numbers from 0 to 1.
 fn entry(index: usize, count: usize) -> f64 {
     let root = index as f64 / (count - 1) as f64;
     root * root
@@ -140,7 +140,7 @@ fn directional_albedo(cos: f64, roughness: f64) -> Split {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::metallic_roughness::dielectric_fresnel, *};
+    use super::{super::schlick::dielectric_fresnel, *};
 
     /// Midpoint rule on a grid that is finer by far than the lattice.
     fn albedo_by_grid(cos: f64, roughness: f64, steps: u32) -> f64 {
@@ -165,7 +165,7 @@ mod tests {
             for degrees in [0.0f64, 45.0, 60.0, 75.0, 85.0, 89.0, 89.5, 89.9] {
                 let cos = rt_math::transcendental::cos(degrees.to_radians());
                 let expected = albedo_by_grid(cos, roughness, 400);
-                let found = LayerOf::roughness(roughness).reflects(cos);
+                let found = LayerAlbedo::new(roughness).directional(cos);
                 assert!(
                     (found - expected).abs() < 1e-3,
                     "roughness {roughness}, {degrees}°: {found:.5} instead of {expected:.5}"

@@ -1,18 +1,14 @@
-//! Tests of the list itself; what it does to light is tested with the integrator.
+//! Tests of the list. Its effect on light is tested with the integrators.
 
 use super::*;
-use crate::{ColorTexture, Phong};
+use crate::Phong;
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
 fn materials(priorities: &[i32]) -> Vec<Material> {
-    let inside = |priority: i32, ior: f64| {
-        let coefficient = ColorTexture::Constant(Rgb::WHITE);
-        Transmission { coefficient, ior, fresnel: true, absorption: Rgb::BLACK, priority }
-    };
     let material = |(i, priority): (usize, &i32)| {
-        let transmission = Some(inside(*priority, 1.0 + i as f64));
-        Material::new(format!("{i}"), Phong { transmission, ..Phong::default() })
+        let interior = InteriorMedium { priority: *priority, ..InteriorMedium::clear(1.0 + i as f64) };
+        Material { interior: Some(interior), ..Material::new(format!("{i}"), Phong::default()) }
     };
     priorities.iter().enumerate().map(material).collect()
 }
@@ -22,8 +18,8 @@ fn hit(object: u32, material: u32) -> SurfaceHit {
     SurfaceHit { t: 1.0, interaction, object, material, light: None }
 }
 
-/// Goes through a surface; the iors on both sides of it, or `None` where it is not there.
-fn cross(interior: &mut Interior, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<[f64; 2]> {
+/// Crosses a surface. Returns the indices of refraction on both sides, or `None` if it is ignored.
+fn cross(interior: &mut InteriorList, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<[f64; 2]> {
     let interface = interior.interface(materials, hit, leaving).expect("room in the list");
     interior.cross(&interface);
     assert_eq!(interior.medium(materials), interface.after);
@@ -31,9 +27,9 @@ fn cross(interior: &mut Interior, materials: &[Material], hit: &SurfaceHit, leav
 }
 
 #[test]
-fn the_greatest_priority_is_there() {
+fn the_highest_priority_counts() {
     let materials = materials(&[0, 5, -3]);
-    let mut interior = Interior::default();
+    let mut interior = InteriorList::default();
     assert_eq!(cross(&mut interior, &materials, &hit(0, 0), false), Some([1.0, 1.0]));
     assert_eq!(cross(&mut interior, &materials, &hit(1, 1), false), Some([1.0, 2.0]));
     assert_eq!(cross(&mut interior, &materials, &hit(2, 2), false), None);
@@ -44,11 +40,11 @@ fn the_greatest_priority_is_there() {
 }
 
 #[test]
-fn among_equals_the_body_that_was_entered_last_is_there() {
+fn among_equals_the_dielectric_entered_last_counts() {
     // Objects 0 and 2 are of one material: which of them is left decides whether 1 is there.
     let materials = materials(&[7, 7]);
     for (left, there) in [(0, 1.0), (2, 2.0)] {
-        let mut interior = Interior::default();
+        let mut interior = InteriorList::default();
         for (object, material) in [(0, 0), (1, 1), (2, 0)] {
             assert!(cross(&mut interior, &materials, &hit(object, material), false).is_some());
         }
@@ -60,17 +56,17 @@ fn among_equals_the_body_that_was_entered_last_is_there() {
 #[test]
 fn what_is_left_without_having_been_entered_lay_below_all_else() {
     let materials = materials(&[0, 0, 1]);
-    let mut interior = Interior::default();
+    let mut interior = InteriorList::default();
     cross(&mut interior, &materials, &hit(1, 1), false);
     assert_eq!(cross(&mut interior, &materials, &hit(0, 0), true), None, "covered by an equal that was entered");
     assert_eq!(cross(&mut interior, &materials, &hit(2, 2), true), Some([3.0, 2.0]), "of higher priority");
-    assert_eq!(interior.bodies, [MediumEntry { object: 1, material: 1 }]);
+    assert_eq!(interior.entries, [MediumEntry { object: 1, material: 1 }]);
 }
 
 #[test]
 fn a_full_list_refuses_more() {
     let materials = materials(&[0, 0]);
-    let mut interior = Interior::default();
+    let mut interior = InteriorList::default();
     for object in 0..CAPACITY as u32 {
         cross(&mut interior, &materials, &hit(object, 0), false);
     }
@@ -83,7 +79,7 @@ fn a_full_list_refuses_more() {
 fn lists_come_off_the_stack_as_they_were_put_on() {
     let materials = materials(&[0, 1]);
     let mut stack = InteriorListStack::default();
-    let mut interior = Interior::filled_with(0);
+    let mut interior = InteriorList::filled_with(0);
     let entering = interior.interface(&materials, &hit(4, 1), false).expect("room");
     let leaving = interior.interface(&materials, &hit(7, 0), true).expect("it is there");
     let within = stack.push(&interior, &entering);
@@ -92,9 +88,9 @@ fn lists_come_off_the_stack_as_they_were_put_on() {
     stack.pop(&mut interior, outside);
     assert!(interior.is_empty());
     stack.pop(&mut interior, within);
-    assert_eq!(interior.bodies[0], Interior::filled_with(0).bodies[0]);
-    assert_eq!(interior.bodies[1], MediumEntry { object: 4, material: 1 });
-    assert!(stack.bodies.is_empty());
+    assert_eq!(interior.entries[0], InteriorList::filled_with(0).entries[0]);
+    assert_eq!(interior.entries[1], MediumEntry { object: 4, material: 1 });
+    assert!(stack.entries.is_empty());
 }
 
 #[test]
@@ -115,9 +111,9 @@ fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
     }
     let materials = materials(&[0, 0, 0]);
     let mut way = Way(vec![(1, 1, true), (2, 2, false), (9, 77, false), (2, 2, true), (0, 0, true)]);
-    let mut interior = Interior::filled_with(2);
+    let mut interior = InteriorList::filled_with(2);
     interior.find_enclosing_media(&mut way, &materials, &Ray::new(DVec3::ZERO, DVec3::Z));
-    assert_eq!(interior.bodies, [MediumEntry { object: 0, material: 0 }, MediumEntry { object: 1, material: 1 }]);
+    assert_eq!(interior.entries, [MediumEntry { object: 0, material: 0 }, MediumEntry { object: 1, material: 1 }]);
     assert_eq!(interior.medium(&materials).ior, 2.0, "the innermost was entered last");
     interior.clear();
     assert!(interior.is_empty());

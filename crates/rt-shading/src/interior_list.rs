@@ -1,0 +1,261 @@
+//! Nested dielectrics.
+
+use crate::{InteriorMedium, Material, SurfaceHit, Tracer, medium::Medium};
+use rt_geometry::{InteractionFlags, RayKind};
+use rt_math::{Aabb, Interval, Ray};
+
+/// Maximum number of dielectrics around a point; further ones are ignored and counted.
+const CAPACITY: usize = 32;
+
+/// A dielectric that was entered: its object, and its material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct MediumEntry {
+    object: u32,
+    material: u32,
+}
+
+/// Dielectrics around a point, in the order in which they were entered.
+///
+/// This is the interior list of Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics
+/// Tools 7(2), 2002.
+///
+/// ```text
+///    air │glass▒▒▒▒│▒▒▒ both ▒▒▒│~~~~ water        glass 1, water 0: where they overlap, glass counts
+///        entered   water:       glass: left,
+///        glass     ignored      now in water
+/// ```
+///
+/// Among overlapping dielectrics, the one of the highest [`priority`](InteriorMedium::priority) counts, among equals the one
+/// entered last. Surfaces of the others are ignored. Of coincident surfaces, a ray hits the one of the lower index only:
+/// touching dielectrics should overlap instead.
+///
+/// A dielectric that is left without having been entered counts as present from the start: the ray started inside, or the
+/// surface has a hole. Several objects of one material may enclose one dielectric, which may be left through any of them.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct InteriorList {
+    entries: Vec<MediumEntry>,
+}
+
+impl Clone for InteriorList {
+    fn clone(&self) -> Self {
+        Self { entries: self.entries.clone() }
+    }
+
+    /// Keeps the allocation, as each camera ray starts with this.
+    fn clone_from(&mut self, other: &Self) {
+        self.entries.clone_from(&other.entries);
+    }
+}
+
+/// Media on both sides of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MediumInterface {
+    event: InterfaceEvent,
+    /// The medium on the near side.
+    pub(crate) before: Medium,
+    /// The medium on the far side.
+    pub(crate) after: Medium,
+    /// False if the same material is on both sides: the surface is ignored.
+    pub(crate) is_boundary: bool,
+}
+
+impl MediumInterface {
+    /// True if the media have the same index: light passes straight, without reflection.
+    pub(crate) fn is_null(&self) -> bool {
+        self.before.ior == self.after.ior
+    }
+}
+
+/// Change of the list.
+#[derive(Clone, Copy, Debug)]
+enum InterfaceEvent {
+    Enter(MediumEntry),
+    /// Index of the dielectric that is left.
+    Leave(usize),
+    /// Thin surface: no change.
+    Stay,
+}
+
+impl InteriorList {
+    /// A point in an unbounded medium of this material.
+    pub fn filled_with(material: u32) -> Self {
+        // No object has this index: the medium is left through any surface of the material.
+        Self { entries: vec![MediumEntry { object: u32::MAX, material }] }
+    }
+
+    /// True for a point in air.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Sets the medium to air.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+    }
+
+    /// Finds the dielectrics around the origin of a ray: those that the ray leaves, up to infinity, without having entered
+    /// them. Replaces the list.
+    pub fn find_enclosing_media(&mut self, world: &mut impl Tracer, materials: &[Material], ray: &Ray) {
+        self.entries.clear();
+        // Dielectrics around the origin come first in the list, then those that the ray entered.
+        let mut around = 0;
+        let mut span = Interval::FORWARD;
+        let needs = InteractionFlags::NONE;
+        while let Some(hit) = world.closest(ray, span, RayKind::Refraction, needs) {
+            span = hit.span_after(ray);
+            if interior(materials, hit.material).is_none() {
+                continue;
+            }
+            let entry = MediumEntry { object: hit.object, material: hit.material };
+            if ray.direction.dot(hit.interaction.geometric_normal) <= 0.0 {
+                self.push(entry);
+            } else if let Some(at) = find(&self.entries[around..], entry) {
+                self.entries.remove(around + at);
+            } else if self.entries.len() < CAPACITY {
+                // A dielectric that is left later was entered earlier.
+                self.entries.insert(0, entry);
+                around += 1;
+            }
+        }
+        self.entries.truncate(around);
+    }
+
+    /// Version of [`find_enclosing_media`](Self::find_enclosing_media) for dielectrics that all lie within a box.
+    pub fn find_enclosing_media_within(
+        &mut self,
+        reach: Aabb,
+        world: &mut impl Tracer,
+        materials: &[Material],
+        ray: &Ray,
+    ) {
+        self.entries.clear();
+        if reach.contains(ray.origin) {
+            self.find_enclosing_media(world, materials, ray);
+        }
+    }
+
+    /// Medium at the point.
+    pub(crate) fn medium(&self, materials: &[Material]) -> Medium {
+        medium(self.top(materials), materials)
+    }
+
+    /// Media on both sides of the surface of a solid. `None` if the list is full, so that the surface is ignored.
+    pub(crate) fn interface(
+        &mut self,
+        materials: &[Material],
+        hit: &SurfaceHit,
+        leaving: bool,
+    ) -> Option<MediumInterface> {
+        let entry = MediumEntry { object: hit.object, material: hit.material };
+        let event = if leaving {
+            InterfaceEvent::Leave(find(&self.entries, entry).or_else(|| self.push_outermost(entry))?)
+        } else {
+            (self.entries.len() < CAPACITY).then_some(InterfaceEvent::Enter(entry))?
+        };
+        let (before, after) = match (self.entries.as_slice(), event) {
+            // The usual cases: a dielectric in air.
+            ([], InterfaceEvent::Enter(entered)) => (None, Some(entered.material)),
+            (&[left], InterfaceEvent::Leave(_)) => (Some(left.material), None),
+            _ => (self.top(materials), top(self.entries_after(event), materials)),
+        };
+        Some(MediumInterface {
+            event,
+            before: medium(before, materials),
+            after: medium(after, materials),
+            is_boundary: before != after,
+        })
+    }
+
+    /// Interface of a thin dielectric: visible, with the same medium on both sides.
+    pub(crate) fn thin_interface(&self, materials: &[Material]) -> MediumInterface {
+        let here = self.medium(materials);
+        MediumInterface { event: InterfaceEvent::Stay, before: here, after: here, is_boundary: true }
+    }
+
+    /// Updates the list for a ray that crosses an interface.
+    pub(crate) fn cross(&mut self, interface: &MediumInterface) {
+        match interface.event {
+            InterfaceEvent::Enter(entry) => self.push(entry),
+            InterfaceEvent::Leave(at) => {
+                self.entries.remove(at);
+            }
+            InterfaceEvent::Stay => {}
+        }
+    }
+
+    fn push(&mut self, entry: MediumEntry) {
+        if self.entries.len() < CAPACITY {
+            self.entries.push(entry);
+        }
+    }
+
+    /// Adds a dielectric that was never entered as the outermost one. Returns its index.
+    fn push_outermost(&mut self, entry: MediumEntry) -> Option<usize> {
+        (self.entries.len() < CAPACITY).then(|| {
+            self.entries.insert(0, entry);
+            0
+        })
+    }
+
+    fn entries_after(&self, event: InterfaceEvent) -> impl Iterator<Item = MediumEntry> {
+        let (left, entered) = match event {
+            InterfaceEvent::Enter(entry) => (None, Some(entry)),
+            InterfaceEvent::Leave(at) => (Some(at), None),
+            InterfaceEvent::Stay => (None, None),
+        };
+        let stays = move |(at, entry): (usize, &MediumEntry)| (Some(at) != left).then_some(*entry);
+        self.entries.iter().enumerate().filter_map(stays).chain(entered)
+    }
+
+    /// Material of the medium at the point.
+    fn top(&self, materials: &[Material]) -> Option<u32> {
+        top(self.entries.iter().copied(), materials)
+    }
+}
+
+/// Stack of the lists of deferred paths.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct InteriorListStack {
+    entries: Vec<MediumEntry>,
+}
+
+impl InteriorListStack {
+    /// Pushes a list as it is beyond a surface. Returns its length.
+    pub(crate) fn push(&mut self, interior: &InteriorList, interface: &MediumInterface) -> u32 {
+        let length = self.entries.len();
+        self.entries.extend(interior.entries_after(interface.event));
+        (self.entries.len() - length) as u32
+    }
+
+    /// Pops a list of this length.
+    pub(crate) fn pop(&mut self, interior: &mut InteriorList, length: u32) {
+        let start = self.entries.len().saturating_sub(length as usize);
+        interior.entries.clear();
+        interior.entries.extend(self.entries.drain(start..));
+    }
+}
+
+/// Index of a dielectric, or of the one of its material that was entered last.
+fn find(entries: &[MediumEntry], entry: MediumEntry) -> Option<usize> {
+    let last = |matches: &dyn Fn(&MediumEntry) -> bool| entries.iter().rposition(matches);
+    last(&|other| *other == entry).or_else(|| last(&|other| other.material == entry.material))
+}
+
+/// Material of the highest priority, among equals the last.
+fn top(entries: impl Iterator<Item = MediumEntry>, materials: &[Material]) -> Option<u32> {
+    let priority = |entry: &MediumEntry| interior(materials, entry.material).map(|interior| interior.priority);
+    entries.max_by_key(priority).map(|entry| entry.material)
+}
+
+fn medium(material: Option<u32>, materials: &[Material]) -> Medium {
+    material
+        .and_then(|material| interior(materials, material))
+        .map_or(Medium::AIR, |interior| Medium { ior: interior.ior, absorption: interior.absorption })
+}
+
+fn interior(materials: &[Material], material: u32) -> Option<&InteriorMedium> {
+    materials.get(material as usize)?.interior.as_ref()
+}
+
+#[cfg(test)]
+mod tests;

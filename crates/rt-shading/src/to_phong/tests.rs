@@ -1,0 +1,89 @@
+//! Conversions of layered materials.
+
+use super::*;
+use crate::FloatTexture;
+
+fn constant(value: f64) -> FloatTexture {
+    FloatTexture::Constant(value)
+}
+
+fn layered(metallic: f64, roughness: f64) -> LayeredSurface {
+    let base_color = ColorTexture::Constant(Rgb::new(0.8, 0.4, 0.2));
+    let (metallic, roughness) = (constant(metallic), constant(roughness));
+    LayeredSurface::new(LayeredBase::MetallicRoughness { base_color, metallic, roughness })
+}
+
+fn red(coefficient: ColorTexture) -> f64 {
+    coefficient.factor().r
+}
+
+#[test]
+fn plastics_keep_their_colour_and_gain_a_highlight() {
+    let plastic = convert_layered(&layered(0.0, 0.5));
+    assert_eq!((red(plastic.diffuse), red(plastic.mirror)), (0.8, 0.0));
+    assert_eq!(plastic.exponent, 30.0);
+    assert!((red(plastic.specular) - 0.5 * 0.04 * 38.0 / 8.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_light_of_metals_moves_from_diffuse_to_mirror_as_they_get_smooth() {
+    let parts = |roughness| {
+        let phong = convert_layered(&layered(1.0, roughness));
+        (red(phong.diffuse), red(phong.mirror))
+    };
+    assert_eq!([parts(0.0), parts(0.25), parts(1.0)], [(0.0, 0.8), (0.4, 0.4), (0.8, 0.0)]);
+    assert_eq!(red(convert_layered(&layered(1.0, 1.0)).specular), 0.0);
+}
+
+#[test]
+fn extreme_values_stay_finite() {
+    for roughness in [0.0, 1e-9, 1.0] {
+        let phong = convert_layered(&layered(0.5, roughness));
+        assert!(phong.exponent >= 0.0 && phong.exponent <= 1e7);
+        assert!((0.0..=1.0).contains(&red(phong.specular)), "{phong:?}");
+    }
+}
+
+#[test]
+fn transmission_becomes_a_dielectric_with_fresnels_equations() {
+    let glass = LayeredSurface { transmission: constant(1.0), ior: 1.3, ..layered(0.0, 0.0) };
+    let material = Material::new(String::new(), MaterialModel::Layered(Box::new(glass)));
+    let phong = material.to_phong();
+    assert!(phong.diffuse.is_zero());
+    assert!(phong.transmission.expect("a dielectric").fresnel && red(phong.mirror) == 1.0);
+    assert_eq!((material.phong_interior(), material.interior), (Some(InteriorMedium::clear(1.3)), None));
+}
+
+#[test]
+fn specular_glossiness_has_one_base_color() {
+    let of = |diffuse: f64, mean_specular: Rgb, glossiness: f64| {
+        let diffuse = ColorTexture::Constant(Rgb::gray(diffuse));
+        let (specular, glossiness) = (ColorTexture::Constant(mean_specular), constant(glossiness));
+        let base =
+            LayeredBase::SpecularGlossiness { diffuse, specular, glossiness, base_color: diffuse, mean_specular };
+        base_parameters(&base)
+    };
+    let (color, metallic, roughness) = of(0.5, Rgb::gray(0.04), 0.75);
+    assert_eq!((color.factor(), metallic, roughness), (Rgb::gray(0.5), 0.0, 0.25));
+    let gold = of(0.0, Rgb::new(1.0, 0.8, 0.3), 1.0);
+    assert_eq!((gold.1, gold.0.factor()), (1.0, Rgb::new(1.0, 0.8, 0.3)));
+}
+
+#[test]
+fn an_override_replaces_the_conversion() {
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    let mut material = Material::new(String::new(), MaterialModel::Mirror { reflectance: white });
+    assert_eq!(material.to_phong().mirror, white);
+    material.phong_override = Some(Phong::default());
+    assert_eq!(*material.to_phong(), Phong::default());
+}
+
+/// A weighted sum, of which each coefficient keeps its first texture.
+#[test]
+fn mixes_are_sums() {
+    let gray = |value| ColorTexture::Constant(Rgb::gray(value));
+    let diffuse = MaterialModel::Diffuse { albedo: gray(0.5), roughness: 0.0 };
+    let mix = MaterialModel::Mix(vec![(0.5, diffuse), (0.25, MaterialModel::Mirror { reflectance: gray(1.0) })]);
+    let phong = convert(&mix);
+    assert_eq!((phong.diffuse, phong.mirror, phong.transmission), (gray(0.25), gray(0.25), None));
+}
