@@ -51,7 +51,8 @@ names! {
 
 /// Method by which light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "format", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "format", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "format", serde(rename_all = "snake_case"))]
 pub enum Integrator {
     /// Recursive ray tracing (Whitted 1980).
@@ -104,7 +105,8 @@ impl Integrator {
 
 /// Acceleration structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "format", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "format", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "format", serde(rename_all = "snake_case"))]
 pub enum Accel {
     /// Chosen by the scene.

@@ -207,7 +207,7 @@ fn is_up_to_date(file: &str, text: &str) {
 
 #[test]
 fn the_schema_in_the_repository_is_up_to_date() {
-    is_up_to_date("scenes/scene.schema.json", &json_schema());
+    is_up_to_date("scenes/scene.schema.json", json_schema());
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::{error::TaskError, files, workspace::Workspace};
 type Page = (&'static str, &'static str, fn() -> String);
 
 const PAGES: [Page; 2] = [
-    ("scenes/scene.schema.json", "rt-cli schema", json_schema),
+    ("scenes/scene.schema.json", "rt-cli schema", || json_schema().to_owned()),
     ("docs/SCENE-FORMAT.md", "rt-cli schema --markdown", reference_page),
 ];
 

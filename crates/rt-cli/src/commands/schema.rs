@@ -6,6 +6,6 @@ use crate::console::print;
 use crate::error::CliError;
 
 pub(super) fn run(markdown: bool) -> Result<(), CliError> {
-    let text = if markdown { reference_page() } else { json_schema() };
+    let text = if markdown { reference_page() } else { json_schema().to_owned() };
     print(format_args!("{}\n", text.trim_end()))
 }

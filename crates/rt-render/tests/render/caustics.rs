@@ -330,7 +330,11 @@ fn without_mirrors_and_glass_it_is_path_tracing() {
     let mut scene = comparable();
     scene.settings.spp = 4;
     scene.appearance.materials = vec![diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5)];
-    scene.appearance.materials.extend([emissive(4.0, EmissionSides::Front), emissive(3.0, EmissionSides::Both), diffuse(0.4)]);
+    scene.appearance.materials.extend([
+        emissive(4.0, EmissionSides::Front),
+        emissive(3.0, EmissionSides::Both),
+        diffuse(0.4),
+    ]);
     let caustics = film(&scene);
     scene.settings.integrator = Integrator::Path;
     assert_eq!(caustics, film(&scene));

@@ -1,12 +1,12 @@
 //! Animations in the file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Step;
 
 /// Interpolation between two keys. The first key holds before its time, the last key after its time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Interpolation {
     /// The earlier key holds.
@@ -19,7 +19,8 @@ pub enum Interpolation {
 }
 
 /// Motion of a node by keys.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NodeAnimation {
     /// Interpolation between two keys.
@@ -34,7 +35,8 @@ pub struct NodeAnimation {
 }
 
 /// Transform of a node at a time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NodeKey {
     /// Time of the key.
@@ -49,7 +51,8 @@ pub struct NodeKey {
 }
 
 /// Motion of a camera by keys.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CameraAnimation {
     /// Interpolation between two keys.
@@ -65,7 +68,8 @@ pub struct CameraAnimation {
 }
 
 /// Place of a camera at a time. Fields that are left out are those of the camera.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CameraKey {
     /// Time of the key.

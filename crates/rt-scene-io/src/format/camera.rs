@@ -1,13 +1,13 @@
 //! Cameras in the file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::default_values::is_zero;
 use super::{CameraAnimation, Step};
 
 /// A camera. `look_from` or `transform` places it; without both it is placed so that it sees everything.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
     /// Name to choose it by.
@@ -94,7 +94,8 @@ impl Camera {
 }
 
 /// A thin lens. Lengths are in units of the camera's space, which are those of the scene unless its transform scales.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Lens {
     /// Radius of the aperture, or of the circle around its corners. 0 is a pinhole.
@@ -136,7 +137,8 @@ pub struct Lens {
 }
 
 /// A side of the image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FovAxis {
     /// The height of the image (the default).

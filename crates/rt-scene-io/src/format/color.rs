@@ -1,15 +1,17 @@
 //! Colours and coefficients in the file.
 
-use schemars::{JsonSchema, Schema, json_schema};
+#[cfg(feature = "schema")]
+use schemars::{Schema, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::default_values::{one, white, yes};
 use super::spelling::{self, Spelled};
 
 /// A colour.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields, remote = "Self")]
-#[schemars(transform = add_spellings)]
+#[cfg_attr(feature = "schema", schemars(transform = add_spellings))]
 pub enum Color {
     /// The same value for red, green and blue. Linear.
     ///
@@ -27,9 +29,10 @@ pub enum Color {
 }
 
 /// A colour, or one that varies over the surface with its texture coordinates.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields, remote = "Self")]
-#[schemars(transform = add_spellings)]
+#[cfg_attr(feature = "schema", schemars(transform = add_spellings))]
 pub enum ColorTexture {
     /// The same value for red, green and blue. Linear.
     ///
@@ -81,7 +84,8 @@ pub enum ColorTexture {
 }
 
 /// Continuation of an image beyond its edge.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Wrap {
     /// It repeats.
@@ -155,6 +159,7 @@ impl Spelled for ColorTexture {
 }
 
 /// Adds the short spellings of a colour to the schema of its choices.
+#[cfg(feature = "schema")]
 fn add_spellings(schema: &mut Schema) {
     let Some(choices) = schema.get_mut("oneOf").and_then(|choices| choices.as_array_mut()) else { return };
     let short = [

@@ -1,14 +1,13 @@
 //! Values that the format expects at a position, in words.
 //!
-//! The JSON Schema lists them for every position. It is built when the first error is explained.
+//! The JSON Schema lists them for every position. It is parsed when the first error is explained.
 
 use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use super::SceneFile;
 use super::cursor::Key;
-use super::deprecated;
+use super::{deprecated, schema};
 
 /// Notation of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,8 +19,8 @@ pub(super) enum Notation {
 /// The schema of scene files.
 pub(super) struct Schema(&'static Value);
 
-/// Made when the first mistake is explained, once for all.
-static SCHEMA: LazyLock<Value> = LazyLock::new(|| schemars::schema_for!(SceneFile).to_value());
+/// Parsed when the first mistake is explained, once for all.
+static SCHEMA: LazyLock<Value> = LazyLock::new(schema::value);
 
 /// Alternatives at a position.
 #[derive(Clone, Debug)]

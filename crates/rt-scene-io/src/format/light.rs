@@ -1,13 +1,13 @@
 //! Lights and background in the file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::default_values::{is_yes, is_zero, white, yes};
 use super::{Color, EmissionSides};
 
 /// A light. Without `falloff: inverse_square` its strength is the same at any distance.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Light {
     /// Emits from a point in all directions.
@@ -213,7 +213,8 @@ pub enum Light {
 }
 
 /// Unit of the intensity of a point, directional or spot light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LightUnits {
     /// Shares of white: a diffuse surface of albedo 1, lit straight by 1, has the radiance 1.
@@ -225,7 +226,8 @@ pub enum LightUnits {
 }
 
 /// Falloff of light with the distance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
     /// None, as in classical ray tracing.
@@ -236,7 +238,8 @@ pub enum Falloff {
 }
 
 /// Radiance of rays that leave the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Background {
     /// The same radiance in all directions.

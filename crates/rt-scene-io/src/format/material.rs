@@ -1,6 +1,5 @@
 //! Materials in the file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::default_values::{gray, is_zero, one};
@@ -8,7 +7,8 @@ use super::spelling::{self, Spelled};
 use super::{Color, ColorTexture};
 
 /// A surface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[allow(clippy::large_enum_variant, reason = "a file has few materials")]
 pub enum Material {
@@ -237,7 +237,8 @@ pub enum Material {
 }
 
 /// The material of a node.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum NodeMaterial {
     /// Name of one of the scene's `materials`.
@@ -301,7 +302,8 @@ impl Material {
 }
 
 /// Sides of a surface that emit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EmissionSides {
     /// The outside; of flat shapes, the side that they face.
@@ -312,7 +314,8 @@ pub enum EmissionSides {
 }
 
 /// A metal whose index of refraction was measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Metal {
     /// Al.
@@ -341,7 +344,8 @@ fn crown_glass() -> f64 {
 }
 
 /// Shape of the highlight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Highlight {
     /// About the mirrored direction (Phong 1975; the default).

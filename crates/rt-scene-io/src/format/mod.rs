@@ -19,6 +19,7 @@ mod parse;
 mod parse_error;
 mod reference_page;
 mod run_time;
+mod schema;
 mod settings;
 mod spelling;
 mod synonyms;
@@ -26,7 +27,6 @@ mod transform;
 mod write;
 
 use indexmap::IndexMap;
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
 use crate::Warning;
@@ -40,11 +40,13 @@ pub use material::{EmissionSides, Highlight, Material, Metal, NodeMaterial};
 pub use node::{InsideRule, Node, Shape};
 pub use parse::{parse_json, parse_ron};
 pub use reference_page::reference_page;
+pub use schema::json_schema;
 pub use settings::{Adaptive, LightSampling, Sampler, Settings};
 pub use transform::Step;
 
 /// A scene: what stands where, how it looks, who sees it, and how to render it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct SceneFile {
     /// Path or address of the JSON Schema, for editors. It has no effect here.
@@ -115,7 +117,8 @@ pub struct SceneFile {
 }
 
 /// Closed form of the image, as a reference for errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Truth {
     /// Mean radiance over all pixels.
@@ -154,13 +157,6 @@ impl SceneFile {
             warnings: Vec::new(),
         }
     }
-}
-
-/// The JSON Schema of [`SceneFile`], for editors to complete and check scene files by.
-pub fn json_schema() -> String {
-    let mut text = serde_json::to_string_pretty(&schemars::schema_for!(SceneFile)).unwrap_or_default();
-    text.push('\n');
-    text
 }
 
 /// A map that refuses a name that is given twice, where the last would win silently otherwise.

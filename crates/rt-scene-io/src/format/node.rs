@@ -1,13 +1,13 @@
 //! The tree of objects in the file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::default_values::{half, is_yes, one, up, yes};
 use super::{Material, NodeAnimation, NodeMaterial, Step};
 
 /// A node of the tree, with at most one of `shape`, `model` and `instance`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Node {
     /// Name for messages.
@@ -99,7 +99,8 @@ impl Node {
 }
 
 /// A shape.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
     /// A sphere.
@@ -319,7 +320,8 @@ pub enum Shape {
 }
 
 /// Inside of a polygon.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum InsideRule {
     /// The common part of the half-planes along the edges. A polygon that is concave or has holes is refused.

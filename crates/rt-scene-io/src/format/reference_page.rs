@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value};
 
-use super::SceneFile;
+use super::schema;
 
 /// The types in the order in which they are described, each with its heading.
 const TYPES: [(&str, &str); 36] = [
@@ -89,7 +89,7 @@ refused. Numbers are linear already: `0.5`, `(1, 0.5, 0)`, `gray(0.5)` and `rgb(
 
 /// The reference page of scene files, in Markdown.
 pub fn reference_page() -> String {
-    let root = schemars::schema_for!(SceneFile).to_value();
+    let root = schema::value();
     let format = Format { root: &root };
     let mut page = INTRODUCTION.to_owned();
     for (name, heading) in TYPES {
@@ -474,7 +474,7 @@ mod tests {
 
     #[test]
     fn every_example_of_the_page_is_read() {
-        let root = schemars::schema_for!(SceneFile).to_value();
+        let root = schema::value();
         let format = Format { root: &root };
         let (mut faults, mut count) = (Vec::new(), 0);
         let mut check = |name: &str, text: String| {
@@ -508,7 +508,7 @@ mod tests {
 
     #[test]
     fn every_field_has_a_meaning_and_every_number_a_unit() {
-        let root = schemars::schema_for!(SceneFile).to_value();
+        let root = schema::value();
         let format = Format { root: &root };
         let mut faults = Vec::new();
         for (name, _) in TYPES {
@@ -527,7 +527,7 @@ mod tests {
 
     #[test]
     fn every_type_of_the_schema_is_on_the_page() {
-        let root = schemars::schema_for!(SceneFile).to_value();
+        let root = schema::value();
         let definitions = root["$defs"].as_object().expect("definitions");
         let missing: Vec<&String> =
             definitions.keys().filter(|name| TYPES.iter().all(|(known, _)| known != name)).collect();

@@ -1,12 +1,12 @@
 //! Render settings in the file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Accel, Integrator};
 
 /// Method, samples and other settings of the render. The command line overrides them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Method by which light is computed. The default is `path` for scenes with area lights, an environment image, or physical
@@ -87,7 +87,8 @@ impl Default for Settings {
 }
 
 /// Distribution of samples among pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Adaptive {
     /// Few samples where no edge of an object or of a shadow can be in the pixel, and all of them elsewhere; for `whitted`.
@@ -101,7 +102,8 @@ pub enum Adaptive {
 }
 
 /// Selection of one of many area lights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LightSampling {
     /// Each as often as any other.
@@ -113,7 +115,8 @@ pub enum LightSampling {
 }
 
 /// Sample pattern.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Sampler {
     /// All samples in the middle of the pixel.

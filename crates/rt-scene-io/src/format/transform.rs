@@ -1,12 +1,12 @@
 //! Transformations in the file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::default_values::up;
 
 /// One step of a transformation. Lists of steps are applied to the object in the order in which they are written.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Step {
     /// Moves by x, y, z.

@@ -1,0 +1,36 @@
+//! JSON Schema of scene files.
+//!
+//! `scene.schema.json` holds it, so that programs need not build it. The feature `schema` derives it from the types; a test
+//! compares the two, and writes the file if the variable `WRITE_SCHEMA` is set.
+
+use serde_json::Value;
+
+/// The JSON Schema of [`SceneFile`](super::SceneFile), for editors to complete and check scene files by.
+pub const fn json_schema() -> &'static str {
+    include_str!("scene.schema.json")
+}
+
+/// The schema as a value.
+pub(super) fn value() -> Value {
+    serde_json::from_str(json_schema()).unwrap_or_default()
+}
+
+#[cfg(all(test, feature = "schema"))]
+mod tests {
+    use crate::format::SceneFile;
+
+    #[test]
+    fn the_stored_schema_is_that_of_the_types() {
+        let mut derived = serde_json::to_string_pretty(&schemars::schema_for!(SceneFile)).expect("a schema");
+        derived.push('\n');
+        if std::env::var_os("WRITE_SCHEMA").is_some() {
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/format/scene.schema.json");
+            std::fs::write(path, &derived).expect("a file");
+            return;
+        }
+        assert!(
+            derived == super::json_schema(),
+            "run `WRITE_SCHEMA=1 cargo test -p rt-scene-io --features schema schema`"
+        );
+    }
+}
