@@ -79,6 +79,7 @@
 mod accelerator;
 mod any;
 mod axis;
+mod batch;
 mod bih;
 mod binned_sah;
 mod boxes;
@@ -99,6 +100,7 @@ mod prim_bounds;
 mod ray_query;
 mod region;
 mod region_query;
+mod scene;
 mod space_partition;
 mod stats;
 mod top_down;
@@ -109,6 +111,7 @@ pub mod wide;
 
 pub use accelerator::{Accelerator, Refit};
 pub use any::{AcceleratorKind, AcceleratorVisitor, AnyAccelerator};
+pub use batch::{BatchError, HitBatch, RayBatch, Scalars, Vectors};
 pub use bih::{Bih, lazy::LazyBih};
 pub use boxes::Boxes;
 pub use bsp::BspTree;
@@ -123,9 +126,12 @@ pub use region::{Region, SphereRegion};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
     BatchKernel, ClosestPoint, Counters, Hit, NoProbe, PrimitiveGeometry, Primitives, Probe, RayCounts, RayKind,
-    SphereKernel,
+    Sphere, SphereKernel, Spheres,
 };
-pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
+pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform};
+pub use scene::{
+    Geometry, GeometryId, HitLists, MeshError, Scene, SceneBuilder, SceneError, TriangleMesh, UserGeometry, Vertices,
+};
 pub use stats::BuildStats;
 pub use volume_tree::{BoundingCylinder, BoundingSphere, BoundingVolume, CylinderTree, SphereTree, VolumeTree};
-pub use wide::WideBvh;
+pub use wide::{BuildParams, WideBvh};

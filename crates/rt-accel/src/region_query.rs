@@ -80,6 +80,8 @@ pub struct PointHit {
     pub point: DVec3,
     /// Distance from the query point.
     pub distance: f64,
+    /// Index of the instance; 0 without instances.
+    pub instance: u32,
     /// Primitive of the point; the lowest index on a tie.
     pub primitive: u32,
 }
@@ -101,7 +103,7 @@ impl<'p, P: ClosestPoint> Nearest<'p, P> {
 
     pub(crate) fn finish(self) -> Option<PointHit> {
         let (primitive, point) = self.found?;
-        Some(PointHit { point, distance: self.limit.sqrt(), primitive })
+        Some(PointHit { point, distance: self.limit.sqrt(), instance: 0, primitive })
     }
 }
 

@@ -102,6 +102,7 @@ pub use mesh::TriangleMesh;
 pub use mesh_data::MeshData;
 pub use mesh_faces::{fan, strip};
 pub use mesh_repair::{MeshError, MeshRepairs};
+pub use nearest::nearest_on_triangle;
 pub use plane::Plane;
 pub use polygon::{InsideRule, Polygon, PolygonError};
 pub use primitives::{BatchKernel, PrimitiveGeometry, Primitives};

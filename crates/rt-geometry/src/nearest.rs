@@ -1,6 +1,9 @@
 //! Nearest points of surfaces.
 
-use crate::{ClosestPoint, Sphere, Spheres, TriangleMesh, area::unit_normal};
+use crate::{
+    ClosestPoint, Sphere, Spheres, TriangleMesh,
+    area::{area_vector, unit_normal},
+};
 use rt_math::DVec3;
 
 /// Point of a triangle nearest to `point`.
@@ -8,7 +11,7 @@ use rt_math::DVec3;
 /// Ericson, "Real-Time Collision Detection", 2005, section 5.1.5, classifies the point by Voronoi regions of the
 /// vertices, the edges and the face. Here the best point of the three edges is compared with the foot in the face.
 /// Rounding confuses the regions of slivers, and then costs only the rounding of a foot.
-pub(crate) fn nearest_on_triangle(vertices: [DVec3; 3], point: DVec3) -> DVec3 {
+pub fn nearest_on_triangle(vertices: [DVec3; 3], point: DVec3) -> DVec3 {
     let [a, b, c] = vertices;
     let edges = [[a, b], [b, c], [c, a]].map(|[from, to]| nearest_on_segment(from, to, point));
     let nearer = |best: DVec3, other: DVec3| {
@@ -33,8 +36,11 @@ fn nearest_on_segment(from: DVec3, to: DVec3, point: DVec3) -> DVec3 {
     }
 }
 
-/// The foot of the perpendicular from the point, if it lies in the triangle.
+/// The foot of the perpendicular from the point, if it lies in the triangle. `None` for a triangle without area.
 fn foot_in_face([a, b, c]: [DVec3; 3], point: DVec3) -> Option<DVec3> {
+    if area_vector([a, b, c]) == DVec3::ZERO {
+        return None;
+    }
     let normal = unit_normal([a, b, c]);
     let foot = point - normal * (point - a).dot(normal);
     let is_left = |from: DVec3, to: DVec3| (to - from).cross(foot - from).dot(normal) >= 0.0;
@@ -73,6 +79,13 @@ mod tests {
     fn vector(range: f64) -> impl Strategy<Value = DVec3> {
         let side = -range..range;
         (side.clone(), side.clone(), side).prop_map(DVec3::from)
+    }
+
+    #[test]
+    fn the_nearest_point_of_a_triangle_without_area_is_on_its_edges() {
+        let point = DVec3::new(0.5, 2.0, 0.0);
+        assert_eq!(nearest_on_triangle([DVec3::ZERO; 3], point), DVec3::ZERO);
+        assert_eq!(nearest_on_triangle([DVec3::ZERO, DVec3::X, DVec3::X * 3.0], point), DVec3::X * 0.5);
     }
 
     #[test]

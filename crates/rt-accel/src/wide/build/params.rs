@@ -42,6 +42,15 @@ pub struct BuildParams {
 }
 
 impl BuildParams {
+    /// [`Quality::Low`], leaves of up to 8: for geometry that is rebuilt before many rays are traced.
+    pub const FAST: Self = Self { quality: Quality::Low, max_leaf: 8 };
+
+    /// [`Quality::Medium`], leaves of up to 8: the default.
+    pub const BALANCED: Self = Self { quality: Quality::Medium, max_leaf: 8 };
+
+    /// [`Quality::High`], leaves of up to 8: for geometry that millions of rays are traced against.
+    pub const HIGH: Self = Self { quality: Quality::High, max_leaf: 8 };
+
     pub(super) fn leaf_limit(&self) -> usize {
         self.max_leaf.clamp(1, 8)
     }
@@ -50,6 +59,6 @@ impl BuildParams {
 impl Default for BuildParams {
     /// Medium quality, and leaves of up to eight primitives.
     fn default() -> Self {
-        Self { quality: Quality::Medium, max_leaf: 8 }
+        Self::BALANCED
     }
 }

@@ -1,0 +1,233 @@
+//! Queries for many rays: structures of arrays in, structures of arrays out.
+//!
+//! Rays are gathered in chunks that fit into the second-level cache, traced together, and their hits written to the
+//! caller's arrays. The functions with the prefix `par_` share the chunks among the threads of the current rayon pool,
+//! with identical results.
+
+use core::ops::Range;
+
+use glam::DVec3;
+use rt_geometry::{Hit, NoProbe};
+use rt_math::{Interval, Ray};
+
+use super::Scene;
+use crate::Accelerator;
+use crate::batch::{BatchError, HitBatch, RayBatch};
+
+/// Rays that are gathered at a time.
+const CHUNK: usize = 1024;
+
+/// Rays that a thread takes at a time.
+#[cfg(feature = "parallel")]
+const RAYS_PER_TASK: usize = 16 * CHUNK;
+
+/// All hits of many rays: those of ray `i` are `hits[offsets[i]..offsets[i + 1]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HitLists {
+    /// One more than there are rays; the first is 0.
+    pub offsets: Vec<usize>,
+    /// The hits of all rays, one ray after the other, in the order of [`Scene::all_hits`].
+    pub hits: Vec<Hit>,
+}
+
+impl HitLists {
+    fn empty() -> Self {
+        Self { offsets: vec![0], hits: Vec::new() }
+    }
+
+    #[cfg(feature = "parallel")]
+    fn append(mut self, other: Self) -> Self {
+        let first = self.hits.len();
+        self.offsets.extend(other.offsets.iter().skip(1).map(|offset| first + offset));
+        self.hits.extend(other.hits);
+        self
+    }
+}
+
+/// Memory for the rays and hits of a chunk.
+struct Chunk<O> {
+    rays: Vec<(Ray, Interval)>,
+    outputs: Vec<O>,
+}
+
+impl<O: Clone + Default> Chunk<O> {
+    fn new() -> Self {
+        Self {
+            rays: vec![(Ray::new(DVec3::ZERO, DVec3::ZERO), Interval::FORWARD); CHUNK],
+            outputs: vec![O::default(); CHUNK],
+        }
+    }
+
+    /// Calls `trace` for one chunk of rays after the other, with outputs to overwrite, and `store` with the results.
+    fn for_each(
+        &mut self,
+        rays: &RayBatch<'_>,
+        range: Range<usize>,
+        trace: impl Fn(&[(Ray, Interval)], &mut [O]),
+        mut store: impl FnMut(usize, &O),
+    ) {
+        let end = range.end;
+        for first in range.clone().step_by(CHUNK) {
+            let n = CHUNK.min(end - first);
+            for (i, ray) in self.rays[..n].iter_mut().enumerate() {
+                *ray = rays.get(first + i);
+            }
+            trace(&self.rays[..n], &mut self.outputs[..n]);
+            for (i, output) in self.outputs[..n].iter().enumerate() {
+                store(first - range.start + i, output);
+            }
+        }
+    }
+}
+
+impl Scene<'_> {
+    /// [`closest`](Self::closest) for many rays, on this thread.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Length`] if an array of `hits` does not hold one entry for each ray.
+    pub fn closest_batch(&self, rays: &RayBatch<'_>, hits: &mut HitBatch<'_>) -> Result<(), BatchError> {
+        hits.check(rays.len())?;
+        self.closest_range(rays, 0..rays.len(), hits);
+        Ok(())
+    }
+
+    /// [`occluded`](Self::occluded) for many rays, on this thread.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Length`] if `occluded` does not hold one entry for each ray.
+    pub fn occluded_batch(&self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> Result<(), BatchError> {
+        check_occluded(rays, occluded)?;
+        self.occluded_range(rays, 0..rays.len(), occluded);
+        Ok(())
+    }
+
+    /// [`all_hits`](Self::all_hits) for many rays, on this thread.
+    pub fn all_hits_batch(&self, rays: &RayBatch<'_>) -> HitLists {
+        self.all_hits_range(rays, 0..rays.len())
+    }
+
+    /// Number of [`all_hits`](Self::all_hits) of each ray, on this thread.
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Length`] if `counts` does not hold one entry for each ray.
+    pub fn count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
+        check_counts(rays, counts)?;
+        self.count_range(rays, 0, counts);
+        Ok(())
+    }
+
+    fn closest_range(&self, rays: &RayBatch<'_>, range: Range<usize>, hits: &mut HitBatch<'_>) {
+        let trace = |rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]| match self.single() {
+            Some(geometry) => geometry.closest_batch(rays, hits, &mut NoProbe),
+            None => self.tree.closest_batch(&self.top_level(), rays, hits, &mut NoProbe),
+        };
+        Chunk::new().for_each(rays, range, trace, |index, hit| hits.set(index, hit.as_ref()));
+    }
+
+    fn occluded_range(&self, rays: &RayBatch<'_>, range: Range<usize>, occluded: &mut [bool]) {
+        let trace = |rays: &[(Ray, Interval)], occluded: &mut [bool]| match self.single() {
+            Some(geometry) => geometry.occluded_batch(rays, occluded, &mut NoProbe),
+            None => self.tree.occluded_batch(&self.top_level(), rays, occluded, &mut NoProbe),
+        };
+        Chunk::new().for_each(rays, range, trace, |index, is_occluded| occluded[index] = *is_occluded);
+    }
+
+    fn all_hits_range(&self, rays: &RayBatch<'_>, range: Range<usize>) -> HitLists {
+        let mut lists = HitLists::empty();
+        let mut of_one = Vec::new();
+        for index in range {
+            let (ray, span) = rays.get(index);
+            self.all_hits(&ray, span, &mut of_one);
+            lists.hits.extend_from_slice(&of_one);
+            lists.offsets.push(lists.hits.len());
+        }
+        lists
+    }
+
+    fn count_range(&self, rays: &RayBatch<'_>, first: usize, counts: &mut [u32]) {
+        let mut hits = Vec::new();
+        for (i, count) in counts.iter_mut().enumerate() {
+            let (ray, span) = rays.get(first + i);
+            self.all_hits(&ray, span, &mut hits);
+            *count = hits.len() as u32;
+        }
+    }
+}
+
+fn check_occluded(rays: &RayBatch<'_>, occluded: &[bool]) -> Result<(), BatchError> {
+    check_length("truth values", occluded.len(), rays)
+}
+
+fn check_counts(rays: &RayBatch<'_>, counts: &[u32]) -> Result<(), BatchError> {
+    check_length("counts", counts.len(), rays)
+}
+
+const fn check_length(what: &'static str, found: usize, rays: &RayBatch<'_>) -> Result<(), BatchError> {
+    if found == rays.len() { Ok(()) } else { Err(BatchError::Length { what, found, expected: rays.len() }) }
+}
+
+#[cfg(feature = "parallel")]
+impl Scene<'_> {
+    /// [`closest_batch`](Self::closest_batch) on the threads of the current rayon pool.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`closest_batch`](Self::closest_batch).
+    pub fn par_closest_batch(&self, rays: &RayBatch<'_>, hits: &mut HitBatch<'_>) -> Result<(), BatchError> {
+        hits.check(rays.len())?;
+        self.par_closest_range(rays, 0..rays.len(), hits);
+        Ok(())
+    }
+
+    fn par_closest_range(&self, rays: &RayBatch<'_>, range: Range<usize>, hits: &mut HitBatch<'_>) {
+        if range.len() <= RAYS_PER_TASK {
+            return self.closest_range(rays, range, hits);
+        }
+        let n = range.len() / 2;
+        let middle = range.start + n;
+        let (mut left, mut right) = hits.split_at(n);
+        rayon::join(
+            || self.par_closest_range(rays, range.start..middle, &mut left),
+            || self.par_closest_range(rays, middle..range.end, &mut right),
+        );
+    }
+
+    /// [`occluded_batch`](Self::occluded_batch) on the threads of the current rayon pool.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`occluded_batch`](Self::occluded_batch).
+    pub fn par_occluded_batch(&self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> Result<(), BatchError> {
+        use rayon::prelude::*;
+        check_occluded(rays, occluded)?;
+        occluded.par_chunks_mut(RAYS_PER_TASK).enumerate().for_each(|(i, occluded)| {
+            let first = i * RAYS_PER_TASK;
+            self.occluded_range(rays, first..first + occluded.len(), occluded);
+        });
+        Ok(())
+    }
+
+    /// [`all_hits_batch`](Self::all_hits_batch) on the threads of the current rayon pool.
+    pub fn par_all_hits_batch(&self, rays: &RayBatch<'_>) -> HitLists {
+        use rayon::prelude::*;
+        let n_tasks = rays.len().div_ceil(CHUNK);
+        let task = |i: usize| self.all_hits_range(rays, i * CHUNK..rays.len().min((i + 1) * CHUNK));
+        let parts: Vec<HitLists> = (0..n_tasks).into_par_iter().map(task).collect();
+        parts.into_iter().fold(HitLists::empty(), HitLists::append)
+    }
+
+    /// [`count_hits_batch`](Self::count_hits_batch) on the threads of the current rayon pool.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`count_hits_batch`](Self::count_hits_batch).
+    pub fn par_count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
+        use rayon::prelude::*;
+        check_counts(rays, counts)?;
+        counts.par_chunks_mut(CHUNK).enumerate().for_each(|(i, counts)| self.count_range(rays, i * CHUNK, counts));
+        Ok(())
+    }
+}

@@ -1,0 +1,94 @@
+//! Errors of ready-made geometry.
+
+use core::fmt;
+
+use crate::BuildError;
+
+/// Reason why arrays are not a triangle mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A triangle refers to a vertex that does not exist.
+    VertexIndex {
+        /// Index of the triangle.
+        triangle: usize,
+        /// Its index of a vertex.
+        index: u32,
+        /// Number of vertices.
+        n_vertices: usize,
+    },
+    /// A coordinate of a vertex is NaN or infinite.
+    NonFinite {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// More triangles than 32 bits can number.
+    TooMany {
+        /// Number of triangles.
+        count: usize,
+    },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::VertexIndex { triangle, index, n_vertices } => {
+                write!(f, "triangle {triangle} refers to vertex {index}, but there are {n_vertices} vertices")
+            }
+            Self::NonFinite { vertex } => write!(f, "vertex {vertex} has a coordinate that is not finite"),
+            Self::TooMany { count } => write!(f, "{count} triangles, but at most 4294967295 can be numbered"),
+        }
+    }
+}
+
+impl core::error::Error for MeshError {}
+
+/// Reason why a scene cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// No accelerator can be built over a geometry.
+    Geometry {
+        /// Number of the geometry, in the order in which they were added.
+        geometry: u32,
+        /// The reason; primitives are those of the geometry.
+        source: BuildError,
+    },
+    /// No accelerator can be built over the instances.
+    Instances(BuildError),
+    /// An instance refers to a geometry of another builder.
+    UnknownGeometry {
+        /// Number of the geometry.
+        geometry: u32,
+    },
+    /// A transform would turn spheres into ellipsoids.
+    NotUniform {
+        /// Number of the geometry.
+        geometry: u32,
+    },
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Geometry { geometry, source } => write!(f, "geometry {geometry}: {source}"),
+            Self::Instances(source) => write!(f, "instances: {source}"),
+            Self::UnknownGeometry { geometry } => write!(f, "geometry {geometry} is not in this scene"),
+            Self::NotUniform { geometry } => {
+                write!(
+                    f,
+                    "geometry {geometry}: spheres may be rotated, moved, and scaled by the same factor on all axes"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for SceneError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Geometry { source, .. } | Self::Instances(source) => Some(source),
+            Self::UnknownGeometry { .. } | Self::NotUniform { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Geometry of a scene with its tree.
+
+use glam::DVec3;
+use rt_geometry::{Hit, Primitives, Probe, Spheres};
+use rt_math::{Aabb, Interval, Ray};
+
+use super::triangle_mesh::TriangleMesh;
+use crate::wide::BuildParams;
+use crate::{Accelerator, BuildError, PointHit, WideBvh};
+
+/// What a scene is made of.
+#[derive(Clone, Debug)]
+pub enum Geometry<'a> {
+    /// Triangles.
+    Mesh(TriangleMesh<'a>),
+    /// Spheres.
+    Spheres(Spheres),
+}
+
+impl<'a> From<TriangleMesh<'a>> for Geometry<'a> {
+    fn from(mesh: TriangleMesh<'a>) -> Self {
+        Self::Mesh(mesh)
+    }
+}
+
+impl From<Spheres> for Geometry<'_> {
+    fn from(spheres: Spheres) -> Self {
+        Self::Spheres(spheres)
+    }
+}
+
+/// Geometry with its tree: the bottom-level acceleration structure.
+#[derive(Clone, Debug)]
+pub(super) struct Blas<'a> {
+    pub(super) geometry: Geometry<'a>,
+    tree: WideBvh,
+    /// Bounds of all primitives; empty without any.
+    pub(super) bounds: Aabb,
+}
+
+/// Evaluates an expression for the primitives of either kind.
+macro_rules! with_primitives {
+    ($geometry:expr, $primitives:ident => $value:expr) => {
+        match $geometry {
+            Geometry::Mesh($primitives) => $value,
+            Geometry::Spheres($primitives) => $value,
+        }
+    };
+}
+
+impl<'a> Blas<'a> {
+    pub(super) fn build(geometry: Geometry<'a>, params: &BuildParams) -> Result<Self, BuildError> {
+        let (tree, bounds) = with_primitives!(&geometry, primitives => {
+            (WideBvh::build_with(primitives, params)?, bounds_of(primitives))
+        });
+        Ok(Self { geometry, tree, bounds })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        with_primitives!(&self.geometry, primitives => primitives.len())
+    }
+
+    pub(super) fn memory(&self) -> usize {
+        self.tree.memory()
+    }
+
+    #[inline]
+    pub(super) fn closest<S: Probe>(&self, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        with_primitives!(&self.geometry, primitives => self.tree.closest(primitives, ray, span, probe))
+    }
+
+    #[inline]
+    pub(super) fn occluded<S: Probe>(&self, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        with_primitives!(&self.geometry, primitives => self.tree.occluded(primitives, ray, span, probe))
+    }
+
+    pub(super) fn closest_batch<S: Probe>(&self, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        with_primitives!(&self.geometry, primitives => self.tree.closest_batch(primitives, rays, hits, probe));
+    }
+
+    pub(super) fn occluded_batch<S: Probe>(&self, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+        with_primitives!(&self.geometry, primitives => self.tree.occluded_batch(primitives, rays, occluded, probe));
+    }
+
+    pub(super) fn all_hits<S: Probe>(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>, probe: &mut S) {
+        with_primitives!(&self.geometry, primitives => self.tree.all_hits(primitives, ray, span, hits, probe));
+    }
+
+    pub(super) fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
+        with_primitives!(&self.geometry, primitives => self.tree.nearest_point(primitives, point, radius))
+    }
+
+    pub(super) const fn tree(&self) -> &WideBvh {
+        &self.tree
+    }
+}
+
+fn bounds_of(primitives: &impl Primitives) -> Aabb {
+    (0..primitives.len() as u32).filter_map(|index| primitives.bounds(index)).fold(Aabb::EMPTY, Aabb::union)
+}

@@ -1,0 +1,97 @@
+//! Instances of geometries as primitives of the top level.
+
+use std::borrow::Cow;
+
+use rt_geometry::{BatchKernel, Hit, NoProbe, Primitives, Probe};
+use rt_math::{Aabb, Interval, Ray, Transform};
+
+use super::geometry::Blas;
+
+/// A placed geometry.
+#[derive(Clone, Debug)]
+pub(super) struct Instance {
+    /// Index of its geometry.
+    pub(super) geometry: u32,
+    /// `None` for the identity.
+    pub(super) world_from_local: Option<Box<Transform>>,
+    /// World space.
+    pub(super) bounds: Aabb,
+}
+
+impl Instance {
+    /// The ray in the space of the geometry, with the same `t`.
+    #[inline]
+    pub(super) fn local_ray(&self, ray: &Ray) -> Ray {
+        self.world_from_local.as_ref().map_or(*ray, |transform| transform.inverse_ray(ray))
+    }
+
+    fn local_rays<'r>(&self, rays: &'r [(Ray, Interval)]) -> Cow<'r, [(Ray, Interval)]> {
+        match &self.world_from_local {
+            None => Cow::Borrowed(rays),
+            Some(transform) => rays.iter().map(|(ray, span)| (transform.inverse_ray(ray), *span)).collect(),
+        }
+    }
+}
+
+/// Instances with their geometries.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instances<'s, 'a> {
+    pub(super) instances: &'s [Instance],
+    pub(super) geometries: &'s [Blas<'a>],
+}
+
+impl<'s, 'a> Instances<'s, 'a> {
+    /// Instance `index` and its geometry.
+    #[inline]
+    fn get(&self, index: u32) -> Option<(&'s Instance, &'s Blas<'a>)> {
+        let instance = self.instances.get(index as usize)?;
+        Some((instance, self.geometries.get(instance.geometry as usize)?))
+    }
+}
+
+impl Primitives for Instances<'_, '_> {
+    fn len(&self) -> usize {
+        self.instances.len()
+    }
+
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.instances.get(index as usize).map(|instance| instance.bounds)
+    }
+
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.intersect_with_stats(index, ray, span, &mut NoProbe)
+    }
+
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.occludes_with_stats(index, ray, span, &mut NoProbe)
+    }
+
+    #[inline]
+    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        let (instance, geometry) = self.get(index)?;
+        let hit = geometry.closest(&instance.local_ray(ray), span, probe)?;
+        Some(Hit { instance: index, ..hit })
+    }
+
+    #[inline]
+    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        self.get(index).is_some_and(|(instance, geometry)| geometry.occluded(&instance.local_ray(ray), span, probe))
+    }
+
+    fn batch_kernel(&self, _: u32) -> BatchKernel {
+        BatchKernel::Instance
+    }
+
+    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        let n = rays.len().min(hits.len());
+        let Some((instance, geometry)) = self.get(index) else { return hits[..n].fill(None) };
+        geometry.closest_batch(&instance.local_rays(&rays[..n]), &mut hits[..n], probe);
+        hits[..n].iter_mut().flatten().for_each(|hit| hit.instance = index);
+    }
+
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+        let n = rays.len().min(blocked.len());
+        let Some((instance, geometry)) = self.get(index) else { return blocked[..n].fill(false) };
+        geometry.occluded_batch(&instance.local_rays(&rays[..n]), &mut blocked[..n], probe);
+    }
+}

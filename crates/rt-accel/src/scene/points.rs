@@ -1,0 +1,166 @@
+//! Queries at a point: the nearest surface, and inside or outside.
+
+use core::ops::ControlFlow;
+
+use glam::DVec3;
+use rt_geometry::{Hit, NoProbe, nearest_on_triangle};
+use rt_math::{Aabb, Interval, Ray, Transform};
+
+use super::Scene;
+use super::geometry::{Blas, Geometry};
+use super::instances::Instance;
+use super::triangle_mesh::TriangleMesh;
+use crate::region::Region as _;
+use crate::{Accelerator, PointHit, RegionQuery, SphereRegion};
+
+/// Directions that are tried for a point whose ray passes through an edge. One is enough for all but constructed points.
+const N_DIRECTIONS: u32 = 16;
+
+/// Largest barycentric weight that counts as a hit on an edge: rounding of one minus two others stays far below.
+const EDGE_WEIGHT: f64 = 1e-15;
+
+impl Scene<'_> {
+    /// The point of a surface nearest to `point`, within `radius`, inclusive and possibly infinite. Of equally near
+    /// instances the first counts. `None` without one, and for NaN.
+    pub fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
+        let mut nearest: Option<PointHit> = None;
+        // Few instances: near ones first would need an order, and far ones are cut off by their bounds.
+        for (index, instance) in self.instances.iter().enumerate() {
+            let limit = nearest.map_or(radius, |hit| hit.distance);
+            if instance.bounds.distance_squared(point).sqrt() > limit {
+                continue;
+            }
+            let geometry = &self.geometries[instance.geometry as usize];
+            let Some(hit) = nearest_of(geometry, instance, point, limit) else { continue };
+            if nearest.is_none_or(|best| hit.distance < best.distance) {
+                nearest = Some(PointHit { instance: index as u32, ..hit });
+            }
+        }
+        nearest
+    }
+
+    /// True if the point lies inside an instance or on its surface.
+    ///
+    /// A point is inside a mesh if a ray from it crosses the surface an odd number of times, so that the triangles need
+    /// no common orientation. The mesh has to be closed. Crossings are decided exactly: a ray through an edge or a vertex
+    /// is replaced by one in another direction. False for NaN.
+    pub fn contains(&self, point: DVec3) -> bool {
+        self.instances.iter().any(|instance| {
+            if !instance.bounds.padded().contains(point) {
+                return false;
+            }
+            let local = instance.world_from_local.as_ref().map_or(point, |transform| transform.inverse_point(point));
+            let geometry = &self.geometries[instance.geometry as usize];
+            match &geometry.geometry {
+                Geometry::Mesh(_) => mesh_contains(geometry, local),
+                Geometry::Spheres(spheres) => {
+                    let contains = |(centre, radius): (DVec3, f64)| local.distance(centre) <= radius;
+                    spheres.as_slice().iter().any(|sphere| contains((sphere.centre(), sphere.radius())))
+                }
+            }
+        })
+    }
+
+    /// Distance from the nearest surface: negative inside, as by [`contains`](Self::contains). `None` in an empty scene,
+    /// and for NaN.
+    pub fn signed_distance(&self, point: DVec3) -> Option<f64> {
+        let distance = self.nearest_point(point, f64::INFINITY)?.distance;
+        Some(if self.contains(point) { -distance } else { distance })
+    }
+}
+
+fn mesh_contains(geometry: &Blas<'_>, point: DVec3) -> bool {
+    let mut hits = Vec::new();
+    let mut is_inside = false;
+    for attempt in 0..N_DIRECTIONS {
+        let ray = Ray::new(point, direction(attempt));
+        geometry.all_hits(&ray, Interval::FORWARD, &mut hits, &mut NoProbe);
+        if hits.first().is_some_and(|hit| hit.t == 0.0) {
+            return true;
+        }
+        is_inside = hits.len() % 2 == 1;
+        if !hits.iter().any(is_on_edge) {
+            break;
+        }
+    }
+    is_inside
+}
+
+/// True if the hit may lie on an edge, where it is reported once for each triangle.
+fn is_on_edge(hit: &Hit) -> bool {
+    let [v, w] = hit.uv;
+    v.min(w).min(1.0 - v - w) <= EDGE_WEIGHT
+}
+
+/// Directions that are parallel to nothing in particular: a spiral of points on the sphere by the golden ratio.
+fn direction(attempt: u32) -> DVec3 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let fraction = (f64::from(attempt) + 0.5) * GOLDEN;
+    let fraction = fraction - fraction.floor();
+    DVec3::new(0.137 + 0.573 * fraction, 0.291 - 0.734 * fraction, 1.0 - 0.377 * f64::from(attempt))
+}
+
+/// Nearest point of one instance in world space.
+fn nearest_of(geometry: &Blas<'_>, instance: &Instance, point: DVec3, radius: f64) -> Option<PointHit> {
+    let Some(transform) = &instance.world_from_local else { return geometry.nearest_point(point, radius) };
+    match &geometry.geometry {
+        Geometry::Mesh(mesh) => nearest_transformed(geometry, mesh, transform, point, radius),
+        Geometry::Spheres(_) => {
+            let scale = transform.uniform_scale()?;
+            let hit = geometry.nearest_point(transform.inverse_point(point), radius / scale)?;
+            let nearest = transform.point(hit.point);
+            Some(PointHit { point: nearest, distance: nearest.distance(point), ..hit })
+        }
+    }
+}
+
+fn nearest_transformed(
+    geometry: &Blas<'_>,
+    mesh: &TriangleMesh<'_>,
+    world_from_local: &Transform,
+    point: DVec3,
+    radius: f64,
+) -> Option<PointHit> {
+    let mut query = NearestTransformed { mesh, world_from_local, point, radius, found: None };
+    let _ = geometry.tree().traverse_region(&mut query);
+    query.found
+}
+
+/// The nearest point in world space of a mesh in its own space. Distances of boxes are those of their images, as a
+/// transform need not keep the order of distances.
+struct NearestTransformed<'q, 'a> {
+    mesh: &'q TriangleMesh<'a>,
+    world_from_local: &'q Transform,
+    point: DVec3,
+    radius: f64,
+    found: Option<PointHit>,
+}
+
+impl RegionQuery for NearestTransformed<'_, '_> {
+    fn bounds(&self) -> Aabb {
+        let region = SphereRegion { centre: self.point, radius: self.radius.next_up() }.bounds();
+        if region.is_finite() { self.world_from_local.inverse().aabb(&region) } else { region }
+    }
+
+    fn query_point(&self) -> DVec3 {
+        self.world_from_local.inverse_point(self.point)
+    }
+
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
+        let distance = self.world_from_local.aabb(aabb).distance_squared(self.point).sqrt();
+        (distance <= self.radius).then_some(distance)
+    }
+
+    fn test_primitive(&mut self, index: u32, _: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
+        let Some(triangle) = self.mesh.triangle(index) else { return ControlFlow::Continue(()) };
+        let nearest = nearest_on_triangle(triangle.map(|vertex| self.world_from_local.point(vertex)), self.point);
+        let distance = nearest.distance(self.point);
+        let wins =
+            distance < self.radius || (distance == self.radius && self.found.is_none_or(|best| index < best.primitive));
+        if wins {
+            self.radius = distance;
+            self.found = Some(PointHit { point: nearest, distance, instance: 0, primitive: index });
+        }
+        ControlFlow::Continue(())
+    }
+}
