@@ -1,0 +1,85 @@
+"""What queries return."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Hits(NamedTuple):
+    """Closest hits, one for each ray.
+
+    Attributes
+    ----------
+    t : ndarray of float64
+        Ray parameters: the hit is at ``origin + t * direction``. ``inf`` where nothing is hit.
+    primitive : ndarray of int32
+        Numbers of the triangles or spheres in their geometries, -1 where nothing is hit.
+    instance : ndarray of int32
+        Numbers of the geometries or instances in the scene, -1 where nothing is hit.
+    uv : ndarray of float64
+        Barycentric weights of the second and third vertex, in an additional last axis of length 2.
+    """
+
+    t: np.ndarray
+    primitive: np.ndarray
+    instance: np.ndarray
+    uv: np.ndarray
+
+    @property
+    def hit(self):
+        """True where something is hit."""
+        return self.primitive >= 0
+
+
+class AllHits(NamedTuple):
+    """All hits of all rays, one ray after the other, each in order of t.
+
+    The hits of ray ``i`` are those from ``offsets[i]`` to ``offsets[i + 1] - 1``: compressed sparse rows.
+
+    Attributes
+    ----------
+    offsets : ndarray of int64
+        One more than there are rays.
+    t : ndarray of float64
+        Ray parameters.
+    primitive : ndarray of int32
+        Numbers of the triangles or spheres in their geometries.
+    instance : ndarray of int32
+        Numbers of the geometries or instances in the scene.
+    uv : ndarray of float64, shape (n, 2)
+        Barycentric weights of the second and third vertex.
+    """
+
+    offsets: np.ndarray
+    t: np.ndarray
+    primitive: np.ndarray
+    instance: np.ndarray
+    uv: np.ndarray
+
+    @property
+    def ray(self):
+        """Index of the ray of each hit."""
+        return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+
+
+class NearestPoints(NamedTuple):
+    """Nearest points of surfaces, one for each query.
+
+    Attributes
+    ----------
+    point : ndarray of float64, shape (..., 3)
+        The points, NaN where there is none.
+    distance : ndarray of float64
+        Distances from the queries, ``inf`` where there is none.
+    primitive : ndarray of int32
+        Numbers of the triangles or spheres in their geometries, -1 where there is none.
+    instance : ndarray of int32
+        Numbers of the geometries or instances in the scene, -1 where there is none.
+    """
+
+    point: np.ndarray
+    distance: np.ndarray
+    primitive: np.ndarray
+    instance: np.ndarray

@@ -1,0 +1,307 @@
+"""Geometries, scenes and their queries."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+from . import _arrays, _rt
+from ._results import AllHits, Hits, NearestPoints
+
+
+class _Queries:
+    """Queries that geometries and scenes have in common."""
+
+    __slots__ = ()
+
+    def _core(self):
+        raise NotImplementedError
+
+    def closest(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+        """Closest hit of each ray.
+
+        Parameters
+        ----------
+        origins, directions : array_like, shape (..., 3)
+            Rays, in single or double precision. The leading axes broadcast, so that one origin serves many directions.
+            Directions of any length other than zero; rays with the direction zero hit nothing.
+        t_min, t_max : float or array_like
+            Hits count from `t_min` to `t_max`, both inclusive, in multiples of the direction.
+        threads : int, optional
+            Number of threads, by default all processors. Results do not depend on it.
+
+        Returns
+        -------
+        Hits
+            ``t``, ``primitive``, ``instance`` and ``uv``, in the shape of the leading axes. Of hits at equal ``t``, the
+            lowest (instance, primitive) counts.
+
+        Raises
+        ------
+        ValueError
+            If shapes do not fit together, or a number is NaN or infinite. The message names its row.
+
+        Examples
+        --------
+        >>> import rt
+        >>> mesh = rt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> hits = mesh.closest([[0.25, 0.25, 2.0], [2.0, 2.0, 2.0]], [0, 0, -1])
+        >>> hits.t, hits.primitive
+        (array([ 2., inf]), array([ 0, -1], dtype=int32))
+        """
+        origins, directions, shape = _arrays.rays(origins, directions)
+        limits = _arrays.parameters("t_min", t_min, shape), _arrays.parameters("t_max", t_max, shape)
+        count = _arrays.thread_count(threads)
+        t, primitive, instance, uv = self._core().closest(origins, directions, *limits, count)
+        ids = _arrays.ids(primitive, shape), _arrays.ids(instance, shape)
+        return Hits(t.reshape(shape), *ids, uv.reshape(*shape, 2))
+
+    def any_hit(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+        """True for each ray that hits anything, which is faster than the closest hit.
+
+        Parameters and errors are those of `closest`.
+
+        Returns
+        -------
+        ndarray of bool
+        """
+        origins, directions, shape = _arrays.rays(origins, directions)
+        limits = _arrays.parameters("t_min", t_min, shape), _arrays.parameters("t_max", t_max, shape)
+        return self._core().any_hit(origins, directions, *limits, _arrays.thread_count(threads)).reshape(shape)
+
+    def all_hits(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+        """All hits of each ray, each once, in order of t. A sphere is hit twice.
+
+        Edges and vertices belong to all of their triangles: a ray that passes exactly through an edge hits both.
+        Parameters and errors are those of `closest`.
+
+        Returns
+        -------
+        AllHits
+            Compressed sparse rows over the rays in C order.
+        """
+        origins, directions, shape = _arrays.rays(origins, directions)
+        limits = _arrays.parameters("t_min", t_min, shape), _arrays.parameters("t_max", t_max, shape)
+        count = _arrays.thread_count(threads)
+        offsets, t, primitive, instance, uv = self._core().all_hits(origins, directions, *limits, count)
+        return AllHits(offsets, t, primitive.view(np.int32), instance.view(np.int32), uv.reshape(-1, 2))
+
+    def count_hits(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+        """Number of hits of each ray, as `all_hits` lists them.
+
+        Parameters and errors are those of `closest`.
+
+        Returns
+        -------
+        ndarray of int32
+        """
+        origins, directions, shape = _arrays.rays(origins, directions)
+        limits = _arrays.parameters("t_min", t_min, shape), _arrays.parameters("t_max", t_max, shape)
+        counts = self._core().count_hits(origins, directions, *limits, _arrays.thread_count(threads))
+        return _arrays.ids(counts, shape)
+
+    def nearest_point(self, points, *, max_distance=np.inf, threads=None):
+        """Point of the surface nearest to each point.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 3)
+        max_distance : float
+            Farther surfaces do not count.
+        threads : int, optional
+
+        Returns
+        -------
+        NearestPoints
+        """
+        points = _arrays.vectors("points", points)
+        shape = points.shape[:-1]
+        count = _arrays.thread_count(threads)
+        nearest, distance, primitive, instance = self._core().nearest_point(
+            points.reshape(-1, 3), float(max_distance), count
+        )
+        ids = _arrays.ids(primitive, shape), _arrays.ids(instance, shape)
+        return NearestPoints(nearest.reshape(*shape, 3), distance.reshape(shape), *ids)
+
+    def contains(self, points, *, threads=None):
+        """True for each point inside a closed mesh or a sphere, or on its surface.
+
+        A point is inside a mesh if a ray from it crosses the surface an odd number of times. Crossings are decided
+        exactly. For a mesh with holes the answer depends on the direction of that ray.
+
+        Returns
+        -------
+        ndarray of bool
+        """
+        points = _arrays.vectors("points", points)
+        inside = self._core().contains(points.reshape(-1, 3), _arrays.thread_count(threads))
+        return inside.reshape(points.shape[:-1])
+
+    def signed_distance(self, points, *, threads=None):
+        """Distance of each point from the nearest surface: negative inside, as by `contains`; ``inf`` without a surface.
+
+        Returns
+        -------
+        ndarray of float64
+        """
+        points = _arrays.vectors("points", points)
+        distance = self._core().signed_distance(points.reshape(-1, 3), _arrays.thread_count(threads))
+        return distance.reshape(points.shape[:-1])
+
+
+class _Geometry(_Queries):
+    """A geometry, which is a scene of its own as soon as it is queried."""
+
+    __slots__ = ("_geometry", "_lock", "_scene", "quality")
+
+    def __init__(self, geometry, quality):
+        self._geometry = geometry
+        self._lock = threading.Lock()
+        self._scene = None
+        self.quality = quality
+
+    def _core(self):
+        with self._lock:
+            if self._scene is None:
+                self._scene = _rt.Scene([self._geometry], [(0, None)], self.quality)
+            return self._scene
+
+
+class TriangleMesh(_Geometry):
+    """Triangles over shared vertices. The arrays are copied and never changed.
+
+    Parameters
+    ----------
+    vertices : array_like, shape (n, 3)
+        Vertices in single or double precision, which are used exactly.
+    faces : array_like of int, shape (m, 3)
+        Vertices of each triangle. Triangles without area are kept, so that numbers of triangles are rows of `faces`,
+        and never hit.
+    quality : {'fast', 'balanced', 'high'}
+        Time to build the tree against time to trace rays.
+
+    Raises
+    ------
+    ValueError
+        For a vertex that is not finite and for an index without a vertex. The message names the row.
+
+    Examples
+    --------
+    >>> import rt
+    >>> mesh = rt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> mesh.any_hit([0.2, 0.2, 1.0], [[0, 0, -1], [0, 0, 1]])
+    array([ True, False])
+    """
+
+    __slots__ = ("n_faces", "n_vertices")
+
+    def __init__(self, vertices, faces, *, quality="balanced"):
+        vertices = _arrays.vectors("vertices", vertices if np.size(vertices) else np.empty((0, 3)))
+        if vertices.ndim != 2:
+            raise ValueError(f"vertices must have the shape (n, 3), not {vertices.shape}")
+        faces = _arrays.faces(faces)
+        super().__init__(_rt.Mesh(vertices, faces), quality)
+        self.n_vertices = len(vertices)
+        self.n_faces = len(faces)
+
+    def __repr__(self):
+        return f"<rt.TriangleMesh: {self.n_faces} triangles, {self.n_vertices} vertices>"
+
+
+class Spheres(_Geometry):
+    """Spheres, whose hits are numbered by row.
+
+    Parameters
+    ----------
+    centres : array_like, shape (n, 3)
+    radii : float or array_like, shape (n,)
+        Positive; a single one serves all spheres.
+    quality : {'fast', 'balanced', 'high'}
+
+    Raises
+    ------
+    ValueError
+        For a radius that is not positive and for numbers that are not finite. The message names the row.
+    """
+
+    __slots__ = ("n_spheres",)
+
+    def __init__(self, centres, radii, *, quality="balanced"):
+        centres = np.ascontiguousarray(_arrays.vectors("centres", centres).reshape(-1, 3), dtype=np.float64)
+        radii = _arrays.parameters("radii", np.atleast_1d(radii), (len(centres),))
+        super().__init__(_rt.SphereSet(centres, radii), quality)
+        self.n_spheres = len(centres)
+
+    def __repr__(self):
+        return f"<rt.Spheres: {self.n_spheres} spheres>"
+
+
+class Instance:
+    """A geometry at another place, without a copy of it.
+
+    Parameters
+    ----------
+    geometry : TriangleMesh or Spheres
+    transform : array_like, shape (4, 4)
+        From the space of the geometry to the space of the scene, for column vectors. Spheres may be moved, rotated, and
+        scaled by one factor.
+    """
+
+    __slots__ = ("geometry", "transform")
+
+    def __init__(self, geometry, transform):
+        if not isinstance(geometry, _Geometry):
+            raise TypeError(f"an instance takes a TriangleMesh or Spheres, not {type(geometry).__name__}")
+        transform = np.array(transform, dtype=np.float64)
+        if transform.shape != (4, 4):
+            raise ValueError(f"a transform has the shape (4, 4), not {transform.shape}")
+        self.geometry = geometry
+        self.transform = transform
+
+    def __repr__(self):
+        return f"rt.Instance({self.geometry!r}, {self.transform.tolist()})"
+
+
+class Scene(_Queries):
+    """Geometries and instances, queried together.
+
+    Parameters
+    ----------
+    objects : sequence of TriangleMesh, Spheres and Instance
+        Their positions are the numbers of ``instance`` in results.
+    quality : {'fast', 'balanced', 'high'}
+        Time to build the trees against time to trace rays.
+
+    Examples
+    --------
+    >>> import numpy as np, rt
+    >>> ball = rt.Spheres([[0, 0, 0]], 1.0)
+    >>> moved = np.eye(4); moved[0, 3] = 10
+    >>> scene = rt.Scene([ball, rt.Instance(ball, moved)])
+    >>> hits = scene.closest([[0, 0, 5], [10, 0, 5]], [0, 0, -1])
+    >>> hits.t, hits.instance
+    (array([4., 4.]), array([0, 1], dtype=int32))
+    """
+
+    __slots__ = ("_scene", "n_objects")
+
+    def __init__(self, objects, *, quality="balanced"):
+        if isinstance(objects, (_Geometry, Instance)):
+            objects = [objects]
+        geometries = {}
+        instances = []
+        for i, item in enumerate(objects):
+            geometry, transform = (item.geometry, item.transform) if isinstance(item, Instance) else (item, None)
+            if not isinstance(geometry, _Geometry):
+                raise TypeError(f"object {i} is a {type(item).__name__}, not a TriangleMesh, Spheres or Instance")
+            index, _ = geometries.setdefault(id(geometry), (len(geometries), geometry))
+            instances.append((index, transform))
+        self._scene = _rt.Scene([geometry._geometry for _, geometry in geometries.values()], instances, quality)
+        self.n_objects = len(instances)
+
+    def _core(self):
+        return self._scene
+
+    def __repr__(self):
+        return f"<rt.Scene: {self.n_objects} objects>"

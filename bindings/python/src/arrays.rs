@@ -1,0 +1,168 @@
+//! Numpy arrays as batches of rays.
+//!
+//! Contiguous arrays of either precision are read in place. Other arrays are gathered, a slice of rays at a time, so that
+//! little memory is needed beyond that of the caller.
+
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, ndarray::ArrayView2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rt_accel::{Scalars, Vectors};
+
+/// Rays that are gathered at a time.
+pub(crate) const RAYS_PER_SLICE: usize = 1 << 17;
+
+/// Vectors in the rows of an array with three columns.
+pub(crate) enum Rows<'py> {
+    F32(PyReadonlyArray2<'py, f32>),
+    F64(PyReadonlyArray2<'py, f64>),
+}
+
+impl<'py> Rows<'py> {
+    /// Takes an array of single or double precision; `what` names it in messages.
+    pub(crate) fn extract(what: &str, array: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let rows = if let Ok(rows) = array.extract() {
+            Self::F64(rows)
+        } else if let Ok(rows) = array.extract() {
+            Self::F32(rows)
+        } else {
+            return Err(PyValueError::new_err(format!("{what} must be an array of floats with three columns")));
+        };
+        match rows.shape() {
+            [_, 3] => Ok(rows),
+            [n, columns] => {
+                Err(PyValueError::new_err(format!("{what} must have three columns, not the shape ({n}, {columns})")))
+            }
+        }
+    }
+
+    pub(crate) fn shape(&self) -> [usize; 2] {
+        let (n, columns) = match self {
+            Self::F32(rows) => rows.as_array().dim(),
+            Self::F64(rows) => rows.as_array().dim(),
+        };
+        [n, columns]
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.shape()[0]
+    }
+
+    /// The rows as views that may be sent to other threads.
+    pub(crate) fn view(&self) -> RowsView<'_> {
+        match self {
+            Self::F32(rows) => RowsView::F32(rows.as_array()),
+            Self::F64(rows) => RowsView::F64(rows.as_array()),
+        }
+    }
+}
+
+/// View of [`Rows`].
+#[derive(Clone, Copy)]
+pub(crate) enum RowsView<'a> {
+    F32(ArrayView2<'a, f32>),
+    F64(ArrayView2<'a, f64>),
+}
+
+/// Vectors of a slice of rays, if they had to be gathered.
+#[derive(Default)]
+pub(crate) struct Gathered {
+    f32: Vec<f32>,
+    f64: Vec<f64>,
+}
+
+impl RowsView<'_> {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::F32(rows) => rows.nrows(),
+            Self::F64(rows) => rows.nrows(),
+        }
+    }
+
+    /// True if the array is read in place.
+    pub(crate) fn is_contiguous(&self) -> bool {
+        match self {
+            Self::F32(rows) => rows.is_standard_layout(),
+            Self::F64(rows) => rows.is_standard_layout(),
+        }
+    }
+
+    /// Index of the first row with a number that is NaN or infinite.
+    pub(crate) fn first_non_finite(&self) -> Option<usize> {
+        fn position<T: Copy>(rows: &ArrayView2<'_, T>, is_finite: impl Fn(T) -> bool) -> Option<usize> {
+            if let Some(numbers) = rows.as_slice() {
+                return numbers.iter().position(|number| !is_finite(*number)).map(|i| i / 3);
+            }
+            rows.rows().into_iter().position(|row| !row.iter().all(|number| is_finite(*number)))
+        }
+        match self {
+            Self::F32(rows) => position(rows, f32::is_finite),
+            Self::F64(rows) => position(rows, f64::is_finite),
+        }
+    }
+
+    /// Vectors of the rows from `first` on: in place, or gathered. A single row serves all.
+    pub(crate) fn vectors<'v>(&'v self, first: usize, n: usize, gathered: &'v mut Gathered) -> Option<Vectors<'v>> {
+        let (first, n) = if self.len() == 1 { (0, 1) } else { (first, n) };
+        match self {
+            Self::F32(rows) => {
+                if let Some(numbers) = rows.as_slice() {
+                    return Vectors::strided_f32(numbers.get(3 * first..3 * (first + n))?, n, 3, 1);
+                }
+                gathered.f32.clear();
+                gathered.f32.extend((first..first + n).flat_map(|i| [rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]));
+                Vectors::strided_f32(&gathered.f32, n, 3, 1)
+            }
+            Self::F64(rows) => {
+                if let Some(numbers) = rows.as_slice() {
+                    return Vectors::strided_f64(numbers.get(3 * first..3 * (first + n))?, n, 3, 1);
+                }
+                gathered.f64.clear();
+                gathered.f64.extend((first..first + n).flat_map(|i| [rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]]));
+                Vectors::strided_f64(&gathered.f64, n, 3, 1)
+            }
+        }
+    }
+}
+
+/// Ray parameters: one for all rays, or one for each.
+pub(crate) enum Parameters<'py> {
+    Same(f64),
+    Each(PyReadonlyArray1<'py, f64>),
+}
+
+impl<'py> Parameters<'py> {
+    /// Takes a number or a contiguous array of doubles.
+    pub(crate) fn extract(what: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        if let Ok(same) = value.extract() {
+            return Ok(Self::Same(same));
+        }
+        let wrong =
+            || PyValueError::new_err(format!("{what} must be a number, or an array of one number for each ray"));
+        value.extract().map(Self::Each).map_err(|_| wrong())
+    }
+
+    /// The numbers; an array must be contiguous.
+    pub(crate) fn view(&self) -> PyResult<ParametersView<'_>> {
+        Ok(match self {
+            Self::Same(same) => ParametersView::Same(*same),
+            Self::Each(array) => ParametersView::Each(array.as_slice()?),
+        })
+    }
+}
+
+/// View of [`Parameters`].
+#[derive(Clone, Copy)]
+pub(crate) enum ParametersView<'a> {
+    Same(f64),
+    Each(&'a [f64]),
+}
+
+impl<'a> ParametersView<'a> {
+    /// The numbers of the rays from `first` on; `None` beyond the end.
+    pub(crate) fn scalars(self, first: usize, n: usize) -> Option<Scalars<'a>> {
+        Some(match self {
+            Self::Same(same) => Scalars::Same(same),
+            Self::Each(values) => Scalars::F64(values.get(first..first + n)?),
+        })
+    }
+}

@@ -1,0 +1,60 @@
+//! Meshes and spheres.
+
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rt_accel::{DVec3, Sphere, Spheres, TriangleMesh, Vertices};
+
+use crate::arrays::{Rows, RowsView};
+
+/// Checked triangles.
+#[pyclass(name = "Mesh", frozen)]
+#[derive(Clone)]
+pub(crate) struct PyMesh(pub(crate) TriangleMesh<'static>);
+
+#[pymethods]
+impl PyMesh {
+    #[new]
+    fn new(vertices: &Bound<'_, PyAny>, faces: PyReadonlyArray2<'_, u32>) -> PyResult<Self> {
+        let rows = Rows::extract("vertices", vertices)?;
+        let faces = faces.as_array();
+        if faces.ncols() != 3 {
+            return Err(PyValueError::new_err(format!("faces must have three columns, not {}", faces.ncols())));
+        }
+        let triangles: Vec<[u32; 3]> = faces.rows().into_iter().map(|face| [face[0], face[1], face[2]]).collect();
+        let vertices: Vertices<'static> = match rows.view() {
+            RowsView::F32(rows) => {
+                rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into()
+            }
+            RowsView::F64(rows) => {
+                rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into()
+            }
+        };
+        let mesh = TriangleMesh::new(vertices, triangles);
+        mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+}
+
+/// Checked spheres.
+#[pyclass(name = "SphereSet", frozen)]
+#[derive(Clone)]
+pub(crate) struct PySpheres(pub(crate) Spheres);
+
+#[pymethods]
+impl PySpheres {
+    #[new]
+    fn new(centres: PyReadonlyArray2<'_, f64>, radii: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
+        let (centres, radii) = (centres.as_array(), radii.as_array());
+        if centres.ncols() != 3 || centres.nrows() != radii.len() {
+            let message =
+                format!("{} centres with {} columns for {} radii", centres.nrows(), centres.ncols(), radii.len());
+            return Err(PyValueError::new_err(message));
+        }
+        let sphere = |(i, (centre, radius)): (usize, (numpy::ndarray::ArrayView1<'_, f64>, &f64))| {
+            let centre = DVec3::new(centre[0], centre[1], centre[2]);
+            Sphere::new(centre, *radius).map_err(|error| PyValueError::new_err(format!("sphere {i}: {error}")))
+        };
+        let spheres = centres.rows().into_iter().zip(radii).enumerate().map(sphere);
+        Ok(Self(Spheres::new(spheres.collect::<PyResult<_>>()?)))
+    }
+}

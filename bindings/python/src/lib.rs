@@ -1,0 +1,19 @@
+//! Extension module `rt._rt`: rays and images for numpy arrays. The package `rt` around it is what users see.
+//!
+//! `arrays` turns numpy arrays into batches, `geometry` holds meshes and spheres, `scene` the queries, `render` images.
+
+mod arrays;
+mod geometry;
+mod render;
+mod scene;
+
+/// Exact rays on triangle meshes, and images.
+#[pyo3::pymodule]
+mod _rt {
+    #[pymodule_export]
+    use crate::geometry::{PyMesh, PySpheres};
+    #[pymodule_export]
+    use crate::render::{PyRendering, render};
+    #[pymodule_export]
+    use crate::scene::PyScene;
+}

@@ -1,0 +1,396 @@
+//! Queries of a scene.
+
+use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use rt_accel::{BuildParams, DVec3, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform};
+
+use crate::arrays::{Gathered, Parameters, ParametersView, RAYS_PER_SLICE, Rows, RowsView};
+use crate::geometry::{PyMesh, PySpheres};
+
+/// Points that a thread takes at a time.
+const POINTS_PER_TASK: usize = 64;
+
+/// Meshes and spheres with their trees.
+#[pyclass(name = "Scene", frozen)]
+pub(crate) struct PyScene(Scene<'static>);
+
+fn value_error(error: impl ToString) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Rays of a call.
+struct Rays<'py> {
+    origins: Rows<'py>,
+    directions: Rows<'py>,
+    t_min: Parameters<'py>,
+    t_max: Parameters<'py>,
+}
+
+/// Rays of a call as views.
+struct RaysView<'a> {
+    origins: RowsView<'a>,
+    directions: RowsView<'a>,
+    t_min: ParametersView<'a>,
+    t_max: ParametersView<'a>,
+    len: usize,
+}
+
+impl<'py> Rays<'py> {
+    fn extract([origins, directions, t_min, t_max]: [&Bound<'py, PyAny>; 4]) -> PyResult<Self> {
+        Ok(Self {
+            origins: Rows::extract("origins", origins)?,
+            directions: Rows::extract("directions", directions)?,
+            t_min: Parameters::extract("t_min", t_min)?,
+            t_max: Parameters::extract("t_max", t_max)?,
+        })
+    }
+
+    fn view(&self) -> PyResult<RaysView<'_>> {
+        let len = match (self.origins.len(), self.directions.len()) {
+            (1, n) | (n, 1) => n,
+            (n, m) if n == m => n,
+            (n, m) => return Err(value_error(format!("there are {n} origins for {m} directions"))),
+        };
+        let (origins, directions) = (self.origins.view(), self.directions.view());
+        Ok(RaysView { origins, directions, t_min: self.t_min.view()?, t_max: self.t_max.view()?, len })
+    }
+}
+
+/// Why a batch of rays cannot be traced, as text, since Python objects need the lock of the interpreter.
+type Refused = String;
+
+impl RaysView<'_> {
+    fn check(&self) -> Result<(), Refused> {
+        for (what, rows) in [("origins", self.origins), ("directions", self.directions)] {
+            if let Some(row) = rows.first_non_finite() {
+                return Err(format!("row {row} of {what} holds a number that is not finite"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Calls `trace` with all rays at once if they can be read in place, or else slice by slice, and with the index of the
+    /// first ray.
+    fn for_each_slice(
+        &self,
+        mut trace: impl FnMut(usize, &RayBatch<'_>) -> Result<(), Refused>,
+    ) -> Result<(), Refused> {
+        self.check()?;
+        let in_place = self.origins.is_contiguous() && self.directions.is_contiguous();
+        let step = if in_place { self.len.max(1) } else { RAYS_PER_SLICE };
+        let (mut origins, mut directions) = (Gathered::default(), Gathered::default());
+        for first in (0..self.len).step_by(step) {
+            let n = step.min(self.len - first);
+            let vectors =
+                self.origins.vectors(first, n, &mut origins).zip(self.directions.vectors(first, n, &mut directions));
+            let limits = self.t_min.scalars(first, n).zip(self.t_max.scalars(first, n));
+            let Some(((origins, directions), (t_min, t_max))) = vectors.zip(limits) else {
+                return Err(format!("t_min and t_max must be numbers, or arrays of {} numbers", self.len));
+            };
+            let rays = RayBatch::new(origins, directions).and_then(|rays| rays.with_t_range(t_min, t_max));
+            trace(first, &rays.map_err(|error| error.to_string())?)?;
+        }
+        Ok(())
+    }
+}
+
+/// Calls `work` on the given number of threads: all processors for 0. Its argument is true if there are several.
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce(bool) -> T + Send) -> Result<T, Refused> {
+    match threads {
+        0 => Ok(work(rayon::current_num_threads() > 1)),
+        1 => Ok(work(false)),
+        _ => {
+            let pool =
+                rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
+            Ok(pool.install(|| work(true)))
+        }
+    }
+}
+
+/// `work` for each point, on the given number of threads.
+fn for_each_point<T: Send>(
+    points: RowsView<'_>,
+    threads: usize,
+    work: impl Fn(DVec3) -> T + Send + Sync,
+) -> Result<Vec<T>, Refused> {
+    if let Some(row) = points.first_non_finite() {
+        return Err(format!("row {row} of points holds a number that is not finite"));
+    }
+    let at = |i: usize| match points {
+        RowsView::F32(rows) => DVec3::new(rows[[i, 0]].into(), rows[[i, 1]].into(), rows[[i, 2]].into()),
+        RowsView::F64(rows) => DVec3::new(rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]),
+    };
+    on_threads(threads, |is_parallel| {
+        if is_parallel {
+            (0..points.len()).into_par_iter().with_min_len(POINTS_PER_TASK).map(|i| work(at(i))).collect()
+        } else {
+            (0..points.len()).map(|i| work(at(i))).collect()
+        }
+    })
+}
+
+type Closest<'py> =
+    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray2<f64>>);
+
+type AllHits<'py> = (
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<f64>>,
+);
+
+type Nearest<'py> =
+    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>);
+
+#[pymethods]
+impl PyScene {
+    /// Builds trees over geometries; instances are pairs of the index of a geometry and a matrix of 4 x 4 numbers.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        geometries: Vec<Bound<'_, PyAny>>,
+        instances: Vec<(usize, Option<PyReadonlyArray2<'_, f64>>)>,
+        quality: &str,
+    ) -> PyResult<Self> {
+        let params = match quality {
+            "fast" => BuildParams::FAST,
+            "balanced" => BuildParams::BALANCED,
+            "high" => BuildParams::HIGH,
+            _ => return Err(value_error(format!("quality {quality:?} is not one of 'fast', 'balanced', 'high'"))),
+        };
+        let mut builder = SceneBuilder::new(params);
+        let mut ids = Vec::new();
+        for geometry in &geometries {
+            let id = if let Ok(mesh) = geometry.cast::<PyMesh>() {
+                let mesh = mesh.get().0.clone();
+                py.detach(|| builder.add(mesh))
+            } else {
+                let spheres = geometry.cast::<PySpheres>()?.get().0.clone();
+                py.detach(|| builder.add(spheres))
+            };
+            ids.push(id.map_err(value_error)?);
+        }
+        for (i, (geometry, transform)) in instances.iter().enumerate() {
+            let id = *ids.get(*geometry).ok_or_else(|| value_error(format!("there is no geometry {geometry}")))?;
+            let placed = match transform {
+                None => builder.place(id),
+                Some(matrix) => {
+                    let transform =
+                        transform_of(matrix).map_err(|error| value_error(format!("instance {i}: {error}")))?;
+                    builder.place_at(id, &transform)
+                }
+            };
+            placed.map_err(|error| value_error(format!("instance {i}: {error}")))?;
+        }
+        py.detach(|| builder.build()).map(Self).map_err(value_error)
+    }
+
+    /// Bytes of the trees.
+    #[getter]
+    fn memory(&self) -> usize {
+        self.0.memory()
+    }
+
+    fn closest<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: &Bound<'py, PyAny>,
+        t_max: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<Closest<'py>> {
+        let rays = Rays::extract([origins, directions, t_min, t_max])?;
+        let view = rays.view()?;
+        let n = view.len;
+        let (t, primitive, instance, uv) = (
+            PyArray1::<f64>::zeros(py, n, false),
+            PyArray1::<u32>::zeros(py, n, false),
+            PyArray1::<u32>::zeros(py, n, false),
+            PyArray2::<f64>::zeros(py, [n, 2], false),
+        );
+        {
+            let (mut t, mut primitive) = (t.readwrite(), primitive.readwrite());
+            let (mut instance, mut uv) = (instance.readwrite(), uv.readwrite());
+            let (t, primitive) = (t.as_slice_mut()?, primitive.as_slice_mut()?);
+            let (instance, uv) = (instance.as_slice_mut()?, uv.as_slice_mut()?.as_chunks_mut().0);
+            let work = |is_parallel| {
+                view.for_each_slice(|first, rays| {
+                    let range = first..first + rays.len();
+                    let mut hits = HitBatch {
+                        t: &mut t[range.clone()],
+                        primitive: &mut primitive[range.clone()],
+                        instance: Some(&mut instance[range.clone()]),
+                        uv: Some(&mut uv[range]),
+                    };
+                    let traced = if is_parallel {
+                        self.0.par_closest_batch(rays, &mut hits)
+                    } else {
+                        self.0.closest_batch(rays, &mut hits)
+                    };
+                    traced.map_err(|error| error.to_string())
+                })
+            };
+            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+        }
+        Ok((t, primitive, instance, uv))
+    }
+
+    fn any_hit<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: &Bound<'py, PyAny>,
+        t_max: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let rays = Rays::extract([origins, directions, t_min, t_max])?;
+        let view = rays.view()?;
+        let occluded = PyArray1::<bool>::zeros(py, view.len, false);
+        {
+            let mut occluded = occluded.readwrite();
+            let occluded = occluded.as_slice_mut()?;
+            let work = |is_parallel| {
+                view.for_each_slice(|first, rays| {
+                    let occluded = &mut occluded[first..first + rays.len()];
+                    let traced = if is_parallel {
+                        self.0.par_occluded_batch(rays, occluded)
+                    } else {
+                        self.0.occluded_batch(rays, occluded)
+                    };
+                    traced.map_err(|error| error.to_string())
+                })
+            };
+            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+        }
+        Ok(occluded)
+    }
+
+    fn count_hits<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: &Bound<'py, PyAny>,
+        t_max: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let rays = Rays::extract([origins, directions, t_min, t_max])?;
+        let view = rays.view()?;
+        let counts = PyArray1::<u32>::zeros(py, view.len, false);
+        {
+            let mut counts = counts.readwrite();
+            let counts = counts.as_slice_mut()?;
+            let work = |is_parallel| {
+                view.for_each_slice(|first, rays| {
+                    let counts = &mut counts[first..first + rays.len()];
+                    let traced = if is_parallel {
+                        self.0.par_count_hits_batch(rays, counts)
+                    } else {
+                        self.0.count_hits_batch(rays, counts)
+                    };
+                    traced.map_err(|error| error.to_string())
+                })
+            };
+            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+        }
+        Ok(counts)
+    }
+
+    /// Offsets, t, primitives, instances, and barycentric coordinates, two for each hit.
+    fn all_hits<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: &Bound<'py, PyAny>,
+        t_max: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<AllHits<'py>> {
+        let rays = Rays::extract([origins, directions, t_min, t_max])?;
+        let view = rays.view()?;
+        let work = |is_parallel| {
+            let mut all = HitLists { offsets: vec![0], hits: Vec::new() };
+            view.for_each_slice(|_, rays| {
+                let lists = if is_parallel { self.0.par_all_hits_batch(rays) } else { self.0.all_hits_batch(rays) };
+                let first = all.hits.len();
+                all.offsets.extend(lists.offsets.iter().skip(1).map(|offset| first + offset));
+                all.hits.extend(lists.hits);
+                Ok(())
+            })?;
+            Ok(all)
+        };
+        let lists = py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+        let hits = &lists.hits;
+        Ok((
+            lists.offsets.iter().map(|offset| *offset as i64).collect::<Vec<_>>().into_pyarray(py),
+            hits.iter().map(|hit| hit.t).collect::<Vec<_>>().into_pyarray(py),
+            hits.iter().map(|hit| hit.primitive).collect::<Vec<_>>().into_pyarray(py),
+            hits.iter().map(|hit| hit.instance).collect::<Vec<_>>().into_pyarray(py),
+            hits.iter().flat_map(|hit| hit.uv).collect::<Vec<_>>().into_pyarray(py),
+        ))
+    }
+
+    /// Coordinates of the nearest points, three for each, distances, primitives and instances.
+    fn nearest_point<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        max_distance: f64,
+        threads: usize,
+    ) -> PyResult<Nearest<'py>> {
+        let points = Rows::extract("points", points)?;
+        let view = points.view();
+        let nearest = |point| self.0.nearest_point(point, max_distance);
+        let found = py.detach(|| for_each_point(view, threads, nearest)).map_err(value_error)?;
+        let coordinates = found.iter().flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point.to_array()));
+        let distances = found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance));
+        let primitives = found.iter().map(|hit| hit.map_or(HitBatch::MISS, |hit| hit.primitive));
+        let instances = found.iter().map(|hit| hit.map_or(HitBatch::MISS, |hit| hit.instance));
+        Ok((
+            coordinates.collect::<Vec<_>>().into_pyarray(py),
+            distances.collect::<Vec<_>>().into_pyarray(py),
+            primitives.collect::<Vec<_>>().into_pyarray(py),
+            instances.collect::<Vec<_>>().into_pyarray(py),
+        ))
+    }
+
+    fn contains<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let points = Rows::extract("points", points)?;
+        let view = points.view();
+        let inside =
+            py.detach(|| for_each_point(view, threads, |point| self.0.contains(point))).map_err(value_error)?;
+        Ok(inside.into_pyarray(py))
+    }
+
+    fn signed_distance<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let points = Rows::extract("points", points)?;
+        let view = points.view();
+        let distance = |point| self.0.signed_distance(point).unwrap_or(f64::INFINITY);
+        let distances = py.detach(|| for_each_point(view, threads, distance)).map_err(value_error)?;
+        Ok(distances.into_pyarray(py))
+    }
+}
+
+fn transform_of(matrix: &PyReadonlyArray2<'_, f64>) -> Result<Transform, Refused> {
+    let matrix = matrix.as_array();
+    if matrix.dim() != (4, 4) {
+        return Err(format!("a transform has the shape (4, 4), not {:?}", matrix.dim()));
+    }
+    let rows = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| matrix[[i, j]]));
+    Transform::from_rows(rows).map_err(|error| error.to_string())
+}
