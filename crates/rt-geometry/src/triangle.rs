@@ -3,6 +3,7 @@
 use crate::area::{area_vector, unit_normal};
 use crate::error::{ShapeError, check_coordinates};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, WatertightRay};
+use robust::{Coord, Coord3D, orient2d, orient3d};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -48,6 +49,29 @@ impl Triangle {
         let uv = if needs.uv { hit.uv } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, unit_normal(self.vertices), uv)
     }
+}
+
+/// True if the point lies on the triangle, edges and vertices included, decided exactly. False for NaN and for triangles
+/// without area.
+///
+/// The point lies in the plane if the tetrahedron over the triangle has no volume. It lies on the triangle if it is on the
+/// same side of all edges, seen along the axis that is closest to the normal. The signs of volume and areas are exact
+/// (Shewchuk 1997).
+pub fn is_on_triangle(vertices: [DVec3; 3], point: DVec3) -> bool {
+    let [a, b, c, p] = [vertices[0], vertices[1], vertices[2], point].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+    let area = area_vector(vertices).abs();
+    if orient3d(a, b, c, p) != 0.0 || area == DVec3::ZERO || !point.is_finite() {
+        return false;
+    }
+    let (x, y) = match area.to_array() {
+        [x, y, z] if x >= y && x >= z => (1, 2),
+        [_, y, z] if y >= z => (2, 0),
+        _ => (0, 1),
+    };
+    let flat = |p: DVec3| Coord { x: p[x], y: p[y] };
+    let [a, b, c] = vertices.map(flat);
+    let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| orient2d(from, to, flat(point)));
+    sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
 }
 
 /// All three barycentric weights, from those of the second and third vertex.
@@ -114,6 +138,16 @@ mod tests {
             assert_eq!((surface.geometric_normal, surface.uv), (DVec3::Z, [0.0; 2]));
             assert_eq!(corner().surface(&ray, &hit, InteractionFlags::ALL).uv, [0.25, 0.25]);
         }
+    }
+
+    #[test]
+    fn points_are_on_a_triangle_exactly_or_not_at_all() {
+        let slanted = [[0.0, 0.0, 3.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0]].map(DVec3::from);
+        let is_on = |p: [f64; 3]| is_on_triangle(slanted, DVec3::from(p));
+        assert!(is_on([1.0, 1.0, 1.0]) && is_on([1.5, 1.5, 0.0]) && is_on([0.0, 0.0, 3.0]));
+        assert!(!is_on([1.0, 1.0, 1.0f64.next_up()]) && !is_on([1.0, 1.0, 1.0f64.next_down()]));
+        assert!(!is_on([-1.0, 2.0, 2.0]) && !is_on([1.75, 1.75, -0.5]) && !is_on([f64::NAN, 0.0, 0.0]));
+        assert!(!is_on_triangle([DVec3::ZERO, DVec3::X, DVec3::X], DVec3::ZERO), "no area");
     }
 
     #[test]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,8 +40,18 @@ class Image(np.ndarray):
             setattr(self, name, getattr(source, name, None))
 
 
-def render(scene, *, spp=None, size=None, seed=None, integrator=None, depth=None, time=None, target_error=None,
-           threads=None):
+def render(
+    scene: str | os.PathLike[str],
+    *,
+    spp: int | None = None,
+    size: tuple[int, int] | None = None,
+    seed: int | None = None,
+    integrator: str | None = None,
+    depth: int | None = None,
+    time: float | None = None,
+    target_error: float | None = None,
+    threads: int | None = None,
+) -> Image:
     """Renders a scene file or a model.
 
     Parameters
@@ -113,7 +124,14 @@ class ConvergenceRow(NamedTuple):
     bias: float
 
 
-def converge(scene, *, spp=(1, 4, 16, 64), reference_spp=None, seeds=4, **options):
+def converge(
+    scene: str | os.PathLike[str],
+    *,
+    spp: Sequence[int] = (1, 4, 16, 64),
+    reference_spp: int | None = None,
+    seeds: int = 4,
+    **options: Any,
+) -> list[ConvergenceRow]:
     """Error against run time: renders with rising numbers of samples and compares with a reference.
 
     Parameters

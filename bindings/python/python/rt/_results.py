@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 
 class Hits(NamedTuple):
@@ -22,13 +23,13 @@ class Hits(NamedTuple):
         Barycentric weights of the second and third vertex, in an additional last axis of length 2.
     """
 
-    t: np.ndarray
-    primitive: np.ndarray
-    instance: np.ndarray
-    uv: np.ndarray
+    t: NDArray[np.float64]
+    primitive: NDArray[np.int32]
+    instance: NDArray[np.int32]
+    uv: NDArray[np.float64]
 
     @property
-    def hit(self):
+    def hit(self) -> NDArray[np.bool_]:
         """True where something is hit."""
         return self.primitive >= 0
 
@@ -52,14 +53,14 @@ class AllHits(NamedTuple):
         Barycentric weights of the second and third vertex.
     """
 
-    offsets: np.ndarray
-    t: np.ndarray
-    primitive: np.ndarray
-    instance: np.ndarray
-    uv: np.ndarray
+    offsets: NDArray[np.int64]
+    t: NDArray[np.float64]
+    primitive: NDArray[np.int32]
+    instance: NDArray[np.int32]
+    uv: NDArray[np.float64]
 
     @property
-    def ray(self):
+    def ray(self) -> NDArray[np.int64]:
         """Index of the ray of each hit."""
         return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
 
@@ -79,7 +80,7 @@ class NearestPoints(NamedTuple):
         Numbers of the geometries or instances in the scene, -1 where there is none.
     """
 
-    point: np.ndarray
-    distance: np.ndarray
-    primitive: np.ndarray
-    instance: np.ndarray
+    point: NDArray[np.float64]
+    distance: NDArray[np.float64]
+    primitive: NDArray[np.int32]
+    instance: NDArray[np.int32]

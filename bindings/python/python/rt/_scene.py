@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _rt
 from ._results import AllHits, Hits, NearestPoints
@@ -15,10 +17,18 @@ class _Queries:
 
     __slots__ = ()
 
-    def _core(self):
+    def _core(self) -> _rt.Scene:
         raise NotImplementedError
 
-    def closest(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+    def closest(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = np.inf,
+        threads: int | None = None,
+    ) -> Hits:
         """Closest hit of each ray.
 
         Parameters
@@ -57,7 +67,15 @@ class _Queries:
         ids = _arrays.ids(primitive, shape), _arrays.ids(instance, shape)
         return Hits(t.reshape(shape), *ids, uv.reshape(*shape, 2))
 
-    def any_hit(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+    def any_hit(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = np.inf,
+        threads: int | None = None,
+    ) -> NDArray[np.bool_]:
         """True for each ray that hits anything, which is faster than the closest hit.
 
         Parameters and errors are those of `closest`.
@@ -70,7 +88,15 @@ class _Queries:
         limits = _arrays.parameters("t_min", t_min, shape), _arrays.parameters("t_max", t_max, shape)
         return self._core().any_hit(origins, directions, *limits, _arrays.thread_count(threads)).reshape(shape)
 
-    def all_hits(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+    def all_hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = np.inf,
+        threads: int | None = None,
+    ) -> AllHits:
         """All hits of each ray, each once, in order of t. A sphere is hit twice.
 
         Edges and vertices belong to all of their triangles: a ray that passes exactly through an edge hits both.
@@ -87,7 +113,15 @@ class _Queries:
         offsets, t, primitive, instance, uv = self._core().all_hits(origins, directions, *limits, count)
         return AllHits(offsets, t, primitive.view(np.int32), instance.view(np.int32), uv.reshape(-1, 2))
 
-    def count_hits(self, origins, directions, *, t_min=0.0, t_max=np.inf, threads=None):
+    def count_hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = np.inf,
+        threads: int | None = None,
+    ) -> NDArray[np.int32]:
         """Number of hits of each ray, as `all_hits` lists them.
 
         Parameters and errors are those of `closest`.
@@ -101,7 +135,9 @@ class _Queries:
         counts = self._core().count_hits(origins, directions, *limits, _arrays.thread_count(threads))
         return _arrays.ids(counts, shape)
 
-    def nearest_point(self, points, *, max_distance=np.inf, threads=None):
+    def nearest_point(
+        self, points: ArrayLike, *, max_distance: float = np.inf, threads: int | None = None
+    ) -> NearestPoints:
         """Point of the surface nearest to each point.
 
         Parameters
@@ -124,7 +160,7 @@ class _Queries:
         ids = _arrays.ids(primitive, shape), _arrays.ids(instance, shape)
         return NearestPoints(nearest.reshape(*shape, 3), distance.reshape(shape), *ids)
 
-    def contains(self, points, *, threads=None):
+    def contains(self, points: ArrayLike, *, threads: int | None = None) -> NDArray[np.bool_]:
         """True for each point inside a closed mesh or a sphere, or on its surface.
 
         A point is inside a mesh if a ray from it crosses the surface an odd number of times. Crossings are decided
@@ -138,7 +174,7 @@ class _Queries:
         inside = self._core().contains(points.reshape(-1, 3), _arrays.thread_count(threads))
         return inside.reshape(points.shape[:-1])
 
-    def signed_distance(self, points, *, threads=None):
+    def signed_distance(self, points: ArrayLike, *, threads: int | None = None) -> NDArray[np.float64]:
         """Distance of each point from the nearest surface: negative inside, as by `contains`; ``inf`` without a surface.
 
         Returns
@@ -161,7 +197,7 @@ class _Geometry(_Queries):
         self._scene = None
         self.quality = quality
 
-    def _core(self):
+    def _core(self) -> _rt.Scene:
         with self._lock:
             if self._scene is None:
                 self._scene = _rt.Scene([self._geometry], [(0, None)], self.quality)
@@ -196,7 +232,7 @@ class TriangleMesh(_Geometry):
 
     __slots__ = ("n_faces", "n_vertices")
 
-    def __init__(self, vertices, faces, *, quality="balanced"):
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, quality: str = "balanced") -> None:
         vertices = _arrays.vectors("vertices", vertices if np.size(vertices) else np.empty((0, 3)))
         if vertices.ndim != 2:
             raise ValueError(f"vertices must have the shape (n, 3), not {vertices.shape}")
@@ -205,7 +241,7 @@ class TriangleMesh(_Geometry):
         self.n_vertices = len(vertices)
         self.n_faces = len(faces)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<rt.TriangleMesh: {self.n_faces} triangles, {self.n_vertices} vertices>"
 
 
@@ -227,13 +263,13 @@ class Spheres(_Geometry):
 
     __slots__ = ("n_spheres",)
 
-    def __init__(self, centres, radii, *, quality="balanced"):
+    def __init__(self, centres: ArrayLike, radii: ArrayLike, *, quality: str = "balanced") -> None:
         centres = np.ascontiguousarray(_arrays.vectors("centres", centres).reshape(-1, 3), dtype=np.float64)
         radii = _arrays.parameters("radii", np.atleast_1d(radii), (len(centres),))
         super().__init__(_rt.SphereSet(centres, radii), quality)
         self.n_spheres = len(centres)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<rt.Spheres: {self.n_spheres} spheres>"
 
 
@@ -250,7 +286,7 @@ class Instance:
 
     __slots__ = ("geometry", "transform")
 
-    def __init__(self, geometry, transform):
+    def __init__(self, geometry: TriangleMesh | Spheres, transform: ArrayLike) -> None:
         if not isinstance(geometry, _Geometry):
             raise TypeError(f"an instance takes a TriangleMesh or Spheres, not {type(geometry).__name__}")
         transform = np.array(transform, dtype=np.float64)
@@ -259,7 +295,7 @@ class Instance:
         self.geometry = geometry
         self.transform = transform
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"rt.Instance({self.geometry!r}, {self.transform.tolist()})"
 
 
@@ -286,7 +322,12 @@ class Scene(_Queries):
 
     __slots__ = ("_scene", "n_objects")
 
-    def __init__(self, objects, *, quality="balanced"):
+    def __init__(
+        self,
+        objects: TriangleMesh | Spheres | Instance | Sequence[TriangleMesh | Spheres | Instance],
+        *,
+        quality: str = "balanced",
+    ) -> None:
         if isinstance(objects, (_Geometry, Instance)):
             objects = [objects]
         geometries = {}
@@ -300,8 +341,8 @@ class Scene(_Queries):
         self._scene = _rt.Scene([geometry._geometry for _, geometry in geometries.values()], instances, quality)
         self.n_objects = len(instances)
 
-    def _core(self):
+    def _core(self) -> _rt.Scene:
         return self._scene
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<rt.Scene: {self.n_objects} objects>"

@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_geometry::{Hit, NoProbe, nearest_on_triangle};
+use rt_geometry::{Hit, NoProbe, is_on_triangle, nearest_on_triangle};
 use rt_math::{Aabb, Interval, Ray, Transform};
 
 use super::Scene;
@@ -42,8 +42,8 @@ impl Scene<'_> {
     /// True if the point lies inside an instance or on its surface.
     ///
     /// A point is inside a mesh if a ray from it crosses the surface an odd number of times, so that the triangles need
-    /// no common orientation. The mesh has to be closed. Crossings are decided exactly: a ray through an edge or a vertex
-    /// is replaced by one in another direction. False for NaN.
+    /// no common orientation. The mesh has to be closed. Crossings, and points on the surface, are decided exactly: a ray
+    /// through an edge or a vertex is replaced by one in another direction. False for NaN.
     pub fn contains(&self, point: DVec3) -> bool {
         self.instances.iter().any(|instance| {
             if !instance.bounds.padded().contains(point) {
@@ -52,7 +52,7 @@ impl Scene<'_> {
             let local = instance.world_from_local.as_ref().map_or(point, |transform| transform.inverse_point(point));
             let geometry = &self.geometries[instance.geometry as usize];
             match &geometry.geometry {
-                Geometry::Mesh(_) => mesh_contains(geometry, local),
+                Geometry::Mesh(mesh) => is_on_surface(geometry, mesh, local) || mesh_contains(geometry, local),
                 Geometry::Spheres(spheres) => {
                     let contains = |(centre, radius): (DVec3, f64)| local.distance(centre) <= radius;
                     spheres.as_slice().iter().any(|sphere| contains((sphere.centre(), sphere.radius())))
@@ -69,15 +69,21 @@ impl Scene<'_> {
     }
 }
 
+fn is_on_surface(geometry: &Blas<'_>, mesh: &TriangleMesh<'_>, point: DVec3) -> bool {
+    let mut found = false;
+    geometry.tree().visit_overlapping(mesh, &Aabb::new(point, point), |index| {
+        found = mesh.triangle(index).is_some_and(|triangle| is_on_triangle(triangle, point));
+        if found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    found
+}
+
 fn mesh_contains(geometry: &Blas<'_>, point: DVec3) -> bool {
     let mut hits = Vec::new();
     let mut is_inside = false;
     for attempt in 0..N_DIRECTIONS {
         let ray = Ray::new(point, direction(attempt));
         geometry.all_hits(&ray, Interval::FORWARD, &mut hits, &mut NoProbe);
-        if hits.first().is_some_and(|hit| hit.t == 0.0) {
-            return true;
-        }
         is_inside = hits.len() % 2 == 1;
         if !hits.iter().any(is_on_edge) {
             break;
