@@ -1,6 +1,6 @@
 //! Meshes and spheres.
 
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rt_accel::{DVec3, Sphere, Spheres, TriangleMesh, Vertices};
@@ -33,6 +33,19 @@ impl PyMesh {
         let mesh = TriangleMesh::new(vertices, triangles);
         mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
     }
+
+    /// Coordinates of the vertices, three for each: a copy in the precision that the mesh keeps.
+    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        match self.0.vertices() {
+            Vertices::F32(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
+            Vertices::F64(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
+        }
+    }
+
+    /// Indices of vertices, three for each triangle: a copy.
+    fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.0.triangles().as_flattened().to_vec().into_pyarray(py)
+    }
 }
 
 /// Checked spheres.
@@ -56,5 +69,14 @@ impl PySpheres {
         };
         let spheres = centres.rows().into_iter().zip(radii).enumerate().map(sphere);
         Ok(Self(Spheres::new(spheres.collect::<PyResult<_>>()?)))
+    }
+
+    /// Coordinates of the centres and the radius, four numbers for each sphere: a copy.
+    fn numbers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let numbers = |sphere: &Sphere| {
+            let DVec3 { x, y, z } = sphere.centre();
+            [x, y, z, sphere.radius()]
+        };
+        self.0.as_slice().iter().flat_map(numbers).collect::<Vec<_>>().into_pyarray(py)
     }
 }

@@ -115,6 +115,7 @@ pub(crate) fn render(
         settings.spp = spp.unwrap_or(settings.spp);
         settings.seed = seed.unwrap_or(settings.seed);
         settings.depth = depth.unwrap_or(settings.depth);
+        settings.integrator = integrator.unwrap_or(settings.integrator);
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).map_err(|error| error.to_string())?;
         let options = RunOptions { threads, interrupt: Some(&interrupt), ..RunOptions::default() };
         let observer = |_: Progress| {

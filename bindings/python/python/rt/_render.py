@@ -1,14 +1,18 @@
-"""Images of scene files."""
+"""Images of scene files and geometry."""
 
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from . import _arrays, _rt
+from . import _arrays, _rt, _scene_file
+from ._scene import Scene, Spheres, TriangleMesh
 
 
 class Image(np.ndarray):
@@ -41,10 +45,13 @@ class Image(np.ndarray):
 
 
 def render(
-    scene: str | os.PathLike[str],
+    scene: str | os.PathLike[str] | Scene | TriangleMesh | Spheres,
     *,
     spp: int | None = None,
     size: tuple[int, int] | None = None,
+    look_from: ArrayLike | None = None,
+    look_at: ArrayLike | None = None,
+    fov: float | None = None,
     seed: int | None = None,
     integrator: str | None = None,
     depth: int | None = None,
@@ -52,16 +59,21 @@ def render(
     target_error: float | None = None,
     threads: int | None = None,
 ) -> Image:
-    """Renders a scene file or a model.
+    """Renders a scene.
 
     Parameters
     ----------
-    scene : str or path
-        A scene in ``.ron`` or ``.json``, or a model in glTF, OBJ, PLY, STL, NFF or pbrt format.
+    scene : str or path, Scene, TriangleMesh or Spheres
+        A file: a scene in ``.ron`` or ``.json``, or a model in glTF, OBJ, PLY, STL, NFF or pbrt format. Or geometry, which
+        is gray, stands in studio light, and has its vertices rounded to single precision.
     spp : int, optional
         Samples per pixel, by default those of the scene. With `time` or `target_error`, the largest number.
     size : tuple of int, optional
         Width and height.
+    look_from, look_at : array_like, optional
+        Position of the camera and the point that it looks at, for geometry; by default where it sees everything.
+    fov : float, optional
+        Vertical opening angle of the camera in degrees, for geometry.
     seed : int, optional
         Seed of all random numbers. Equal seeds give equal images, on any number of threads.
     integrator : str, optional
@@ -88,16 +100,39 @@ def render(
     if size is not None:
         width, height = size
         size = (int(width), int(height))
-    rendering = _rt.render(
-        os.fspath(scene), spp=spp, size=size, seed=seed, integrator=integrator, depth=depth, time=time,
-        target_error=target_error, threads=_arrays.thread_count(threads),
+    options = dict(
+        spp=spp, size=size, seed=seed, integrator=integrator, depth=depth, time=time, target_error=target_error,
+        threads=_arrays.thread_count(threads),
     )
+    camera = _camera(look_from, look_at, fov)
+    if isinstance(scene, (Scene, TriangleMesh, Spheres)):
+        with tempfile.TemporaryDirectory() as folder:
+            rendering = _rt.render(os.fspath(_scene_file.write(Path(folder), scene, camera)), **options)
+    elif camera:
+        raise ValueError("look_from, look_at and fov are for geometry; a scene file has cameras of its own")
+    else:
+        rendering = _rt.render(os.fspath(scene), **options)
     image = rendering.pixels().reshape(rendering.height, rendering.width, 3).view(Image)
     image.statistics = dict(rendering.statistics)
     image.error, image.error_interval = rendering.error or (None, None)
     image.samples_per_pixel = rendering.samples_per_pixel[1]
     image.stopped = rendering.stopped
     return image
+
+
+def _camera(look_from: ArrayLike | None, look_at: ArrayLike | None, fov: float | None) -> dict[str, object]:
+    camera: dict[str, object] = {}
+    for name, value in [("look_from", look_from), ("look_at", look_at)]:
+        if value is not None:
+            point = _arrays.vectors(name, value)
+            if point.shape != (3,):
+                raise ValueError(f"{name} must be one point, not an array of shape {point.shape}")
+            camera[name] = point.astype(np.float64).tolist()
+    if look_at is not None and look_from is None:
+        raise ValueError("look_at needs look_from")
+    if fov is not None:
+        camera["fov"] = float(fov)
+    return camera
 
 
 class ConvergenceRow(NamedTuple):
@@ -125,7 +160,7 @@ class ConvergenceRow(NamedTuple):
 
 
 def converge(
-    scene: str | os.PathLike[str],
+    scene: str | os.PathLike[str] | Scene | TriangleMesh | Spheres,
     *,
     spp: Sequence[int] = (1, 4, 16, 64),
     reference_spp: int | None = None,
@@ -136,7 +171,7 @@ def converge(
 
     Parameters
     ----------
-    scene : str or path
+    scene : str or path, Scene, TriangleMesh or Spheres
     spp : sequence of int
         Samples per pixel of each line of the table.
     reference_spp : int, optional

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -241,6 +242,16 @@ class TriangleMesh(_Geometry):
         self.n_vertices = len(vertices)
         self.n_faces = len(faces)
 
+    @property
+    def vertices(self) -> NDArray[Any]:
+        """Copy of the vertices, in single precision if it holds all of them exactly."""
+        return self._geometry.vertices().reshape(-1, 3)
+
+    @property
+    def faces(self) -> NDArray[np.uint32]:
+        """Copy of the faces."""
+        return self._geometry.faces().reshape(-1, 3)
+
     def __repr__(self) -> str:
         return f"<rt.TriangleMesh: {self.n_faces} triangles, {self.n_vertices} vertices>"
 
@@ -268,6 +279,16 @@ class Spheres(_Geometry):
         radii = _arrays.parameters("radii", np.atleast_1d(radii), (len(centres),))
         super().__init__(_rt.SphereSet(centres, radii), quality)
         self.n_spheres = len(centres)
+
+    @property
+    def centres(self) -> NDArray[np.float64]:
+        """Copy of the centres."""
+        return self._geometry.numbers().reshape(-1, 4)[:, :3]
+
+    @property
+    def radii(self) -> NDArray[np.float64]:
+        """Copy of the radii."""
+        return self._geometry.numbers().reshape(-1, 4)[:, 3]
 
     def __repr__(self) -> str:
         return f"<rt.Spheres: {self.n_spheres} spheres>"
@@ -320,7 +341,7 @@ class Scene(_Queries):
     (array([4., 4.]), array([0, 1], dtype=int32))
     """
 
-    __slots__ = ("_scene", "n_objects")
+    __slots__ = ("_objects", "_scene")
 
     def __init__(
         self,
@@ -332,17 +353,22 @@ class Scene(_Queries):
             objects = [objects]
         geometries = {}
         instances = []
-        for i, item in enumerate(objects):
+        self._objects = tuple(objects)
+        for i, item in enumerate(self._objects):
             geometry, transform = (item.geometry, item.transform) if isinstance(item, Instance) else (item, None)
             if not isinstance(geometry, _Geometry):
                 raise TypeError(f"object {i} is a {type(item).__name__}, not a TriangleMesh, Spheres or Instance")
             index, _ = geometries.setdefault(id(geometry), (len(geometries), geometry))
             instances.append((index, transform))
         self._scene = _rt.Scene([geometry._geometry for _, geometry in geometries.values()], instances, quality)
-        self.n_objects = len(instances)
+
+    @property
+    def objects(self) -> tuple[TriangleMesh | Spheres | Instance, ...]:
+        """The objects in the order of their numbers."""
+        return self._objects
 
     def _core(self) -> _rt.Scene:
         return self._scene
 
     def __repr__(self) -> str:
-        return f"<rt.Scene: {self.n_objects} objects>"
+        return f"<rt.Scene: {len(self._objects)} objects>"

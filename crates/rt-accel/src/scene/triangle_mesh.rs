@@ -120,6 +120,11 @@ impl<'a> TriangleMesh<'a> {
         Ok(Self { vertices: vertices.narrowed(), triangles })
     }
 
+    /// The vertices, in the precision that holds them.
+    pub const fn vertices(&self) -> &Vertices<'a> {
+        &self.vertices
+    }
+
     /// The triangles: indices of their vertices.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
