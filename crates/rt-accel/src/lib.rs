@@ -1,4 +1,4 @@
-//! # rt-accel: chapter 6, acceleration accelerators
+//! # rt-accel: chapter 6, acceleration structures
 //!
 //! ```text
 //!     closest(ray) = min over all primitives of (t, instance, primitive)      always the same bits
@@ -6,73 +6,47 @@
 //!     Linear                 UniformGrid               Bvh
 //!     ● ● ● ● ● ● ●          ┌──┬──┬──┬──┐             ┌─────────┐┌──────┐
 //!     each in turn           │  │● │  │  │             │┌───┐┌──┐││┌────┐│
-//!                            ├──┼──┼──┼──┤             ││● ●││ ●││││● ● ││
-//!                       ray ─┼──┼─▶│● │● │             │└───┘└──┘││└────┘│
-//!                            └──┴──┴──┴──┘             └─────────┘└──────┘
+//!                       ray ─┼──┼─▶│● │● │             ││● ●││ ●││││● ● ││
+//!                            └──┴──┴──┴──┘             └┴───┴┴──┴┘└┴────┴┘
 //! ```
 //!
-//! | accelerator | build | bytes per primitive | ray, n primitives | choose it for |
-//! |---|---|---|---|---|
-//! | [`Linear`] | O(n), checks and copies | 16 for spheres, 0 for others | n tests, eight spheres or eight rays at once | up to about ten primitives |
-//! | [`UniformGrid`] | O(n), a tenth to a quarter of `Bvh` | 30 to 100 | O(∛n) cells | primitives of similar size, evenly distributed; frequent rebuilds |
-//! | [`WideBvh`] | O(n log n), as `Bvh` or less | about 60 | O(log n) nodes of eight boxes | rendering, and other workloads of many rays |
-//! | [`Bvh`] | O(n log n) | 25 to 45 | O(log n) nodes | everything else, in half the memory |
-//! | [`SphereTree`] | O(n log n), as `Bvh` | 15 to 50 | O(log n) nodes, 1.4 to 2.7 times the work of `Bvh` | comparing shapes of volumes |
-//! | [`CylinderTree`] | O(n log n), twice `Bvh` | 45 to 85 | O(log n) nodes, 1.1 to 1.2 times the work of `Bvh` | comparing shapes of volumes |
-//! | [`KdTree`] | O(n log n), 2 to 8 times `Bvh` | 45 to 100 | O(log n) nodes | primitives that overlap little, seen from within; queries of regions |
-//! | [`BspTree`] | O(n log n), 2 to 5 times `KdTree` | 110 to 210 | O(log n) nodes | walls at odd angles with empty space between them |
-//! | [`Bih`] | O(n log n), a tenth to a fifth of `Bvh` | under 20 | O(log n) nodes, 1.5 to 5 times the work of `Bvh` | scenes that change constantly |
-//! | [`LazyBih`] | O(n), the rest on demand | 56 before, 40 to 60 after | as `Bih` | first images of scenes of which little is visible |
-//!
-//! Ranges are for 10³ to 10⁵ primitives; `docs/COSTS.md` of the repository lists all measurements. The [`guide`]
-//! explains each accelerator with images.
-//!
-//! **All return the results of [`brute_force`], bit for bit**, ties included, for every ray. Hits are accepted through
-//! [`rt_geometry::intersect_primitive`] alone, and culled primitives provably cannot win. The proofs are in the source
-//! files. The tests check them with rays through vertices, edges and corners, along walls, and one rounding step off
-//! these. Primitives without bounds, such as infinite planes, are tested against every ray.
-//!
-//! **Owns** the accelerators, their builders and traversals. **Does not own** shapes: an accelerator holds indices and
-//! boxes, and borrows the caller's [`Primitives`] for each query. No query allocates, locks or fails, except that
-//! [`LazyBih`] allocates and locks where it splits a node.
-//!
-//! Types of `rt-math` in the public interface are re-exported, so that a program only has to depend on this crate. With
-//! the feature `parallel` (default), trees are built on all threads; with `large-pages` (default), Linux is requested
-//! to use 2 MiB pages for large trees. Neither changes results.
-//!
-//! # Tracing your own primitives
-//!
 //! ```
-//! use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Hit, Interval, NoProbe, Primitives, Ray};
+//! use rt_accel::{DVec3, Interval, Ray, Scene, TriangleMesh};
 //!
-//! /// Squares of side 2 that face the z axis.
-//! struct Tiles(Vec<DVec3>);
-//!
-//! impl Primitives for Tiles {
-//!     fn len(&self) -> usize {
-//!         self.0.len()
-//!     }
-//!     fn bounds(&self, index: u32) -> Option<Aabb> {
-//!         let reach = DVec3::new(1.0, 1.0, 0.0);
-//!         Some(Aabb::new(self.0[index as usize] - reach, self.0[index as usize] + reach))
-//!     }
-//!     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-//!         let centre = self.0[index as usize];
-//!         let t = (centre.z - ray.origin.z) / ray.direction.z;
-//!         let offset = (ray.at(t) - centre).abs();
-//!         (span.contains(t) && offset.x <= 1.0 && offset.y <= 1.0)
-//!             .then_some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
-//!     }
-//! }
-//!
-//! let tiles = Tiles((0..1000).map(|i| DVec3::new(f64::from(i % 10), 0.0, f64::from(i))).collect());
-//! let bvh = Bvh::build(&tiles)?;
-//! let ray = Ray::new(DVec3::new(9.5, 0.0, -1.0), DVec3::Z);
-//! let hit = bvh.closest(&tiles, &ray, Interval::FORWARD, &mut NoProbe);
-//! assert_eq!(hit.map(|hit| (hit.t, hit.primitive)), Some((10.0, 9)));
-//! assert!(!bvh.occluded(&tiles, &ray, Interval::new(0.0, 9.9), &mut NoProbe));
-//! # Ok::<(), rt_accel::BuildError>(())
+//! let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let scene = Scene::new(TriangleMesh::new(&vertices, &[[0, 1, 2]])?)?;
+//! let ray = Ray::new(DVec3::new(0.25, 0.25, 2.0), DVec3::NEG_Z);
+//! let hit = scene.closest(&ray, Interval::FORWARD).ok_or("a miss")?;
+//! assert_eq!((hit.t, hit.primitive, hit.uv), (2.0, 0, [0.25, 0.25]));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! * A [`Scene`] holds meshes and spheres, also placed by transforms ([`SceneBuilder`]). It finds the closest hit, any hit and all
+//!   hits of a ray or of a [`RayBatch`], nearest points, and inside or outside.
+//! * [`UserGeometry`] takes boxes and a closure, and [`Primitives`] is the interface for primitives of your own. An
+//!   [`Accelerator`] over them holds indices and boxes; every query borrows the primitives.
+//!
+//! | accelerator | build time, relative to `Bvh` | bytes per primitive | choose it for |
+//! |---|---|---|---|
+//! | [`WideBvh`] | 1 or less | about 60 | many rays: eight boxes per node (Wald et al. 2008) |
+//! | [`Bvh`] | 1 | 25 to 45 | half the memory (binned SAH, Wald 2007) |
+//! | [`Linear`] | checks and copies | 16 for spheres, 0 for others | up to about ten primitives |
+//! | [`UniformGrid`] | 0.1 to 0.25 | 30 to 100 | evenly distributed primitives (Amanatides and Woo 1987) |
+//! | [`KdTree`] | 2 to 8 | 45 to 100 | little overlap, seen from within (Wald and Havran 2006) |
+//! | [`BspTree`] | 4 to 40 | 110 to 210 | walls at odd angles (Ize, Wald and Parker 2008) |
+//! | [`Bih`], [`LazyBih`] | 0.1 to 0.2, or on demand | under 20, 40 to 60 | constant change (Wächter and Keller 2006) |
+//! | [`SphereTree`], [`CylinderTree`] | 1, 2 | 15 to 85 | comparing bounding volumes |
+//!
+//! Ranges are for 10³ to 10⁵ primitives; `docs/COSTS.md` of the repository lists all measurements. The [`guide`] explains each
+//! accelerator with images and papers.
+//!
+//! **All return the results of [`brute_force`], bit for bit**, ties included, for every ray. Edges are decided exactly (Woop,
+//! Benthin and Wald 2013, in `f64`), hits are accepted through [`rt_geometry::intersect_primitive`] alone, and culled primitives
+//! provably cannot win. The proofs are in the source files.
+//!
+//! **Does not own** the shapes and their kernels, which are in `rt-geometry`. No query allocates, locks or fails, except that
+//! [`LazyBih`] allocates and locks where it splits a node, and lists of all hits grow. Features: `parallel` (default) builds
+//! trees and traces batches on all threads; `large-pages` (default) requests pages of 2 MiB from Linux; `serde`; `all-simd`.
 
 #![deny(unsafe_code)]
 
