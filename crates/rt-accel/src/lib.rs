@@ -44,7 +44,7 @@
 //! Benthin and Wald 2013, in `f64`), hits are accepted through [`rt_geometry::intersect_primitive`] alone, and culled primitives
 //! provably cannot win. The proofs are in the source files.
 //!
-//! **Does not own** the shapes and their kernels, which are in `rt-geometry`. No query allocates, locks or fails, except that
+//! **Owns** accelerators, their builders and queries, and ready-made scenes of meshes and spheres. **Does not own** the shapes and their kernels, which are in `rt-geometry`. No query allocates, locks or fails, except that
 //! [`LazyBih`] allocates and locks where it splits a node, and lists of all hits grow. Features: `parallel` (default) builds
 //! trees and traces batches on all threads; `large-pages` (default) requests pages of 2 MiB from Linux; `serde`; `all-simd`.
 

@@ -179,10 +179,10 @@ fn batches_give_the_hits_of_single_rays() {
     let mesh = TriangleMesh::new(&vertices, &triangles).expect("a mesh");
     let mut builder = SceneBuilder::new(BuildParams::BALANCED);
     let id = builder.add(mesh.clone()).expect("a geometry");
-    let balls = Spheres::new(vec![Sphere::new(DVec3::Z * 2.0, 0.5).expect("a sphere")]);
-    let balls = builder.add(balls).expect("a geometry");
+    let spheres = Spheres::new(vec![Sphere::new(DVec3::Z * 2.0, 0.5).expect("a sphere")]);
+    let spheres = builder.add(spheres).expect("a geometry");
     builder.place(id).expect("an instance");
-    builder.place_at(balls, &Transform::translate(DVec3::X)).expect("an instance");
+    builder.place_at(spheres, &Transform::translate(DVec3::X)).expect("an instance");
     let n = 40_000;
     let (origins, directions) = grid_rays(n);
     let limits: Vec<f64> = (0..n).map(|i| (i % 11) as f64).collect();
@@ -254,9 +254,9 @@ fn one_origin_serves_all_directions() {
 
 #[test]
 fn spheres_are_placed_by_similarities_only() {
-    let balls = || Spheres::new(vec![Sphere::new(DVec3::ZERO, 1.0).expect("a sphere")]);
+    let spheres = || Spheres::new(vec![Sphere::new(DVec3::ZERO, 1.0).expect("a sphere")]);
     let mut builder = SceneBuilder::new(BuildParams::HIGH);
-    let id = builder.add(balls()).expect("a geometry");
+    let id = builder.add(spheres()).expect("a geometry");
     let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0)).expect("a scale");
     assert_eq!(builder.place_at(id, &stretch), Err(SceneError::NotUniform { geometry: 0 }));
     let triple = Transform::translate(DVec3::X * 10.0).compose(&Transform::scale(DVec3::splat(2.0)).expect("a scale"));

@@ -42,6 +42,8 @@ mod pfm;
 #[cfg(feature = "files")]
 mod read_image;
 #[cfg(feature = "files")]
+mod texture_pixels;
+#[cfg(feature = "files")]
 mod write_image;
 
 pub use develop::{Bitmap8, Development, DevelopmentError, Encoding, ToneCurve};
@@ -51,5 +53,7 @@ pub use image::Image;
 pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
 #[cfg(feature = "files")]
 pub use read_image::{ImageHeader, decode_image, format_of_bytes, image_format, image_header, read_image};
+#[cfg(feature = "files")]
+pub use texture_pixels::TexturePixels;
 #[cfg(feature = "files")]
 pub use write_image::write_image;

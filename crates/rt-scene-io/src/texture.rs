@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
-use rt_image::Encoding;
+use rt_image::{Encoding, TexturePixels};
 use rt_shading::Bitmap;
 
 use crate::{LoadErrorKind, MemoryBudget, limits};
@@ -131,10 +131,9 @@ impl OpenedImage<'_> {
         let (width, height) = self.decoder.dimensions();
         let image =
             DynamicImage::from_decoder(self.decoder).map_err(|error| TextureError::Damaged(error.to_string()))?;
-        let alpha = alpha(&image);
-        let pixels = match pixels {
-            PixelEncoding::Colors => linear_pixels(image, |signal| Encoding::Srgb.decode_signal(signal)),
-            PixelEncoding::Numbers => linear_pixels(image, |signal| signal),
+        let TexturePixels { pixels, alpha } = match pixels {
+            PixelEncoding::Colors => TexturePixels::decode(image, &|signal| Encoding::Srgb.decode_signal(signal)),
+            PixelEncoding::Numbers => TexturePixels::decode(image, &|signal| signal),
         };
         match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
             0 => Ok(Bitmap { width, height, pixels, alpha }),
@@ -170,36 +169,6 @@ fn packed_png_bytes(bytes: &[u8]) -> Option<u64> {
     };
     let line = (u64::from(width) * u64::from(depth) * channels).div_ceil(8);
     Some(line.saturating_mul(u64::from(height)))
-}
-
-fn linear_pixels(image: DynamicImage, linear: impl Fn(f64) -> f64) -> Vec<[f32; 3]> {
-    use image::ColorType::{L16, La16, Rgb16, Rgb32F, Rgba16, Rgba32F};
-    match image.color() {
-        Rgb32F | Rgba32F => image.into_rgb32f().pixels().map(|pixel| pixel.0).collect(),
-        L16 | La16 | Rgb16 | Rgba16 => {
-            let decode = |c: u16| linear(f64::from(c) / 65535.0) as f32;
-            image.into_rgb16().pixels().map(|pixel| pixel.0.map(decode)).collect()
-        }
-        _ => {
-            let table: [f32; 256] = std::array::from_fn(|c| linear(c as f64 / 255.0) as f32);
-            image.into_rgb8().pixels().map(|pixel| pixel.0.map(|c| table[usize::from(c)])).collect()
-        }
-    }
-}
-
-/// Alpha of each pixel; empty if all of them are opaque.
-fn alpha(image: &DynamicImage) -> Vec<f32> {
-    if !image.color().has_alpha() {
-        return Vec::new();
-    }
-    let of = |alpha: f32| if alpha.is_nan() { 1.0 } else { alpha.clamp(0.0, 1.0) };
-    let alpha: Vec<f32> = match image {
-        DynamicImage::ImageRgba8(image) => image.pixels().map(|pixel| f32::from(pixel.0[3]) / 255.0).collect(),
-        DynamicImage::ImageLumaA8(image) => image.pixels().map(|pixel| f32::from(pixel.0[1]) / 255.0).collect(),
-        DynamicImage::ImageRgba32F(image) => image.pixels().map(|pixel| of(pixel.0[3])).collect(),
-        other => other.to_rgba16().pixels().map(|pixel| f32::from(pixel.0[3]) / 65535.0).collect(),
-    };
-    if alpha.iter().all(|alpha| *alpha == 1.0) { Vec::new() } else { alpha }
 }
 
 #[cfg(test)]

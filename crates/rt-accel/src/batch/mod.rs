@@ -15,7 +15,7 @@ pub use vectors::{Scalars, Vectors};
 pub enum BatchError {
     /// Two arrays describe different numbers of rays.
     Length {
-        /// What the array holds.
+        /// Content of the array.
         what: &'static str,
         /// Its length.
         found: usize,
@@ -35,7 +35,7 @@ impl core::error::Error for BatchError {}
 
 /// Rays as a structure of arrays.
 ///
-/// A single origin serves any number of directions, and a single direction any number of origins. Rays that hold a NaN
+/// One origin serves any number of directions, and one direction any number of origins. Rays that hold a NaN
 /// miss everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayBatch<'a> {

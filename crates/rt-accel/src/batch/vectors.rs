@@ -61,9 +61,14 @@ enum Components<'a> {
 
 /// One vector for each ray: a view of the caller's memory in single or double precision.
 ///
-/// Component `k` of vector `i` is number `i * stride + k * component_stride`. So the view covers rows of three numbers
-/// (strides 3 and 1), records of more numbers, three arrays one after the other (1 and n), and one vector for all rays (0
-/// and 1).
+/// Component `k` of vector `i` is number `i * stride + k * component_stride`. Examples:
+///
+/// | memory | stride | component stride |
+/// |---|---|---|
+/// | rows of three numbers | 3 | 1 |
+/// | records of m numbers | m | 1 |
+/// | three arrays of n numbers, one after the other | 1 | n |
+/// | one vector for all rays | 0 | 1 |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vectors<'a> {
     components: Components<'a>,

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rt_geometry::{Hit, NoProbe};
 use rt_math::{Interval, Ray};
 
-use super::Scene;
+use super::ray_queries::Scene;
 use crate::Accelerator;
 use crate::batch::{BatchError, HitBatch, RayBatch};
 
@@ -45,12 +45,12 @@ impl HitLists {
 }
 
 /// Memory for the rays and hits of a chunk.
-struct Chunk<O> {
+struct RayChunk<O> {
     rays: Vec<(Ray, Interval)>,
     outputs: Vec<O>,
 }
 
-impl<O: Clone + Default> Chunk<O> {
+impl<O: Clone + Default> RayChunk<O> {
     fn new() -> Self {
         Self {
             rays: vec![(Ray::new(DVec3::ZERO, DVec3::ZERO), Interval::FORWARD); CHUNK],
@@ -124,7 +124,7 @@ impl Scene<'_> {
             Some(geometry) => geometry.closest_batch(rays, hits, &mut NoProbe),
             None => self.tree.closest_batch(&self.top_level(), rays, hits, &mut NoProbe),
         };
-        Chunk::new().for_each(rays, range, trace, |index, hit| hits.set(index, hit.as_ref()));
+        RayChunk::new().for_each(rays, range, trace, |index, hit| hits.set(index, hit.as_ref()));
     }
 
     fn occluded_range(&self, rays: &RayBatch<'_>, range: Range<usize>, occluded: &mut [bool]) {
@@ -132,7 +132,7 @@ impl Scene<'_> {
             Some(geometry) => geometry.occluded_batch(rays, occluded, &mut NoProbe),
             None => self.tree.occluded_batch(&self.top_level(), rays, occluded, &mut NoProbe),
         };
-        Chunk::new().for_each(rays, range, trace, |index, is_occluded| occluded[index] = *is_occluded);
+        RayChunk::new().for_each(rays, range, trace, |index, is_occluded| occluded[index] = *is_occluded);
     }
 
     fn all_hits_range(&self, rays: &RayBatch<'_>, range: Range<usize>) -> HitLists {

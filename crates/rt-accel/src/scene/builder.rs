@@ -3,10 +3,10 @@
 use glam::DVec3;
 use rt_math::{Aabb, Transform};
 
-use super::Scene;
 use super::error::SceneError;
 use super::geometry::{Blas, Geometry};
 use super::instances::{Instance, Instances};
+use super::ray_queries::Scene;
 use crate::WideBvh;
 use crate::wide::BuildParams;
 
@@ -105,5 +105,19 @@ impl<'a> SceneBuilder<'a> {
         let set = Instances { instances: &instances, geometries: &geometries };
         let tree = WideBvh::build_with(&set, &params).map_err(SceneError::Instances)?;
         Ok(Scene { geometries, instances, tree })
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// A scene of a single geometry, with default parameters.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::Geometry`] if no tree can be built.
+    pub fn new(geometry: impl Into<Geometry<'a>>) -> Result<Self, SceneError> {
+        let mut builder = SceneBuilder::new(BuildParams::default());
+        let geometry = builder.add(geometry)?;
+        builder.place(geometry)?;
+        builder.build()
     }
 }

@@ -8,7 +8,7 @@ use super::triangle_mesh::TriangleMesh;
 use crate::wide::BuildParams;
 use crate::{Accelerator, BuildError, PointHit, WideBvh};
 
-/// What a scene is made of.
+/// Geometry of a scene.
 #[derive(Clone, Debug)]
 pub enum Geometry<'a> {
     /// Triangles.

@@ -6,9 +6,9 @@ use glam::DVec3;
 use rt_geometry::{Hit, NoProbe, is_on_triangle, nearest_on_triangle};
 use rt_math::{Aabb, Interval, Ray, Transform};
 
-use super::Scene;
 use super::geometry::{Blas, Geometry};
 use super::instances::Instance;
+use super::ray_queries::Scene;
 use super::triangle_mesh::TriangleMesh;
 use crate::region::Region as _;
 use crate::{Accelerator, PointHit, RegionQuery, SphereRegion};
@@ -41,8 +41,8 @@ impl Scene<'_> {
 
     /// True if the point lies inside an instance or on its surface.
     ///
-    /// A point is inside a mesh if a ray from it crosses the surface an odd number of times, so that the triangles need
-    /// no common orientation. The mesh has to be closed. Crossings, and points on the surface, are decided exactly: a ray
+    /// A point is inside a mesh if a ray from it crosses the surface an odd number of times. So the triangles need no
+    /// common orientation. The mesh has to be closed. Crossings, and points on the surface, are decided exactly: a ray
     /// through an edge or a vertex is replaced by one in another direction. False for NaN.
     pub fn contains(&self, point: DVec3) -> bool {
         self.instances.iter().any(|instance| {
