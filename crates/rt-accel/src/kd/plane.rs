@@ -81,13 +81,13 @@ impl SplitPlane for AxisPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space_partition::Node;
+    use crate::space_partition::PartitionNode;
     use rt_math::Ray;
     use rt_math::random::hash;
 
     #[test]
     fn a_node_has_sixteen_bytes() {
-        assert_eq!(size_of::<Node<AxisPlane>>(), 16);
+        assert_eq!(size_of::<PartitionNode<AxisPlane>>(), 16);
     }
 
     /// Checks the proof at the top of this file with numbers that round, cancel, overflow and give NaN, without

@@ -67,8 +67,8 @@ impl<S: Simd> BundleFrustum<S> {
         }
         let pad = DVec3::splat(tree.size * SLACK);
         let outline = Aabb32::enclosing(&Aabb::new(low - pad, high + pad), DVec3::ZERO);
-        let least = fastest.max(DVec3::splat(fastest.max_element() / STEEPEST)).recip() * (1.0 - SLACK);
-        let greatest = slowest.max(DVec3::splat(slowest.max_element() / STEEPEST)).recip() * (1.0 + SLACK);
+        let min_scale = fastest.max(DVec3::splat(fastest.max_element() / STEEPEST)).recip() * (1.0 - SLACK);
+        let max_scale = slowest.max(DVec3::splat(slowest.max_element() / STEEPEST)).recip() * (1.0 + SLACK);
         let mut this = Self {
             near_origin: [simd.splat(0.0); 3],
             near_scale: [simd.splat(0.0); 3],
@@ -85,8 +85,8 @@ impl<S: Simd> BundleFrustum<S> {
             let (near, far, sign) = if is_negative { (low, high, -1.0) } else { (high, low, 1.0) };
             this.near_origin[axis] = simd.splat(near);
             this.far_origin[axis] = simd.splat(far);
-            this.near_scale[axis] = simd.splat((sign * least[axis]) as f32);
-            this.far_scale[axis] = simd.splat((sign * greatest[axis]) as f32);
+            this.near_scale[axis] = simd.splat((sign * min_scale[axis]) as f32);
+            this.far_scale[axis] = simd.splat((sign * max_scale[axis]) as f32);
         }
         Some(this)
     }

@@ -68,8 +68,8 @@ impl<S: Simd> SpherePacket<S> {
             .mul(simd, F64x8::splat(simd, for_distance))
             .sub(simd, self.radius.mul(simd, self.radius).mul(simd, F64x8::splat(simd, for_radius)));
         let passes_by = along.mul(simd, along).lt(simd, a.mul(simd, excess));
-        let least = F64x8::splat(simd, f64::from_bits(1));
-        let lies_behind = least.le(simd, excess) & least.le(simd, along);
+        let min_subnormal = F64x8::splat(simd, f64::from_bits(1));
+        let lies_behind = min_subnormal.le(simd, excess) & min_subnormal.le(simd, along);
         passes_by | lies_behind
     }
 

@@ -31,7 +31,7 @@
 
 use rt_math::{DVec3, Interval, Ray};
 
-use super::node::{Node, Row};
+use super::node::{Row, WideNode};
 use super::simd::Simd;
 
 /// Relative outward rounding.
@@ -186,7 +186,7 @@ impl RayF32 {
     /// Entry into the boxes of a node, at `min` or later, and exit, at `max` or before. A box with its exit before its
     /// entry is missed.
     #[inline(always)]
-    pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::F32x8; 2] {
+    pub(super) fn cross<S: Simd>(&self, simd: S, node: &WideNode, min: f32, max: f32) -> [S::F32x8; 2] {
         let [x, y, z] = self.near;
         let enter_x = self.near(simd, 0, node.row(simd, x));
         let enter_y = self.near(simd, 1, node.row(simd, y));
@@ -256,7 +256,7 @@ mod tests {
 
     /// Entry and exit for the first lane of a node; `None` where the proof does not apply.
     struct Cross<'a> {
-        node: &'a Node,
+        node: &'a WideNode,
         centre: DVec3,
         size: f64,
         result: &'a mut Option<[f32; 2]>,
@@ -286,7 +286,7 @@ mod tests {
                 let own = Aabb::from_points(corners).padded();
                 let inner = Aabb32::enclosing(&own, centre);
                 let size = size.max(inner.max_abs());
-                let mut node = Node::EMPTY;
+                let mut node = WideNode::EMPTY;
                 node.set(0, &inner, Child::node(0));
                 let origin = centre + draw.vector(Draw::stiff) * size * power_of_two((draw.next() * 19.0) as i32);
                 let direction = if case % 2 == 0 {

@@ -143,18 +143,18 @@ impl<S: Simd> TriangleRays<S> {
         let u = edge_function(simd, [x[2], y[2]], [x[1], y[1]]);
         let v = edge_function(simd, [x[0], y[0]], [x[2], y[2]]);
         let w = edge_function(simd, [x[1], y[1]], [x[0], y[0]]);
-        let least = simd.min(simd.min(u, v), w);
-        let greatest = simd.max(simd.max(u, v), w);
+        let min_uvw = simd.min(simd.min(u, v), w);
+        let max_uvw = simd.max(simd.max(u, v), w);
         let negative = simd.sub(simd.splat(0.0), margin);
         // False for NaN.
-        let quick_reject = simd.lt(least, negative) & simd.lt(margin, greatest);
+        let quick_reject = simd.lt(min_uvw, negative) & simd.lt(margin, max_uvw);
         let possible = !quick_reject & mask;
         if possible == 0 {
             return HitBounds { possible, certain: 0, t_min: u, t_max: u };
         }
 
         let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(CLOSE * extent));
-        let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & possible;
+        let inside = is_close & (simd.le(margin, min_uvw) | simd.le(max_uvw, negative)) & possible;
 
         let determinant = simd.add(simd.add(u, v), w);
         let inverse = simd.div(simd.splat(1.0), determinant);

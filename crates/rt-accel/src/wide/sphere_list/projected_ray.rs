@@ -165,10 +165,11 @@ impl ProjectedRay {
         let excess = self.distance_excess(simd, block);
         let middle = self.project(simd, block, 2, simd.splat(0.0));
         let margin = simd.splat(self.margin);
-        let least = simd.add(simd.mul_add(simd.splat(CERTAIN_MARGIN), simd.load(&block.inflated_r2), margin), excess);
-        let shortest = simd.sqrt(simd.max(simd.sub(simd.splat(0.0), least), simd.splat(0.0)));
+        let max_excess =
+            simd.add(simd.mul_add(simd.splat(CERTAIN_MARGIN), simd.load(&block.inflated_r2), margin), excess);
+        let shortest = simd.sqrt(simd.max(simd.sub(simd.splat(0.0), max_excess), simd.splat(0.0)));
         let longest = simd.sqrt(simd.max(simd.sub(margin, excess), simd.splat(0.0)));
         let [first, last] = [simd.sub(middle, longest), simd.sub(middle, shortest)];
-        simd.le(least, simd.splat(0.0)) & simd.le(simd.splat(begin), first) & simd.le(last, simd.splat(end))
+        simd.le(max_excess, simd.splat(0.0)) & simd.le(simd.splat(begin), first) & simd.le(last, simd.splat(end))
     }
 }
