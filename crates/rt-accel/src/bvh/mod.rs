@@ -25,8 +25,8 @@ use spatial::SplitRef;
 /// Criterion by which a set of primitives is split.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SplitMethod {
-    /// At the median centre along the widest axis (Kay and Kajiya 1986): the fastest to build, and the slowest to
-    /// trace unless primitives are evenly distributed.
+    /// At the median centre along the widest axis (Kay and Kajiya 1986). The fastest to build, and the slowest to trace
+    /// unless primitives are evenly distributed.
     Median,
     /// At the minimum of the surface area heuristic (MacDonald and Booth 1990), over bins (Wald 2007).
     #[default]
@@ -40,7 +40,7 @@ pub enum SplitMethod {
 
 /// Binary tree of boxes: O(log n) per ray for most scenes, for any sizes of primitives.
 ///
-/// Built top-down by a [`SplitMethod`]. Nodes are cache lines of 64 bytes that hold the boxes of both children as
+/// Built top-down by a [`SplitMethod`]. Nodes are cache lines of 64 bytes. They hold the boxes of both children as
 /// `f32`, relative to the centre of the tree and rounded outward. All culling arithmetic is `f64`. No leaf is deeper
 /// than 60, so that a traversal needs a small fixed stack and never allocates.
 ///

@@ -4,20 +4,20 @@
 //!
 //! Let `c` be the centre of the tree, `o` the origin of a ray, `v = fl(1/d)` on some axis, and `fl` rounding to the
 //! nearest `f64`. [`Aabb::clip`] enters padded bounds through the plane `b` at `fl(fl(b − o)·v)`. A node stores the
-//! plane `p`, an `f32`, and the ray a shifted origin `q`, and the node is entered at `fl(fl(p − q)·v)`: the same two
+//! plane `p`, an `f32`, and the ray a shifted origin `q`. The node is entered at `fl(fl(p − q)·v)`, by the same two
 //! operations. Take `v > 0`, where the near plane is the lower one.
 //!
 //! * [`Aabb32::enclosing`] rounds so that `p ≤ b − c` holds for real numbers.
-//! * [`SlabRay32::new`] rounds so that `q ≥ o − c` holds for real numbers, as the rounded difference is at most half
-//!   a step off and `q` is one step above it.
+//! * [`SlabRay32::new`] rounds so that `q ≥ o − c` holds for real numbers. The rounded difference is at most half a
+//!   step off, and `q` is one step above it.
 //! * So `p − q ≤ b − o`, and as rounding and multiplication by `v > 0` are monotone, the node is entered no later.
 //!
-//! For `v < 0` and for far planes all signs turn around, and the far factor is one more monotone operation, which is
-//! applied after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane
-//! of the padded bounds. Then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
-//! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(padded bounds)` and `leave(node) ≥
-//! leave(padded bounds)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p`
-//! and `q` are small numbers there.
+//! For `v < 0` and for far planes all signs turn around. The far factor is one more monotone operation, and is applied
+//! after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane of the
+//! padded bounds. Then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint either.
+//! Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(padded bounds)` and
+//! `leave(node) ≥ leave(padded bounds)`. There is no tolerance to choose. A scene far from the origin is as good as one
+//! at it, as `p` and `q` are small numbers there.
 
 use core::cmp::Ordering;
 

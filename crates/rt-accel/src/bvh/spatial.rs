@@ -2,14 +2,15 @@
 //!
 //! # Why no primitive is lost
 //!
-//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded bounds
-//! of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than `e`: the whole box
-//! is (see `node.rs`), and when a plane cuts a reference that is, one of the two parts is. Take a direction in which
-//! the left part comes first. It is entered where the whole was, and left where the whole was left or at `leave(s)`, the
-//! crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it. Otherwise `e > leave(s) ≥ enter(s)`,
-//! so the right part is entered at `max(e, enter(s)) = e` and left where the whole was. Here `enter(s) ≤ leave(s)`
-//! because far planes are seen from an origin that is farther back, and moved outward on either side of `t` = 0. A ray
-//! along the plane meets no constraint in it, and passes at least the part that its origin lies in.
+//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded
+//! bounds of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than
+//! `e`, by induction. The whole box is (see `node.rs`). If a plane cuts a reference that is, one of the two parts is.
+//! Take a direction in which the left part comes first. It is entered where the whole was, and left where the whole was
+//! left or at `leave(s)`, the crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it.
+//! Otherwise `e > leave(s) ≥ enter(s)`, so the right part is entered at `max(e, enter(s)) = e` and left where the whole
+//! was. Here `enter(s) ≤ leave(s)` because far planes are seen from an origin that is farther back, and moved outward
+//! on either side of `t` = 0. A ray along the plane meets no constraint in it, and passes at least the part that its
+//! origin lies in.
 //!
 //! The parts of a primitive tile space: each has a [`SplitCell`], bounded by nothing but the planes that have cut it. So a
 //! point belongs to exactly one part, by which a search of space visits each primitive once.
@@ -29,8 +30,8 @@ use crate::traversal::depth_allows_median_split;
 /// Maximum number of additional references, relative to the number of primitives.
 const MOST_REPEATED: f64 = 0.5;
 
-/// Spatial splits are evaluated only where the boxes of both sides overlap by this fraction of the area of the scene
-/// (Stich, Friedrich and Dietrich 2009).
+/// Minimum overlap of the boxes of both sides for which spatial splits are evaluated, relative to the area of the
+/// scene. The α of Stich, Friedrich and Dietrich 2009.
 const OVERLAP: f64 = 1e-5;
 
 /// Part of space of a reference, bounded by the planes that have cut its primitive. Half open: the lower planes belong

@@ -40,7 +40,8 @@ impl Bvh {
     }
 
     /// Checks the shape and all bounds. Each bounded primitive is in exactly one leaf that contains its padded bounds,
-    /// or in several that contain its part of a tiling of space each.
+    /// or in several. The cells of these references tile space, and each leaf contains the part of the padded bounds in
+    /// its cell.
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check_shape()?;
         let count = self.bounded as usize + self.unbounded.len();

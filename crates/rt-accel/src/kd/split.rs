@@ -1,9 +1,9 @@
 //! Selection of splitting planes: the surface area heuristic at the faces of padded bounds.
 //!
 //! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has
-//! no minimum. So the best plane of such a gap is next to one of its ends: just past the last face before, or just
-//! before the first face after, where it touches neither box (planes *in* a face would leave the box on both sides). In
-//! small parts all gaps are evaluated; in large ones those between bins, whose ends are still faces.
+//! no minimum. So the best plane of such a gap is next to one of its ends. That is just past the last face before, or
+//! just before the first face after. There it touches neither box, while a plane *in* a face would leave the box on
+//! both sides. In small parts all gaps are evaluated; in large ones those between bins, whose ends are still faces.
 
 use glam::DVec3;
 use rt_math::Aabb;

@@ -56,8 +56,8 @@ impl<S: Simd> PacketStack<S> {
     ///
     /// # Safety
     ///
-    /// There must be fewer entries than [`STACK`]. This holds while each node pushes at most eight children, one of which
-    /// is popped before the next node: no tree is deeper than a seventh of the stack.
+    /// There must be fewer entries than [`STACK`]. This holds while each node pushes at most eight children, one of
+    /// which is popped before the next node. No tree is deeper than a seventh of the stack.
     #[inline(always)]
     unsafe fn insert(&mut self, first: usize, entry: Entry<S>) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");

@@ -4,10 +4,10 @@
 //! # Why the padded bounds need no test
 //!
 //! A hit counts if the ray hits the padded bounds, and its `t` is raised to their entry
-//! ([`intersect_primitive`](rt_geometry::intersect_primitive)). The slab test is monotone in the box. So where `t` lies
-//! between entry into and exit from a smaller box within the padded bounds, these are hit as well, and entered at `t` or
-//! before. The tight bounds widened by half the padding ([`INNER_PAD`]) are such a box. Where that test fails, the scalar
-//! test resolves the ray.
+//! ([`intersect_primitive`](rt_geometry::intersect_primitive)). The slab test is monotone in the box. So let `t` lie
+//! between entry into and exit from a smaller box within the padded bounds. Then these are hit as well, and entered at
+//! `t` or before. The tight bounds widened by half the padding ([`INNER_PAD`]) are such a box. Where that test fails,
+//! the scalar test resolves the ray.
 
 use rt_geometry::SphereKernel;
 

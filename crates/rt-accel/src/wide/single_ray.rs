@@ -54,7 +54,7 @@ impl<O: Output, F: LeafTest> WithSimd<&Ray, Interval> for SingleTraversal<'_, '_
 ///
 /// # Safety
 ///
-/// The child must be the root of the tree or one of a node of it, and the test that of the kind of its leaves.
+/// The child must be the root of the tree or one of a node of it. The test must be that of the kind of its leaves.
 #[expect(clippy::too_many_arguments, reason = "callers keep the state of a ray in different places")]
 #[inline(always)]
 pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(

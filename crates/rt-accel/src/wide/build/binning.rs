@@ -1,5 +1,5 @@
-//! Binned SAH: finds a split by the surface area heuristic (MacDonald and Booth 1990) over bins of centroids (Wald, "On
-//! fast Construction of SAH-based Bounding Volume Hierarchies", 2007), on all three axes at once.
+//! Binned SAH: finds a split by the surface area heuristic (MacDonald and Booth 1990) over bins of centroids, on all
+//! three axes at once. See Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007.
 
 use glam::{BVec3A, Vec3A};
 

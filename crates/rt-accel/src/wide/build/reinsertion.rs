@@ -1,6 +1,7 @@
-//! Reinsertion: removes subtrees, largest first, and inserts each where the sum of all areas becomes minimal (Bittner,
-//! Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", 2013). The search starts at
-//! the former position (Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", 2018).
+//! Reinsertion: removes subtrees, largest first, and inserts each where the sum of all areas becomes minimal. See
+//! Bittner, Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", 2013. The search
+//! starts at the former position (Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy
+//! Optimization", 2018).
 //!
 //! ```text
 //!          a                     a

@@ -54,8 +54,8 @@ fn sphere<P: Primitives>(primitives: &P, index: u32) -> Option<(DVec3, f64)> {
 }
 
 impl SphereList {
-    /// Lists all primitives; `None` if there are few, if one is not a sphere, or if coordinates are out of the range of the
-    /// filter's proof.
+    /// Lists all primitives. `None` if there are few, if one is not a sphere, or if coordinates are out of the range of
+    /// the filter's proof.
     pub(crate) fn of<P: Primitives>(primitives: &P) -> Option<Self> {
         let count = u32::try_from(primitives.len()).ok().filter(|&count| count >= MIN_SPHERES)?;
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
