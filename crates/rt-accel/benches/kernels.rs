@@ -1,5 +1,5 @@
-//! Kernels of accelerators one by one: the test of eight boxes, leaves of triangles and spheres, lists of spheres, and
-//! exact tests in `f64`, for all instruction sets of the processor.
+//! Kernels of accelerators one by one, for all instruction sets of the processor. These are the test of eight boxes,
+//! leaves of triangles and spheres, lists of spheres, and exact tests in `f64`.
 //!
 //! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Rays are prepared anew for each
 //! query, as they are in a picture, so that the first numbers of a kind hold that as well.

@@ -63,7 +63,7 @@ pub enum ValidationError {
         given: usize,
     },
     /// A primitive is not listed according to its bounds. It is in no leaf or in several, or missing in a cell that it
-    /// overlaps, or listed as unbounded although it is bounded (or the reverse).
+    /// overlaps. Or it is listed as unbounded although it is bounded, or the reverse.
     Misplaced {
         /// Index of the primitive.
         primitive: u32,

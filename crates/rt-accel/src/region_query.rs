@@ -23,7 +23,7 @@ pub trait RegionQuery {
     /// overlap `bounds` by this.
     fn distance_to(&self, aabb: &Aabb) -> Option<f64>;
 
-    /// Tests a primitive. An accelerator that lists it in several cells may test it in each: `is_owner` is true for a
+    /// Tests a primitive. An accelerator that lists it in several cells may test it in each. `is_owner` is true for a
     /// point if the current cell owns it, and exactly one cell owns a point. `Break` once the result is final.
     fn test_primitive(&mut self, index: u32, is_owner: impl FnOnce(DVec3) -> bool) -> ControlFlow<()>;
 

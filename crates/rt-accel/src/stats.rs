@@ -15,8 +15,8 @@ pub struct BuildStats {
     pub max_depth: usize,
     /// References to primitives in all leaves or cells: the number of bounded primitives for a tree, more for a grid.
     pub references: usize,
-    /// Expected cost of a ray that hits the bounds of the scene, by the surface area heuristic (MacDonald and Booth
-    /// 1990), in visits of a node. Costs of leaves depend on the builder, so that only trees of one kind are
+    /// Expected cost of a ray that hits the bounds of the scene, in visits of a node. An estimate by the surface area
+    /// heuristic (MacDonald and Booth 1990). Costs of leaves depend on the builder, so that only trees of one kind are
     /// comparable. `None` for accelerators without the heuristic, and for scenes without area.
     pub sah_cost: Option<f64>,
 }

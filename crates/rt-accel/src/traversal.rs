@@ -13,7 +13,7 @@ pub(crate) fn depth_allows_median_split(count: usize, depth: u32) -> bool {
 }
 
 /// Deferred nodes: at most one per level of a binary tree.
-struct Stack<T> {
+struct TraversalStack<T> {
     entries: [T; CAPACITY],
     len: usize,
 }
@@ -21,7 +21,7 @@ struct Stack<T> {
 /// A power of two, so that the remainder is a mask.
 const CAPACITY: usize = (MAX_DEPTH as usize).next_power_of_two();
 
-impl<T: Copy> Stack<T> {
+impl<T: Copy> TraversalStack<T> {
     fn new(filler: T) -> Self {
         Self { entries: [filler; CAPACITY], len: 0 }
     }
@@ -82,7 +82,7 @@ pub(crate) fn traverse<Q, E: Copy>(
     mut visit: impl FnMut(&mut Q, E) -> ControlFlow<(), Option<Descent<E>>>,
     revisit: impl Fn(&Q, E) -> Option<E>,
 ) -> ControlFlow<()> {
-    let mut stack = Stack::new(root);
+    let mut stack = TraversalStack::new(root);
     let mut entry = root;
     loop {
         if let Some(Descent { next, deferred, is_deferred }) = visit(query, entry)? {

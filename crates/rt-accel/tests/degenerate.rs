@@ -487,8 +487,8 @@ fn a_ray_through_the_rounded_centre_of_a_tiny_sphere_misses_it() {
     }
 }
 
-/// Rays that miss the centre or the sphere, also where the squares of such distances underflow in `f32`: with the whole
-/// ray, with a span that ends between both intersections, and with one that begins there.
+/// Rays that miss the centre or the sphere, also where the squares of such distances underflow in `f32`. Spans are
+/// whole, end between both intersections, or begin there.
 #[test]
 fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
     let sphere = |centre: DVec3, radius: f64| Solid::Round(SphereKernel { centre, radius });

@@ -15,10 +15,10 @@ pub(crate) use split::SampledPlanes;
 /// priori tree structures", 1980). Candidates are planes of triangles, planes through the centre of a sphere and
 /// tangent planes that face another primitive, and faces of padded bounds.
 ///
-/// Candidates of some primitives are compared by the surface area heuristic, with a sample of the others (after Ize,
-/// Wald and Parker, "Ray Tracing with the BSP Tree", 2008). Primitives are never split: they are listed on both sides
-/// of a plane that their padded bounds touch within rounding. Recommended for long walls at odd angles with small
-/// objects between them; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
+/// Candidates of some primitives are compared by the surface area heuristic, with a sample of the others. See Ize, Wald
+/// and Parker, "Ray Tracing with the BSP Tree", 2008. Primitives are never split: they are listed on both sides of a
+/// plane that their padded bounds touch within rounding. Recommended for long walls at odd angles with small objects
+/// between them; otherwise a [`KdTree`](crate::KdTree) builds faster and costs less per node.
 ///
 /// No leaf is deeper than 60, and planes and references together are at most 16 per primitive and 4096 more. Primitives
 /// that no plane can separate share a leaf. The tree is a pure function of the primitives, with or without the feature

@@ -2,25 +2,26 @@
 //!
 //! # Why crossings are conservative
 //!
-//! Let `u` be the unit roundoff, `f(p) = n·p − w` for real numbers, with `n` of unit length but for rounding, `o` and
-//! `d` the origin and direction of a ray, `M` the largest magnitudes of coordinates in the bounds of the scene, and `R
-//! = max (|oᵢ| + Mᵢ)`. Let `E` be the parameter at which the slab test enters padded bounds.
+//! Let `u` be the unit roundoff, and `o` and `d` the origin and direction of a ray. Let `f(p) = n·p − w` for real
+//! numbers, with `n` of unit length but for rounding. Let `M` be the largest magnitudes of coordinates in the bounds of
+//! the scene, by axis, and `R = max (|oᵢ| + Mᵢ)`. Let `E` be the parameter at which the slab test enters padded bounds.
 //!
-//! * `E` has the error of three roundings at the near planes, and at most 12 `u` at the far ones, where the far factor
-//!   adds to them. So on each axis the ray at `E` is within `13 u·R` of the box. Where the slab test takes the inverse
-//!   of `d` to be infinite, the ray counts as not moving, as it does there, and its origin is in the box. Hence `f` at
-//!   `E` is at most `23 u·R` more than its greatest value in the box, as `|n₁| + |n₂| + |n₃| < 1.74`.
-//! * The computed `A = n·o − w` is off by at most `4 u·(1.74 R + |w|)`, and `E·B`, with the computed `B = n·d`, by `3 u·1.74
-//!   R` as `|E dᵢ|` is no more than `|oᵢ| + Mᵢ` and a little, and by `13 u·R` where products underflow.
+//! * `E` has the error of three roundings at the near planes. At the far ones, where the far factor adds to them, it is
+//!   at most 12 `u`. So on each axis the ray at `E` is within `13 u·R` of the box. Where the slab test takes the
+//!   inverse of `d` to be infinite, the ray counts as not moving, as it does there. Its origin is then in the box.
+//!   Hence `f` at `E` is at most `23 u·R` more than its greatest value in the box, as `|n₁| + |n₂| + |n₃| < 1.74`.
+//! * The computed `A = n·o − w` is off by at most `4 u·(1.74 R + |w|)`. `E·B`, with the computed `B = n·d`, is off by
+//!   `3 u·1.74 R`, as `|E dᵢ|` is no more than `|oᵢ| + Mᵢ` and a little. Where products underflow, it is off by
+//!   `13 u·R` more.
 //! * A box that lies below only has no point with `f ≥ 0`. Hence `A + E·B < 50 u·(R + |w|)`. So much for real numbers.
-//!   For `e` = 128 `u`·(R + |w|) the quotient `(e − A)/|B|` is, with its roundings, an upper bound of `E` if `B > 0`,
-//!   and its negative a lower one if `B < 0`. The same holds above, with the signs turned around.
+//!   Let `e = 128 u·(R + |w|)`. If `B > 0`, the quotient `(e − A)/|B|` is, with its roundings, an upper bound of `E`.
+//!   If `B < 0`, its negative is a lower bound. The same holds above, with the signs turned around.
 //!
 //! `R` is increased by a bound on the underflow of `E` and of the products. Rays whose products may overflow, and those
 //! that stay within the bounds forever, are tested against every primitive.
 //!
-//! [`SplitPlane::classify`] allows for four times the rounding of `f` at a corner: for its own, for that of [`SplitPlane::is_above`]
-//! anywhere in the box, and as much again.
+//! [`SplitPlane::classify`] allows for four times the rounding of `f` at a corner. That is twice the sum of its own
+//! rounding and that of [`SplitPlane::is_above`] anywhere in the box.
 
 use glam::DVec3;
 use rt_math::float::{UNIT_ROUNDOFF, gamma};

@@ -32,7 +32,7 @@ impl<P: Primitives> SplitHeuristic<Plane> for SampledPlanes<'_, P> {
         // Twice the levels of exact median splits, as splits will not be exact.
         let by_area = depth_allows_median_split(count, task.depth + count.ilog2());
         let weight = count as f64 / sample.len() as f64;
-        let mut search = Search {
+        let mut search = CandidateSearch {
             shape: SahCost::of(&task.cell)?,
             by_area,
             cell: &task.cell,
@@ -58,7 +58,7 @@ impl<P: Primitives> SplitHeuristic<Plane> for SampledPlanes<'_, P> {
 }
 
 /// Search for the best plane.
-struct Search<'t> {
+struct CandidateSearch<'t> {
     shape: SahCost,
     by_area: bool,
     cell: &'t Aabb,
@@ -72,7 +72,7 @@ struct Search<'t> {
     best: Option<Plane>,
 }
 
-impl Search<'_> {
+impl CandidateSearch<'_> {
     fn evaluate(&mut self, candidate: &Candidate) {
         let plane = &candidate.plane;
         if !plane.is_valid() {

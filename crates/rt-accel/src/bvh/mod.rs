@@ -18,15 +18,15 @@ use crate::prim_bounds::PrimBounds;
 use crate::ray_query::is_finite;
 use crate::top_down::{SliceSplit, Subtree, build_in_place};
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
-use node::Node;
+use node::BvhNode;
 pub(crate) use node::{Aabb32, SlabRay32};
 use spatial::SplitRef;
 
 /// Criterion by which a set of primitives is split.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SplitMethod {
-    /// At the median centre along the widest axis (Kay and Kajiya 1986): the fastest to build, and the slowest to
-    /// trace unless primitives are evenly distributed.
+    /// At the median centre along the widest axis (Kay and Kajiya 1986). The fastest to build, and the slowest to trace
+    /// unless primitives are evenly distributed.
     Median,
     /// At the minimum of the surface area heuristic (MacDonald and Booth 1990), over bins (Wald 2007).
     #[default]
@@ -40,7 +40,7 @@ pub enum SplitMethod {
 
 /// Binary tree of boxes: O(log n) per ray for most scenes, for any sizes of primitives.
 ///
-/// Built top-down by a [`SplitMethod`]. Nodes are cache lines of 64 bytes that hold the boxes of both children as
+/// Built top-down by a [`SplitMethod`]. Nodes are cache lines of 64 bytes. They hold the boxes of both children as
 /// `f32`, relative to the centre of the tree and rounded outward. All culling arithmetic is `f64`. No leaf is deeper
 /// than 60, so that a traversal needs a small fixed stack and never allocates.
 ///
@@ -48,7 +48,7 @@ pub enum SplitMethod {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     /// Bounded primitives, leaf by leaf.
     indices: Vec<u32>,
     root: NodeRef,
@@ -102,7 +102,7 @@ impl Bvh {
 
     /// Expected cost by the surface area heuristic, in visits of a node.
     fn sah_cost(&self) -> Option<f64> {
-        let boxes = |node: &Node| [0, 1].map(|side| (node.child_box(side).half_area(), node.children[side].count));
+        let boxes = |node: &BvhNode| [0, 1].map(|side| (node.child_box(side).half_area(), node.children[side].count));
         let [left, right] = [0, 1].map(|side| self.nodes.first().map(|root| root.child_box(side)));
         let whole = left?.union(right?).half_area();
         let below: f64 = self.nodes.iter().flat_map(boxes).map(|(area, count)| area * relative_cost(count)).sum();
@@ -115,7 +115,7 @@ impl Bvh {
     }
 }
 
-fn build(items: &mut [(u32, Aabb32)], method: SplitMethod) -> Subtree<Node> {
+fn build(items: &mut [(u32, Aabb32)], method: SplitMethod) -> Subtree<BvhNode> {
     let bounds = bounds_of(items);
     build_in_place(items, bounds, |items, bounds, depth| {
         let centroids = centroid_bounds(items);
@@ -150,7 +150,7 @@ impl Accelerator for Bvh {
 
     fn memory(&self) -> usize {
         size_of::<Self>()
-            + self.nodes.capacity() * size_of::<Node>()
+            + self.nodes.capacity() * size_of::<BvhNode>()
             + (self.indices.capacity() + self.unbounded.capacity()) * size_of::<u32>()
             + self.split_refs.capacity() * size_of::<SplitRef>()
     }

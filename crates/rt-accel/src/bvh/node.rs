@@ -4,20 +4,20 @@
 //!
 //! Let `c` be the centre of the tree, `o` the origin of a ray, `v = fl(1/d)` on some axis, and `fl` rounding to the
 //! nearest `f64`. [`Aabb::clip`] enters padded bounds through the plane `b` at `fl(fl(b − o)·v)`. A node stores the
-//! plane `p`, an `f32`, and the ray a shifted origin `q`, and the node is entered at `fl(fl(p − q)·v)`: the same two
+//! plane `p`, an `f32`, and the ray a shifted origin `q`. The node is entered at `fl(fl(p − q)·v)`, by the same two
 //! operations. Take `v > 0`, where the near plane is the lower one.
 //!
 //! * [`Aabb32::enclosing`] rounds so that `p ≤ b − c` holds for real numbers.
-//! * [`SlabRay32::new`] rounds so that `q ≥ o − c` holds for real numbers, as the rounded difference is at most half
-//!   a step off and `q` is one step above it.
+//! * [`SlabRay32::new`] rounds so that `q ≥ o − c` holds for real numbers. The rounded difference is at most half a
+//!   step off, and `q` is one step above it.
 //! * So `p − q ≤ b − o`, and as rounding and multiplication by `v > 0` are monotone, the node is entered no later.
 //!
-//! For `v < 0` and for far planes all signs turn around, and the far factor is one more monotone operation, which is
-//! applied after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane
-//! of the padded bounds. Then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint
-//! either. Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(padded bounds)` and `leave(node) ≥
-//! leave(padded bounds)`. There is no tolerance to choose, and a scene far from the origin is as good as one at it: `p`
-//! and `q` are small numbers there.
+//! For `v < 0` and for far planes all signs turn around. The far factor is one more monotone operation, and is applied
+//! after the minimum of three for that reason. `0 · ∞` gives NaN, no constraint, where the ray lies in a plane of the
+//! padded bounds. Then `p − q` is zero or has the sign of a ray inside the node's slab, which is no constraint either.
+//! Hence for every finite ray, **bit for bit**: `enter(node) ≤ enter(padded bounds)` and
+//! `leave(node) ≥ leave(padded bounds)`. There is no tolerance to choose. A scene far from the origin is as good as one
+//! at it, as `p` and `q` are small numbers there.
 
 use core::cmp::Ordering;
 
@@ -158,13 +158,13 @@ fn above(difference: f64) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(super) struct BvhNode {
     /// Indexed by axis, side (lower, upper) and child.
     planes: [[[f32; 2]; 2]; 3],
     pub(super) children: [NodeRef; 2],
 }
 
-impl Node {
+impl BvhNode {
     pub(super) fn new(boxes: [Aabb32; 2], children: [NodeRef; 2]) -> Self {
         let planes = core::array::from_fn(|axis| {
             [[boxes[0].min[axis], boxes[1].min[axis]], [boxes[0].max[axis], boxes[1].max[axis]]]
@@ -179,7 +179,7 @@ impl Node {
     }
 }
 
-impl TreeNode for Node {
+impl TreeNode for BvhNode {
     type Payload = [Aabb32; 2];
 
     fn inner(bounds: [Aabb32; 2]) -> Self {
@@ -243,7 +243,7 @@ impl SlabRay32 {
 
     /// Parameters at which the ray enters and leaves both boxes, within `span`. It misses a box if `enter > leave`.
     #[inline(always)]
-    pub(super) fn clip(&self, node: &Node, span: Interval) -> ChildHits {
+    pub(super) fn clip(&self, node: &BvhNode, span: Interval) -> ChildHits {
         let mut enter = [span.min; 2];
         let mut leave = [f64::INFINITY; 2];
         for axis in 0..3 {
@@ -299,7 +299,7 @@ mod tests {
 
     #[test]
     fn a_node_is_a_cache_line() {
-        assert_eq!((size_of::<Node>(), align_of::<Node>()), (64, 64));
+        assert_eq!((size_of::<BvhNode>(), align_of::<BvhNode>()), (64, 64));
     }
 
     #[test]
@@ -368,7 +368,7 @@ mod tests {
             let slab_ray = SlabRay::new(&ray);
             let inner = Aabb32::enclosing(&own, centre);
             let outer = inner.union(Aabb32::enclosing(&Aabb::new(point(3), point(3)), centre));
-            let node = Node::new([inner, outer], [NodeRef::node(0); 2]);
+            let node = BvhNode::new([inner, outer], [NodeRef::node(0); 2]);
             for span in [Interval::FORWARD, Interval::new(-3.0, 2.0), Interval::new(f64::NEG_INFINITY, f64::INFINITY)] {
                 let Some(expected) = own.clip(&slab_ray, span) else { continue };
                 let crossings = SlabRay32::new(&slab_ray, centre).clip(&node, span);
@@ -391,7 +391,7 @@ mod tests {
             let corner = centre + DVec3::new(x, 0.0, 0.0);
             Aabb32::enclosing(&Aabb::new(corner, corner + 1.0), centre)
         });
-        let node = Node::new(boxes, [NodeRef::node(0); 2]);
+        let node = BvhNode::new(boxes, [NodeRef::node(0); 2]);
         let ray = Ray::new(centre + DVec3::new(1.000_01, 0.5, -3.0), DVec3::Z);
         let crossings = SlabRay32::new(&SlabRay::new(&ray), centre).clip(&node, Interval::FORWARD);
         assert!(crossings.nearer_first(node.children).is_none());

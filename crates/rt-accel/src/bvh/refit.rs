@@ -3,7 +3,7 @@
 use rt_geometry::Primitives;
 
 use super::Bvh;
-use super::node::{Aabb32, Node};
+use super::node::{Aabb32, BvhNode};
 use crate::node_ref::NodeRef;
 use crate::prim_bounds::{PrimBounds, validate_lists};
 use crate::{BuildError, Refit};
@@ -23,7 +23,7 @@ impl Refit for Bvh {
         for number in (0..self.nodes.len()).rev() {
             let children = self.nodes[number].children;
             let around = children.map(|child| self.box_around(child, &boxes));
-            self.nodes[number] = Node::new(around, children);
+            self.nodes[number] = BvhNode::new(around, children);
         }
         Ok(())
     }

@@ -2,14 +2,15 @@
 //!
 //! # Why no primitive is lost
 //!
-//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded bounds
-//! of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than `e`: the whole box
-//! is (see `node.rs`), and when a plane cuts a reference that is, one of the two parts is. Take a direction in which
-//! the left part comes first. It is entered where the whole was, and left where the whole was left or at `leave(s)`, the
-//! crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it. Otherwise `e > leave(s) ≥ enter(s)`,
-//! so the right part is entered at `max(e, enter(s)) = e` and left where the whole was. Here `enter(s) ≤ leave(s)`
-//! because far planes are seen from an origin that is farther back, and moved outward on either side of `t` = 0. A ray
-//! along the plane meets no constraint in it, and passes at least the part that its origin lies in.
+//! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded
+//! bounds of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than
+//! `e`, by induction. The whole box is (see `node.rs`). If a plane cuts a reference that is, one of the two parts is.
+//! Take a direction in which the left part comes first. It is entered where the whole was, and left where the whole was
+//! left or at `leave(s)`, the crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it.
+//! Otherwise `e > leave(s) ≥ enter(s)`, so the right part is entered at `max(e, enter(s)) = e` and left where the whole
+//! was. Here `enter(s) ≤ leave(s)` because far planes are seen from an origin that is farther back, and moved outward
+//! on either side of `t` = 0. A ray along the plane meets no constraint in it, and passes at least the part that its
+//! origin lies in.
 //!
 //! The parts of a primitive tile space: each has a [`SplitCell`], bounded by nothing but the planes that have cut it. So a
 //! point belongs to exactly one part, by which a search of space visits each primitive once.
@@ -19,7 +20,7 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::{DVec3, Vec3A};
 
-use super::node::{Aabb32, Node};
+use super::node::{Aabb32, BvhNode};
 use crate::binned_sah::{
     BINS, Bin, BuildItem, best_split, bounds_of, centroid_bounds, is_leaf, median_split, partition,
 };
@@ -29,8 +30,8 @@ use crate::traversal::depth_allows_median_split;
 /// Maximum number of additional references, relative to the number of primitives.
 const MOST_REPEATED: f64 = 0.5;
 
-/// Spatial splits are evaluated only where the boxes of both sides overlap by this fraction of the area of the scene
-/// (Stich, Friedrich and Dietrich 2009).
+/// Minimum overlap of the boxes of both sides for which spatial splits are evaluated, relative to the area of the
+/// scene. The α of Stich, Friedrich and Dietrich 2009.
 const OVERLAP: f64 = 1e-5;
 
 /// Part of space of a reference, bounded by the planes that have cut its primitive. Half open: the lower planes belong
@@ -82,7 +83,7 @@ pub(super) struct SplitRef {
 
 /// Part of a primitive during construction.
 #[derive(Clone, Copy)]
-struct PrimRef {
+struct ClippedRef {
     index: u32,
     bounds: Aabb32,
     /// Bounds of the whole primitive.
@@ -90,7 +91,7 @@ struct PrimRef {
     cell: SplitCell,
 }
 
-impl BuildItem for PrimRef {
+impl BuildItem for ClippedRef {
     type Bounds = Aabb32;
 
     fn bounds(&self) -> &Aabb32 {
@@ -102,7 +103,7 @@ impl BuildItem for PrimRef {
     }
 }
 
-impl PrimRef {
+impl ClippedRef {
     /// Parts on both sides of a plane that cuts through.
     fn cut(&self, axis: usize, plane: f32) -> [Self; 2] {
         self.cell.cut(axis, plane).map(|cell| Self { bounds: cell.clip(&self.whole), cell, ..*self })
@@ -110,32 +111,34 @@ impl PrimRef {
 }
 
 /// Set of references that becomes a leaf or a node.
-struct Task {
-    refs: Vec<PrimRef>,
+struct BuildRecord {
+    refs: Vec<ClippedRef>,
     bounds: Aabb32,
     depth: u32,
 }
 
 /// Builds the tree, and the cells of split primitives by rising position.
-pub(super) fn build(items: &[(u32, Aabb32)]) -> (Subtree<Node>, Vec<SplitRef>) {
+pub(super) fn build(items: &[(u32, Aabb32)]) -> (Subtree<BvhNode>, Vec<SplitRef>) {
     let bounds = bounds_of(items);
-    let whole_ref = |&(index, whole): &_| PrimRef { index, bounds: whole, whole, cell: SplitCell::EVERYWHERE };
+    let whole_ref = |&(index, whole): &_| ClippedRef { index, bounds: whole, whole, cell: SplitCell::EVERYWHERE };
     let spare = AtomicUsize::new((items.len() as f64 * MOST_REPEATED) as usize);
     let min_overlap = bounds.half_area() * OVERLAP;
     let cells = Mutex::new(Vec::new());
-    let task = Task { refs: items.iter().map(whole_ref).collect(), bounds, depth: 0 };
-    let tree = build_top_down(task, &|task: Task, indices| {
+    let task = BuildRecord { refs: items.iter().map(whole_ref).collect(), bounds, depth: 0 };
+    let tree = build_top_down(task, &|task: BuildRecord, indices| {
         let depth = task.depth + 1;
         match split(task.refs, &task.bounds, task.depth, &spare, min_overlap) {
             Ok((sides, bounds)) => {
                 let [left, right] = sides;
-                let tasks =
-                    [Task { refs: left, bounds: bounds[0], depth }, Task { refs: right, bounds: bounds[1], depth }];
+                let tasks = [
+                    BuildRecord { refs: left, bounds: bounds[0], depth },
+                    BuildRecord { refs: right, bounds: bounds[1], depth },
+                ];
                 Some(Split { payload: bounds, tasks, is_large: false })
             }
             Err(leaf) => {
                 let mut cells = cells.lock().unwrap_or_else(PoisonError::into_inner);
-                for PrimRef { index, cell, .. } in leaf {
+                for ClippedRef { index, cell, .. } in leaf {
                     if cell != SplitCell::EVERYWHERE {
                         cells.push(SplitRef { position: indices.len() as u32, cell });
                     }
@@ -151,16 +154,16 @@ pub(super) fn build(items: &[(u32, Aabb32)]) -> (Subtree<Node>, Vec<SplitRef>) {
 }
 
 /// Two sets of references and their bounds.
-type Sides = ([Vec<PrimRef>; 2], [Aabb32; 2]);
+type Sides = ([Vec<ClippedRef>; 2], [Aabb32; 2]);
 
 /// The cheapest split of a set, or the set itself where a leaf costs no more. Uses up `spare` references.
 fn split(
-    mut refs: Vec<PrimRef>,
+    mut refs: Vec<ClippedRef>,
     bounds: &Aabb32,
     depth: u32,
     spare: &AtomicUsize,
     min_overlap: f64,
-) -> Result<Sides, Vec<PrimRef>> {
+) -> Result<Sides, Vec<ClippedRef>> {
     let centroids = centroid_bounds(&refs);
     let binned = best_split(&refs, &centroids, depth, bin_cost);
     let mut plane = None;
@@ -221,7 +224,7 @@ fn side(bounds: &Aabb32, axis: usize, place: f32) -> Option<usize> {
 impl SpatialSplit {
     /// The cheapest of the planes that divide `bounds` evenly. Both sides must have fewer references than the set, and
     /// at most `spare` of them may be repeated.
-    fn best(refs: &[PrimRef], bounds: &Aabb32, spare: usize) -> Option<Self> {
+    fn best(refs: &[ClippedRef], bounds: &Aabb32, spare: usize) -> Option<Self> {
         let mut best: Option<Self> = None;
         for axis in 0..3 {
             let step = (bounds.max[axis] - bounds.min[axis]) / BINS as f32;
@@ -244,7 +247,7 @@ impl SpatialSplit {
         best
     }
 
-    fn divide(&self, refs: &[PrimRef]) -> [Vec<PrimRef>; 2] {
+    fn divide(&self, refs: &[ClippedRef]) -> [Vec<ClippedRef>; 2] {
         let mut sides = [Vec::new(), Vec::new()];
         for prim_ref in refs {
             match side(&prim_ref.bounds, self.axis, self.place) {
@@ -267,7 +270,7 @@ struct Sweep {
 }
 
 impl Sweep {
-    fn over(refs: &[PrimRef], axis: usize, planes: &[f32; BINS - 1]) -> Self {
+    fn over(refs: &[ClippedRef], axis: usize, planes: &[f32; BINS - 1]) -> Self {
         // Slabs between planes hold parts of references; counts are of references that begin or end in a slab.
         let mut slabs = [Aabb32::EMPTY; BINS];
         let [mut begin, mut end] = [[0u32; BINS]; 2];

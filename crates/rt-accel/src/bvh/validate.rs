@@ -40,7 +40,8 @@ impl Bvh {
     }
 
     /// Checks the shape and all bounds. Each bounded primitive is in exactly one leaf that contains its padded bounds,
-    /// or in several that contain its part of a tiling of space each.
+    /// or in several. The cells of these references tile space, and each leaf contains the part of the padded bounds in
+    /// its cell.
     pub(super) fn check<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
         self.check_shape()?;
         let count = self.bounded as usize + self.unbounded.len();
@@ -157,7 +158,7 @@ fn encloses_part(outer: &Aabb32, aabb: &Aabb, cell: &SplitCell, centre: DVec3) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Accelerator, bvh::node::Node};
+    use crate::{Accelerator, bvh::node::BvhNode};
     use rt_geometry::Hit;
     use rt_math::{Interval, Ray};
 
@@ -188,7 +189,7 @@ mod tests {
             let node = &mut bvh.nodes[number];
             let [left, right] = [0, 1].map(|side| node.child_box(side));
             let smaller = Aabb32 { max: left.max - 0.3, ..left };
-            *node = Node::new([smaller, right], node.children);
+            *node = BvhNode::new([smaller, right], node.children);
         };
         assert_eq!(damaged(|bvh| shrunk(bvh, 0)), Err(ValidationError::Node { node: 1 }), "does not contain its child");
         let parent_of_leaf = |bvh: &Bvh| bvh.nodes.iter().position(|node| node.children[0].count > 0).expect("a leaf");

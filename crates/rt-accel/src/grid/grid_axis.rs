@@ -2,13 +2,14 @@
 //!
 //! # Why no primitive is skipped
 //!
-//! A hit with the padded bounds `[a, b]` on this axis has a parameter `τ`, the entry into that box, at which the ray is
-//! within a few roundings of `[a, b]` on every axis. The traversal, in product form, is at `τ` in a cell whose planes
-//! `[p, q]` the ray is within a few roundings of as well. Both are bounded by 32 unit roundoffs of `reach`, the sum of
-//! the magnitudes of the ray's origin and the grid's coordinates, errors of the start and of the insertion included. So
-//! `[a, b]` and `[p, q]` touch when both are widened by that. Primitives are inserted widened by [`WIDENING`] of a
-//! cell, so that the cell lists the primitive if `32 u · reach` is less. [`GridAxis::resolves`] requires three times
-//! that in half of the widening. Rays that fail, which start some 10⁹ cells away, are tested against every primitive.
+//! Let a primitive that is hit have the padded bounds `[a, b]` on this axis, and let the ray enter that box at `τ`. At
+//! `τ` the ray is within a few roundings of the box on every axis. The traversal, in product form, is at `τ` in a cell
+//! with planes `[p, q]`. The ray is within a few roundings of these as well. Let `reach` be the sum of the magnitudes
+//! of the ray's origin and the grid's coordinates. Both distances are bounded by 32 unit roundoffs of `reach`, errors
+//! of the start and of the insertion included. So `[a, b]` and `[p, q]` touch when both are widened by that. Primitives
+//! are inserted widened by [`WIDENING`] of a cell, so that the cell lists the primitive if `32 u · reach` is less.
+//! [`GridAxis::resolves`] requires three times that in half of the widening. Rays that fail, which start some 10⁹ cells
+//! away, are tested against every primitive.
 //!
 //! The proof assumes a finite `τ`. It is finite where the ray leaves the bounds of the grid at a finite parameter. Rays
 //! whose inverse direction is infinite on this axis count as not moving; the slab test keeps them to boxes that contain

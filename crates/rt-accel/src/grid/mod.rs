@@ -18,7 +18,7 @@ use resolution::{MAX_CELLS, cubical, suitable_cells};
 /// Maximum number of references to primitives: 4 GiB.
 const MAX_REFERENCES: u64 = 1 << 30;
 
-/// Box of equal cells with a list of primitives each: the fastest accelerator to build, and a good one for evenly
+/// Box of equal cells with a list of primitives each. The fastest accelerator to build, and a good one for evenly
 /// distributed primitives of similar size.
 ///
 /// Rays traverse the grid cell by cell (Amanatides and Woo 1987), and test a primitive in each of its cells. A few

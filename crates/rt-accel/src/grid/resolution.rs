@@ -3,8 +3,8 @@
 use glam::DVec3;
 use rt_math::transcendental::cbrt;
 
-/// Cells per primitive. Traversal is cheap compared with tests, so that there may be more cells than primitives (Wald
-/// et al., "Ray Tracing Animated Scenes using Coherent Grid Traversal", 2006, recommend 4 to 8).
+/// Cells per primitive. Traversal is cheap compared with tests, so that there may be more cells than primitives. Wald
+/// et al., "Ray Tracing Animated Scenes using Coherent Grid Traversal", 2006, recommend 4 to 8.
 const DENSITY: u64 = 6;
 
 /// Maximum number of cells: 256 MiB of offsets.

@@ -35,7 +35,7 @@
 //! Under 20 bytes per primitive, and a tenth to a fifth of the build of [`bvh`](super::bvh), for 1.5 to 5 times its
 //! nodes and tests. Lazy trees begin with 56 bytes per primitive, for the boxes of all, and end with 40 to 60.
 //!
-//! **Choose it** for scenes that change with every image and have few rays, and the lazy one where only a small part of
-//! a large scene is visible. Where much is visible, building at once takes less time in total.
+//! **Choose it** for scenes that change with every image and have few rays. Choose the lazy one where only a small part
+//! of a large scene is visible. Where much is visible, building at once takes less time in total.
 //!
 //! **Paper**: Wächter and Keller, "Instant Ray Tracing: The Bounding Interval Hierarchy", 2006.

@@ -9,8 +9,8 @@
 //!
 //! **Build**: some primitives propose planes. Triangles propose their own plane, spheres planes that face another
 //! sphere, through their centre and on either side of their padded bounds. Every primitive proposes the faces of its
-//! padded bounds. The surface area heuristic compares them. The parts are not boxes, and their areas are expensive, so
-//! that sample points estimate their sizes, and a sample of the other primitives their contents.
+//! padded bounds. The surface area heuristic compares them. The parts are not boxes, and their areas are expensive. So
+//! sample points estimate their sizes, and a sample of the other primitives their contents.
 //!
 //! **Traversal**: as in a kd-tree, with a dot product for each plane.
 //!

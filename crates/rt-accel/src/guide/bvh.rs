@@ -8,7 +8,7 @@
 //! leaf. The heap of small spheres has its own subtree. In the right image, only rays close to many small spheres are
 //! expensive.
 //!
-//! **Build**: top-down. The *surface area heuristic* estimates the cost of a split: a random ray that hits a box hits a
+//! **Build**: top-down. The *surface area heuristic* estimates the cost of a split. A random ray that hits a box hits a
 //! box inside it with the ratio of their areas as the probability. Centres are sorted into 16 bins on each axis, and
 //! the border between two bins with the smallest area times number of primitives is selected. [`SplitMethod`] also has
 //! medians, which build faster, and spatial splits, which may list large primitives twice. Both sides of large sets are
@@ -31,9 +31,9 @@
 //!
 //! About 25 to 45 bytes per primitive, O(n log n) to build, O(log n) nodes for a ray. One node is two boxes.
 //!
-//! **Choose it** by default where memory matters. Sizes and positions of primitives hardly affect it, it supports
-//! nearest points and overlaps as well as rays, and follows motion: [`Refit`](crate::Refit) fits the boxes and keeps
-//! the tree.
+//! **Choose it** by default where memory matters. Sizes and positions of primitives hardly affect it. It supports
+//! nearest points and overlaps as well as rays. It follows motion: [`Refit`](crate::Refit) fits the boxes and keeps the
+//! tree.
 //!
 //! **Papers**: Rubin and Whitted, "A 3-dimensional representation for fast rendering of complex scenes", 1980.
 //! Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", 1987. MacDonald and Booth,

@@ -15,10 +15,10 @@
 //! computed from the index of the plane, never accumulated: sums drift away from the planes, after 10⁵ steps by whole
 //! cells in `f32`.
 //!
-//! **Why it equals brute force**: a primitive is listed in every cell that its padded bounds touch, and intersections
-//! with planes are the same subtractions and products as those of the slab test. Where a ray is inside the padded
-//! bounds it is therefore in a cell that lists the primitive. Hits outside the current cell are kept, and the traversal
-//! ends when the next cell begins strictly after the closest hit.
+//! **Why it equals brute force**: a primitive is listed in every cell that its padded bounds touch. Intersections with
+//! planes are the same subtractions and products as those of the slab test. Where a ray is inside the padded bounds it
+//! is therefore in a cell that lists the primitive. Hits outside the current cell are kept, and the traversal ends when
+//! the next cell begins strictly after the closest hit.
 //!
 //! # Cost
 //!

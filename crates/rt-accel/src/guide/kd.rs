@@ -8,16 +8,17 @@
 //! In the left image, parts never overlap, and planes lie at the faces of objects. Primitives on both sides of a plane
 //! are listed on both.
 //!
-//! **Build**: the surface area heuristic at all faces of padded bounds, or at 32 bins of them for large sets, with a
-//! bonus for cutting off empty space. Planes lie next to a face and not in it, where they would leave the box on both
-//! sides. The number of references is bounded by 16 per primitive, and no leaf is deeper than 60.
+//! **Build**: the surface area heuristic at all faces of padded bounds, with a bonus for cutting off empty space. In
+//! large sets, only faces at the ends of 32 bins are evaluated. Planes lie next to a face and not in it, where they
+//! would leave the box on both sides. The number of references is bounded by 16 per primitive, and no leaf is deeper
+//! than 60.
 //!
 //! **Traversal**: a plane divides the part of the ray within a node in two; visit the near side, push the far one. End
 //! if the closest hit lies strictly before the next leaf.
 //!
-//! **Why it equals brute force**: the parameter of a plane is the same subtraction and product as in the slab test,
-//! with the same widening at the far end. Where a ray passes padded bounds, it passes one of the leaves that list them.
-//! Hits beyond the current leaf are kept, since rounding may put them on the wrong side of a plane.
+//! **Why it equals brute force**: the parameter of a plane is the same subtraction and product as in the slab test. The
+//! widening at the far end is the same, too. Where a ray passes padded bounds, it passes one of the leaves that list
+//! them. Hits beyond the current leaf are kept, since rounding may put them on the wrong side of a plane.
 //!
 //! # Cost
 //!
@@ -27,8 +28,8 @@
 //! | nodes + tests of a diffuse ray | 27 + 12 | 32 + 9 | 39 + 16 | 33 + 10 |
 //!
 //! About 45 to 100 bytes per primitive; builds take 2 to 8 times as long as those of [`bvh`](super::bvh). A node is one
-//! plane here and two boxes there, so that this tree visits more nodes on nearly all scenes, at less cost each: on
-//! *mound* and on gear wheels it is faster, on *rock* slower.
+//! plane here and two boxes there. So this tree visits more nodes on nearly all scenes, at less cost each. It is faster
+//! on *mound* and on gear wheels, and slower on *rock*.
 //!
 //! **Choose it** where primitives overlap little, such as rooms and buildings seen from within, and never move: there
 //! is no refit. Where many primitives overlap, each is tested in several leaves.

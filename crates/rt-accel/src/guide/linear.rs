@@ -25,10 +25,10 @@
 //!
 //! # Eight rays at a time
 //!
-//! Batches test each of up to 16 primitives ([`SmallSet`](crate::wide::SmallSet)) with eight rays at a time, in lanes of
-//! `f64` with the operations of the exact kernel. There is nothing to prepare, and only grazing rays need another test.
-//! This applies to spheres and triangles with a [`BatchKernel`](crate::BatchKernel); other primitives are tested ray by
-//! ray, and accelerators among them with many rays at once.
+//! Batches test each of up to 16 primitives ([`SmallSet`](crate::wide::SmallSet)) with eight rays at a time. Lanes are
+//! `f64`, and operations are those of the exact kernel. There is nothing to prepare, and only grazing rays need another
+//! test. This applies to spheres and triangles with a [`BatchKernel`](crate::BatchKernel); other primitives are tested
+//! ray by ray, and accelerators among them with many rays at once.
 //!
 //! # What "the same answer" means
 //!
@@ -44,7 +44,7 @@
 //! and
 //! 3. culls only what begins *strictly* after the closest hit so far, so that equal parameters are compared by index.
 //!
-//! The slab test consists of subtractions, products, minima and maxima, each of them monotone when rounded: a larger
+//! The slab test consists of subtractions, products, minima and maxima, each of them monotone when rounded. So a larger
 //! box is never entered later than a box inside it. That proves the second point for boxes; the pages of other
 //! accelerators give their proofs.
 //!

@@ -19,7 +19,7 @@
 //!
 //! **Why it equals brute force**: round volumes are not monotone as boxes are. The computed chord of a larger sphere
 //! may begin later than that of a sphere inside it. So radii are widened by more than all rounding together, which
-//! depends on the distance of the ray's origin. Volumes enclose padded bounds, not primitives: this is the price of
+//! depends on the distance of the ray's origin. Volumes enclose padded bounds, not primitives. This is the price of
 //! identical results, and one reason why a sphere around a sphere is a loose fit here.
 //!
 //! # Cost

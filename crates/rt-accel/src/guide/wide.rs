@@ -29,10 +29,10 @@
 //! Put coherent rays next to each other.
 //!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier
-//! than any padded bounds in it, and tests of triangles and spheres have margins for all rounding. The proofs are at
-//! the top of the files. The closest hit is selected as in brute force, so that AVX-512, AVX2 and the portable
-//! instructions ([`SimdLevel`](crate::wide::SimdLevel)) return the same bits. Extreme rays and trees are traversed in
-//! `f64` altogether.
+//! than any padded bounds in it. Tests of triangles and spheres have margins for all rounding. The proofs are at the
+//! top of the files. The closest hit is selected as in brute force, so that AVX-512, AVX2 and the portable instructions
+//! ([`SimdLevel`](crate::wide::SimdLevel)) return the same bits. Extreme rays and trees are traversed in `f64`
+//! altogether.
 //!
 //! # Cost
 //!

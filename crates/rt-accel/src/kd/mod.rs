@@ -10,7 +10,7 @@ use crate::space_partition::{BspPartition, accelerator_by_partition};
 use plane::AxisPlane;
 pub(crate) use split::SahSplit;
 
-/// Binary partition of space by axis-aligned planes (Bentley 1975): O(log n) per ray, with the fewest visits of all
+/// Binary partition of space by axis-aligned planes (Bentley 1975): O(log n) per ray. Visits are the fewest of all
 /// where primitives do not overlap, as in most meshes of rooms and buildings.
 ///
 /// Built top-down by the surface area heuristic with a bonus for cutting off empty space, at planes next to the faces

@@ -12,9 +12,9 @@
 //!   near_max`. That is the greater of this and `ts`, which differ where `ts < 0`, so that `far_min ≤ near_max`.
 //!
 //! For `v < 0` the sides and all signs are exchanged. `0 · ∞` gives NaN where a ray lies in the plane, and no
-//! constraint. Where the ray lies in a face of a box off the plane, `ts` is infinite, with the sign that does not
-//! constrain the side of the box. So the contract of [`SplitPlane::plane_hit`] holds for every finite ray, **bit for
-//! bit**.
+//! constraint. Where the ray lies in a face of a box off the plane, `ts` is infinite. Its sign is then the one that
+//! does not constrain the side of the box. So the contract of [`SplitPlane::plane_hit`] holds for every finite
+//! ray, **bit for bit**.
 
 use glam::DVec3;
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
@@ -81,13 +81,13 @@ impl SplitPlane for AxisPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space_partition::Node;
+    use crate::space_partition::PartitionNode;
     use rt_math::Ray;
     use rt_math::random::hash;
 
     #[test]
     fn a_node_has_sixteen_bytes() {
-        assert_eq!(size_of::<Node<AxisPlane>>(), 16);
+        assert_eq!(size_of::<PartitionNode<AxisPlane>>(), 16);
     }
 
     /// Checks the proof at the top of this file with numbers that round, cancel, overflow and give NaN, without

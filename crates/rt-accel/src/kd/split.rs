@@ -1,9 +1,9 @@
 //! Selection of splitting planes: the surface area heuristic at the faces of padded bounds.
 //!
 //! Along an axis the numbers of boxes below and above a plane change at faces only, and between two faces the cost has
-//! no minimum. So the best plane of such a gap is next to one of its ends: just past the last face before, or just
-//! before the first face after, where it touches neither box (planes *in* a face would leave the box on both sides). In
-//! small parts all gaps are evaluated; in large ones those between bins, whose ends are still faces.
+//! no minimum. So the best plane of such a gap is next to one of its ends. That is just past the last face before, or
+//! just before the first face after. There it touches neither box, while a plane *in* a face would leave the box on
+//! both sides. In small parts all gaps are evaluated; in large ones those between bins, whose ends are still faces.
 
 use glam::DVec3;
 use rt_math::Aabb;
@@ -33,13 +33,13 @@ impl SplitHeuristic<AxisPlane> for SahSplit {
             })
         };
         if depth_allows_median_split(count, task.depth) {
-            let mut search = Search::new(task, Objective::Area(SahCost::of(&task.cell)?));
+            let mut search = PlaneSearch::new(task, Objective::Area(SahCost::of(&task.cell)?));
             for axis in Axis::ALL {
                 if count < MIN_BINNED { search.sweep(axis, faces(axis)) } else { search.bin(axis, faces(axis)) }
             }
             search.best
         } else {
-            let mut search = Search::new(task, Objective::Balance);
+            let mut search = PlaneSearch::new(task, Objective::Balance);
             Axis::ALL.into_iter().for_each(|axis| search.sweep(axis, faces(axis)));
             search.best
         }
@@ -55,7 +55,7 @@ enum Objective {
 }
 
 /// Search for the best plane.
-struct Search<'t> {
+struct PlaneSearch<'t> {
     cell: &'t Aabb,
     count: u32,
     objective: Objective,
@@ -64,7 +64,7 @@ struct Search<'t> {
     best: Option<AxisPlane>,
 }
 
-impl<'t> Search<'t> {
+impl<'t> PlaneSearch<'t> {
     fn new(task: &'t Task<AxisPlane>, objective: Objective) -> Self {
         let count = task.items.len() as u32;
         Self { cell: &task.cell, count, objective, cost: f64::from(count), best: None }
@@ -129,7 +129,7 @@ impl<'t> Search<'t> {
         // denormal extent would be infinite.
         let extent = max - min;
         let place = |x: f64| (((x - min) / extent * BINS as f64) as usize).min(BINS - 1);
-        let mut bins = [Bin::EMPTY; BINS];
+        let mut bins = [FaceBin::EMPTY; BINS];
         let (mut begun, mut ended) = (0, 0);
         for (start, end) in faces {
             if start <= min {
@@ -160,14 +160,14 @@ impl<'t> Search<'t> {
 
 /// Faces within an interval of coordinates.
 #[derive(Clone, Copy)]
-struct Bin {
+struct FaceBin {
     starts: u32,
     ends: u32,
     first: f64,
     last: f64,
 }
 
-impl Bin {
+impl FaceBin {
     const EMPTY: Self = Self { starts: 0, ends: 0, first: f64::INFINITY, last: f64::NEG_INFINITY };
 
     #[inline(always)]
@@ -256,14 +256,14 @@ mod tests {
                 .collect();
             let task = task(&boxes, 0);
             let best = |by_bins: bool| {
-                let mut search = Search::new(&task, Objective::Area(SahCost::of(&task.cell).expect("a box")));
+                let mut search = PlaneSearch::new(&task, Objective::Area(SahCost::of(&task.cell).expect("a box")));
                 for axis in Axis::ALL {
                     let faces = boxes.iter().map(|(_, own)| (own.min[axis as usize], own.max[axis as usize]));
                     if by_bins { search.bin(axis, faces) } else { search.sweep(axis, faces) }
                 }
                 let plane = search.best.expect("a cut");
                 let [below, above] = counts(&boxes, &plane).map(|count| count as u32);
-                let mut again = Search::new(&task, search.objective);
+                let mut again = PlaneSearch::new(&task, search.objective);
                 again.evaluate(plane, below, above);
                 assert_eq!(again.cost, search.cost, "{plane:?}");
                 search.cost

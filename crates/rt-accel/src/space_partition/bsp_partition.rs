@@ -2,7 +2,7 @@
 
 use rt_math::Aabb;
 
-use super::node::Node;
+use super::node::PartitionNode;
 use super::split_plane::SplitPlane;
 use crate::BuildStats;
 
@@ -12,7 +12,7 @@ use crate::BuildStats;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct BspPartition<C> {
     /// In depth-first order; never empty.
-    pub(super) nodes: Vec<Node<C>>,
+    pub(super) nodes: Vec<PartitionNode<C>>,
     /// Bounded primitives leaf by leaf, by rising index in each.
     pub(super) indices: Vec<u32>,
     /// Union of all padded bounds.
@@ -24,7 +24,7 @@ pub(crate) struct BspPartition<C> {
 impl<C: SplitPlane> BspPartition<C> {
     pub(crate) fn memory(&self) -> usize {
         size_of::<Self>()
-            + self.nodes.capacity() * size_of::<Node<C>>()
+            + self.nodes.capacity() * size_of::<PartitionNode<C>>()
             + (self.indices.capacity() + self.unbounded.capacity()) * size_of::<u32>()
     }
 
@@ -51,7 +51,7 @@ impl<C: SplitPlane> BspPartition<C> {
         for node in &self.nodes {
             let Some((cell, depth)) = pending.pop() else { return };
             visit(cell, depth);
-            if let Node::Split { plane, .. } = node {
+            if let PartitionNode::Split { plane, .. } = node {
                 let [below, above] = plane.split_bounds(&cell);
                 pending.extend([(above, depth + 1), (below, depth + 1)]);
             }

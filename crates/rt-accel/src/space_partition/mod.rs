@@ -10,7 +10,7 @@ mod validate;
 
 pub(crate) use bsp_partition::BspPartition;
 pub(crate) use build::{SplitHeuristic, Task};
-pub(crate) use node::Node;
+pub(crate) use node::PartitionNode;
 pub(crate) use sah_cost::SahCost;
 pub(crate) use split_plane::{PlaneHit, SplitPlane};
 

@@ -7,7 +7,7 @@ use crate::{ValidationError, traversal::MAX_DEPTH};
 /// Part of space. The child below the plane is the next node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Node<C> {
+pub(crate) enum PartitionNode<C> {
     /// Inner node.
     Split {
         plane: C,
@@ -18,7 +18,7 @@ pub(crate) enum Node<C> {
     Leaf { first: u32, count: u32 },
 }
 
-impl<C: Send> TreeNode for Node<C> {
+impl<C: Send> TreeNode for PartitionNode<C> {
     type Payload = C;
 
     fn inner(plane: C) -> Self {
@@ -47,7 +47,7 @@ impl<C: Send> TreeNode for Node<C> {
 ///
 /// # Errors
 /// The first node that is out of order or too deep.
-pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(), ValidationError> {
+pub(crate) fn check_order<C>(nodes: &[PartitionNode<C>], n_references: usize) -> Result<(), ValidationError> {
     // Expected nodes, the next one last, with their depths.
     let mut expected = vec![(0, 0)];
     let mut next_first = 0;
@@ -58,9 +58,11 @@ pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(
             _ => return Err(misplaced),
         };
         match *node {
-            Node::Split { .. } if depth == MAX_DEPTH => return Err(ValidationError::Depth { depth: depth + 1 }),
-            Node::Split { above, .. } => expected.extend([(above, depth + 1), (number + 1, depth + 1)]),
-            Node::Leaf { first, count } => {
+            PartitionNode::Split { .. } if depth == MAX_DEPTH => {
+                return Err(ValidationError::Depth { depth: depth + 1 });
+            }
+            PartitionNode::Split { above, .. } => expected.extend([(above, depth + 1), (number + 1, depth + 1)]),
+            PartitionNode::Leaf { first, count } => {
                 if first != next_first {
                     return Err(misplaced);
                 }
@@ -79,12 +81,12 @@ pub(crate) fn check_order<C>(nodes: &[Node<C>], n_references: usize) -> Result<(
 mod tests {
     use super::*;
 
-    const fn split(above: u32) -> Node<()> {
-        Node::Split { plane: (), above }
+    const fn split(above: u32) -> PartitionNode<()> {
+        PartitionNode::Split { plane: (), above }
     }
 
-    const fn leaf(first: u32, count: u32) -> Node<()> {
-        Node::Leaf { first, count }
+    const fn leaf(first: u32, count: u32) -> PartitionNode<()> {
+        PartitionNode::Leaf { first, count }
     }
 
     #[test]
@@ -92,7 +94,7 @@ mod tests {
         let good = [split(4), split(3), leaf(0, 2), leaf(2, 0), leaf(2, 1)];
         assert_eq!(check_order(&good, 3), Ok(()));
         assert_eq!(check_order(&[leaf(0, 0)], 0), Ok(()));
-        let verdict = |nodes: &[Node<()>]| check_order(nodes, 3);
+        let verdict = |nodes: &[PartitionNode<()>]| check_order(nodes, 3);
         let at = |node| Err(ValidationError::Node { node });
         assert_eq!(verdict(&[]), at(0));
         assert_eq!(verdict(&good[..4]), at(4), "cut short");

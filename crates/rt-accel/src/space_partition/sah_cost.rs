@@ -33,17 +33,17 @@ impl SahCost {
         Some(Self { ends: ends / ends.element_sum() })
     }
 
-    /// Ratio of the surface area of a part to that of the whole (a mean over all rays: Santaló 1976), where the part
-    /// has the same outline in direction `normal`, of unit length, and `fraction` of the extent along it. Exact for
-    /// parts of a box between axis-aligned planes.
+    /// Ratio of the surface area of a part to that of the whole (a mean over all rays: Santaló 1976). The part has the
+    /// same outline in direction `normal`, of unit length, and `fraction` of the extent along it. Exact for parts of a
+    /// box between axis-aligned planes.
     fn probability(&self, normal: DVec3, fraction: f64) -> f64 {
         // The outline of a box has the summed area of those of its faces.
         let outline = self.ends.dot(normal.abs());
         outline + fraction * (1.0 - outline)
     }
 
-    /// Expected cost of a ray through the cell, after a split at right angles to `normal` that leaves `fraction` of the
-    /// cell and `below` primitives on one side, and `above` on the other. A leaf costs 1 per primitive.
+    /// Expected cost of a ray through the cell, after a split at right angles to `normal`. One side has `fraction` of
+    /// the cell and `below` primitives, the other has `above` primitives. A leaf costs 1 per primitive.
     pub(crate) fn cost(&self, normal: DVec3, fraction: f64, below: f64, above: f64) -> f64 {
         let cut_off = if below == 0.0 {
             fraction

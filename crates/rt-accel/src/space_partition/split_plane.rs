@@ -3,14 +3,14 @@
 //! # Why no primitive is missed
 //!
 //! Take a ray, and a primitive that has a hit. Brute force accepts the hit at no less than `E`, where the slab test
-//! enters the primitive's padded bounds within the span. The traversal keeps an interval of the ray for every node that it
-//! visits, and **always visits a leaf that lists the primitive, with an interval that contains `E`**:
+//! enters the primitive's padded bounds within the span. The traversal keeps an interval of the ray for every node that
+//! it visits. It **always visits a leaf that lists the primitive, with an interval that contains `E`**:
 //!
 //! * The interval of the root is that of the box around everything, which contains `E` as the slab test is monotone.
 //! * Let a cut split the interval `[a, b]` of a node into `[a, min(b, near_max)]` and `[max(a, far_min), b]`. If the
-//!   primitive lies on one side only, `E` is in the interval of that side: that is what [`SplitPlane::plane_hit`] promises, and
-//!   each kind of cut proves. If it lies on both sides, then `E` is at or after `far_min` and in the far interval, or
-//!   before `far_min ≤ near_max` and in the near one.
+//!   primitive lies on one side only, `E` is in the interval of that side. This is what [`SplitPlane::plane_hit`]
+//!   promises, and each kind of plane proves. Otherwise it lies on both sides. Then `E` is at or after `far_min` and in
+//!   the far interval, or before `far_min ≤ near_max` and in the near one.
 //! * A NaN is no constraint, for it fails every comparison.
 //!
 //! A node is given up only if its interval is empty or begins strictly after the best hit. The accepted hit is not
@@ -30,9 +30,9 @@ pub(crate) trait SplitPlane: Copy + Debug + PartialEq + Send + Sync {
     /// not cover it, so that every primitive has to be tested.
     fn prepare(ray: &SlabRay, bounds: &Aabb, inside: Interval) -> Option<Self::Ray>;
 
-    /// Parameters at which the ray changes sides. For every box that [`classify`](Self::classify) puts on one side
-    /// only, the entry `E` of the slab test is `≤ near_max` if that is the near side, and `≥ far_min` if that is the
-    /// far side.
+    /// Parameters at which the ray changes sides. Take a box that [`classify`](Self::classify) puts on one side only.
+    /// The entry `E` of the slab test is `≤ near_max` if that is the near side, and `≥ far_min` if that is the far
+    /// side.
     fn plane_hit(&self, ray: &Self::Ray) -> PlaneHit;
 
     /// True if the side above owns the point.

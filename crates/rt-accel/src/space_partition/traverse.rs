@@ -6,7 +6,7 @@ use glam::DVec3;
 use rt_geometry::{Primitives, Probe};
 use rt_math::Interval;
 
-use super::{BspPartition, Node, SplitPlane};
+use super::{BspPartition, PartitionNode, SplitPlane};
 use crate::traversal::{Descent, traverse};
 use crate::{RayQuery, RegionQuery, ray_query::is_finite};
 
@@ -41,7 +41,7 @@ impl<C: SplitPlane> BspPartition<C> {
             (inside, 0),
             |query, (inside, index)| {
                 ControlFlow::Continue(match self.nodes.get(index as usize) {
-                    Some(Node::Split { plane, above }) => {
+                    Some(PartitionNode::Split { plane, above }) => {
                         probe.node();
                         let hit = plane.plane_hit(ray);
                         let (near, far) = if hit.from_above { (*above, index + 1) } else { (index + 1, *above) };
@@ -56,7 +56,7 @@ impl<C: SplitPlane> BspPartition<C> {
                         let [visits_near, visits_far] = [near_inside, far_inside].map(|part| part.min <= part.max);
                         Descent::in_order((near_inside, near), visits_near, (far_inside, far), visits_far)
                     }
-                    Some(&Node::Leaf { first, count }) => {
+                    Some(&PartitionNode::Leaf { first, count }) => {
                         query.test_leaf(primitives, self.leaf(first, count), probe)?;
                         None
                     }
@@ -84,14 +84,14 @@ impl<C: SplitPlane> BspPartition<C> {
             root,
             |query, (_, _, index)| {
                 ControlFlow::Continue(match self.nodes.get(index as usize) {
-                    Some(Node::Split { plane, above }) => {
+                    Some(PartitionNode::Split { plane, above }) => {
                         let children = [index + 1, *above];
                         let near = usize::from(plane.is_above(query_point));
                         let overlaps = plane.classify(&query.bounds());
                         let entry = |side: usize| (index, side, children[side]);
                         Descent::in_order(entry(near), overlaps[near], entry(near ^ 1), overlaps[near ^ 1])
                     }
-                    Some(&Node::Leaf { first, count }) => {
+                    Some(&PartitionNode::Leaf { first, count }) => {
                         for &primitive in self.leaf(first, count) {
                             query.test_primitive(primitive, |point| self.owner(point) == index)?;
                         }
@@ -102,7 +102,7 @@ impl<C: SplitPlane> BspPartition<C> {
             },
             // The bounds of the query may have shrunk.
             |query, entry| match self.nodes.get(entry.0 as usize) {
-                Some(Node::Split { plane, .. }) => plane.classify(&query.bounds())[entry.1].then_some(entry),
+                Some(PartitionNode::Split { plane, .. }) => plane.classify(&query.bounds())[entry.1].then_some(entry),
                 _ => None,
             },
         )
@@ -111,7 +111,7 @@ impl<C: SplitPlane> BspPartition<C> {
     /// Index of the leaf that owns a point.
     fn owner(&self, point: DVec3) -> u32 {
         let mut number = 0;
-        while let Some(Node::Split { plane, above }) = self.nodes.get(number as usize) {
+        while let Some(PartitionNode::Split { plane, above }) = self.nodes.get(number as usize) {
             number = if plane.is_above(point) { *above } else { number + 1 };
         }
         number

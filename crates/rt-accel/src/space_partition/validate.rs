@@ -3,7 +3,7 @@
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::node::check_order;
-use super::{BspPartition, Node, SplitPlane};
+use super::{BspPartition, PartitionNode, SplitPlane};
 use crate::{ValidationError, prim_bounds::validate_lists};
 
 impl<C: SplitPlane> BspPartition<C> {
@@ -18,11 +18,11 @@ impl<C: SplitPlane> BspPartition<C> {
             let mut pending = vec![0];
             while let Some(number) = pending.pop() {
                 match self.nodes[number as usize] {
-                    Node::Split { plane, above } => {
+                    PartitionNode::Split { plane, above } => {
                         let children = [number + 1, above];
                         pending.extend((0..2).filter(|&side| plane.classify(&own)[side]).map(|side| children[side]));
                     }
-                    Node::Leaf { first, count } => {
+                    PartitionNode::Leaf { first, count } => {
                         if self.leaf(first, count).binary_search(&primitive).is_err() {
                             return Err(ValidationError::Misplaced { primitive });
                         }
@@ -37,7 +37,7 @@ impl<C: SplitPlane> BspPartition<C> {
     pub(crate) fn check(&self) -> Result<(), ValidationError> {
         check_order(&self.nodes, self.indices.len())?;
         for (number, node) in (0..).zip(&self.nodes) {
-            if let Node::Split { plane, .. } = node
+            if let PartitionNode::Split { plane, .. } = node
                 && !plane.is_valid()
             {
                 return Err(ValidationError::Node { node: number });
@@ -104,8 +104,8 @@ mod tests {
         };
         let is_misplaced = |verdict| matches!(verdict, Err(ValidationError::Misplaced { .. }));
         let root = |tree: &mut BspPartition<C>, number: u32| match &mut tree.nodes[0] {
-            Node::Split { above, .. } => *above = number,
-            Node::Leaf { .. } => panic!("a leaf of all"),
+            PartitionNode::Split { above, .. } => *above = number,
+            PartitionNode::Leaf { .. } => panic!("a leaf of all"),
         };
         assert!(is_misplaced(verdict(&|tree| tree.indices[1] = tree.indices[0])), "one is listed twice");
         assert!(is_misplaced(verdict(&|tree| tree.indices[0] = 100)), "one that is not there");
@@ -120,10 +120,10 @@ mod tests {
         assert_eq!(verdict(&|tree| tree.primitives = 99), Err(ValidationError::Misplaced { primitive: 99 }));
         assert_eq!(verdict(&|tree| tree.bounds.max.x -= 1.0), Err(ValidationError::Outside { primitive: 99 }));
         let comb = |tree: &mut BspPartition<C>| {
-            let Node::Split { plane, .. } = tree.nodes[0] else { return };
+            let PartitionNode::Split { plane, .. } = tree.nodes[0] else { return };
             let depth = MAX_DEPTH + 1;
-            tree.nodes = (0..depth).map(|level| Node::Split { plane, above: 2 * depth - level }).collect();
-            tree.nodes.extend((0..=depth).map(|_| Node::Leaf { first: 0, count: 0 }));
+            tree.nodes = (0..depth).map(|level| PartitionNode::Split { plane, above: 2 * depth - level }).collect();
+            tree.nodes.extend((0..=depth).map(|_| PartitionNode::Leaf { first: 0, count: 0 }));
             tree.indices.clear();
         };
         assert_eq!(verdict(&comb), Err(ValidationError::Depth { depth: MAX_DEPTH + 1 }));
@@ -144,11 +144,11 @@ mod tests {
     #[test]
     fn cuts_that_are_no_planes_are_found() {
         let mut tree = KdTree::build(&Row).expect("boxes").0;
-        let Node::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
+        let PartitionNode::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
         plane.position = f64::NAN;
         assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
         let mut tree = BspTree::build(&Row).expect("boxes").0;
-        let Node::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
+        let PartitionNode::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
         plane.normal *= 2.0;
         assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
     }

@@ -9,12 +9,12 @@ use crate::top_down::{SliceSplit, Subtree, TreeNode, build_in_place};
 /// Payload and children of an inner node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Node<C> {
+pub(crate) struct PayloadNode<C> {
     pub(crate) payload: C,
     pub(crate) children: [NodeRef; 2],
 }
 
-impl<C: Send> TreeNode for Node<C> {
+impl<C: Send> TreeNode for PayloadNode<C> {
     type Payload = C;
 
     fn inner(payload: C) -> Self {
@@ -35,7 +35,7 @@ impl<C: Send> TreeNode for Node<C> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Tree<C> {
-    pub(crate) nodes: Vec<Node<C>>,
+    pub(crate) nodes: Vec<PayloadNode<C>>,
     pub(crate) root: NodeRef,
     /// Bounded primitives, leaf by leaf.
     pub(crate) indices: Vec<u32>,
@@ -58,7 +58,7 @@ impl<C: Send> Tree<C> {
 /// Node or leaf behind a reference.
 pub(crate) enum NodeKind<'t, C> {
     Leaf(&'t [u32]),
-    Inner(&'t Node<C>),
+    Inner(&'t PayloadNode<C>),
 }
 
 impl<C> Tree<C> {
@@ -79,7 +79,7 @@ impl<C> Tree<C> {
 
     /// Heap memory in bytes.
     pub(crate) fn heap(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node<C>>()
+        self.nodes.capacity() * size_of::<PayloadNode<C>>()
             + (self.indices.capacity() + self.unbounded.capacity()) * size_of::<u32>()
     }
 }

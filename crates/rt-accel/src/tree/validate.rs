@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use crate::binned_sah::bounds_of;
     use crate::top_down::SliceSplit;
-    use crate::{Accelerator, Bih, tree::Node};
+    use crate::{Accelerator, Bih, tree::PayloadNode};
     use glam::DVec3;
     use rt_geometry::Hit;
     use rt_math::{Interval, Ray};
@@ -221,7 +221,7 @@ mod tests {
         tree.nodes = (0..99)
             .map(|i| {
                 let right = if i == 98 { NodeRef::leaf(99, 1) } else { NodeRef::node(i + 1) };
-                Node { payload: boxes, children: [NodeRef::leaf(i, 1), right] }
+                PayloadNode { payload: boxes, children: [NodeRef::leaf(i, 1), right] }
             })
             .collect();
         assert_eq!(verdict(&tree, &Row(0.5)), Err(ValidationError::Depth { depth: 61 }));

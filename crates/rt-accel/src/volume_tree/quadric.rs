@@ -3,32 +3,33 @@
 //! # Why the culling is conservative
 //!
 //! Round volumes are not monotone as boxes are: the computed chord of a larger sphere may begin later. So they are
-//! widened by more than all rounding together. Let `u` be the unit roundoff, `o` and `d` the origin and direction of a
-//! ray, and let a volume with centre `c` contain padded bounds. `reach` is `|o − c|₁` plus the size of the volume, so
+//! widened by more than all rounding together. Let `u` be the unit roundoff, and `o` and `d` the origin and direction
+//! of a ray. Let a volume with centre `c` contain padded bounds. `reach` is `|o − c|₁` plus the size of the volume, so
 //! that no plane `b` of these boxes has `|b − o| > reach` on its axis.
 //!
 //! **The padded bounds.** Let [`Aabb::clip`](rt_math::Aabb::clip) let the ray pass padded bounds, entered at `τ`. Then
 //! the point `o + τd`, of real numbers, is no farther than `16u·reach` from that box, because on each axis one of these
 //! holds.
 //!
-//! * `fl(1/d)` is finite. Then `τ` is not before the entry into the slab, `(b − o)/d` with three relative errors `u`, nor
-//!   after the exit, with these and the far factor. That is `11u·reach` at most; what underflows adds `2⁻¹⁰⁷⁴ |d|`.
+//! * `fl(1/d)` is finite. Then `τ` is not before the entry into the slab, `(b − o)/d` with three relative errors `u`.
+//!   Nor is it after the exit, with these and the far factor. That is `11u·reach` at most; what underflows adds
+//!   `2⁻¹⁰⁷⁴ |d|`.
 //! * It is infinite. Then `|d| < 2⁻¹⁰²³`, and `o` itself is in the slab. On the axis with the largest `|d|`, which is
 //!   of the first kind, `|τ| ≤ 2 reach / max|d|`: the ray moves by far less than `u·reach` here.
 //!
-//! Both need `max|d|` between 2⁻⁴⁰⁰ and 2⁵⁰⁰ and `reach` between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that parameters do not overflow and
-//! underflow means nothing, and so do the squares below. [`error_margin`] refuses all other numbers, infinities and NaN
-//! included; such volumes count as hit.
+//! Both need `max|d|` between 2⁻⁴⁰⁰ and 2⁵⁰⁰, and `reach` between 2⁻⁴⁰⁰ and 2⁴⁰⁰. Then parameters do not overflow, and
+//! underflow means nothing. The squares below need the same. [`error_margin`] refuses all other numbers, infinities and
+//! NaN included; such volumes count as hit.
 //!
-//! **The chord.** So the point is within `R + 16u·reach` of the centre of the sphere or the axis of the cylinder, and
+//! **The chord.** So the point is within `R + 16u·reach` of the centre of the sphere or the axis of the cylinder. Hence
 //! `τ` is inside the chord of that radius. With [`error_margin`] `e = 128u·reach` we compute the chord of `R + e`. The
 //! parameter of the point closest to the centre is off by `8u|o − c|/|d|`, and its distance `w` by `12u·reach`. The
 //! square root is taken of `(R + e)² − w²`, which therefore exceeds its real counterpart with `R + 16u·reach`, its own
 //! rounding of `4u(R + e)²` included. All other errors are of parameters, some `10u·reach/|d|` together, and a second
 //! `e/|d|` makes the chord longer at either end by more than that. If the root does not exist, no such point does.
 //!
-//! For a cylinder, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far from
-//! the axis as `o` is, within `u·reach`, and there is no more to ask.
+//! For a cylinder, `o − c` and `d` are those across it. If `|d|` across is less than `2⁻⁶⁰ max|d|`, the point is as far
+//! from the axis as `o` is, within `u·reach`. Then the distance of `o` decides.
 //!
 //! Hence for every finite ray: padded bounds that pass [`clip`](rt_math::Aabb::clip) are not culled, and their entry is
 //! no earlier than the entry into the volume.

@@ -133,13 +133,13 @@ impl<'a> LeafTriangle<'a> {
         let a = to_f64(simd, self.corner::<0>());
         let b = to_f64(simd, self.corner::<1>());
         let c = to_f64(simd, self.corner::<2>());
-        let least = simd.min_f64(simd.min_f64(a, b), c);
-        let most = simd.max_f64(simd.max_f64(a, b), c);
-        let size = max_lane(simd, simd.max_f64(simd.abs_f64(least), simd.abs_f64(most)));
+        let min = simd.min_f64(simd.min_f64(a, b), c);
+        let max = simd.max_f64(simd.max_f64(a, b), c);
+        let size = max_lane(simd, simd.max_f64(simd.abs_f64(min), simd.abs_f64(max)));
         let pad = all(simd, size * BOUNDS_PADDING);
-        let (least, most) = (simd.sub_f64(least, pad), simd.add_f64(most, pad));
-        let near = simd.sub_f64(simd.select_by_sign(ray.inverse, least, most), ray.origin);
-        let far = simd.sub_f64(simd.select_by_sign(ray.inverse, most, least), ray.origin);
+        let (min, max) = (simd.sub_f64(min, pad), simd.add_f64(max, pad));
+        let near = simd.sub_f64(simd.select_by_sign(ray.inverse, min, max), ray.origin);
+        let far = simd.sub_f64(simd.select_by_sign(ray.inverse, max, min), ray.origin);
         // A NaN is no constraint.
         let enter = simd.max_f64(simd.mul_f64(near, ray.inverse), all(simd, span.min));
         let t_far = simd.mul_f64(simd.mul_f64(far, ray.inverse), all(simd, FAR_FACTOR));

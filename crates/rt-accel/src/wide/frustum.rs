@@ -2,15 +2,20 @@
 //!
 //! # Why the culling is conservative
 //!
-//! Let `q` be the origin of a ray relative to the centre of the tree and `v = 1/d` on some axis; take `v > 0`, as for
-//! `v < 0` all signs turn around. The frustum computes `fl((p − Q)·n)` for near planes `p`, where `Q` is at least 2⁻²² sizes
-//! of the tree beyond all `q`, and `n` at most the least of all `v`, made smaller by 2⁻²². Where `p − q` is positive this is
-//! no more than `τ·(1 − 2⁻²²)·(1 + 2⁻²⁴)³`, less than what the padded bounds compute ([`ray`](super::ray)); where it is not, the
-//! product is negative, and spans begin at 0 or later. Far planes are the mirror image. Directions that are nearly zero
-//! are limited as those of single rays are, and times of leaving are long enough for the same reason.
+//! Let `q` be the origin of a ray relative to the centre of the tree, and `v = 1/d` on some axis. Take `v > 0`, as for
+//! `v < 0` all signs turn around. The frustum computes `fl((p − Q)·n)` for near planes `p`. `Q` is at least 2⁻²² sizes
+//! of the tree beyond all `q`. `n` is at most the minimum of all `v`, made smaller by 2⁻²².
 //!
-//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", 2005, and Wald, Boulos and Shirley, "Ray Tracing
-//! Deformable Scenes using Dynamic Bounding Volume Hierarchies", 2007, find entry points and cull by intervals.
+//! * If `p − q > 0`, the result is no more than `τ·(1 − 2⁻²²)·(1 + 2⁻²⁴)³`. That is less than what the padded bounds
+//!   compute ([`ray`](super::ray)).
+//! * Otherwise the product is negative, and spans begin at 0 or later.
+//!
+//! Far planes are the mirror image. Directions that are nearly zero are limited as those of single rays are, and times
+//! of leaving are long enough for the same reason.
+//!
+//! Entry points and culling by intervals are those of Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing
+//! Algorithm", 2005. See also Wald, Boulos and Shirley, "Ray Tracing Deformable Scenes using Dynamic Bounding Volume
+//! Hierarchies", 2007.
 
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -67,8 +72,8 @@ impl<S: Simd> BundleFrustum<S> {
         }
         let pad = DVec3::splat(tree.size * SLACK);
         let outline = Aabb32::enclosing(&Aabb::new(low - pad, high + pad), DVec3::ZERO);
-        let least = fastest.max(DVec3::splat(fastest.max_element() / STEEPEST)).recip() * (1.0 - SLACK);
-        let greatest = slowest.max(DVec3::splat(slowest.max_element() / STEEPEST)).recip() * (1.0 + SLACK);
+        let min_scale = fastest.max(DVec3::splat(fastest.max_element() / STEEPEST)).recip() * (1.0 - SLACK);
+        let max_scale = slowest.max(DVec3::splat(slowest.max_element() / STEEPEST)).recip() * (1.0 + SLACK);
         let mut this = Self {
             near_origin: [simd.splat(0.0); 3],
             near_scale: [simd.splat(0.0); 3],
@@ -85,8 +90,8 @@ impl<S: Simd> BundleFrustum<S> {
             let (near, far, sign) = if is_negative { (low, high, -1.0) } else { (high, low, 1.0) };
             this.near_origin[axis] = simd.splat(near);
             this.far_origin[axis] = simd.splat(far);
-            this.near_scale[axis] = simd.splat((sign * least[axis]) as f32);
-            this.far_scale[axis] = simd.splat((sign * greatest[axis]) as f32);
+            this.near_scale[axis] = simd.splat((sign * min_scale[axis]) as f32);
+            this.far_scale[axis] = simd.splat((sign * max_scale[axis]) as f32);
         }
         Some(this)
     }

@@ -8,10 +8,10 @@ pub(super) fn with_huge_pages<T>(count: usize) -> Vec<T> {
         not(all(target_os = "linux", feature = "large-pages")),
         expect(unused_mut, reason = "advice changes it")
     )]
-    let mut room = Vec::with_capacity(count);
+    let mut allocation = Vec::with_capacity(count);
     #[cfg(all(target_os = "linux", feature = "large-pages"))]
-    advise(room.spare_capacity_mut());
-    room
+    advise(allocation.spare_capacity_mut());
+    allocation
 }
 
 /// Fills a vector part by part in place, on several threads, each of which first touches its part. Unfilled items are
@@ -24,25 +24,25 @@ where
     let count = parts.iter().map(|(count, _)| count).sum();
     let mut all = with_huge_pages(count);
     let mut rest = all.spare_capacity_mut();
-    let mut rooms = Vec::with_capacity(parts.len());
+    let mut slots = Vec::with_capacity(parts.len());
     for (count, part) in parts {
-        let (room, others) = rest.split_at_mut(count);
+        let (slot, others) = rest.split_at_mut(count);
         rest = others;
-        rooms.push((part, room));
+        slots.push((part, slot));
     }
-    for_each(rooms, |(part, room)| fill(part, emptied(room, &empty)));
+    for_each(slots, |(part, slot)| fill(part, emptied(slot, &empty)));
     // SAFETY: the parts cover exactly `count` items, which fit the allocation, and all are written.
     unsafe { all.set_len(count) };
     all
 }
 
 /// Writes an item everywhere.
-fn emptied<'r, T: Clone>(room: &'r mut [MaybeUninit<T>], empty: &T) -> &'r mut [T] {
-    for item in &mut *room {
+fn emptied<'r, T: Clone>(slot: &'r mut [MaybeUninit<T>], empty: &T) -> &'r mut [T] {
+    for item in &mut *slot {
         item.write(empty.clone());
     }
     // SAFETY: all items have just been written.
-    unsafe { core::slice::from_raw_parts_mut(room.as_mut_ptr().cast(), room.len()) }
+    unsafe { core::slice::from_raw_parts_mut(slot.as_mut_ptr().cast(), slot.len()) }
 }
 
 #[cfg(feature = "parallel")]
@@ -76,12 +76,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_is_room_of_any_size() {
+    fn vectors_of_any_size_are_allocated() {
         for count in [0, 1, 1000, 3 << 20] {
-            let mut room = with_huge_pages::<u64>(count);
-            assert!(room.capacity() >= count);
-            room.extend(0..count as u64);
-            assert!(room.iter().copied().eq(0..count as u64));
+            let mut vec = with_huge_pages::<u64>(count);
+            assert!(vec.capacity() >= count);
+            vec.extend(0..count as u64);
+            assert!(vec.iter().copied().eq(0..count as u64));
         }
     }
 
@@ -89,7 +89,7 @@ mod tests {
     fn parts_follow_each_other_and_are_empty_where_they_are_not_filled() {
         let parts = vec![(2, 7), (0, 8), (3, 9)];
         assert_eq!(
-            filled(parts, 0, |part, room| room.iter_mut().take(2).for_each(|item| *item = part)),
+            filled(parts, 0, |part, slot| slot.iter_mut().take(2).for_each(|item| *item = part)),
             [7, 7, 9, 9, 0]
         );
         assert!(filled(Vec::new(), 0, |(), _| ()).is_empty());

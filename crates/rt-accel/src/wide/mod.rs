@@ -15,8 +15,8 @@
 //! * `build`: binned SAH, reinsertion, and collapse of a binary tree into wide nodes; `sah`
 //! * `accelerator`, `refit`, `validate`: the interface
 //!
-//! This is the only module with `unsafe`: for instructions chosen at run time, for unchecked loads of what builders and
-//! loaders have validated, and for memory that is written before it is read.
+//! This is the only module with `unsafe`. It serves instructions chosen at run time, unchecked loads of validated data,
+//! and memory that is written before it is read. Builders and loaders validate these data.
 #![allow(unsafe_code, reason = "instructions chosen at run time, and unchecked loads of validated data")]
 
 mod accelerator;

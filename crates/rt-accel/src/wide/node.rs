@@ -58,7 +58,7 @@ impl Child {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(super) struct WideNode {
     /// By axis and side: lower x, upper x, lower y, ...
     pub(super) planes: [[f32; 8]; 6],
     pub(super) children: [Child; 8],
@@ -67,7 +67,7 @@ pub(super) struct Node {
 /// Bytes of a row of planes.
 const ROW: usize = size_of::<[f32; 8]>();
 
-/// Byte offset of a row of planes in a [`Node`]. Only [`near`](Self::near) creates rows, so it is that of one of six.
+/// Byte offset of a row of planes in a [`WideNode`]. Only [`near`](Self::near) creates rows, so it is that of one of six.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row(usize);
 
@@ -91,7 +91,7 @@ impl Row {
     }
 }
 
-impl Node {
+impl WideNode {
     pub(super) const EMPTY: Self = {
         // Finite, as some file formats have no infinity.
         let (low, high) = ([f32::MAX; 8], [f32::MIN; 8]);

@@ -16,7 +16,7 @@ use super::entry_points::EntryPoints;
 use super::f64x8::PACKET;
 use super::filter::LeafTest;
 use super::leaf::Lane;
-use super::node::{Child, Node};
+use super::node::{Child, WideNode};
 use super::packet_slabs::PacketSlabs;
 use super::packet_spheres::SpherePacket;
 use super::query::{Output, PacketResults, PrimSlot, PrimitiveTester, RayState, TravRay, TraversalStats};
@@ -56,8 +56,8 @@ impl<S: Simd> PacketStack<S> {
     ///
     /// # Safety
     ///
-    /// There must be fewer entries than [`STACK`]. This holds while each node pushes at most eight children, one of which
-    /// is popped before the next node: no tree is deeper than a seventh of the stack.
+    /// There must be fewer entries than [`STACK`]. This holds while each node pushes at most eight children, one of
+    /// which is popped before the next node. No tree is deeper than a seventh of the stack.
     #[inline(always)]
     unsafe fn insert(&mut self, first: usize, entry: Entry<S>) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
@@ -152,7 +152,7 @@ impl<S: Simd, O: Output> Results<S, O> {
 fn intersect_boxes<S: Simd, const SAME_OCTANT: bool>(
     simd: S,
     boxes: &PacketSlabs<S>,
-    node: &Node,
+    node: &WideNode,
     t_max: S::F32x8,
 ) -> ([S::F32x8; 8], u32) {
     let mut enters = [simd.splat(0.0); 8];

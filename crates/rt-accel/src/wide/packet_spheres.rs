@@ -4,10 +4,10 @@
 //! # Why the padded bounds need no test
 //!
 //! A hit counts if the ray hits the padded bounds, and its `t` is raised to their entry
-//! ([`intersect_primitive`](rt_geometry::intersect_primitive)). The slab test is monotone in the box. So where `t` lies
-//! between entry into and exit from a smaller box within the padded bounds, these are hit as well, and entered at `t` or
-//! before. The tight bounds widened by half the padding ([`INNER_PAD`]) are such a box. Where that test fails, the scalar
-//! test resolves the ray.
+//! ([`intersect_primitive`](rt_geometry::intersect_primitive)). The slab test is monotone in the box. So let `t` lie
+//! between entry into and exit from a smaller box within the padded bounds. Then these are hit as well, and entered at
+//! `t` or before. The tight bounds widened by half the padding ([`INNER_PAD`]) are such a box. Where that test fails,
+//! the scalar test resolves the ray.
 
 use rt_geometry::SphereKernel;
 
@@ -68,8 +68,8 @@ impl<S: Simd> SpherePacket<S> {
             .mul(simd, F64x8::splat(simd, for_distance))
             .sub(simd, self.radius.mul(simd, self.radius).mul(simd, F64x8::splat(simd, for_radius)));
         let passes_by = along.mul(simd, along).lt(simd, a.mul(simd, excess));
-        let least = F64x8::splat(simd, f64::from_bits(1));
-        let lies_behind = least.le(simd, excess) & least.le(simd, along);
+        let min_subnormal = F64x8::splat(simd, f64::from_bits(1));
+        let lies_behind = min_subnormal.le(simd, excess) & min_subnormal.le(simd, along);
         passes_by | lies_behind
     }
 

@@ -1,10 +1,14 @@
 //! Intersection of eight rays with a triangle: the operations of [`WatertightRay::intersect`] in lanes of `f64`, with the
 //! same bits.
 //!
-//! The scalar test resolves signs of areas that rounding may have changed, rays that start next to the triangle's plane
-//! (unless they certainly leave it), and hits that depend on the padded bounds (see
-//! [`packet_spheres`](super::packet_spheres)). [`resolve_certain`] is for hits that a filter has confirmed
-//! ([`leaf`](super::leaf)): all signs are certain, and the ray hits the padded bounds.
+//! The scalar test resolves
+//!
+//! * signs of areas that rounding may have changed,
+//! * rays that start next to the triangle's plane, unless they certainly leave it, and
+//! * hits that depend on the padded bounds (see [`packet_spheres`](super::packet_spheres)).
+//!
+//! [`resolve_certain`] is for hits that a filter has confirmed ([`leaf`](super::leaf)): all signs are certain, and the
+//! ray hits the padded bounds.
 
 use rt_geometry::WatertightRay;
 use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
@@ -14,7 +18,8 @@ use super::f64x8::{F64x8, sub3};
 use super::ray_soa::{INNER_PAD, PacketHit, RaySoa8};
 use super::simd::Simd;
 
-/// Relative error bound of a volume as a sum of six rounded products; more than the 7 roundings of Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
+/// Relative error bound of a volume as a sum of six rounded products. It is more than the 7 roundings of Shewchuk,
+/// "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
 const VOLUME_ERROR_BOUND: f64 = 16.0 * UNIT_ROUNDOFF;
 
 /// A vertex in the space of the rays.

@@ -8,10 +8,10 @@
 //! `f32`. [`Aabb32`](crate::bvh::Aabb32) guarantees that a near plane lies at or before `b − c`, and a far plane at
 //! or behind it. Take `v > 0` and let `q = o − c`; for `v < 0` all signs are mirrored.
 //!
-//! The filter computes `fl32(p·n + s)`, with the `f32` number `n` = `fl32(v)` for both planes, and for near planes `s =
-//! fl32(−q·n − w)`, where `w` = 2⁻²²·(`|q|` + size of the tree)·`|n|`. As neither plane nor origin is farther from the
-//! centre than these, `w` is four times the error of each of three roundings: that of `v`, multiplied by `p − q`, that
-//! of `s`, and that of the result. So:
+//! The filter computes `fl32(p·n + s)`, with the `f32` number `n` = `fl32(v)` for both planes, and for near planes
+//! `s = fl32(−q·n − w)`, where `w` = 2⁻²²·(`|q|` + size of the tree)·`|n|`. As neither plane nor origin is farther from
+//! the centre than these, `w` is four times the error of each of three roundings. These are that of `v`, multiplied by
+//! `p − q`, that of `s`, and that of the result. So:
 //!
 //! * If `p − q ≤ 0` the result is at most 0, and spans begin at 0 or later.
 //! * Otherwise it is at most `τ − w/4`, less than the entry into the padded bounds: 3.1u of `τ` are far less than
@@ -23,15 +23,15 @@
 //!
 //! **Directions that are nearly zero on an axis.** `|v|` is limited to 2⁶⁰ times the minimum of the three, which is one
 //! over the maximum component `D` of the direction. This lowers times in front of the ray, so an entry is never too
-//! late. An exit may be too early. But the remaining half of `w` makes every exit at least 2³⁷·size/D, and as `|q| ≤
-//! 2¹⁹·size`, the padded bounds are left on the axis of `D` before that.
+//! late. An exit may be too early. But the remaining half of `w` makes every exit at least 2³⁷·size/D. The padded
+//! bounds are left on the axis of `D` before that, as `|q| ≤ 2¹⁹·size`.
 //!
 //! **Range.** All numbers must neither over- nor underflow. [`RayF32::new`] rejects rays and trees out of range, which
 //! are traversed in `f64`.
 
 use rt_math::{DVec3, Interval, Ray};
 
-use super::node::{Node, Row};
+use super::node::{Row, WideNode};
 use super::simd::Simd;
 
 /// Relative outward rounding.
@@ -110,8 +110,8 @@ impl<S: Simd> SlabCoeffs<S> {
     }
 }
 
-/// True if the proofs apply: by the maximum component of the direction, the distance of the origin from the centre of
-/// the tree, the size of the tree, and a number that is 0 unless anything is not finite.
+/// True if the proofs apply. `fastest` is the maximum component of the direction, and `farthest` the distance of the
+/// origin from the centre of the tree. `nothing` is 0 unless anything is not finite, and `size` is that of the tree.
 #[inline(always)]
 pub(super) fn filter_applies(fastest: f64, farthest: f64, nothing: f64, span: Interval, size: f64) -> bool {
     RANGE.contains(&fastest)
@@ -186,7 +186,7 @@ impl RayF32 {
     /// Entry into the boxes of a node, at `min` or later, and exit, at `max` or before. A box with its exit before its
     /// entry is missed.
     #[inline(always)]
-    pub(super) fn cross<S: Simd>(&self, simd: S, node: &Node, min: f32, max: f32) -> [S::F32x8; 2] {
+    pub(super) fn cross<S: Simd>(&self, simd: S, node: &WideNode, min: f32, max: f32) -> [S::F32x8; 2] {
         let [x, y, z] = self.near;
         let enter_x = self.near(simd, 0, node.row(simd, x));
         let enter_y = self.near(simd, 1, node.row(simd, y));
@@ -256,7 +256,7 @@ mod tests {
 
     /// Entry and exit for the first lane of a node; `None` where the proof does not apply.
     struct Cross<'a> {
-        node: &'a Node,
+        node: &'a WideNode,
         centre: DVec3,
         size: f64,
         result: &'a mut Option<[f32; 2]>,
@@ -286,7 +286,7 @@ mod tests {
                 let own = Aabb::from_points(corners).padded();
                 let inner = Aabb32::enclosing(&own, centre);
                 let size = size.max(inner.max_abs());
-                let mut node = Node::EMPTY;
+                let mut node = WideNode::EMPTY;
                 node.set(0, &inner, Child::node(0));
                 let origin = centre + draw.vector(Draw::stiff) * size * power_of_two((draw.next() * 19.0) as i32);
                 let direction = if case % 2 == 0 {

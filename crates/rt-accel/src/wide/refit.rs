@@ -4,7 +4,7 @@ use rt_geometry::Primitives;
 
 use super::build::PrimStats;
 use super::leaf::{LeafKind, LeafWriter};
-use super::node::{Child, Node};
+use super::node::{Child, WideNode};
 use super::{BuildParams, WideBvh};
 use crate::{BuildError, Refit, bvh::Aabb32, prim_bounds::validate_lists};
 
@@ -24,7 +24,7 @@ impl Refit for WideBvh {
         let filling = LeafWriter { primitives, centre, kind };
         // Children come after their parents.
         for number in (0..self.nodes.len()).rev() {
-            let mut node = Node::EMPTY;
+            let mut node = WideNode::EMPTY;
             for (lane, child) in self.nodes[number].lanes() {
                 node.set(lane, &self.fit(child, &filling), child);
             }

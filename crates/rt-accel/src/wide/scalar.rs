@@ -7,7 +7,7 @@ use rt_geometry::{Primitives, Probe};
 use rt_math::{Aabb, Interval};
 
 use super::WideBvh;
-use super::node::{Child, Node};
+use super::node::{Child, WideNode};
 use super::stack::STACK;
 use crate::{RayQuery, RegionQuery, bvh::SlabRay32, ray_query::is_finite};
 
@@ -45,7 +45,7 @@ impl ScalarStack {
 impl WideBvh {
     /// Leaves in the order of their nodes.
     pub(super) fn leaves(&self) -> impl Iterator<Item = Child> + '_ {
-        self.nodes.iter().flat_map(Node::children).filter_map(|(_, child)| (!child.is_node()).then_some(child))
+        self.nodes.iter().flat_map(WideNode::children).filter_map(|(_, child)| (!child.is_node()).then_some(child))
     }
 
     /// Traverses the bounded primitives in `f64`.

@@ -7,10 +7,10 @@ use rt_math::{Interval, Ray};
 
 use super::WideBvh;
 use super::filter::LeafTest;
-use super::node::{Child, Node};
+use super::node::{Child, WideNode};
 use super::query::{Output, PrimitiveTester, RayState, TravRay, TraversalStats};
 use super::simd::{Simd, WithSimd, take_lane};
-use super::stack::{Stack, StackStorage};
+use super::stack::{ChildStack, StackStorage};
 
 /// Inputs and outputs of a query for one ray.
 pub(crate) struct SingleContext<'q, O> {
@@ -54,7 +54,7 @@ impl<O: Output, F: LeafTest> WithSimd<&Ray, Interval> for SingleTraversal<'_, '_
 ///
 /// # Safety
 ///
-/// The child must be the root of the tree or one of a node of it, and the test that of the kind of its leaves.
+/// The child must be the root of the tree or one of a node of it. The test must be that of the kind of its leaves.
 #[expect(clippy::too_many_arguments, reason = "callers keep the state of a ray in different places")]
 #[inline(always)]
 pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(
@@ -67,7 +67,7 @@ pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(
     storage: &mut StackStorage,
     stats: &mut TraversalStats,
 ) {
-    let mut stack = Stack::new(storage);
+    let mut stack = ChildStack::new(storage);
     let (mut nodes, mut tests) = (0, 0);
     'traversal: loop {
         while child.is_node() {
@@ -113,7 +113,7 @@ pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(
 
 /// Pops the nearest child that still matters.
 #[inline(always)]
-fn pop<O: Output>(stack: &mut Stack<'_>, state: &RayState<O>) -> Option<Child> {
+fn pop<O: Output>(stack: &mut ChildStack<'_>, state: &RayState<O>) -> Option<Child> {
     // Any-hit queries push children without keys.
     if O::ANY_HIT { stack.pop() } else { stack.pop_before(state.t_max()) }
 }
@@ -127,17 +127,17 @@ fn pop<O: Output>(stack: &mut Stack<'_>, state: &RayState<O>) -> Option<Child> {
 unsafe fn push_sorted<S: Simd>(
     simd: S,
     tree: &WideBvh,
-    node: &Node,
+    node: &WideNode,
     enter: &[f32; 8],
     lane: usize,
     mut others: u32,
-    stack: &mut Stack<'_>,
+    stack: &mut ChildStack<'_>,
 ) -> Child {
     let second = take_lane(&mut others);
     simd.prefetch(tree.line(node.children[lane]));
     simd.prefetch(tree.line(node.children[second]));
-    let a = Stack::key(enter[lane], node.children[lane]);
-    let b = Stack::key(enter[second], node.children[second]);
+    let a = ChildStack::key(enter[lane], node.children[lane]);
+    let b = ChildStack::key(enter[second], node.children[second]);
     let (nearest, farther) = (a.min(b), a.max(b));
     if others == 0 {
         // SAFETY: there is room.
@@ -147,10 +147,10 @@ unsafe fn push_sorted<S: Simd>(
     // A sorting network for four, the last of which may be missing: branches on the order would be mispredicted.
     let third = take_lane(&mut others);
     simd.prefetch(tree.line(node.children[third]));
-    let c = Stack::key(enter[third], node.children[third]);
+    let c = ChildStack::key(enter[third], node.children[third]);
     let is_fourth = others != 0;
     let fourth = if is_fourth { take_lane(&mut others) } else { third };
-    let d = if is_fourth { Stack::key(enter[fourth], node.children[fourth]) } else { u64::MAX };
+    let d = if is_fourth { ChildStack::key(enter[fourth], node.children[fourth]) } else { u64::MAX };
     simd.prefetch(tree.line(node.children[fourth]));
     let (c, d) = (c.min(d), c.max(d));
     let (nearest, b) = (nearest.min(c), nearest.max(c));
@@ -173,7 +173,7 @@ unsafe fn push_sorted<S: Simd>(
         let lane = take_lane(&mut others);
         simd.prefetch(tree.line(node.children[lane]));
         // SAFETY: as above.
-        unsafe { stack.insert(start, Stack::key(enter[lane], node.children[lane])) };
+        unsafe { stack.insert(start, ChildStack::key(enter[lane], node.children[lane])) };
     }
     let last = stack.len() - 1;
     // SAFETY: one was pushed above; all below have been written.

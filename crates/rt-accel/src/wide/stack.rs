@@ -19,16 +19,16 @@ impl StackStorage {
 }
 
 /// Deferred children with the `t` at entry. Separate from its memory, so that the length stays in a register.
-pub(super) struct Stack<'r> {
+pub(super) struct ChildStack<'r> {
     entries: &'r mut [MaybeUninit<u64>; STACK],
     /// Entries below it are written.
     len: usize,
 }
 
-impl<'r> Stack<'r> {
+impl<'r> ChildStack<'r> {
     #[inline(always)]
-    pub(super) const fn new(room: &'r mut StackStorage) -> Self {
-        Self { entries: &mut room.0, len: 0 }
+    pub(super) const fn new(storage: &'r mut StackStorage) -> Self {
+        Self { entries: &mut storage.0, len: 0 }
     }
 
     /// Sort key of a child: bits of non-negative numbers compare as the numbers do.

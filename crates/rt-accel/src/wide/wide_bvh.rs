@@ -5,7 +5,7 @@ use core::hint::select_unpredictable;
 use rt_math::DVec3;
 
 use super::leaf::{CacheLine, Leaves};
-use super::node::{Child, Node};
+use super::node::{Child, WideNode};
 use super::simd::{DetectedSimd, SimdLevel};
 
 /// Bounding volume hierarchy with eight children per node: the fastest accelerator for all kinds of primitives.
@@ -19,7 +19,7 @@ use super::simd::{DetectedSimd, SimdLevel};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct WideBvh {
     /// The root is the first; all others come after their parents.
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<WideNode>,
     pub(super) leaves: Leaves,
     pub(super) root: Child,
     /// World position of the local origin.
@@ -44,7 +44,7 @@ impl WideBvh {
     /// Bytes of the tree, on the heap and inline.
     pub(super) fn total_bytes(&self) -> usize {
         size_of::<Self>()
-            + self.nodes.capacity() * size_of::<Node>()
+            + self.nodes.capacity() * size_of::<WideNode>()
             + self.leaves.memory()
             + self.unbounded.capacity() * size_of::<u32>()
     }
@@ -53,7 +53,7 @@ impl WideBvh {
     ///
     /// The child must be a node, and the root or a child of a node of this tree.
     #[inline(always)]
-    pub(super) unsafe fn node(&self, child: Child) -> &Node {
+    pub(super) unsafe fn node(&self, child: Child) -> &WideNode {
         debug_assert!(child.is_node() && child.number() < self.nodes.len(), "checked by builders and loaders");
         // SAFETY: as the caller promises; builders and loaders have checked the children of nodes.
         unsafe { self.nodes.get_unchecked(child.number()) }

@@ -11,8 +11,8 @@ pub(crate) struct Query {
     pub(crate) span: Interval,
 }
 
-/// A ray from and to places where rounding matters: vertices, edges, corners, silhouettes, faces, surfaces; along the
-/// axes; with components that are zero of either sign, tiny, or one step away from something special.
+/// A ray from and to places where rounding matters: vertices, edges, corners, silhouettes, faces, surfaces. It may be
+/// along an axis, or have components that are zero of either sign, tiny, or one step away from something special.
 pub(crate) fn adversarial(soup: &Soup, world: &Aabb, draw: &mut Draw) -> Query {
     let origin = origin(soup, world, draw);
     let target = special_point(soup, draw);

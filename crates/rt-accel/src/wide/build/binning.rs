@@ -1,5 +1,5 @@
-//! Binned SAH: finds a split by the surface area heuristic (MacDonald and Booth 1990) over bins of centroids (Wald, "On
-//! fast Construction of SAH-based Bounding Volume Hierarchies", 2007), on all three axes at once.
+//! Binned SAH: finds a split by the surface area heuristic (MacDonald and Booth 1990) over bins of centroids, on all
+//! three axes at once. See Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007.
 
 use glam::{BVec3A, Vec3A};
 
@@ -31,7 +31,7 @@ impl NormalizedArea {
 /// Mapping from centroids to bins.
 #[derive(Clone, Copy)]
 pub(super) struct BinMapping {
-    least: Vec3A,
+    min: Vec3A,
     scale: Vec3A,
     /// Number of bins in use.
     len: usize,
@@ -48,9 +48,9 @@ pub(super) enum Axes {
 
 /// A plane between two bins.
 #[derive(Clone, Copy)]
-pub(super) struct SplitPlane {
+pub(super) struct BinSplit {
     axis: usize,
-    least: f32,
+    min: f32,
     scale: f32,
     /// First bin on the right.
     first_right: u32,
@@ -61,26 +61,26 @@ impl BinMapping {
     pub(super) fn new(centroids: &Aabb32, count: usize, axes: Axes) -> Self {
         let len = (4 + count / 8).min(MAX_BINS);
         let scale = Vec3A::splat(len as f32 * 0.99999) / (centroids.max - centroids.min);
-        Self { least: centroids.min, scale: scale.min(Vec3A::splat(f32::MAX)), len, axes }
+        Self { min: centroids.min, scale: scale.min(Vec3A::splat(f32::MAX)), len, axes }
     }
 
     /// Bin on each axis; 0 on an axis without a finite extent.
     #[inline(always)]
     fn bins(&self, reference: &PrimRef) -> [u32; 3] {
-        let position = (reference.centroid() - self.least) * self.scale;
+        let position = (reference.centroid() - self.min) * self.scale;
         let rounded = (position - 0.5) + ROUNDING;
         rounded.to_array().map(bin_at)
     }
 
-    fn cut(&self, axis: usize, first_right: u32) -> SplitPlane {
-        SplitPlane { axis, least: self.least[axis], scale: self.scale[axis], first_right }
+    fn cut(&self, axis: usize, first_right: u32) -> BinSplit {
+        BinSplit { axis, min: self.min[axis], scale: self.scale[axis], first_right }
     }
 }
 
-impl SplitPlane {
+impl BinSplit {
     #[inline(always)]
     fn bin(&self, reference: &PrimRef) -> u32 {
-        let position = (reference.centroid_on(self.axis) - self.least) * self.scale;
+        let position = (reference.centroid_on(self.axis) - self.min) * self.scale;
         bin_at((position - 0.5) + ROUNDING)
     }
 
@@ -117,7 +117,7 @@ pub(super) struct Bins {
 
 /// The split of minimum cost, and the bounds of both sides.
 pub(super) struct BestSplit {
-    pub(super) cut: SplitPlane,
+    pub(super) cut: BinSplit,
     /// Number of references on the left.
     pub(super) middle: usize,
     pub(super) bounds: [Aabb32; 2],
@@ -170,7 +170,7 @@ impl Bins {
     }
 
     /// Number of references on the left of a cut.
-    pub(super) fn left_of(&self, cut: &SplitPlane) -> usize {
+    pub(super) fn left_of(&self, cut: &BinSplit) -> usize {
         self.counts[..cut.first_right as usize].iter().map(|counts| counts[cut.axis] as usize).sum()
     }
 
@@ -188,18 +188,18 @@ impl Bins {
             right_costs[bin] = areas(&boxes) * counts;
         }
         let (mut boxes, mut counts) = ([Aabb32::EMPTY; 3], Vec3A::ZERO);
-        let (mut least, mut place) = (Vec3A::INFINITY, Vec3A::ZERO);
+        let (mut min_cost, mut place) = (Vec3A::INFINITY, Vec3A::ZERO);
         for (bin, right_cost) in right_costs.iter().enumerate().take(len).skip(1) {
             boxes = core::array::from_fn(|axis| boxes[axis].union(self.boxes[bin - 1][axis]));
             counts += count(&self.counts[bin - 1]);
             // NaN for an empty side: an infinite area times zero.
             let costs = areas(&boxes) * counts + *right_cost;
-            let is_less: BVec3A = costs.cmplt(least);
-            least = Vec3A::select(is_less, costs, least);
+            let is_less: BVec3A = costs.cmplt(min_cost);
+            min_cost = Vec3A::select(is_less, costs, min_cost);
             place = Vec3A::select(is_less, Vec3A::splat(bin as f32), place);
         }
-        let axis = least.min_position();
-        (least[axis] < f32::INFINITY).then(|| self.at(axis, place[axis] as usize))
+        let axis = min_cost.min_position();
+        (min_cost[axis] < f32::INFINITY).then(|| self.at(axis, place[axis] as usize))
     }
 
     fn at(&self, axis: usize, bin: usize) -> BestSplit {

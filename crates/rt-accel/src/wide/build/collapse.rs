@@ -1,5 +1,5 @@
-//! Collapse of the binary tree into wide nodes of minimum expected cost, by dynamic programming (Ylitie, Karras and
-//! Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 4.1).
+//! Collapse of the binary tree into wide nodes of minimum expected cost, by dynamic programming. See Ylitie, Karras and
+//! Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 4.1.
 //!
 //! ```text
 //!     C(n, 1) = min(leaf(n), area(n) · NODE + D(n, 8))
@@ -7,8 +7,8 @@
 //!     D(n, k) = min over j of C(left, j) + C(right, k − j)
 //! ```
 //!
-//! `C(n, k)` is the minimum cost of the subtree of the binary node `n` as at most `k` children of a wide node, and
-//! `leaf(n)` is `area(n) · (LEAF + PRIMITIVE · count)` where the references fit into a leaf.
+//! `C(n, k)` is the minimum cost of the subtree of the binary node `n` as at most `k` children of a wide node.
+//! `leaf(n)` is `area(n) · (LEAF + PRIMITIVE · count)` where the references fit into a leaf, and otherwise infinite.
 
 /// Children of a wide node.
 pub(super) const WIDTH: usize = 8;

@@ -22,7 +22,7 @@ use crate::traversal::MAX_DEPTH;
 
 use super::huge_pages::with_huge_pages;
 use super::leaf::LeafKind;
-use super::node::Node;
+use super::node::WideNode;
 pub(super) use collapse::{LEAF, NODE, PRIMITIVE};
 use config::BuildConfig;
 use parallel::SubtreeSet;
@@ -48,7 +48,7 @@ pub(super) fn build<P: Primitives>(
 fn over(gathered: Gathered, config: &BuildConfig, kind: LeafKind, quality: Quality) -> Option<WideTree> {
     let Gathered { mut references, mut scratch } = gathered;
     if references.is_empty() {
-        return Some(WideTree { nodes: vec![Node::EMPTY], listings: Vec::new(), depth: 0 });
+        return Some(WideTree { nodes: vec![WideNode::EMPTY], listings: Vec::new(), depth: 0 });
     }
     let extent = extent(&references);
     let mut order = with_huge_pages(references.len());

@@ -23,18 +23,18 @@ pub(super) struct SubtreeSet {
 /// Root of a subtree, and its costs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubtreeRef {
-    pub(super) place: NodeRef,
+    pub(super) place: NodeId,
     pub(super) costs: Costs,
 }
 
 /// A node of one of the trees.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct NodeRef {
+pub(super) struct NodeId {
     pub(super) tree: u32,
     pub(super) node: u32,
 }
 
-/// TopNode part of the tree.
+/// Upper part of the tree.
 enum TopNode {
     Inner(Aabb32, Box<[TopNode; 2]>),
     Task(Aabb32, BinaryTree, Costs),
@@ -45,28 +45,28 @@ impl SubtreeSet {
     pub(super) fn grow(set: BuildRange<'_>, config: &BuildConfig) -> Self {
         let mut forest = Self { trees: vec![BinaryTree::default()], links: Vec::new(), top: SubtreeRef::NONE };
         let (node, costs) = forest.gather(build_top(set, config), config);
-        forest.top = SubtreeRef { place: NodeRef { tree: 0, node }, costs };
+        forest.top = SubtreeRef { place: NodeId { tree: 0, node }, costs };
         forest
     }
 
-    pub(super) fn root(&self) -> NodeRef {
+    pub(super) fn root(&self) -> NodeId {
         self.follow(self.top.place)
     }
 
-    pub(super) fn content(&self, place: NodeRef) -> Content {
+    pub(super) fn content(&self, place: NodeId) -> Content {
         self.trees[place.tree as usize].nodes[place.node as usize].content()
     }
 
-    pub(super) fn bounds(&self, place: NodeRef) -> Aabb32 {
+    pub(super) fn bounds(&self, place: NodeId) -> Aabb32 {
         self.trees[place.tree as usize].nodes[place.node as usize].bounds()
     }
 
-    pub(super) fn plan(&self, place: NodeRef) -> CollapsePlan {
+    pub(super) fn plan(&self, place: NodeId) -> CollapsePlan {
         self.trees[place.tree as usize].plans[place.node as usize]
     }
 
     /// Follows links to the node of another tree.
-    pub(super) fn follow(&self, place: NodeRef) -> NodeRef {
+    pub(super) fn follow(&self, place: NodeId) -> NodeId {
         match self.content(place) {
             Content::Link(link) => self.follow(self.links[link as usize].place),
             Content::Inner(_) | Content::Leaf { .. } => place,
@@ -74,14 +74,14 @@ impl SubtreeSet {
     }
 
     /// Costs of a node. The recursion is as deep as the tree, which is bounded.
-    pub(super) fn costs(&self, place: NodeRef, order: &[PrimRange], config: &BuildConfig) -> Costs {
+    pub(super) fn costs(&self, place: NodeId, order: &[PrimRange], config: &BuildConfig) -> Costs {
         let area = config.unit.area(&self.bounds(place));
         match self.content(place) {
             Content::Inner(children) => {
                 if let Some(kept) = self.trees[place.tree as usize].kept(place.node) {
                     return kept;
                 }
-                let [left, right] = children.map(|node| self.costs(NodeRef { node, ..place }, order, config));
+                let [left, right] = children.map(|node| self.costs(NodeId { node, ..place }, order, config));
                 Costs::above(area, [&left, &right], config.max_leaf).0
             }
             Content::Leaf { first, count } => {
@@ -103,7 +103,7 @@ impl SubtreeSet {
     fn gather(&mut self, build_top: TopNode, config: &BuildConfig) -> (u32, Costs) {
         match build_top {
             TopNode::Task(bounds, lower, costs) => {
-                let place = NodeRef { tree: self.trees.len() as u32, node: lower.root() };
+                let place = NodeId { tree: self.trees.len() as u32, node: lower.root() };
                 self.trees.push(lower);
                 (self.link(&bounds, SubtreeRef { place, costs }, 0), costs)
             }
@@ -118,7 +118,7 @@ impl SubtreeSet {
 }
 
 impl SubtreeRef {
-    const NONE: Self = Self { place: NodeRef { tree: 0, node: 0 }, costs: Costs::NONE };
+    const NONE: Self = Self { place: NodeId { tree: 0, node: 0 }, costs: Costs::NONE };
 }
 
 /// The recursion is as deep as the tree, which is bounded.

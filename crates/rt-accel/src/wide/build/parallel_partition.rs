@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::binning::{BestSplit, Bins, SplitPlane};
+use super::binning::{BestSplit, BinSplit, Bins};
 use super::config::BuildConfig;
 use super::reference::PrimRef;
 use super::top_down::{BuildRange, PrimInfo, scatter};
@@ -38,7 +38,7 @@ pub(super) fn split<'a>(set: BuildRange<'a>, config: &BuildConfig) -> [BuildRang
     set.exchange(middle, [0, 1].map(|side| PrimInfo { bounds: bounds[side], centroids: centroids[side] }))
 }
 
-fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &SplitPlane, parts: &[Bins]) -> [Aabb32; 2] {
+fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &BinSplit, parts: &[Bins]) -> [Aabb32; 2] {
     let (mut left, mut right) = to.split_at_mut(middle);
     let mut moves = Vec::with_capacity(parts.len());
     for (from, bins) in from.chunks(CHUNK).zip(parts) {

@@ -8,7 +8,7 @@ pub enum Quality {
     /// For scenes that change before many rays are traced.
     Low,
     /// Binned splits of all axes (Wald 2007), then reinsertion of the thousand largest subtrees (Bittner, Hapala and
-    /// Havran 2013): 0.2 to 0.3 µs per triangle on one thread.
+    /// Havran 2013). Takes 0.2 to 0.3 µs per triangle on one thread.
     #[default]
     Medium,
     /// Medium without merged primitives, with smaller leaves, and with three reinsertion passes over subtrees of all

@@ -1,6 +1,7 @@
-//! Reinsertion: removes subtrees, largest first, and inserts each where the sum of all areas becomes minimal (Bittner,
-//! Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", 2013). The search starts at
-//! the former position (Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", 2018).
+//! Reinsertion: removes subtrees, largest first, and inserts each where the sum of all areas becomes minimal. See
+//! Bittner, Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", 2013. The search
+//! starts at the former position (Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy
+//! Optimization", 2018).
 //!
 //! ```text
 //!          a                     a
@@ -16,7 +17,7 @@ use super::binary::{BinaryTree, Content};
 use super::binning::NormalizedArea;
 use super::collapse::{CollapsePlan, Costs};
 use super::config::BuildConfig;
-use super::parallel::{NodeRef, SubtreeRef, SubtreeSet};
+use super::parallel::{NodeId, SubtreeRef, SubtreeSet};
 use super::reference::PrimRange;
 use crate::{bvh::Aabb32, traversal::MAX_DEPTH};
 
@@ -38,19 +39,19 @@ impl ReinsertionParams {
 
 const NONE: u32 = u32::MAX;
 
-struct Node {
+struct LinkedNode {
     bounds: Aabb32,
     area: f32,
     parent: u32,
     /// Children, if the node is part of the upper tree.
     children: Option<[u32; 2]>,
     /// Original node.
-    place: NodeRef,
+    place: NodeId,
 }
 
-/// TopNode tree with parent links; the root is first.
+/// Upper tree with parent links; the root is first.
 struct ParentLinkedBvh {
-    nodes: Vec<Node>,
+    nodes: Vec<LinkedNode>,
     unit: NormalizedArea,
     /// Nodes to be searched, with an upper bound of the gain; empty between searches.
     pending: Vec<(f32, u32)>,
@@ -84,7 +85,7 @@ impl ParentLinkedBvh {
             let place = linked.node(number).place;
             let Content::Inner(children) = forest.content(place) else { continue };
             let children = children.map(|node| {
-                let child = linked.push(forest, forest.follow(NodeRef { node, ..place }), number);
+                let child = linked.push(forest, forest.follow(NodeId { node, ..place }), number);
                 largest.push(key(linked.area(child), child));
                 child
             });
@@ -93,9 +94,9 @@ impl ParentLinkedBvh {
         linked
     }
 
-    fn push(&mut self, forest: &SubtreeSet, place: NodeRef, parent: u32) -> u32 {
+    fn push(&mut self, forest: &SubtreeSet, place: NodeId, parent: u32) -> u32 {
         let bounds = forest.bounds(place);
-        self.nodes.push(Node { bounds, area: self.unit.area(&bounds), parent, children: None, place });
+        self.nodes.push(LinkedNode { bounds, area: self.unit.area(&bounds), parent, children: None, place });
         self.nodes.len() as u32 - 1
     }
 
@@ -112,7 +113,7 @@ impl ParentLinkedBvh {
         largest.iter().fold(false, |any, &(_, number)| self.reinsert_node(number) || any)
     }
 
-    fn node(&self, number: u32) -> &Node {
+    fn node(&self, number: u32) -> &LinkedNode {
         &self.nodes[number as usize]
     }
 
@@ -146,7 +147,7 @@ impl ParentLinkedBvh {
 
     /// Best new sibling, if there is a gain.
     fn best_place(&mut self, moved: u32) -> Option<u32> {
-        let Node { bounds, area, parent, .. } = *self.node(moved);
+        let LinkedNode { bounds, area, parent, .. } = *self.node(moved);
         let sibling = self.sibling(moved);
         let (mut best, mut place) = (0.0, None);
         // Area saved by removal below the pivot, and the remaining bounds of the pivot.
@@ -200,7 +201,7 @@ impl ParentLinkedBvh {
     /// Replaces a child of a parent.
     fn replace(&mut self, old: u32, new: u32) {
         let parent = self.node(old).parent;
-        if let Some(Node { children: Some(children), .. }) = self.nodes.get_mut(parent as usize) {
+        if let Some(LinkedNode { children: Some(children), .. }) = self.nodes.get_mut(parent as usize) {
             *children = children.map(|child| if child == old { new } else { child });
         }
         self.nodes[new as usize].parent = parent;
@@ -232,7 +233,7 @@ impl ParentLinkedBvh {
         forest.trees.push(BinaryTree::default());
         let mut made = vec![(0, Costs::NONE); self.nodes.len()];
         for &number in from_root.iter().rev() {
-            let Node { bounds, place, .. } = self.node(number);
+            let LinkedNode { bounds, place, .. } = self.node(number);
             made[number as usize] = match (self.children(number), forest.content(*place)) {
                 (Some(children), _) => {
                     let [(a, a_costs), (b, b_costs)] = children.map(|child| made[child as usize]);
@@ -248,7 +249,7 @@ impl ParentLinkedBvh {
             };
         }
         let (node, costs) = made[0];
-        Some(SubtreeRef { place: NodeRef { tree: tree as u32, node }, costs })
+        Some(SubtreeRef { place: NodeId { tree: tree as u32, node }, costs })
     }
 }
 
@@ -283,7 +284,7 @@ mod tests {
             (number, bounds, costs)
         });
         let (node, _, costs) = whole.expect("four leaves");
-        let whole = SubtreeRef { place: NodeRef { tree: 0, node }, costs };
+        let whole = SubtreeRef { place: NodeId { tree: 0, node }, costs };
         let mut forest = SubtreeSet { trees: vec![tree], links: Vec::new(), top: whole };
         let mut linked = ParentLinkedBvh::new(&forest, unit, usize::MAX);
         while (1..7).any(|number| linked.reinsert_node(number)) {}

@@ -41,7 +41,12 @@ fn contains(outer: &Aabb32, inner: &Aabb32) -> bool {
 }
 
 /// Checks a subtree, and returns the depth of its deepest leaf.
-fn check_node(nodes: &[Node], number: usize, within: Option<&Aabb32>, leaf: &mut impl FnMut(Child, &Aabb32)) -> u32 {
+fn check_node(
+    nodes: &[WideNode],
+    number: usize,
+    within: Option<&Aabb32>,
+    leaf: &mut impl FnMut(Child, &Aabb32),
+) -> u32 {
     let mut depth = 0;
     for (bounds, child) in nodes[number].children() {
         assert!(within.is_none_or(|outer| contains(outer, &bounds)));

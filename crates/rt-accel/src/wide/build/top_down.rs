@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use super::binary::{BinaryNode, BinaryTree, Content};
-use super::binning::{BestSplit, BinMapping, Bins, SplitPlane};
+use super::binning::{BestSplit, BinMapping, BinSplit, Bins};
 use super::collapse::{CollapsePlan, Costs};
 use super::config::BuildConfig;
 use super::reference::{PrimRange, PrimRef};
@@ -48,7 +48,7 @@ impl PrimInfo {
 
 /// Copies each reference to its side, and returns the bounds of the centroids on both. Branch-free, as the side is
 /// unpredictable.
-pub(super) fn scatter(references: &[PrimRef], cut: &SplitPlane, sides: [&mut [PrimRef]; 2]) -> [Aabb32; 2] {
+pub(super) fn scatter(references: &[PrimRef], cut: &BinSplit, sides: [&mut [PrimRef]; 2]) -> [Aabb32; 2] {
     const AWAY: [[f32; 2]; 2] = [[0.0, f32::INFINITY], [f32::INFINITY, 0.0]];
     let mut centroids = [Aabb32::EMPTY; 2];
     let mut next = [0; 2];

@@ -3,11 +3,11 @@
 use super::binary::Content;
 use super::collapse::{ChildSlot, WIDTH};
 use super::in_order::in_order;
-use super::parallel::{NodeRef, SubtreeSet};
+use super::parallel::{NodeId, SubtreeSet};
 use super::reference::PrimRange;
 use crate::wide::huge_pages::filled;
 use crate::wide::leaf::{LeafKind, LeafOrder};
-use crate::wide::node::{Child, Node};
+use crate::wide::node::{Child, WideNode};
 
 /// Nodes down to this depth, at most 73, precede the at most 512 chunks below.
 const TOP: u32 = 3;
@@ -16,7 +16,7 @@ const TOP: u32 = 3;
 #[derive(Debug, PartialEq)]
 pub(in crate::wide) struct WideTree {
     /// Children come after their parents.
-    pub(in crate::wide) nodes: Vec<Node>,
+    pub(in crate::wide) nodes: Vec<WideNode>,
     /// Leaves in the order of nodes and lanes, chunk by chunk.
     pub(in crate::wide) listings: Vec<LeafOrder>,
     /// Depth of the deepest leaf; leaves below the root have depth 1.
@@ -26,7 +26,7 @@ pub(in crate::wide) struct WideTree {
 /// A wide node to be created.
 #[derive(Clone, Copy)]
 struct PendingNode {
-    place: NodeRef,
+    place: NodeId,
     /// Number of children from the left side.
     from_left: usize,
     depth: u32,
@@ -43,7 +43,7 @@ pub(super) struct WideBuilder<'a> {
 /// Nodes in depth-first order with chunk-local indices, and the leaves among their children in order.
 #[derive(Default)]
 struct Chunk {
-    nodes: Vec<Node>,
+    nodes: Vec<WideNode>,
     listing: LeafOrder,
     depth: u32,
     /// Nodes below the chunk.
@@ -65,9 +65,9 @@ impl WideBuilder<'_> {
     }
 
     /// A node with one leaf of everything as its only child.
-    fn single_leaf(&self, root: NodeRef) -> Chunk {
+    fn single_leaf(&self, root: NodeId) -> Chunk {
         let mut part = Chunk { depth: 1, ..Chunk::default() };
-        let mut node = Node::EMPTY;
+        let mut node = WideNode::EMPTY;
         node.set(0, &self.forest.bounds(root), self.leaf(&mut part.listing, root));
         part.nodes.push(node);
         part
@@ -94,7 +94,7 @@ impl WideBuilder<'_> {
             part.nodes[above].children[lane] = Child::node(number as u32);
         }
         part.depth = part.depth.max(depth);
-        let mut node = Node::EMPTY;
+        let mut node = WideNode::EMPTY;
         let mut lane = 0;
         let first_pending = pending.len();
         // Pending child slots, the next one last.
@@ -121,14 +121,14 @@ impl WideBuilder<'_> {
     }
 
     /// Lists both sides of a node with their numbers of children, the left one last; returns their count.
-    fn open(&self, place: NodeRef, [of_left, of_right]: [usize; 2], shares: &mut [(NodeRef, usize)]) -> usize {
+    fn open(&self, place: NodeId, [of_left, of_right]: [usize; 2], shares: &mut [(NodeId, usize)]) -> usize {
         let Content::Inner([left, right]) = self.forest.content(place) else { return 0 };
-        shares[0] = (self.forest.follow(NodeRef { node: right, ..place }), of_right);
-        shares[1] = (self.forest.follow(NodeRef { node: left, ..place }), of_left);
+        shares[0] = (self.forest.follow(NodeId { node: right, ..place }), of_right);
+        shares[1] = (self.forest.follow(NodeId { node: left, ..place }), of_left);
         2
     }
 
-    fn leaf(&self, listing: &mut LeafOrder, place: NodeRef) -> Child {
+    fn leaf(&self, listing: &mut LeafOrder, place: NodeId) -> Child {
         let first = listing.order.len();
         self.list(place, &mut listing.order);
         listing.order[first..].sort_unstable();
@@ -136,7 +136,7 @@ impl WideBuilder<'_> {
     }
 
     /// Lists the primitives of a leaf.
-    fn list(&self, place: NodeRef, order: &mut Vec<u32>) {
+    fn list(&self, place: NodeId, order: &mut Vec<u32>) {
         match self.forest.content(place) {
             Content::Leaf { first, count } => {
                 for run in &self.indices[first as usize..][..count as usize] {
@@ -148,7 +148,7 @@ impl WideBuilder<'_> {
             }
             Content::Inner(children) => {
                 for node in children {
-                    self.list(self.forest.follow(NodeRef { node, ..place }), order);
+                    self.list(self.forest.follow(NodeId { node, ..place }), order);
                 }
             }
             Content::Link(_) => {}
@@ -175,7 +175,7 @@ fn join(mut top: Chunk, below: Vec<Chunk>) -> Option<WideTree> {
         return None;
     }
     parts.insert(0, (top.nodes.len(), (top.nodes, 0, 0)));
-    let nodes = filled(parts, Node::EMPTY, |(nodes, first_node, first_line), output| {
+    let nodes = filled(parts, WideNode::EMPTY, |(nodes, first_node, first_line), output| {
         for (place, node) in output.iter_mut().zip(nodes) {
             *place = node.moved(first_node, first_line);
         }

@@ -2,12 +2,12 @@
 //!
 //! # Why the filter is conservative
 //!
-//! Let `X` be the sum of the maximum coordinates of the origin and of the leaf, both relative to the centre of the
-//! tree, and `v = 2⁻²⁴`. Centre and origin are rounded and subtracted, to within `4v·X` on each axis. The direction,
-//! its square, the projection and the remaining perpendicular add some `20v·X`. So the distance `l` of the ray from the
-//! centre is computed to within `δ = 64v·X`. This also covers the rounding of the radius `r`, which is part of the
-//! maximum coordinate. A ray hits if `l < r − δ` and misses if `l > r + δ`. For a hit, `r² − l²` is off by at most `4(r
-//! + δ)·δ` and the projection by `24v·X`, which bounds the `t` of the first root.
+//! Let `v = 2⁻²⁴`, and let `X` be the sum of the maximum coordinates of the origin and of the leaf. Both are relative
+//! to the centre of the tree. Centre and origin are rounded and subtracted, to within `4v·X` on each axis. The
+//! direction, its square, the projection and the remaining perpendicular add some `20v·X`. So the distance `l` of the
+//! ray from the centre is computed to within `δ = 64v·X`. This also covers the rounding of the radius `r`, which is
+//! part of the maximum coordinate. A ray hits if `l < r − δ` and misses if `l > r + δ`. For a hit, `r² − l²` is off by
+//! at most `4(r + δ)·δ` and the projection by `24v·X`, which bounds the `t` of the first root.
 //!
 //! Other primitives have spheres around their padded bounds. They are missed where that sphere is missed within the
 //! span, and never certainly hit.

@@ -2,10 +2,10 @@
 //!
 //! # Why the filter is conservative
 //!
-//! Let `A` be the maximum coordinate of the origin, `e` the maximum extent of a triangle of the leaf along an axis, `Z`
-//! the depth of the first vertex along the packet's axis, from the origin, and `v = 2⁻²⁴`. In the space of the ray
-//! ([`WatertightRay`](rt_geometry::WatertightRay)) edges are no longer than `(1 + s)e = 2⅛e`. Shears are at most `s =
-//! 9/8`: the axis of a packet is that of its first ray ([`MAX_SHEAR`]).
+//! Let `v = 2⁻²⁴`, and let `A` be the maximum coordinate of the origin. Let `e` be the maximum extent of a triangle of
+//! the leaf along an axis. Let `Z` be the depth of the first vertex along the packet's axis, from the origin. In the
+//! space of the ray ([`WatertightRay`](rt_geometry::WatertightRay)) edges are no longer than `(1 + s)e = 2⅛e`. Shears
+//! are at most `s = 9/8`: the axis of a packet is that of its first ray ([`MAX_SHEAR`]).
 //!
 //! **Two kinds of errors.** Rounding the origin and the shear shifts all three vertices alike, by `σ ≤ (1 + s)v·A +
 //! s·v·|Z|`. All other errors are independent. Differences, products and sums are each rounded, and are no greater than
@@ -28,17 +28,17 @@
 //! are then all at least `−m`, or all at most `m`.
 //!
 //! **Hits.** If the vertices lie within `2⅜e` and all three functions are at least `m` or at most `−m`, their signs are
-//! exact. So are those of the `f64` kernel, whose vertices are much more accurate. They are also certain there: the
-//! functions are at least `m/20`, or eight ninths of that along the kernel's own axis, and rounding changes them by
-//! less than `2⁻⁴⁶·e²`.
+//! exact. So are those of the `f64` kernel, whose vertices are much more accurate. They are also certain there. The
+//! functions are at least `m/20`, or eight ninths of that along the kernel's own axis. Rounding changes them by less
+//! than `2⁻⁴⁶·e²`.
 //!
 //! **Bounds of `t`.** True weights are between 0 and 1, so errors of the functions by `i` change the depth by at most
 //! `5i·e/|det|`, with the computed determinant. The shift of the ray changes it by the product of the shift and the
-//! triangle's normal, whose components are at most `e²`, over the true determinant: by at most `3v·e²(A + s|Z| +
-//! s·e)/|det|`. There `|det|` is less than the computed one by a factor of at most `(m − i)/m`, and `m − i` is at least
-//! `v·e(10A + 11|Z| + 9½e)`. So it is at most `⅜m·e/|det|` of the computed one. Rounding the weighted mean adds less
-//! than `v(8|Z| + 16e)`. The padded bounds contain the true hit, and their slab test is off by some 2⁻⁵³ of `t`, which
-//! is far less.
+//! triangle's normal, over the true determinant. The components of the normal are at most `e²`, so that the change is
+//! at most `3v·e²(A + s|Z| + s·e)/|det|`. There `|det|` is less than the computed one by a factor of at most
+//! `(m − i)/m`, and `m − i` is at least `v·e(10A + 11|Z| + 9½e)`. So it is at most `⅜m·e/|det|` of the computed one.
+//! Rounding the weighted mean adds less than `v(8|Z| + 16e)`. The padded bounds contain the true hit, and their slab
+//! test is off by some 2⁻⁵³ of `t`, which is far less.
 //!
 //! **Rounded vertices**, relative to a centre, are off by `v·G` each, where `G` is their maximum coordinate, and move
 //! by `δ ≤ 2⅛v·G` in ray space, independently. `e` is the extent of the rounded triangle, for which all of the above
@@ -46,8 +46,8 @@
 //! exact triangle, `r` is greater by `δ`, which adds hardly more than `4ε·δ`. Together that is less than the growth of
 //! `m` if `|Z| + G` replaces `|Z|`.
 //!
-//! **Tiny triangles.** Products of edges may lose digits below 2⁻¹²⁶, as for a triangle of 10⁻¹⁵ at the origin of its
-//! coordinates with a ray that starts nearby. `m` includes 2⁻⁸⁰ more, which dwarfs that.
+//! **Tiny triangles.** Products of edges may lose digits below 2⁻¹²⁶. An example is a triangle of 10⁻¹⁵ at the origin
+//! of its coordinates with a ray that starts nearby. `m` includes 2⁻⁸⁰ more, which dwarfs that.
 //!
 //! **Huge triangles.** Nothing leaves the range of `f32`: rays and trees that might are not filtered
 //! ([`RANGE`](crate::wide::ray::RANGE), [`FARTHEST`](crate::wide::ray::FARTHEST)).
@@ -143,18 +143,18 @@ impl<S: Simd> TriangleRays<S> {
         let u = edge_function(simd, [x[2], y[2]], [x[1], y[1]]);
         let v = edge_function(simd, [x[0], y[0]], [x[2], y[2]]);
         let w = edge_function(simd, [x[1], y[1]], [x[0], y[0]]);
-        let least = simd.min(simd.min(u, v), w);
-        let greatest = simd.max(simd.max(u, v), w);
+        let min_uvw = simd.min(simd.min(u, v), w);
+        let max_uvw = simd.max(simd.max(u, v), w);
         let negative = simd.sub(simd.splat(0.0), margin);
         // False for NaN.
-        let quick_reject = simd.lt(least, negative) & simd.lt(margin, greatest);
+        let quick_reject = simd.lt(min_uvw, negative) & simd.lt(margin, max_uvw);
         let possible = !quick_reject & mask;
         if possible == 0 {
             return HitBounds { possible, certain: 0, t_min: u, t_max: u };
         }
 
         let is_close = simd.le(simd.max(farthest(simd, x), farthest(simd, y)), simd.splat(CLOSE * extent));
-        let inside = is_close & (simd.le(margin, least) | simd.le(greatest, negative)) & possible;
+        let inside = is_close & (simd.le(margin, min_uvw) | simd.le(max_uvw, negative)) & possible;
 
         let determinant = simd.add(simd.add(u, v), w);
         let inverse = simd.div(simd.splat(1.0), determinant);
@@ -419,8 +419,8 @@ mod tests {
         }
     }
 
-    /// Triangles of all sizes at all distances, and rays to their insides and next to their edges and corners, in packets that
-    /// are not along the axis of each.
+    /// Triangles of all sizes at all distances, and rays to their insides and next to their edges and corners. Packets
+    /// are not along the axis of each ray.
     #[test]
     fn filters_rule_out_what_is_missed_and_bracket_what_is_hit() {
         for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {

@@ -1,6 +1,6 @@
 //! Leaves: copies of primitives for conservative tests, eight at a time.
 //!
-//! A leaf of n primitives is a block of 32-bit words, aligned to a cache line: a header, then each number of all
+//! A leaf of n primitives is a block of 32-bit words, aligned to a cache line. It has a header, then each number of all
 //! primitives (structure of arrays), then their indices. Loads of eight numbers may read beyond a row; these lanes are
 //! masked.
 

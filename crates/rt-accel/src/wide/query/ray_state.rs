@@ -263,7 +263,7 @@ impl<O: Output> RayState<O> {
         O::from_hit(self.is_hit.then_some(self.hit))
     }
 
-    /// Tests the candidates, and writes the result in place: a result that is moved as a whole would wait until all of
+    /// Tests the candidates, and writes the result in place. A result that is moved as a whole would wait until all of
     /// it is in memory.
     #[inline(always)]
     pub(in crate::wide) fn resolve<S: Simd, F: LeafTest>(

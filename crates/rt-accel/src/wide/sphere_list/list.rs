@@ -54,16 +54,16 @@ fn sphere<P: Primitives>(primitives: &P, index: u32) -> Option<(DVec3, f64)> {
 }
 
 impl SphereList {
-    /// Lists all primitives; `None` if there are few, if one is not a sphere, or if coordinates are out of the range of the
-    /// filter's proof.
+    /// Lists all primitives. `None` if there are few, if one is not a sphere, or if coordinates are out of the range of
+    /// the filter's proof.
     pub(crate) fn of<P: Primitives>(primitives: &P) -> Option<Self> {
         let count = u32::try_from(primitives.len()).ok().filter(|&count| count >= MIN_SPHERES)?;
-        let (mut least, mut greatest) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for index in 0..count {
             let (centre, radius) = sphere(primitives, index)?;
-            (least, greatest) = (least.min(centre - radius), greatest.max(centre + radius));
+            (min, max) = (min.min(centre - radius), max.max(centre + radius));
         }
-        let centre = 0.5 * least + 0.5 * greatest;
+        let centre = 0.5 * min + 0.5 * max;
         let mut size = 0.0f64;
         let mut blocks = vec![Block::EMPTY; (count as usize).div_ceil(LANES)];
         for index in 0..count {

@@ -2,14 +2,16 @@
 //!
 //! # Why the filter is conservative
 //!
-//! Let `S` be the greatest coordinate of the spheres relative to the centre of the list, `q` the origin of the ray
-//! relative to it, `d` the unit direction, and `u`, `w` at right angles to `d` and to each other. In the plane of `u` and
-//! `w` the ray is the point `(u·q, w·q)`, a sphere of centre `c` a disc around `(u·c, w·c)`, and the ray hits if these are
-//! no farther apart than the radius `r`. Let `v = 2⁻²⁴` and `Q` be the distance of the point from 0.
+//! Coordinates are relative to the centre of the list. Let `S` be the greatest coordinate of the spheres, `q` the
+//! origin of the ray, and `d` its unit direction. Let `u` and `w` be unit vectors at right angles to `d` and to each
+//! other. In the plane of `u` and `w` the ray is the point `(u·q, w·q)`, and a sphere of centre `c` is a disc around
+//! `(u·c, w·c)`. The ray hits if these are no farther apart than the radius `r`. Let `v = 2⁻²⁴` and `Q` be the distance
+//! of the point from 0.
 //!
-//! **Distance.** `u` and `c` are rounded, and products and sums: `u·c − u·q` is off by less than `v·(11S + 4Q)`, so that
-//! the distance `ρ` of the two points is off by less than `16v·(S + Q)`. Computing `u·q` in `f64`, and the `f64` kernel
-//! itself, take another 2⁻⁴⁰ of the greatest coordinate of `q` at most. Let `δ` be the sum of both, with 2⁻³⁰ for 2⁻⁴⁰.
+//! **Distance.** `u` and `c` are rounded, and so are products and sums. Thus `u·c − u·q` is off by less than
+//! `v·(11S + 4Q)`, and the distance `ρ` of the two points by less than `16v·(S + Q)`. Computing `u·q` in `f64`, and the
+//! `f64` kernel itself, take another 2⁻⁴⁰ of the greatest coordinate of `q` at most. Let `δ` be the sum of both, with
+//! 2⁻³⁰ for 2⁻⁴⁰.
 //!
 //! **Radius.** Instead of `ρ ≤ r + δ` the filter tests `ρ² − k ≤ m` with `k = r²(1 + 2⁻¹⁰)` and `m = 2¹²δ²`, which
 //! saves an operation for each sphere. It follows from `ρ ≤ r + δ`, as `2rδ ≤ 2⁻¹¹r² + 2¹¹δ²`; what is left covers the
@@ -165,10 +167,11 @@ impl ProjectedRay {
         let excess = self.distance_excess(simd, block);
         let middle = self.project(simd, block, 2, simd.splat(0.0));
         let margin = simd.splat(self.margin);
-        let least = simd.add(simd.mul_add(simd.splat(CERTAIN_MARGIN), simd.load(&block.inflated_r2), margin), excess);
-        let shortest = simd.sqrt(simd.max(simd.sub(simd.splat(0.0), least), simd.splat(0.0)));
+        let max_excess =
+            simd.add(simd.mul_add(simd.splat(CERTAIN_MARGIN), simd.load(&block.inflated_r2), margin), excess);
+        let shortest = simd.sqrt(simd.max(simd.sub(simd.splat(0.0), max_excess), simd.splat(0.0)));
         let longest = simd.sqrt(simd.max(simd.sub(margin, excess), simd.splat(0.0)));
         let [first, last] = [simd.sub(middle, longest), simd.sub(middle, shortest)];
-        simd.le(least, simd.splat(0.0)) & simd.le(simd.splat(begin), first) & simd.le(last, simd.splat(end))
+        simd.le(max_excess, simd.splat(0.0)) & simd.le(simd.splat(begin), first) & simd.le(last, simd.splat(end))
     }
 }
