@@ -1,4 +1,4 @@
-//! Acceleration accelerators and their queries.
+//! Acceleration structures and their queries.
 
 use core::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use crate::region::Region;
 use crate::region_query::{Nearest, Overlapping, PointHit, RegionQuery};
 use crate::stats::BuildStats;
 
-/// Acceleration accelerator over primitives.
+/// Acceleration structure over primitives.
 ///
 /// It holds indices and boxes only and borrows the primitives for each query. Every query must be given the primitives
 /// that the accelerator was built over.

@@ -43,10 +43,11 @@ mod pfm;
 mod read_image;
 #[cfg(feature = "files")]
 mod texture_pixels;
+mod tone_curve;
 #[cfg(feature = "files")]
 mod write_image;
 
-pub use develop::{Bitmap8, Development, DevelopmentError, Encoding, ToneCurve};
+pub use develop::{Bitmap8, Development, DevelopmentError};
 pub use dither::Dither;
 pub use image::Image;
 #[cfg(feature = "files")]
@@ -55,5 +56,6 @@ pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
 pub use read_image::{ImageHeader, decode_image, format_of_bytes, image_format, image_header, read_image};
 #[cfg(feature = "files")]
 pub use texture_pixels::TexturePixels;
+pub use tone_curve::{Encoding, ToneCurve};
 #[cfg(feature = "files")]
 pub use write_image::write_image;

@@ -13,7 +13,8 @@ use crate::{
     RenderError,
     accel_choice::{self, AccelOptions},
     alpha_mesh::{AlphaTest, AlphaTestedMesh},
-    instance::{Aggregate, Animated, BottomLevel, Instance, InstanceGeometry, Instances, MeshBlas},
+    instance::{Aggregate, Animated, BottomLevel, Instance, InstanceGeometry, Instances},
+    mesh_blas::MeshBlas,
 };
 
 /// Deepest accepted nesting of nodes and groups together.

@@ -13,7 +13,7 @@ use rt_geometry::{
 use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
 use rt_shading::{NormalMap, SurfaceHit, Texture, light::LightId};
 
-use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
+use crate::mesh_blas::MeshBlas;
 
 /// A placed object, in the space of its aggregate.
 #[derive(Debug)]
@@ -114,67 +114,6 @@ pub(crate) struct Animated {
     pub(crate) aggregate_from_local: AnimatedTransformChain,
     /// A shape, or a mesh or group without a transform.
     pub(crate) geometry: InstanceGeometry,
-}
-
-/// Mesh with the acceleration structure of its triangles, in local space.
-#[derive(Debug)]
-pub(crate) struct MeshBlas {
-    pub(crate) mesh: Arc<TriangleMesh>,
-    /// Alpha test of the material.
-    pub(crate) alpha_test: Option<AlphaTest>,
-    pub(crate) structure: AnyAccelerator,
-}
-
-impl MeshBlas {
-    fn closest<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        match &self.alpha_test {
-            None => self.structure.closest(&*self.mesh, ray, span, probe),
-            Some(alpha_test) => {
-                self.structure.closest(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
-            }
-        }
-    }
-
-    fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        match &self.alpha_test {
-            None => self.structure.occluded(&*self.mesh, ray, span, probe),
-            Some(alpha_test) => {
-                self.structure.occluded(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
-            }
-        }
-    }
-
-    fn closest_batch<S: Probe>(
-        &self,
-        textures: &[Texture],
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        match &self.alpha_test {
-            None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
-            Some(alpha_test) => {
-                let tested = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
-                self.structure.closest_batch(&tested, rays, hits, probe);
-            }
-        }
-    }
-
-    fn occluded_batch<S: Probe>(
-        &self,
-        textures: &[Texture],
-        rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
-        probe: &mut S,
-    ) {
-        match &self.alpha_test {
-            None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
-            Some(alpha_test) => {
-                let tested = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
-                self.structure.occluded_batch(&tested, rays, blocked, probe);
-            }
-        }
-    }
 }
 
 /// Instances with their accelerator.

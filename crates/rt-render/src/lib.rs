@@ -71,6 +71,7 @@ mod light_pass;
 mod light_set;
 mod light_sources;
 mod memory;
+mod mesh_blas;
 mod object_space_aa;
 mod observer;
 mod part;

@@ -96,10 +96,13 @@ impl SmallSet {
             (batch.indices, indices) = indices.split_at(entries.len());
             match entries {
                 [entry] if entry.is_instance() => batch.trace_instance(entry.index, rays, outputs),
-                _ if self.level.has_packets() && entries.iter().any(SetEntry::has_kernel) => {
-                    self.level.dispatch_packets(&mut batch, rays, outputs);
+                _ => {
+                    let is_traced = entries.iter().any(SetEntry::has_kernel)
+                        && self.level.dispatch_packets(&mut batch, rays, &mut *outputs);
+                    if !is_traced {
+                        batch.trace_singly(rays, outputs);
+                    }
                 }
-                _ => batch.trace_singly(rays, outputs),
             }
             batch.is_first = false;
         }

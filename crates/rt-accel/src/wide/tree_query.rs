@@ -69,8 +69,8 @@ fn trace_batch<O: Output, F: LeafTest>(
     rays: &[(Ray, Interval)],
     outputs: &mut [O],
 ) {
-    if tree.level.has_packets() {
-        tree.level.dispatch_packets(BatchTraversal { tree, context, leaf_test: PhantomData::<F> }, rays, outputs);
+    let traversal = BatchTraversal { tree, context: &mut *context, leaf_test: PhantomData::<F> };
+    if tree.level.dispatch_packets(traversal, rays, &mut *outputs) {
         return;
     }
     for ((ray, span), output) in rays.iter().zip(outputs) {

@@ -84,11 +84,6 @@ impl DetectedSimd {
         }
     }
 
-    /// True if [`dispatch_packets`](Self::dispatch_packets) is compiled for this level.
-    pub(in crate::wide) const fn has_packets(self) -> bool {
-        cfg!(any(not(target_arch = "x86_64"), feature = "all-simd")) || !matches!(self, Self::Portable(_))
-    }
-
     /// Runs a kernel with the instructions of this level.
     #[inline(always)]
     pub(in crate::wide) fn dispatch<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) {
@@ -101,19 +96,21 @@ impl DetectedSimd {
         }
     }
 
-    /// Runs a kernel for many rays. Does nothing unless [`has_packets`](Self::has_packets).
+    /// Runs a kernel for many rays. False, without running it, if such kernels are not compiled for this level.
+    #[must_use]
     #[inline(always)]
-    pub(in crate::wide) fn dispatch_packets<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) {
+    pub(in crate::wide) fn dispatch_packets<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) -> bool {
         match self {
             #[cfg(any(not(target_arch = "x86_64"), feature = "all-simd"))]
             Self::Portable(simd) => simd.dispatch(kernel, a, b),
             #[cfg(all(target_arch = "x86_64", not(feature = "all-simd")))]
-            Self::Portable(_) => {}
+            Self::Portable(_) => return false,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(simd) => simd.dispatch(kernel, a, b),
             #[cfg(all(target_arch = "x86_64", feature = "all-simd"))]
             Self::Avx512(simd) => simd.dispatch(kernel, a, b),
         }
+        true
     }
 }
 
