@@ -78,8 +78,13 @@ pub struct Vectors<'a> {
 }
 
 impl<'a> Vectors<'a> {
+    const EMPTY: Self = Self { components: Components::F64(&[]), len: 0, stride: 0, component_stride: 0 };
+
     /// View of single precision with strides; `None` if the last vector lies beyond the end.
     pub fn strided_f32(components: &'a [f32], len: usize, stride: usize, component_stride: usize) -> Option<Self> {
+        if len == 0 {
+            return Some(Self::EMPTY);
+        }
         is_within(components.len(), len, stride, component_stride).then_some(Self {
             components: Components::F32(components),
             len,
@@ -90,6 +95,9 @@ impl<'a> Vectors<'a> {
 
     /// View of double precision with strides; `None` if the last vector lies beyond the end.
     pub fn strided_f64(components: &'a [f64], len: usize, stride: usize, component_stride: usize) -> Option<Self> {
+        if len == 0 {
+            return Some(Self::EMPTY);
+        }
         is_within(components.len(), len, stride, component_stride).then_some(Self {
             components: Components::F64(components),
             len,
@@ -120,10 +128,9 @@ impl<'a> Vectors<'a> {
     }
 }
 
-/// True if the last component of the last vector is one of `available` numbers.
+/// True if the last component of the last vector is one of `available` numbers; `len` is not 0.
 fn is_within(available: usize, len: usize, stride: usize, component_stride: usize) -> bool {
-    let Some(last_index) = len.checked_sub(1) else { return true };
-    let last = last_index.checked_mul(stride).zip(component_stride.checked_mul(2)).and_then(|(a, b)| a.checked_add(b));
+    let last = (len - 1).checked_mul(stride).zip(component_stride.checked_mul(2)).and_then(|(a, b)| a.checked_add(b));
     last.is_some_and(|last| last < available)
 }
 
