@@ -363,7 +363,7 @@ const STATS_HELP: &str = "\
 Write statistics in JSON to this file or to -, and count the cost per ray
 
 `rays` has an entry for each kind of ray and for their `total`: traced `rays`, visited nodes, primitive tests and hits. \
-`camera_hits` counts camera samples that hit a surface. `primary_rays_spared` counts camera rays that were skipped because \
+`camera_hits` counts camera samples that hit a surface. `primary_rays_skipped` counts camera rays that were skipped because \
 their part of the view is empty. `pixel_samples` are the samples per pixel; `simple_pixels` took fewer because they show no edge \
 (--adaptive). `stopped` is the reason of the end (samples, time, target-error). `unconverged_pixels` missed --target-error (null \
 without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `estimated_error` is null after a single \

@@ -161,8 +161,9 @@ fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
         }
     }
     table.add_row(ray_row("total", counters.total(), costs));
-    let Statistics { primary_rays_spared, shading, .. } = outcome.rendering.statistics;
-    for (kind, skipped) in [("primary, skipped", primary_rays_spared), ("shadow, skipped", shading.shadow_rays_spared)]
+    let Statistics { primary_rays_skipped, shading, .. } = outcome.rendering.statistics;
+    for (kind, skipped) in
+        [("primary, skipped", primary_rays_skipped), ("shadow, skipped", shading.shadow_rays_skipped)]
     {
         if skipped > 0 {
             table.add_row([kind.to_owned(), HumanCount(skipped).to_string()]);

@@ -48,7 +48,7 @@ pub(crate) fn json(outcome: &Outcome<'_>) -> Value {
             json!({ "bound": bound, "contributions": contributions, "lost_share": lost_share })
         }),
         "bad_samples": statistics.bad_samples,
-        "primary_rays_spared": statistics.primary_rays_spared,
+        "primary_rays_skipped": statistics.primary_rays_skipped,
         "rays": rays(rendering),
         "shading": shading(statistics.shading),
         "seconds": {
@@ -136,7 +136,7 @@ fn rays(rendering: &Rendering) -> Map<String, Value> {
 
 fn shading(counts: ShadingCounts) -> Value {
     json!({
-        "shadow_rays_spared": counts.shadow_rays_spared,
+        "shadow_rays_skipped": counts.shadow_rays_skipped,
         "highlights": counts.highlights,
         "mirrors": counts.mirrors,
         "refractions": counts.refractions,

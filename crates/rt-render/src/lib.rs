@@ -78,7 +78,7 @@ mod part;
 mod pass_state;
 mod passes;
 mod pick;
-mod pixel;
+mod pixel_accumulator;
 mod plan;
 mod plan_options;
 mod primary_rays;

@@ -7,7 +7,7 @@ use rt_shading::Seen;
 use crate::{
     RenderPlan,
     estimate::PixelEstimate,
-    pixel::Pixel,
+    pixel_accumulator::PixelAccumulator,
     tile_job::{TileJob, TileResult},
 };
 
@@ -42,7 +42,7 @@ impl PrimaryRayBatch {
 /// Accumulates samples into passes, and passes into the pixels of a tile.
 struct TileAccumulator<N> {
     finished: TileResult,
-    pixel: Pixel,
+    pixel: PixelAccumulator,
     estimate: PixelEstimate,
     /// Remaining samples of the pass.
     remaining: u32,
@@ -54,7 +54,7 @@ struct TileAccumulator<N> {
 }
 
 impl<N: Iterator<Item = u32>> TileAccumulator<N> {
-    fn new(finished: TileResult, pixel: Pixel, mut next: N, passes: u32) -> Self {
+    fn new(finished: TileResult, pixel: PixelAccumulator, mut next: N, passes: u32) -> Self {
         let spp = next.next().unwrap_or(0);
         Self { finished, pixel, estimate: PixelEstimate::default(), remaining: spp, spp, next, passes }
     }
@@ -94,7 +94,7 @@ impl RenderPlan<'_> {
         let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
         let finished = TileResult::new(job);
         let mut accumulator =
-            TileAccumulator::new(finished, Pixel::new(self.frame.transparent), counts, pass_spec.count);
+            TileAccumulator::new(finished, PixelAccumulator::new(self.frame.transparent), counts, pass_spec.count);
         for pixel in pass_spec.pixels_of(job.tile) {
             let spp = job.spp_of(pixel);
             for pass in 0..pass_spec.count {

@@ -23,7 +23,7 @@ pub struct Statistics {
     /// Rays by kind, and with [`RunOptions::count`](crate::RunOptions) also nodes, primitive tests and hits.
     pub counters: Counters,
     /// Skipped camera rays: those of tiles without an object in view.
-    pub primary_rays_spared: u64,
+    pub primary_rays_skipped: u64,
     /// Work of shading.
     pub shading: ShadingCounts,
     /// Independent passes taken.
@@ -46,7 +46,7 @@ impl Statistics {
             camera_hits: 0,
             simple_pixels: 0,
             counters: Counters::default(),
-            primary_rays_spared: 0,
+            primary_rays_skipped: 0,
             shading: ShadingCounts::default(),
             passes: 0,
             bad_samples: 0,
@@ -62,7 +62,7 @@ impl Statistics {
         self.camera_hits += tile.camera_hits;
         self.simple_pixels += tile.simple_pixels;
         self.counters += tile.counters;
-        self.primary_rays_spared += tile.primary_rays_spared;
+        self.primary_rays_skipped += tile.primary_rays_skipped;
         self.shading += tile.shading;
         self.bad_samples += tile.bad_samples;
     }
@@ -85,7 +85,7 @@ impl Statistics {
         self.camera_hits += other.camera_hits;
         self.simple_pixels += other.simple_pixels;
         self.counters += other.counters;
-        self.primary_rays_spared += other.primary_rays_spared;
+        self.primary_rays_skipped += other.primary_rays_skipped;
         self.shading += other.shading;
         self.passes = self.passes.max(other.passes);
         self.bad_samples += other.bad_samples;
@@ -101,7 +101,7 @@ impl Statistics {
             simple_pixels,
             counters,
             camera_hits,
-            primary_rays_spared,
+            primary_rays_skipped,
             shading,
             passes,
             bad_samples,
@@ -110,7 +110,7 @@ impl Statistics {
             render_seconds,
         } = *self;
         let ShadingCounts {
-            shadow_rays_spared,
+            shadow_rays_skipped,
             highlights,
             mirrors,
             refractions,
@@ -126,10 +126,10 @@ impl Statistics {
         let counts = [
             ("the number of samples", samples),
             ("the number of pixels without edges", simple_pixels),
-            ("the number of primary rays that were spared", primary_rays_spared),
+            ("the number of primary rays that were skipped", primary_rays_skipped),
             ("the number of camera rays that hit", camera_hits),
             ("the number of bad samples", bad_samples),
-            ("the number of shadow rays that were spared", shadow_rays_spared),
+            ("the number of shadow rays that were skipped", shadow_rays_skipped),
             ("the number of highlights", highlights),
             ("the number of mirror directions", mirrors),
             ("the number of refractions", refractions),

@@ -14,7 +14,7 @@ use crate::{
     estimate::PixelEstimate,
     frustum_cull::{self, PrimaryTarget},
     integrator::IntegratorState,
-    pixel::Pixel,
+    pixel_accumulator::PixelAccumulator,
     primary_rays::PrimaryRayBatch,
     tile_job::{TileJob, TileResult},
     tiles::Tile,
@@ -132,7 +132,7 @@ impl RenderPlan<'_> {
             (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
         };
         result.counters = tracer.probe.counters(tracer.rays);
-        result.primary_rays_spared = tracer.skipped;
+        result.primary_rays_skipped = tracer.skipped;
         result.shading = whitted.take_counts();
         result.shading += paths.take_counts();
         *hits = tracer.into_buffer();
@@ -184,7 +184,7 @@ impl RenderPlan<'_> {
         }
         let pass_spec = job.pass_spec;
         let pixel_of = |spp: u32| {
-            let mut pass = Pixel::new(self.frame.transparent);
+            let mut pass = PixelAccumulator::new(self.frame.transparent);
             for _ in 0..spp {
                 pass.add(&Seen { radiance: self.frame.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
             }
@@ -202,7 +202,7 @@ impl RenderPlan<'_> {
             result.push(*pixel);
             result.bad_samples += bad_samples;
         }
-        result.primary_rays_spared = result.samples;
+        result.primary_rays_skipped = result.samples;
         Some(result)
     }
 }

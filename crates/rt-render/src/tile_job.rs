@@ -45,7 +45,7 @@ pub(crate) struct TileResult {
     pub(crate) counters: Counters,
     /// Number of samples that hit a surface.
     pub(crate) camera_hits: u64,
-    pub(crate) primary_rays_spared: u64,
+    pub(crate) primary_rays_skipped: u64,
     pub(crate) shading: ShadingCounts,
     pub(crate) bad_samples: u64,
 }
@@ -62,7 +62,7 @@ impl TileResult {
             simple_pixels: job.simple.map_or(0, |simple| simple.count() as u64),
             counters: Counters::default(),
             camera_hits: 0,
-            primary_rays_spared: 0,
+            primary_rays_skipped: 0,
             shading: ShadingCounts::default(),
             bad_samples: 0,
         }

@@ -76,7 +76,7 @@ fn crafted_parts_are_refused() {
     for number in [
         "/statistics/samples",
         "/statistics/bad_samples",
-        "/statistics/primary_rays_spared",
+        "/statistics/primary_rays_skipped",
         "/statistics/counters/by_kind/0/rays",
         "/statistics/counters/by_kind/4/hits",
         "/statistics/shading/fresnel",

@@ -184,9 +184,9 @@ fn culling_by_tile_keeps_the_image_and_traces_fewer_rays() {
                 let rays = |work: &Statistics| RayKind::ALL.map(|kind| work.counters.of(kind).rays);
                 let [traced, others @ ..] = rays(&work);
                 let [camera, full_others @ ..] = rays(&full_work);
-                assert_eq!((traced + work.primary_rays_spared, others), (camera, full_others));
-                assert_eq!(full_work.primary_rays_spared, 0);
-                assert!(2 * work.primary_rays_spared > camera, "most tiles are empty: {work:?}");
+                assert_eq!((traced + work.primary_rays_skipped, others), (camera, full_others));
+                assert_eq!(full_work.primary_rays_skipped, 0);
+                assert!(2 * work.primary_rays_skipped > camera, "most tiles are empty: {work:?}");
                 let nodes = |work: &Statistics| work.counters.of(RayKind::Primary).nodes;
                 assert!(2 * nodes(&work) < nodes(&full_work), "most tiles traverse no tree");
             }

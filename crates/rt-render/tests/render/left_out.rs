@@ -34,8 +34,8 @@ fn diffuse_spheres_need_no_secondary_rays_and_no_optics() {
     for kind in [RayKind::Reflection, RayKind::Refraction, RayKind::Diffuse] {
         assert_eq!(rays(&statistics, kind), 0);
     }
-    let skipped = statistics.shading.shadow_rays_spared;
-    assert_eq!(statistics.shading, ShadingCounts { shadow_rays_spared: skipped, ..ShadingCounts::default() });
+    let skipped = statistics.shading.shadow_rays_skipped;
+    assert_eq!(statistics.shading, ShadingCounts { shadow_rays_skipped: skipped, ..ShadingCounts::default() });
     let hits = (rays(&statistics, RayKind::Shadow) + skipped) / 2;
     assert!(skipped > 0 && hits > 1000, "two shadow rays are traced or skipped for each of {hits} hits");
 }
@@ -58,7 +58,7 @@ fn no_shadow_rays_where_nothing_casts_shadows() {
     by_object.nodes.iter_mut().for_each(|node| node.casts_shadow = false);
     for scene in [by_light, by_object] {
         let statistics = statistics(&scene);
-        assert_eq!((rays(&statistics, RayKind::Shadow), statistics.shading.shadow_rays_spared), (0, 0));
+        assert_eq!((rays(&statistics, RayKind::Shadow), statistics.shading.shadow_rays_skipped), (0, 0));
     }
 }
 

@@ -133,7 +133,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         let cosines = to_camera.dot(normal).abs() / from.dot(normal).abs();
         let light = path.power * path.throughput * seen.eval(from) * (cosines * camera.importance);
         if light.is_black() {
-            self.counts.shadow_rays_spared += 1;
+            self.counts.shadow_rays_skipped += 1;
             return;
         }
         let mut medium_tracker = path.medium_tracker.clone();

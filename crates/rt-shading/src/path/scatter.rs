@@ -136,7 +136,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             // A classical surface reflects kd of a classical light, not kd / π.
             let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
             if radiance.is_black() {
-                self.counts.shadow_rays_spared += u64::from(light.casts_shadows);
+                self.counts.shadow_rays_skipped += u64::from(light.casts_shadows);
             } else if light.casts_shadows {
                 let radiance = dimmed(radiance, lit.direction, lit.distance);
                 self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_bounded);
@@ -151,12 +151,12 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let u = path.sampler.next_2d();
         let choice = if n_sampled > 1 { path.sampler.next_1d() } else { 0.0 };
         let Some(light) = lighting.lights.sample_li(surface.point, vertex.normal, choice, u) else {
-            self.counts.shadow_rays_spared += 1;
+            self.counts.shadow_rays_skipped += 1;
             return;
         };
         let scattered = vertex.eval_mis(light.sample.direction, light.pdf);
         if scattered.is_black() {
-            self.counts.shadow_rays_spared += 1;
+            self.counts.shadow_rays_skipped += 1;
             return;
         }
         let radiance = path.throughput * scattered * light.sample.radiance / light.pdf;

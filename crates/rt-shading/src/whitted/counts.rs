@@ -5,7 +5,7 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShadingCounts {
     /// Shadow rays that were not traced: the light is behind the surface, or the surface reflects none of it.
-    pub shadow_rays_spared: u64,
+    pub shadow_rays_skipped: u64,
     /// Highlights evaluated.
     pub highlights: u64,
     /// Mirror directions considered.
@@ -30,7 +30,7 @@ pub struct ShadingCounts {
 
 impl core::ops::AddAssign for ShadingCounts {
     fn add_assign(&mut self, o: Self) {
-        self.shadow_rays_spared += o.shadow_rays_spared;
+        self.shadow_rays_skipped += o.shadow_rays_skipped;
         self.highlights += o.highlights;
         self.mirrors += o.mirrors;
         self.refractions += o.refractions;

@@ -115,7 +115,7 @@ impl Whitted {
         for (number, light) in appearance.lights.iter().enumerate() {
             let shadowed = self.needs.shadows && light.casts_shadows;
             if light.is_behind(surface.point, view.normal) {
-                self.counts.shadow_rays_spared += u64::from(shadowed);
+                self.counts.shadow_rays_skipped += u64::from(shadowed);
                 continue;
             }
             let lit = light.sample_li(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
@@ -138,7 +138,7 @@ impl Whitted {
                         self.lights.push(reflected);
                     }
                 }
-                _ => self.counts.shadow_rays_spared += u64::from(shadowed),
+                _ => self.counts.shadow_rays_skipped += u64::from(shadowed),
             }
         }
         self.lights.end_surface(path, radiance);

@@ -235,7 +235,7 @@ fn lights_behind_the_surface_cost_no_shadow_ray() {
     }];
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 0);
-    assert_eq!((seen, world.shadow_rays, counts.shadow_rays_spared), (0.0, 0, 1));
+    assert_eq!((seen, world.shadow_rays, counts.shadow_rays_skipped), (0.0, 0, 1));
 }
 
 #[test]

@@ -1,17 +1,17 @@
-//! The mean of a pixel's samples.
+//! Accumulator of the samples of a pixel.
 
 use rt_math::Rgb;
 use rt_shading::Seen;
 
-/// A pixel being sampled.
+/// Accumulator of the samples of a pixel.
 #[derive(Clone, Copy)]
-pub(crate) struct Pixel {
+pub(crate) struct PixelAccumulator {
     lobes: [FilterLobe; 2],
     transparent: bool,
     bad_samples: u64,
 }
 
-impl Pixel {
+impl PixelAccumulator {
     /// A pixel without samples; `transparent` leaves the background out and records coverage.
     pub(crate) fn new(transparent: bool) -> Self {
         Self { lobes: [FilterLobe::default(); 2], transparent, bad_samples: 0 }
