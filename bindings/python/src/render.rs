@@ -39,7 +39,7 @@ impl PyRendering {
     #[getter]
     fn samples_per_pixel(&self) -> (u32, f64, u32) {
         let range = self.rendering.samples_per_pixel;
-        (range.least, range.mean, range.most)
+        (range.min, range.mean, range.max)
     }
 
     /// Relative root mean square error and its 95 % interval; `None` if it is unknown.

@@ -38,7 +38,7 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
 
 /// Samples per pixel.
 pub(crate) fn samples(rendering: &Rendering) -> String {
-    let SampleRange { least, mean, most } = rendering.samples_per_pixel;
+    let SampleRange { min: least, mean, max: most } = rendering.samples_per_pixel;
     if least == most { format!("{most} spp") } else { format!("{least} to {most} spp, {mean:.1} on average") }
 }
 

@@ -109,11 +109,11 @@ fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Ada
     let adaptive = match args.adaptive {
         None => of_scene,
         Some(AdaptiveChoice::Off) => None,
-        Some(AdaptiveChoice::ObjectSpace) => of_scene.or(Some(Adaptive::ObjectSpace { least: None })),
+        Some(AdaptiveChoice::ObjectSpace) => of_scene.or(Some(Adaptive::ObjectSpace { min_spp: None })),
     };
     match (adaptive, args.min_spp) {
         (adaptive, None) => Ok(adaptive),
-        (Some(Adaptive::ObjectSpace { .. }), least) => Ok(Some(Adaptive::ObjectSpace { least })),
+        (Some(Adaptive::ObjectSpace { .. }), least) => Ok(Some(Adaptive::ObjectSpace { min_spp: least })),
         (None, Some(_)) => Err(CliError::Usage("--min-spp requires --adaptive object-space".to_owned())),
     }
 }

@@ -184,8 +184,8 @@ mod tests {
             let moved = Transform::translate(offset);
             let stretched = moved.compose(&Transform::scale(scale.abs()).expect("regular"));
             let enlarged = moved.compose(&Transform::scale(DVec3::splat(uniform)).expect("regular"));
-            let [ball, solid, floor, flat] = shapes();
-            for (shape, map) in [(ball, enlarged), (solid, stretched), (floor, moved), (flat, stretched)] {
+            let [sphere, solid, floor, flat] = shapes();
+            for (shape, map) in [(sphere, enlarged), (solid, stretched), (floor, moved), (flat, stretched)] {
                 let placed = TransformedShape::new(shape, map);
                 let baked = placed.bake_transform().expect("the same kind of shape");
                 let ray = Ray::new(from, map.point(to) - from);
@@ -212,8 +212,8 @@ mod tests {
             let factor = DVec3::new(2.0, if mirror { -2.0 } else { 2.0 }, 2.0);
             let round = Transform::rotate(axis, angle).expect("an axis")
                 .compose(&Transform::scale(factor).expect("regular"));
-            let [ball, solid, floor, flat] = shapes();
-            for (shape, map) in [(ball, round), (solid, stretched), (floor, turned), (flat, turned)] {
+            let [sphere, solid, floor, flat] = shapes();
+            for (shape, map) in [(sphere, round), (solid, stretched), (floor, turned), (flat, turned)] {
                 let placed = TransformedShape::new(shape, map);
                 let baked = placed.bake_transform_ignoring_uv().expect("the same kind of shape");
                 let ray = Ray::new(from, map.point(to) - from);
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn only_what_stays_the_same_is_baked() {
-        let [ball, solid, floor, flat] = shapes();
+        let [sphere, solid, floor, flat] = shapes();
         let turn = Transform::rotate(DVec3::Y, 0.3).expect("an axis");
         let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).expect("regular");
         let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0)).expect("regular");
@@ -238,7 +238,7 @@ mod tests {
                 (placed.bake_transform().is_some(), placed.bake_transform_ignoring_uv().is_some())
             })
         };
-        assert_eq!(baked(ball), [(false, true), (false, true), (false, false)]);
+        assert_eq!(baked(sphere), [(false, true), (false, true), (false, false)]);
         assert_eq!(baked(solid), [(false, false), (false, true), (true, true)]);
         assert_eq!(baked(floor), [(false, true); 3]);
         assert_eq!(baked(flat), [(true, true), (false, true), (true, true)]);
@@ -246,10 +246,10 @@ mod tests {
 
     #[test]
     fn the_box_of_a_turned_ellipsoid_is_tight() {
-        let ball = Shape::Sphere(Sphere::new(DVec3::X, 1.0).expect("a sphere"));
+        let sphere = Shape::Sphere(Sphere::new(DVec3::X, 1.0).expect("a sphere"));
         let stretch = Transform::scale(DVec3::new(3.0, 1.0, 1.0)).expect("regular");
         let map = Transform::rotate(DVec3::Z, std::f64::consts::FRAC_PI_4).expect("an axis").compose(&stretch);
-        let bounds = TransformedShape::new(ball, map).bounds().expect("bounded");
+        let bounds = TransformedShape::new(sphere, map).bounds().expect("bounded");
         let (centre, reach) = (4.5f64.sqrt(), 5.0f64.sqrt());
         let expected = Aabb::new(
             DVec3::new(centre - reach, centre - reach, -1.0),

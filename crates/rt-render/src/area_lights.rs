@@ -46,12 +46,12 @@ pub(crate) fn area_lights(scene: &Scene, top: &mut Aggregate, levels: &mut Botto
 
 /// Name of an animated emissive object, if there is one.
 pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &BottomLevel) -> Option<String> {
-    let shines = |material: u32| {
+    let emits = |material: u32| {
         let material = scene.appearance.materials.get(material as usize);
         material.is_some_and(|material| !material.emission.is_zero())
     };
     let mut animated = top.all_instances(levels).filter(|instance| instance.has_motion());
-    animated.find(|instance| uses_material(instance, levels, &shines)).map(|instance| instance.name.to_string())
+    animated.find(|instance| uses_material(instance, levels, &emits)).map(|instance| instance.name.to_string())
 }
 
 /// Area lights among some instances.

@@ -53,8 +53,8 @@ impl<'s> CompiledScene<'s> {
         let integrator = source.settings.integrator;
         let accel = AccelOptions::new(source, options);
         let (mut top, mut levels) = flatten(source, accel, space.render_from_world(), !options.full, static_time)?;
-        if let (Integrator::Distributed, Some(lamp)) = (integrator, find_animated_light(source, &top, &levels)) {
-            return Err(RenderError::MovingLamp(lamp));
+        if let (Integrator::Distributed, Some(light)) = (integrator, find_animated_light(source, &top, &levels)) {
+            return Err(RenderError::MovingLight(light));
         }
         let appearance = space.appearance(&source.appearance);
         let lights = if integrator.samples_area_lights() {

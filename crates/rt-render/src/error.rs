@@ -134,7 +134,7 @@ pub enum RenderError {
         "object '{0}' shines and moves: lamps that move are found by rays in all directions, which 'distributed' does not \
          follow; use 'path', 'direct' or 'caustics', or let it stand still"
     )]
-    MovingLamp(String),
+    MovingLight(String),
     /// Adaptive sampling in object space in a progressive render.
     #[error(
         "adaptive sampling in object space shares out a fixed number of samples; it goes with no time and no error to reach"

@@ -105,7 +105,7 @@ impl Frame {
         let stochastic = integrator.is_stochastic() || camera.has_lens() || has_motion;
         let passes = settings.passes.unwrap_or_else(|| default_passes(settings.pattern, settings.spp, stochastic));
         let pass_spp = |spp: u32| settings.pattern.round_up(spp.div_ceil(passes));
-        let simple_spp = settings.adaptive.map(|adaptive| adaptive.least(settings.spp).min(settings.spp));
+        let simple_spp = settings.adaptive.map(|adaptive| adaptive.simple_spp(settings.spp).min(settings.spp));
         // The cost view shows the work of the whole acceleration structure; a moving camera has many view volumes.
         let may_cull = !options.full && integrator != Integrator::Cost && !camera.moves();
         let mut frame = Self {

@@ -406,7 +406,7 @@ impl Part {
             statistics: self.statistics,
             stopped: self.stopped,
             error: error.filter(|_| self.layout.passes_differ),
-            samples_per_pixel: SampleRange { least: min, mean, most: max },
+            samples_per_pixel: SampleRange { min, mean, max },
             unconverged: self.unconverged,
             standard_error,
             sample_counts,

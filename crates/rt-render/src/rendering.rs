@@ -94,9 +94,9 @@ pub struct Rendering {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleRange {
     /// Smallest number of samples of a pixel.
-    pub least: u32,
+    pub min: u32,
     /// Mean over all pixels.
     pub mean: f64,
     /// Largest number of samples of a pixel.
-    pub most: u32,
+    pub max: u32,
 }

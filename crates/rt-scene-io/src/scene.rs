@@ -141,16 +141,16 @@ pub enum Adaptive {
     /// take fewer samples.
     ObjectSpace {
         /// Samples of a pixel without edges; a quarter of all if `None`. Patterns may round it up.
-        least: Option<u32>,
+        min_spp: Option<u32>,
     },
 }
 
 impl Adaptive {
     /// Samples of a pixel without edges, of `spp` in other pixels.
-    pub const fn least(self, spp: u32) -> u32 {
+    pub const fn simple_spp(self, spp: u32) -> u32 {
         match self {
-            Self::ObjectSpace { least: Some(least) } => least,
-            Self::ObjectSpace { least: None } => spp.div_ceil(4),
+            Self::ObjectSpace { min_spp: Some(min_spp) } => min_spp,
+            Self::ObjectSpace { min_spp: None } => spp.div_ceil(4),
         }
     }
 }

@@ -11,7 +11,7 @@ use rt_math::{DVec3, Frame};
 ///
 /// A bent normal is perpendicular to the view up to rounding, of which the sign is noise. The square of this cosine is below
 /// the rounding of 1, so that the direction with the raised cosine is still a unit vector.
-const LEAST_COSINE: f64 = 1e-8;
+const MIN_COSINE: f64 = 1e-8;
 
 /// A surface as the ray that met it sees it.
 pub(crate) struct ViewedSurface<'s> {
@@ -62,8 +62,8 @@ impl<'s> ViewedSurface<'s> {
         let frame = Frame::from_z(self.surface.shading_normal);
         let mut wo = frame.to_local(-self.direction);
         let side = if self.is_inside { -1.0 } else { 1.0 };
-        if wo.z * side < LEAST_COSINE {
-            wo.z = LEAST_COSINE * side;
+        if wo.z * side < MIN_COSINE {
+            wo.z = MIN_COSINE * side;
         }
         (frame, wo)
     }
@@ -76,8 +76,8 @@ impl<'s> ViewedSurface<'s> {
 
     /// The direction in which a camera path goes on, where a BSDF has sampled `wi` (world space).
     ///
-    /// `None` if an interpolated normal has sent it to the wrong side of the actual surface. With `keeps_single`, a single
-    /// direction is kept on its side, as [`mirrored`](Self::mirrored) and [`refracted`](Self::refracted) keep it.
+    /// `None` if an interpolated normal has sent it to the wrong side of the actual surface. With `keeps_single`, the one
+    /// direction of a specular BSDF is kept on its side, as [`mirrored`](Self::mirrored) and [`refracted`](Self::refracted) keep it.
     #[inline]
     pub(crate) fn continued(&self, sample: &BsdfSample, wi: DVec3, keeps_single: bool) -> Option<DVec3> {
         if self.is_on_side_of(sample.kind, wi) {

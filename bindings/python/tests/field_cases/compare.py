@@ -176,7 +176,7 @@ def main():
     if options.write:
         PAGE.write_text(f"""# Field cases: rays that programs have answered wrongly
 
-Each case is built after a problem that somebody has reported; *after* names the thread. The answers are exact: rational arithmetic
+Each case is built after a reported problem; *after* names the thread. The answers are exact: rational arithmetic
 on the numbers as they are stored (`bindings/python/tests/field_cases/exact.py`). Tests in Rust and Python hold this project to
 them, with every accelerator.
 

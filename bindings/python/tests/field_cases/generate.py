@@ -2,7 +2,7 @@
 
     python bindings/python/tests/field_cases/generate.py
 
-Each case is built from the description of a problem that somebody has reported; `source` names the thread. Answers are
+Each case is built from the description of a reported problem; `source` names the thread. Answers are
 computed by `exact.py` from the numbers as they are stored, and checked against what each case is known to have to give.
 """
 

@@ -92,13 +92,13 @@ fn mixed_worlds_keep_their_floor_and_their_groups() {
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     // Behind the camera: single spheres, and instances of a group, culled as a whole.
     scene.groups.push(Group { name: "ball".into(), nodes: vec![Node::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(2))] });
-    let ball = GroupId(scene.groups.len() as u32 - 1);
+    let group = GroupId(scene.groups.len() as u32 - 1);
     for i in 0..40 {
         let centre = eye * 1.5 + rt_math::DVec3::X * f64::from(i - 20);
         scene.nodes.push(Node::new(sphere(centre.x, centre.y, centre.z, 0.4), MaterialId(0)));
         scene.nodes.push(Node {
             parent_from_local: Transform::translate(centre + rt_math::DVec3::Y),
-            ..Node::new(Content::Instance(ball), MaterialId(0))
+            ..Node::new(Content::Instance(group), MaterialId(0))
         });
     }
     let left_out = culled(&scene, &PlanOptions::default()).expect("something to leave out");

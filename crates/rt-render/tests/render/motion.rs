@@ -57,9 +57,9 @@ fn a_shutter_interval_of_length_zero_gives_the_static_image() {
     camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Depth] {
         scene.settings.integrator = integrator;
-        for moment in [0.0, 0.375, 1.0] {
-            scene.cameras[0].settings.shutter = [moment; 2];
-            assert_eq!(render(&scene), render(&frozen(&scene, moment)), "{integrator:?} {moment}");
+        for time in [0.0, 0.375, 1.0] {
+            scene.cameras[0].settings.shutter = [time; 2];
+            assert_eq!(render(&scene), render(&frozen(&scene, time)), "{integrator:?} {time}");
         }
     }
     scene.cameras[0].settings.shutter = [0.0, 1.0];
@@ -178,7 +178,7 @@ fn camera_rays_start_in_the_medium_of_their_time() {
 #[test]
 fn edges_are_looked_for_where_nothing_moves() {
     let mut scene = spheres();
-    scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: None });
+    scene.settings.adaptive = Some(Adaptive::ObjectSpace { min_spp: None });
     let refusal = |scene: &Scene| RenderPlan::compile(scene, &PlanOptions::default()).err();
     assert!(refusal(&scene).is_none());
     scene.nodes[3].moves_to = Some(shift(1.0, 0.0, 0.0));
@@ -207,7 +207,7 @@ fn distributed_refuses_animated_lights() {
     let mut grouped = Scene { nodes: vec![swarm], ..scene.clone() };
     grouped.groups[0].nodes = vec![Node { moves_to: None, ..emitter }];
     for (mut scene, name) in [(alone, "firefly"), (grouped, "swarm")] {
-        assert!(matches!(refusal(&scene), Some(RenderError::MovingLamp(object)) if object == name), "{name}");
+        assert!(matches!(refusal(&scene), Some(RenderError::MovingLight(object)) if object == name), "{name}");
         scene.settings.integrator = Integrator::Path;
         assert!(refusal(&scene).is_none());
     }
@@ -223,12 +223,12 @@ fn the_image_is_the_same_for_all_threads_structures_and_plans() {
         }
         for integrator in [Integrator::Whitted, Integrator::Caustics] {
             scene.settings.integrator = integrator;
-            let picture = render(&scene);
-            assert_eq!(render_with(&scene, PlanOptions::default(), 1), picture);
-            assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), picture);
+            let image = render(&scene);
+            assert_eq!(render_with(&scene, PlanOptions::default(), 1), image);
+            assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), image);
             for accel in Accel::ALL {
                 let other = Scene { settings: Settings { accel, ..scene.settings }, ..scene.clone() };
-                assert_eq!(render(&other), picture, "{integrator:?} {accel:?}");
+                assert_eq!(render(&other), image, "{integrator:?} {accel:?}");
             }
         }
     }
@@ -261,7 +261,7 @@ fn objects_that_cross_the_view_are_not_culled() {
 #[test]
 fn static_scenes_sample_no_time() {
     let mut scene = everything();
-    let picture = render(&scene);
+    let image = render(&scene);
     scene.cameras[0].settings.shutter = [0.25, 0.5];
     for node in &mut scene.nodes {
         node.moves_to = Some(node.parent_from_local);
@@ -269,7 +269,7 @@ fn static_scenes_sample_no_time() {
     scene.cameras[0].settings.moves_to = Some(scene.cameras[0].settings.world_from_camera);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     assert!(plan.explain().left_out.iter().any(|left| left.what == "time"));
-    assert_eq!(render(&scene), picture);
+    assert_eq!(render(&scene), image);
 }
 
 /// A white sphere of radius r moves by 4r over black. On the line of its centre, away from both ends, coverage is ½.

@@ -20,7 +20,7 @@ const ALL: u32 = 16;
 
 fn adaptive(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: Some(MIN_SPP) });
+    scene.settings.adaptive = Some(Adaptive::ObjectSpace { min_spp: Some(MIN_SPP) });
     scene
 }
 
@@ -103,7 +103,7 @@ fn the_smallest_objects_are_found() {
         assert_eq!(complex(&rendering), [[13, 32]]);
         assert_eq!((rendering.statistics.simple_pixels, rendering.statistics.samples), (1599, 1599 * 4 + 16));
         let mean = (1599.0 * 4.0 + 16.0) / 1600.0;
-        assert_eq!(rendering.samples_per_pixel, SampleRange { least: MIN_SPP, mean, most: ALL });
+        assert_eq!(rendering.samples_per_pixel, SampleRange { min: MIN_SPP, mean, max: ALL });
     }
 }
 
@@ -145,7 +145,7 @@ fn occluded_objects_do_not_add_samples_and_visible_ones_do() {
 }
 
 /// Any number of balls and boxes over a floor, in colours of their own. Under the sun the floor has two colours, and under a
-/// lamp far away nearly so.
+/// light far away nearly so.
 fn clutter(seed: u64, light: DeltaLight) -> Scene {
     let draw = |index: u64, what: u64| unit(hash(&[seed, index, what]));
     let place = |index| DVec3::new(8.0 * draw(index, 0) - 4.0, 2.0 * draw(index, 1), 8.0 * draw(index, 2) - 6.0);
@@ -226,7 +226,7 @@ fn each_pixel_is_that_of_a_render_with_as_many_samples() {
                 let expected = if count <= all_or(MIN_SPP, pattern, passes) { &few } else { &all };
                 assert!(same_bits(rendering.film.pixels()[at], expected.pixels()[at]), "{} {at}", scene.name);
             }
-            assert!(rendering.samples_per_pixel.least < rendering.samples_per_pixel.most, "{}", scene.name);
+            assert!(rendering.samples_per_pixel.min < rendering.samples_per_pixel.max, "{}", scene.name);
         }
     }
 }

@@ -52,7 +52,7 @@ fn modes() -> Vec<Mode> {
     let of_pixels = |two_stage| TargetError { two_stage, ..TargetError::of_pixels(0.3) };
     let path = |scene: &mut Scene| scene.settings.integrator = Integrator::Path;
     let caustics = |scene: &mut Scene| scene.settings.integrator = Integrator::Caustics;
-    let adaptive = |scene: &mut Scene| scene.settings.adaptive = Some(Adaptive::ObjectSpace { least: Some(4) });
+    let adaptive = |scene: &mut Scene| scene.settings.adaptive = Some(Adaptive::ObjectSpace { min_spp: Some(4) });
     let random = |scene: &mut Scene| scene.settings.pattern = SamplerKind::Random;
     vec![
         set("whitted", &everything, &|_| {}, None),

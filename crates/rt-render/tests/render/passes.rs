@@ -202,7 +202,7 @@ fn new_samples_are_without_bias() {
         let rule = to_error(0.3, true, 1 << 14);
         let rendering = until(&scene, rule, RunOptions { threads: 1, ..RunOptions::default() });
         let mean = 2.0 * f64::from(rendering.film.pixels()[0][0]);
-        assert_eq!(rendering.statistics.samples, 2 * u64::from(rendering.samples_per_pixel.most));
+        assert_eq!(rendering.statistics.samples, 2 * u64::from(rendering.samples_per_pixel.max));
         sum += mean;
         squares += mean * mean;
     }
@@ -217,7 +217,7 @@ fn new_samples_are_without_bias() {
 fn only_pixels_near_an_edge_stay_active() {
     let run = RunOptions { maps: true, ..RunOptions::default() };
     let rendering = until(&half_plane(32, 0.3, 0.2), to_error(0.02, false, 512), run);
-    let SampleRange { least, most, .. } = rendering.samples_per_pixel;
+    let SampleRange { min: least, max: most, .. } = rendering.samples_per_pixel;
     assert_eq!((least, most, rendering.stopped), (64, 512, Stopped::Samples));
     assert!(rendering.unconverged.is_some_and(|pixels| (1..60).contains(&pixels)), "{:?}", rendering.unconverged);
     let counts = rendering.sample_counts.expect("kept");
@@ -236,7 +236,7 @@ fn time_ends_a_render_between_passes() {
     let rule = StopRule { time: Some(limit), ..StopRule::default() };
     let rendering = until(&half_plane(64, 0.3, 0.2), rule, RunOptions::default());
     assert_eq!(rendering.stopped, Stopped::Time);
-    let SampleRange { least, most, .. } = rendering.samples_per_pixel;
+    let SampleRange { min: least, max: most, .. } = rendering.samples_per_pixel;
     assert!(least == most && most > 1 && rendering.error.is_some(), "{:?}", rendering.samples_per_pixel);
     // One pass is taken even without any time, and the image is complete.
     let none = StopRule { time: Some(Duration::ZERO), ..StopRule::default() };
@@ -248,7 +248,7 @@ fn time_ends_a_render_between_passes() {
 fn the_default_target_is_that_of_the_image() {
     let scene = half_plane(40, 0.3, 0.2);
     let rendering = until(&scene, to_image_error(0.02, 4096), RunOptions::default());
-    let SampleRange { least, most, .. } = rendering.samples_per_pixel;
+    let SampleRange { min: least, max: most, .. } = rendering.samples_per_pixel;
     assert_eq!((rendering.stopped, rendering.unconverged, least), (Stopped::Target, None, most));
     let error = rendering.error.expect("several passes");
     // The last pass adds at most half of the samples, and patterns converge faster than random samples.
@@ -262,14 +262,14 @@ fn the_default_target_is_that_of_the_image() {
 #[test]
 fn an_image_that_does_not_reach_its_error_ends_at_its_samples() {
     let rendering = until(&half_plane(40, 0.3, 0.2), to_image_error(1e-6, 64), RunOptions::default());
-    assert_eq!((rendering.stopped, rendering.samples_per_pixel.most), (Stopped::Samples, 64));
+    assert_eq!((rendering.stopped, rendering.samples_per_pixel.max), (Stopped::Samples, 64));
     assert!(rendering.error.is_some_and(|error| error.relative_rmse() > 1e-6));
 }
 
 #[test]
 fn small_images_discard_the_samples_of_the_first_stage() {
     let rendering = until(&half_plane(8, 0.3, 0.2), to_image_error(0.05, 4096), RunOptions::default());
-    let pixels = u64::from(rendering.samples_per_pixel.most) * 64;
+    let pixels = u64::from(rendering.samples_per_pixel.max) * 64;
     assert_eq!((rendering.statistics.samples, rendering.stopped), (2 * pixels, Stopped::Target));
 }
 
@@ -282,7 +282,7 @@ fn a_share_of_the_pixels_may_miss_the_error() {
     };
     // The edge cuts 32 pixels or a few more: 4 % of 1024.
     let most = of(0.95);
-    assert_eq!((most.stopped, most.samples_per_pixel.most), (Stopped::Target, 64));
+    assert_eq!((most.stopped, most.samples_per_pixel.max), (Stopped::Target, 64));
     assert!(most.unconverged.is_some_and(|pixels| (1..=51).contains(&pixels)), "{:?}", most.unconverged);
     assert_eq!(of(1.0).stopped, Stopped::Samples);
 }

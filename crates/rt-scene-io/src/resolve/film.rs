@@ -60,7 +60,7 @@ pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, de
     let adaptive = settings.adaptive.map(|format::Adaptive::ObjectSpace { min_spp }| {
         let min_spp =
             min_spp.and_then(|spp| report.check("settings.adaptive.min_spp", within(spp, 1, limits::SAMPLES)));
-        Adaptive::ObjectSpace { least: min_spp.map(|spp| spp as u32) }
+        Adaptive::ObjectSpace { min_spp: min_spp.map(|spp| spp as u32) }
     });
     let depth = report.check("settings.max_depth", within(settings.max_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));

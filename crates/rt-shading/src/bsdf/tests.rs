@@ -58,7 +58,7 @@ pub(super) fn phong(exponent: f64) -> PhongLobe {
     PhongLobe { reflectance: Rgb::WHITE, exponent }
 }
 
-pub(super) fn pane() -> ThinGlass {
+pub(super) fn thin_glass() -> ThinGlass {
     ThinGlass { ior: 1.5, transmittance: Rgb::WHITE }
 }
 
@@ -96,7 +96,7 @@ fn prism(iors: [f64; 3], roughness: f64) -> DispersiveDielectric {
 }
 
 /// Half of what enters passes, in a colour.
-pub(super) fn tinted_pane(roughness: f64) -> Layered {
+pub(super) fn tinted_thin_glass(roughness: f64) -> Layered {
     Layered { diffuse: Rgb::gray(0.5), transmittance: Rgb::new(0.5, 0.4, 0.1), roughness, ..Layered::PLASTIC }
 }
 
@@ -149,7 +149,7 @@ pub(super) fn surfaces() -> Vec<Surface> {
         surface("plastic .23", plastic(0.23)),
         surface("plastic .6", plastic(0.6)),
         surface("plastic 1", plastic(1.0)),
-        surface("pane", pane()),
+        surface("pane", thin_glass()),
         surface("mix", blend()),
         surface("layers", layers()),
         surface("layered .3", Layered { roughness: 0.3, ..Layered::PLASTIC }),
@@ -158,8 +158,8 @@ pub(super) fn surfaces() -> Vec<Surface> {
         surface("cloth", cloth()),
         surface("varnish", Layered { clearcoat: 1.0, ..cloth() }),
         surface("rough varnish", Layered { clearcoat: 0.7, clearcoat_roughness: 0.4, ..brushed() }),
-        surface("tinted pane .3", tinted_pane(0.3)),
-        surface("tinted pane", tinted_pane(0.0)),
+        surface("tinted pane .3", tinted_thin_glass(0.3)),
+        surface("tinted pane", tinted_thin_glass(0.0)),
         surface("half glass", Layered { glass: Some((0.5, prism([1.5; 3], 0.0))), roughness: 0.2, ..Layered::PLASTIC }),
         surface("prism", Layered { glass: Some((1.0, prism([1.4, 1.5, 1.7], 0.0))), ..Layered::PLASTIC }),
         surface("prism .4", Layered { glass: Some((0.8, prism([1.4, 1.5, 1.7], 0.4))), ..cloth() }),

@@ -9,12 +9,12 @@ use rt_math::{
 };
 
 /// Shapes with materials, tested in order. Records the rays.
-pub(super) struct Shapes {
+pub(super) struct ShapeList {
     pub(super) shapes: Vec<(Shape, u32)>,
     pub(super) rays: Vec<(RayKind, Ray)>,
 }
 
-impl Shapes {
+impl ShapeList {
     pub(super) fn new(shapes: Vec<(Shape, u32)>) -> Self {
         Self { shapes, rays: vec![] }
     }
@@ -24,7 +24,7 @@ impl Shapes {
     }
 }
 
-impl Tracer for Shapes {
+impl Tracer for ShapeList {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.rays.push((kind, *ray));
         let hits = self.shapes.iter().enumerate().filter_map(|(i, (shape, _))| Some((i, shape.intersect(ray, span)?)));
@@ -80,22 +80,22 @@ fn glow(radiance: f64) -> Material {
     Material { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..Material::new(String::new(), BARE) }
 }
 
-pub(super) fn white_room(materials: &[Material]) -> Appearance {
+pub(super) fn white_walls(materials: &[Material]) -> Appearance {
     Appearance { materials: materials.to_vec(), background: Background::Constant(Rgb::WHITE), ..Appearance::default() }
 }
 
 struct Look {
     seen: Rgb,
-    world: Shapes,
+    world: ShapeList,
     counts: ShadingCounts,
 }
 
 /// Looks along a ray, with all of shading and with what is needed.
 fn look(shapes: &[(Shape, u32)], appearance: &Appearance, depth: u32, ray: &Ray) -> Look {
-    let mut world = Shapes::new(shapes.to_vec());
+    let mut world = ShapeList::new(shapes.to_vec());
     let mut whitted = Whitted::new(depth, 0.0, Needs::of(appearance, |_| true));
     let seen = whitted.radiance(&mut world, appearance, ray);
-    let full = Whitted::new(depth, 0.0, Needs::ALL).radiance(&mut Shapes::new(shapes.to_vec()), appearance, ray);
+    let full = Whitted::new(depth, 0.0, Needs::ALL).radiance(&mut ShapeList::new(shapes.to_vec()), appearance, ray);
     assert_eq!(seen, full, "trimmed and full shading must agree to the bit");
     Look { seen: seen.radiance, world, counts: whitted.counts() }
 }
@@ -109,7 +109,7 @@ fn down(degrees: f64) -> DVec3 {
 #[test]
 fn a_slab_shifts_a_ray_at_45_degrees() {
     let ray = Ray::new(DVec3::new(-2.0, 3.0, 0.5), down(45.0));
-    let Look { world, .. } = look(&[(slab(0.0, 1.0), 0)], &white_room(&[body(1.5, 0.0, 0)]), 9, &ray);
+    let Look { world, .. } = look(&[(slab(0.0, 1.0), 0)], &white_walls(&[body(1.5, 0.0, 0)]), 9, &ray);
     let out = world.last();
     let shift = ray.direction.cross(out.origin - ray.origin).length();
     assert!((shift - 0.329_142_308_2).abs() < 1e-10, "{shift}");
@@ -119,7 +119,7 @@ fn a_slab_shifts_a_ray_at_45_degrees() {
 #[test]
 fn a_ball_turns_a_ray_that_meets_it_at_30_degrees() {
     let ray = Ray::new(DVec3::new(0.5, 0.0, 5.0), DVec3::NEG_Z);
-    let Look { world, .. } = look(&[(sphere(0.0, 0.0, 0.0, 1.0), 0)], &white_room(&[body(1.5, 0.0, 0)]), 9, &ray);
+    let Look { world, .. } = look(&[(sphere(0.0, 0.0, 0.0, 1.0), 0)], &white_walls(&[body(1.5, 0.0, 0)]), 9, &ray);
     let turned = acos(world.last().direction.dot(ray.direction)).to_degrees();
     assert!((turned - 21.057_558_731_0).abs() < 1e-10, "{turned}");
 }
@@ -130,7 +130,7 @@ fn water_that_reaches_into_its_glass_begins_where_the_glass_ends() {
     let (glass, water) = (body(1.5, 0.3, 1), body(1.333, 0.7, 0));
     let ray = Ray::new(DVec3::new(0.0, 1.0, 0.0) - down(45.0), down(45.0));
     let shapes = [(slab(0.0, 1.0), 0), (slab(-2.0, 0.5), 1)];
-    let Look { seen, world, counts } = look(&shapes, &white_room(&[glass, water]), 3, &ray);
+    let Look { seen, world, counts } = look(&shapes, &white_walls(&[glass, water]), 3, &ray);
     // Snell's law at each boundary.
     let in_glass = asin(sin(45f64.to_radians()) / 1.5);
     let in_water = asin(sin(45f64.to_radians()) / 1.333);
@@ -147,7 +147,7 @@ fn water_that_reaches_into_its_glass_begins_where_the_glass_ends() {
 fn the_greater_priority_carves_the_other_body_from_both_sides() {
     // The same bodies with the water above the glass: it begins at 0.5.
     let shapes = [(slab(0.0, 1.0), 0), (slab(-2.0, 0.5), 1)];
-    let appearance = white_room(&[body(1.5, 0.3, -1), body(1.333, 0.7, 0)]);
+    let appearance = white_walls(&[body(1.5, 0.3, -1), body(1.333, 0.7, 0)]);
     let expected = exp(-0.3 * 0.5 - 0.7 * 2.5);
     for (y, direction) in [(3.0, DVec3::NEG_Y), (-3.0, DVec3::Y)] {
         let Look { seen, counts, .. } = look(&shapes, &appearance, 3, &Ray::new(DVec3::Y * y, direction));
@@ -159,7 +159,7 @@ fn the_greater_priority_carves_the_other_body_from_both_sides() {
 #[test]
 fn the_outer_tint_is_remembered_when_an_inner_body_is_left() {
     let shapes = [(sphere(0.0, 0.0, 0.0, 2.0), 0), (sphere(0.3, 0.0, 0.0, 1.0), 1)];
-    let appearance = white_room(&[body(1.5, 0.25, 0), body(1.7, 0.5, 0)]);
+    let appearance = white_walls(&[body(1.5, 0.25, 0), body(1.7, 0.5, 0)]);
     let Look { seen, .. } = look(&shapes, &appearance, 9, &Ray::new(DVec3::X * 5.0, DVec3::NEG_X));
     let expected = exp(-(0.25 * 2.0 + 0.5 * 2.0));
     assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
@@ -169,7 +169,7 @@ fn the_outer_tint_is_remembered_when_an_inner_body_is_left() {
 fn a_bubble_in_glass_bends_light_as_air_does() {
     // 20° in glass is asin(1.5 sin 20°) in the bubble, a slab of air; nothing is absorbed in it.
     let shapes = [(slab(-1.0, 1.0), 0), (slab(-0.25, 0.25), 1)];
-    let appearance = white_room(&[body(1.5, 0.4, 0), body(1.0, 0.0, 1)]);
+    let appearance = white_walls(&[body(1.5, 0.4, 0), body(1.0, 0.0, 1)]);
     let outside = asin(1.5 * sin(20f64.to_radians())).to_degrees();
     let ray = Ray::new(DVec3::Y - down(outside), down(outside));
     let Look { seen, world, .. } = look(&shapes, &appearance, 9, &ray);
@@ -183,7 +183,7 @@ fn a_bubble_in_glass_bends_light_as_air_does() {
 fn a_body_as_dense_as_the_air_is_not_there() {
     let floor = (slab(-1.0, 0.0), 1);
     let null = (sphere(0.2, 1.5, 0.1, 0.9), 0);
-    let appearance = white_room(&[fresnel(1.0), glow(0.625)]);
+    let appearance = white_walls(&[fresnel(1.0), glow(0.625)]);
     for x in [-0.5, 0.0, 0.3, 1.0] {
         let ray = Ray::new(DVec3::new(x, 4.0, -0.3), DVec3::new(0.1, -0.7, 0.05));
         let with = look(&[null.clone(), floor.clone()], &appearance, 0, &ray);
@@ -203,7 +203,7 @@ fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
     let shapes = [(sphere(0.0, 0.0, 0.0, 1.0), 0)];
     let ray = Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z);
     // Half is mirrored at the front, a quarter passes both surfaces, and what the back mirrors is cut off.
-    let Look { seen, .. } = look(&shapes, &white_room(std::slice::from_ref(&painted)), 2, &ray);
+    let Look { seen, .. } = look(&shapes, &white_walls(std::slice::from_ref(&painted)), 2, &ray);
     assert_eq!(seen, Rgb::gray(0.75));
     assert!(!painted.is_clear() && fresnel(1.0).is_air() && !fresnel(1.1).is_air());
     let smoke = body(1.0, 0.1, 0);
@@ -214,12 +214,12 @@ fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
 
 #[test]
 fn smoke_is_seen_though_its_surface_is_not() {
-    let appearance = white_room(&[body(1.0, 0.5, 0)]);
+    let appearance = white_walls(&[body(1.0, 0.5, 0)]);
     let mut whitted = Whitted::new(0, 0.0, Needs::of(&appearance, |_| true));
-    let mut world = Shapes::new(vec![(sphere(0.0, 0.0, 0.0, 1.0), 0)]);
+    let mut world = ShapeList::new(vec![(sphere(0.0, 0.0, 0.0, 1.0), 0)]);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z));
     assert!(seen.hit && (seen.radiance.r - exp(-1.0)).abs() < 1e-15);
-    let air = white_room(&[body(1.0, 0.0, 0)]);
+    let air = white_walls(&[body(1.0, 0.0, 0)]);
     let mut whitted = Whitted::new(0, 0.0, Needs::of(&air, |_| true));
     assert!(!whitted.radiance(&mut world, &air, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z)).hit);
 }
@@ -227,11 +227,11 @@ fn smoke_is_seen_though_its_surface_is_not() {
 #[test]
 fn overlapping_bodies_of_one_density_are_one_body() {
     let ray = Ray::new(DVec3::new(-3.0, 4.0, 0.5), DVec3::new(0.6, -0.7, 0.1));
-    let one = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[fresnel(1.5), fresnel(1.5)]), 6, &ray);
+    let one = look(&[(slab(-1.0, 1.0), 0)], &white_walls(&[fresnel(1.5), fresnel(1.5)]), 6, &ray);
     for second in [0, 1] {
         let two = look(
             &[(slab(-1.0, 0.3), 0), (slab(-0.2, 1.0), second)],
-            &white_room(&[fresnel(1.5), fresnel(1.5)]),
+            &white_walls(&[fresnel(1.5), fresnel(1.5)]),
             6,
             &ray,
         );
@@ -244,7 +244,7 @@ fn overlapping_bodies_of_one_density_are_one_body() {
 #[test]
 fn a_plate_reflects_and_passes_the_sum_of_all_its_inner_reflections() {
     for (top, expected) in [(1.0, 0.076_923_076_923_076_92), (0.0, 0.923_076_923_076_923_1)] {
-        let mut appearance = white_room(&[fresnel(1.5)]);
+        let mut appearance = white_walls(&[fresnel(1.5)]);
         appearance.background = Background::Gradient { bottom: Rgb::gray(1.0 - top), top: Rgb::gray(top) };
         let ray = Ray::new(DVec3::Y * 3.0, DVec3::NEG_Y);
         let Look { seen, .. } = look(&[(slab(0.0, 1.0), 0)], &appearance, 60, &ray);
@@ -257,9 +257,9 @@ fn a_plate_reflects_and_passes_the_sum_of_all_its_inner_reflections() {
 fn a_mirrored_box_multiplies_a_thousand_times() {
     let mirror = ColorTexture::Constant(Rgb::gray(0.999));
     let walls = Material { model: Phong { mirror, ..BARE }.into(), ..glow(0.001) };
-    let room = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5)).expect("a box");
+    let enclosure = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5)).expect("a box");
     let ray = Ray::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.5, -0.6, 0.7));
-    let Look { seen, counts, .. } = look(&[(Shape::Cuboid(room), 0)], &white_room(&[walls]), 999, &ray);
+    let Look { seen, counts, .. } = look(&[(Shape::Cuboid(enclosure), 0)], &white_walls(&[walls]), 999, &ray);
     assert!((1.0 - seen.r - 0.367_695_424_770_964_04).abs() < 1e-12, "{}", 1.0 - seen.r);
     assert_eq!(counts.depth_limited, 1);
 }
@@ -270,7 +270,7 @@ fn facing_mirrors_are_cut_at_the_depth_and_no_earlier() {
     let plane = |y: f64| (Shape::Plane(Plane::new(DVec3::Y * y, DVec3::Y).expect("a plane")), 0);
     // 89.9999° from the mirrors.
     let ray = Ray::new(DVec3::Y * 0.5, down(1e-4));
-    let Look { seen, world, counts } = look(&[plane(0.0), plane(1.0)], &white_room(&[mirror]), 10_000, &ray);
+    let Look { seen, world, counts } = look(&[plane(0.0), plane(1.0)], &white_walls(&[mirror]), 10_000, &ray);
     assert_eq!((seen, counts.depth_limited), (Rgb::BLACK, 1));
     assert_eq!(world.rays.len(), 10_001);
     let travelled = world.last().origin.x;
@@ -280,13 +280,13 @@ fn facing_mirrors_are_cut_at_the_depth_and_no_earlier() {
 #[test]
 fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
     let shapes = [(sphere(0.0, 0.0, 0.0, 1.0), 0), (sphere(0.0, 0.0, 0.0, 1.0 - 1e-9), 1)];
-    let appearance = white_room(&[body(1.5, 0.0, 0), glow(0.25)]);
+    let appearance = white_walls(&[body(1.5, 0.0, 0), glow(0.25)]);
     for i in 0..10_000 {
         // Offsets up to 0.9999 of the radius, all around.
         let (sin, cos) = sincos(f64::from(i) * 2.4);
         let distance = 0.9999 * (f64::from(i) / 1e4).sqrt();
         let ray = Ray::new(DVec3::new(cos * distance, sin * distance, 7.0), DVec3::NEG_Z);
-        let mut world = Shapes::new(shapes.to_vec());
+        let mut world = ShapeList::new(shapes.to_vec());
         let seen = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true)).radiance(&mut world, &appearance, &ray);
         assert_eq!(seen.radiance, Rgb::gray(0.25), "ray {i}");
     }
@@ -296,13 +296,13 @@ fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
 fn a_body_that_was_never_entered_is_left_as_if_it_had_been() {
     // From the middle of a slab that the ray never entered: Snell's law and Beer's on the way out.
     let ray = Ray::new(DVec3::ZERO, down(30.0));
-    let Look { seen, world, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[body(1.5, 0.5, 0)]), 5, &ray);
+    let Look { seen, world, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_walls(&[body(1.5, 0.5, 0)]), 5, &ray);
     assert!((world.last().direction.x - 0.75).abs() < 1e-15);
     assert!((seen.r - exp(-0.5 / cos(30f64.to_radians()))).abs() < 1e-15);
     // Mirrored inside, it goes on inside.
     let steep = Ray::new(DVec3::ZERO, down(60.0));
     let mirrors = Material { model: Phong { mirror: WHITE, ..clear() }.into(), ..body(1.5, 0.5, 0) };
-    let Look { seen, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_room(&[mirrors]), 1, &steep);
+    let Look { seen, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_walls(&[mirrors]), 1, &steep);
     assert_eq!(seen, Rgb::BLACK, "totally reflected, and met by the other face with no bounces left");
 }
 
@@ -310,8 +310,8 @@ fn a_body_that_was_never_entered_is_left_as_if_it_had_been() {
 fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     // In water 0.5 above the bottom of a glass: the ray goes through the water, the glass, and out.
     let shapes = [(slab(-1.0, 1.0), 0), (slab(-9.0, 0.0), 1)];
-    let appearance = white_room(&[body(1.33, 0.5, 0), body(1.5, 0.25, 1)]);
-    let mut world = Shapes::new(shapes.to_vec());
+    let appearance = white_walls(&[body(1.33, 0.5, 0), body(1.5, 0.25, 1)]);
+    let mut world = ShapeList::new(shapes.to_vec());
     let mut interior = InteriorList::default();
     let ray = Ray::new(DVec3::Y * 0.5, down(20.0));
     interior.find_enclosing_media(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
@@ -331,7 +331,7 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
 fn too_many_bodies_within_each_other_are_counted() {
     let shapes: Vec<_> = (0..40).map(|i| (sphere(0.0, 0.0, 0.0, 50.0 - f64::from(i)), 0)).collect();
     let ray = Ray::new(DVec3::Z * 60.0, DVec3::NEG_Z);
-    let Look { seen, counts, .. } = look(&shapes, &white_room(&[body(1.5, 0.0, 0)]), 99, &ray);
+    let Look { seen, counts, .. } = look(&shapes, &white_walls(&[body(1.5, 0.0, 0)]), 99, &ray);
     assert_eq!(seen, Rgb::WHITE);
     // Eight too many are not entered. Leaving them empties the list early, and the last are left as if they had been
     // around from the start.
@@ -341,7 +341,7 @@ fn too_many_bodies_within_each_other_are_counted() {
 #[test]
 fn bodies_that_touch_are_met_as_one_surface() {
     let shapes = [(slab(0.0, 1.0), 0), (slab(-1.0, 0.0), 1)];
-    let appearance = white_room(&[body(1.5, 0.5, 0), body(1.333, 0.25, 0)]);
+    let appearance = white_walls(&[body(1.5, 0.5, 0), body(1.333, 0.25, 0)]);
     let Look { seen, counts, .. } = look(&shapes, &appearance, 9, &Ray::new(DVec3::Y * 3.0, DVec3::NEG_Y));
     // The glass's side of it is met alone; the water is found out about when it is left.
     assert!((seen.r - exp(-0.5 - 0.25)).abs() < 1e-14, "{}", seen.r);
@@ -352,7 +352,7 @@ fn bodies_that_touch_are_met_as_one_surface() {
 fn a_body_may_be_closed_by_several_objects_of_its_material() {
     let plane = |y: f64, normal: DVec3| (Shape::Plane(Plane::new(DVec3::Y * y, normal).expect("a plane")), 0);
     let sides = [plane(1.0, DVec3::Y), plane(0.0, DVec3::NEG_Y)];
-    let appearance = white_room(&[body(1.5, 0.3, 0)]);
+    let appearance = white_walls(&[body(1.5, 0.3, 0)]);
     let ray = Ray::new(DVec3::new(-2.0, 3.0, 0.5), down(45.0));
     let (whole, parts) = (look(&[(slab(0.0, 1.0), 0)], &appearance, 9, &ray), look(&sides, &appearance, 9, &ray));
     assert!((whole.seen.r - parts.seen.r).abs() < 1e-15);
@@ -369,7 +369,7 @@ fn an_edge_that_two_triangles_share_is_entered_once() {
         (Shape::Triangle(Triangle::new(order.map(|i| corners[i])).expect("a triangle")), 0)
     };
     let shapes = [face([0, 1, 2]), face([0, 2, 3])];
-    let appearance = white_room(&[body(1.0, 0.0, 0)]);
+    let appearance = white_walls(&[body(1.0, 0.0, 0)]);
     for i in 1..2000 {
         let target = corners[0].lerp(corners[2], f64::from(i) / 2000.0);
         let origin = DVec3::new(0.37, 5.1, -0.83);
@@ -393,7 +393,7 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
             false
         }
     }
-    let appearance = white_room(&[body(1.0, 0.0, 0)]);
+    let appearance = white_walls(&[body(1.0, 0.0, 0)]);
     let mut whitted = Whitted::new(7, 0.0, Needs::of(&appearance, |_| true));
     let mut world = Sheets(0);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));

@@ -56,16 +56,16 @@ fn gray(value: f64) -> ColorTexture {
     ColorTexture::Constant(Rgb::gray(value))
 }
 
-fn white_room(phong: Phong) -> Appearance {
-    room_of(Material::new("only".into(), phong))
+fn white_walls(phong: Phong) -> Appearance {
+    walls_of(Material::new("only".into(), phong))
 }
 
 /// A white room with a dielectric.
-fn white_room_with(phong: Phong, interior: InteriorMedium) -> Appearance {
-    room_of(Material { interior: Some(interior), ..Material::new("only".into(), phong) })
+fn white_walls_with(phong: Phong, interior: InteriorMedium) -> Appearance {
+    walls_of(Material { interior: Some(interior), ..Material::new("only".into(), phong) })
 }
 
-fn room_of(material: Material) -> Appearance {
+fn walls_of(material: Material) -> Appearance {
     Appearance { materials: vec![material], background: Background::Constant(Rgb::WHITE), ..Appearance::default() }
 }
 
@@ -82,7 +82,7 @@ fn look(world: &mut Echo, appearance: &Appearance, depth: u32) -> (f64, ShadingC
 
 #[test]
 fn a_thousand_mirrors_multiply_exactly_that_often() {
-    let mirrors = white_room(Phong { mirror: gray(0.999), ..BARE });
+    let mirrors = white_walls(Phong { mirror: gray(0.999), ..BARE });
     let (seen, _) = look(&mut Echo::new(1000), &mirrors, 1000);
     assert!((seen - 0.367_695_424_8).abs() < 1e-10, "{seen}");
     let (cut, _) = look(&mut Echo::new(1000), &mirrors, 999);
@@ -91,7 +91,7 @@ fn a_thousand_mirrors_multiply_exactly_that_often() {
 
 fn glowing_mirror() -> Appearance {
     let mirror = Material::new("only".into(), Phong { mirror: gray(0.5), ..BARE });
-    room_of(Material { emission: gray(1.0), ..mirror })
+    walls_of(Material { emission: gray(1.0), ..mirror })
 }
 
 #[test]
@@ -117,14 +117,14 @@ fn faint_rays_are_not_followed() {
 fn fresnels_equations_share_light_without_loss() {
     let glass = Transmission { coefficient: gray(1.0), fresnel: true };
     let inside = InteriorMedium::clear(1.5);
-    let appearance = white_room_with(Phong { mirror: gray(1.0), transmission: Some(glass), ..BARE }, inside);
+    let appearance = white_walls_with(Phong { mirror: gray(1.0), transmission: Some(glass), ..BARE }, inside);
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 1);
     assert_eq!(world.traced, [RayKind::Primary, RayKind::Reflection, RayKind::Refraction]);
     assert!((seen - 1.0).abs() < 1e-14, "reflected and refracted parts add up: {seen}");
     assert_eq!(counts.fresnel, 1);
     // Without what is mirrored, the reflectance at right angles, 0.04, is missing.
-    let clear = white_room_with(Phong { transmission: Some(glass), ..BARE }, inside);
+    let clear = white_walls_with(Phong { transmission: Some(glass), ..BARE }, inside);
     let (seen, _) = look(&mut Echo::new(1), &clear, 1);
     assert!((seen - 0.96).abs() < 1e-14, "{seen}");
 }
@@ -133,7 +133,7 @@ fn fresnels_equations_share_light_without_loss() {
 fn absorption_follows_beers_law() {
     let clear = Transmission { coefficient: gray(1.0), fresnel: false };
     let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
-    let appearance = white_room_with(Phong { transmission: Some(clear), ..BARE }, tinted);
+    let appearance = white_walls_with(Phong { transmission: Some(clear), ..BARE }, tinted);
     let mut whitted = Whitted::new(2, 0.0, Needs::of(&appearance, |_| true));
     let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
     let seen = whitted.radiance(&mut Echo::new(2), &appearance, &ray).radiance;
@@ -146,7 +146,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
     // Into tinted glass, 2 units to an opaque glowing body in it, which is met from its outside.
     let clear = Transmission { coefficient: gray(1.0), fresnel: false };
     let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
-    let mut appearance = white_room_with(Phong { transmission: Some(clear), ..BARE }, tinted);
+    let mut appearance = white_walls_with(Phong { transmission: Some(clear), ..BARE }, tinted);
     let core = Material::new("core".into(), Phong { mirror: gray(1.0), ..BARE });
     appearance.materials.push(Material { emission: gray(1.0), ..core });
     struct Paperweight(u32);
@@ -180,7 +180,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
     // A ray that grazes a denser outside: the shading normal is tilted, so that Snell has no solution.
     let thin = Transmission { coefficient: gray(0.85), fresnel: false };
     let phong = Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE };
-    let appearance = white_room_with(phong, InteriorMedium::clear(0.2));
+    let appearance = white_walls_with(phong, InteriorMedium::clear(0.2));
     struct Tilted(u32);
     impl Tracer for Tilted {
         fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
@@ -208,7 +208,7 @@ fn local_light_is_phongs_sum() {
         casts_shadows,
     };
     let phong = Phong { ambient: gray(0.1), diffuse: gray(0.5), specular: gray(0.25), exponent: 3.0, ..BARE };
-    let mut appearance = white_room(phong);
+    let mut appearance = white_walls(phong);
     appearance.materials[0].emission = gray(0.01);
     appearance.ambient = Rgb::gray(0.5);
     appearance.lights = vec![light(true), light(false)];
@@ -225,7 +225,7 @@ fn local_light_is_phongs_sum() {
 #[test]
 fn lights_behind_the_surface_cost_no_shadow_ray() {
     let kind = DeltaLightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, shadow_near: 0.0 };
-    let mut appearance = white_room(Phong { diffuse: gray(1.0), ..BARE });
+    let mut appearance = white_walls(Phong { diffuse: gray(1.0), ..BARE });
     appearance.lights = vec![DeltaLight {
         name: String::new(),
         kind,
@@ -240,7 +240,7 @@ fn lights_behind_the_surface_cost_no_shadow_ray() {
 
 #[test]
 fn unknown_materials_are_black() {
-    let mut appearance = white_room(BARE);
+    let mut appearance = white_walls(BARE);
     appearance.materials.clear();
     assert_eq!(look(&mut Echo::new(1), &appearance, 3).0, 0.0);
 }

@@ -66,9 +66,9 @@ impl Enclosure {
 
     /// The room with walls of radiance 1 that reflect a part of the light.
     pub(super) fn emissive(self, reflected: f64, depth: u32) -> Fallible<TestImage> {
-        let shines = if matches!(self, Self::Quads) { "front" } else { "both" };
+        let sides = if matches!(self, Self::Quads) { "front" } else { "both" };
         let wall = format!(
-            "mix([(1, diffuse(albedo: gray({reflected}))), (1, light(radiance: gray(1), emission_sides: {shines}))])"
+            "mix([(1, diffuse(albedo: gray({reflected}))), (1, light(radiance: gray(1), emission_sides: {sides}))])"
         );
         self.image(&wall, "", depth)
     }

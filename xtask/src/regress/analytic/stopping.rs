@@ -57,7 +57,7 @@ fn half_a_second(conditions: &Conditions) -> CaseResult {
     });
     let pixels = rendering.film.pixels();
     checks.check(pixels.iter().flatten().all(|value| value.is_finite()), || "a pixel is not finite".to_owned());
-    let min = rendering.samples_per_pixel.least;
+    let min = rendering.samples_per_pixel.min;
     checks.check(min > 0, || "a pixel has no sample".to_owned());
     Ok(checks)
 }

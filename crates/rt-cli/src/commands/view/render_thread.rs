@@ -99,7 +99,7 @@ impl Renderer<'_> {
             let rendering = canvas.plan.render_part(&run, Some(&rule), from, &mut canvas)?.into_rendering();
             if rendering.stopped != Stopped::Interrupted {
                 canvas.film = rendering.film;
-                canvas.picture.spp = rendering.samples_per_pixel.least;
+                canvas.picture.spp = rendering.samples_per_pixel.min;
                 canvas.picture.is_finished = true;
                 canvas.add_error(rendering.error);
                 canvas.publish();

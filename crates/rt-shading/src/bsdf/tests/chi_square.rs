@@ -7,7 +7,7 @@ use super::{
 
 const SAMPLES: u64 = 40_000;
 /// Cells with fewer expected samples are counted together.
-const LEAST_EXPECTED: f64 = 5.0;
+const MIN_EXPECTED: f64 = 5.0;
 
 /// The statistic of one test, as a number of standard deviations of a normal variable (Wilson, Hilferty 1931).
 pub(super) struct Outcome {
@@ -37,16 +37,16 @@ pub(super) fn chi_square(
     let mut rest_expected = (1.0 - total).max(0.0) * SAMPLES as f64;
     let mut groups = Vec::new();
     for (observed, expected) in counts.into_iter().zip(integrals.into_iter().map(|part| part * SAMPLES as f64)) {
-        if expected >= LEAST_EXPECTED {
+        if expected >= MIN_EXPECTED {
             groups.push((observed, expected));
         } else {
             rest += observed;
             rest_expected += expected;
         }
     }
-    if rest_expected >= LEAST_EXPECTED {
+    if rest_expected >= MIN_EXPECTED {
         groups.push((rest, rest_expected));
-    } else if rest > 5.0 * LEAST_EXPECTED {
+    } else if rest > 5.0 * MIN_EXPECTED {
         return Outcome { z: f64::INFINITY, total };
     }
     Outcome { z: deviation(&groups), total }

@@ -9,8 +9,8 @@ const SAMPLES: u64 = 40_000;
 struct Brightness {
     mean: f64,
     error: f64,
-    /// The greatest of all samples.
-    greatest: f64,
+    /// The largest of all samples.
+    max: f64,
 }
 
 /// The green channel, of light whose radiance was divided by n².
@@ -19,18 +19,18 @@ pub(super) fn energy(sample: &BsdfSample) -> f64 {
 }
 
 fn brightness(bsdf: &Bsdf, wo: DVec3, seed: u64) -> Brightness {
-    let (mut sum, mut squares, mut greatest) = (0.0, 0.0, 0.0f64);
+    let (mut sum, mut squares, mut max) = (0.0, 0.0, 0.0f64);
     for index in 0..SAMPLES {
         let x = bsdf.sample(wo, numbers(seed, index)).map_or(0.0, |sample| energy(&sample));
         sum += x;
         squares += x * x;
-        greatest = greatest.max(x);
+        max = max.max(x);
     }
     let n = SAMPLES as f64;
     let mean = sum / n;
     // Rounding of a mean is no noise.
     let variance = (squares / n - mean * mean).max(0.0);
-    Brightness { mean, error: (variance / n).sqrt() + 1e-12, greatest }
+    Brightness { mean, error: (variance / n).sqrt() + 1e-12, max }
 }
 
 /// The diffuse part of glTF's plastic keeps more than what is left: see below.
@@ -134,8 +134,8 @@ fn visible_normals_bound_the_weight() {
         let is_bounded = matches!(bsdf, Bsdf::Single(Bxdf::Conductor(_) | Bxdf::Dielectric(_)))
             || matches!(bsdf, Bsdf::Single(Bxdf::MetallicRoughness(gltf)) if gltf.metallic == 1.0);
         for degrees in ANGLES.into_iter().chain([89.99, 130.0]).filter(|_| is_bounded) {
-            let greatest = brightness(&bsdf, at_angle(degrees, 0.4), 3).greatest;
-            assert!(greatest <= 1.0 + 1e-9, "{name} at {degrees}°: {greatest}");
+            let max = brightness(&bsdf, at_angle(degrees, 0.4), 3).max;
+            assert!(max <= 1.0 + 1e-9, "{name} at {degrees}°: {max}");
         }
     }
 }

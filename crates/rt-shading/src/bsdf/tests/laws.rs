@@ -29,7 +29,7 @@ fn light_may_go_either_way() {
 
 #[test]
 fn delta_lobes_are_reciprocal() {
-    for bsdf in [Bsdf::from(Dielectric::clear(1.5, 0.0)), pane().into()] {
+    for bsdf in [Bsdf::from(Dielectric::clear(1.5, 0.0)), thin_glass().into()] {
         for index in 0..1000 {
             let wo = at_angle(180.0 * numbers(30, index)[0], 1.0);
             let there = bsdf.sample(wo, numbers(31, index)).expect("scatters");
@@ -103,11 +103,11 @@ fn at_cosine(cos: f64) -> DVec3 {
 }
 
 #[test]
-fn a_pane_sums_all_its_reflections() {
-    let (reflected, transmitted) = pane().shares(1.0);
+fn thin_glass_sums_all_its_reflections() {
+    let (reflected, transmitted) = thin_glass().shares(1.0);
     assert!((reflected.g - 0.076_923_076_9).abs() < 1e-10 && (transmitted.g - 0.923_076_923_1).abs() < 1e-10);
     for cos in [1.0, 0.7, 0.1, 1e-8] {
-        let (reflected, transmitted) = pane().shares(cos);
+        let (reflected, transmitted) = thin_glass().shares(cos);
         assert!((reflected.g + transmitted.g - 1.0).abs() < 1e-14, "{cos}");
         // Ten bounces by hand, with a half absorbed at each crossing along the normal.
         let grey = ThinGlass { ior: 1.5, transmittance: Rgb::gray(0.5) };
@@ -125,7 +125,7 @@ fn a_pane_sums_all_its_reflections() {
         let (reflected, transmitted) = grey.shares(cos);
         assert!((reflected.g - expected[0]).abs() < 1e-6 && (transmitted.g - expected[1]).abs() < 1e-6, "{cos}");
     }
-    let straight = pane().sample(at_angle(50.0, 1.0), [1.0, 0.0, 0.0]).expect("passes");
+    let straight = thin_glass().sample(at_angle(50.0, 1.0), [1.0, 0.0, 0.0]).expect("passes");
     assert_eq!(straight.wi, -at_angle(50.0, 1.0));
 }
 
