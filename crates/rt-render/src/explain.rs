@@ -234,8 +234,8 @@ impl RenderPlan<'_> {
             lines.push("a camera that moves: no object is left out for its rays".to_owned());
         }
         if let (IntegratorState::Path(_), World::Instances(top, levels)) = (&self.integrator, &self.scene.world) {
-            let lamp = find_animated_light(self.scene.source, top, levels);
-            lines.extend(lamp.map(|name| format!("lamps that move, such as '{name}': found by rays, not drawn from")));
+            let light = find_animated_light(self.scene.source, top, levels);
+            lines.extend(light.map(|name| format!("lamps that move, such as '{name}': found by rays, not drawn from")));
         }
         lines
     }

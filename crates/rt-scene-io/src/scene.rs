@@ -1,11 +1,15 @@
 //! Resolved scene: plain data without paths or names to look up.
 
-use std::{collections::BTreeSet, fmt, sync::Arc};
+#[cfg(feature = "format")]
+use std::collections::BTreeSet;
+use std::{fmt, sync::Arc};
 
 use rt_camera::{CameraSettings, FilmSettings, SamplerKind};
 use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{AnimatedTransform, AnimatedTransformChain, AnimatedTransformError, Rgb, Transform};
-use rt_shading::{Appearance, ColorTexture, light::LightSampling};
+#[cfg(feature = "format")]
+use rt_shading::ColorTexture;
+use rt_shading::{Appearance, light::LightSampling};
 
 use crate::sanitize::SingleLine;
 

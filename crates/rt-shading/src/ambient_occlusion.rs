@@ -8,8 +8,9 @@ use crate::{
 use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{Frame, Interval, Ray, Rgb, Sampler};
 
-/// Shows the part of the sky that each point of a surface sees, by the cosine: ∫ V(ω) cos θ / π dω, 1 on an open plain
-/// (Zhukov, Iones, Kronin, "An ambient light illumination model", 1998). White where no surface is.
+/// Shows the part of the sky that each point of a surface sees, weighted by the cosine: ∫ V(ω) cos θ / π dω. It is 1 on an
+/// open plain, and the image is white where no surface is. Source: Zhukov, Iones and Kronin, "An ambient light illumination
+/// model", 1998.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmbientOcclusion {
     /// Surfaces farther away than this, in world units, hide nothing; infinite for all.

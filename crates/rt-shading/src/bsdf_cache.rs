@@ -80,12 +80,12 @@ mod tests {
             changed(&mut surface);
             physical(MaterialModel::Layered(Box::new(surface)))
         };
-        let pane = MaterialModel::ThinGlass { ior: 1.5, transmittance: grey };
+        let thin_glass = MaterialModel::ThinGlass { ior: 1.5, transmittance: grey };
         let alike = [
             phong(Phong { specular: grey, ..Phong::default() }),
             physical(MaterialModel::Diffuse { albedo: grey, roughness: 0.3 }),
             layered(|surface| surface.clearcoat = FloatTexture::Constant(0.5)),
-            physical(pane),
+            physical(thin_glass),
         ];
         let varying = [
             phong(Phong { diffuse: textured, ..Phong::default() }),

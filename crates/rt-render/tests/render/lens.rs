@@ -103,8 +103,8 @@ fn blur_conserves_energy() {
 fn each_ray_starts_in_the_medium_of_its_lens_point() {
     let mut scene = through_a_lens(everything());
     let eye = scene.cameras[0].settings.world_from_camera.translation();
-    let ball = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);
-    scene.nodes.push(Node::new(ball, MaterialId(3)));
+    let sphere = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);
+    scene.nodes.push(Node::new(sphere, MaterialId(3)));
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     assert!(plan.explain().to_string().contains("each camera ray looks which it starts in"));
     let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);

@@ -137,10 +137,10 @@ fn caustics_in_motion_are_means_of_static_images() {
     scene.appearance.lights.truncate(1);
     scene.nodes.truncate(1);
     let fly = |x: f64, material| {
-        let mut ball = Node::new(sphere(0.0, 0.0, 0.0, 0.7), MaterialId(material));
-        ball.parent_from_local = shift(x, 0.6, 0.0);
-        ball.moves_to = Some(shift(x + 1.5, 0.6, 1.0));
-        ball
+        let mut moving_sphere = Node::new(sphere(0.0, 0.0, 0.0, 0.7), MaterialId(material));
+        moving_sphere.parent_from_local = shift(x, 0.6, 0.0);
+        moving_sphere.moves_to = Some(shift(x + 1.5, 0.6, 1.0));
+        moving_sphere
     };
     scene.nodes.extend([fly(-1.0, 3), fly(-3.0, 0)]);
     let camera = &mut scene.cameras[0].settings;
@@ -286,11 +286,11 @@ fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
     let dark = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
     let white = ColorTexture::Constant(Rgb::WHITE);
     scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
-    let mut ball = Node::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
-    ball.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
-    ball.moves_to = Some(shift(0.5 * way, 0.0, 0.0));
-    scene.nodes = vec![ball];
-    for (shutter, lamp) in [([0.0, 1.0], 1.0), ([0.25, 0.75], 0.5)] {
+    let mut moving_sphere = Node::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
+    moving_sphere.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
+    moving_sphere.moves_to = Some(shift(0.5 * way, 0.0, 0.0));
+    scene.nodes = vec![moving_sphere];
+    for (shutter, open_share) in [([0.0, 1.0], 1.0), ([0.25, 0.75], 0.5)] {
         scene.cameras[0].settings.shutter = shutter;
         let film = render(&scene);
         let mut squares = 0.0;
@@ -302,7 +302,7 @@ fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
             };
             let side = 2.0 / 65.0;
             let bottom = 1.0 - side * (row as f64 + 1.0);
-            let expected = (integral(bottom + side) - integral(bottom)) / side / (way * lamp);
+            let expected = (integral(bottom + side) - integral(bottom)) / side / (way * open_share);
             let error = f64::from(pixel[0]) - expected;
             assert!(error.abs() < 0.01, "row {row}: {} for {expected}", pixel[0]);
             squares += error * error;
@@ -367,14 +367,14 @@ fn animated_lights_are_found_by_rays() {
     scene.appearance.materials.push(emissive_material);
     // An infinite ceiling covers the same points at all times: its light is that of a static one.
     let wide = rt_geometry::Cuboid::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");
-    let lamp = Content::Shape(rt_geometry::Shape::Cuboid(wide));
-    scene.nodes.push(Node::new(lamp, MaterialId(1)));
+    let light = Content::Shape(rt_geometry::Shape::Cuboid(wide));
+    scene.nodes.push(Node::new(light, MaterialId(1)));
     let mean = |scene: &Scene| {
         let film = render(scene);
         film.pixels().iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / film.pixels().len() as f64
     };
     let mut moving = scene.clone();
-    moving.nodes.last_mut().expect("the lamp").moves_to = Some(shift(0.0, 1e-6, 0.0));
+    moving.nodes.last_mut().expect("the light").moves_to = Some(shift(0.0, 1e-6, 0.0));
     for integrator in [Integrator::Path, Integrator::Direct, Integrator::Caustics] {
         let [still, moving] = [&scene, &moving].map(|scene| {
             let settings = Settings { integrator, spp: 128, ..scene.settings };

@@ -59,16 +59,16 @@ fn drink() -> Scene {
 #[test]
 fn trimming_threads_and_structures_do_not_change_nested_glass() {
     let mut scene = drink();
-    let picture = film(&scene);
+    let image = film(&scene);
     let full = PlanOptions { full: true, ..PlanOptions::default() };
-    assert_same(&picture, &render(&scene, &full).film, "full plan");
+    assert_same(&image, &render(&scene, &full).film, "full plan");
     for accel in [Accel::Linear, Accel::Grid, Accel::Bvh] {
         scene.settings.accel = accel;
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
         let one = plan
             .render(&RunOptions { threads: 1, count: true, ..RunOptions::default() }, |_| {})
             .expect("threads start");
-        assert_same(&picture, &one.film, accel.name());
+        assert_same(&image, &one.film, accel.name());
         assert!(one.statistics.shading.passages > 0 && one.statistics.shading.interior_overflows == 0);
     }
 }

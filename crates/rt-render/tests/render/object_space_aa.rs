@@ -110,8 +110,8 @@ fn the_smallest_objects_are_found() {
 #[test]
 fn shadow_edges_take_all_samples_and_umbrae_the_minimum() {
     // The sun is behind the camera, and so is the sphere that casts the shadow.
-    let ball = Node::new(sphere(20.0, 20.0, 300.0, 7.3), MaterialId(1));
-    let scene = front_view(vec![wall(), ball], vec![matte(), glowing(Rgb::WHITE)], vec![sun(DVec3::NEG_Z)]);
+    let sphere_node = Node::new(sphere(20.0, 20.0, 300.0, 7.3), MaterialId(1));
+    let scene = front_view(vec![wall(), sphere_node], vec![matte(), glowing(Rgb::WHITE)], vec![sun(DVec3::NEG_Z)]);
     let is_cut = |[column, row]: [usize; 2]| {
         let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| hypot(column as f64 + x - 20.0, row as f64 + y - 20.0)));
         let inside = corners.as_flattened().iter().filter(|distance| **distance < 7.3).count();
@@ -177,13 +177,13 @@ fn clutter(seed: u64, light: DeltaLight) -> Scene {
 
 #[test]
 fn no_simple_pixel_has_an_edge_in_it() {
-    let lamp = DeltaLight {
+    let light_far_away = DeltaLight {
         kind: DeltaLightKind::Point { position: DVec3::new(3e4, 8e4, 2e4), falloff: Falloff::None, shadow_near: 0.0 },
         ..sun(DVec3::NEG_Y)
     };
     let mut simple_pixels = 0;
     for seed in 0..12 {
-        let light = if seed % 2 == 0 { sun(DVec3::new(-0.3, -0.8, -0.2)) } else { lamp.clone() };
+        let light = if seed % 2 == 0 { sun(DVec3::new(-0.3, -0.8, -0.2)) } else { light_far_away.clone() };
         let scene = clutter(seed, light);
         // One sample of 128 beyond an edge would make it 4·10⁻³.
         let most = if seed % 2 == 0 { 1e-6 } else { 1e-3 };
@@ -282,8 +282,8 @@ fn specular_surfaces_take_all_samples() {
 fn a_highlight_takes_all_samples_where_it_is_narrow() {
     let shiny = |exponent| {
         let phong = Phong { specular: colour(Rgb::WHITE), exponent, ..Phong::default() };
-        let ball = Node::new(sphere(20.0, 20.0, 0.0, 15.0), MaterialId(0));
-        let scene = front_view(vec![ball], vec![Material::new("shiny".into(), phong)], vec![sun(DVec3::NEG_Z)]);
+        let sphere_node = Node::new(sphere(20.0, 20.0, 0.0, 15.0), MaterialId(0));
+        let scene = front_view(vec![sphere_node], vec![Material::new("shiny".into(), phong)], vec![sun(DVec3::NEG_Z)]);
         complex(&render(&adaptive(&scene)))
     };
     let (wide, narrow) = (shiny(1.0), shiny(400.0));

@@ -114,14 +114,14 @@ fn passes_one_after_the_other_are_those_of_a_tile() {
 
 #[test]
 fn passes_are_independent_of_each_other() {
-    let picture = |spp, passes| {
+    let image = |spp, passes| {
         let mut scene = half_plane(12, 0.3, 0.2);
         (scene.settings.spp, scene.settings.passes) = (spp, Some(passes));
         fixed(&scene, RunOptions::default()).film
     };
     // Equal passes would give the image of one.
-    assert_ne!(picture(8, 2), picture(4, 1));
-    assert_eq!(picture(4, 1), picture(4, 1));
+    assert_ne!(image(8, 2), image(4, 1));
+    assert_eq!(image(4, 1), image(4, 1));
 }
 
 /// True error of an image, and its estimate.
@@ -189,8 +189,8 @@ fn targets_hold_with_the_stated_confidence() {
     }
     // One-sided binomial test of 94 % at the level of 1 %.
     let expected = 0.94 * f64::from(tried);
-    let least = expected - 2.326 * (expected * 0.06).sqrt();
-    assert!(f64::from(kept) >= least, "{kept} of {tried}, {least} needed");
+    let min_kept = expected - 2.326 * (expected * 0.06).sqrt();
+    assert!(f64::from(kept) >= min_kept, "{kept} of {tried}, {min_kept} needed");
 }
 
 #[test]
@@ -217,8 +217,8 @@ fn new_samples_are_without_bias() {
 fn only_pixels_near_an_edge_stay_active() {
     let run = RunOptions { maps: true, ..RunOptions::default() };
     let rendering = until(&half_plane(32, 0.3, 0.2), to_error(0.02, false, 512), run);
-    let SampleRange { min: least, max: most, .. } = rendering.samples_per_pixel;
-    assert_eq!((least, most, rendering.stopped), (64, 512, Stopped::Samples));
+    let SampleRange { min, max, .. } = rendering.samples_per_pixel;
+    assert_eq!((min, max, rendering.stopped), (64, 512, Stopped::Samples));
     assert!(rendering.unconverged.is_some_and(|pixels| (1..60).contains(&pixels)), "{:?}", rendering.unconverged);
     let counts = rendering.sample_counts.expect("kept");
     let on_edge = |truth: f64| truth > 0.005 && truth < 0.495;
@@ -236,8 +236,8 @@ fn time_ends_a_render_between_passes() {
     let rule = StopRule { time: Some(limit), ..StopRule::default() };
     let rendering = until(&half_plane(64, 0.3, 0.2), rule, RunOptions::default());
     assert_eq!(rendering.stopped, Stopped::Time);
-    let SampleRange { min: least, max: most, .. } = rendering.samples_per_pixel;
-    assert!(least == most && most > 1 && rendering.error.is_some(), "{:?}", rendering.samples_per_pixel);
+    let SampleRange { min, max, .. } = rendering.samples_per_pixel;
+    assert!(min == max && max > 1 && rendering.error.is_some(), "{:?}", rendering.samples_per_pixel);
     // One pass is taken even without any time, and the image is complete.
     let none = StopRule { time: Some(Duration::ZERO), ..StopRule::default() };
     let rendering = until(&half_plane(64, 0.3, 0.2), none, RunOptions::default());
@@ -248,8 +248,8 @@ fn time_ends_a_render_between_passes() {
 fn the_default_target_is_that_of_the_image() {
     let scene = half_plane(40, 0.3, 0.2);
     let rendering = until(&scene, to_image_error(0.02, 4096), RunOptions::default());
-    let SampleRange { min: least, max: most, .. } = rendering.samples_per_pixel;
-    assert_eq!((rendering.stopped, rendering.unconverged, least), (Stopped::Target, None, most));
+    let SampleRange { min, max, .. } = rendering.samples_per_pixel;
+    assert_eq!((rendering.stopped, rendering.unconverged, min), (Stopped::Target, None, max));
     let error = rendering.error.expect("several passes");
     // The last pass adds at most half of the samples, and patterns converge faster than random samples.
     assert!((0.009..=0.02).contains(&error.relative_rmse()), "{error:?}");

@@ -22,9 +22,9 @@ impl PowerLightSampler {
     /// Sampler by the luminance of these powers. Lights without power are never sampled.
     pub fn new(powers: impl IntoIterator<Item = Rgb>) -> Self {
         let mut sums: Vec<f64> = powers.into_iter().map(|power| power.luminance().clamp(0.0, f64::MAX)).collect();
-        // The sum of the greatest powers would overflow.
-        let greatest = sums.iter().fold(0.0f64, |a, &b| a.max(b));
-        sums.iter_mut().for_each(|power| *power /= greatest);
+        // The sum of the largest powers would overflow.
+        let max_power = sums.iter().fold(0.0f64, |a, &b| a.max(b));
+        sums.iter_mut().for_each(|power| *power /= max_power);
         accumulate(&mut sums);
         Self { sums }
     }

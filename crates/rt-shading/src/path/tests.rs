@@ -212,11 +212,11 @@ fn glass_neither_makes_nor_loses_light() {
     furnace(glass(1.0, 0.5, 0.0)).assert_shows(paths(5), straight, rt_math::transcendental::exp(-1.0));
 }
 
-/// Each pane was entered as a body and never left, until the list of bodies was full and further panes were not seen.
+/// Each thin_glass was entered as a body and never left, until the list of bodies was full and further panes were not seen.
 #[test]
 fn forty_panes_of_thin_glass_each_take_their_part() {
-    let pane = MaterialModel::ThinGlass { ior: 1.0, transmittance: gray(0.95) };
-    let mut material = emissive(pane, 0.0);
+    let thin_glass = MaterialModel::ThinGlass { ior: 1.0, transmittance: gray(0.95) };
+    let mut material = emissive(thin_glass, 0.0);
     // Without the mirror of the conversion.
     let transmission = Some(Transmission { coefficient: gray(0.95), fresnel: false });
     material.phong_override = Some(Phong { transmission, ..Phong::BLACK });
