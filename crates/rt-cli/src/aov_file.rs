@@ -7,7 +7,8 @@ use rt_render::Rendering;
 
 use crate::args::{Aov, AovArg};
 use crate::error::CliError;
-use crate::output::{OutputError, OutputFile};
+use crate::output::OutputFile;
+use crate::output_error::OutputError;
 use crate::picture_file;
 
 #[derive(Debug)]

@@ -5,6 +5,7 @@ mod compare;
 mod converge;
 mod default_command;
 mod frames;
+mod input;
 mod memory;
 mod merge;
 mod picture;
@@ -18,20 +19,20 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use rt_image::ImageFormat;
-use rt_scene_io::{InMemoryFile, LoadErrorKind, StudioLights};
 
-pub(crate) use checkpoint::{CheckpointArgs, CheckpointInterval};
+pub(crate) use checkpoint::CheckpointArgs;
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{ConvergeArgs, ReferenceKind, Variation};
 pub(crate) use default_command::with_default_command;
-pub(crate) use frames::{FrameChoice, Frames, FramesArgs, TimingArgs};
+pub(crate) use frames::{FrameChoice, Frames, FramesArgs};
+pub(crate) use input::InputArgs;
 pub(crate) use memory::{Amount, MemoryArgs};
 pub(crate) use merge::MergeArgs;
-pub(crate) use picture::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
-pub(crate) use stop::{Aov, AovArg, StopArgs};
+pub(crate) use picture::{AdaptiveChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+pub(crate) use stop::StopArgs;
 #[cfg(feature = "view")]
 pub(crate) use values::TONE_CURVES;
-pub(crate) use values::{tone_name, tone_of_name};
+pub(crate) use values::{Aov, AovArg, BackgroundChoice, CheckpointInterval, tone_name, tone_of_name};
 
 /// Name of an enum value on the command line.
 pub(crate) fn name_of(value: impl ValueEnum) -> String {
@@ -261,62 +262,6 @@ pub(crate) struct DevelopArgs {
     pub(crate) memory: MemoryArgs,
 }
 
-#[derive(Clone, Debug, Args)]
-pub(crate) struct InputArgs {
-    /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl), or - for standard input
-    ///
-    /// A scene from standard input refers to files in the current directory, and is called `stdin`.
-    #[arg(value_hint = ValueHint::FilePath)]
-    pub(crate) scene: PathBuf,
-
-    /// Set the format of standard input [default: detected for .ron, .json, .gltf, .glb, .ply]
-    #[arg(long, value_name = "FORMAT", value_parser = crate::stdin::FORMATS)]
-    pub(crate) input_format: Option<String>,
-
-    /// Content of standard input.
-    #[arg(skip)]
-    pub(crate) piped: Option<InMemoryFile>,
-
-    /// Only read assets below this directory [default: the scene's directory]
-    #[arg(long, alias = "root", value_name = "DIR", value_hint = ValueHint::DirPath)]
-    pub(crate) asset_root: Option<PathBuf>,
-
-    /// Put a ground plane under a bare model
-    #[arg(long)]
-    pub(crate) ground: bool,
-
-    /// Add studio lights: auto (only to unlit scenes), none, or studio (always)
-    ///
-    /// Studio lights are a key light, a fill light, ambient light and a background. A scene is unlit without lights, emissive
-    /// materials and environment image, and without a non-black background if the integrator takes light from it.
-    #[arg(long, value_name = "NAME", value_parser = values::named(&StudioLights::ALL, StudioLights::name), default_value = "auto")]
-    pub(crate) lights: StudioLights,
-
-    /// Evaluate animations of the scene and of glTF models at this time in seconds
-    ///
-    /// Without it, models are in their rest pose and scene files at time 0. Times before the first key and after the last key clamp.
-    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_negative_numbers = true, group = "time_of_animation")]
-    pub(crate) at_time: Option<f64>,
-
-    #[command(flatten)]
-    pub(crate) timing: TimingArgs,
-
-    /// Choose the animation of models by name or index, or `all` [default: the first]
-    #[arg(long, value_name = "NAME|INDEX", requires = "time_of_animation")]
-    pub(crate) animation: Option<String>,
-
-    /// Choose the material variant of glTF models
-    #[arg(long, value_name = "NAME")]
-    pub(crate) variant: Option<String>,
-
-    #[command(flatten)]
-    pub(crate) memory: MemoryArgs,
-
-    /// Refuse files larger than this, such as 2GiB [default: 1GiB]
-    #[arg(long, value_name = "BYTES", value_parser = memory::bytes, help_heading = "Limits")]
-    pub(crate) max_file_size: Option<u64>,
-}
-
 /// Options without influence on the image.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Running")]
@@ -369,8 +314,3 @@ their part of the view is empty. `pixel_samples` are the samples per pixel; `sim
 without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `estimated_error` is null after a single \
 pass. `shading` counts the work of materials. `seconds` are wall-clock times. Counts are the same in every run; `seconds`, \
 `mega_rays_per_second` and `peak_memory_bytes` (null where unknown) are not.";
-
-/// Message for an unknown word, with the nearest known one.
-fn unknown_word(kind: &'static str, found: &str, known: Vec<String>) -> String {
-    LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known }.to_string()
-}

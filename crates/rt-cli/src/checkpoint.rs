@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use rt_render::{Checkpoint, Kept, RenderSnapshot, Share};
 
 use crate::args::{CheckpointArgs, CheckpointInterval};
-use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
+use crate::artifact_error::{ArtifactError, ArtifactKind};
+use crate::checkpoint_file::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::identity::Identity;

@@ -8,7 +8,7 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read as _, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rt_image::{Development, Dither, Encoding};
 use rt_render::{Checkpoint, ContentError, Part, UncheckedCheckpoint, UncheckedPart};
@@ -17,6 +17,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::args::{tone_name, tone_of_name};
+use crate::artifact_error::{ArtifactError, ArtifactKind};
 use crate::identity::Identity;
 
 const MAGIC: &[u8] = b"rt-cli kept 1\n";
@@ -42,49 +43,6 @@ pub(crate) struct Label {
     gamma: Option<f64>,
     /// Position of the upper left pixel in the full image, for dithering.
     dither_origin: Option<[u32; 2]>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum ArtifactKind {
-    /// State of an unfinished render.
-    Checkpoint,
-    /// Finished share of an image.
-    Part,
-}
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ArtifactError {
-    #[error("{}: cannot be read: {source}", file.display())]
-    Read { file: PathBuf, source: io::Error },
-    #[error("{}: is not a regular file", .0.display())]
-    NotAFile(PathBuf),
-    #[error("{}: {shortage}", file.display())]
-    Memory { file: PathBuf, shortage: MemoryError },
-    /// The hash is right, and a value is not.
-    #[error("{}: is not a valid {kind}: {reason}", file.display())]
-    Content { file: PathBuf, kind: ArtifactKind, reason: String },
-    #[error("{}: is not a {kind}", file.display())]
-    OtherKind { file: PathBuf, kind: ArtifactKind },
-    #[error("{}: is damaged: its content does not match its hash", .0.display())]
-    Damaged(PathBuf),
-    #[error("{}: is not a list of finished frames; remove it to start over", .0.display())]
-    Log(PathBuf),
-    #[error("{}: was written by version {version} of this program; this is version {}", file.display(), env!("CARGO_PKG_VERSION"))]
-    Version { file: PathBuf, version: String },
-    #[error("{}: was made with other options: give --stats, --aov, --time and --target-error exactly as at first, or start over \
-             with --restart", .0.display())]
-    OtherOptions(PathBuf),
-    #[error("{}: is of another image: its scene ({scene}), a file of it, or an option differs{advice}", file.display())]
-    Foreign { file: PathBuf, scene: String, advice: &'static str },
-}
-
-impl core::fmt::Display for ArtifactKind {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Checkpoint => "checkpoint",
-            Self::Part => "part of an image",
-        })
-    }
 }
 
 impl Label {

@@ -10,9 +10,11 @@ use rt_image::{ImageFileError, metrics::PairError};
 use rt_render::RenderError;
 use rt_scene_io::{LoadError, MemoryError};
 
-use crate::checkpoint_file::ArtifactError;
-use crate::output::OutputError;
-use crate::signals;
+use crate::artifact_error::ArtifactError;
+use crate::output_error::OutputError;
+
+/// Exit code of an interrupted command: 128 + SIGINT, as in shells.
+pub(crate) const INTERRUPTED_EXIT_CODE: u8 = 130;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
@@ -116,7 +118,7 @@ impl CliError {
             #[cfg(feature = "view")]
             Self::Server(..) => 4,
             Self::Damaged { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
-            Self::Interrupted { .. } => signals::EXIT_CODE,
+            Self::Interrupted { .. } => INTERRUPTED_EXIT_CODE,
         })
     }
 }

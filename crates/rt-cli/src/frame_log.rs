@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use rt_render::Share;
 
 use crate::args::Frames;
-use crate::checkpoint_file::ArtifactError;
+use crate::artifact_error::ArtifactError;
 use crate::done_frames::{self, DoneFrames, MAX_LOG_BYTES};
 use crate::error::CliError;
 use crate::identity::Identity;

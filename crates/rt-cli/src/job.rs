@@ -10,12 +10,14 @@ use rt_render::{Crop, Part, PlanOptions, RenderError, RenderPlan, Rendering, Run
 use rt_scene_io::Scene;
 
 use crate::aov_file::AovFile;
+use crate::artifact_error::{ArtifactError, ArtifactKind};
 use crate::checkpoint::{CheckpointOptions, Checkpointer};
-use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
+use crate::checkpoint_file::{self, Label};
 use crate::console::Console;
 use crate::display::Display;
 use crate::error::CliError;
-use crate::output::{OutputError, OutputFile, fallback_dirs, write_all};
+use crate::output::{OutputFile, fallback_dirs, write_all};
+use crate::output_error::OutputError;
 use crate::render_observer::RenderObserver;
 use crate::signals::SignalGuard;
 use crate::stats::{self, Outcome};

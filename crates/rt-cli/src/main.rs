@@ -26,6 +26,7 @@
 
 mod aov_file;
 mod args;
+mod artifact_error;
 mod checkpoint;
 mod checkpoint_file;
 mod commands;
@@ -41,6 +42,7 @@ mod input;
 mod job;
 mod memory;
 mod output;
+mod output_error;
 mod picture_file;
 mod processor;
 mod progress;

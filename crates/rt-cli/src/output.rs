@@ -10,11 +10,11 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, IsTerminal, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use bytesize::ByteSize;
 use tempfile::NamedTempFile;
 
 use crate::console::reserve_stdout;
 use crate::error::CliError;
+use crate::output_error::OutputError;
 use crate::stdin::is_dash;
 
 /// Output path that was checked to be writable.
@@ -29,32 +29,6 @@ pub(crate) struct OutputFile {
 }
 
 const STDOUT: &str = "standard output";
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum OutputError {
-    #[error("cannot write `{}`: it names no file", .0.display())]
-    NoName(PathBuf),
-    #[error("cannot write `{}`: {} is not a directory; create it, or choose another", path.display(), folder.display())]
-    NoFolder { path: PathBuf, folder: PathBuf },
-    #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]
-    NotAFile(PathBuf),
-    #[error("cannot write `{}`: it exists and is read-only; remove it, or choose another name", .0.display())]
-    ReadOnly(PathBuf),
-    #[error("cannot write `{}`: it is an input; choose another name", .0.display())]
-    IsInput(PathBuf),
-    #[error("cannot write `{}`: the directory {} is not writable: {source}", path.display(), folder.display())]
-    Folder { path: PathBuf, folder: PathBuf, source: io::Error },
-    #[error(
-        "cannot write `{}`: it may take {}, and only {} are free in {}",
-        path.display(), ByteSize(*bytes), ByteSize(*available), folder.display()
-    )]
-    NoSpace { path: PathBuf, folder: PathBuf, available: u64, bytes: u64 },
-    /// Writing failed, and left nothing behind.
-    #[error("cannot write `{}`: {reason}", path.display())]
-    Write { path: PathBuf, reason: String },
-    #[error("{original}; it was saved as `{}` instead", path.display())]
-    WrittenElsewhere { original: Box<Self>, path: PathBuf },
-}
 
 /// Target of a link, which need not exist, or the path itself.
 fn followed(path: &Path) -> Result<PathBuf, OutputError> {

@@ -14,9 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use crate::console::print_to_terminal;
-
-/// Exit code of an interrupted command: 128 + SIGINT, as in shells.
-pub(crate) const EXIT_CODE: u8 = 130;
+use crate::error::INTERRUPTED_EXIT_CODE;
 
 /// Further SIGINTs within this time of the first count as the same.
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
@@ -61,7 +59,7 @@ impl Drop for SignalGuard {
 }
 
 fn end() -> ! {
-    process::exit(EXIT_CODE.into())
+    process::exit(INTERRUPTED_EXIT_CODE.into())
 }
 
 /// Sets the flag; ends the program without a guard.

@@ -1,12 +1,11 @@
 //! Options of long renders: checkpoints, shards, fallback directories.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::{Args, ValueHint};
 use rt_render::Share;
 
-use super::values;
+use super::values::{self, CheckpointInterval};
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Long renders")]
@@ -45,10 +44,4 @@ pub(crate) struct FallbackArgs {
     /// Directory for results whose output path is not writable [default: $TMPDIR, then .]
     #[arg(long = "fallback-dir", alias = "fallback", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) dir: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum CheckpointInterval {
-    Time(Duration),
-    Never,
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum, ValueHint};
 
-use super::InputArgs;
+use super::input::InputArgs;
 use super::picture::DevelopmentArgs;
 use super::raw_options::{RawOptions, variable_option};
 use super::values;

@@ -6,7 +6,9 @@ use clap::{Args, ValueHint};
 use rt_image::ImageFormat;
 
 use super::checkpoint::FallbackArgs;
-use super::{AovArg, DevelopmentArgs, MemoryArgs, values};
+use super::memory::MemoryArgs;
+use super::picture::DevelopmentArgs;
+use super::values::{self, AovArg};
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {

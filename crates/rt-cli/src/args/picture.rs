@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 use rt_camera::SamplerKind;
 use rt_image::ToneCurve;
-use rt_math::{DVec3, Rgb};
+use rt_math::DVec3;
 use rt_render::{Crop, Quality, SimdLevel};
 use rt_scene_io::{Accel, Integrator, LightSampling};
 
-use super::values::{self, named};
+use super::values::{self, BackgroundChoice, named};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PictureArgs {
@@ -145,12 +145,4 @@ pub(crate) struct DevelopmentArgs {
 pub(crate) enum AdaptiveChoice {
     Off,
     ObjectSpace,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum BackgroundChoice {
-    /// Constant radiance.
-    Color(Rgb),
-    /// No background: the image has an alpha channel.
-    Transparent,
 }

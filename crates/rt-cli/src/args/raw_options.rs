@@ -5,7 +5,8 @@ use std::ffi::OsString;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches, Parser};
 
-use super::{PictureArgs, unknown_word};
+use super::picture::PictureArgs;
+use super::values::unknown_word;
 
 /// Options that `converge` sets itself.
 const MANAGED: [&str; 3] = ["spp", "time", "target-error"];

@@ -1,9 +1,8 @@
-//! Stop rules and per-pixel outputs.
+//! Stop rules, and the help of per-pixel outputs.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rt_render::{Criterion, StopRule, TargetError};
 
 use super::values;
@@ -55,21 +54,6 @@ impl StopArgs {
         let max_spp = spp.unwrap_or(cap);
         (self.time.is_some() || target.is_some()).then_some(StopRule { time: self.time, target, max_spp })
     }
-}
-
-/// Per-pixel output other than radiance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Aov {
-    /// Standard error of each channel.
-    #[value(alias = "variance")]
-    Stderr,
-    Samples,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct AovArg {
-    pub(crate) aov: Aov,
-    pub(crate) file: PathBuf,
 }
 
 pub(super) const AOV_HELP: &str = "\

@@ -1,6 +1,6 @@
-//! Parsers of option values. Each error states the expected form.
+//! Values of options and their parsers. Each error states the expected form.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::ValueEnum;
@@ -9,8 +9,36 @@ use rt_camera::FilmSettings;
 use rt_image::{Development, Encoding, ImageFormat, ToneCurve, metrics::Flip};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, Share, SimdLevel};
+use rt_scene_io::LoadErrorKind;
 
-use super::{Aov, AovArg, BackgroundChoice, CheckpointInterval, unknown_word};
+/// Per-pixel output other than radiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Aov {
+    /// Standard error of each channel.
+    #[value(alias = "variance")]
+    Stderr,
+    Samples,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct AovArg {
+    pub(crate) aov: Aov,
+    pub(crate) file: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BackgroundChoice {
+    /// Constant radiance.
+    Color(Rgb),
+    /// No background: the image has an alpha channel.
+    Transparent,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CheckpointInterval {
+    Time(Duration),
+    Never,
+}
 
 pub(crate) const TONE_CURVES: [ToneCurve; 3] = [ToneCurve::Clamp, ToneCurve::Reinhard, ToneCurve::Aces];
 
@@ -226,6 +254,11 @@ fn finite_numbers(text: &str) -> Option<[f64; 3]> {
 fn numbers<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let values: Option<Vec<T>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     values?.try_into().ok()
+}
+
+/// Message for an unknown word, with the nearest known one.
+pub(super) fn unknown_word(kind: &'static str, found: &str, known: Vec<String>) -> String {
+    LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known }.to_string()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod measures;
 mod pair;
 mod report;
+mod verdict;
 
 use rt_image::metrics::{ColourScale, heat_map};
 use rt_image::{Development, write_image};
@@ -10,7 +11,8 @@ use rt_image::{Development, write_image};
 use self::measures::Measures;
 use self::pair::Images;
 use self::report::{Comparison, HeatMap};
-use crate::args::{CompareArgs, HeatMapOf, Metric, name_of};
+use self::verdict::verdict;
+use crate::args::{CompareArgs, HeatMapOf, Metric};
 use crate::console::{print, show};
 use crate::error::CliError;
 use crate::output::OutputFile;
@@ -62,28 +64,6 @@ fn needs_radiance(args: &CompareArgs) -> Option<&'static str> {
         Some("--heat-map-of")
     } else {
         None
-    }
-}
-
-/// Metric of the exit code.
-#[derive(Clone, Copy, Debug)]
-struct Verdict {
-    metric: Metric,
-    value: f64,
-    threshold: f64,
-}
-
-fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict, CliError> {
-    let (metric, threshold) = match args.max_rmse {
-        Some(threshold) => (Metric::Rmse, threshold),
-        None => (args.metric, args.threshold.unwrap_or(args.metric.best())),
-    };
-    match measures.value(metric) {
-        Some(value) => Ok(Verdict { metric, value, threshold }),
-        None if metric == Metric::Coverage => Ok(Verdict { metric, value: 0.0, threshold }),
-        None => {
-            Err(CliError::Usage(format!("--metric {} requires images of at least 11 by 11 pixels", name_of(metric))))
-        }
     }
 }
 

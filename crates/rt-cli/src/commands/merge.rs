@@ -8,7 +8,8 @@ use rt_render::{JoinError, Part, Rendering};
 
 use crate::aov_file::AovFile;
 use crate::args::MergeArgs;
-use crate::checkpoint_file::{self, ArtifactError, ArtifactKind, Label};
+use crate::artifact_error::{ArtifactError, ArtifactKind};
+use crate::checkpoint_file::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::output::{OutputFile, fallback_dirs, write_all};

@@ -7,9 +7,9 @@ use comfy_table::{CellAlignment, Table, presets};
 use rt_image::metrics::ImagePair;
 use serde_json::{Map, Value, json};
 
-use super::Verdict;
 use super::measures::Measures;
 use super::pair::{Images, LoadedImage};
+use super::verdict::Verdict;
 use crate::args::{CompareArgs, HeatMapOf, Metric, name_of};
 use crate::error::CliError;
 

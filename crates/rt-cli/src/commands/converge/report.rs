@@ -17,7 +17,8 @@ use super::summary::{Precision, Summary, TRUSTED};
 use super::table;
 use crate::args::{ConvergeArgs, ReferenceKind, name_of};
 use crate::error::CliError;
-use crate::output::{OutputError, OutputFile};
+use crate::output::OutputFile;
+use crate::output_error::OutputError;
 
 /// Output directory and files.
 #[derive(Debug)]

@@ -1,0 +1,66 @@
+//! Options of the input: scene or model, and how it is read.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
+use rt_scene_io::{InMemoryFile, StudioLights};
+
+use super::frames::TimingArgs;
+use super::memory::{self, MemoryArgs};
+use super::values;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct InputArgs {
+    /// Scene (.ron, .json) or model (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl), or - for standard input
+    ///
+    /// A scene from standard input refers to files in the current directory, and is called `stdin`.
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+
+    /// Set the format of standard input [default: detected for .ron, .json, .gltf, .glb, .ply]
+    #[arg(long, value_name = "FORMAT", value_parser = crate::stdin::FORMATS)]
+    pub(crate) input_format: Option<String>,
+
+    /// Content of standard input.
+    #[arg(skip)]
+    pub(crate) piped: Option<InMemoryFile>,
+
+    /// Only read assets below this directory [default: the scene's directory]
+    #[arg(long, alias = "root", value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) asset_root: Option<PathBuf>,
+
+    /// Put a ground plane under a bare model
+    #[arg(long)]
+    pub(crate) ground: bool,
+
+    /// Add studio lights: auto (only to unlit scenes), none, or studio (always)
+    ///
+    /// Studio lights are a key light, a fill light, ambient light and a background. A scene is unlit without lights, emissive
+    /// materials and environment image, and without a non-black background if the integrator takes light from it.
+    #[arg(long, value_name = "NAME", value_parser = values::named(&StudioLights::ALL, StudioLights::name), default_value = "auto")]
+    pub(crate) lights: StudioLights,
+
+    /// Evaluate animations of the scene and of glTF models at this time in seconds
+    ///
+    /// Without it, models are in their rest pose and scene files at time 0. Times before the first key and after the last key clamp.
+    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_negative_numbers = true, group = "time_of_animation")]
+    pub(crate) at_time: Option<f64>,
+
+    #[command(flatten)]
+    pub(crate) timing: TimingArgs,
+
+    /// Choose the animation of models by name or index, or `all` [default: the first]
+    #[arg(long, value_name = "NAME|INDEX", requires = "time_of_animation")]
+    pub(crate) animation: Option<String>,
+
+    /// Choose the material variant of glTF models
+    #[arg(long, value_name = "NAME")]
+    pub(crate) variant: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
+
+    /// Refuse files larger than this, such as 2GiB [default: 1GiB]
+    #[arg(long, value_name = "BYTES", value_parser = memory::bytes, help_heading = "Limits")]
+    pub(crate) max_file_size: Option<u64>,
+}

@@ -1,0 +1,50 @@
+//! Errors of checkpoints and parts.
+
+use std::io;
+use std::path::PathBuf;
+
+use rt_scene_io::MemoryError;
+use serde::{Deserialize, Serialize};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum ArtifactKind {
+    /// State of an unfinished render.
+    Checkpoint,
+    /// Finished share of an image.
+    Part,
+}
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ArtifactError {
+    #[error("{}: cannot be read: {source}", file.display())]
+    Read { file: PathBuf, source: io::Error },
+    #[error("{}: is not a regular file", .0.display())]
+    NotAFile(PathBuf),
+    #[error("{}: {shortage}", file.display())]
+    Memory { file: PathBuf, shortage: MemoryError },
+    /// The hash is right, and a value is not.
+    #[error("{}: is not a valid {kind}: {reason}", file.display())]
+    Content { file: PathBuf, kind: ArtifactKind, reason: String },
+    #[error("{}: is not a {kind}", file.display())]
+    OtherKind { file: PathBuf, kind: ArtifactKind },
+    #[error("{}: is damaged: its content does not match its hash", .0.display())]
+    Damaged(PathBuf),
+    #[error("{}: is not a list of finished frames; remove it to start over", .0.display())]
+    Log(PathBuf),
+    #[error("{}: was written by version {version} of this program; this is version {}", file.display(), env!("CARGO_PKG_VERSION"))]
+    Version { file: PathBuf, version: String },
+    #[error("{}: was made with other options: give --stats, --aov, --time and --target-error exactly as at first, or start over \
+             with --restart", .0.display())]
+    OtherOptions(PathBuf),
+    #[error("{}: is of another image: its scene ({scene}), a file of it, or an option differs{advice}", file.display())]
+    Foreign { file: PathBuf, scene: String, advice: &'static str },
+}
+
+impl core::fmt::Display for ArtifactKind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Checkpoint => "checkpoint",
+            Self::Part => "part of an image",
+        })
+    }
+}

@@ -1,0 +1,27 @@
+//! The metric that decides about the exit code.
+
+use super::measures::Measures;
+use crate::args::{CompareArgs, Metric, name_of};
+use crate::error::CliError;
+
+/// Metric of the exit code.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Verdict {
+    pub(super) metric: Metric,
+    pub(super) value: f64,
+    pub(super) threshold: f64,
+}
+
+pub(super) fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict, CliError> {
+    let (metric, threshold) = match args.max_rmse {
+        Some(threshold) => (Metric::Rmse, threshold),
+        None => (args.metric, args.threshold.unwrap_or(args.metric.best())),
+    };
+    match measures.value(metric) {
+        Some(value) => Ok(Verdict { metric, value, threshold }),
+        None if metric == Metric::Coverage => Ok(Verdict { metric, value: 0.0, threshold }),
+        None => {
+            Err(CliError::Usage(format!("--metric {} requires images of at least 11 by 11 pixels", name_of(metric))))
+        }
+    }
+}

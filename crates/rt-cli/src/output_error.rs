@@ -1,0 +1,32 @@
+//! Errors of output files.
+
+use std::io;
+use std::path::PathBuf;
+
+use bytesize::ByteSize;
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum OutputError {
+    #[error("cannot write `{}`: it names no file", .0.display())]
+    NoName(PathBuf),
+    #[error("cannot write `{}`: {} is not a directory; create it, or choose another", path.display(), folder.display())]
+    NoFolder { path: PathBuf, folder: PathBuf },
+    #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]
+    NotAFile(PathBuf),
+    #[error("cannot write `{}`: it exists and is read-only; remove it, or choose another name", .0.display())]
+    ReadOnly(PathBuf),
+    #[error("cannot write `{}`: it is an input; choose another name", .0.display())]
+    IsInput(PathBuf),
+    #[error("cannot write `{}`: the directory {} is not writable: {source}", path.display(), folder.display())]
+    Folder { path: PathBuf, folder: PathBuf, source: io::Error },
+    #[error(
+        "cannot write `{}`: it may take {}, and only {} are free in {}",
+        path.display(), ByteSize(*bytes), ByteSize(*available), folder.display()
+    )]
+    NoSpace { path: PathBuf, folder: PathBuf, available: u64, bytes: u64 },
+    /// Writing failed, and left nothing behind.
+    #[error("cannot write `{}`: {reason}", path.display())]
+    Write { path: PathBuf, reason: String },
+    #[error("{original}; it was saved as `{}` instead", path.display())]
+    WrittenElsewhere { original: Box<Self>, path: PathBuf },
+}
