@@ -32,6 +32,7 @@ pub(crate) fn guard() -> SignalGuard {
 }
 
 /// Lets signals end the program, even if the parent process ignores SIGINT, as shells do for jobs in the background.
+#[cfg(feature = "view")]
 pub(crate) fn end_on_signals() {
     drop(guard());
 }
