@@ -2,18 +2,21 @@
 //!
 //! The mesh and the rays are those of `bindings/python/examples/speed.py`, so that the two can be compared.
 
+#![allow(clippy::print_stdout, reason = "the result of the program")]
+
 use std::f64::consts::{PI, TAU};
 use std::time::Instant;
 
 use rt_accel::{HitBatch, RayBatch, Scene, TriangleMesh};
+use rt_math::transcendental::{cos, sin};
 
 /// Star-shaped mesh of 2 n² triangles.
 fn bumpy_sphere(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let point = |i: u32, j: u32| {
         let u = f64::from(i) / f64::from(n) * TAU;
         let v = 0.02 + f64::from(j) / f64::from(n) * (PI - 0.04);
-        let radius = 1.0 + 0.1 * (17.0 * u).sin() * (13.0 * v).sin();
-        [v.sin() * u.cos(), v.sin() * u.sin(), v.cos()].map(|c| (radius * c) as f32)
+        let radius = 1.0 + 0.1 * sin(17.0 * u) * sin(13.0 * v);
+        [sin(v) * cos(u), sin(v) * sin(u), cos(v)].map(|c| (radius * c) as f32)
     };
     let index = |i: u32, j: u32| i % n * (n + 1) + j;
     let squares = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));

@@ -136,8 +136,8 @@ fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), CliError> {
     }
 }
 
-/// Distance of the camera's target in world units: of the surface in the middle of the image, or else of the middle of the scene;
-/// 1 for a scene without one, or one behind the camera.
+/// Distance of the camera's target in world units. The target is the surface in the middle of the image, or else the middle of the
+/// scene. 1 for a scene without one, or one behind the camera.
 fn distance_to_target(scene: &Scene, settings: &CameraSettings, plan: &RenderPlan<'_>) -> f64 {
     let (width, height) = (scene.film.width, scene.film.height);
     if let Some(picked) = plan.pick(width / 2, height / 2) {

@@ -1,5 +1,5 @@
-//! Kinds of bad input, each through the real binary: one clear message, the right exit code, no file left, less
-//! than a second and 64 MiB.
+//! Kinds of bad input, each through the real binary. Each gives one clear message and the right exit code, and leaves no file.
+//! It takes less than a second and 64 MiB.
 //!
 //! `WRITE_TABLE=1 cargo test -p rt-cli --test bad_inputs` writes `docs/BAD-INPUTS.md` from what the program says.
 

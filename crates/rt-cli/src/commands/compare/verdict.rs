@@ -1,4 +1,4 @@
-//! The metric that decides about the exit code.
+//! The metric behind the exit code.
 
 use super::measures::Measures;
 use crate::args::{CompareArgs, Metric, name_of};

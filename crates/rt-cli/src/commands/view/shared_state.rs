@@ -50,7 +50,7 @@ pub(super) struct Picture {
     pub(super) view: u64,
     /// `None` before the first one.
     pub(super) film: Option<Arc<Image>>,
-    /// Width and height of the image in pixels, and those that the side of a pixel of the film has of them: more than 1 in a
+    /// Width and height of the image in pixels, and the side of a pixel of the film in these. The side is more than 1 in a
     /// coarse preview, whose last row and column may stand out.
     pub(super) size: [u32; 2],
     pub(super) pixel_side: u32,
