@@ -11,7 +11,7 @@ use rt_math::TransformError;
 use crate::MemoryError;
 use crate::excerpt::Excerpt;
 use crate::sanitize::SingleLine;
-use crate::texture::TextureError;
+use crate::texture_error::TextureError;
 
 /// All errors of a scene or model: at least one [`Diagnostic`]. Each is printed on a line of its own, followed by the line of
 /// the file where it is known.

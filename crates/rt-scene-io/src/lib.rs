@@ -70,6 +70,8 @@ mod gltf;
 pub mod limits;
 #[cfg(feature = "format")]
 mod load;
+#[cfg(feature = "format")]
+mod load_model;
 mod memory;
 #[cfg(feature = "format")]
 mod model;
@@ -98,6 +100,8 @@ mod tangents;
 mod text;
 #[cfg(feature = "format")]
 mod texture;
+#[cfg(feature = "format")]
+mod texture_error;
 
 #[cfg(feature = "format")]
 pub use convert::{Converted, convert};
@@ -112,10 +116,12 @@ pub use files::{read_file, read_text, read_texture, resolve_path};
 #[cfg(feature = "format")]
 pub use load::load;
 #[cfg(feature = "format")]
+pub use load_model::load_model;
+#[cfg(feature = "format")]
 pub use memory::MemoryBudget;
 pub use memory::MemoryError;
 #[cfg(feature = "format")]
-pub use model::{Model, load_model};
+pub use model::Model;
 #[cfg(feature = "format")]
 pub use options::{AnimationEnd, Hasher, InMemoryFile, InputHashes, LoadOptions, ReferencedFiles, StudioLights};
 #[cfg(feature = "format")]
@@ -126,4 +132,6 @@ pub use scene::{
     NamedMesh, Node, Scene, Settings, Truth, Warning,
 };
 #[cfg(feature = "format")]
-pub use texture::{TextureError, decode_numbers, decode_texture};
+pub use texture::{decode_numbers, decode_texture};
+#[cfg(feature = "format")]
+pub use texture_error::TextureError;

@@ -4,7 +4,7 @@
 use schemars::{Schema, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::default_values::{one, white, yes};
+use super::default_values::{one, yes};
 use super::spelling::{self, Spelled};
 
 /// A colour.
@@ -195,4 +195,14 @@ impl From<Color> for ColorTexture {
             Color::Hex(digits) => Self::Hex(digits),
         }
     }
+}
+
+/// Default of fields, as serde calls it.
+pub(super) fn white() -> Color {
+    Color::Gray(1.0)
+}
+
+/// Default of fields, as serde calls it.
+pub(super) fn gray<const PERCENT: u8>() -> ColorTexture {
+    ColorTexture::Gray(f64::from(PERCENT) / 100.0)
 }

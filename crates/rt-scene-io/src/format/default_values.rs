@@ -2,8 +2,6 @@
 
 #![expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
 
-use super::{Color, ColorTexture};
-
 pub(super) fn one() -> f64 {
     1.0
 }
@@ -18,14 +16,6 @@ pub(super) fn yes() -> bool {
 
 pub(super) fn up() -> [f64; 3] {
     [0.0, 1.0, 0.0]
-}
-
-pub(super) fn white() -> Color {
-    Color::Gray(1.0)
-}
-
-pub(super) fn gray<const PERCENT: u8>() -> ColorTexture {
-    ColorTexture::Gray(f64::from(PERCENT) / 100.0)
 }
 
 pub(super) fn is_zero(value: &f64) -> bool {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::default_values::{is_yes, is_zero, white, yes};
+use super::color::white;
+use super::default_values::{is_yes, is_zero, yes};
 use super::{Color, EmissionSides};
 
 /// A light. Without `falloff: inverse_square` its strength is the same at any distance.

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::default_values::{gray, is_zero, one};
+use super::color::gray;
+use super::default_values::{is_zero, one};
 use super::spelling::{self, Spelled};
 use super::{Color, ColorTexture};
 

@@ -18,6 +18,7 @@ mod node;
 mod parse;
 mod parse_error;
 mod reference_page;
+mod ron_options;
 mod run_time;
 mod schema;
 mod settings;

@@ -2,22 +2,12 @@
 
 use std::path::Path;
 
-use ron::extensions::Extensions;
-
 use super::expected::Notation;
 use super::parse_error::{Explainer, ParseError};
+use super::ron_options::ron_options;
 use super::{SceneFile, deprecated};
 use crate::excerpt::{Excerpt, Position};
-use crate::limits::NESTING;
 use crate::{Diagnostic, LoadError, Location};
-
-/// The limit that RON's parser needs for it: it counts each bracket twice.
-const RON_RECURSION_LIMIT: usize = NESTING * 2;
-
-/// RON as scene files use it: optional values are written without `Some`.
-pub(super) fn ron_options() -> ron::Options {
-    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME).with_recursion_limit(RON_RECURSION_LIMIT)
-}
 
 /// Parses a scene in RON. `name` is the file named in messages.
 ///

@@ -6,7 +6,7 @@ use serde::de::Deserialize;
 use super::cursor::{Cursor, Key, TextValue, Token, next, value_end};
 use super::expected::{Notation, Schema, Slot};
 use super::material::NodeMaterial;
-use super::parse::ron_options;
+use super::ron_options::ron_options;
 use super::spelling::{Choice, NO_SPELLING};
 use super::synonyms::{Meant, meant};
 use super::{Color, ColorTexture};

@@ -443,7 +443,7 @@ mod tests {
     /// Parses a value of a type of this name.
     fn parse(name: &str, text: &str) -> Result<(), String> {
         fn of<T: DeserializeOwned>(text: &str) -> Result<(), String> {
-            parse::ron_options().from_str::<T>(text).map(drop).map_err(|error| error.to_string())
+            ron_options::ron_options().from_str::<T>(text).map(drop).map_err(|error| error.to_string())
         }
         macro_rules! types {
             ($($name:literal $type:ty,)*) => {

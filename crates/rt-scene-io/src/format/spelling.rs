@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::parse::ron_options;
+use super::ron_options::ron_options;
 
 /// Name that makes `ron` return the raw text of a value.
 const RAW: &str = "$ron::private::RawValue";

@@ -2,7 +2,7 @@
 
 use ron::ser::PrettyConfig;
 
-use super::{SceneFile, parse::ron_options};
+use super::{SceneFile, ron_options::ron_options};
 
 impl SceneFile {
     /// The scene in RON, laid out to be edited. What was left open stays so, except in `film` and `settings`.

@@ -4,7 +4,7 @@ use gltf::{Document, Node, scene::Transform as Matrix};
 use rt_math::Transform;
 use serde::Deserialize;
 
-use super::{accessor::read_vectors, buffers::Buffers, node_tree::transform};
+use super::{accessor::read_vectors, buffers::Buffers, node_pose::transform};
 use crate::{LoadError, LoadErrorKind};
 
 /// The name of the extension.

@@ -40,11 +40,12 @@ use self::{
     container::Container,
     materials::MaterialReader,
     node_pose::{Affine, Pose, Poses},
+    node_tree::MeshPart,
     primitive::{Deformation, PrimitiveContent},
 };
 use crate::error::ErrorAt;
 use crate::{
-    LoadError, LoadErrorKind, LoadOptions, MaterialId, MeshId, Model, Warning,
+    LoadError, LoadErrorKind, LoadOptions, Model, Warning,
     build_mesh::build_mesh,
     files::refuse_utf16,
     limits,
@@ -60,9 +61,6 @@ const CORNER_BYTES: u64 = 8;
 
 /// Bytes of memory per attribute of a vertex.
 const ATTRIBUTE_BYTES: u64 = 16;
-
-/// A mesh of one material.
-type MeshPart = (MeshId, MaterialId);
 
 /// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {

@@ -1,9 +1,29 @@
 //! Transforms of the nodes of a document and morph weights of its meshes, at rest or at a time of an animation.
 
 use gltf::{Document, Mesh, Node, scene::Transform as Matrix};
-use rt_math::{DMat3, DQuat, DVec3};
+use rt_math::{DMat3, DQuat, DVec3, Transform, TransformError};
 
 use crate::LoadErrorKind;
+
+/// The map that a node's matrix, or its translation, rotation and scale stand for.
+pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
+    match matrix {
+        Matrix::Matrix { matrix } => {
+            // Columns in the file.
+            let rows = std::array::from_fn(|row| std::array::from_fn(|column| f64::from(matrix[column][row])));
+            Transform::from_rows(rows)
+        }
+        Matrix::Decomposed { translation, rotation, scale } => {
+            let translation = DVec3::from(translation.map(f64::from));
+            if !translation.is_finite() {
+                return Err(TransformError::NonFinite);
+            }
+            let rotate = Transform::rotate_quaternion(DQuat::from_array(rotation.map(f64::from)))?;
+            let scale = Transform::scale(DVec3::from(scale.map(f64::from)))?;
+            Ok(Transform::translate(translation).compose(&rotate).compose(&scale))
+        }
+    }
+}
 
 /// Property of a node that a channel of an animation changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

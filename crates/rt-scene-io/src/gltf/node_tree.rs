@@ -5,14 +5,20 @@ use std::{collections::HashSet, path::Path};
 use gltf::{
     Document, Node as Source,
     json::{camera::Type as CameraType, extensions::scene::khr_lights_punctual as lights, validation::Checked},
-    scene::Transform as Matrix,
 };
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_math::{AnimatedTransform, DQuat, DVec3, Rgb, Transform, TransformError, transcendental::cos};
+use rt_math::{AnimatedTransform, DVec3, Rgb, Transform, transcendental::cos};
 use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 
-use super::{MeshPart, buffers::Buffers, instancing, node_pose::Poses};
-use crate::{Content, LoadError, LoadErrorKind, Model, NamedCamera, Node, limits};
+use super::{
+    buffers::Buffers,
+    instancing,
+    node_pose::{Poses, transform},
+};
+use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, NamedCamera, Node, limits};
+
+/// A mesh of one material.
+pub(super) type MeshPart = (MeshId, MaterialId);
 
 /// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.
 pub(super) fn walk(
@@ -140,26 +146,6 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
         }
     }
     Ok(roots)
-}
-
-/// The map that a node's matrix, or its translation, rotation and scale stand for.
-pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
-    match matrix {
-        Matrix::Matrix { matrix } => {
-            // Columns in the file.
-            let rows = std::array::from_fn(|row| std::array::from_fn(|column| f64::from(matrix[column][row])));
-            Transform::from_rows(rows)
-        }
-        Matrix::Decomposed { translation, rotation, scale } => {
-            let translation = DVec3::from(translation.map(f64::from));
-            if !translation.is_finite() {
-                return Err(TransformError::NonFinite);
-            }
-            let rotate = Transform::rotate_quaternion(DQuat::from_array(rotation.map(f64::from)))?;
-            let scale = Transform::scale(DVec3::from(scale.map(f64::from)))?;
-            Ok(Transform::translate(translation).compose(&rotate).compose(&scale))
-        }
-    }
 }
 
 /// Puts a mesh where its node is, where the node's instances are, or, if it follows bones, into the world.

@@ -1,7 +1,7 @@
 //! Documents that are loaded as a whole.
 
 use super::*;
-use crate::{Content, Node};
+use crate::{Content, MaterialId, MeshId, Node};
 use rt_camera::Projection;
 use rt_math::{DVec3, Rgb, Vec3};
 use rt_shading::{ColorTexture, DeltaLightKind};

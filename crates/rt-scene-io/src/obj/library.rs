@@ -10,7 +10,7 @@ use rt_shading::{Channel, Material, NormalMap, Phong, Texture, TextureId};
 
 use super::{
     material::{MaterialMaps, is_glass, material, needs_tangents},
-    mtl,
+    mtl::{self, UNUSED},
     texture_map::TextureMap,
     textures::{ObjTextures, PixelMeaning},
 };
@@ -20,9 +20,6 @@ use crate::{
     LoadError, LoadErrorKind, LoadOptions, Location, MaterialId, Model, Warning,
     files::{read_referenced, refuse_utf16, resolve_path},
 };
-
-/// Maps that have no effect here.
-pub(super) const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "disp", "decal", "refl"];
 
 /// Maps without effect on glass, which is uniform.
 const UNUSED_BY_GLASS: [&str; 7] = ["map_Pr", "map_Pm", "map_Ps", "map_Pc", "Pc", "Ps", "aniso"];

@@ -185,6 +185,10 @@ mod tests {
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
+    fn load_file(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+        load(path, &options.rooted_at(path))
+    }
+
     fn load_text(text: &str) -> Result<Model, LoadError> {
         load_bytes(text.as_bytes(), Path::new("m.obj"), &LoadOptions::default())
     }
@@ -297,7 +301,7 @@ mod tests {
         let head = format!("mtllib my lib.mtl\nmtllib none.mtl b.mtl\n{SQUARE}");
         fs::write(place("m.obj"), head + "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n").expect("written");
 
-        let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
         assert_eq!(model.materials[0].to_phong().diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
         assert!(matches!(model.materials[1].to_phong().diffuse, ColorTexture::Textured(..)));
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
@@ -319,7 +323,7 @@ mod tests {
         let text = format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\n");
         fs::write(place("m.obj"), text + "usemtl m\nf 1/1 2/2 3/3\nusemtl glass\nf 1 2 3\n").expect("written");
 
-        let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
         let material = &model.materials[0];
         let bitmap = |id: TextureId| model.textures[id.0 as usize].bitmap().expect("an image");
         let MaterialModel::Layered(layers) = &material.model else { panic!("layers") };
@@ -347,7 +351,7 @@ mod tests {
         fs::write(place("m.mtl"), mtl).expect("written");
         let text = format!("mtllib m.mtl\n{SQUARE}usemtl black\nf 1 2 3\nusemtl clear\nf 1 2 3\n");
         fs::write(place("m.obj"), text).expect("written");
-        let model = crate::load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
         let iors: Vec<_> = model.materials.iter().map(|material| material.interior.map(|inside| inside.ior)).collect();
         assert_eq!(iors, [None, Some(1.5)]);
     }
@@ -359,10 +363,9 @@ mod tests {
         fs::create_dir(&inner).expect("a folder");
         fs::write(outer.path().join("secret.mtl"), "newmtl m\n").expect("written");
         fs::write(inner.join("m.obj"), format!("mtllib ../secret.mtl\n{SQUARE}f 1 2 3\n")).expect("written");
-        let error =
-            crate::load_model(&inner.join("m.obj"), &LoadOptions::default()).expect_err("an escape").to_string();
+        let error = load_file(&inner.join("m.obj"), &LoadOptions::default()).expect_err("an escape").to_string();
         assert!(error.contains("m.obj:1: `../secret.mtl` lies outside"), "{error}");
         let options = LoadOptions { root: Some(outer.path().to_owned()), ..LoadOptions::default() };
-        assert!(crate::load_model(&inner.join("m.obj"), &options).is_ok());
+        assert!(load_file(&inner.join("m.obj"), &options).is_ok());
     }
 }

@@ -4,9 +4,11 @@
 //! where it is. Materials matter less than geometry, so a bad statement is left out here, with a warning, and the
 //! rest of the file counts.
 
-use super::library::UNUSED;
 use super::texture_map::TextureMap;
 use crate::text::lines::{Line, lines};
+
+/// Maps that have no effect here.
+pub(super) const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "disp", "decal", "refl"];
 
 /// A statement that was left out: its line, and why.
 pub(super) type Complaint = (usize, String);

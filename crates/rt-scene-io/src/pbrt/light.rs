@@ -16,8 +16,7 @@ use rt_math::{DVec3, Rgb, Transform};
 use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 
 use super::FileScope;
-use super::material::unknown;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, unknown};
 use super::spectrum::colour;
 use crate::error::LineError;
 use crate::{LoadErrorKind, read_texture, resolve_path};

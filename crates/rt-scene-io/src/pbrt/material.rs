@@ -14,11 +14,11 @@ use rt_math::Rgb;
 use rt_shading::bsdf::ComplexIor;
 use rt_shading::{ColorTexture, InteriorMedium, MaterialModel, Phong};
 
-use super::parameters::{Parameters, Values};
+use super::parameters::{Parameters, Values, unknown};
 use super::spectrum::{colour, glass, metal};
 use super::texture::PbrtTextures;
+use crate::Material;
 use crate::error::LineError;
-use crate::{LoadErrorKind, Material};
 
 /// Kinds of materials that only other programs have.
 const UNSUPPORTED: [&str; 5] = ["coatedconductor", "diffusetransmission", "hair", "measured", "subsurface"];
@@ -71,17 +71,6 @@ pub(super) fn read(
         }
         other => return Err(unknown("material", other, parameters.line, SUPPORTED.into_iter().chain(UNSUPPORTED))),
     }))
-}
-
-/// A word that is not among those that are known.
-pub(super) fn unknown<'a>(
-    kind: &'static str,
-    found: &str,
-    line: usize,
-    known: impl IntoIterator<Item = &'a str>,
-) -> LineError {
-    let known = known.into_iter().filter(|word| !word.is_empty()).map(str::to_owned).collect();
-    LineError { line, kind: LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known } }
 }
 
 /// A material that emits and scatters no light.

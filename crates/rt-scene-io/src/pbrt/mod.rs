@@ -12,6 +12,7 @@
 //! objects share their meshes. Media, motion, curves and partial shapes are skipped or approximated with a warning. Unused
 //! parameters are reported. The colour 1 of a light is white.
 
+mod file_scope;
 mod light;
 mod material;
 mod parameters;
@@ -25,18 +26,12 @@ mod world;
 
 use std::path::Path;
 
+use self::file_scope::FileScope;
 use self::reader::PbrtReader;
 use crate::error::ErrorAt;
 use crate::files::decode_text;
 use crate::memory::{FileSample, load_within_budget};
 use crate::{LoadError, LoadOptions, Model};
-
-/// Resolution of references: relative to the first file.
-#[derive(Clone, Copy)]
-struct FileScope<'a> {
-    root_file: &'a Path,
-    options: &'a LoadOptions,
-}
 
 /// Bytes of memory that loading takes at its peak: the text, its parameters as numbers, and a node for each shape.
 fn peak_bytes(sample: &FileSample) -> u64 {
@@ -62,3 +57,5 @@ fn load_text(text: &str, path: &Path, options: &LoadOptions) -> Result<Model, Lo
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_tests;

@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use rt_math::DVec3;
 
+use crate::LoadErrorKind;
 use crate::error::LineError;
 use crate::limits;
 use crate::text::tokenizer::{TokenKind, Tokenizer, number, shown};
@@ -75,7 +76,7 @@ impl Parameter {
         let Some((kind, size)) = TYPES.iter().copied().find(|(known, _)| *known == kind) else {
             let (kind, found) = ("type of a parameter", kind.to_owned());
             let known = TYPES.iter().map(|(known, _)| (*known).to_owned()).collect();
-            return Err(LineError { line, kind: crate::LoadErrorKind::UnknownWord { kind, found, known } });
+            return Err(LineError { line, kind: LoadErrorKind::UnknownWord { kind, found, known } });
         };
         let values = Self::values(tokens, name)?;
         let fits = match &values {
@@ -291,7 +292,18 @@ fn check_count(line: usize, count: usize) -> Result<(), LineError> {
         return Ok(());
     }
     let (what, value, limit) = ("the number of parameters", count as u64, limits::PARAMETERS as u64);
-    Err(LineError { line, kind: crate::LoadErrorKind::too_large(what, value, limit) })
+    Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) })
+}
+
+/// A word that is not among those that are known.
+pub(super) fn unknown<'a>(
+    kind: &'static str,
+    found: &str,
+    line: usize,
+    known: impl IntoIterator<Item = &'a str>,
+) -> LineError {
+    let known = known.into_iter().filter(|word| !word.is_empty()).map(str::to_owned).collect();
+    LineError { line, kind: LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known } }
 }
 
 #[cfg(test)]

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use rt_math::{Rgb, Transform};
 use rt_shading::TextureId;
 
-use super::material::{OptionalMaterial, unknown};
-use super::parameters::{Parameter, Parameters};
+use super::file_scope::FileScope;
+use super::material::OptionalMaterial;
+use super::parameters::{Parameter, Parameters, unknown};
 use super::shape::DirectiveError;
 use super::state::{GraphicsState, TRANSFORMS};
 use super::texture::PbrtTextures;
 use super::view::PbrtCamera;
-use super::{FileScope, material, state, view};
+use super::{material, state, view};
 use crate::diagnostics::Diagnostics;
 use crate::error::LineError;
 use crate::format::{Background, Color};

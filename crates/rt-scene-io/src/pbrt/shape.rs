@@ -11,9 +11,8 @@ use std::sync::Arc;
 use rt_geometry::{Cylinder, Disk, MeshData, Shape, Sphere};
 use rt_math::{DMat3, DVec3, Transform, Vec3};
 
-use super::FileScope;
-use super::material::unknown;
-use super::parameters::Parameters;
+use super::file_scope::FileScope;
+use super::parameters::{Parameters, unknown};
 use crate::error::LineError;
 use crate::{LoadError, LoadErrorKind, resolve_path};
 

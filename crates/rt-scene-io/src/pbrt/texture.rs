@@ -7,9 +7,8 @@ use std::sync::Arc;
 use rt_math::Rgb;
 use rt_shading::{Alpha, AlphaMode, Bitmap, ColorTexture, NormalMap, Texture, TextureId, UvMap, Wrap};
 
-use super::FileScope;
-use super::material::unknown;
-use super::parameters::Parameters;
+use super::file_scope::FileScope;
+use super::parameters::{Parameters, unknown};
 use super::spectrum::colour;
 use crate::error::LineError;
 use crate::files::read_texture_as;
@@ -279,69 +278,5 @@ fn times(coefficient: ColorTexture, factor: Rgb) -> ColorTexture {
     match coefficient {
         ColorTexture::Constant(rgb) => ColorTexture::Constant(rgb * factor),
         ColorTexture::Textured(id, rgb) => ColorTexture::Textured(id, rgb * factor),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-    use crate::pbrt::load_text;
-    use crate::{LoadOptions, Model};
-
-    /// The world with a checkered mask, a normal map and a square to lay them on.
-    fn square(before: &str, parameters: &str) -> Model {
-        let folder = tempfile::tempdir().expect("a folder");
-        let save = |name: &str, pixel: fn(u32, u32) -> [u8; 3]| {
-            let image = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb(pixel(x, y)));
-            image.save(folder.path().join(name)).expect("saved");
-        };
-        save("mask.png", |x, _| [255 * x as u8; 3]);
-        save("normals.png", |_, _| [128, 51, 255]);
-        let text = format!(
-            "WorldBegin\nTexture \"mask\" \"float\" \"imagemap\" \"string filename\" \"mask.png\" \"float uscale\" 2\n\
-             Texture \"squares\" \"float\" \"checkerboard\"\n{before}\n\
-             Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] {parameters}\n"
-        );
-        let path: &Path = &folder.path().join("m.pbrt");
-        load_text(&text, path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    #[test]
-    fn shapes_are_cut_by_numbers_and_images() {
-        let model = square("", "\"texture alpha\" \"mask\"");
-        let Alpha { mode: AlphaMode::Blend, factor: 1.0, texture: Some(TextureId(id)), .. } = model.materials[0].alpha
-        else {
-            panic!("not cut: {:?}", model.materials[0].alpha)
-        };
-        let Texture::Mapped { texture, .. } = &model.textures[id as usize] else { panic!("not scaled") };
-        assert_eq!(texture.bitmap().expect("an image").alpha, [0.0, 1.0, 0.0, 1.0]);
-        let half = square("", "\"float alpha\" 0.5");
-        assert_eq!((half.materials[0].alpha.mode, half.materials[0].alpha.factor), (AlphaMode::Blend, 0.5));
-        assert_eq!(square("", "\"float alpha\" 1").materials[0].alpha, Alpha::OPAQUE);
-        let other = square("", "\"texture alpha\" \"squares\"");
-        assert_eq!(other.materials[0].alpha, Alpha::OPAQUE);
-        assert!(other.warnings[0].message.contains("\"alpha\" is no image"), "{:?}", other.warnings);
-    }
-
-    #[test]
-    fn a_shape_that_is_cut_has_a_material_of_its_own() {
-        let model = square("Shape \"sphere\"", "\"float alpha\" 0.5");
-        assert_eq!(model.materials.len(), 2);
-        assert_eq!((&model.materials[0].alpha, model.materials[1].alpha.factor), (&Alpha::OPAQUE, 0.5));
-    }
-
-    #[test]
-    fn normal_maps_are_numbers_along_tangents() {
-        let bumpy = "Material \"diffuse\" \"string normalmap\" \"normals.png\"";
-        let model = square(bumpy, "");
-        let normal_map = model.materials[0].normal_map.expect("a normal map");
-        let bitmap = model.textures[normal_map.texture.0 as usize].bitmap().expect("an image");
-        assert_eq!((bitmap.pixels[0][1], normal_map.scale), (0.2, 1.0), "not sRGB");
-        assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
-        assert!(model.warnings.is_empty(), "{:?}", model.warnings);
-        let ball = square(&format!("{bumpy}\nShape \"sphere\""), "");
-        assert!(ball.warnings[0].message.contains("it has no tangents"), "{:?}", ball.warnings);
     }
 }

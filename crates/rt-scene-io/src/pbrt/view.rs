@@ -7,8 +7,7 @@ use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_image::Image;
 use rt_math::{DMat3, DVec3, Transform};
 
-use super::material::unknown;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, unknown};
 use crate::NamedCamera;
 use crate::error::LineError;
 

@@ -5,8 +5,7 @@ use rt_shading::light::EmissionSides;
 use rt_shading::{Alpha, ColorTexture, Material};
 
 use super::light::PbrtLight;
-use super::material::unknown;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, unknown};
 use super::reader::PbrtReader;
 use super::shape::{DirectiveError, PbrtShape};
 use super::state::Emission;

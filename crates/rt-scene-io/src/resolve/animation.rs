@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use rt_math::{DVec3, KeyframedTransform, KeyframedTransformError, Keyframes, KeyframesError, Transform};
 
-use super::camera::{DEFAULT_FOV_DEGREES, look_at, opening, place};
+use super::camera_pose::{DEFAULT_FOV_DEGREES, look_at, opening, place};
 use super::shutter::ShutterInterval;
 use super::transform::{motion, product, refused_motion, transform};
 use super::value::vector;

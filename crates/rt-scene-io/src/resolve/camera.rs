@@ -3,25 +3,16 @@
 use std::collections::HashSet;
 
 use rt_camera::{Camera, CameraSettings, FilmSettings, FovAxis, Projection};
-use rt_math::{DVec2, DVec3, Transform, TransformError};
+use rt_math::DVec2;
 
 use super::animation::posed_camera;
+use super::camera_pose::{DEFAULT_FOV_DEGREES, opening};
 use super::lens::lens;
 use super::shutter::ShutterInterval;
-use super::transform::transform;
-use super::value::{coordinate, positive, vector};
+use super::value::{coordinate, positive};
 use crate::diagnostics::Diagnostics;
 use crate::format;
 use crate::{LoadErrorKind, MaterialId, NamedCamera};
-
-/// Default field of view, in degrees.
-pub(super) const DEFAULT_FOV_DEGREES: f64 = 40.0;
-
-/// The cameras of a file with their paths in the document, the default one first.
-pub(super) fn listed(file: &format::SceneFile) -> impl Iterator<Item = (String, &format::Camera)> {
-    let first = file.camera.iter().map(|camera| ("camera".to_owned(), camera));
-    first.chain(file.cameras.iter().enumerate().map(|(i, camera)| (format!("cameras[{i}]"), camera)))
-}
 
 /// All cameras, the default one first, checked to be able to expose this film. `media` are those that they stand in.
 pub(super) fn cameras(
@@ -94,47 +85,5 @@ fn settings(
         lens_shift: DVec2::new(x, y),
         lens,
         ..CameraSettings::new(posed.world_from_camera, projection)
-    })
-}
-
-/// An opening angle in radians.
-pub(super) fn opening(degrees: f64) -> Result<f64, LoadErrorKind> {
-    if degrees > 0.0 && degrees < 180.0 {
-        Ok(degrees.to_radians())
-    } else {
-        Err(LoadErrorKind::invalid(degrees, "degrees: the field of view must lie between 0 and 180"))
-    }
-}
-
-/// Transform of a camera without animation.
-pub(super) fn place(report: &mut Diagnostics, path: &str, camera: &format::Camera) -> Option<Transform> {
-    let looks = camera.look_from.is_some() || camera.look_at.is_some() || camera.up.is_some();
-    if !camera.transform.is_empty() {
-        if looks {
-            let rule = "conflicts with `look_from`, `look_at` or `up`: remove one of them";
-            report.check(format_args!("{path}.transform"), Err(LoadErrorKind::invalid("the transform", rule)))?;
-        }
-        return transform(report, path, &camera.transform);
-    }
-    let Some(look_from) = camera.look_from else {
-        let rule = "is needed with `look_at` and `up`; leave all three out for a camera that sees everything";
-        return report.check(path, Err(LoadErrorKind::invalid("`look_from`", rule)));
-    };
-    let eye = report.check(format_args!("{path}.look_from"), vector(look_from));
-    let target = report.check(format_args!("{path}.look_at"), vector(camera.look_at.unwrap_or([0.0; 3])));
-    let up = report.check(format_args!("{path}.up"), vector(camera.up.unwrap_or([0.0, 1.0, 0.0])));
-    report.check(path, look_at(eye?, target?, up?))
-}
-
-/// Transform of a camera at `eye` that looks at `target`.
-pub(super) fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Result<Transform, LoadErrorKind> {
-    Transform::look_at(eye, target, up).map_err(|error| match error {
-        TransformError::DegenerateDirection if eye == target => {
-            LoadErrorKind::invalid(format_args!("look_from and look_at are both {eye}:"), "move one of them")
-        }
-        TransformError::DegenerateDirection => {
-            LoadErrorKind::invalid(format_args!("up {up}"), "is zero or parallel to the view: choose another direction")
-        }
-        other => other.into(),
     })
 }

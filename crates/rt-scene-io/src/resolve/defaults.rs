@@ -2,7 +2,7 @@
 
 use rt_math::{Aabb, DVec3, Rgb, transcendental::tan};
 
-use super::camera::{DEFAULT_FOV_DEGREES, listed};
+use super::camera_pose::{DEFAULT_FOV_DEGREES, listed};
 use super::value::colour as resolve_color;
 use crate::format::{Background, Camera, CameraAnimation, Color, Film, FovAxis, Light, LightUnits, SceneFile};
 use crate::{Integrator, LoadOptions, StudioLights};

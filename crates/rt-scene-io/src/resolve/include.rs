@@ -1,26 +1,8 @@
 //! Model files within a scene.
 
-use std::collections::HashMap;
-
 use super::node::Objects;
 use crate::memory::tree_bytes;
 use crate::{Content, LoadError, MaterialId, MeshId, Model, Node, load_model, resolve_path};
-
-/// Model files by reference, each loaded once.
-#[derive(Default)]
-pub(super) struct Models {
-    /// Loaded beforehand.
-    at_hand: HashMap<String, Model>,
-    /// The trees of models whose other parts are in the scene; `None` for one that could not be loaded.
-    trees: HashMap<String, Option<Vec<Node>>>,
-}
-
-impl Models {
-    /// A model that need not be loaded any more, by its reference.
-    pub(super) fn at_hand(model: Option<(String, Model)>) -> Self {
-        Self { at_hand: model.into_iter().collect(), ..Self::default() }
-    }
-}
 
 impl Objects<'_> {
     /// The tree of a model file, with the materials of the model or all in the one that is given.

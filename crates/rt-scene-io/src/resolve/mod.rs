@@ -4,6 +4,7 @@
 mod animation;
 mod area_light;
 mod camera;
+mod camera_pose;
 mod defaults;
 mod film;
 mod group;
@@ -12,6 +13,7 @@ mod lens;
 mod light;
 mod material;
 mod material_model;
+mod models;
 mod node;
 mod shape;
 mod shutter;
@@ -31,8 +33,8 @@ use crate::scene::{is_emissive, used_materials};
 use crate::{Integrator, LoadError, LoadOptions, Material, Model, Scene, StudioLights, Truth, format};
 use defaults::SceneLighting;
 pub(crate) use defaults::{EffectiveFields, rounded};
-use include::Models;
 pub(crate) use material_model::{written_material, written_phong};
+use models::Models;
 use node::Objects;
 use shutter::{is_animated, key_times};
 

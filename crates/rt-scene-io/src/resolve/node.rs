@@ -8,8 +8,8 @@ use rt_math::Transform;
 
 use super::animation::node_places;
 use super::group::order;
-use super::include::Models;
 use super::material::{Assigned, Materials};
+use super::models::Models;
 use super::shape::{ResolvedShape, resolve_shape};
 use super::shutter::ShutterInterval;
 use super::texture::Textures;

@@ -11,7 +11,7 @@ use std::fmt::Display;
 
 use rt_math::{AnimatedTransform, Transform};
 
-use super::camera::listed;
+use super::camera_pose::listed;
 use super::transform::refused_motion;
 use super::value::vector;
 use crate::diagnostics::Diagnostics;

@@ -1,0 +1,22 @@
+//! Errors of textures.
+
+/// Reason why an image cannot be used as a texture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TextureError {
+    /// The bytes are no PNG, JPEG, HDR or EXR image.
+    #[error("is not a PNG, JPEG, HDR or EXR image")]
+    UnknownFormat,
+    /// The image is damaged, or uses a part of its format that is not supported.
+    #[error("cannot be decoded: {0}")]
+    Damaged(String),
+    /// More than 2²⁸ pixels or more than 1 GiB as linear `f32`.
+    #[error("has {0} x {1} pixels; textures may have at most 2^28 pixels and take at most 1 GiB; scale it down")]
+    TooLarge(u32, u32),
+    /// No pixels.
+    #[error("has {0} x {1} pixels; it must have at least one")]
+    NoPixels(u32, u32),
+    /// A pixel that is NaN or infinite.
+    #[error("has {0} pixels that are not finite numbers")]
+    NonFinite(usize),
+}
