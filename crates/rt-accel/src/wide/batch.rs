@@ -238,7 +238,9 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
                 let root = self.tree.root;
                 let (stack, stats) = (&mut self.stack, &mut self.stats);
                 // SAFETY: the root, and the test of the leaves' kind.
-                unsafe { traverse(self.simd, self.tree, self.tester, &trav, &mut state, root, stack, stats) };
+                unsafe {
+                    traverse::<false, _, _, _>(self.simd, self.tree, self.tester, &trav, &mut state, root, stack, stats)
+                };
                 self.finish(&trav, &mut state, index);
                 continue;
             }

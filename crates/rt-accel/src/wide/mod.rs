@@ -35,6 +35,7 @@ mod packet;
 mod packet_slabs;
 mod packet_spheres;
 mod packet_triangles;
+mod predicted_child;
 mod query;
 mod ray;
 mod ray_f64;

@@ -319,7 +319,18 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                         Some(trav) => {
                             let (stack, stats) = (&mut *self.single_stack, &mut *self.stats);
                             // SAFETY: entries are the root of the tree, subtrees of it, or children of its nodes.
-                            unsafe { traverse(simd, self.tree, self.tester, trav, state, child, stack, stats) };
+                            unsafe {
+                                traverse::<false, _, _, _>(
+                                    simd,
+                                    self.tree,
+                                    self.tester,
+                                    trav,
+                                    state,
+                                    child,
+                                    stack,
+                                    stats,
+                                )
+                            };
                         }
                         None => state.traverse_f64(self.tree, self.tester, &view.rays[lane].0),
                     }

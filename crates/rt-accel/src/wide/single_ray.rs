@@ -8,6 +8,7 @@ use rt_math::{Interval, Ray};
 use super::WideBvh;
 use super::filter::LeafTest;
 use super::node::{Child, WideNode};
+use super::predicted_child::predicted_child;
 use super::query::{Output, PrimitiveTester, RayState, TravRay, TraversalStats};
 use super::simd::{Simd, WithSimd, take_lane};
 use super::stack::{ChildStack, StackStorage};
@@ -44,20 +45,24 @@ impl<O: Output, F: LeafTest> WithSimd<&Ray, Interval> for SingleTraversal<'_, '_
         };
         let mut storage = StackStorage::new();
         // SAFETY: the root, and the test of the leaves' kind.
-        unsafe { traverse(simd, tree, tester, &trav, &mut state, tree.root, &mut storage, &mut context.stats) };
+        unsafe {
+            let (storage, stats) = (&mut storage, &mut context.stats);
+            traverse::<true, _, _, _>(simd, tree, tester, &trav, &mut state, tree.root, storage, stats);
+        }
         state.resolve::<S, F>(simd, tree, tester, &trav.ray, context.output);
         context.stats.hits = state.uncounted_hits();
     }
 }
 
-/// Traverses the subtree below a child.
+/// Traverses the subtree below a child. If `PREDICTED`, branches choose the next child: batches trace incoherent rays one
+/// by one, whose branches would be mispredicted.
 ///
 /// # Safety
 ///
 /// The child must be the root of the tree or one of a node of it. The test must be that of the kind of its leaves.
 #[expect(clippy::too_many_arguments, reason = "callers keep the state of a ray in different places")]
 #[inline(always)]
-pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(
+pub(super) unsafe fn traverse<const PREDICTED: bool, S: Simd, F: LeafTest, O: Output>(
     simd: S,
     tree: &WideBvh,
     tester: &mut dyn PrimitiveTester<O>,
@@ -81,9 +86,11 @@ pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(
                 child = next;
                 continue;
             }
+            let first_child =
+                |lane: usize| if PREDICTED { predicted_child(node, lane) } else { node.children[lane & 7] };
             let lane = take_lane(&mut hit);
             child = if hit == 0 {
-                node.children[lane]
+                first_child(lane)
             } else if !O::ANY_HIT {
                 // SAFETY: one node of each level pushes at most seven children.
                 unsafe { push_sorted(simd, tree, node, &simd.to_array(enter), lane, hit, &mut stack) }
@@ -94,7 +101,7 @@ pub(super) unsafe fn traverse<S: Simd, F: LeafTest, O: Output>(
                     // SAFETY: one node of each level pushes at most seven children.
                     unsafe { stack.push(u64::from(other.to_bits())) };
                 }
-                node.children[lane]
+                first_child(lane)
             };
         }
         tests += child.count() as u64;
