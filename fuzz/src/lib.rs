@@ -13,7 +13,7 @@ use std::{cell::OnceCell, fs, path::Path, time::Duration};
 
 use cpu_time::ProcessTime;
 use rt_render::{Checkpoint, PlanOptions, RenderPlan, RunOptions, StopRule};
-use rt_scene_io::{Content, Group, LoadOptions, Node, Scene, load};
+use rt_scene_io::{Content, Group, LoadOptions, SceneNode, Scene, load};
 use tempfile::TempDir;
 
 /// Processor time that one input may take. Sanitizers and checks of overflow make the program several times as slow as it
@@ -82,8 +82,8 @@ fn placed_objects(scene: &Scene) -> u64 {
     count(&scene.nodes, &groups)
 }
 
-fn count(nodes: &[Node], groups: &[u64]) -> u64 {
-    let mut open: Vec<&Node> = nodes.iter().collect();
+fn count(nodes: &[SceneNode], groups: &[u64]) -> u64 {
+    let mut open: Vec<&SceneNode> = nodes.iter().collect();
     let mut total = 0_u64;
     while let Some(node) = open.pop() {
         total = total.saturating_add(match node.content {

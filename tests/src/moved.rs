@@ -2,7 +2,7 @@
 
 use rt_camera::Projection;
 use rt_math::{DVec3, Transform, TransformError};
-use rt_scene_io::{Node, Scene};
+use rt_scene_io::{Scene, SceneNode};
 use rt_shading::{DeltaLightKind, Falloff};
 
 /// The scene enlarged and then moved, as a whole: nodes by a transform above them all, cameras and lights by their
@@ -13,7 +13,7 @@ use rt_shading::{DeltaLightKind, Falloff};
 pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, TransformError> {
     let mut scene = scene.clone();
     let enlarge = Transform::scale(DVec3::splat(scale))?;
-    let root = Node {
+    let root = SceneNode {
         name: String::new(),
         parent_from_local: Transform::translate(offset).compose(&enlarge),
         moves_to: None,

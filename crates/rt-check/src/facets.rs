@@ -131,15 +131,15 @@ mod tests {
     use crate::fixture::*;
     use rt_geometry::Cuboid;
     use rt_math::Transform;
-    use rt_scene_io::{Content, Node};
+    use rt_scene_io::{Content, SceneNode};
 
     #[test]
     fn faces_of_boxes_look_outwards_even_if_mirrored() {
         let mut scene = empty();
         let solid = Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).unwrap();
-        let mut node = Node::new(Content::Shape(Shape::Cuboid(solid)), GREY);
+        let mut node = SceneNode::new(Content::Shape(Shape::Cuboid(solid)), GREY);
         node.parent_from_local = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).unwrap();
-        scene.nodes = vec![Node { parent_from_local: Transform::IDENTITY, ..node.clone() }, node];
+        scene.nodes = vec![SceneNode { parent_from_local: Transform::IDENTITY, ..node.clone() }, node];
         let objects = Objects::of(&scene);
         let facets = Facets::of(&objects);
         assert_eq!(facets.count, 24);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
-use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
+use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Scene, SceneNode};
 use rt_shading::{
     Appearance, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material, Phong,
     Texture, TextureId, Transmission,
@@ -42,13 +42,13 @@ pub(crate) const fn value(name: &'static str, value: f64) -> Measurement {
     Measurement { name, value }
 }
 
-pub(crate) fn sphere(centre: DVec3, radius: f64) -> Node {
-    Node::new(Content::Shape(Shape::Sphere(Sphere::new(centre, radius).unwrap())), GREY)
+pub(crate) fn sphere(centre: DVec3, radius: f64) -> SceneNode {
+    SceneNode::new(Content::Shape(Shape::Sphere(Sphere::new(centre, radius).unwrap())), GREY)
 }
 
 /// A plane that faces upwards.
-pub(crate) fn floor(height: f64) -> Node {
-    Node::new(Content::Shape(Shape::Plane(Plane::new(DVec3::Y * height, DVec3::Y).unwrap())), GREY)
+pub(crate) fn floor(height: f64) -> SceneNode {
+    SceneNode::new(Content::Shape(Shape::Plane(Plane::new(DVec3::Y * height, DVec3::Y).unwrap())), GREY)
 }
 
 pub(crate) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
@@ -73,10 +73,10 @@ pub(crate) fn cube_data() -> MeshData {
 }
 
 /// Adds a mesh to the scene and returns a node that shows it; mesh and node are named "cube".
-pub(crate) fn add_mesh(scene: &mut Scene, data: MeshData) -> Node {
+pub(crate) fn add_mesh(scene: &mut Scene, data: MeshData) -> SceneNode {
     let id = MeshId(scene.meshes.len() as u32);
     scene.meshes.push(NamedMesh { name: "cube".into(), mesh: Arc::new(TriangleMesh::build(data).unwrap().0) });
-    Node { name: "cube".into(), ..Node::new(Content::Mesh(id), GREY) }
+    SceneNode { name: "cube".into(), ..SceneNode::new(Content::Mesh(id), GREY) }
 }
 
 /// Findings of a kind.

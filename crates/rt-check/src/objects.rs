@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rt_geometry::{Shape, TransformedShape, TriangleMesh};
 use rt_math::{Aabb, Transform};
-use rt_scene_io::{Content, Group, NamedMesh, Node, Scene};
+use rt_scene_io::{Content, Group, NamedMesh, Scene, SceneNode};
 use rt_shading::Material;
 
 use crate::singular_values::condition;
@@ -59,7 +59,7 @@ struct TreeNode<'s> {
     /// Group of the node, if it was reached through an instance.
     group: Option<&'s Group>,
     index: usize,
-    node: &'s Node,
+    node: &'s SceneNode,
 }
 
 /// All objects of a scene in rendering order: of surfaces at the same distance, the first is visible.
@@ -75,7 +75,7 @@ pub(crate) struct Objects<'s> {
 
 /// Siblings still to visit.
 struct Siblings<'s> {
-    nodes: std::iter::Enumerate<std::slice::Iter<'s, Node>>,
+    nodes: std::iter::Enumerate<std::slice::Iter<'s, SceneNode>>,
     parent: Option<usize>,
     group: Option<&'s Group>,
     world_from_parent: Transform,
@@ -121,7 +121,7 @@ impl<'s> Objects<'s> {
             }
             let here = self.nodes.len();
             self.nodes.push(place);
-            let below = |nodes: &'s [Node], group| Siblings {
+            let below = |nodes: &'s [SceneNode], group| Siblings {
                 nodes: nodes.iter().enumerate(),
                 parent: Some(here),
                 group,
@@ -226,7 +226,7 @@ mod tests {
         let mut emitter = sphere(DVec3::ZERO, 1.0);
         emitter.name = "lamp".into();
         scene.groups = vec![Group { name: "pair".into(), nodes: vec![sphere(DVec3::ZERO, 1.0), emitter] }];
-        let instance = Node::new(Content::Instance(GroupId(0)), MaterialId(0));
+        let instance = SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
         let mut parent = sphere(DVec3::ZERO, 1.0);
         parent.children = vec![instance];
         scene.nodes = vec![sphere(DVec3::X, 1.0), parent];
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn a_group_that_contains_itself_ends() {
         let mut scene = empty();
-        let instance = || Node::new(Content::Instance(GroupId(0)), MaterialId(0));
+        let instance = || SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
         scene.groups = vec![Group { name: "loop".into(), nodes: vec![instance(), instance()] }];
         scene.nodes = vec![instance()];
         assert!(Objects::of(&scene).truncated);

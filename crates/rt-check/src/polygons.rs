@@ -105,11 +105,11 @@ mod tests {
     use super::*;
     use crate::fixture::*;
     use rt_geometry::InsideRule;
-    use rt_scene_io::{Content, Node, Scene};
+    use rt_scene_io::{Content, Scene, SceneNode};
 
     fn scene_of(outline: Vec<DVec3>, holes: Vec<Vec<DVec3>>) -> Scene {
         let polygon = Polygon::new(outline, holes, InsideRule::EvenOdd).unwrap();
-        Scene { nodes: vec![Node::new(Content::Shape(Shape::Polygon(Arc::new(polygon))), GREY)], ..empty() }
+        Scene { nodes: vec![SceneNode::new(Content::Shape(Shape::Polygon(Arc::new(polygon))), GREY)], ..empty() }
     }
 
     fn flat(points: &[[f64; 2]]) -> Vec<DVec3> {

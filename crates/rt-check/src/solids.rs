@@ -146,10 +146,10 @@ mod tests {
     use crate::welded::Welded;
     use rt_geometry::{Cuboid, Cylinder, Plane, Torus};
     use rt_math::{Transform, Vec3};
-    use rt_scene_io::{Content, Node};
+    use rt_scene_io::{Content, SceneNode};
 
-    fn shape(shape: Shape) -> Node {
-        Node::new(Content::Shape(shape), GLASS)
+    fn shape(shape: Shape) -> SceneNode {
+        SceneNode::new(Content::Shape(shape), GLASS)
     }
 
     #[test]

@@ -7,9 +7,9 @@ use rt_render::Rendering;
 
 use crate::args::{Aov, AovArg};
 use crate::error::CliError;
+use crate::image_file;
 use crate::output::OutputFile;
 use crate::output_error::OutputError;
-use crate::picture_file;
 
 #[derive(Debug)]
 pub(crate) struct AovFile {
@@ -20,7 +20,7 @@ pub(crate) struct AovFile {
 
 impl AovFile {
     fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, CliError> {
-        let format = picture_file::format_of(&arg.file)?;
+        let format = image_file::format_of(&arg.file)?;
         Ok(Self { aov: arg.aov, format, output: OutputFile::prepare(&arg.file, inputs)? })
     }
 
@@ -52,7 +52,7 @@ impl AovFile {
             let message = "--aov stderr needs at least two passes: add --passes 4";
             return Err(CliError::Usage(message.to_owned()));
         }
-        picture_file::check(self.format, size, false)
+        image_file::check(self.format, size, false)
     }
 
     /// Writes the file, if need be to a fallback directory.
@@ -63,7 +63,7 @@ impl AovFile {
         };
         let Some(film) = film else { return Ok(()) };
         let shown;
-        let film = if picture_file::is_developed(self.format) {
+        let film = if image_file::is_developed(self.format) {
             shown = relative_to_largest(film);
             &shown
         } else {

@@ -5,10 +5,10 @@ mod compare;
 mod converge;
 mod default_command;
 mod frames;
+mod image;
 mod input;
 mod memory;
 mod merge;
-mod picture;
 mod raw_options;
 mod stop;
 mod values;
@@ -25,10 +25,10 @@ pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{ConvergeArgs, ReferenceKind, Variation};
 pub(crate) use default_command::with_default_command;
 pub(crate) use frames::{FrameChoice, Frames, FramesArgs};
+pub(crate) use image::{AdaptiveChoice, DevelopmentArgs, ImageArgs, ViewArgs};
 pub(crate) use input::InputArgs;
 pub(crate) use memory::{Amount, MemoryArgs};
 pub(crate) use merge::MergeArgs;
-pub(crate) use picture::{AdaptiveChoice, DevelopmentArgs, PictureArgs, ViewArgs};
 pub(crate) use stop::StopArgs;
 #[cfg(feature = "view")]
 pub(crate) use values::TONE_CURVES;
@@ -126,7 +126,7 @@ pub(crate) struct RenderArgs {
     pub(crate) frames: FramesArgs,
 
     #[command(flatten)]
-    pub(crate) picture: PictureArgs,
+    pub(crate) image: ImageArgs,
 
     #[command(flatten)]
     pub(crate) stop: StopArgs,
@@ -153,7 +153,7 @@ pub(crate) struct BrowserArgs {
     pub(crate) input: InputArgs,
 
     #[command(flatten)]
-    pub(crate) picture: PictureArgs,
+    pub(crate) image: ImageArgs,
 
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
@@ -184,7 +184,7 @@ pub(crate) struct ExplainArgs {
     pub(crate) input: InputArgs,
 
     #[command(flatten)]
-    pub(crate) picture: PictureArgs,
+    pub(crate) image: ImageArgs,
 
     /// Treat warnings as errors (exit code 3)
     #[arg(long, help_heading = "Running")]

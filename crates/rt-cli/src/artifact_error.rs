@@ -20,8 +20,8 @@ pub(crate) enum ArtifactError {
     Read { file: PathBuf, source: io::Error },
     #[error("{}: is not a regular file", .0.display())]
     NotAFile(PathBuf),
-    #[error("{}: {shortage}", file.display())]
-    Memory { file: PathBuf, shortage: MemoryError },
+    #[error("{}: {cause}", file.display())]
+    Memory { file: PathBuf, cause: MemoryError },
     /// The hash is right, and a value is not.
     #[error("{}: is not a valid {kind}: {reason}", file.display())]
     Content { file: PathBuf, kind: ArtifactKind, reason: String },

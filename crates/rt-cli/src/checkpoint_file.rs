@@ -221,8 +221,8 @@ fn check_memory(file: &Path, kind: ArtifactKind, length: u64, memory: Option<u64
     match memory {
         Some(budget) if predicted > budget => {
             let largest = format!("the {kind} {}", file.display());
-            let shortage = MemoryError { predicted, budget, largest, most: predicted };
-            Err(ArtifactError::Memory { file: file.to_owned(), shortage })
+            let cause = MemoryError { predicted, budget, largest, most: predicted };
+            Err(ArtifactError::Memory { file: file.to_owned(), cause })
         }
         _ => Ok(()),
     }

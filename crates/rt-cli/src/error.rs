@@ -28,8 +28,8 @@ pub(crate) enum CliError {
     Plan { file: PathBuf, source: RenderError },
     #[error(transparent)]
     Image(#[from] ImageFileError),
-    #[error("{}: {shortage}", file.display())]
-    Memory { file: PathBuf, shortage: MemoryError },
+    #[error("{}: {cause}", file.display())]
+    Memory { file: PathBuf, cause: MemoryError },
     /// Two images cannot be compared.
     #[error("{} and {}: {source}", test.display(), reference.display())]
     Pair { test: PathBuf, reference: PathBuf, source: PairError },

@@ -37,7 +37,7 @@ impl FrameLog {
     /// # Errors
     /// [`CliError`] if the log cannot be written, or is not a log.
     pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, CliError> {
-        let output = OutputFile::prepare_over_link(&beside(pattern, shard), &[])?;
+        let output = OutputFile::prepare_over_link(&log_path(pattern, shard), &[])?;
         let DoneFrames { frames } = read(output.path())?;
         let (stale, frames) = frames.into_iter().partition(|(frame, _)| !resume && own.contains(*frame));
         Ok(Self { output, done: DoneFrames { frames }, stale })
@@ -131,7 +131,7 @@ const fn lock(_path: &Path) -> Option<File> {
 }
 
 /// Name pattern with `.frames.json` appended.
-fn beside(pattern: &Path, shard: Option<Share>) -> PathBuf {
+fn log_path(pattern: &Path, shard: Option<Share>) -> PathBuf {
     let mut name = pattern.as_os_str().to_owned();
     match shard {
         None => name.push(".frames.json"),

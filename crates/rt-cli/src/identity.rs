@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use rt_scene_io::{InputHashes, LoadErrorKind};
 use serde::{Deserialize, Serialize};
 
-use crate::args::{InputArgs, PictureArgs};
+use crate::args::{ImageArgs, InputArgs};
 use crate::error::CliError;
 use crate::stdin::{self, is_dash};
 
@@ -24,7 +24,7 @@ impl Identity {
     /// that each machine may have its own directory.
     pub(crate) fn new(
         input: &InputArgs,
-        picture: &PictureArgs,
+        image: &ImageArgs,
         files: &[PathBuf],
         known: &InputHashes,
     ) -> Result<Self, CliError> {
@@ -40,10 +40,10 @@ impl Identity {
             hasher.update(bytes);
         };
         add(env!("CARGO_PKG_VERSION").as_bytes());
-        add(choices(input, picture).as_bytes());
+        add(choices(input, image).as_bytes());
         // The environment image may also be a texture of the scene.
         add(input.piped.as_ref().map_or(&[][..], |piped| &piped.bytes));
-        add(&picture.env.as_deref().map_or(Ok(Vec::new()), |file| hash_of(file, known).map(Vec::from))?);
+        add(&image.env.as_deref().map_or(Ok(Vec::new()), |file| hash_of(file, known).map(Vec::from))?);
         for (name, hash) in &named {
             add(name.as_bytes());
             add(hash);
@@ -95,7 +95,7 @@ fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], CliError> {
 }
 
 /// Text of all options that change the image. The patterns are exhaustive, so that a new option cannot be forgotten.
-fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
+fn choices(input: &InputArgs, image: &ImageArgs) -> String {
     let InputArgs {
         scene: _,
         input_format: _,
@@ -110,7 +110,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         memory: _,
         max_file_size: _,
     } = input;
-    let PictureArgs {
+    let ImageArgs {
         size,
         spp,
         passes,
@@ -130,7 +130,7 @@ fn choices(input: &InputArgs, picture: &PictureArgs) -> String {
         crop,
         background,
         env: _,
-    } = picture;
+    } = image;
     let of_input = (ground, lights, at_time, timing, animation, variant);
     let how_much = (size, spp, passes, adaptive, min_spp, max_depth, seed, clamp);
     format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, view, crop, background))
@@ -153,7 +153,7 @@ mod tests {
             panic!("a render")
         };
         let files = [scene, folder.join("model.obj")];
-        Identity::new(&args.input, &args.picture, &files, &InputHashes::default()).expect("readable")
+        Identity::new(&args.input, &args.image, &files, &InputHashes::default()).expect("readable")
     }
 
     #[test]

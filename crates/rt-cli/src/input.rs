@@ -8,7 +8,7 @@ use rt_scene_io::{
     Background, InMemoryFile, InputHashes, LoadOptions, MemoryBudget, Scene, Warning, load, read_environment,
 };
 
-use crate::args::{BackgroundChoice, InputArgs, PictureArgs};
+use crate::args::{BackgroundChoice, ImageArgs, InputArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::identity::hash_bytes;
@@ -28,15 +28,15 @@ pub(crate) struct Input {
     pub(crate) options: LoadOptions,
 }
 
-/// Loads a scene and prints the warnings. `picture` overrides what the defaults of the loader depend on.
-pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Console) -> Result<Input, CliError> {
+/// Loads a scene and prints the warnings. `image` overrides what the defaults of the loader depend on.
+pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console) -> Result<Input, CliError> {
     let mut options = load_options(args)?;
-    if let Some(picture) = picture {
-        options.size = picture.size;
-        options.integrator = picture.integrator;
-        options.has_environment = picture.env.is_some();
+    if let Some(image) = image {
+        options.size = image.size;
+        options.integrator = image.integrator;
+        options.has_environment = image.env.is_some();
         options.input_hashes = InputHashes::new(hash_bytes);
-        if let Some(BackgroundChoice::Color(color)) = picture.background {
+        if let Some(BackgroundChoice::Color(color)) = image.background {
             options.background = Some(color);
         }
     }
@@ -46,7 +46,7 @@ pub(crate) fn read(args: &InputArgs, picture: Option<&PictureArgs>, console: Con
     if args.piped.is_none() {
         files.push(args.scene.clone());
     }
-    let env = picture.and_then(|picture| picture.env.as_deref());
+    let env = image.and_then(|image| image.env.as_deref());
     let environment = env.map(|file| environment(file, &options)).transpose()?;
     files.extend(env.map(Path::to_owned));
     Ok(Input { scene, environment, files, options })

@@ -21,7 +21,7 @@ use crate::output_error::OutputError;
 use crate::render_observer::RenderObserver;
 use crate::signals::SignalGuard;
 use crate::stats::{self, Outcome};
-use crate::{empty_picture, input, picture_file, report, signals};
+use crate::{empty_image, image_file, input, report, signals};
 
 /// A render with all settings resolved.
 #[derive(Debug)]
@@ -78,7 +78,7 @@ impl JobOutput {
 }
 
 impl Job<'_> {
-    /// Renders, writes the picture and the statistics, and reports.
+    /// Renders, writes the image and the statistics, and reports.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         if self.is_done()? {
             let part = self.output.file().path().display();
@@ -87,7 +87,7 @@ impl Job<'_> {
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
         self.print_notes(&plan)?;
-        if let Some(warning) = empty_picture::unlit(self.scene, &plan) {
+        if let Some(warning) = empty_image::unlit(self.scene, &plan) {
             self.console.warn(&warning);
             if self.strict {
                 return Err(CliError::Warnings { file: self.scene_file.to_owned(), count: 1 });
@@ -146,18 +146,18 @@ impl Job<'_> {
         if let Some(checkpointer) = checkpointer {
             checkpointer.remove();
         }
-        self.judge(rendering.statistics.bad_samples, rendering.statistics.samples)?;
-        self.judge_content(&plan, &rendering)
+        self.check_samples(rendering.statistics.bad_samples, rendering.statistics.samples)?;
+        self.check_content(&plan, &rendering)
     }
 
     /// Warns of an image that shows nothing.
-    fn judge_content(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Result<(), CliError> {
+    fn check_content(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Result<(), CliError> {
         let JobOutput::Image { format, file, .. } = &self.output else { return Ok(()) };
         if self.options.crop.is_some() {
             return Ok(());
         }
-        let (hits, is_developed) = (rendering.statistics.camera_hits, picture_file::is_developed(*format));
-        match empty_picture::empty(self.scene, plan, &rendering.film, hits, is_developed) {
+        let (hits, is_developed) = (rendering.statistics.camera_hits, image_file::is_developed(*format));
+        match empty_image::empty(self.scene, plan, &rendering.film, hits, is_developed) {
             Some(warning) if self.strict => Err(CliError::Empty { warning, file: file.path().to_owned() }),
             Some(warning) => {
                 self.console.warn(warning);
@@ -243,15 +243,15 @@ impl Job<'_> {
             }
         };
         self.console.println(format_args!("wrote {what} {}", report::effort(outcome)))?;
-        self.console.println(report::ending_and_error(outcome))
+        self.console.println(report::stop_reason_and_error(outcome))
     }
 
     fn compile(&self) -> Result<RenderPlan<'_>, CliError> {
         let film = &self.scene.film;
         let size = self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height]);
         if let JobOutput::Image { format, file, .. } = &self.output {
-            picture_file::check(*format, size, self.options.transparent)?;
-            file.check_space(picture_file::max_bytes(*format, size))?;
+            image_file::check(*format, size, self.options.transparent)?;
+            file.check_space(image_file::max_bytes(*format, size))?;
         }
         let plan =
             RenderPlan::compile(self.scene, &self.options).map_err(|error| CliError::plan(self.scene_file, error))?;
@@ -281,12 +281,12 @@ impl Job<'_> {
         if self.rule.is_some() {
             return Ok(());
         }
-        let (asked, taken) = (self.scene.settings.spp, plan.samples_per_pixel());
-        if asked == taken {
+        let (requested, taken) = (self.scene.settings.spp, plan.samples_per_pixel());
+        if requested == taken {
             return Ok(());
         }
         let sampler = self.scene.settings.pattern.name();
-        self.console.println(format_args!("note: {sampler} takes {taken} samples per pixel rather than {asked}"))
+        self.console.println(format_args!("note: {sampler} takes {taken} samples per pixel rather than {requested}"))
     }
 
     fn connect(&self, server: &str) -> Result<Display, CliError> {
@@ -335,7 +335,7 @@ impl Job<'_> {
     }
 
     /// Warns of bad samples; an error with `--strict`.
-    fn judge(&self, bad_samples: u64, samples: u64) -> Result<(), CliError> {
+    fn check_samples(&self, bad_samples: u64, samples: u64) -> Result<(), CliError> {
         if bad_samples == 0 {
             return Ok(());
         }

@@ -34,16 +34,16 @@ mod console;
 #[cfg_attr(not(feature = "display"), path = "no_display.rs")]
 mod display;
 mod done_frames;
-mod empty_picture;
+mod empty_image;
 mod error;
 mod frame_log;
 mod identity;
+mod image_file;
 mod input;
 mod job;
 mod memory;
 mod output;
 mod output_error;
-mod picture_file;
 mod processor;
 mod progress;
 mod render_observer;

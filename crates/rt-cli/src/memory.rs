@@ -11,8 +11,8 @@ pub(crate) fn check(limit: Option<u64>, file: &Path, needs: &[(String, u64)]) ->
     let predicted = needs.iter().fold(0_u64, |sum, (_, bytes)| sum.saturating_add(*bytes));
     match (limit, needs.iter().max_by_key(|(_, bytes)| *bytes)) {
         (Some(budget), Some((largest, most))) if predicted > budget => {
-            let shortage = MemoryError { predicted, budget, largest: largest.clone(), most: *most };
-            Err(CliError::Memory { file: file.to_owned(), shortage })
+            let cause = MemoryError { predicted, budget, largest: largest.clone(), most: *most };
+            Err(CliError::Memory { file: file.to_owned(), cause })
         }
         _ => Ok(()),
     }

@@ -7,9 +7,11 @@ use crate::console::Console;
 use crate::error::CliError;
 
 #[derive(Debug)]
-pub(crate) enum Display {}
+pub(crate) enum NoDisplay {}
 
-impl Display {
+pub(crate) use NoDisplay as Display;
+
+impl NoDisplay {
     /// # Errors
     /// Always.
     pub(crate) fn connect(address: &str, _: &str, _: Crop, _: bool, _: Console) -> Result<Self, CliError> {

@@ -38,8 +38,8 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
 
 /// Samples per pixel.
 pub(crate) fn samples(rendering: &Rendering) -> String {
-    let SampleRange { min: least, mean, max: most } = rendering.samples_per_pixel;
-    if least == most { format!("{most} spp") } else { format!("{least} to {most} spp, {mean:.1} on average") }
+    let SampleRange { min, mean, max } = rendering.samples_per_pixel;
+    if min == max { format!("{max} spp") } else { format!("{min} to {max} spp, {mean:.1} on average") }
 }
 
 /// Render time and rays.
@@ -50,10 +50,10 @@ pub(crate) fn effort(outcome: &Outcome<'_>) -> String {
 }
 
 /// One line: effect of the stop rule, estimated error, and effect of clamping.
-pub(crate) fn ending_and_error(outcome: &Outcome<'_>) -> String {
-    let ending = outcome.rule.map(|rule| ending(outcome, &rule));
+pub(crate) fn stop_reason_and_error(outcome: &Outcome<'_>) -> String {
+    let reason = outcome.rule.map(|rule| stop_reason(outcome, &rule));
     let clamped = outcome.plan.clamping(outcome.rendering).map(|clamping| clamped(&clamping));
-    ending.into_iter().chain([short_error(outcome)]).chain(clamped).collect::<Vec<_>>().join("; ")
+    reason.into_iter().chain([short_error(outcome)]).chain(clamped).collect::<Vec<_>>().join("; ")
 }
 
 fn clamped(clamping: &Clamping) -> String {
@@ -64,14 +64,14 @@ fn clamped(clamping: &Clamping) -> String {
 
 /// Share of the pixels with the minimum of samples.
 fn shared_out(outcome: &Outcome<'_>) -> Option<String> {
-    let least = outcome.plan.min_samples_per_pixel()?;
+    let min = outcome.plan.min_samples_per_pixel()?;
     let Rendering { film, statistics, samples_per_pixel: SampleRange { mean, .. }, .. } = outcome.rendering;
     let share = 100.0 * statistics.simple_pixels as f64 / film.pixels().len() as f64;
-    Some(format!("{share:.1} % of the pixels show no edge and took {least} samples: {mean:.1} on average"))
+    Some(format!("{share:.1} % of the pixels show no edge and took {min} samples: {mean:.1} on average"))
 }
 
 /// Condition that ended the render.
-fn ending(outcome: &Outcome<'_>, rule: &StopRule) -> String {
+fn stop_reason(outcome: &Outcome<'_>, rule: &StopRule) -> String {
     let rendering = outcome.rendering;
     let option = match rendering.stopped {
         Stopped::Samples => "--spp",

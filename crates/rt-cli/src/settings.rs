@@ -4,15 +4,15 @@ use rt_camera::{CameraSettings, Projection};
 use rt_image::Development;
 use rt_math::{DVec3, Transform};
 use rt_render::PlanOptions;
-use rt_scene_io::{Adaptive, Background, Integrator, LoadErrorKind, Scene};
+use rt_scene_io::{AdaptiveSampling, Background, Integrator, LoadErrorKind, Scene};
 
-use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, PictureArgs, ViewArgs};
+use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, ImageArgs, ViewArgs};
 use crate::error::CliError;
 
 /// Options that override a scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Overrides<'a> {
-    pub(crate) picture: &'a PictureArgs,
+    pub(crate) image: &'a ImageArgs,
     pub(crate) development: Option<&'a DevelopmentArgs>,
     /// Image of `--env`.
     pub(crate) environment: Option<&'a Background>,
@@ -24,7 +24,7 @@ pub(crate) struct Overrides<'a> {
 
 /// Resolves scene and options to the scene and plan options that are rendered.
 pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Scene, PlanOptions), CliError> {
-    let Overrides { picture: args, development, environment, memory, progressive } = overrides;
+    let Overrides { image: args, development, environment, memory, progressive } = overrides;
     let film = &mut scene.film;
     [film.width, film.height] = args.size.unwrap_or([film.width, film.height]);
     let settings = &mut scene.settings;
@@ -105,15 +105,15 @@ fn simplification(scene: &Scene) -> Option<String> {
     is_simplified.then(|| format!("`{integrator}` {left_out}; `path` shows them in full."))
 }
 
-fn adaptive(args: &PictureArgs, of_scene: Option<Adaptive>) -> Result<Option<Adaptive>, CliError> {
+fn adaptive(args: &ImageArgs, of_scene: Option<AdaptiveSampling>) -> Result<Option<AdaptiveSampling>, CliError> {
     let adaptive = match args.adaptive {
         None => of_scene,
         Some(AdaptiveChoice::Off) => None,
-        Some(AdaptiveChoice::ObjectSpace) => of_scene.or(Some(Adaptive::ObjectSpace { min_spp: None })),
+        Some(AdaptiveChoice::ObjectSpace) => of_scene.or(Some(AdaptiveSampling::ObjectSpace { min_spp: None })),
     };
     match (adaptive, args.min_spp) {
         (adaptive, None) => Ok(adaptive),
-        (Some(Adaptive::ObjectSpace { .. }), least) => Ok(Some(Adaptive::ObjectSpace { min_spp: least })),
+        (Some(AdaptiveSampling::ObjectSpace { .. }), min_spp) => Ok(Some(AdaptiveSampling::ObjectSpace { min_spp })),
         (None, Some(_)) => Err(CliError::Usage("--min-spp requires --adaptive object-space".to_owned())),
     }
 }

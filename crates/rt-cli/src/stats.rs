@@ -38,7 +38,7 @@ pub(crate) fn json(outcome: &Outcome<'_>) -> Value {
         "plan": plan(outcome),
         "samples": statistics.samples,
         "camera_hits": statistics.camera_hits,
-        "pixel_samples": { "least": samples.min, "mean": samples.mean, "most": samples.max },
+        "pixel_samples": { "min": samples.min, "mean": samples.mean, "max": samples.max },
         "simple_pixels": statistics.simple_pixels,
         "passes": statistics.passes,
         "stopped": stopped_by(rendering.stopped),

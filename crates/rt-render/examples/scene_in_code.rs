@@ -10,7 +10,7 @@ use rt_geometry::{Plane, Shape, Sphere};
 use rt_image::{ImageFormat, write_image};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
-use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
+use rt_scene_io::{Content, MaterialId, NamedCamera, Scene, SceneNode};
 use rt_shading::{
     Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong,
 };
@@ -47,9 +47,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..Appearance::default()
         },
         nodes: vec![
-            Node::new(Content::Shape(Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y)?)), MaterialId(0)),
-            Node::new(Content::Shape(sphere(-1.2, 1.0)?), MaterialId(0)),
-            Node::new(Content::Shape(sphere(1.3, 1.2)?), MaterialId(1)),
+            SceneNode::new(Content::Shape(Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y)?)), MaterialId(0)),
+            SceneNode::new(Content::Shape(sphere(-1.2, 1.0)?), MaterialId(0)),
+            SceneNode::new(Content::Shape(sphere(1.3, 1.2)?), MaterialId(1)),
         ],
         ..Scene::empty("scene in code")
     };

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rt_accel::BuildError;
 use rt_geometry::{Primitives, Shape, TransformedShape};
 use rt_math::{Aabb, AnimatedTransformChain, Transform};
-use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Node, Scene};
+use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Scene, SceneNode};
 use rt_shading::{Alpha, Material, Texture};
 
 use crate::{
@@ -85,7 +85,7 @@ pub(crate) fn count_group_uses(scene: &Scene) -> Result<Vec<u64>, RenderError> {
     Ok(uses)
 }
 
-pub(crate) fn group_of<'s>(scene: &'s Scene, node: &Node, id: GroupId) -> Result<&'s Group, RenderError> {
+pub(crate) fn group_of<'s>(scene: &'s Scene, node: &SceneNode, id: GroupId) -> Result<&'s Group, RenderError> {
     scene.groups.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
         object: node.name.clone(),
         what: "group",
@@ -172,7 +172,7 @@ struct Flattener<'s> {
 }
 
 impl<'s> Flattener<'s> {
-    fn aggregate(&mut self, nodes: &'s [Node], level: Level) -> Result<Aggregate, RenderError> {
+    fn aggregate(&mut self, nodes: &'s [SceneNode], level: Level) -> Result<Aggregate, RenderError> {
         let within_group = level.within_group;
         let count = self.count_instances(nodes, within_group);
         if count > MAX_INSTANCES {
@@ -197,7 +197,7 @@ impl<'s> Flattener<'s> {
     }
 
     /// Upper bound on the number of instances of [`collect`](Self::collect).
-    fn count_instances(&mut self, nodes: &'s [Node], within_group: bool) -> u64 {
+    fn count_instances(&mut self, nodes: &'s [SceneNode], within_group: bool) -> u64 {
         let (mut open, mut count) = (vec![nodes], 0u64);
         while let Some(nodes) = open.pop() {
             for node in nodes {
@@ -255,7 +255,12 @@ impl<'s> Flattener<'s> {
     }
 
     /// Adds the instances of nodes and their descendants. The traversal has an explicit stack, as trees can be deep.
-    fn collect(&mut self, nodes: &'s [Node], level: Level, instances: &mut Vec<Instance>) -> Result<(), RenderError> {
+    fn collect(
+        &mut self,
+        nodes: &'s [SceneNode],
+        level: Level,
+        instances: &mut Vec<Instance>,
+    ) -> Result<(), RenderError> {
         let mut open = vec![(nodes.iter(), level)];
         while let Some((nodes, level)) = open.last_mut() {
             let Some(node) = nodes.next() else {
@@ -304,7 +309,11 @@ impl<'s> Flattener<'s> {
     }
 
     /// Transform from the space of the node to that of the aggregate.
-    fn place_below(&self, outer: &AnimatedTransformChain, node: &Node) -> Result<AnimatedTransformChain, RenderError> {
+    fn place_below(
+        &self,
+        outer: &AnimatedTransformChain,
+        node: &SceneNode,
+    ) -> Result<AnimatedTransformChain, RenderError> {
         let chain = match self.static_time {
             None => node.place_below(outer),
             Some(static_time) => node.motion().map(|motion| {
@@ -315,7 +324,7 @@ impl<'s> Flattener<'s> {
         chain.map_err(|source| RenderError::AnimatedTransform { object: node.name.clone(), source })
     }
 
-    fn shape_instance(&self, node: &Node, shape: &Shape, here: &Level) -> Result<Instance, RenderError> {
+    fn shape_instance(&self, node: &SceneNode, shape: &Shape, here: &Level) -> Result<Instance, RenderError> {
         let transformed = here.aggregate_from_parent.as_constant().filter(|transform| !transform.is_identity());
         let (geometry, bounds) = if let Some(transform) = transformed {
             let placed = TransformedShape::new(shape.clone(), *transform);
@@ -337,13 +346,13 @@ impl<'s> Flattener<'s> {
     }
 
     /// True if the material or the environment of the node uses texture coordinates.
-    fn shows_uv(&self, node: &Node) -> bool {
+    fn shows_uv(&self, node: &SceneNode) -> bool {
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         self.scene.settings.integrator == Integrator::Uv || material.is_some_and(|m| m.is_textured())
     }
 
     /// Instances of a mesh: one, or one per triangle if the mesh is small and untransformed. A mesh without triangles has none.
-    fn mesh_instances(&mut self, node: &Node, id: MeshId, here: &Level) -> Result<Vec<Instance>, RenderError> {
+    fn mesh_instances(&mut self, node: &SceneNode, id: MeshId, here: &Level) -> Result<Vec<Instance>, RenderError> {
         let named = self.scene.meshes.get(id.0 as usize).ok_or_else(|| RenderError::Dangling {
             object: node.name.clone(),
             what: "mesh",
@@ -397,7 +406,7 @@ impl<'s> Flattener<'s> {
     /// Instance of a group; `None` if the group is empty.
     fn group_instance(
         &mut self,
-        node: &Node,
+        node: &SceneNode,
         id: GroupId,
         group: &'s Group,
         here: &Level,
@@ -424,7 +433,7 @@ impl<'s> Flattener<'s> {
 
     fn instance(
         &self,
-        node: &Node,
+        node: &SceneNode,
         here: &Level,
         geometry: InstanceGeometry,
         bounds: Option<Aabb>,
@@ -456,7 +465,7 @@ impl<'s> Flattener<'s> {
 }
 
 /// Checks a product of transforms: it can be singular though each factor is invertible.
-fn check_transform(node: &Node, place: &AnimatedTransformChain) -> Result<(), RenderError> {
+fn check_transform(node: &SceneNode, place: &AnimatedTransformChain) -> Result<(), RenderError> {
     for static_time in [0.0, 1.0] {
         let transform = place.at(static_time);
         Transform::from_linear(transform.linear(), transform.translation())

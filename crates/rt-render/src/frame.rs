@@ -8,7 +8,7 @@
 
 use rt_camera::{Camera, FilmSettings, Filter, PixelSampler, SampleStream, SamplerKind, ViewVolume};
 use rt_math::{Aabb, DVec2, Rgb, Sampler};
-use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, Scene, Settings};
+use rt_scene_io::{Accel, Integrator, MaterialId, NamedCamera, RenderSettings, Scene};
 
 use crate::{
     Crop, RenderError, RenderSpace,
@@ -194,7 +194,7 @@ pub(crate) fn camera_of(scene: &Scene, index: usize) -> Result<&NamedCamera, Ren
 }
 
 /// Checks that adaptive sampling in object space applies: to an integrator with edges, without motion or a lens.
-fn check_adaptive(settings: &Settings, camera: &Camera, has_motion: bool) -> Result<(), RenderError> {
+fn check_adaptive(settings: &RenderSettings, camera: &Camera, has_motion: bool) -> Result<(), RenderError> {
     match settings.adaptive {
         Some(_) if settings.integrator != Integrator::Whitted => Err(RenderError::Adaptive(settings.integrator.name())),
         Some(_) if camera.has_lens() => Err(RenderError::AdaptiveLens),

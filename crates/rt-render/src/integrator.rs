@@ -1,6 +1,6 @@
 //! Integrators: functions from camera rays to radiance.
 
-use rt_scene_io::{Integrator, Settings};
+use rt_scene_io::{Integrator, RenderSettings};
 use rt_shading::{AmbientOcclusion, AovIntegrator, Clamp, PathSettings, Transport};
 
 /// Integrator of a plan with its parameters.
@@ -19,7 +19,7 @@ pub(crate) enum IntegratorState {
 
 impl IntegratorState {
     /// Integrator of the settings. `depth_range` is that of the scene along the view axis.
-    pub(crate) fn new(settings: &Settings, depth_range: [f64; 2]) -> Self {
+    pub(crate) fn new(settings: &RenderSettings, depth_range: [f64; 2]) -> Self {
         let path = |max_depth, transport| {
             let clamp = settings.clamp.and_then(Clamp::new).unwrap_or_default();
             Self::Path(PathSettings { max_depth, rr_start_depth: settings.rr_start_depth, transport, clamp })

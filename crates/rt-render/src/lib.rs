@@ -20,7 +20,7 @@
 //! # use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 //! # use rt_geometry::{Shape, Sphere};
 //! # use rt_math::{DVec3, Rgb, Transform};
-//! # use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene, Settings};
+//! # use rt_scene_io::{Content, MaterialId, NamedCamera, SceneNode, Scene, RenderSettings};
 //! # use rt_shading::{Appearance, Background, Falloff, DeltaLight, DeltaLightKind, LightUnits, Material, Phong};
 //! # let camera = CameraSettings::new(
 //! #     Transform::translate(DVec3::Z * 4.0),
@@ -35,7 +35,7 @@
 //! #         lights: vec![DeltaLight { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
 //! #         ..Appearance::default()
 //! #     },
-//! #     nodes: vec![Node::new(Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?)), MaterialId(0))],
+//! #     nodes: vec![SceneNode::new(Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?)), MaterialId(0))],
 //! #     ..Scene::empty("one sphere")
 //! # };
 //! let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;

@@ -125,7 +125,7 @@ impl<'p> TileScheduler<'p> {
 
 #[cfg(test)]
 mod tests {
-    use rt_scene_io::{Content, MaterialId, NamedCamera, Node, Scene};
+    use rt_scene_io::{Content, MaterialId, NamedCamera, Scene, SceneNode};
 
     use super::*;
     use crate::PlanOptions;
@@ -138,7 +138,7 @@ mod tests {
         let mut scene = Scene::empty("one sphere");
         scene.cameras = vec![NamedCamera { name: "main".into(), settings: camera, medium: None }];
         scene.appearance.materials = vec![rt_shading::Material::new("any".into(), rt_shading::Phong::default())];
-        scene.nodes = vec![Node::new(Content::Shape(rt_geometry::Shape::Sphere(sphere)), MaterialId(0))];
+        scene.nodes = vec![SceneNode::new(Content::Shape(rt_geometry::Shape::Sphere(sphere)), MaterialId(0))];
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
         test(
             &TileScheduler::new(&plan, &RunOptions { threads: 3, interrupt, ..RunOptions::default() })

@@ -3,7 +3,7 @@
 use rt_geometry::Shape;
 use rt_math::{Aabb, AnimatedTransformChain, Transform};
 
-use crate::{Content, Group, GroupId, MeshId, NamedMesh, Node, Scene};
+use crate::{Content, Group, GroupId, MeshId, NamedMesh, Scene, SceneNode};
 
 impl Scene {
     /// Box around all bounded objects, in world space, at all times; empty without any.
@@ -15,7 +15,7 @@ impl Scene {
 }
 
 /// [`Scene::bounds`] of the parts of a scene.
-pub(crate) fn tree_bounds(nodes: &[Node], groups: &[Group], meshes: &[NamedMesh]) -> Aabb {
+pub(crate) fn tree_bounds(nodes: &[SceneNode], groups: &[Group], meshes: &[NamedMesh]) -> Aabb {
     // Each group is measured once, in its own space, however often it is placed.
     let mut measured = Vec::with_capacity(groups.len());
     for group in groups {
@@ -25,10 +25,10 @@ pub(crate) fn tree_bounds(nodes: &[Node], groups: &[Group], meshes: &[NamedMesh]
 }
 
 /// The box around nodes, in the space of their parent. Trees may be deep, so the walk keeps its own stack.
-fn measure(nodes: &[Node], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
+fn measure(nodes: &[SceneNode], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     let mut sum = Aabb::EMPTY;
     let here = AnimatedTransformChain::constant(Transform::IDENTITY);
-    let mut open: Vec<(&Node, AnimatedTransformChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
+    let mut open: Vec<(&SceneNode, AnimatedTransformChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
     while let Some((node, outer)) = open.pop() {
         // A motion that cannot be interpolated is ignored.
         let outer_from_local =
@@ -57,8 +57,8 @@ mod tests {
     use rt_geometry::{Plane, Sphere};
     use rt_math::DVec3;
 
-    fn sphere(centre: DVec3) -> Node {
-        Node::new(Content::Shape(Shape::Sphere(Sphere::new(centre, 1.0).unwrap())), MaterialId(0))
+    fn sphere(centre: DVec3) -> SceneNode {
+        SceneNode::new(Content::Shape(Shape::Sphere(Sphere::new(centre, 1.0).unwrap())), MaterialId(0))
     }
 
     fn close(bounds: Aabb, min: [f64; 3], max: [f64; 3]) {
@@ -71,9 +71,10 @@ mod tests {
         let mut scene = Scene::empty("test");
         let moved = Transform::translate(DVec3::new(10.0, 0.0, 0.0));
         scene.groups.push(Group { name: "ball".to_owned(), nodes: vec![sphere(DVec3::ZERO)] });
-        let mut instance = Node::new(Content::Instance(GroupId(0)), MaterialId(0));
+        let mut instance = SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
         instance.parent_from_local = Transform::scale(DVec3::splat(2.0)).unwrap();
-        let parent = Node { content: None, parent_from_local: moved, children: vec![instance], ..sphere(DVec3::ZERO) };
+        let parent =
+            SceneNode { content: None, parent_from_local: moved, children: vec![instance], ..sphere(DVec3::ZERO) };
         scene.nodes = vec![parent, sphere(DVec3::ZERO)];
         close(scene.bounds(), [-1.0, -2.0, -2.0], [12.0, 2.0, 2.0]);
     }
@@ -82,14 +83,14 @@ mod tests {
     fn planes_and_dangling_ids_have_no_bounds() {
         let mut scene = Scene::empty("test");
         let plane = Plane::new(DVec3::ZERO, DVec3::Y).unwrap();
-        scene.nodes.push(Node::new(Content::Shape(Shape::Plane(plane)), MaterialId(0)));
-        scene.nodes.push(Node::new(Content::Mesh(MeshId(7)), MaterialId(0)));
-        scene.nodes.push(Node::new(Content::Instance(GroupId(7)), MaterialId(0)));
+        scene.nodes.push(SceneNode::new(Content::Shape(Shape::Plane(plane)), MaterialId(0)));
+        scene.nodes.push(SceneNode::new(Content::Mesh(MeshId(7)), MaterialId(0)));
+        scene.nodes.push(SceneNode::new(Content::Instance(GroupId(7)), MaterialId(0)));
         assert!(scene.bounds().is_empty());
         // A group that contains itself does not hang.
         scene.groups.push(Group { name: "loop".to_owned(), nodes: vec![scene.nodes[2].clone(), sphere(DVec3::ZERO)] });
         scene.groups[0].nodes[0].content = Some(Content::Instance(GroupId(0)));
-        scene.nodes = vec![Node::new(Content::Instance(GroupId(0)), MaterialId(0))];
+        scene.nodes = vec![SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0))];
         close(scene.bounds(), [-1.0; 3], [1.0; 3]);
     }
 }

@@ -217,7 +217,7 @@ fn light(light: &DeltaLight) -> format::Light {
 mod tests {
     use super::*;
     use crate::resolve::resolve_with;
-    use crate::{Content, MaterialId, Node as SceneNode, Scene};
+    use crate::{Content, MaterialId, Scene, SceneNode};
     use rt_geometry::{Cuboid, Shape};
     use rt_shading::{Falloff, LightUnits};
     use std::path::Path;

@@ -82,7 +82,7 @@ pub enum LoadErrorKind {
     #[error("is not UTF-8 text: the byte at offset {0} is invalid")]
     NotUtf8(usize),
     /// Unknown file extension, or a format that is not compiled in.
-    #[error("has no known ending (known are {known}); rename it, or convert it with another program")]
+    #[error("has no known extension (known are {known}); rename it, or convert it with another program")]
     UnknownFormat {
         /// Supported extensions.
         known: &'static str,

@@ -128,8 +128,8 @@ pub use options::{AnimationEnd, Hasher, InMemoryFile, InputHashes, LoadOptions, 
 pub use resolve::resolve;
 pub use rt_shading::light::LightSampling;
 pub use scene::{
-    Accel, Adaptive, Background, Content, Group, GroupId, Integrator, Material, MaterialId, MeshId, NamedCamera,
-    NamedMesh, Node, Scene, Settings, Truth, Warning,
+    Accel, AdaptiveSampling, Background, Content, Group, GroupId, Integrator, KnownMean, Material, MaterialId, MeshId,
+    NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode, Warning,
 };
 #[cfg(feature = "format")]
 pub use texture::{decode_numbers, decode_texture};

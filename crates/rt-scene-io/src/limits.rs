@@ -102,7 +102,7 @@ limits! {
     TEXTURE_BYTES: u64 = 1 << 30, Bytes "a texture, decoded" of "every texture";
     /// Each image is within its limit, and there may be many.
     MODEL_TEXTURE_BYTES: u64 = 1 << 32, Bytes "all textures of a model" of ".gltf, .glb, .obj, .pbrt";
-    /// A file that claims to expand further is damaged: the densest compression, that of PNG and ZIP, reaches 1032 : 1, and
+    /// A file that claims to expand further is damaged. The densest compression, that of PNG and ZIP, reaches 1032 : 1;
     /// 16-bit floats double when they are read. A few damaged bytes would cost gigabytes otherwise.
     TEXTURE_EXPANSION: u64 = 4096, Count "pixel bytes for each byte of the file" of "every texture but .png";
     /// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn amounts_are_told_as_people_write_them() {
+    fn amounts_are_formatted_for_people() {
         let shown = |amount: Amount| amount.to_string();
         assert_eq!(shown(Amount::Count(1024)), "1024");
         assert_eq!(shown(Amount::Count((1 << 31) - 1)), "2^31 - 1");

@@ -11,8 +11,8 @@ use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, load_model, read_text}
 
 /// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.pbrt`, `.ply`, `.stl`).
 ///
-/// Fields that the file leaves open are filled in and listed in [`Scene::notes`]: a camera that sees everything, key and fill
-/// light, an exposure for the lights of a model, and a ground plane with `options.ground`.
+/// Fields that the file leaves open are filled in and listed in [`Scene::notes`]. These are a camera that sees everything, key
+/// and fill light, and an exposure for the lights of a model. With `options.ground` there is a ground plane.
 ///
 /// # Errors
 /// Every error in the file and in those that it refers to.

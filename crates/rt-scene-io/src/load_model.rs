@@ -19,8 +19,8 @@ pub(crate) const KNOWN_EXTENSIONS: &str = ".obj, .gltf, .glb, .nff, .pbrt, .ply,
 )]
 pub fn load_model(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let options = options.rooted_at(path);
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    match ending.as_str() {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
         #[cfg(feature = "obj")]
         "obj" => crate::obj::load(path, &options),
         #[cfg(feature = "gltf")]

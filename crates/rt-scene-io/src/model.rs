@@ -2,7 +2,7 @@
 
 use rt_shading::{DeltaLight, Material, Texture};
 
-use crate::{NamedCamera, NamedMesh, Node, Warning, format};
+use crate::{NamedCamera, NamedMesh, SceneNode, Warning, format};
 
 /// Content of a file that another program wrote.
 ///
@@ -27,7 +27,7 @@ pub struct Model {
     /// Cameras in the model's world space; names are unique.
     pub cameras: Vec<NamedCamera>,
     /// The tree.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<SceneNode>,
     /// Repairs and omissions.
     pub warnings: Vec<Warning>,
     /// Choices that the file leaves open. One sentence each.

@@ -50,7 +50,7 @@ impl Model {
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let material = self.add_material(Material::new("default".to_owned(), rt_shading::Phong::default()));
         let content = crate::Content::Mesh(self.add_mesh(name.clone(), mesh));
-        self.nodes.push(crate::Node { name, ..crate::Node::new(content, material) });
+        self.nodes.push(crate::SceneNode { name, ..crate::SceneNode::new(content, material) });
         Ok(())
     }
 }

@@ -11,8 +11,8 @@ use crate::{Integrator, MemoryBudget};
 /// Condition for adding studio lights: a key light, a fill light, ambient light and a backdrop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum StudioLights {
-    /// Added to scenes without a light of any kind: no light of the file, no emissive material, no image around it, and
-    /// under integrators that take light from it no background.
+    /// Added to scenes without a light of any kind: no light of the file, no emissive material, no environment image.
+    /// Under integrators that take light from the background, a background is a light, too.
     #[default]
     Auto,
     /// Never added.
@@ -172,7 +172,7 @@ impl LoadOptions {
         self.in_memory.as_ref().filter(|file| file.path == path).map(|file| &*file.bytes)
     }
 
-    /// These options with the root settled: as given, or else the folder of `file`.
+    /// These options with the root resolved: as given, or else the folder of `file`.
     pub fn rooted_at(&self, file: &Path) -> Self {
         let root = self.root.clone().unwrap_or_else(|| folder_of(file).to_path_buf());
         Self { root: Some(root), ..self.clone() }

@@ -2,8 +2,8 @@
 
 use std::fmt::{self, Display, Write};
 
-/// Shows a value with its control characters written as escapes such as `\n` and `\u{1b}`: a file may call things by names that
-/// forge messages, or that terminals obey.
+/// Shows a value with its control characters written as escapes such as `\n` and `\u{1b}`. Names in a file may otherwise
+/// forge messages, or control the terminal.
 pub(crate) struct SingleLine<T>(pub(crate) T);
 
 impl<T: Display> Display for SingleLine<T> {

@@ -140,7 +140,7 @@ pub enum Accel {
 
 /// Distribution of samples among pixels, if not uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Adaptive {
+pub enum AdaptiveSampling {
     /// By the objects in the pyramid of a pixel (Genetti, Gordon and Williams 1998). Pixels without edges of objects or shadows
     /// take fewer samples.
     ObjectSpace {
@@ -149,7 +149,7 @@ pub enum Adaptive {
     },
 }
 
-impl Adaptive {
+impl AdaptiveSampling {
     /// Samples of a pixel without edges, of `spp` in other pixels.
     pub const fn simple_spp(self, spp: u32) -> u32 {
         match self {
@@ -161,7 +161,7 @@ impl Adaptive {
 
 /// Render settings of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct RenderSettings {
     /// Integrator.
     pub integrator: Integrator,
     /// Sample pattern.
@@ -171,7 +171,7 @@ pub struct Settings {
     /// Independent passes for the error estimate; chosen by the plan if `None`.
     pub passes: Option<u32>,
     /// Distribution of samples among pixels; uniform if `None`.
-    pub adaptive: Option<Adaptive>,
+    pub adaptive: Option<AdaptiveSampling>,
     /// Bounces after the first hit.
     pub depth: u32,
     /// Rays whose contribution to the pixel falls below this are not followed. 0 follows all.
@@ -190,7 +190,7 @@ pub struct Settings {
     pub occlusion_distance: f64,
 }
 
-impl Default for Settings {
+impl Default for RenderSettings {
     fn default() -> Self {
         Self {
             integrator: Integrator::Whitted,
@@ -236,7 +236,7 @@ pub struct Group {
     /// Unique within the scene.
     pub name: String,
     /// Its nodes, in the group's own space.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<SceneNode>,
 }
 
 /// Content of a node.
@@ -252,7 +252,7 @@ pub enum Content {
 
 /// Node of the tree.
 #[derive(Clone, Debug)]
-pub struct Node {
+pub struct SceneNode {
     /// For messages; may be empty.
     pub name: String,
     /// Takes this node's space to its parent's; where it moves, at time 0.
@@ -266,10 +266,10 @@ pub struct Node {
     /// True if it casts shadows. `false` applies to all nodes below.
     pub casts_shadow: bool,
     /// Nodes below.
-    pub children: Vec<Node>,
+    pub children: Vec<SceneNode>,
 }
 
-impl Node {
+impl SceneNode {
     /// Node with this content, at its parent's place.
     pub fn new(content: Content, material: MaterialId) -> Self {
         Self { content: Some(content), material, ..Self::empty(String::new(), Transform::IDENTITY) }
@@ -314,9 +314,9 @@ impl Node {
 
 /// Indices of the materials of all shapes and meshes in these trees.
 #[cfg(feature = "format")]
-pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [Node]>) -> BTreeSet<u32> {
+pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [SceneNode]>) -> BTreeSet<u32> {
     let mut used = BTreeSet::new();
-    let mut open: Vec<&Node> = trees.into_iter().flatten().collect();
+    let mut open: Vec<&SceneNode> = trees.into_iter().flatten().collect();
     while let Some(node) = open.pop() {
         if let Some(Content::Shape(_) | Content::Mesh(_)) = node.content {
             used.insert(node.material.0);
@@ -353,7 +353,7 @@ impl fmt::Display for Warning {
 
 /// Closed form of the image of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
+pub struct KnownMean {
     /// Mean radiance over all pixels.
     pub mean: Rgb,
     /// Source of the value.
@@ -370,7 +370,7 @@ pub struct Scene {
     /// The image.
     pub film: FilmSettings,
     /// Render settings.
-    pub settings: Settings,
+    pub settings: RenderSettings,
     /// Materials, textures, lights, background.
     pub appearance: Appearance,
     /// Meshes that nodes refer to.
@@ -378,9 +378,9 @@ pub struct Scene {
     /// Groups that instances refer to. A group only contains instances of groups before it.
     pub groups: Vec<Group>,
     /// The tree.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<SceneNode>,
     /// Exact mean of the image, if known.
-    pub truth: Option<Truth>,
+    pub truth: Option<KnownMean>,
     /// Repairs and omissions.
     pub warnings: Vec<Warning>,
     /// Choices that the file leaves open: camera, lights, exposure. One sentence each.
@@ -394,7 +394,7 @@ impl Scene {
             name: name.to_owned(),
             cameras: Vec::new(),
             film: FilmSettings::default(),
-            settings: Settings::default(),
+            settings: RenderSettings::default(),
             appearance: Appearance::default(),
             meshes: Vec::new(),
             groups: Vec::new(),

@@ -95,8 +95,7 @@ fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
 }
 
 impl OpenedImage<'_> {
-    /// Bytes that are in memory at once while it is decoded: the pixels as they are in the file, those of three channels, and
-    /// the linear ones with alpha.
+    /// Peak memory of decoding: the pixels as they are in the file, those of three channels, and the linear ones with alpha.
     fn peak_bytes(&self) -> u64 {
         let (width, height) = self.decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);

@@ -8,7 +8,7 @@ use std::path::Path;
 use rt_camera::{CameraSettings, Projection};
 use rt_math::{AnimatedTransform, DVec3, Transform};
 use rt_scene_io::format::{SceneFile, parse_json, parse_ron};
-use rt_scene_io::{LoadOptions, Node, Scene, convert, load, resolve};
+use rt_scene_io::{LoadOptions, Scene, SceneNode, convert, load, resolve};
 
 fn parse(text: &str) -> SceneFile {
     parse_ron(text, Path::new("scene.ron")).unwrap()
@@ -38,8 +38,8 @@ fn close(a: &Transform, b: &Transform) -> bool {
     [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].iter().all(|p| (a.point(*p) - b.point(*p)).length() < 1e-13)
 }
 
-/// A ball of twice the size, one unit out, which turns by 120° in the first second and flies up in the two after it.
-const BALL: &str = "(
+/// A sphere of twice the size, one unit out, which turns by 120° in the first second and flies up in the two after it.
+const SPHERE: &str = "(
     nodes: [(shape: sphere(), transform: [scale(2), translate(1, 0, 0)], animation: (keys: [
         (time: 1, transform: []),
         (time: 2, transform: [rotate_y(120)]),
@@ -61,7 +61,7 @@ fn nodes_go_straight_from_key_to_key_and_keep_their_own_transform() {
         (4.0, up(8.0).compose(&about_y(120.0)).compose(&rest)),
         (99.0, up(8.0).compose(&about_y(120.0)).compose(&rest)),
     ] {
-        let scene = at(BALL, time);
+        let scene = at(SPHERE, time);
         assert!(close(&place(&scene), &expected), "{time}: {:?}", place(&scene));
         assert_eq!(scene.nodes[0].moves_to, None, "no camera has a shutter");
     }
@@ -69,20 +69,20 @@ fn nodes_go_straight_from_key_to_key_and_keep_their_own_transform() {
 
 #[test]
 fn without_a_time_an_animation_is_as_at_its_beginning() {
-    let scene = posed(BALL, &LoadOptions::default());
-    assert_eq!(place(&scene), place(&at(BALL, 0.0)));
+    let scene = posed(SPHERE, &LoadOptions::default());
+    assert_eq!(place(&scene), place(&at(SPHERE, 0.0)));
     assert!(scene.notes.contains(&"The scene is animated: it is shown as it is at 0 s.".to_owned()));
-    assert!(at(BALL, 0.0).notes.iter().all(|note| !note.contains("animated")));
+    assert!(at(SPHERE, 0.0).notes.iter().all(|note| !note.contains("animated")));
 }
 
 #[test]
 fn steps_hold_and_smooth_ways_start_at_rest() {
-    let with = |interpolation: &str| BALL.replace("(keys:", &format!("(interpolation: {interpolation}, keys:"));
-    assert_eq!(place(&at(&with("step"), 1.999)), place(&at(BALL, 1.0)));
+    let with = |interpolation: &str| SPHERE.replace("(keys:", &format!("(interpolation: {interpolation}, keys:"));
+    assert_eq!(place(&at(&with("step"), 1.999)), place(&at(SPHERE, 1.0)));
     // The velocities at the ends are 0 and at the middle key, two thirds of 120°/s and a third of none: 80°/s. So
     // Hermite's cubic has at its half 60° less an eighth of 80°.
     let turned = place(&at(&with("smooth"), 1.5));
-    let rest = place(&at(BALL, 1.0));
+    let rest = place(&at(SPHERE, 1.0));
     assert!((turned.linear().y_axis - DVec3::Y * 2.0).length() < 1e-13);
     let angle = rt_math::transcendental::atan2(-turned.linear().x_axis.z, turned.linear().x_axis.x).to_degrees();
     assert!((angle - 50.0).abs() < 1e-9, "{angle}");
@@ -91,23 +91,23 @@ fn steps_hold_and_smooth_ways_start_at_rest() {
 
 #[test]
 fn blur_leads_from_the_pose_at_which_the_shutter_opens_to_that_at_which_it_closes() {
-    let text = BALL.replace("nodes:", "camera: (look_from: (0, 0, 9), shutter: (0.25, 0.75)), nodes:");
+    let text = SPHERE.replace("nodes:", "camera: (look_from: (0, 0, 9), shutter: (0.25, 0.75)), nodes:");
     let options = |time| LoadOptions { at_time: Some(time), frame_time: Some(0.5), ..LoadOptions::default() };
     let scene = posed(&text, &options(1.5));
-    assert_eq!(place(&scene), place(&at(BALL, 1.625)));
-    assert_eq!(scene.nodes[0].moves_to, Some(place(&at(BALL, 1.875))));
+    assert_eq!(place(&scene), place(&at(SPHERE, 1.625)));
+    assert_eq!(scene.nodes[0].moves_to, Some(place(&at(SPHERE, 1.875))));
     assert_eq!(camera(&scene).shutter, [0.0, 1.0], "all of the way is seen");
     // What does not move meanwhile, stands.
     assert_eq!(posed(&text, &options(9.0)).nodes[0].moves_to, None);
     // A frame is a 24th of a second by default.
-    assert_eq!(at(&text, 1.5).nodes[0].moves_to, Some(place(&at(BALL, 1.5 + 0.75 * (1.0 / 24.0)))));
+    assert_eq!(at(&text, 1.5).nodes[0].moves_to, Some(place(&at(SPHERE, 1.5 + 0.75 * (1.0 / 24.0)))));
     // The caller may say how long the shutter is open.
-    let scene = posed(BALL, &LoadOptions { shutter: Some([0.0, 1.0]), ..options(1.0) });
-    assert_eq!((place(&scene), scene.nodes[0].moves_to), (place(&at(BALL, 1.0)), Some(place(&at(BALL, 1.5)))));
+    let scene = posed(SPHERE, &LoadOptions { shutter: Some([0.0, 1.0]), ..options(1.0) });
+    assert_eq!((place(&scene), scene.nodes[0].moves_to), (place(&at(SPHERE, 1.0)), Some(place(&at(SPHERE, 1.5)))));
 }
 
 #[test]
-fn motions_beside_an_animation_are_seen_for_as_long() {
+fn motions_next_to_an_animation_are_seen_for_as_long() {
     let text = "(
         camera: (look_from: (0, 0, 9), shutter: (0.25, 0.5)),
         cameras: [(name: \"other\", look_from: (0, 0, 9), shutter: (0.5, 0.75)), (name: \"sharp\", look_from: (0, 0, 9))],
@@ -185,9 +185,10 @@ fn cameras_are_taken_around_by_steps() {
 #[test]
 fn a_camera_without_a_place_does_not_shake() {
     let eye = |text: &str, time| camera(&at(text, time)).world_from_camera;
-    assert_eq!(eye(BALL, 0.0), eye(BALL, 3.0));
-    assert_eq!(eye(BALL, 0.0), camera(&posed(BALL, &LoadOptions::default())).world_from_camera);
-    let zoom = BALL.replace("nodes:", "camera: (animation: (keys: [(time: 0, fov: 20), (time: 4, fov: 60)])), nodes:");
+    assert_eq!(eye(SPHERE, 0.0), eye(SPHERE, 3.0));
+    assert_eq!(eye(SPHERE, 0.0), camera(&posed(SPHERE, &LoadOptions::default())).world_from_camera);
+    let zoom =
+        SPHERE.replace("nodes:", "camera: (animation: (keys: [(time: 0, fov: 20), (time: 4, fov: 60)])), nodes:");
     assert_eq!(eye(&zoom, 0.0), eye(&zoom, 3.0));
 }
 
@@ -202,19 +203,19 @@ fn children_and_groups_are_posed_as_well() {
     )";
     let options = LoadOptions { at_time: Some(0.5), frame_time: Some(0.25), ..LoadOptions::default() };
     let scene = posed(text, &options);
-    let way = |node: &Node| [Some(node.parent_from_local), node.moves_to].map(|end| end.unwrap().translation());
+    let way = |node: &SceneNode| [Some(node.parent_from_local), node.moves_to].map(|end| end.unwrap().translation());
     assert_eq!(way(&scene.nodes[0]), [DVec3::X * 3.0, DVec3::X * 4.5]);
     assert_eq!(way(&scene.groups[0].nodes[0]), [DVec3::Y * 3.0, DVec3::Y * 4.5]);
 }
 
 #[test]
 fn an_animation_is_written_and_read_back() {
-    let file = parse(BALL);
+    let file = parse(SPHERE);
     assert_eq!(parse_ron(&file.to_ron(), Path::new("a.ron")).unwrap(), file);
     assert_eq!(parse_json(&file.to_json(), Path::new("a.json")).unwrap(), file);
     let folder = tempfile::tempdir().unwrap();
     let [from, to] = ["a.ron", "b.json"].map(|name| folder.path().join(name));
-    std::fs::write(&from, BALL).unwrap();
+    std::fs::write(&from, SPHERE).unwrap();
     std::fs::write(&to, convert(&from, &to, &LoadOptions::default()).unwrap().text).unwrap();
     let options = LoadOptions { at_time: Some(1.75), ..LoadOptions::default() };
     assert_eq!(place(&load(&to, &options).unwrap()), place(&load(&from, &options).unwrap()));

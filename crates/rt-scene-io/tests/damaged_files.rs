@@ -56,10 +56,10 @@ fn damaged_images() {
     damage_all(&["png", "jpg", "hdr", "exr"]);
 }
 
-/// Damages all files with one of these endings.
-fn damage_all(endings: &[&str]) {
+/// Damages all files with one of these extensions.
+fn damage_all(extensions: &[&str]) {
     let more = std::env::var("MUTATIONS").ok().and_then(|text| text.parse().ok()).unwrap_or(1);
-    let files = good_files(endings);
+    let files = good_files(extensions);
     assert!(!files.is_empty());
     let mut loads = 0;
     for file in &files {
@@ -69,9 +69,9 @@ fn damage_all(endings: &[&str]) {
     println!("{} files, loaded {loads} times with damage", files.len());
 }
 
-/// All files with these endings that are neither empty nor long.
+/// All files with these extensions that are neither empty nor long.
 #[track_caller]
-fn good_files(endings: &[&str]) -> Vec<PathBuf> {
+fn good_files(extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = Vec::from(FOLDERS.map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)));
     folders.extend(rt_tests::shared_or_skip("data"));
@@ -79,7 +79,9 @@ fn good_files(endings: &[&str]) -> Vec<PathBuf> {
         for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
             if path.is_dir() {
                 folders.push(path);
-            } else if endings.contains(&ending(&path)) && (1..=LONGEST).contains(&fs::metadata(&path).unwrap().len()) {
+            } else if extensions.contains(&extension(&path))
+                && (1..=LONGEST).contains(&fs::metadata(&path).unwrap().len())
+            {
                 found.push(path);
             }
         }
@@ -88,8 +90,8 @@ fn good_files(endings: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-fn ending(path: &Path) -> &str {
-    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
+fn extension(path: &Path) -> &str {
+    path.extension().and_then(|extension| extension.to_str()).unwrap_or_default()
 }
 
 /// A good file, and a folder in which a damaged one stands in its place.
@@ -97,7 +99,7 @@ struct Damaged<'a> {
     file: &'a Path,
     bytes: Vec<u8>,
     folder: TempDir,
-    /// The names of the files that are loaded: itself, or those beside it that it belongs to.
+    /// The names of the files that are loaded: itself, or those next to it that it belongs to.
     loaded: Vec<String>,
 }
 
@@ -106,7 +108,7 @@ impl<'a> Damaged<'a> {
         let folder = tempfile::tempdir().unwrap();
         copy_below(file.parent().unwrap(), folder.path(), 3);
         let name = file.file_name().unwrap().to_str().unwrap();
-        let owner = match ending(file) {
+        let owner = match extension(file) {
             "mtl" => Some("obj"),
             "bin" => Some("gltf"),
             _ => None,
@@ -114,11 +116,11 @@ impl<'a> Damaged<'a> {
         let loaded = match owner {
             None => vec![name.to_owned()],
             Some(owner) => {
-                let beside = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+                let siblings = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
                 let refers = |path: &PathBuf| {
-                    ending(path) == owner && String::from_utf8_lossy(&fs::read(path).unwrap()).contains(name)
+                    extension(path) == owner && String::from_utf8_lossy(&fs::read(path).unwrap()).contains(name)
                 };
-                let owners = beside.filter(refers).map(|path| path.file_name().unwrap().to_str().unwrap().to_owned());
+                let owners = siblings.filter(refers).map(|path| path.file_name().unwrap().to_str().unwrap().to_owned());
                 owners.take(1).collect()
             }
         };
@@ -163,7 +165,7 @@ impl<'a> Damaged<'a> {
     fn load(&self, bytes: &[u8], damage: &str) {
         let what = format!("{} {damage}", self.file.display());
         let start = Instant::now();
-        if matches!(ending(self.file), "png" | "jpg" | "hdr" | "exr") {
+        if matches!(extension(self.file), "png" | "jpg" | "hdr" | "exr") {
             let decoded = catch_unwind(|| drop((decode_texture(bytes), decode_numbers(bytes))));
             assert!(decoded.is_ok(), "{what}: panicked");
         } else {

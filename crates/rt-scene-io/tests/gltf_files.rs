@@ -1,4 +1,4 @@
-//! Real and hostile glTF files. Without the folder of test data beside the repository these tests have nothing to do.
+//! Real and hostile glTF files. Without the folder of test data next to the repository these tests have nothing to do.
 
 #![cfg(feature = "gltf")]
 
@@ -7,11 +7,11 @@ mod data;
 use std::path::Path;
 
 use data::{data, files};
-use rt_scene_io::{Content, LoadOptions, Node, load_model};
+use rt_scene_io::{Content, LoadOptions, SceneNode, load_model};
 
 /// Triangles in the scene, counting each instance.
-fn instanced(nodes: &[Node], sizes: &[usize]) -> usize {
-    let own = |node: &Node| match node.content {
+fn instanced(nodes: &[SceneNode], sizes: &[usize]) -> usize {
+    let own = |node: &SceneNode| match node.content {
         Some(Content::Mesh(id)) => sizes[id.0 as usize],
         _ => 0,
     };
@@ -137,7 +137,7 @@ const STRICTER: [(&str, &str); 2] = [
     ("primitive_no_position.gltf", "there is nothing to draw"),
 ];
 
-/// Codes of the errors in the report beside a file; `None` without a report.
+/// Codes of the errors in the report next to a file; `None` without a report.
 fn errors_of(file: &Path) -> Option<Vec<String>> {
     let report = std::fs::read(format!("{}.report.json", file.display())).ok()?;
     let report: serde_json::Value = serde_json::from_slice(&report).expect("a report");

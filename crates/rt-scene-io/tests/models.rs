@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rt_math::Rgb;
-use rt_scene_io::{Content, LoadOptions, Node, Scene, convert, load};
+use rt_scene_io::{Content, LoadOptions, Scene, SceneNode, convert, load};
 use rt_shading::ColorTexture;
 use tempfile::TempDir;
 
@@ -34,15 +34,15 @@ fn scene(folder: &Path, text: &str) -> Scene {
     load(&path, &LoadOptions::default()).unwrap()
 }
 
-/// All that a picture depends on.
-fn picture(scene: &Scene) -> String {
+/// All that an image depends on.
+fn image(scene: &Scene) -> String {
     let Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, .. } = scene;
     format!("{name:?}\n{cameras:?}\n{film:?}\n{settings:?}\n{appearance:#?}\n{meshes:?}\n{groups:?}\n{nodes:?}")
 }
 
 /// Names of the materials of all shapes and meshes, in order.
 fn materials_of(scene: &Scene) -> Vec<&str> {
-    fn collect<'a>(nodes: &[Node], scene: &'a Scene, names: &mut Vec<&'a str>) {
+    fn collect<'a>(nodes: &[SceneNode], scene: &'a Scene, names: &mut Vec<&'a str>) {
         for node in nodes {
             if let Some(Content::Shape(_) | Content::Mesh(_)) = node.content {
                 names.push(&scene.appearance.materials[node.material.0 as usize].name);
@@ -73,7 +73,7 @@ fn a_bare_model_gets_a_camera_light_and_ground() {
 }
 
 #[test]
-fn the_camera_suits_the_size_that_is_asked_for() {
+fn the_camera_suits_the_requested_size() {
     let (_folder, model) = folder();
     let sized = |size| load(&model, &LoadOptions { size, ..LoadOptions::default() }).unwrap();
     let (own, narrow) = (sized(None), sized(Some([100, 1000])));
@@ -90,11 +90,11 @@ fn a_converted_model_gives_the_same_picture() {
     let (folder, model) = folder();
     for options in [LoadOptions::default(), LoadOptions { ground: true, ..LoadOptions::default() }] {
         let direct = load(&model, &options).unwrap();
-        for ending in ["ron", "json"] {
-            let output = folder.path().join("out").with_extension(ending);
+        for extension in ["ron", "json"] {
+            let output = folder.path().join("out").with_extension(extension);
             fs::write(&output, convert(&model, &output, &options).unwrap().text).unwrap();
             let again = load(&output, &LoadOptions::default()).unwrap();
-            assert_eq!(picture(&again), picture(&direct));
+            assert_eq!(image(&again), image(&direct));
             assert!(again.notes.is_empty(), "everything is written out: {:?}", again.notes);
         }
     }
@@ -118,7 +118,7 @@ fn references_follow_a_scene_to_another_folder() {
     fs::write(&output, text).unwrap();
     assert!(load(&output, &LoadOptions::default()).unwrap_err().to_string().contains("lies outside"));
     let moved = load(&output, &root).unwrap();
-    assert_eq!(picture(&moved), picture(&load(&model, &root).unwrap()));
+    assert_eq!(image(&moved), image(&load(&model, &root).unwrap()));
     // And back again, through JSON.
     let back = folder.path().join("back.json");
     let text = convert(&output, &back, &root).unwrap().text;

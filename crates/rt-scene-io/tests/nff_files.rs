@@ -1,4 +1,4 @@
-//! The Standard Procedural Databases as others generated them. Without the folder of test data beside the repository these
+//! The Standard Procedural Databases as others generated them. Without the folder of test data next to the repository these
 //! tests have nothing to do.
 
 #![cfg(feature = "nff")]

@@ -1,4 +1,4 @@
-//! Real and hostile OBJ files. Without the folder of test data beside the repository these tests have nothing to do.
+//! Real and hostile OBJ files. Without the folder of test data next to the repository these tests have nothing to do.
 
 #![cfg(feature = "obj")]
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use rt_camera::CameraSettings;
 use rt_math::{DVec3, Rgb};
 use rt_scene_io::format::{SceneFile, json_schema, parse_json, parse_ron, reference_page};
-use rt_scene_io::{Content, LoadOptions, Node, Scene, resolve};
+use rt_scene_io::{Content, LoadOptions, Scene, SceneNode, resolve};
 use rt_shading::{ColorTexture, DeltaLightKind, Texture};
 
 const SCENE: &str = r##"
@@ -85,8 +85,8 @@ fn outline(scene: &Scene) -> String {
     lines.join("\n")
 }
 
-fn outline_nodes(nodes: &[Node], depth: usize, lines: &mut Vec<String>) {
-    for Node { name, parent_from_local, moves_to, content, material, casts_shadow, children } in nodes {
+fn outline_nodes(nodes: &[SceneNode], depth: usize, lines: &mut Vec<String>) {
+    for SceneNode { name, parent_from_local, moves_to, content, material, casts_shadow, children } in nodes {
         let (axes, origin) = (parent_from_local.linear(), parent_from_local.translation());
         let indent = "    ".repeat(depth);
         let place =
@@ -119,7 +119,7 @@ fn steps_are_applied_in_the_order_in_which_they_are_written() {
 #[test]
 fn materials_are_inherited_and_only_used_ones_are_kept() {
     let scene = resolved(SCENE);
-    let name = |node: &Node| scene.appearance.materials[node.material.0 as usize].name.as_str();
+    let name = |node: &SceneNode| scene.appearance.materials[node.material.0 as usize].name.as_str();
     let names: Vec<&str> = scene.nodes[1].children.iter().map(name).collect();
     assert_eq!(names, ["glass", "floor"]);
     assert_eq!(name(&scene.nodes[3]), "default");

@@ -7,7 +7,7 @@ use std::fs;
 
 use rt_scene_io::{LoadError, LoadOptions, Scene, load};
 
-/// Loads the first of these files, with the others beside it.
+/// Loads the first of these files, with the others next to it.
 fn loaded(files: &[(&str, &[u8])]) -> Result<Scene, LoadError> {
     let folder = tempfile::tempdir().unwrap();
     for (name, content) in files {

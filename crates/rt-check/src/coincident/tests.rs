@@ -3,23 +3,23 @@ use crate::finding::Measurement;
 use crate::fixture::*;
 use rt_geometry::{Cuboid, Rectangle, Triangle};
 use rt_math::Transform;
-use rt_scene_io::{Content, MaterialId, Node, Scene};
+use rt_scene_io::{Content, MaterialId, Scene, SceneNode};
 
-fn solid(min: DVec3, max: DVec3, material: MaterialId) -> Node {
-    Node::new(Content::Shape(Shape::Cuboid(Cuboid::new(min, max).unwrap())), material)
+fn solid(min: DVec3, max: DVec3, material: MaterialId) -> SceneNode {
+    SceneNode::new(Content::Shape(Shape::Cuboid(Cuboid::new(min, max).unwrap())), material)
 }
 
 fn faces(count: f64, visible: f64) -> [Measurement; 2] {
     [value("faces", count), value("visible_faces", visible)]
 }
 
-fn scene_of(nodes: Vec<Node>) -> Scene {
+fn scene_of(nodes: Vec<SceneNode>) -> Scene {
     Scene { nodes, cameras: vec![camera(DVec3::new(0.3, 2.0, 6.0), DVec3::ZERO)], ..empty() }
 }
 
 /// Node with a different material.
-fn painted(node: Node) -> Node {
-    Node { material: CHECKER, ..node }
+fn painted(node: SceneNode) -> SceneNode {
+    SceneNode { material: CHECKER, ..node }
 }
 
 #[test]
@@ -29,7 +29,7 @@ fn a_flush_top_is_seen_and_a_bottom_on_the_floor_is_not() {
     let scene = scene_of(vec![floor.clone(), standing.clone()]);
     assert_eq!(of_kind(&scene, Kind::CoincidentSurfaces), [], "the camera is above the floor");
 
-    let sunk = Node { parent_from_local: Transform::translate(DVec3::NEG_Y), ..standing };
+    let sunk = SceneNode { parent_from_local: Transform::translate(DVec3::NEG_Y), ..standing };
     let scene = scene_of(vec![floor, sunk]);
     let finding = only(&scene, Kind::CoincidentSurfaces);
     assert_eq!((finding.object.as_str(), finding.values.as_slice()), ("nodes[0]", &faces(2.0, 2.0)[..]));
@@ -52,8 +52,8 @@ fn neighbours_touch_without_lying_in_each_other() {
 #[test]
 fn two_sheets_are_seen_from_both_sides() {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Z];
-    let sheet = Node::new(Content::Shape(Shape::Triangle(Triangle::new(corners).unwrap())), GREY);
-    let rectangle = Node::new(Content::Shape(Shape::Rectangle(Rectangle::new(1.0, 1.0).unwrap())), CHECKER);
+    let sheet = SceneNode::new(Content::Shape(Shape::Triangle(Triangle::new(corners).unwrap())), GREY);
+    let rectangle = SceneNode::new(Content::Shape(Shape::Rectangle(Rectangle::new(1.0, 1.0).unwrap())), CHECKER);
     let finding = only(&scene_of(vec![sheet.clone(), rectangle]), Kind::CoincidentSurfaces);
     assert_eq!(finding.values[1].value, finding.values[0].value);
     let same = only(&scene_of(vec![sheet.clone(), sheet]), Kind::CoincidentSurfaces);
@@ -65,9 +65,9 @@ fn rounding_of_transforms_does_not_hide_what_coincides() {
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 0.7).unwrap();
     let far = Transform::translate(DVec3::new(1e5, 3e4, -2e5));
     let place = far.compose(&turn);
-    let one = Node { parent_from_local: place, ..solid(DVec3::ZERO, DVec3::ONE, GREY) };
+    let one = SceneNode { parent_from_local: place, ..solid(DVec3::ZERO, DVec3::ONE, GREY) };
     let shifted = place.compose(&Transform::translate(DVec3::new(0.3, 0.0, 0.1)));
-    let two = painted(Node { parent_from_local: shifted, ..solid(DVec3::ZERO, DVec3::ONE, GREY) });
+    let two = painted(SceneNode { parent_from_local: shifted, ..solid(DVec3::ZERO, DVec3::ONE, GREY) });
     let mut scene = scene_of(vec![one, two]);
     scene.cameras.clear();
     // Bottom and top lie in each other's; the other faces do not.
@@ -78,8 +78,10 @@ fn rounding_of_transforms_does_not_hide_what_coincides() {
 #[test]
 fn the_same_sphere_twice_and_the_same_floor_twice_are_found() {
     let unit = sphere(DVec3::ZERO, 1.0);
-    let scaled =
-        painted(Node { parent_from_local: Transform::scale(DVec3::splat(0.1)).unwrap(), ..sphere(DVec3::ZERO, 10.0) });
+    let scaled = painted(SceneNode {
+        parent_from_local: Transform::scale(DVec3::splat(0.1)).unwrap(),
+        ..sphere(DVec3::ZERO, 10.0)
+    });
     let finding = only(&scene_of(vec![unit.clone(), scaled]), Kind::CoincidentSurfaces);
     assert_eq!(finding.values, faces(1.0, 1.0));
     let other = painted(sphere(DVec3::ZERO, 1.0 + 1e-9));

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
 
+use super::image::DevelopmentArgs;
 use super::memory::MemoryArgs;
-use super::picture::DevelopmentArgs;
 use super::values;
 
 #[derive(Debug, Args)]

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum, ValueHint};
 
+use super::image::DevelopmentArgs;
 use super::input::InputArgs;
-use super::picture::DevelopmentArgs;
 use super::raw_options::{RawOptions, variable_option};
 use super::values;
 

@@ -6,8 +6,8 @@ use clap::{Args, ValueHint};
 use rt_image::ImageFormat;
 
 use super::checkpoint::FallbackArgs;
+use super::image::DevelopmentArgs;
 use super::memory::MemoryArgs;
-use super::picture::DevelopmentArgs;
 use super::values::{self, AovArg};
 
 #[derive(Debug, Args)]

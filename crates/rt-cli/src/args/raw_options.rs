@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches, Parser};
 
-use super::picture::PictureArgs;
+use super::image::ImageArgs;
 use super::values::unknown_word;
 
 /// Options that `converge` sets itself.
@@ -14,7 +14,7 @@ const MANAGED: [&str; 3] = ["spp", "time", "target-error"];
 /// Options that change the converged image, and so cannot vary.
 const FIXED: [&str; 10] = ["size", "crop", "camera", "look-from", "look-at", "up", "fov", "background", "env", "seed"];
 
-/// Options of [`PictureArgs`] as typed, without the managed ones.
+/// Options of [`ImageArgs`] as typed, without the managed ones.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RawOptions {
     words: Vec<OsString>,
@@ -22,9 +22,9 @@ pub(crate) struct RawOptions {
 
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
-struct Picture {
+struct ImageArgsParser {
     #[command(flatten)]
-    picture: PictureArgs,
+    image: ImageArgs,
 }
 
 impl RawOptions {
@@ -32,10 +32,10 @@ impl RawOptions {
     ///
     /// # Errors
     /// Message of the parser: an invalid value, or an option that is given twice.
-    pub(crate) fn with(&self, added: &[(&str, &str)]) -> Result<PictureArgs, String> {
+    pub(crate) fn with(&self, added: &[(&str, &str)]) -> Result<ImageArgs, String> {
         let added = added.iter().map(|(name, value)| OsString::from(format!("--{name}={value}")));
-        let parsed = Picture::try_parse_from(self.words.iter().cloned().chain(added));
-        parsed.map(|parsed| parsed.picture).map_err(|error| in_one_line(&error))
+        let parsed = ImageArgsParser::try_parse_from(self.words.iter().cloned().chain(added));
+        parsed.map(|parsed| parsed.image).map_err(|error| in_one_line(&error))
     }
 }
 
@@ -94,9 +94,9 @@ pub(super) fn variable_option(name: &str) -> Result<String, String> {
     }
 }
 
-/// Options of [`PictureArgs`] without the managed ones.
+/// Options of [`ImageArgs`] without the managed ones.
 fn options() -> Vec<Arg> {
-    let all = PictureArgs::augment_args(Command::new("render"));
+    let all = ImageArgs::augment_args(Command::new("render"));
     let is_unmanaged = |option: &&Arg| option.get_long().is_some_and(|name| !MANAGED.contains(&name));
     all.get_arguments().filter(is_unmanaged).cloned().collect()
 }
@@ -130,9 +130,9 @@ mod tests {
     #[test]
     fn typed_options_are_kept_and_extended() {
         let options = typed(&["--size", "8x4", "--depth=3", "--full-plan"]);
-        let picture = options.with(&[("sampler", "halton")]).expect("valid");
-        assert_eq!((picture.size, picture.max_depth, picture.full_plan), (Some([8, 4]), Some(3), true));
-        assert_eq!((picture.sampler, picture.spp), (Some(SamplerKind::Halton), None));
+        let image = options.with(&[("sampler", "halton")]).expect("valid");
+        assert_eq!((image.size, image.max_depth, image.full_plan), (Some([8, 4]), Some(3), true));
+        assert_eq!((image.sampler, image.spp), (Some(SamplerKind::Halton), None));
         assert_eq!(typed(&[]).with(&[]).expect("valid").max_depth, None);
     }
 

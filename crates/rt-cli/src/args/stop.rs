@@ -31,7 +31,7 @@ pub(crate) struct StopArgs {
 
     /// Require --target-error of this share of the pixels, such as 99%, instead of the image
     ///
-    /// A pixel must be within the error of its radiance plus 0.01 with 95 % confidence in each channel, and is tested at 64, 128,
+    /// A pixel must be within the error of its radiance plus 0.01 with 95 % confidence in each channel. It is tested at 64, 128,
     /// 256, ... samples. Converged pixels take no more samples. This biases them, noisy ones by some per cent of their radiance;
     /// --two-stage removes the bias.
     #[arg(long, value_name = "PERCENT", value_parser = values::share_of_pixels, requires = "target_error", allow_hyphen_values = true)]

@@ -12,8 +12,8 @@ use crate::input::{self, Input};
 pub(super) fn run(args: &CheckArgs) -> Result<(), CliError> {
     // The report includes the warnings of the loader.
     let Input { scene, options, .. } = input::read(&args.input, None, Console { quiet: true })?;
-    if let Err(shortage @ RenderError::Memory(_)) = MemoryPrediction::of_scene(&scene, options.memory.limit()) {
-        return Err(CliError::plan(&args.input.scene, shortage));
+    if let Err(cause @ RenderError::Memory(_)) = MemoryPrediction::of_scene(&scene, options.memory.limit()) {
+        return Err(CliError::plan(&args.input.scene, cause));
     }
     let report = check(&scene);
     match args.format {

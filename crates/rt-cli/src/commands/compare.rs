@@ -15,8 +15,8 @@ use self::verdict::verdict;
 use crate::args::{CompareArgs, HeatMapOf, Metric};
 use crate::console::{print, show};
 use crate::error::CliError;
+use crate::image_file;
 use crate::output::OutputFile;
-use crate::picture_file;
 use crate::stdin::is_dash;
 
 /// Quantile of the errors at the end of the default color scale. The few larger ones would hide all others.
@@ -27,7 +27,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), CliError> {
         if is_dash(file) && args.json {
             return Err(CliError::Usage("the heat map and the report cannot both go to standard output".to_owned()));
         }
-        if !picture_file::is_developed(picture_file::chosen_format(file, None)?) {
+        if !image_file::is_developed(image_file::chosen_format(file, None)?) {
             return Err(CliError::Usage(format!("--heat-map {} must be .png or .jpg", file.display())));
         }
         Ok(OutputFile::prepare(file, &[args.test.clone(), args.reference.clone()])?)
@@ -80,10 +80,10 @@ fn draw(args: &CompareArgs, measures: &Measures, output: &OutputFile) -> Result<
     };
     let limit = args.heat_map.scale.unwrap_or(limit);
     if let Some(map) = map {
-        let format = picture_file::chosen_format(args.heat_map.file.as_deref().unwrap_or(output.path()), None)?;
-        let picture = heat_map(map, scale, limit);
-        picture_file::check(format, [picture.width(), picture.height()], false)?;
-        output.write(|file| write_image(&picture, &Development::default(), format, file))?;
+        let format = image_file::chosen_format(args.heat_map.file.as_deref().unwrap_or(output.path()), None)?;
+        let image = heat_map(map, scale, limit);
+        image_file::check(format, [image.width(), image.height()], false)?;
+        output.write(|file| write_image(&image, &Development::default(), format, file))?;
     }
     Ok(HeatMap { file: output.path().to_owned(), shows, limit })
 }

@@ -21,7 +21,7 @@ use self::methods::Method;
 use self::reference::Reference;
 use self::report::{Outputs, Report, Setting};
 use self::runner::{BenchRunner, Clock, Extent};
-use crate::args::{ConvergeArgs, PictureArgs, ReferenceKind};
+use crate::args::{ConvergeArgs, ImageArgs, ReferenceKind};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::input;
@@ -30,12 +30,12 @@ use crate::progress::ProgressDisplay;
 pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     let clock = Clock::start(args.run.time);
     let console = Console { quiet: args.run.quiet };
-    let picture = args.fixed.with(&[]).map_err(CliError::Usage)?;
-    let input = input::read(&args.input, Some(&picture), console)?;
+    let image = args.fixed.with(&[]).map_err(CliError::Usage)?;
+    let input = input::read(&args.input, Some(&image), console)?;
     let scene = &input.scene;
     input::print_notes(scene, console)?;
     let mut methods = methods::resolve(args, &input)?;
-    let kind = reference_kind(args, scene, &picture)?;
+    let kind = reference_kind(args, scene, &image)?;
     let Some(first) = methods.first() else { return Err(CliError::Usage("there is no method".to_owned())) };
     let development = first.scene.film.development;
     let given = given_reference(args, kind, first, scene)?;
@@ -67,10 +67,10 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
 }
 
 /// Kind of reference: the given one, or the best available.
-fn reference_kind(args: &ConvergeArgs, scene: &Scene, picture: &PictureArgs) -> Result<ReferenceKind, CliError> {
-    let view = &picture.view;
-    let is_other_view = picture.crop.is_some()
-        || picture.background.is_some()
+fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Result<ReferenceKind, CliError> {
+    let view = &image.view;
+    let is_other_view = image.crop.is_some()
+        || image.background.is_some()
         || view.camera.is_some()
         || view.look_from.is_some()
         || view.look_at.is_some()
@@ -98,7 +98,7 @@ fn given_reference(
     scene: &Scene,
 ) -> Result<Option<Reference>, CliError> {
     match (kind, &scene.truth, &args.reference) {
-        (ReferenceKind::Truth, Some(truth), _) => Ok(Some(Reference::Truth(truth.clone()))),
+        (ReferenceKind::Truth, Some(truth), _) => Ok(Some(Reference::KnownMean(truth.clone()))),
         (ReferenceKind::Reference, _, Some(path)) => {
             Reference::of_file(path, first.size(), &first.scene.film.development).map(Some)
         }

@@ -8,11 +8,11 @@ use crate::args::DevelopArgs;
 use crate::error::CliError;
 use crate::output::OutputFile;
 use crate::stdin::is_dash;
-use crate::{memory, picture_file};
+use crate::{image_file, memory};
 
 pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
-    let format = picture_file::chosen_format(&args.output, args.output_format)?;
-    if !picture_file::is_developed(format) {
+    let format = image_file::chosen_format(&args.output, args.output_format)?;
+    if !image_file::is_developed(format) {
         let message = format!("{} would hold linear radiance; write .png or .jpg", args.output.display());
         return Err(CliError::Usage(message));
     }
@@ -30,9 +30,9 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
         let needs = [("the image".to_owned(), header.film_bytes), ("what it is decoded to".to_owned(), transient)];
         memory::check(args.memory.limit(), &args.image, &needs)?;
     }
-    let film = picture_file::read(&args.image)?;
+    let film = image_file::read(&args.image)?;
     let transparent = film.alpha().is_some() && format != ImageFormat::Jpeg;
-    picture_file::check(format, [film.width(), film.height()], transparent)?;
+    image_file::check(format, [film.width(), film.height()], transparent)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.image))?;
     output.write(|file| write_image(&film, &development, format, file))?;
     Ok(())

@@ -10,12 +10,12 @@ use crate::settings::{self, Overrides};
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
-    let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
+    let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.image), console)?;
     if args.strict {
         input::refuse_warnings(&args.input.scene, &scene.warnings)?;
     }
     let overrides = Overrides {
-        picture: &args.picture,
+        image: &args.image,
         development: None,
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),

@@ -13,11 +13,11 @@ use crate::checkpoint_file::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::output::{OutputFile, fallback_dirs, write_all};
-use crate::{memory, picture_file, settings};
+use crate::{image_file, memory, settings};
 
 pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     let console = Console { quiet: args.quiet };
-    let format = picture_file::chosen_format(&args.output, args.output_format)?;
+    let format = image_file::chosen_format(&args.output, args.output_format)?;
     let output = OutputFile::prepare(&args.output, &args.parts)?;
     let aovs = AovFile::prepare_all(&args.aov, &args.parts, &[&output])?;
 
@@ -26,7 +26,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     let rendering = Part::join(parts).map_err(|error| named(&args.parts, error))?.into_rendering();
     let Rendering { film, statistics, .. } = &rendering;
     let size = [film.width(), film.height()];
-    picture_file::check(format, size, film.alpha().is_some())?;
+    image_file::check(format, size, film.alpha().is_some())?;
     for aov in &aovs {
         aov.check(size, statistics.passes > 1)?;
     }
@@ -78,8 +78,8 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Cl
             None => {
                 // No part is read while the image is made. Encoding copies the colors.
                 let bytes = part.rendering_bytes();
-                let picture = ("the image".to_owned(), bytes.saturating_add(bytes / 2));
-                memory::check(memory, first, &[of_parts[0].clone(), picture])?;
+                let image = ("the image".to_owned(), bytes.saturating_add(bytes / 2));
+                memory::check(memory, first, &[of_parts[0].clone(), image])?;
                 label = Some(of_part);
             }
         }

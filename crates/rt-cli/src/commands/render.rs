@@ -14,11 +14,11 @@ use crate::checkpoint::{self, CheckpointOptions};
 use crate::console::{Console, reserve_stdout};
 use crate::error::CliError;
 use crate::identity::Identity;
+use crate::image_file;
 use crate::input::{self, Input};
 use crate::job::{Job, JobOutput};
 use crate::output::{OutputFile, refuse_terminal};
 use crate::output_error::OutputError;
-use crate::picture_file;
 use crate::settings::{self, Overrides};
 use crate::stdin::is_dash;
 
@@ -48,14 +48,14 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     }
 
     let started = Instant::now();
-    let Input { scene, environment, files, options: loaded } = input::read(&args.input, Some(&args.picture), console)?;
+    let Input { scene, environment, files, options: loaded } = input::read(&args.input, Some(&args.image), console)?;
     let load_seconds = started.elapsed().as_secs_f64();
     if args.run.strict {
         input::refuse_warnings(scene_file, &scene.warnings)?;
     }
-    let rule = args.stop.rule(args.picture.spp);
+    let rule = args.stop.rule(args.image.spp);
     let overrides = Overrides {
-        picture: &args.picture,
+        image: &args.image,
         development: Some(&args.development),
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),
@@ -74,7 +74,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     let checkpoint = prepare_checkpoint(&args.checkpoint, &file, stats.as_ref(), &files)?;
     let others: Vec<_> = stats.iter().chain([&file]).chain(&checkpoint).collect();
     let aovs = AovFile::prepare_all(&args.aov, &files, &others)?;
-    let identity = Identity::new(&args.input, &args.picture, &files, &loaded.input_hashes)?;
+    let identity = Identity::new(&args.input, &args.image, &files, &loaded.input_hashes)?;
     let job = Job {
         scene_file,
         scene: &scene,
@@ -145,7 +145,7 @@ impl OutputKind {
         let is_part = path.extension().is_some_and(|extension| extension == PART) || (shard.is_some() && is_dash(path));
         match (shard, is_part) {
             (Some(_), true) => refuse_terminal(path).map(|()| Self::Part),
-            (None, false) => Ok(Self::Image(picture_file::chosen_format(path, format)?)),
+            (None, false) => Ok(Self::Image(image_file::chosen_format(path, format)?)),
             (Some(_), false) => Err(CliError::Usage(format!(
                 "{} is not a .part file, which --shard writes; `merge` joins all parts to an image",
                 path.display()
@@ -174,10 +174,10 @@ mod tests {
 
     #[test]
     fn images_go_to_the_current_directory_by_default() {
-        for (scene, picture) in
+        for (scene, image) in
             [("a/b.ron", "b.png"), ("/x/c.tar.gltf", "c.tar.png"), ("d", "d.png"), ("e.png.ron", "e.png.png")]
         {
-            assert_eq!(default_output(Path::new(scene), None), Path::new(picture));
+            assert_eq!(default_output(Path::new(scene), None), Path::new(image));
         }
         assert_eq!(default_output(Path::new("a/b.ron"), Share::new(2, 8)), Path::new("b.3-of-8.part"));
     }

@@ -9,14 +9,14 @@ use rt_scene_io::{LoadOptions, Scene, resolve};
 
 use crate::console::Console;
 use crate::error::CliError;
+use crate::image_file;
 use crate::job::{Job, JobOutput};
 use crate::output::OutputFile;
-use crate::picture_file;
 
 const SCENE: &str = include_str!("../../../../scenes/gallery/still_life.ron");
 /// For messages.
 const SCENE_NAME: &str = "still_life.ron";
-const PICTURE: &str = "still_life.png";
+const IMAGE_FILE: &str = "still_life.png";
 
 pub(super) fn run() -> Result<(), CliError> {
     let console = Console { quiet: false };
@@ -28,8 +28,8 @@ pub(super) fn run() -> Result<(), CliError> {
         load_seconds: started.elapsed().as_secs_f64(),
         options: rt_render::PlanOptions::default(),
         output: JobOutput::Image {
-            format: picture_file::format_of(Path::new(PICTURE))?,
-            file: OutputFile::prepare(Path::new(PICTURE), &[])?,
+            format: image_file::format_of(Path::new(IMAGE_FILE))?,
+            file: OutputFile::prepare(Path::new(IMAGE_FILE), &[])?,
             aovs: Vec::new(),
         },
         stats: None,

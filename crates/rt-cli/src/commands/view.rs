@@ -3,7 +3,7 @@
 //! ```text
 //!   browser ── HTTP ──> server ──> routes ── views, picks ──> shared state ──> renderer ── RenderPlan
 //!      ^                              │                            │
-//!      └────── page, pictures ────────┴──────── pictures ──────────┘
+//!      └────── page, images ──────────┴──────── images ───────────┘
 //! ```
 
 mod access;
@@ -44,10 +44,10 @@ use shared_state::{SharedState, State, View};
 pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
     refuse_what_is_for_render(args)?;
-    let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.picture), console)?;
+    let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.image), console)?;
     let of_scene = scene.film.development;
     let overrides = Overrides {
-        picture: &args.picture,
+        image: &args.image,
         development: None,
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),
@@ -121,12 +121,12 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
 
 /// Refuses options of `render` that have no meaning here.
 fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), CliError> {
-    let picture = &args.picture;
+    let image = &args.image;
     let given = [
-        ("--crop", picture.crop.is_some()),
-        ("--passes", picture.passes.is_some()),
-        ("--adaptive", picture.adaptive.is_some()),
-        ("--min-spp", picture.min_spp.is_some()),
+        ("--crop", image.crop.is_some()),
+        ("--passes", image.passes.is_some()),
+        ("--adaptive", image.adaptive.is_some()),
+        ("--min-spp", image.min_spp.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(CliError::Usage(format!(

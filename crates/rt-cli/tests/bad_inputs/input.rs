@@ -98,7 +98,7 @@ impl Input {
     }
 
     /// Adds a companion file.
-    pub(crate) fn beside(mut self, name: &str, content: impl AsRef<[u8]>) -> Self {
+    pub(crate) fn with_file(mut self, name: &str, content: impl AsRef<[u8]>) -> Self {
         self.files.push((name.to_owned(), Content::short(content.as_ref())));
         self
     }

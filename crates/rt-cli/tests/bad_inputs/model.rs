@@ -72,7 +72,7 @@ pub(crate) fn surplus_of_models() -> Vec<Input> {
                element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n7 7 7\n";
     vec![
         Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
-            .beside("m.mtl", "newmtl a\nKd 1 0 0\nKm 0.5\n")
+            .with_file("m.mtl", "newmtl a\nKd 1 0 0\nKm 0.5\n")
             .shown(&["m.mtl:3: the statement `Km` is not known; it is left out"]),
         Input::file("m.ply", ply)
             .shown(&["m.ply: 1 line beyond the rows that the header promises are left out (line 14)"]),
@@ -84,7 +84,7 @@ pub(crate) fn surplus_of_models() -> Vec<Input> {
 pub(crate) fn absolute_texture_of_mtl() -> Vec<Input> {
     vec![
         Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
-            .beside("m.mtl", "newmtl a\nKd 1 0 0\nmap_Kd /absolute.png\n")
+            .with_file("m.mtl", "newmtl a\nKd 1 0 0\nmap_Kd /absolute.png\n")
             .shown(&["the image `/absolute.png` is not looked for, as its path is absolute; the plain colour is used"]),
     ]
 }

@@ -97,7 +97,7 @@ pub(crate) fn include_cycle() -> Vec<Input> {
     let groups = "groups: {\"a\": [(instance: \"b\")], \"b\": [(instance: \"a\")]}";
     vec![
         with(groups).refused(&["scene.ron", "groups contain each other"]),
-        Input::node("model: \"scene.ron\"").refused(&["scene.ron", "no known ending"]),
+        Input::node("model: \"scene.ron\"").refused(&["scene.ron", "no known extension"]),
     ]
 }
 
@@ -105,8 +105,8 @@ pub(crate) fn include_cycle() -> Vec<Input> {
 pub(crate) fn include_depth() -> Vec<Input> {
     vec![
         Input::node("model: \"other.ron\"")
-            .beside("other.ron", "(nodes: [])")
-            .refused(&["other.ron", "no known ending"]),
+            .with_file("other.ron", "(nodes: [])")
+            .refused(&["other.ron", "no known extension"]),
     ]
 }
 

@@ -136,7 +136,7 @@ pub(crate) fn utf_16() -> Vec<Input> {
     })
     .collect();
     let model = Input::file("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    inputs.push(model.beside("m.mtl", bytes("newmtl a\n")).refused(&["m.mtl: is text in UTF-16"]));
+    inputs.push(model.with_file("m.mtl", bytes("newmtl a\n")).refused(&["m.mtl: is text in UTF-16"]));
     inputs
 }
 
@@ -174,22 +174,24 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 pub(crate) fn texture_bomb() -> Vec<Input> {
     vec![
-        textured("t.png").beside("t.png", png_of(60_000, 60_000)).refused(&["materials[\"m\"].color", "60000 x 60000"]),
-        textured("t.png").beside("t.png", png_of(8_000, 8_000)).refused(&["materials[\"m\"].color", "8000 x 8000"]),
+        textured("t.png")
+            .with_file("t.png", png_of(60_000, 60_000))
+            .refused(&["materials[\"m\"].color", "60000 x 60000"]),
+        textured("t.png").with_file("t.png", png_of(8_000, 8_000)).refused(&["materials[\"m\"].color", "8000 x 8000"]),
     ]
 }
 
 pub(crate) fn texture_without_pixels() -> Vec<Input> {
     let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 0 +X 0\n";
     vec![
-        textured("t.png").beside("t.png", png_of(0, 0)).refused(&["materials[\"m\"].color"]),
-        textured("t.hdr").beside("t.hdr", hdr).refused(&["materials[\"m\"].color"]),
+        textured("t.png").with_file("t.png", png_of(0, 0)).refused(&["materials[\"m\"].color"]),
+        textured("t.hdr").with_file("t.hdr", hdr).refused(&["materials[\"m\"].color"]),
     ]
 }
 
 pub(crate) fn truncated_texture() -> Vec<Input> {
     let whole = png_of(4, 4);
     let cut = [0, 7, 20, 40, whole.len() / 2];
-    let input = |length: usize| textured("t.png").beside("t.png", &whole[..length]);
+    let input = |length: usize| textured("t.png").with_file("t.png", &whole[..length]);
     cut.map(|length| input(length).refused(&["scene.ron: materials[\"m\"].color: "])).into()
 }

@@ -42,7 +42,7 @@ fn each_frame_is_the_picture_of_its_moment() {
 }
 
 #[test]
-fn frames_go_to_numbered_files_beside_each_other() {
+fn frames_go_to_numbered_files() {
     let place = flight();
     place.succeed("render flight.ron --frames 9..10 --quiet");
     assert_eq!(place.files(), ["flight-####.png.frames.json", "flight-0009.png", "flight-0010.png", "flight.ron"]);

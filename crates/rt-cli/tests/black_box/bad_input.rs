@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::program::{SCENE, Workplace};
 
 /// Runs each case in a folder of its own, and collects what the program says.
-fn complaints(code: i32, cases: &[(&str, &str, &str)]) -> String {
+fn messages(code: i32, cases: &[(&str, &str, &str)]) -> String {
     let mut said = String::new();
     for (case, scene, arguments) in cases {
         let place = Workplace::new();
@@ -43,7 +43,7 @@ const GOOD: &str = "(film: (size: (8, 8)), nodes: [(shape: sphere())])";
 #[test]
 fn bad_scenes_end_with_code_3() {
     let render = "render scene.ron -o older.png";
-    let said = complaints(
+    let said = messages(
         3,
         &[
             ("missing file", GOOD, "render missing.ron -o older.png"),
@@ -91,7 +91,7 @@ fn bad_scenes_end_with_code_3() {
 }
 
 #[test]
-fn several_problems_are_all_told() {
+fn several_problems_are_all_reported() {
     let place = Workplace::new();
     place.write("scene.ron", "(nodes: [(shape: sphere(radius: -1)), (shape: sphere(radius: 0))])");
     let run = place.run("render scene.ron");
@@ -102,7 +102,7 @@ fn several_problems_are_all_told() {
 
 #[test]
 fn unwritable_output_ends_with_code_4() {
-    let said = complaints(
+    let said = messages(
         4,
         &[
             ("missing folder", GOOD, "render scene.ron -o missing/a.png"),
@@ -137,7 +137,7 @@ fn files_that_the_scene_refers_to_are_not_overwritten() {
 #[test]
 fn wrong_usage_ends_with_code_2() {
     let flat = "(camera: (look_from: (0, 0, 5), orthographic: 3), nodes: [(shape: sphere())])";
-    let said = complaints(
+    let said = messages(
         2,
         &[
             ("no scene", GOOD, "render"),

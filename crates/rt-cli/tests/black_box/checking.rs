@@ -71,25 +71,25 @@ fn only_strict_reports_fail() {
 }
 
 #[test]
-fn what_the_loader_mends_is_found() {
+fn repairs_of_the_loader_are_found() {
     let place = Workplace::new();
     place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
     let report = report(&place, "flat.obj");
     let findings = report["findings"].as_array().expect("a list");
-    let mended = findings.iter().find(|finding| finding["kind"] == "mended").expect("it is listed");
-    assert!(mended["message"].as_str().is_some_and(|text| text.starts_with("1 triangles without area")), "{mended}");
+    let fixed = findings.iter().find(|finding| finding["kind"] == "mended").expect("it is listed");
+    assert!(fixed["message"].as_str().is_some_and(|text| text.starts_with("1 triangles without area")), "{fixed}");
     assert_eq!(report["warnings"], json!(1), "{report}");
 }
 
-/// Files below a folder with one of these endings, sorted.
-fn files_below(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+/// Files below a folder with one of these extensions, sorted.
+fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let (mut open, mut found) = (vec![folder.to_path_buf()], Vec::new());
     while let Some(folder) = open.pop() {
         for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
             let path = entry.path();
             if path.is_dir() {
                 open.push(path);
-            } else if path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending)) {
+            } else if path.extension().is_some_and(|e| extensions.iter().any(|extension| e == *extension)) {
                 found.push(path);
             }
         }

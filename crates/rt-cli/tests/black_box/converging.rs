@@ -74,8 +74,8 @@ fn the_page_is_self_contained_and_all_files_are_written() {
     let place = place();
     let run = place.succeed("converge edge.ron --vary sampler=random,sobol --spp 1..4 --seeds 2");
     assert!(run.stdout.ends_with("wrote edge-converge\n"), "{run:?}");
-    let files =
-        ["csv", "json", "svg", "png", "html"].map(|ending| place.read(&format!("edge-converge/converge.{ending}")));
+    let files = ["csv", "json", "svg", "png", "html"]
+        .map(|extension| place.read(&format!("edge-converge/converge.{extension}")));
     let page = std::str::from_utf8(&files[4]).expect("text");
     assert!(!page.contains("http") && !page.contains("url(") && !page.contains("<link") && !page.contains("@import"));
     // Two pictures of each method, the reference, and the errors of both methods on one scale.

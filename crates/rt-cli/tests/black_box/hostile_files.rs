@@ -86,8 +86,8 @@ fn crafted_parts_are_refused() {
             for order in ["crafted.part 2.part", "2.part crafted.part"] {
                 let run = place.run(&format!("merge {order} -o scene.exr"));
                 assert_eq!(run.code, Some(3), "{number} = {value}: {run:?}");
-                let is_told = run.stderr.contains("crafted.part: is not a valid part of an image: the number of");
-                assert!(is_told && run.stderr.lines().count() == 1, "{number} = {value}: {run:?}");
+                let is_reported = run.stderr.contains("crafted.part: is not a valid part of an image: the number of");
+                assert!(is_reported && run.stderr.lines().count() == 1, "{number} = {value}: {run:?}");
                 assert!(!place.path("scene.exr").exists());
             }
         }

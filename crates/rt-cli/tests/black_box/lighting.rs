@@ -52,7 +52,7 @@ const WHITE: &str = r#"{"pbrMetallicRoughness": {"metallicFactor": 0, "roughness
     "extensions": {"KHR_materials_specular": {"specularFactor": 0}}}"#;
 
 /// Sphere as an OBJ file with normals.
-fn ball() -> String {
+fn sphere_obj() -> String {
     let mut text = "mtllib m.mtl\nusemtl m\n".to_owned();
     let (rows, columns) = (32, 64);
     for row in 0..=rows {
@@ -151,7 +151,7 @@ fn emissive_objects_and_backgrounds_are_lights_of_a_scene() {
 #[test]
 fn a_white_surface_shows_its_albedo_under_every_integrator() {
     let place = Workplace::new();
-    place.write("m.obj", ball());
+    place.write("m.obj", sphere_obj());
     let matte = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.8, 0.8, 1], "metallicFactor": 0, "roughnessFactor": 1}}"#;
     let wall = unlit_floor(matte).replace("\"mesh\": 0}", "\"mesh\": 0, \"rotation\": [0.70710678, 0, 0, 0.70710678]}");
     place.write("wall.gltf", wall.replace(CAMERA, r#"{"camera": 0, "translation": [0, 0, 5]}"#));

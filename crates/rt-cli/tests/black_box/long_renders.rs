@@ -261,8 +261,8 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
         place.write("scene.exr.checkpoint", &damaged);
         let run = place.run(&format!("{LONG} --resume"));
         assert_eq!(run.code, Some(3), "byte {at}: {run:?}");
-        let is_told = run.stderr.contains("is damaged") || run.stderr.contains("is not a checkpoint");
-        assert!(is_told && run.stderr.lines().count() == 1, "byte {at}: {run:?}");
+        let is_reported = run.stderr.contains("is damaged") || run.stderr.contains("is not a checkpoint");
+        assert!(is_reported && run.stderr.lines().count() == 1, "byte {at}: {run:?}");
     }
     for length in [0, 5, 20, kept.len() / 2, kept.len() - 1] {
         place.write("scene.exr.checkpoint", &kept[..length]);
@@ -324,7 +324,7 @@ fn an_image_whose_directory_is_gone_goes_to_the_fallback() {
     let options = "--fallback-dir refuge --aov samples=pictures/samples.exr --stats pictures/stats.json";
     let run = after_the_folder_is_gone(&place, options, |folder| fs::remove_dir_all(folder).expect("removed"));
     assert_eq!(run.code, Some(4), "{run:?}");
-    // The picture, the samples and the statistics: each is named, with where it is.
+    // The image, the samples and the statistics: each is named, with where it is.
     assert_eq!(
         run.stderr.lines().filter(|line| line.contains("it was saved as `refuge/rt-cli-")).count(),
         3,
@@ -333,10 +333,10 @@ fn an_image_whose_directory_is_gone_goes_to_the_fallback() {
     let saved: Vec<_> =
         fs::read_dir(place.path("refuge")).expect("there").map(|file| file.expect("a file").path()).collect();
     assert_eq!(saved.len(), 3);
-    let picture = saved.iter().find(|file| file.to_string_lossy().ends_with("scene.exr")).expect("saved");
+    let image = saved.iter().find(|file| file.to_string_lossy().ends_with("scene.exr")).expect("saved");
     let whole = Workplace::with_scene();
     whole.succeed(&format!("{LONG} --aov samples=samples.exr --stats stats.json"));
-    assert_eq!(fs::read(picture).expect("there"), whole.read("scene.exr"));
+    assert_eq!(fs::read(image).expect("there"), whole.read("scene.exr"));
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod converting;
 mod determinism;
 mod dithering;
 mod documentation;
-mod empty_pictures;
+mod empty_images;
 #[cfg(unix)]
 mod hostile_files;
 mod lighting;

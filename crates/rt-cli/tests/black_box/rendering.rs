@@ -15,7 +15,7 @@ fn three_lines_are_a_scene() {
 }
 
 #[test]
-fn no_command_renders_the_showcase_and_tells_what_to_try() {
+fn no_command_renders_the_showcase_and_suggests_commands() {
     let place = Workplace::new();
     let run = place.succeed("");
     assert_eq!(place.files(), ["still_life.png"]);
@@ -43,11 +43,11 @@ fn every_format_is_written() {
 #[test]
 fn options_override_the_scene() {
     let place = Workplace::with_scene();
-    let picture = |options: &str| {
+    let image = |options: &str| {
         place.succeed(&format!("render scene.ron --size 24x16 -o a.pfm {options}"));
         place.film("a.pfm")
     };
-    let plain = picture("");
+    let plain = image("");
     assert_eq!((plain.width(), plain.height()), (24, 16));
     for changed in [
         "--spp 16",
@@ -64,7 +64,7 @@ fn options_override_the_scene() {
         "--fov 50",
         "--background #ff8000",
     ] {
-        assert_ne!(picture(changed).pixels(), plain.pixels(), "{changed}");
+        assert_ne!(image(changed).pixels(), plain.pixels(), "{changed}");
     }
 }
 
@@ -156,7 +156,7 @@ fn bad_samples_warn_and_are_an_error_under_strict() {
     let lenient = place.read("glare.png");
     let run = place.run("render glare.ron --strict -o strict.png");
     assert_eq!(run.code, Some(5), "{run:?}");
-    assert_eq!(place.read("strict.png"), lenient, "the picture is worth keeping");
+    assert_eq!(place.read("strict.png"), lenient, "the image is worth keeping");
 }
 
 #[test]

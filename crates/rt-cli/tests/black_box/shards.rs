@@ -31,7 +31,7 @@ fn parts_in_any_order_make_the_picture_of_one_run() {
 }
 
 #[test]
-fn parts_are_developed_as_the_scene_says_or_as_merge_is_told() {
+fn parts_are_developed_as_the_scene_or_the_options_of_merge_say() {
     let place = Workplace::new();
     place.write(
         "scene.ron",

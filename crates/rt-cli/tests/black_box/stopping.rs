@@ -16,7 +16,7 @@ fn time_ends_a_heavy_render_and_the_picture_is_whole() {
     let stats = place.json("stats.json");
     let seconds = stats["seconds"]["render"].as_f64().expect("a number");
     // Passes have 16 samples or fewer; twice a pass, because other programs may slow the last one down.
-    let samples = stats["pixel_samples"]["most"].as_f64().expect("a number");
+    let samples = stats["pixel_samples"]["max"].as_f64().expect("a number");
     let pass = seconds * (16.0 / samples).min(1.0);
     assert!(seconds < 0.525 + 2.0 * pass && wall >= seconds, "{seconds} s with passes of {pass} s");
     let film = place.film("a.exr");
@@ -51,7 +51,7 @@ fn a_target_has_a_cap_that_is_named() {
     let run = place.succeed("render scene.ron --target-error 0.0001% --crop 20,12,4,4 --stats stats.json");
     let cap = "stopped by the cap of 4096 samples per pixel (--spp): 0.0001 % is not reached; relative RMSE ";
     assert!(run.stdout.contains(cap), "{run:?}");
-    assert_eq!(place.json("stats.json")["pixel_samples"]["most"], 4096);
+    assert_eq!(place.json("stats.json")["pixel_samples"]["max"], 4096);
     assert_eq!(place.json("stats.json")["settings"]["samples_per_pixel"], 4096);
 }
 
@@ -63,12 +63,12 @@ fn the_worst_pixel_of_the_cornell_box_does_not_decide() {
     let stats = place.json("stats.json");
     let reached = stats["estimated_error"]["relative_rmse"].as_f64().expect("a number");
     assert!((0.03..=0.05).contains(&reached), "{reached}: {run:?}");
-    let samples = stats["pixel_samples"]["most"].as_u64().expect("a number");
+    let samples = stats["pixel_samples"]["max"].as_u64().expect("a number");
     assert!(samples <= 1024, "{samples} samples per pixel: {run:?}");
 }
 
 #[test]
-fn statistics_are_two_lines_unless_more_is_asked_for() {
+fn statistics_are_two_lines_unless_verbose() {
     let place = Workplace::with_scene();
     let lines = |options: &str| {
         let run = place.succeed(&format!("render scene.ron {options}"));
@@ -92,7 +92,7 @@ fn statistics_are_two_lines_unless_more_is_asked_for() {
 #[test]
 fn clamping_is_said_to_be_biased_and_counted() {
     let place = Workplace::new();
-    place.write("room.ron", ROOM);
+    place.write("room.ron", INTERIOR);
     let run = place.succeed("render room.ron --clamp 0.02 --stats stats.json");
     assert!(run.stdout.contains("; biased: clamping to 0.02 reduced "), "{run:?}");
     let clamping = &place.json("stats.json")["clamping"];
@@ -108,7 +108,7 @@ fn clamping_is_said_to_be_biased_and_counted() {
 }
 
 /// Closed room with a small light.
-const ROOM: &str = r#"(
+const INTERIOR: &str = r#"(
     camera: (look_from: (0, 1, 3.9), look_at: (0, 1, 0), fov: 60),
     film: (size: (24, 18)),
     settings: (integrator: path),

@@ -43,7 +43,7 @@ fn node() -> Option<Command> {
 #[test]
 fn a_browser_shows_renders_picks_and_saves() {
     let Some(chromium) = program(&CHROMIUM) else { return rt_tests::skip("there is no Chromium") };
-    let Some(mut node) = node() else { return rt_tests::skip("there is no Node.js with playwright-core") };
+    let Some(mut node) = node() else { return rt_tests::skip("there is no SceneNode.js with playwright-core") };
     let screenshots = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view_browser");
     let _ = fs::remove_dir_all(&screenshots);
     fs::create_dir_all(&screenshots).expect("a folder");

@@ -11,7 +11,7 @@ use crate::program::Workplace;
 use crate::view_server::{Answer, ViewServer};
 
 /// Two balls side by side, in front of nothing.
-const BALLS: &str = r#"(
+const SPHERES: &str = r#"(
     camera: (look_from: (0, 0, 6), look_at: (0, 0, 0), fov: 40),
     film: (size: (96, 64)),
     background: gradient(bottom: gray(0.1), top: rgb(0.2, 0.4, 0.9)),
@@ -26,14 +26,14 @@ const BALLS: &str = r#"(
     ],
 )"#;
 
-/// The camera of [`BALLS`].
+/// The camera of [`SPHERES`].
 const CAMERA: &str = "camera: (look_from: (0, 0, 6), look_at: (0, 0, 0), fov: 40),";
 
 /// The camera as text, and the scene with it in the file `pasted.ron`.
 fn paste_camera(view: &ViewServer) -> String {
     let text = view.get("camera").text();
-    assert!(BALLS.contains(CAMERA));
-    view.place.write("pasted.ron", BALLS.replace(CAMERA, &text));
+    assert!(SPHERES.contains(CAMERA));
+    view.place.write("pasted.ron", SPHERES.replace(CAMERA, &text));
     text
 }
 
@@ -50,13 +50,13 @@ fn the_page_shows_what_render_writes() {
         "--spp 2 --integrator caustics",
         "--integrator normals --spp 2",
     ] {
-        ViewServer::start(BALLS, options).assert_shows("scene.ron", options);
+        ViewServer::start(SPHERES, options).assert_shows("scene.ron", options);
     }
 }
 
 #[test]
 fn settings_show_what_render_writes_with_the_same_options() {
-    let scene = BALLS.replace("film: (size: (96, 64))", "film: (size: (96, 64), exposure: 0.5, tone: reinhard)");
+    let scene = SPHERES.replace("film: (size: (96, 64))", "film: (size: (96, 64), exposure: 0.5, tone: reinhard)");
     let view = ViewServer::start(&scene, "--spp 4");
     view.assert_shows("scene.ron", "--spp 4");
     for (settings, options) in [
@@ -88,7 +88,7 @@ fn settings_show_what_render_writes_with_the_same_options() {
 
 #[test]
 fn an_image_beyond_the_memory_limit_is_refused_with_a_message() {
-    let view = ViewServer::start(BALLS, "--spp 1 --memory 64MiB");
+    let view = ViewServer::start(SPHERES, "--spp 1 --memory 64MiB");
     view.finished();
     view.post("settings", &json!({ "size": [3000, 2000] }).to_string());
     let (state, _) = view.watch(|state| state["message"].is_string());
@@ -102,7 +102,7 @@ fn an_image_beyond_the_memory_limit_is_refused_with_a_message() {
 
 #[test]
 fn commands_move_the_camera_and_its_text_renders_the_same() {
-    let view = ViewServer::start(BALLS, "--spp 4");
+    let view = ViewServer::start(SPHERES, "--spp 4");
     let unmoved = paste_camera(&view);
     assert!(unmoved.contains("look_from: (0.0, 0.0, 6.0)") && unmoved.contains("fov: 40.0"), "{unmoved}");
     let mut texts = vec![unmoved];
@@ -133,8 +133,8 @@ fn commands_move_the_camera_and_its_text_renders_the_same() {
 }
 
 #[test]
-fn a_pick_tells_what_is_there() {
-    let view = ViewServer::start(BALLS, "--spp 1");
+fn a_pick_returns_the_surface() {
+    let view = ViewServer::start(SPHERES, "--spp 1");
     view.finished();
     // A distance of 6 and 40 degrees across 64 pixels: the balls' centres are 22 pixels from the middle.
     let pick = |x: u32, y: u32| view.post("pick", &json!([x, y]).to_string())["hit"].clone();
@@ -158,7 +158,7 @@ fn a_pick_tells_what_is_there() {
 
 #[test]
 fn the_error_grows_smaller_within_its_interval() {
-    let view = ViewServer::start(BALLS, "--spp 64 --integrator path");
+    let view = ViewServer::start(SPHERES, "--spp 64 --integrator path");
     let (state, _) = view.finished();
     let errors = state["errors"].as_array().expect("a list");
     assert!(errors.len() > 4, "{state}");
@@ -178,7 +178,7 @@ fn the_error_grows_smaller_within_its_interval() {
 
 #[test]
 fn foreign_requests_are_refused() {
-    let view = ViewServer::start(BALLS, "--spp 1");
+    let view = ViewServer::start(SPHERES, "--spp 1");
     let page = view.page.as_str();
     let status = |head: &str| {
         let Answer { status, headers, body } = view.exchange(format!("{head}Connection: close\r\n\r\n").as_bytes());
@@ -235,7 +235,7 @@ fn foreign_requests_are_refused() {
 
 #[test]
 fn the_page_refers_to_nothing_outside() {
-    let view = ViewServer::start(BALLS, "--spp 1");
+    let view = ViewServer::start(SPHERES, "--spp 1");
     let all = ["", "view.css", "view.js", "plot.js"].map(|path| view.get(path).text()).join("\n");
     let outside = all.replace("http://www.w3.org/2000/svg", "");
     assert!(!outside.contains("http:") && !outside.contains("https:") && !outside.contains("url(//"));
@@ -247,7 +247,7 @@ fn the_page_refers_to_nothing_outside() {
 #[cfg(target_os = "linux")]
 fn a_closed_page_stops_the_work_which_goes_on_later() {
     let options = |spp: u64| format!("--spp {spp} --size 240x160 --integrator path --threads 1");
-    let view = ViewServer::start(BALLS, &options(1 << 20));
+    let view = ViewServer::start(SPHERES, &options(1 << 20));
     thread::sleep(Duration::from_millis(500));
     assert!(view.processor_seconds() < 0.4, "nothing is rendered before a page is open");
     let (measured, _) = view.watch(|state| state["spp"].as_u64() >= Some(64));
@@ -290,7 +290,7 @@ fn check_interrupt(mut view: ViewServer) {
 #[test]
 #[cfg(unix)]
 fn an_interrupt_ends_the_program() {
-    check_interrupt(ViewServer::start(BALLS, "--spp 1000000 --integrator path"));
+    check_interrupt(ViewServer::start(SPHERES, "--spp 1000000 --integrator path"));
 }
 
 /// Shells without job control start jobs in the background so.
@@ -298,7 +298,7 @@ fn an_interrupt_ends_the_program() {
 #[cfg(target_os = "linux")]
 fn an_interrupt_ends_a_program_whose_parent_ignores_interrupts() {
     let place = Workplace::new();
-    place.write("scene.ron", BALLS);
+    place.write("scene.ron", SPHERES);
     let mut command = Command::new("env");
     command.arg("--ignore-signal=INT").arg(env!("CARGO_BIN_EXE_rt-cli")).current_dir(place.path("."));
     command.args("view scene.ron --no-open --spp 1000000 --integrator path".split(' '));
@@ -307,7 +307,7 @@ fn an_interrupt_ends_a_program_whose_parent_ignores_interrupts() {
 
 #[test]
 fn connections_that_say_nothing_leave_room_for_others() {
-    let view = ViewServer::start(BALLS, "--spp 1");
+    let view = ViewServer::start(SPHERES, "--spp 1");
     let port: u16 = view.url.split([':', '/']).nth(4).and_then(|port| port.parse().ok()).expect("a port");
     let silent: Vec<_> =
         (0..64).map(|_| std::net::TcpStream::connect(("127.0.0.1", port)).expect("connected")).collect();
@@ -337,7 +337,7 @@ fn what_is_bound_to_the_network_is_said_aloud() {
 }
 
 #[test]
-fn failures_are_told_in_the_terminal() {
+fn failures_are_reported_in_the_terminal() {
     let place = Workplace::with_scene();
     place.write("bad.ron", "(nodes: [(shape: spher())])");
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");

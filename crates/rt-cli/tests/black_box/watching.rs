@@ -171,7 +171,7 @@ fn a_viewer_that_leaves_costs_a_warning_and_nothing_else() {
 }
 
 #[test]
-fn a_viewer_that_hangs_holds_nobody_up() {
+fn a_viewer_that_hangs_delays_no_render() {
     let place = Workplace::with_scene();
     let (stop, stopped) = std::sync::mpsc::channel::<()>();
     let (address, watching) = viewer(move |stream| {

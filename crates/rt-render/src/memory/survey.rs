@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use rt_geometry::Shape;
 use rt_math::Transform;
-use rt_scene_io::{Content, GroupId, MeshId, Node, Scene};
+use rt_scene_io::{Content, GroupId, MeshId, Scene, SceneNode};
 
 use crate::{
     RenderError,
@@ -123,14 +123,14 @@ impl Survey {
 impl<'s> Surveyor<'s, '_> {
     /// Adds the loaded nodes and all meshes.
     fn add_scene(&mut self) {
-        let mut open: Vec<&[Node]> = self.scene.groups.iter().map(|group| group.nodes.as_slice()).collect();
+        let mut open: Vec<&[SceneNode]> = self.scene.groups.iter().map(|group| group.nodes.as_slice()).collect();
         open.push(&self.scene.nodes);
         let mut nodes = 0u64;
         while let Some(list) = open.pop() {
             nodes += list.len() as u64;
             open.extend(list.iter().map(|node| node.children.as_slice()));
         }
-        let bytes = nodes.saturating_mul(size_of::<Node>() as u64 + HEADER);
+        let bytes = nodes.saturating_mul(size_of::<SceneNode>() as u64 + HEADER);
         self.largest.update(bytes, || format!("{nodes} nodes"));
         self.survey.geometry = bytes;
         for named in &self.scene.meshes {
@@ -156,7 +156,7 @@ impl<'s> Surveyor<'s, '_> {
     }
 
     /// Instances of nodes and their descendants. Trees may be deep, so the traversal keeps its own stack.
-    fn instance_totals(&mut self, nodes: &'s [Node], within_group: bool) -> Result<InstanceTotals, RenderError> {
+    fn instance_totals(&mut self, nodes: &'s [SceneNode], within_group: bool) -> Result<InstanceTotals, RenderError> {
         let mut sum = InstanceTotals::default();
         // The flag of a list: no ancestor has a transform.
         let mut open = vec![(nodes, true)];
@@ -189,7 +189,7 @@ impl<'s> Surveyor<'s, '_> {
     }
 
     /// Number of instances of a mesh. Its level is added on the first use.
-    fn mesh(&mut self, node: &Node, id: MeshId, is_untransformed: bool) -> u64 {
+    fn mesh(&mut self, node: &SceneNode, id: MeshId, is_untransformed: bool) -> u64 {
         let Some(named) = self.scene.meshes.get(id.0 as usize) else { return 0 };
         let triangles = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
@@ -237,7 +237,7 @@ impl<'s> Surveyor<'s, '_> {
 }
 
 /// Bytes of an instance, with its name and transform on the heap.
-fn instance_bytes(node: &Node, is_untransformed: bool) -> u64 {
+fn instance_bytes(node: &SceneNode, is_untransformed: bool) -> u64 {
     let transform = if is_untransformed { 0 } else { size_of::<Transform>() as u64 + HEADER };
     let moving = if node.moves_to.is_some() { size_of::<Animated>() as u64 + HEADER } else { 0 };
     size_of::<Instance>() as u64 + node.name.len() as u64 + HEADER + transform + moving

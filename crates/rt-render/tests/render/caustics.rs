@@ -5,7 +5,7 @@ use rt_geometry::{Cuboid, Plane, Rectangle, Shape, Sphere};
 use rt_image::Image;
 use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
-use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, Node, Scene, Settings};
+use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, RenderSettings, Scene, SceneNode};
 use rt_shading::{
     Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
     MaterialModel, bsdf::ComplexIor, light::EmissionSides,
@@ -57,12 +57,17 @@ fn light(kind: DeltaLightKind) -> DeltaLight {
 }
 
 /// A pinhole camera in the middle of things, so that nothing stands between it and what it looks at.
-fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<Node>, lights: Vec<DeltaLight>) -> Scene {
+fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<SceneNode>, lights: Vec<DeltaLight>) -> Scene {
     let camera = CameraSettings::new(camera, Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical });
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 16, height: 16, ..FilmSettings::default() },
-        settings: Settings { integrator: Integrator::Caustics, spp: 16 << 10, passes: Some(16), ..Settings::default() },
+        settings: RenderSettings {
+            integrator: Integrator::Caustics,
+            spp: 16 << 10,
+            passes: Some(16),
+            ..RenderSettings::default()
+        },
         appearance: Appearance {
             materials,
             lights,
@@ -74,8 +79,8 @@ fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<Node>, lights: 
     }
 }
 
-fn nodes(of: &[(Content, u32)]) -> Vec<Node> {
-    of.iter().map(|(content, material)| Node::new(content.clone(), MaterialId(*material))).collect()
+fn nodes(of: &[(Content, u32)]) -> Vec<SceneNode> {
+    of.iter().map(|(content, material)| SceneNode::new(content.clone(), MaterialId(*material))).collect()
 }
 
 fn render(scene: &Scene) -> Rendering {
@@ -152,7 +157,7 @@ fn a_glass_slab_transmits_light_by_snell_and_fresnel() {
 }
 
 /// Radiance by the point that is seen.
-type Truth<'a> = &'a dyn Fn(DVec2) -> f64;
+type KnownMean<'a> = &'a dyn Fn(DVec2) -> f64;
 
 /// A flat mirror acts as a mirrored copy of the light.
 #[test]
@@ -178,7 +183,7 @@ fn a_flat_mirror_reflects_each_kind_of_light() {
         let square = offset.length_squared();
         0.5 * offset.y / square.sqrt() / if has_falloff { square } else { 1.0 }
     };
-    let cases: [(&str, DeltaLightKind, Truth<'_>); 4] = [
+    let cases: [(&str, DeltaLightKind, KnownMean<'_>); 4] = [
         ("point", point(Falloff::InverseSquare), &|at| from(1.0, at, true) + 0.8 * from(-1.0, at, true)),
         ("no falloff", point(Falloff::None), &|at| from(1.0, at, false) + 0.8 * from(-1.0, at, false)),
         ("spot", spot, &|at| 0.8 * from(-1.0, at, true)),
@@ -227,7 +232,7 @@ fn comparable() -> Scene {
     ];
     let mut scene = scene(camera, materials, nodes(&contents), vec![]);
     scene.appearance.background = Background::Constant(Rgb::gray(0.05));
-    scene.settings = Settings { spp: 4096, passes: Some(16), depth: 7, ..scene.settings };
+    scene.settings = RenderSettings { spp: 4096, passes: Some(16), depth: 7, ..scene.settings };
     (scene.film.width, scene.film.height) = (24, 16);
     scene.meshes = everything().meshes;
     if let Some(sheet) = scene.nodes.last_mut() {
@@ -279,7 +284,7 @@ fn caustics_agree_with_path_tracing() {
 /// The scene with all features, at 8 samples per pixel.
 fn small() -> Scene {
     let mut scene = everything();
-    scene.settings = Settings { integrator: Integrator::Caustics, spp: 8, passes: Some(2), ..scene.settings };
+    scene.settings = RenderSettings { integrator: Integrator::Caustics, spp: 8, passes: Some(2), ..scene.settings };
     scene
 }
 

@@ -4,7 +4,7 @@ use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection, SamplerKind};
 use rt_geometry::{Cuboid, Shape, Sphere};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{Clamping, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
-use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
+use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, RenderSettings, Scene, SceneNode};
 use rt_shading::{Appearance, Background, ColorTexture, Material, MaterialModel};
 
 fn material(model: MaterialModel, emission: f64) -> Material {
@@ -25,7 +25,7 @@ fn closed_scene() -> Scene {
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 24, height: 18, ..FilmSettings::default() },
-        settings: Settings { spp: 16, pattern: SamplerKind::Random, depth: 6, ..Settings::default() },
+        settings: RenderSettings { spp: 16, pattern: SamplerKind::Random, depth: 6, ..RenderSettings::default() },
         appearance: Appearance {
             materials: vec![
                 material(MaterialModel::Diffuse { albedo: gray(0.7), roughness: 0.0 }, 0.0),
@@ -36,9 +36,9 @@ fn closed_scene() -> Scene {
             ..Appearance::default()
         },
         nodes: vec![
-            Node::new(Content::Shape(Shape::Cuboid(walls)), MaterialId(0)),
-            Node::new(sphere(DVec3::new(0.8, 0.6, 0.0), 0.6), MaterialId(1)),
-            Node::new(sphere(DVec3::new(-1.0, 2.8, 3.7), 0.15), MaterialId(2)),
+            SceneNode::new(Content::Shape(Shape::Cuboid(walls)), MaterialId(0)),
+            SceneNode::new(sphere(DVec3::new(0.8, 0.6, 0.0), 0.6), MaterialId(1)),
+            SceneNode::new(sphere(DVec3::new(-1.0, 2.8, 3.7), 0.15), MaterialId(2)),
         ],
         ..Scene::empty("closed_scene")
     }

@@ -6,7 +6,7 @@ use rt_geometry::RayKind;
 use rt_image::Image;
 use rt_math::{DVec2, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions, Statistics};
-use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MaterialId, Node, Scene};
+use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MaterialId, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Phong};
 
 /// 300 mirrors in all directions around the camera, most of them outside the view.
@@ -21,7 +21,7 @@ fn surrounded() -> Scene {
         .map(|i| {
             let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[u64::from(i), k])) - 1.0;
             let centre = rt_math::DVec3::new(unit(0), unit(1), unit(2)).normalize() * (4.0 + f64::from(i % 7)) + eye;
-            Node::new(sphere(centre.x, centre.y, centre.z, 0.3), MaterialId(0))
+            SceneNode::new(sphere(centre.x, centre.y, centre.z, 0.3), MaterialId(0))
         })
         .collect();
     scene.settings.depth = 3;
@@ -91,14 +91,16 @@ fn mixed_worlds_keep_their_floor_and_their_groups() {
     scene.name = "mixed".into();
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     // Behind the camera: single spheres, and instances of a group, culled as a whole.
-    scene.groups.push(Group { name: "ball".into(), nodes: vec![Node::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(2))] });
+    scene
+        .groups
+        .push(Group { name: "ball".into(), nodes: vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(2))] });
     let group = GroupId(scene.groups.len() as u32 - 1);
     for i in 0..40 {
         let centre = eye * 1.5 + rt_math::DVec3::X * f64::from(i - 20);
-        scene.nodes.push(Node::new(sphere(centre.x, centre.y, centre.z, 0.4), MaterialId(0)));
-        scene.nodes.push(Node {
+        scene.nodes.push(SceneNode::new(sphere(centre.x, centre.y, centre.z, 0.4), MaterialId(0)));
+        scene.nodes.push(SceneNode {
             parent_from_local: Transform::translate(centre + rt_math::DVec3::Y),
-            ..Node::new(Content::Instance(group), MaterialId(0))
+            ..SceneNode::new(Content::Instance(group), MaterialId(0))
         });
     }
     let left_out = culled(&scene, &PlanOptions::default()).expect("something to leave out");
@@ -161,7 +163,7 @@ fn scattered() -> Scene {
     scene.nodes = (0..40u32)
         .map(|i| {
             let (x, y) = (f64::from(i % 8), f64::from(i / 8));
-            Node::new(sphere(-1.0 + 0.1 * x, 0.2 + 0.05 * y * y, -y, 0.12), MaterialId(0))
+            SceneNode::new(sphere(-1.0 + 0.1 * x, 0.2 + 0.05 * y * y, -y, 0.12), MaterialId(0))
         })
         .collect();
     (scene.film.width, scene.film.height) = (96, 64);

@@ -4,7 +4,7 @@ use crate::support::{everything, sphere, spheres};
 use rt_geometry::RayKind;
 use rt_math::Rgb;
 use rt_render::{PlanOptions, RenderPlan, RunOptions, Share, Statistics};
-use rt_scene_io::{Accel, MaterialId, Node, Scene};
+use rt_scene_io::{Accel, MaterialId, Scene, SceneNode};
 use rt_shading::{ColorTexture, ShadingCounts};
 
 const COUNT: RunOptions<'_> = RunOptions { threads: 1, count: true, maps: false, share: Share::ALL, interrupt: None };
@@ -65,7 +65,7 @@ fn no_shadow_rays_where_nothing_casts_shadows() {
 #[test]
 fn unused_materials_cost_nothing() {
     let mut scene = everything();
-    scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5))];
+    scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5))];
     let statistics = statistics(&scene);
     let ShadingCounts { highlights, mirrors, refractions, .. } = statistics.shading;
     assert_eq!((highlights, mirrors, refractions), (0, 0, 0));

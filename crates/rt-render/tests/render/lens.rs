@@ -5,7 +5,7 @@ use rt_camera::{Lens, Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
-use rt_scene_io::{Accel, Integrator, MaterialId, Node, Scene};
+use rt_scene_io::{Accel, Integrator, MaterialId, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Material, Phong};
 
 const LENS: Lens = Lens { radius: 0.4, focus: 8.0, blades: Some(6), rotation: 0.3 };
@@ -60,7 +60,7 @@ fn culling_covers_rays_through_all_points_of_the_lens() {
         .map(|i| {
             let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[i, k])) - 1.0;
             let place = DVec3::new(unit(0), unit(1), unit(2)).normalize() * (1.0 + (i % 9) as f64) + eye;
-            Node::new(sphere(place.x, place.y, place.z, 0.2), MaterialId(0))
+            SceneNode::new(sphere(place.x, place.y, place.z, 0.2), MaterialId(0))
         })
         .collect();
     let view = scene.cameras[0].settings.projection;
@@ -87,7 +87,7 @@ fn blur_conserves_energy() {
     scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
-    scene.nodes = vec![Node::new(sphere(0.0, 0.0, 0.0, 0.8), MaterialId(0))];
+    scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 0.8), MaterialId(0))];
     (scene.settings.spp, scene.settings.pattern) = (256, SamplerKind::Sobol);
     let total = |film: &Image| film.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
     let brightest_edge = |film: &Image| film.pixels().iter().filter(|pixel| pixel[0] > 0.02 && pixel[0] < 0.98).count();
@@ -104,7 +104,7 @@ fn each_ray_starts_in_the_medium_of_its_lens_point() {
     let mut scene = through_a_lens(everything());
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     let sphere = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);
-    scene.nodes.push(Node::new(sphere, MaterialId(3)));
+    scene.nodes.push(SceneNode::new(sphere, MaterialId(3)));
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     assert!(plan.explain().to_string().contains("each camera ray looks which it starts in"));
     let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);

@@ -5,7 +5,9 @@ use rt_camera::{Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
-use rt_scene_io::{Accel, Adaptive, Content, GroupId, Integrator, MaterialId, Node, Scene, Settings};
+use rt_scene_io::{
+    Accel, AdaptiveSampling, Content, GroupId, Integrator, MaterialId, RenderSettings, Scene, SceneNode,
+};
 use rt_shading::{Background, ColorTexture, Material, Phong};
 
 fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
@@ -120,7 +122,7 @@ fn the_image_is_the_mean_of_static_images() {
         (Integrator::AmbientOcclusion, 0.015),
         (Integrator::Normals, 0.005),
     ] {
-        scene.settings = Settings { integrator, spp: 64, ..scene.settings };
+        scene.settings = RenderSettings { integrator, spp: 64, ..scene.settings };
         for (moving, still) in blocks(&render(&scene)).into_iter().zip(blocks_of_stills(&scene, 16)) {
             assert!((moving - still).abs() < tolerance, "{integrator:?}: {moving} {still}");
         }
@@ -137,7 +139,7 @@ fn caustics_in_motion_are_means_of_static_images() {
     scene.appearance.lights.truncate(1);
     scene.nodes.truncate(1);
     let fly = |x: f64, material| {
-        let mut moving_sphere = Node::new(sphere(0.0, 0.0, 0.0, 0.7), MaterialId(material));
+        let mut moving_sphere = SceneNode::new(sphere(0.0, 0.0, 0.0, 0.7), MaterialId(material));
         moving_sphere.parent_from_local = shift(x, 0.6, 0.0);
         moving_sphere.moves_to = Some(shift(x + 1.5, 0.6, 1.0));
         moving_sphere
@@ -145,9 +147,9 @@ fn caustics_in_motion_are_means_of_static_images() {
     scene.nodes.extend([fly(-1.0, 3), fly(-3.0, 0)]);
     let camera = &mut scene.cameras[0].settings;
     camera.moves_to = Some(shift(0.8, 0.0, 0.0).compose(&camera.world_from_camera));
-    scene.settings = Settings { integrator: Integrator::Caustics, spp: 64, ..scene.settings };
+    scene.settings = RenderSettings { integrator: Integrator::Caustics, spp: 64, ..scene.settings };
     let moving = blocks(&render(&scene));
-    let paths = Scene { settings: Settings { integrator: Integrator::Path, ..scene.settings }, ..scene.clone() };
+    let paths = Scene { settings: RenderSettings { integrator: Integrator::Path, ..scene.settings }, ..scene.clone() };
     let without = blocks(&render(&paths));
     let gathered = moving.iter().zip(&without).map(|(with, without)| with - without).fold(0.0, f64::max);
     for (moving, still) in moving.iter().zip(blocks_of_stills(&scene, 16)) {
@@ -162,7 +164,7 @@ fn camera_rays_start_in_the_medium_of_their_time() {
     let mut scene = everything();
     scene.groups.clear();
     scene.nodes.truncate(1);
-    scene.nodes.push(Node::new(sphere(0.0, 0.0, 0.0, 2.0), MaterialId(3)));
+    scene.nodes.push(SceneNode::new(sphere(0.0, 0.0, 0.0, 2.0), MaterialId(3)));
     scene.cameras[0].settings.world_from_camera = shift(0.0, 0.0, 0.5);
     scene.settings.spp = 16;
     let mut camera_moves = scene.clone();
@@ -178,7 +180,7 @@ fn camera_rays_start_in_the_medium_of_their_time() {
 #[test]
 fn edges_are_looked_for_where_nothing_moves() {
     let mut scene = spheres();
-    scene.settings.adaptive = Some(Adaptive::ObjectSpace { min_spp: None });
+    scene.settings.adaptive = Some(AdaptiveSampling::ObjectSpace { min_spp: None });
     let refusal = |scene: &Scene| RenderPlan::compile(scene, &PlanOptions::default()).err();
     assert!(refusal(&scene).is_none());
     scene.nodes[3].moves_to = Some(shift(1.0, 0.0, 0.0));
@@ -198,14 +200,14 @@ fn distributed_refuses_animated_lights() {
     scene.settings.integrator = Integrator::Distributed;
     let refusal = |scene: &Scene| RenderPlan::compile(scene, &PlanOptions::default()).err();
     assert!(refusal(&scene).is_none());
-    let mut emitter = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5));
+    let mut emitter = SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5));
     emitter.name = "firefly".into();
     emitter.moves_to = Some(shift(1.0, 0.0, 0.0));
-    let mut swarm = Node::new(Content::Instance(GroupId(0)), MaterialId(0));
+    let mut swarm = SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
     (swarm.name, swarm.moves_to) = ("swarm".into(), Some(shift(1.0, 0.0, 0.0)));
     let alone = Scene { nodes: vec![emitter.clone()], ..scene.clone() };
     let mut grouped = Scene { nodes: vec![swarm], ..scene.clone() };
-    grouped.groups[0].nodes = vec![Node { moves_to: None, ..emitter }];
+    grouped.groups[0].nodes = vec![SceneNode { moves_to: None, ..emitter }];
     for (mut scene, name) in [(alone, "firefly"), (grouped, "swarm")] {
         assert!(matches!(refusal(&scene), Some(RenderError::MovingLight(object)) if object == name), "{name}");
         scene.settings.integrator = Integrator::Path;
@@ -227,7 +229,7 @@ fn the_image_is_the_same_for_all_threads_structures_and_plans() {
             assert_eq!(render_with(&scene, PlanOptions::default(), 1), image);
             assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), image);
             for accel in Accel::ALL {
-                let other = Scene { settings: Settings { accel, ..scene.settings }, ..scene.clone() };
+                let other = Scene { settings: RenderSettings { accel, ..scene.settings }, ..scene.clone() };
                 assert_eq!(render(&other), image, "{integrator:?} {accel:?}");
             }
         }
@@ -242,7 +244,7 @@ fn objects_that_cross_the_view_are_not_culled() {
         .map(|i| {
             let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[i, k])) - 1.0;
             let place = DVec3::new(unit(0), unit(1), unit(2)) * 20.0;
-            let mut node = Node::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(0));
+            let mut node = SceneNode::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(0));
             node.parent_from_local = Transform::translate(place);
             let turn = Transform::rotate(DVec3::new(unit(3), unit(4), unit(5)), 2.0).expect("an axis");
             node.moves_to =
@@ -286,7 +288,7 @@ fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
     let dark = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
     let white = ColorTexture::Constant(Rgb::WHITE);
     scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
-    let mut moving_sphere = Node::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
+    let mut moving_sphere = SceneNode::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
     moving_sphere.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
     moving_sphere.moves_to = Some(shift(0.5 * way, 0.0, 0.0));
     scene.nodes = vec![moving_sphere];
@@ -324,7 +326,7 @@ fn reflected_rays_do_not_hit_their_origin() {
     scene.settings.depth = 1;
     let squash = Transform::scale(DVec3::new(1.5, 0.4, 0.9)).expect("regular");
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 2.5).expect("an axis");
-    let mut egg = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
+    let mut egg = SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
     egg.parent_from_local = squash;
     egg.moves_to = Some(shift(0.5, 0.5, 0.0).compose(&turn).compose(&squash));
     scene.nodes = vec![egg];
@@ -368,7 +370,7 @@ fn animated_lights_are_found_by_rays() {
     // An infinite ceiling covers the same points at all times: its light is that of a static one.
     let wide = rt_geometry::Cuboid::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");
     let light = Content::Shape(rt_geometry::Shape::Cuboid(wide));
-    scene.nodes.push(Node::new(light, MaterialId(1)));
+    scene.nodes.push(SceneNode::new(light, MaterialId(1)));
     let mean = |scene: &Scene| {
         let film = render(scene);
         film.pixels().iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / film.pixels().len() as f64
@@ -377,7 +379,7 @@ fn animated_lights_are_found_by_rays() {
     moving.nodes.last_mut().expect("the light").moves_to = Some(shift(0.0, 1e-6, 0.0));
     for integrator in [Integrator::Path, Integrator::Direct, Integrator::Caustics] {
         let [still, moving] = [&scene, &moving].map(|scene| {
-            let settings = Settings { integrator, spp: 128, ..scene.settings };
+            let settings = RenderSettings { integrator, spp: 128, ..scene.settings };
             mean(&Scene { settings, ..scene.clone() })
         });
         assert!(still > 0.01 && (moving / still - 1.0).abs() < 0.02, "{integrator:?}: {moving} {still}");

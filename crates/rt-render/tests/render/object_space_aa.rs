@@ -8,7 +8,9 @@ use rt_math::{
     transcendental::hypot,
 };
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule};
-use rt_scene_io::{Accel, Adaptive, Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
+use rt_scene_io::{
+    Accel, AdaptiveSampling, Content, Integrator, MaterialId, NamedCamera, RenderSettings, Scene, SceneNode,
+};
 use rt_shading::{
     Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong,
 };
@@ -20,7 +22,7 @@ const ALL: u32 = 16;
 
 fn adaptive(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.settings.adaptive = Some(Adaptive::ObjectSpace { min_spp: Some(MIN_SPP) });
+    scene.settings.adaptive = Some(AdaptiveSampling::ObjectSpace { min_spp: Some(MIN_SPP) });
     scene
 }
 
@@ -65,7 +67,7 @@ fn sun(direction: DVec3) -> DeltaLight {
 
 /// A pixel is one unit wide and high; the point (x, y) is in column x and row 40 − y, counted down. The camera looks along
 /// −z.
-fn front_view(nodes: Vec<Node>, materials: Vec<Material>, lights: Vec<DeltaLight>) -> Scene {
+fn front_view(nodes: Vec<SceneNode>, materials: Vec<Material>, lights: Vec<DeltaLight>) -> Scene {
     let camera = CameraSettings::new(
         Transform::translate(DVec3::new(20.0, 20.0, 100.0)),
         Projection::Orthographic { height: 40.0 },
@@ -73,7 +75,7 @@ fn front_view(nodes: Vec<Node>, materials: Vec<Material>, lights: Vec<DeltaLight
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 40, height: 40, ..FilmSettings::default() },
-        settings: Settings { spp: ALL, ..Settings::default() },
+        settings: RenderSettings { spp: ALL, ..RenderSettings::default() },
         appearance: Appearance {
             materials,
             lights,
@@ -86,15 +88,15 @@ fn front_view(nodes: Vec<Node>, materials: Vec<Material>, lights: Vec<DeltaLight
     }
 }
 
-fn wall() -> Node {
+fn wall() -> SceneNode {
     let wall = Plane::new(DVec3::ZERO, DVec3::Z).expect("a plane");
-    Node::new(Content::Shape(Shape::Plane(wall)), MaterialId(0))
+    SceneNode::new(Content::Shape(Shape::Plane(wall)), MaterialId(0))
 }
 
 #[test]
 fn the_smallest_objects_are_found() {
     // A twentieth of a pixel wide, in pixel (13, 40 − 1 − 7).
-    let speck = || Node::new(sphere(13.61, 7.58, 5.0, 0.025), MaterialId(1));
+    let speck = || SceneNode::new(sphere(13.61, 7.58, 5.0, 0.025), MaterialId(1));
     let materials = || vec![matte(), glowing(Rgb::WHITE)];
     let before_nothing = front_view(vec![speck()], materials(), vec![]);
     let before_a_wall = front_view(vec![wall(), speck()], materials(), vec![sun(DVec3::NEG_Z)]);
@@ -110,7 +112,7 @@ fn the_smallest_objects_are_found() {
 #[test]
 fn shadow_edges_take_all_samples_and_umbrae_the_minimum() {
     // The sun is behind the camera, and so is the sphere that casts the shadow.
-    let sphere_node = Node::new(sphere(20.0, 20.0, 300.0, 7.3), MaterialId(1));
+    let sphere_node = SceneNode::new(sphere(20.0, 20.0, 300.0, 7.3), MaterialId(1));
     let scene = front_view(vec![wall(), sphere_node], vec![matte(), glowing(Rgb::WHITE)], vec![sun(DVec3::NEG_Z)]);
     let is_cut = |[column, row]: [usize; 2]| {
         let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| hypot(column as f64 + x - 20.0, row as f64 + y - 20.0)));
@@ -130,17 +132,19 @@ fn occluded_objects_do_not_add_samples_and_visible_ones_do() {
     let rectangle = Rectangle::new(10.0, 10.0).expect("a rectangle");
     let upright = Transform::translate(DVec3::new(20.0, 20.0, 10.0))
         .compose(&Transform::rotate(DVec3::X, core::f64::consts::FRAC_PI_2).expect("an axis"));
-    let shield =
-        Node { parent_from_local: upright, ..Node::new(Content::Shape(Shape::Rectangle(rectangle)), MaterialId(2)) };
+    let shield = SceneNode {
+        parent_from_local: upright,
+        ..SceneNode::new(Content::Shape(Shape::Rectangle(rectangle)), MaterialId(2))
+    };
     let block = Cuboid::new(DVec3::new(18.3, 18.3, 2.0), DVec3::new(21.7, 21.7, 9.0)).expect("a box");
-    let block = Node::new(Content::Shape(Shape::Cuboid(block)), MaterialId(1));
+    let block = SceneNode::new(Content::Shape(Shape::Cuboid(block)), MaterialId(1));
     let materials = vec![matte(), glowing(Rgb::WHITE), glowing(Rgb::gray(0.5))];
-    let of = |nodes: Vec<Node>| complex(&render(&adaptive(&front_view(nodes, materials.clone(), vec![]))));
+    let of = |nodes: Vec<SceneNode>| complex(&render(&adaptive(&front_view(nodes, materials.clone(), vec![]))));
     // The edges of the shield lie between pixels; pyramids extend slightly beyond their pixels.
     let frame = of(vec![wall(), shield.clone()]);
     assert_eq!(frame.len(), 44 + 36);
     assert_eq!(of(vec![wall(), shield.clone(), block.clone()]), frame);
-    let before = Node { parent_from_local: Transform::translate(DVec3::Z * 20.0), ..block };
+    let before = SceneNode { parent_from_local: Transform::translate(DVec3::Z * 20.0), ..block };
     assert_eq!(of(vec![wall(), shield, before]).len(), frame.len() + 12);
 }
 
@@ -150,7 +154,7 @@ fn clutter(seed: u64, light: DeltaLight) -> Scene {
     let draw = |index: u64, what: u64| unit(hash(&[seed, index, what]));
     let place = |index| DVec3::new(8.0 * draw(index, 0) - 4.0, 2.0 * draw(index, 1), 8.0 * draw(index, 2) - 6.0);
     let floor = Plane::new(DVec3::new(0.0, -0.5, 0.0), DVec3::Y).expect("a plane");
-    let mut nodes = vec![Node::new(Content::Shape(Shape::Plane(floor)), MaterialId(0))];
+    let mut nodes = vec![SceneNode::new(Content::Shape(Shape::Plane(floor)), MaterialId(0))];
     nodes.extend((0..12).map(|index| {
         let size = 0.02 + 0.8 * draw(index, 3) * draw(index, 4);
         let content = if index % 3 == 0 {
@@ -161,14 +165,14 @@ fn clutter(seed: u64, light: DeltaLight) -> Scene {
             let DVec3 { x, y, z } = place(index);
             sphere(x, y, z, size)
         };
-        Node::new(content, MaterialId(index as u32 + 1))
+        SceneNode::new(content, MaterialId(index as u32 + 1))
     }));
     let mut materials = vec![matte()];
     materials.extend((0..12).map(|index| glowing(Rgb::new(draw(index, 6), draw(index, 7), draw(index, 8)))));
     let base = spheres();
     Scene {
         film: FilmSettings { width: 90, height: 60, ..FilmSettings::default() },
-        settings: Settings { spp: ALL, ..Settings::default() },
+        settings: RenderSettings { spp: ALL, ..RenderSettings::default() },
         appearance: Appearance { materials, lights: vec![light], ambient: Rgb::gray(0.2), ..base.appearance },
         nodes,
         ..base
@@ -282,7 +286,7 @@ fn specular_surfaces_take_all_samples() {
 fn a_highlight_takes_all_samples_where_it_is_narrow() {
     let shiny = |exponent| {
         let phong = Phong { specular: colour(Rgb::WHITE), exponent, ..Phong::default() };
-        let sphere_node = Node::new(sphere(20.0, 20.0, 0.0, 15.0), MaterialId(0));
+        let sphere_node = SceneNode::new(sphere(20.0, 20.0, 0.0, 15.0), MaterialId(0));
         let scene = front_view(vec![sphere_node], vec![Material::new("shiny".into(), phong)], vec![sun(DVec3::NEG_Z)]);
         complex(&render(&adaptive(&scene)))
     };

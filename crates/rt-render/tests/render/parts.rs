@@ -8,7 +8,7 @@ use rt_render::{
     Checkpoint, JoinError, Observer, Part, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions,
     Share, StopRule, Stopped, TargetError,
 };
-use rt_scene_io::{Adaptive, Integrator, Scene};
+use rt_scene_io::{AdaptiveSampling, Integrator, Scene};
 
 use crate::support::{everything, spheres};
 
@@ -52,7 +52,8 @@ fn modes() -> Vec<Mode> {
     let of_pixels = |two_stage| TargetError { two_stage, ..TargetError::of_pixels(0.3) };
     let path = |scene: &mut Scene| scene.settings.integrator = Integrator::Path;
     let caustics = |scene: &mut Scene| scene.settings.integrator = Integrator::Caustics;
-    let adaptive = |scene: &mut Scene| scene.settings.adaptive = Some(Adaptive::ObjectSpace { min_spp: Some(4) });
+    let adaptive =
+        |scene: &mut Scene| scene.settings.adaptive = Some(AdaptiveSampling::ObjectSpace { min_spp: Some(4) });
     let random = |scene: &mut Scene| scene.settings.pattern = SamplerKind::Random;
     vec![
         set("whitted", &everything, &|_| {}, None),

@@ -9,7 +9,7 @@ use rt_render::{
     Criterion, ErrorEstimate, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule,
     Stopped, TargetError,
 };
-use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, Node, Scene, Settings};
+use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, RenderSettings, Scene, SceneNode};
 use rt_shading::{Appearance, Material, Phong};
 
 use crate::support::{everything, spheres};
@@ -22,12 +22,12 @@ fn half_plane(side: u32, start: f64, slope: f64) -> Scene {
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: side, height: side, ..FilmSettings::default() },
-        settings: Settings { integrator: Integrator::Normals, ..Settings::default() },
+        settings: RenderSettings { integrator: Integrator::Normals, ..RenderSettings::default() },
         appearance: Appearance {
             materials: vec![Material::new("any".into(), Phong::default())],
             ..Appearance::default()
         },
-        nodes: vec![Node::new(Content::Shape(Shape::Triangle(triangle)), MaterialId(0))],
+        nodes: vec![SceneNode::new(Content::Shape(Shape::Triangle(triangle)), MaterialId(0))],
         ..Scene::empty("half-plane")
     }
 }
@@ -144,7 +144,7 @@ fn the_true_error_lies_within_its_interval() {
     for pattern in patterns {
         for seed in 0..seeds {
             let mut scene = half_plane(12, 0.3, 0.2);
-            scene.settings = Settings { pattern, seed, spp: 16, passes: Some(4), ..scene.settings };
+            scene.settings = RenderSettings { pattern, seed, spp: 16, passes: Some(4), ..scene.settings };
             let (error, estimate) = errors(&fixed(&scene, RunOptions { threads: 1, ..RunOptions::default() }), &truth);
             covered += u32::from((estimate.interval[0]..=estimate.interval[1]).contains(&error));
             squares += error * error;

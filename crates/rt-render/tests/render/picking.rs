@@ -5,13 +5,13 @@ use std::collections::HashSet;
 use crate::support::{everything, spheres};
 use rt_math::{DVec3, Transform};
 use rt_render::{PlanOptions, RenderPlan};
-use rt_scene_io::{Content, Group, GroupId, Node, Scene};
+use rt_scene_io::{Content, Group, GroupId, Scene, SceneNode};
 
 fn compile(scene: &Scene, full: bool) -> RenderPlan<'_> {
     RenderPlan::compile(scene, &PlanOptions { full, ..PlanOptions::default() }).expect("the scene compiles")
 }
 
-fn name_all(nodes: &mut [Node], prefix: &str) {
+fn name_all(nodes: &mut [SceneNode], prefix: &str) {
     for (index, node) in nodes.iter_mut().enumerate() {
         node.name = format!("{prefix}{index}");
         name_all(&mut node.children, &format!("{prefix}{index}."));
@@ -32,7 +32,7 @@ fn trimmed_and_full_plans_pick_the_same() {
     let mut nested = spheres();
     let inner = nested.nodes.split_off(20);
     nested.groups = vec![Group { name: "group".into(), nodes: inner }];
-    let mut place = Node::new(Content::Instance(GroupId(0)), nested.nodes[0].material);
+    let mut place = SceneNode::new(Content::Instance(GroupId(0)), nested.nodes[0].material);
     place.children = nested.nodes.split_off(12);
     nested.nodes.insert(5, place);
     for scene in [spheres(), nested, everything()].map(named) {

@@ -4,7 +4,7 @@ use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
 use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
-use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene};
+use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Scene, SceneNode};
 use rt_shading::{ColorTexture, Phong};
 
 use crate::support::{point_light, spheres};
@@ -22,7 +22,7 @@ fn from_above(content: Content) -> Scene {
     let white = ColorTexture::Constant(Rgb::WHITE);
     scene.appearance.materials[0].model = Phong { diffuse: white, ..Phong::BLACK }.into();
     scene.appearance.lights = vec![point_light([0.0, 4.0, 0.0], 1.0)];
-    scene.nodes = vec![Node::new(content, MaterialId(0))];
+    scene.nodes = vec![SceneNode::new(content, MaterialId(0))];
     scene
 }
 

@@ -5,7 +5,7 @@ use rt_camera::Projection;
 use rt_geometry::{MeshData, TriangleMesh};
 use rt_math::{DVec3, Transform, Vec3};
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan};
-use rt_scene_io::{Accel, Content, Group, GroupId, MaterialId, MeshId, NamedMesh, Node, Scene};
+use rt_scene_io::{Accel, Content, Group, GroupId, MaterialId, MeshId, NamedMesh, Scene, SceneNode};
 
 fn refusal(scene: &Scene, options: &PlanOptions) -> RenderError {
     RenderPlan::compile(scene, options).expect_err("the scene must be refused")
@@ -19,7 +19,7 @@ fn message(change: impl FnOnce(&mut Scene)) -> String {
 
 #[test]
 fn dangling_indices_are_named() {
-    let named = |content, material| Node { name: "chair".into(), ..Node::new(content, MaterialId(material)) };
+    let named = |content, material| SceneNode { name: "chair".into(), ..SceneNode::new(content, MaterialId(material)) };
     for (node, what) in [
         (named(sphere(0.0, 0.0, 0.0, 1.0), 7), "material number 7"),
         (named(Content::Mesh(MeshId(3)), 0), "mesh number 3"),
@@ -32,7 +32,7 @@ fn dangling_indices_are_named() {
 
 #[test]
 fn groups_that_contain_themselves_are_refused() {
-    let instance = || Node::new(Content::Instance(GroupId(0)), MaterialId(0));
+    let instance = || SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
     let message = message(|scene| {
         scene.groups.push(Group { name: "ouroboros".into(), nodes: vec![instance()] });
         scene.nodes.push(instance());
@@ -43,9 +43,9 @@ fn groups_that_contain_themselves_are_refused() {
 #[test]
 fn trees_that_are_too_deep_are_refused() {
     let message = message(|scene| {
-        let mut node = Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
+        let mut node = SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
         for _ in 0..2000 {
-            node = Node { children: vec![node], ..Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0)) };
+            node = SceneNode { children: vec![node], ..SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0)) };
         }
         scene.nodes.push(node);
     });
@@ -55,9 +55,10 @@ fn trees_that_are_too_deep_are_refused() {
 /// `length` groups, each with an instance of the next: a recursion would overflow the stack of a thread.
 fn chain_of_groups(length: u32) -> Scene {
     let mut scene = spheres();
-    let instance = |id: u32| Node::new(Content::Instance(GroupId(id)), MaterialId(0));
-    let inner =
-        |id: u32| if id + 1 < length { instance(id + 1) } else { Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0)) };
+    let instance = |id: u32| SceneNode::new(Content::Instance(GroupId(id)), MaterialId(0));
+    let inner = |id: u32| {
+        if id + 1 < length { instance(id + 1) } else { SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0)) }
+    };
     scene.groups = (0..length).map(|id| Group { name: format!("group {id}"), nodes: vec![inner(id)] }).collect();
     scene.nodes = vec![instance(0), instance(0)];
     scene
@@ -85,11 +86,11 @@ fn a_forest_of_more_triangles_than_32_bits_can_number_is_accepted() {
     let mut scene = spheres();
     scene.settings.accel = Accel::Linear;
     scene.meshes = vec![NamedMesh { name: "tree".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }];
-    scene.nodes = vec![Node::new(Content::Mesh(MeshId(0)), MaterialId(0)); TRIANGLES + 1];
+    scene.nodes = vec![SceneNode::new(Content::Mesh(MeshId(0)), MaterialId(0)); TRIANGLES + 1];
     RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     // Within a group that is placed twice, each triangle needs its own index.
     scene.groups = vec![Group { name: "forest".into(), nodes: std::mem::take(&mut scene.nodes) }];
-    scene.nodes = vec![Node::new(Content::Instance(GroupId(0)), MaterialId(0)); 2];
+    scene.nodes = vec![SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0)); 2];
     assert!(matches!(refusal(&scene, &PlanOptions::default()), RenderError::TooManyObjects));
 }
 
@@ -97,7 +98,7 @@ fn a_forest_of_more_triangles_than_32_bits_can_number_is_accepted() {
 fn singular_products_of_transforms_are_refused() {
     let thin = Transform::scale(DVec3::new(1.0, 1.0, 1e-9)).expect("regular by itself");
     let message = message(|scene| {
-        let inner = Node { name: "foil".into(), parent_from_local: thin, ..scene.nodes[0].clone() };
+        let inner = SceneNode { name: "foil".into(), parent_from_local: thin, ..scene.nodes[0].clone() };
         scene.nodes[0].parent_from_local = thin;
         scene.nodes[0].children.push(inner);
     });
@@ -123,12 +124,12 @@ fn groups_that_multiply_beyond_memory_are_refused_at_once() {
     let message = message(|scene| {
         scene
             .groups
-            .push(Group { name: "0".into(), nodes: vec![Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0))] });
+            .push(Group { name: "0".into(), nodes: vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0))] });
         for level in 1..60 {
-            let inner = Node::new(Content::Instance(GroupId(level - 1)), MaterialId(0));
+            let inner = SceneNode::new(Content::Instance(GroupId(level - 1)), MaterialId(0));
             scene.groups.push(Group { name: level.to_string(), nodes: vec![inner.clone(), inner] });
         }
-        let outer = Node::new(Content::Instance(GroupId(59)), MaterialId(0));
+        let outer = SceneNode::new(Content::Instance(GroupId(59)), MaterialId(0));
         scene.nodes = vec![outer.clone(), outer];
     });
     assert!(message.contains(&(1u64 << 59).to_string()), "{message}");

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
-use rt_scene_io::{Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings};
+use rt_scene_io::{
+    Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode,
+};
 use rt_shading::{
     Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
     Phong, Texture, TextureId, Transmission,
@@ -42,7 +44,7 @@ pub(crate) fn spheres() -> Scene {
     );
     let nodes = (0..27)
         .map(|i| {
-            Node::new(
+            SceneNode::new(
                 sphere(f64::from(i % 3) - 1.0, f64::from(i / 3 % 3) - 1.0, f64::from(i / 9) - 1.0, 0.45),
                 MaterialId(0),
             )
@@ -51,7 +53,7 @@ pub(crate) fn spheres() -> Scene {
     Scene {
         cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
         film: FilmSettings { width: 61, height: 43, ..FilmSettings::default() },
-        settings: Settings { spp: 4, ..Settings::default() },
+        settings: RenderSettings { spp: 4, ..RenderSettings::default() },
         appearance: Appearance {
             materials: vec![material("grey", Phong { ambient: ColorTexture::ZERO, ..Phong::default() })],
             lights: vec![point_light([5.0, 8.0, 6.0], 0.8), point_light([-5.0, 3.0, 6.0], 0.3)],
@@ -139,9 +141,9 @@ pub(crate) fn everything() -> Scene {
     });
     scene.meshes = vec![NamedMesh { name: "sheet".into(), mesh: Arc::new(sheet()) }];
 
-    let at = |content: Content, material: u32, transform: Transform| Node {
+    let at = |content: Content, material: u32, transform: Transform| SceneNode {
         parent_from_local: transform,
-        ..Node::new(content, MaterialId(material))
+        ..SceneNode::new(content, MaterialId(material))
     };
     let moved = |x: f64, y: f64, z: f64| Transform::translate(DVec3::new(x, y, z));
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.8).expect("an axis");
@@ -154,7 +156,7 @@ pub(crate) fn everything() -> Scene {
         Group {
             name: "pair".into(),
             nodes: vec![
-                Node::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(2)),
+                SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(2)),
                 at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.0, 0.0)),
             ],
         },

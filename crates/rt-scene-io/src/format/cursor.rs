@@ -37,7 +37,7 @@ pub(super) struct OpenBracket<'t> {
 
 /// Last token before a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Token {
+pub(super) enum TokenClass {
     Start,
     Open,
     Close,
@@ -51,7 +51,7 @@ pub(super) struct Cursor<'t> {
     pub(super) brackets: Vec<OpenBracket<'t>>,
     /// The last complete value, the number of brackets around it, and its key and index in the innermost one.
     last: Option<(Range<usize>, usize, Option<&'t str>, usize)>,
-    pub(super) last_token: Token,
+    pub(super) last_token: TokenClass,
 }
 
 impl<'t> Cursor<'t> {
@@ -62,7 +62,7 @@ impl<'t> Cursor<'t> {
 
     /// Version of [`before`](Self::before) that visits the name and position of each field and map entry.
     pub(super) fn walk(text: &'t str, byte: usize, mut visit: impl FnMut(&Self, &'t str, usize)) -> Self {
-        let mut cursor = Self { brackets: Vec::new(), last: None, last_token: Token::Start };
+        let mut cursor = Self { brackets: Vec::new(), last: None, last_token: TokenClass::Start };
         let mut word: Option<Range<usize>> = None;
         let mut at = 0;
         while let Some((token, is_text)) = token(text, at) {
@@ -83,20 +83,20 @@ impl<'t> Cursor<'t> {
                         key: None,
                         index: 0,
                     });
-                    cursor.last_token = Token::Open;
+                    cursor.last_token = TokenClass::Open;
                 }
                 b')' | b']' | b'}' => {
                     if let Some(frame) = cursor.brackets.pop() {
                         cursor.ends(frame.start..token.end);
                     }
-                    cursor.last_token = Token::Close;
+                    cursor.last_token = TokenClass::Close;
                 }
                 b',' => {
                     if let Some(frame) = cursor.brackets.last_mut() {
                         frame.key = None;
                         frame.index += 1;
                     }
-                    cursor.last_token = Token::Mark;
+                    cursor.last_token = TokenClass::Mark;
                 }
                 b':' => {
                     if let (Some(frame), Some((last, ..))) = (cursor.brackets.last_mut(), &cursor.last) {
@@ -104,11 +104,11 @@ impl<'t> Cursor<'t> {
                         frame.key = Some(name);
                         visit(&cursor, name, start);
                     }
-                    cursor.last_token = Token::Mark;
+                    cursor.last_token = TokenClass::Mark;
                 }
                 _ => {
                     cursor.ends(token.clone());
-                    cursor.last_token = Token::Value;
+                    cursor.last_token = TokenClass::Value;
                     word = (!is_text).then_some(token);
                     continue;
                 }

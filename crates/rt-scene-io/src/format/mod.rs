@@ -1,8 +1,8 @@
 //! The scene file: types that mirror the text, with plain numbers and names.
 //!
 //! `.ron` and `.json` hold the same model. Everything has a default but the geometry, an unknown field is an error,
-//! angles are in degrees, +y is up, and cameras look along −z. What the numbers mean is settled by
-//! [`resolve`](crate::resolve).
+//! angles are in degrees, +y is up, and cameras look along −z. [`resolve`](crate::resolve)
+//! defines what the numbers mean.
 
 mod animation;
 mod camera;

@@ -15,7 +15,7 @@ pub struct Node {
     /// Example: `name: "table"`.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
-    /// Steps that place the node, applied to the object in the order in which they are written:
+    /// Steps that place the node, applied to the object in the order in which they are written.
     /// `[scale(2), translate(1, 0, 0)]` makes it larger first and then moves it by 1.
     ///
     /// Example: `transform: [scale(2), translate(1, 0, 0)]`.
@@ -49,8 +49,8 @@ pub struct Node {
     /// Default: none. Example: `instance: "pair"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instance: Option<String>,
-    /// Material of the shape here and, unless they have their own, of all shapes below: the name of one of the scene's
-    /// `materials`, or a material that stands here. On a `model` it replaces the materials of the model.
+    /// Material of the shape here and, unless they have their own, of all shapes below. It is the name of one of the
+    /// scene's `materials`, or a material written here. On a `model` it replaces the materials of the model.
     ///
     /// Default: that of the parent, or gray. Example: `material: diffuse(albedo: 0.8)`.
     #[serde(skip_serializing_if = "Option::is_none")]

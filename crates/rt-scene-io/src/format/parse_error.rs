@@ -3,7 +3,7 @@
 use ron::error::SpannedError;
 use serde::de::Deserialize;
 
-use super::cursor::{Cursor, Key, TextValue, Token, next, value_end};
+use super::cursor::{Cursor, Key, TextValue, TokenClass, next, value_end};
 use super::expected::{Notation, Schema, Slot};
 use super::material::NodeMaterial;
 use super::ron_options::ron_options;
@@ -113,12 +113,12 @@ impl<'t> Explainer<'t> {
             self.wrong_value(Cursor::before(self.text, at.saturating_sub(1)).last(), at)
         } else if message == NO_SPELLING || starts("invalid type") || starts("invalid value") {
             let value = match cursor.last_token {
-                Token::Open => cursor.group(self.text),
+                TokenClass::Open => cursor.group(self.text),
                 _ => cursor.last(),
             };
             self.wrong_value(value, at)
         } else if starts("invalid length") || self.is_too_long(&cursor) {
-            let value = if cursor.last_token == Token::Close { cursor.last() } else { cursor.group(self.text) };
+            let value = if cursor.last_token == TokenClass::Close { cursor.last() } else { cursor.group(self.text) };
             self.wrong_value(value, at)
         } else if starts("unknown field `") {
             self.unknown_field(last, found(), &known())
@@ -212,7 +212,7 @@ impl<'t> Explainer<'t> {
     fn missing_field(&self, cursor: &Cursor<'t>, at: usize, field: &str) -> ParseError {
         // Only JSON's parser has read the closing bracket by then.
         let value = match (cursor.last_token, self.notation) {
-            (Token::Close, Notation::Json) => cursor.last(),
+            (TokenClass::Close, Notation::Json) => cursor.last(),
             _ => cursor.group(self.text),
         };
         let Some(TextValue { range, mut path }) = value else {
@@ -236,7 +236,7 @@ impl<'t> Explainer<'t> {
         let Some(start) = next(self.text, at) else { return self.early_end() };
         // A name in braces without quotes.
         if let Some(frame) = cursor.brackets.last().filter(|frame| frame.bracket == b'{')
-            && matches!(cursor.last_token, Token::Open | Token::Mark)
+            && matches!(cursor.last_token, TokenClass::Open | TokenClass::Mark)
             && self.text[frame.start..].starts_with('{')
             && self.schema.slot(&cursor.container()).is_some_and(|slot| slot.is_map())
         {
@@ -259,7 +259,7 @@ impl<'t> Explainer<'t> {
     /// True if the last token before the position is a complete value.
     fn stands_behind_value(&self, cursor: &Cursor<'t>, at: usize) -> bool {
         let is_key = next(self.text, at).is_some_and(|next| self.text[next..].starts_with(':'));
-        matches!(cursor.last_token, Token::Value | Token::Close) && !is_key
+        matches!(cursor.last_token, TokenClass::Value | TokenClass::Close) && !is_key
     }
 
     /// Reports a value of the wrong type or form.
@@ -285,7 +285,7 @@ impl<'t> Explainer<'t> {
     /// The innermost group, or the one that has just ended.
     fn group_at(&self, cursor: &Cursor<'t>, at: usize) -> Option<TextValue<'t>> {
         let goes_on = next(self.text, at).is_some_and(|next| self.text[next..].starts_with([')', ']']));
-        if cursor.last_token == Token::Close && !goes_on { cursor.last() } else { cursor.group(self.text) }
+        if cursor.last_token == TokenClass::Close && !goes_on { cursor.last() } else { cursor.group(self.text) }
     }
 
     fn is_too_long(&self, cursor: &Cursor<'t>) -> bool {

@@ -1,7 +1,8 @@
 //! The reference page of the format, made of the JSON Schema.
 //!
-//! Descriptions of fields end in a line of marks: `Unit: degrees. Default: 40. Example: `fov: 35`.` The default of a field that
-//! has one in the schema, and an example by its type, are found without marks.
+//! Descriptions of fields end in a line of marks: `Unit: degrees. Default: 40. Example: fov: 35.`
+//!
+//! A field with a default in the schema needs no mark for it. Without an example, one is made from its type.
 
 use std::fmt::Write;
 
@@ -103,7 +104,7 @@ struct Format<'s> {
 }
 
 /// A field as a row of a table.
-struct Row {
+struct FieldRow {
     field: String,
     kind: String,
     unit: String,
@@ -167,7 +168,7 @@ impl<'s> Format<'s> {
 
     fn table(&self, schema: &'s Value, page: &mut String) {
         page.push_str("| field | type | unit | default | meaning | example |\n|---|---|---|---|---|---|\n");
-        for Row { field, kind, unit, default, meaning, example } in self.rows(schema) {
+        for FieldRow { field, kind, unit, default, meaning, example } in self.rows(schema) {
             let _ = writeln!(
                 page,
                 "| `{field}` | {} | {unit} | {} | {} | {} |",
@@ -181,9 +182,9 @@ impl<'s> Format<'s> {
     }
 
     /// The fields of an object: those that are needed first.
-    fn rows(&self, schema: &'s Value) -> Vec<Row> {
+    fn rows(&self, schema: &'s Value) -> Vec<FieldRow> {
         let Some(fields) = properties(schema) else { return Vec::new() };
-        let mut rows: Vec<(bool, Row)> = fields
+        let mut rows: Vec<(bool, FieldRow)> = fields
             .iter()
             .map(|(name, field)| {
                 let description = Description::of(field);
@@ -200,7 +201,7 @@ impl<'s> Format<'s> {
                 let example = description.example.unwrap_or_else(|| format!("{name}: {}", self.sample(field, 0)));
                 let unit = description.unit.unwrap_or_else(|| "–".to_owned());
                 let (field, kind) = (name.clone(), self.kind(field));
-                (!is_needed, Row { field, kind, unit, default, meaning: description.meaning, example })
+                (!is_needed, FieldRow { field, kind, unit, default, meaning: description.meaning, example })
             })
             .collect();
         rows.sort_by_key(|(is_optional, _)| *is_optional);
@@ -465,7 +466,7 @@ mod tests {
     }
 
     /// The example of a row, with the other fields that its type needs.
-    fn whole(format: &Format<'_>, schema: &Value, row: &Row) -> String {
+    fn whole(format: &Format<'_>, schema: &Value, row: &FieldRow) -> String {
         let others = format.rows(schema).into_iter();
         let others =
             others.filter(|other| other.default == "needed" && other.field != row.field).map(|other| other.example);
@@ -544,7 +545,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_are_told_from_the_meaning() {
+    fn marks_are_separated_from_the_meaning() {
         let schema =
             serde_json::json!({"description": "An\nangle.\n\nUnit: degrees. Default: 40.5. Example: `fov: 3.5`."});
         let Description { meaning, unit, default, example } = Description::of(&schema);

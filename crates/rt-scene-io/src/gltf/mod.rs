@@ -244,8 +244,8 @@ impl Meshes<'_> {
         let Some(built) = built else { return Ok(None) };
         drop(reservation);
         let what = format!("{place} of {}", path.display());
-        let built_room = self.options.memory.reserve(what, built.memory() as u64);
-        self.reservations.push(built_room.at(path, place)?);
+        let reservation = self.options.memory.reserve(what, built.memory() as u64);
+        self.reservations.push(reservation.at(path, place)?);
         self.bytes += built.memory() as u64;
         if self.bytes > limits::GLTF_MESH_BYTES {
             let (value, limit) = (self.bytes, limits::GLTF_MESH_BYTES);

@@ -15,7 +15,7 @@ use super::{
     instancing,
     node_pose::{Poses, transform},
 };
-use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, NamedCamera, Node, limits};
+use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, NamedCamera, SceneNode, limits};
 
 /// A mesh of one material.
 pub(super) type MeshPart = (MeshId, MaterialId);
@@ -59,7 +59,7 @@ pub(super) fn walk(
 /// A node whose children are being visited.
 struct OpenNode {
     index: usize,
-    node: Node,
+    node: SceneNode,
     world: WorldTransforms,
     /// Still to be visited, last first.
     children: Vec<usize>,
@@ -75,7 +75,7 @@ struct WorldTransforms {
 impl WorldTransforms {
     const IDENTITY: Self = Self { opens: Transform::IDENTITY, closes: Transform::IDENTITY };
 
-    fn compose(&self, node: &Node) -> Self {
+    fn compose(&self, node: &SceneNode) -> Self {
         Self {
             opens: self.opens.compose(&node.parent_from_local),
             closes: self.closes.compose(&node.moves_to.unwrap_or(node.parent_from_local)),
@@ -95,7 +95,7 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model:
     let mut children: Vec<usize> = source.children().map(|child| child.index()).collect();
     children.reverse();
     let moves_to = moves_to(source, poses, &parent_from_local, model);
-    let node = Node { parent_from_local, moves_to, ..empty(source) };
+    let node = SceneNode { parent_from_local, moves_to, ..empty(source) };
     Some(OpenNode { index: source.index(), world: parent.compose(&node), node, children })
 }
 
@@ -151,7 +151,7 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
 /// Puts a mesh where its node is, where the node's instances are, or, if it follows bones, into the world.
 fn place(
     source: &Source<'_>,
-    node: &mut Node,
+    node: &mut SceneNode,
     parts: &[MeshPart],
     buffers: &Buffers<'_>,
     instances: &mut u64,
@@ -177,7 +177,7 @@ fn place(
     }
     for parent_from_local in placements {
         // Names of instances are dropped to save memory.
-        let mut instance = Node { name: String::new(), parent_from_local, ..empty(source) };
+        let mut instance = SceneNode { name: String::new(), parent_from_local, ..empty(source) };
         place_mesh(&mut instance, parts);
         node.children.push(instance);
     }
@@ -185,22 +185,21 @@ fn place(
 }
 
 /// A node without content at its parent's place.
-fn empty(source: &Source<'_>) -> Node {
-    Node::empty(source.name().unwrap_or_default().to_owned(), Transform::IDENTITY)
+fn empty(source: &Source<'_>) -> SceneNode {
+    SceneNode::empty(source.name().unwrap_or_default().to_owned(), Transform::IDENTITY)
 }
 
 /// One mesh stands at the node itself, several at children of it.
-fn place_mesh(node: &mut Node, parts: &[MeshPart]) {
+fn place_mesh(node: &mut SceneNode, parts: &[MeshPart]) {
     if let [(mesh, material)] = *parts {
         node.content = Some(Content::Mesh(mesh));
         node.material = material;
         return;
     }
-    node.children.extend(
-        parts
-            .iter()
-            .map(|(mesh, material)| Node { name: node.name.clone(), ..Node::new(Content::Mesh(*mesh), *material) }),
-    );
+    node.children.extend(parts.iter().map(|(mesh, material)| SceneNode {
+        name: node.name.clone(),
+        ..SceneNode::new(Content::Mesh(*mesh), *material)
+    }));
 }
 
 fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransforms, model: &mut Model) {

@@ -1,7 +1,7 @@
 //! Documents that are loaded as a whole.
 
 use super::*;
-use crate::{Content, MaterialId, MeshId, Node};
+use crate::{Content, MaterialId, MeshId, SceneNode};
 use rt_camera::Projection;
 use rt_math::{DVec3, Rgb, Vec3};
 use rt_shading::{ColorTexture, DeltaLightKind};
@@ -175,7 +175,7 @@ fn deep_trees_are_refused_and_less_deep_ones_walked() {
         format!(r#""nodes": [{}, {{"mesh": 0}}]"#, links.join(","))
     };
     assert!(refused(&chain(50_000)).contains("the depth of the tree is 1025, the limit is 1024"));
-    let mut node: &Node = &load_nodes(&chain(1024)).nodes[0].clone();
+    let mut node: &SceneNode = &load_nodes(&chain(1024)).nodes[0].clone();
     let mut depth = 1;
     while let [child] = node.children.as_slice() {
         node = child;
@@ -446,7 +446,7 @@ fn morph_targets_are_added_by_their_weights() {
         "animations": [{"channels": [{"sampler": 0, "target": {"node": 2, "path": "weights"}}],
             "samplers": [{"input": 2, "output": 3}]}]"#;
     let heights = |model: &Model| {
-        let height = |node: &Node| {
+        let height = |node: &SceneNode| {
             let Some(Content::Mesh(MeshId(mesh))) = node.content else { panic!("a mesh") };
             model.meshes[mesh as usize].mesh.data().positions[1].z
         };

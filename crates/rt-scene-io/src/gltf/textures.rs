@@ -21,7 +21,7 @@ use crate::{LoadError, LoadErrorKind, LoadOptions, Model, Warning, limits, textu
 pub(super) type UvSets = [Option<u32>; 2];
 
 /// Two references with the same key are one texture.
-type Key = (usize, Option<usize>, PixelEncoding, bool, [u64; 6]);
+type TextureKey = (usize, Option<usize>, PixelEncoding, bool, [u64; 6]);
 
 pub(super) struct GltfTextures<'a> {
     pub(super) document: &'a Document,
@@ -29,7 +29,7 @@ pub(super) struct GltfTextures<'a> {
     options: &'a LoadOptions,
     /// By index of the image; `None` for missing ones.
     images: HashMap<(usize, PixelEncoding), Option<Arc<Bitmap>>>,
-    known: HashMap<Key, TextureId>,
+    known: HashMap<TextureKey, TextureId>,
     bytes: u64,
 }
 

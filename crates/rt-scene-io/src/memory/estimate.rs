@@ -13,7 +13,7 @@ use std::path::Path;
 use super::Reservation;
 use crate::error::ErrorAt;
 use crate::files::read_file;
-use crate::{LoadError, LoadErrorKind, LoadOptions, Model, NamedMesh, Node};
+use crate::{LoadError, LoadErrorKind, LoadOptions, Model, NamedMesh, SceneNode};
 
 /// Number of samples of a text.
 const PIECES: u64 = 32;
@@ -90,8 +90,8 @@ pub(crate) fn reserve_scene(path: &Path, options: &LoadOptions) -> Result<Reserv
     options.memory.reserve(format_args!("the scene {}", path.display()), bytes)
 }
 
-/// Records in a line of RON or JSON that have no name, and lists: nodes and their transforms, and whatever else is written so,
-/// but neither points nor lists of them.
+/// Numbers of records without a name and of lists in a line of RON or JSON. Nodes and their transforms are written so;
+/// points and lists of points do not count.
 fn elements(line: &[u8]) -> [u64; 2] {
     let mut before = b',';
     let (mut records, mut lists) = (0, 0);
@@ -134,7 +134,7 @@ fn memory(model: &Model) -> u64 {
 }
 
 /// Bytes of a tree of nodes.
-pub(crate) fn tree_bytes(nodes: &[Node]) -> u64 {
+pub(crate) fn tree_bytes(nodes: &[SceneNode]) -> u64 {
     let (mut open, mut bytes) = (vec![nodes], 0);
     while let Some(nodes) = open.pop() {
         bytes += size_of_val(nodes) as u64;
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn nodes_are_told_from_points_and_shapes() {
+    fn nodes_are_distinguished_from_points_and_shapes() {
         for (line, counts) in [
             ("(nodes: [(), (shape: sphere(center: (1, -2, .5))), (instance: \"a\"),", [4, 0]),
             ("(shape: box(min: (0, 0, 0), max: (1, 1, 1)), transform: [rotate_y(3), translate(1, 2, 3)])", [1, 1]),

@@ -94,7 +94,7 @@ impl FaceList {
 
     /// The arrays of a mesh of all faces, cut into triangles.
     pub(super) fn mesh_data(&self) -> Result<MeshData, MeshError> {
-        let mut vertices = Vertices::default();
+        let mut vertices = UniqueVertices::default();
         let normal = |i: usize| self.normals.get(i).map_or(Vec3::ZERO, |n| n.as_vec3());
         let indices: Vec<u32> =
             self.corners.iter().enumerate().map(|(i, corner)| vertices.index(corner.as_vec3(), normal(i))).collect();
@@ -108,13 +108,13 @@ impl FaceList {
 
 /// Vertices, each once.
 #[derive(Default)]
-struct Vertices {
+struct UniqueVertices {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
     known: HashMap<[u32; 6], u32>,
 }
 
-impl Vertices {
+impl UniqueVertices {
     fn index(&mut self, position: Vec3, normal: Vec3) -> u32 {
         // 0 and −0 are equal.
         let [[x, y, z], [u, v, w]] = [position, normal].map(|v| v.to_array().map(|c| (c + 0.0).to_bits()));

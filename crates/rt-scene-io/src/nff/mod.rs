@@ -1,5 +1,6 @@
-//! NFF, the Neutral File Format (Eric Haines, version 3.9, 1996) of the Standard Procedural Databases (Haines, "A Proposal for
-//! Standard Graphics Environments", IEEE CG&A 7(11), 1987).
+//! NFF, the Neutral File Format (Eric Haines, version 3.9, 1996) of the Standard Procedural Databases.
+//!
+//! Source of these: Haines, "A Proposal for Standard Graphics Environments", IEEE CG&A 7(11), 1987.
 //!
 //! ```text
 //! v b l          view, background, lights   ──> camera, image size, background, classical lights
@@ -33,7 +34,7 @@ use crate::files::refuse_utf16;
 use crate::format::{Background, Color};
 use crate::memory::{FileSample, load_within_budget};
 use crate::text::tokenizer::{Tokenizer, Word};
-use crate::{Content, LoadError, LoadErrorKind, LoadOptions, Material, MaterialId, Model, Node};
+use crate::{Content, LoadError, LoadErrorKind, LoadOptions, Material, MaterialId, Model, SceneNode};
 
 /// The statements of the format.
 const KEYWORDS: [&str; 8] = ["v", "b", "l", "f", "c", "s", "p", "pp"];
@@ -213,9 +214,9 @@ impl<'p> NffReader<'p> {
             let (count, first) = self.inside_out;
             self.inside_out = (count + 1, if count == 0 { line } else { first });
         }
-        let node = Node::new(Content::Shape(solid.shape), material);
+        let node = SceneNode::new(Content::Shape(solid.shape), material);
         let name = format!("line {line}");
-        self.model.nodes.push(Node { name, parent_from_local: solid.world_from_local, ..node });
+        self.model.nodes.push(SceneNode { name, parent_from_local: solid.world_from_local, ..node });
     }
 
     fn finish(mut self) -> Result<Model, LoadError> {
@@ -242,8 +243,8 @@ impl<'p> NffReader<'p> {
             let material = MaterialId(id as u32);
             let transparent = surface.fill.is_some_and(|fill| fill.transmittance > 0.0);
             for (line, shape) in surface.polygons.take_shapes(transparent) {
-                let node = Node::new(Content::Shape(shape), material);
-                self.model.nodes.push(Node { name: format!("line {line}"), ..node });
+                let node = SceneNode::new(Content::Shape(shape), material);
+                self.model.nodes.push(SceneNode { name: format!("line {line}"), ..node });
             }
             for (what, faces) in [("polygons", &surface.polygons), ("patches", &surface.patches)] {
                 if !faces.is_empty() {
@@ -259,7 +260,7 @@ impl<'p> NffReader<'p> {
         let mesh = faces.mesh_data().and_then(|data| build_mesh(data, &place, &mut self.model.warnings));
         if let Some(Some(mesh)) = self.report.check(&name, mesh) {
             let id = self.model.add_mesh(name.clone(), mesh);
-            self.model.nodes.push(Node { name, ..Node::new(Content::Mesh(id), material) });
+            self.model.nodes.push(SceneNode { name, ..SceneNode::new(Content::Mesh(id), material) });
         }
     }
 

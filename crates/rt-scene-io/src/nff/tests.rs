@@ -74,7 +74,7 @@ fn patches_have_normals() {
 }
 
 #[test]
-fn what_is_mended_is_told() {
+fn repairs_are_reported() {
     let model = load_text("s 0 0 0 -1\ns 0 0 4 -1\np 3 0 0 0 1 1 1 2 2 2\np 3 0 0 0 1 0 0 0 1 0").expect("a model");
     let warnings: Vec<_> = model.warnings.iter().map(|w| format!("{}: {}", w.place, w.message)).collect();
     assert_eq!(

@@ -13,8 +13,8 @@ pub(super) fn is_height(bitmap: &Bitmap) -> bool {
     bitmap.pixels.iter().all(|[r, g, b]| r == g && g == b)
 }
 
-/// Replaces heights by the normals of the surface that they describe, in the encoding of normal maps: 0 to 1 for −1 to 1,
-/// the first along u, the second along v, which rises from the lowest row to the topmost.
+/// Replaces heights by the normals of the surface that they describe, in the encoding of normal maps: 0 to 1 for −1 to 1.
+/// The first component is along u, the second along v, which rises from the lowest row to the topmost.
 pub(super) fn normals_from_heights(bitmap: &mut Bitmap, clamp: bool) {
     let (width, height) = (bitmap.width as usize, bitmap.height as usize);
     let heights: Vec<f32> = bitmap.pixels.iter().map(|pixel| pixel[0] * HEIGHT * width as f32).collect();

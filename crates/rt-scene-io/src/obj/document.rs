@@ -338,8 +338,8 @@ mod tests {
         assert_eq!(refused("f 1 2 5"), "7: the face names vertex 5, but 4 come before it (indices start at 1)");
         assert_eq!(refused("\nf 0 1 2"), "8: the face names vertex 0, but 4 come before it (indices start at 1)");
         assert_eq!(refused("f 1 2 -5"), "7: the face names vertex -5, but 4 come before it (indices start at 1)");
-        let least = i64::MIN;
-        assert!(refused(&format!("f 1 2 {least}")).starts_with("7: the face names"));
+        let min = i64::MIN;
+        assert!(refused(&format!("f 1 2 {min}")).starts_with("7: the face names"));
         assert_eq!(refused("f 1 2 9223372036854775808"), "7: `9223372036854775808` is no index");
         assert_eq!(refused("f 1/1/1/1 2 3"), "7: `1/1/1/1` is no corner of a face");
         assert_eq!(refused("f 1 2 /1"), "7: the corner `/1` names no vertex");
@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_without_a_colour_are_white_beside_those_with_one() {
+    fn vertices_without_a_colour_are_white_next_to_those_with_one() {
         let document = parse("v 5 5 5 0.5 0 2\nv 6 6 6\nv 7 7 7 1 0.25 0.5 0\n");
         let colours: Vec<_> = document.text.lines().take(7).map(|line| line.splitn(5, ' ').nth(4)).collect();
         let white = Some("1 1 1");

@@ -30,7 +30,7 @@ use self::{
     library::MaterialLibrary,
 };
 use crate::{
-    Content, LoadError, LoadErrorKind, LoadOptions, Model, Node, Warning,
+    Content, LoadError, LoadErrorKind, LoadOptions, Model, SceneNode, Warning,
     build_mesh::build_mesh,
     diagnostics::Diagnostics,
     error::{ErrorAt, LineError},
@@ -111,7 +111,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         let has_colours = !mesh.data().colors.is_empty();
         let material = library.material(part.material.as_deref(), has_colours, &mut model)?;
         let id = model.add_mesh(part.name.clone(), mesh);
-        model.nodes.push(Node { name: part.name.clone(), ..Node::new(Content::Mesh(id), material) });
+        model.nodes.push(SceneNode { name: part.name.clone(), ..SceneNode::new(Content::Mesh(id), material) });
     }
     if model.meshes.is_empty() {
         return Err(LoadErrorKind::Syntax("no triangle is left: the file has no usable faces".to_owned()).at(path, ""));
@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn materials_come_from_libraries_beside_the_file() {
+    fn materials_come_from_libraries_next_to_the_file() {
         let folder = tempfile::tempdir().expect("a folder");
         let place = |name: &str| folder.path().join(name);
         fs::write(place("my lib.mtl"), "newmtl red\nKd 1 0 0\nmap_Kd missing.png\nKs 1\n").expect("written");

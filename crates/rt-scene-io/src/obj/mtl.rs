@@ -11,7 +11,7 @@ use crate::text::lines::{Line, lines};
 pub(super) const UNUSED: [&str; 6] = ["map_Pcr", "map_aniso", "map_anisor", "disp", "decal", "refl"];
 
 /// A statement that was left out: its line, and why.
-pub(super) type Complaint = (usize, String);
+pub(super) type LineWarning = (usize, String);
 
 /// A statement that the format does not have, or that has no meaning here.
 #[derive(Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub(super) struct MtlFile {
     /// parameters.
     pub(super) materials: Vec<tobj::Material>,
     /// Invalid statements that were skipped.
-    pub(super) warnings: Vec<Complaint>,
+    pub(super) warnings: Vec<LineWarning>,
     /// Unknown statements that were skipped: each keyword once.
     pub(super) unknown: Vec<UnknownStatement>,
 }

@@ -18,8 +18,8 @@ pub(super) enum Smoothing {
     Group(u32),
 }
 
-/// Cosine of the maximum angle between two faces whose edge is smoothed by default: below the 45° of chamfers and octagonal
-/// prisms, above the 30° of a twelve-sided cylinder.
+/// Cosine of the maximum angle between two faces whose edge is smoothed by default. The angle is below the 45° of chamfers
+/// and octagonal prisms, and above the 30° of a twelve-sided cylinder.
 const CREASE_COSINE: f64 = 0.75;
 
 /// Adds normals to a mesh without normals.

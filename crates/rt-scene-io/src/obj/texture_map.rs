@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn options_are_told_from_the_name() {
+    fn options_are_separated_from_the_name() {
         assert_eq!(parsed("a.png"), ("a.png".to_owned(), false, vec![]));
         assert_eq!(parsed("  my image.png "), ("my image.png".to_owned(), false, vec![]));
         assert_eq!(parsed("-clamp on -texres 512 -s 1 1 1 -o 0 x y.png"), ("x y.png".to_owned(), true, vec![]));

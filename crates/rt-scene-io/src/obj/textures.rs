@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_covers_is_alpha_or_the_channel_that_is_asked_for() {
+    fn opacity_is_alpha_or_the_requested_channel() {
         let grey = Bitmap::opaque(2, 1, vec![[0.25, 0.5, 0.75], [2.0, 0.0, 1.0]]);
         let of = |bitmap: &Bitmap, channel| {
             let mut bitmap = bitmap.clone();

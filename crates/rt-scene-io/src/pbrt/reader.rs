@@ -19,7 +19,7 @@ use crate::error::LineError;
 use crate::format::{Background, Color};
 use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_ERRORS, SCOPES};
 use crate::text::tokenizer::{Token, TokenKind, Tokenizer, shown};
-use crate::{LoadError, LoadErrorKind, MaterialId, Model, Node, Warning, read_text, resolve_path};
+use crate::{LoadError, LoadErrorKind, MaterialId, Model, SceneNode, Warning, read_text, resolve_path};
 
 /// Directives before the world that choose an algorithm.
 const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
@@ -88,13 +88,13 @@ pub(super) struct PbrtReader<'f> {
     pub(super) named: BTreeMap<String, usize>,
     pub(super) materials: HashMap<MaterialKey, MaterialId>,
     /// The object that is described.
-    pub(super) object: Option<(String, Vec<Node>)>,
-    pub(super) objects: BTreeMap<String, Vec<Node>>,
-    pub(super) nodes: Vec<Node>,
+    pub(super) object: Option<(String, Vec<SceneNode>)>,
+    pub(super) objects: BTreeMap<String, Vec<SceneNode>>,
+    pub(super) nodes: Vec<SceneNode>,
     /// Number of nodes, instances unfolded.
     pub(super) unfolded: usize,
     pub(super) sky: Option<Rgb>,
-    pub(super) shines: bool,
+    pub(super) emits: bool,
 }
 
 impl<'f> PbrtReader<'f> {
@@ -130,7 +130,7 @@ impl<'f> PbrtReader<'f> {
             nodes: Vec::new(),
             unfolded: 0,
             sky: None,
-            shines: false,
+            emits: false,
         }
     }
 
@@ -402,7 +402,7 @@ impl<'f> PbrtReader<'f> {
             model.warnings[index].message += &format!(" ({count} times, this is the first)");
         }
         model.textures = self.textures.list;
-        if self.shines || self.sky.is_some() || !model.lights.is_empty() {
+        if self.emits || self.sky.is_some() || !model.lights.is_empty() {
             model.background = Some(Background::Constant(Color::from_rgb(self.sky.unwrap_or_default().to_array())));
         }
         model.image_size = Some(self.size);
@@ -410,7 +410,7 @@ impl<'f> PbrtReader<'f> {
         model.cameras.extend(self.view.as_ref().map(|view| view.camera(size)));
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let world = PbrtCamera::ours_from_world(self.view.as_ref());
-        model.nodes = vec![Node { children: self.nodes, ..Node::empty(stem, world) }];
+        model.nodes = vec![SceneNode { children: self.nodes, ..SceneNode::empty(stem, world) }];
         Ok(model)
     }
 }

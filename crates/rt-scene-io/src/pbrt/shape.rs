@@ -169,7 +169,7 @@ fn vertices(parameters: &Parameters) -> Result<MeshData, LineError> {
     Ok(MeshData { positions, normals, uvs, ..MeshData::default() })
 }
 
-/// Turns the triangles so that their fronts are where the format has them: by the normals of the vertices, or else by the
+/// Turns the triangles so that their fronts are where the format has them. Normals of the vertices decide, or else the
 /// order of the corners, unless the orientation is reversed.
 fn face(data: &mut MeshData, reversed: bool) {
     if reversed {

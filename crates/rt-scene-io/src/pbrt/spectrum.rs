@@ -6,8 +6,8 @@
 //! spectrum   the name of a metal; pairs of wavelength and value become their mean
 //! ```
 //!
-//! The colour matching functions are those of Wyman, Sloan and Shirley, "Simple Analytic Approximations to the CIE XYZ Color
-//! Matching Functions", JCGT 2(2), 2013, with several lobes.
+//! Colour matching functions: Wyman, Sloan and Shirley, "Simple Analytic Approximations to the CIE XYZ Color Matching
+//! Functions", JCGT 2(2), 2013, with several lobes.
 
 use rt_math::Rgb;
 use rt_math::transcendental::exp;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Content, Node};
+use crate::{Content, SceneNode};
 use proptest::prelude::*;
 use rt_camera::{FovAxis, Projection};
 use rt_geometry::Shape;
@@ -57,7 +57,7 @@ fn world(before: &str) -> String {
 }
 
 /// All nodes with their transforms to the world.
-fn placed(nodes: &[Node], outer: &Transform) -> Vec<(Transform, Node)> {
+fn placed(nodes: &[SceneNode], outer: &Transform) -> Vec<(Transform, SceneNode)> {
     let mut all = Vec::new();
     for node in nodes {
         let place = outer.compose(&node.parent_from_local);
@@ -69,7 +69,7 @@ fn placed(nodes: &[Node], outer: &Transform) -> Vec<(Transform, Node)> {
     all
 }
 
-fn shapes(model: &Model) -> Vec<(Transform, Node)> {
+fn shapes(model: &Model) -> Vec<(Transform, SceneNode)> {
     placed(&model.nodes, &Transform::IDENTITY)
 }
 

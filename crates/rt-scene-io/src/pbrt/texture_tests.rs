@@ -58,6 +58,6 @@ fn normal_maps_are_numbers_along_tangents() {
     assert_eq!((bitmap.pixels[0][1], normal_map.scale), (0.2, 1.0), "not sRGB");
     assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
-    let ball = square(&format!("{bumpy}\nShape \"sphere\""), "");
-    assert!(ball.warnings[0].message.contains("it has no tangents"), "{:?}", ball.warnings);
+    let sphere = square(&format!("{bumpy}\nShape \"sphere\""), "");
+    assert!(sphere.warnings[0].message.contains("it has no tangents"), "{:?}", sphere.warnings);
 }

@@ -15,7 +15,7 @@ use crate::build_mesh::build_mesh;
 use crate::error::LineError;
 use crate::tangents;
 use crate::text::tokenizer::Tokenizer;
-use crate::{Content, LoadErrorKind, MaterialId, Node, limits};
+use crate::{Content, LoadErrorKind, MaterialId, SceneNode, limits};
 
 impl PbrtReader<'_> {
     pub(super) fn object(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
@@ -46,11 +46,11 @@ impl PbrtReader<'_> {
             return Err(unknown("object", &name, line, self.objects.keys().map(String::as_str)));
         };
         let children = nodes.clone();
-        self.add(Node { children, ..Node::empty(name, self.state.matrix) }, line)
+        self.add(SceneNode { children, ..SceneNode::empty(name, self.state.matrix) }, line)
     }
 
     /// Adds a node to the object that is described, or to the world.
-    fn add(&mut self, node: Node, line: usize) -> Result<(), LineError> {
+    fn add(&mut self, node: SceneNode, line: usize) -> Result<(), LineError> {
         self.unfolded += 1 + node.children.len();
         if self.unfolded > limits::PBRT_NODES {
             let (what, value, limit) =
@@ -182,7 +182,7 @@ impl PbrtReader<'_> {
             self.warn(line, "a shape of no material is not seen: it is left out".to_owned());
             return Ok(());
         };
-        self.add(Node { content: Some(content), material, ..Node::empty(name, place) }, line)?;
+        self.add(SceneNode { content: Some(content), material, ..SceneNode::empty(name, place) }, line)?;
         Ok(())
     }
 
@@ -205,7 +205,7 @@ impl PbrtReader<'_> {
             None => emission.map(|_| material::black())?,
         };
         if let Some(Emission { radiance, both_sides }) = emission {
-            self.shines = true;
+            self.emits = true;
             made.emission = ColorTexture::Constant(radiance);
             made.emission_sides = if both_sides { EmissionSides::Both } else { EmissionSides::Front };
         }

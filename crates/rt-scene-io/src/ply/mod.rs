@@ -19,7 +19,7 @@ use rt_math::{Rgb, Vec3};
 use rt_shading::{ColorTexture, Phong, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
-use self::rows::{FaceCorners, STRIPS, Skipped, TriangleStrips, Vertices};
+use self::rows::{FaceCorners, PlyVertices, STRIPS, Skipped, TriangleStrips};
 use crate::error::ErrorAt;
 use crate::files::refuse_utf16;
 use crate::memory::{FileSample, load_within_budget};
@@ -91,7 +91,7 @@ fn show_colors(model: &mut Model) {
 /// Relevant content of a file.
 #[derive(Default)]
 struct PlyContent {
-    vertices: Vertices,
+    vertices: PlyVertices,
     corners: FaceCorners,
 }
 
@@ -156,7 +156,7 @@ fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<P
 
 fn mesh_data(
     header: &PlyHeader,
-    vertices: &Vertices,
+    vertices: &PlyVertices,
     corners: &FaceCorners,
 ) -> Result<MeshData, rt_geometry::MeshError> {
     let positions = vertices.rows.iter().map(|row| Vec3::new(row[0], row[1], row[2])).collect();
@@ -175,7 +175,7 @@ fn mesh_data(
 }
 
 /// Linear colours with alpha, 1 where the file has none.
-fn colors(header: &PlyHeader, vertices: &Vertices) -> Vec<[f32; 4]> {
+fn colors(header: &PlyHeader, vertices: &PlyVertices) -> Vec<[f32; 4]> {
     let linear: fn(f32) -> f32 = match header::whole(header, rows::COLOR) {
         Some(_) => |share| Encoding::Srgb.decode_signal(f64::from(share)) as f32,
         None => |share| share,

@@ -45,7 +45,7 @@ pub(super) const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// All vertices: the first of [`COLUMNS`] of each, 0 where the file has no such column.
 #[derive(Debug, Default)]
-pub(super) struct Vertices {
+pub(super) struct PlyVertices {
     pub(super) rows: Vec<[f32; PLACED]>,
     /// The other columns, as they stand in the file; empty if it has none of them.
     pub(super) colors: Vec<[f32; 4]>,
@@ -222,7 +222,7 @@ trait Collects: Default {
     fn add(&mut self, row: Self::Row);
 }
 
-impl Collects for Vertices {
+impl Collects for PlyVertices {
     type Row = Vertex;
 
     fn add(&mut self, row: Vertex) {
@@ -288,7 +288,7 @@ fn collect<'de, T: Collects, D: Deserializer<'de>>(deserializer: D) -> Result<T,
     deserializer.deserialize_seq(Rows(std::marker::PhantomData))
 }
 
-impl<'de> Deserialize<'de> for Vertices {
+impl<'de> Deserialize<'de> for PlyVertices {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         collect(deserializer)
     }

@@ -11,10 +11,14 @@ use super::material::Materials;
 use super::value::{colour, direction, positive, vector};
 use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{Content, LoadErrorKind, Material, Node};
+use crate::{Content, LoadErrorKind, Material, SceneNode};
 
 /// Nodes of all area lights; each has a material of its own.
-pub(super) fn nodes(report: &mut Diagnostics, lights: &[format::Light], materials: &mut Materials<'_>) -> Vec<Node> {
+pub(super) fn nodes(
+    report: &mut Diagnostics,
+    lights: &[format::Light],
+    materials: &mut Materials<'_>,
+) -> Vec<SceneNode> {
     let mut nodes = Vec::new();
     for (i, light) in lights.iter().enumerate() {
         let path = format!("lights[{i}]");
@@ -22,8 +26,8 @@ pub(super) fn nodes(report: &mut Diagnostics, lights: &[format::Light], material
         let radiance = report.check(format_args!("{path}.radiance"), colour(radiance));
         let (Some(radiance), Some((shape, place))) = (radiance, placed(report, &path, light)) else { continue };
         let name = if name.is_empty() { format!("light {i}") } else { name.to_owned() };
-        let node = Node::new(Content::Shape(shape), materials.add(light_material(&name, radiance, sides)));
-        nodes.push(Node { name, parent_from_local: place, ..node });
+        let node = SceneNode::new(Content::Shape(shape), materials.add(light_material(&name, radiance, sides)));
+        nodes.push(SceneNode { name, parent_from_local: place, ..node });
     }
     nodes
 }
@@ -83,11 +87,11 @@ fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
             let top = report.check(format_args!("{path}.top"), vector(*top));
             let (base, top) = (base?, top?);
             let axis = report.check(format_args!("{path}.top"), direction((top - base).to_array()))?;
-            let tube = positive(*radius).and_then(|radius| {
+            let cylinder = positive(*radius).and_then(|radius| {
                 shape(Cylinder::new(radius, 0.0, (top - base).length(), *caps).map(Shape::Cylinder))
             });
-            let tube = report.check(format_args!("{path}.radius"), tube)?;
-            Some((tube, upright(report, path, base, axis)?))
+            let cylinder = report.check(format_args!("{path}.radius"), cylinder)?;
+            Some((cylinder, upright(report, path, base, axis)?))
         }
         _ => None,
     }

@@ -7,7 +7,7 @@ use rt_math::DVec2;
 use super::value::{not_negative, positive, within};
 use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{Adaptive, Integrator, LoadErrorKind, Settings, limits};
+use crate::{AdaptiveSampling, Integrator, LoadErrorKind, RenderSettings, limits};
 
 /// The image. A field that is wrong keeps its default after it is reported.
 pub(super) fn film(report: &mut Diagnostics, film: &format::Film) -> FilmSettings {
@@ -54,13 +54,13 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), LoadErrorKind> {
 }
 
 /// The settings. A field that is wrong keeps its default after it is reported.
-pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, default: Integrator) -> Settings {
+pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, default: Integrator) -> RenderSettings {
     let spp = report.check("settings.spp", within(settings.spp, 1, limits::SAMPLES)).unwrap_or(1);
     let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, limits::PASSES)));
     let adaptive = settings.adaptive.map(|format::Adaptive::ObjectSpace { min_spp }| {
         let min_spp =
             min_spp.and_then(|spp| report.check("settings.adaptive.min_spp", within(spp, 1, limits::SAMPLES)));
-        Adaptive::ObjectSpace { min_spp: min_spp.map(|spp| spp as u32) }
+        AdaptiveSampling::ObjectSpace { min_spp: min_spp.map(|spp| spp as u32) }
     });
     let depth = report.check("settings.max_depth", within(settings.max_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     report.check("settings.min_contribution", not_negative(settings.min_contribution));
@@ -70,7 +70,7 @@ pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, de
     let occlusion_distance = settings
         .occlusion_distance
         .map_or(Some(f64::INFINITY), |distance| report.check("settings.occlusion_distance", positive(distance)));
-    Settings {
+    RenderSettings {
         integrator: settings.integrator.unwrap_or(default),
         pattern: settings.sampler.into(),
         spp: spp as u32,

@@ -2,11 +2,11 @@
 
 use super::node::Objects;
 use crate::memory::tree_bytes;
-use crate::{Content, LoadError, MaterialId, MeshId, Model, Node, load_model, resolve_path};
+use crate::{Content, LoadError, MaterialId, MeshId, Model, SceneNode, load_model, resolve_path};
 
 impl Objects<'_> {
     /// The tree of a model file, with the materials of the model or all in the one that is given.
-    pub(super) fn include(&mut self, path: &str, reference: &str, own: Option<MaterialId>) -> Option<Vec<Node>> {
+    pub(super) fn include(&mut self, path: &str, reference: &str, own: Option<MaterialId>) -> Option<Vec<SceneNode>> {
         if !self.models.trees.contains_key(reference) {
             let model = match self.models.at_hand.remove(reference) {
                 Some(model) => Some(model),
@@ -38,7 +38,7 @@ impl Objects<'_> {
     }
 
     /// Adds the parts of a model to the scene and returns its tree, with ids of the scene.
-    fn merge(&mut self, reference: &str, model: Model) -> Vec<Node> {
+    fn merge(&mut self, reference: &str, model: Model) -> Vec<SceneNode> {
         let first_mesh = self.meshes.len() as u32;
         let first_texture = self.textures.list.len() as u32;
         self.meshes.extend(model.meshes);
@@ -70,7 +70,7 @@ impl Objects<'_> {
 }
 
 /// Applies `change` to all nodes of a tree. Loaders bound the depth.
-fn for_each_node(nodes: &mut [Node], change: &mut impl FnMut(&mut Node)) {
+fn for_each_node(nodes: &mut [SceneNode], change: &mut impl FnMut(&mut SceneNode)) {
     for node in nodes {
         change(node);
         for_each_node(&mut node.children, change);

@@ -30,7 +30,7 @@ use rt_shading::Appearance;
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
 use crate::scene::{is_emissive, used_materials};
-use crate::{Integrator, LoadError, LoadOptions, Material, Model, Scene, StudioLights, Truth, format};
+use crate::{Integrator, KnownMean, LoadError, LoadOptions, Material, Model, Scene, StudioLights, format};
 use defaults::SceneLighting;
 pub(crate) use defaults::{EffectiveFields, rounded};
 pub(crate) use material_model::{written_material, written_phong};
@@ -96,7 +96,7 @@ pub(crate) fn resolve_with(
     }
     let truth = file.truth.as_ref().and_then(|truth| {
         let mean = report.check("truth.mean", value::colour(&truth.mean))?;
-        Some(Truth { mean, note: truth.note.clone() })
+        Some(KnownMean { mean, note: truth.note.clone() })
     });
     let stem = || source.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let name = file.name.clone().unwrap_or_else(stem);

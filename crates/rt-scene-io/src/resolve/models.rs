@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::{Model, Node};
+use crate::{Model, SceneNode};
 
 /// Model files by reference, each loaded once.
 #[derive(Default)]
@@ -10,7 +10,7 @@ pub(super) struct Models {
     /// Loaded beforehand.
     pub(super) at_hand: HashMap<String, Model>,
     /// The trees of models whose other parts are in the scene; `None` for one that could not be loaded.
-    pub(super) trees: HashMap<String, Option<Vec<Node>>>,
+    pub(super) trees: HashMap<String, Option<Vec<SceneNode>>>,
 }
 
 impl Models {

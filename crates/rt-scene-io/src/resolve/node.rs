@@ -16,7 +16,7 @@ use super::texture::Textures;
 use super::tree_size;
 use crate::diagnostics::Diagnostics;
 use crate::format::{self, SceneFile};
-use crate::{Content, Group, GroupId, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedMesh, Node, limits};
+use crate::{Content, Group, GroupId, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedMesh, SceneNode, limits};
 
 /// The objects of a scene as far as they are resolved, and what else they need.
 pub(super) struct Objects<'a> {
@@ -32,7 +32,7 @@ pub(super) struct Objects<'a> {
     pub(super) shutter: ShutterInterval,
     group_ids: HashMap<&'a str, GroupId>,
     pub(super) groups: Vec<Group>,
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<SceneNode>,
     /// Medium of each camera.
     pub(super) media: Vec<Option<MaterialId>>,
 }
@@ -83,7 +83,7 @@ impl<'a> Objects<'a> {
         nodes: &'a [format::Node],
         inherited: Option<&Assigned<'a>>,
         depth: u64,
-    ) -> Vec<Node> {
+    ) -> Vec<SceneNode> {
         if depth > limits::NODE_DEPTH {
             let reason = LoadErrorKind::too_large("the depth of the tree", depth, limits::NODE_DEPTH);
             self.report.check::<()>(path, Err(reason));
@@ -102,13 +102,16 @@ impl<'a> Objects<'a> {
         node: &'a format::Node,
         inherited: Option<&Assigned<'a>>,
         depth: u64,
-    ) -> Option<Node> {
+    ) -> Option<SceneNode> {
         let places = node_places(&mut self.report, path, node, &self.shutter);
         let (parent_from_local, moves_to) = places.unwrap_or((Transform::IDENTITY, None));
         let own = node.material.as_ref().map(|material| Assigned { path: format!("{path}.material"), material });
         let material = own.as_ref().or(inherited);
-        let mut placed =
-            Node { moves_to, casts_shadow: node.casts_shadow, ..Node::empty(node.name.clone(), parent_from_local) };
+        let mut placed = SceneNode {
+            moves_to,
+            casts_shadow: node.casts_shadow,
+            ..SceneNode::empty(node.name.clone(), parent_from_local)
+        };
         match (&node.shape, &node.model, &node.instance) {
             (None, None, None) => self.check_material(path, own.as_ref()),
             (Some(shape), None, None) => {

@@ -1,6 +1,6 @@
 //! Limits on the size of the tree, measured before anyone unfolds it.
 
-use crate::{Content, Group, GroupId, LoadErrorKind, Node, limits};
+use crate::{Content, Group, GroupId, LoadErrorKind, SceneNode, limits};
 
 /// Depth of a tree and number of objects in it, instances unfolded.
 #[derive(Clone, Copy, Default)]
@@ -10,7 +10,7 @@ struct TreeSize {
 }
 
 /// Checks the limits for a tree and its groups, each after those that it contains.
-pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), LoadErrorKind> {
+pub(super) fn check(nodes: &[SceneNode], groups: &[Group]) -> Result<(), LoadErrorKind> {
     let mut sizes = Vec::with_capacity(groups.len());
     for group in groups {
         sizes.push(size(&group.nodes, &sizes));
@@ -26,9 +26,9 @@ pub(super) fn check(nodes: &[Node], groups: &[Group]) -> Result<(), LoadErrorKin
     }
 }
 
-fn size(nodes: &[Node], groups: &[TreeSize]) -> TreeSize {
+fn size(nodes: &[SceneNode], groups: &[TreeSize]) -> TreeSize {
     let mut total = TreeSize::default();
-    let mut open: Vec<(&Node, u64)> = nodes.iter().map(|node| (node, 1)).collect();
+    let mut open: Vec<(&SceneNode, u64)> = nodes.iter().map(|node| (node, 1)).collect();
     while let Some((node, depth)) = open.pop() {
         let here = match node.content {
             None => TreeSize::default(),

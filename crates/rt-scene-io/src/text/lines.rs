@@ -24,8 +24,8 @@ impl Line<'_> {
     }
 }
 
-/// The text of a file: a byte order mark is dropped, the line ends of all systems become `\n`, and bytes that are not
-/// UTF-8 become U+FFFD. The second value is the number of the first line with such bytes.
+/// The text of a file. A byte order mark is dropped, line ends of all systems become `\n`, and bytes that are not UTF-8
+/// become U+FFFD. The second value is the number of the first line with such bytes.
 pub(crate) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let bad = std::str::from_utf8(bytes).err().map(|error| {

@@ -7,7 +7,7 @@ use rt_geometry::{MeshData, Rectangle, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3, transcendental::sincos};
 use rt_render::{Crop, PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{
-    Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, Node, Scene, Settings, load,
+    Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode, load,
 };
 use rt_shading::{
     Appearance, Background, Bitmap, ColorTexture, DeltaLight, DeltaLightKind, LightUnits, Material, Phong, Texture,
@@ -27,13 +27,13 @@ cases! {
 }
 
 /// An orthographic view along −z of a square 2 units high, one sample in the middle of each pixel.
-fn facing(width: u32, height: u32, node: Node, phong: Phong) -> Scene {
+fn facing(width: u32, height: u32, node: SceneNode, phong: Phong) -> Scene {
     let place = Transform::translate(DVec3::Z * 5.0);
     let camera = CameraSettings::new(place, Projection::Orthographic { height: 2.0 });
     Scene {
         cameras: vec![NamedCamera { name: "front".into(), settings: camera, medium: None }],
         film: FilmSettings { width, height, filter: Filter::Box, ..FilmSettings::default() },
-        settings: Settings { spp: 1, pattern: SamplerKind::Centre, ..Settings::default() },
+        settings: RenderSettings { spp: 1, pattern: SamplerKind::Centre, ..RenderSettings::default() },
         appearance: Appearance {
             materials: vec![Material::new("front".into(), phong)],
             background: Background::Constant(Rgb::gray(0.125)),
@@ -65,7 +65,7 @@ fn terminator(conditions: &Conditions) -> CaseResult {
     let side = conditions.count(100, 400) as u32;
     let white = ColorTexture::Constant(Rgb::WHITE);
     let phong = Phong { ambient: ColorTexture::ZERO, diffuse: white, ..Phong::default() };
-    let mut scene = facing(side, side, Node::new(Content::Mesh(MeshId(0)), MaterialId(0)), phong);
+    let mut scene = facing(side, side, SceneNode::new(Content::Mesh(MeshId(0)), MaterialId(0)), phong);
     scene.meshes = vec![NamedMesh { name: "ball".into(), mesh: Arc::new(faceted_sphere(8, 8)?) }];
     let angle = 80f64.to_radians();
     let (sin, cos) = sincos(angle);
@@ -131,8 +131,12 @@ fn nan_texels(conditions: &Conditions) -> CaseResult {
     }
     let upright = Transform::rotate(DVec3::X, PI / 2.0)?;
     let board = Content::Shape(Shape::Rectangle(Rectangle::new(2.0, 2.0)?));
-    let mut scene =
-        facing(SIDE, SIDE, Node { parent_from_local: upright, ..Node::new(board, MaterialId(0)) }, Phong::BLACK);
+    let mut scene = facing(
+        SIDE,
+        SIDE,
+        SceneNode { parent_from_local: upright, ..SceneNode::new(board, MaterialId(0)) },
+        Phong::BLACK,
+    );
     scene.appearance.materials[0].emission = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
     let bitmap = Arc::new(Bitmap::opaque(SIDE, SIDE, pixels));
     scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
@@ -154,7 +158,7 @@ fn extreme_sizes(_: &Conditions) -> CaseResult {
     let mut checks = Checks::default();
     for (width, height) in [(1, 1), (1, LONG), (LONG, 1)] {
         let sphere = Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.9)?));
-        let mut scene = facing(width, height, Node::new(sphere, MaterialId(0)), Phong::default());
+        let mut scene = facing(width, height, SceneNode::new(sphere, MaterialId(0)), Phong::default());
         scene.appearance.materials[0].emission = ColorTexture::Constant(Rgb::gray(0.25));
         if width > height {
             // As wide as it would be high.

@@ -7,7 +7,7 @@ use rt_image::{Development, Dither, Encoding, Image, ImageFormat, image_header, 
 use crate::args::CompareArgs;
 use crate::error::CliError;
 use crate::stdin::is_dash;
-use crate::{memory, picture_file};
+use crate::{image_file, memory};
 
 #[derive(Debug)]
 pub(super) struct LoadedImage {
@@ -91,11 +91,11 @@ fn check_memory(args: &CompareArgs) -> Result<(), CliError> {
 
 impl LoadedImage {
     fn read(path: &Path) -> Result<Self, CliError> {
-        Ok(Self { film: picture_file::read(path)?, format: picture_file::format_by_content(path)?, developed: false })
+        Ok(Self { film: image_file::read(path)?, format: image_file::format_by_content(path)?, developed: false })
     }
 
     const fn holds_bytes(&self) -> bool {
-        picture_file::is_developed(self.format)
+        image_file::is_developed(self.format)
     }
 
     pub(super) fn description(&self) -> &'static str {

@@ -59,9 +59,9 @@ fn combinations(vary: &[Variation]) -> Vec<Vec<(&str, &str)>> {
 
 impl Method {
     fn new(args: &ConvergeArgs, input: &Input, choices: &[(&str, &str)]) -> Result<Self, CliError> {
-        let picture = args.fixed.with(choices).map_err(|message| CliError::Usage(format!("--vary: {message}")))?;
+        let image = args.fixed.with(choices).map_err(|message| CliError::Usage(format!("--vary: {message}")))?;
         let overrides = Overrides {
-            picture: &picture,
+            image: &image,
             development: Some(&args.development),
             environment: input.environment.as_ref(),
             memory: input.options.memory.limit(),

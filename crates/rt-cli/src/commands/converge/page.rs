@@ -21,7 +21,7 @@ const STYLE: &str = "
   td, th { border-bottom: 1px solid #ddd; padding: .2em .7em; text-align: right; white-space: nowrap; }
   td:first-child, th:first-child { text-align: left; }
   .wide { overflow-x: auto; }
-  .pictures { display: flex; flex-wrap: wrap; gap: 1.2em; }
+  .images { display: flex; flex-wrap: wrap; gap: 1.2em; }
   figure { margin: 0; }
   figcaption { font-size: 13px; }
   figure img { image-rendering: pixelated; min-width: 256px; max-width: 100%; display: block; }
@@ -35,20 +35,20 @@ const STYLE: &str = "
 
 /// Script of the before-and-after slider.
 const SCRIPT: &str = "
-  const pictures = [...document.querySelectorAll('img.shown')];
+  const images = [...document.querySelectorAll('img.shown')];
   const [before, after] = ['before', 'after'].map(id => document.getElementById(id));
   const [under, over] = ['.before', '.after'].map(name => document.querySelector('#slider ' + name));
   const range = document.querySelector('#slider input'), bar = document.querySelector('#slider .bar');
   for (const select of [before, after])
-    pictures.forEach((picture, index) => select.add(new Option(picture.alt, index)));
+    images.forEach((image, index) => select.add(new Option(image.alt, index)));
   const show = () => {
-    under.src = pictures[before.value].src;
-    over.src = pictures[after.value].src;
+    under.src = images[before.value].src;
+    over.src = images[after.value].src;
     over.style.clipPath = `inset(0 0 0 ${range.value}%)`;
     bar.style.left = `${range.value}%`;
   };
   before.value = 0;
-  after.value = pictures.length - 1;
+  after.value = images.length - 1;
   for (const input of [before, after, range]) input.addEventListener('input', show);
   show();
 ";
@@ -83,7 +83,7 @@ impl Page<'_> {
             page.push_str(&format!("<p>{}</p>\n", escape(note)));
         }
         page.push_str(&self.slider());
-        page.push_str(&self.pictures()?);
+        page.push_str(&self.images()?);
         page.push_str(&self.error_maps()?);
         page.push_str(&format!("<h2>Measured on</h2>\n<p>{}</p>\n", escape(&info.machine.line())));
         page.push_str(&format!("<script>{SCRIPT}</script>\n</html>\n"));
@@ -100,12 +100,12 @@ impl Page<'_> {
     }
 
     /// All images, the reference last.
-    fn pictures(&self) -> Result<String, String> {
+    fn images(&self) -> Result<String, String> {
         let mut figures = String::new();
         for measured in &self.experiment.methods {
-            for picture in measured.pictures.iter().flatten() {
-                let caption = format!("{}, {} spp", measured.name.label, picture.spp);
-                figures.push_str(&figure(&picture.film, &self.development, &caption, "shown")?);
+            for image in measured.images.iter().flatten() {
+                let caption = format!("{}, {} spp", measured.name.label, image.spp);
+                figures.push_str(&figure(&image.film, &self.development, &caption, "shown")?);
             }
         }
         if let Some(reference) = self.reference.image() {
@@ -113,7 +113,7 @@ impl Page<'_> {
             figures.push_str(&figure(&reference.film, &development, "reference", "shown")?);
         }
         Ok(format!(
-            "<h2>Pictures</h2>\n<p>Fewest and most samples, first seed.</p>\n<div class=\"pictures\">\n{figures}</div>\n"
+            "<h2>Images</h2>\n<p>Fewest and most samples, first seed.</p>\n<div class=\"images\">\n{figures}</div>\n"
         ))
     }
 
@@ -123,10 +123,10 @@ impl Page<'_> {
             let text = "<p>The truth is the mean over the image; errors of single pixels are unknown.</p>";
             return Ok(format!("<h2>Errors</h2>\n{text}\n"));
         };
-        let pictures = self.experiment.methods.iter().filter_map(|method| Some((method, method.last_picture()?)));
-        let maps = pictures.map(|(method, picture)| {
-            let map = reference.error_map(&picture.film).map_err(|error| error.to_string())?;
-            Ok((format!("{}, {} spp", method.name.label, picture.spp), map))
+        let images = self.experiment.methods.iter().filter_map(|method| Some((method, method.last_image()?)));
+        let maps = images.map(|(method, image)| {
+            let map = reference.error_map(&image.film).map_err(|error| error.to_string())?;
+            Ok((format!("{}, {} spp", method.name.label, image.spp), map))
         });
         let maps: Vec<(String, ErrorMap)> = maps.collect::<Result<_, String>>()?;
         let limit = maps.iter().map(|(_, map)| map.magnitude_quantile(SHOWN_ERRORS)).fold(0.0, f64::max);
@@ -135,7 +135,7 @@ impl Page<'_> {
             let film = heat_map(map, ColourScale::Signed, limit);
             figures.push_str(&figure(&film, &Development::default(), caption, "error")?);
         }
-        Ok(format!("<h2>Errors</h2>\n{}<div class=\"pictures\">\n{figures}</div>\n", legend(limit)))
+        Ok(format!("<h2>Errors</h2>\n{}<div class=\"images\">\n{figures}</div>\n", legend(limit)))
     }
 }
 

@@ -7,17 +7,17 @@ use rt_image::metrics::{
     signed_error,
 };
 use rt_image::{Development, Encoding, Image, ImageFileError, image_format, read_image};
-use rt_scene_io::Truth;
+use rt_scene_io::KnownMean;
 use serde::Serialize;
 
 use super::statistics::Repetitions;
 use crate::error::CliError;
-use crate::picture_file;
+use crate::image_file;
 
 #[derive(Debug)]
 pub(super) enum Reference {
     /// Exact mean radiance.
-    Truth(Truth),
+    KnownMean(KnownMean),
     Image(ReferenceImage),
 }
 
@@ -67,7 +67,7 @@ impl Reference {
             let reason = "the reference has NaN or infinite pixels".to_owned();
             return Err(ImageFileError::Decode { path: path.to_owned(), reason }.into());
         }
-        let displayed = picture_file::is_developed(image_format(path)?).then_some(*development);
+        let displayed = image_file::is_developed(image_format(path)?).then_some(*development);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let kind = if displayed.is_some() { " (tone-mapped; renders are tone-mapped for the comparison)" } else { "" };
         let note = format!("{name}{kind}; its own error is unknown and not subtracted");
@@ -92,7 +92,7 @@ impl Reference {
 
     pub(super) fn measure(&self, film: &Image) -> Result<Errors, PairError> {
         match self {
-            Self::Truth(truth) => Ok(errors_of_mean(film, truth)),
+            Self::KnownMean(truth) => Ok(errors_of_mean(film, truth)),
             Self::Image(reference) => {
                 let developed = reference.developed(film);
                 let pair = ImagePair::new(developed.as_ref().unwrap_or(film), &reference.film)?;
@@ -108,7 +108,7 @@ impl Reference {
     /// Error of the reference itself, if known; a closed form has none.
     pub(super) fn floor(&self) -> Option<Floor> {
         match self {
-            Self::Truth(_) => None,
+            Self::KnownMean(_) => None,
             Self::Image(reference) => reference.floor,
         }
     }
@@ -117,7 +117,7 @@ impl Reference {
     pub(super) fn resolution(&self) -> f64 {
         let rounding = f64::from(f32::EPSILON) / 2.0;
         let squares: f64 = match self {
-            Self::Truth(truth) => truth.mean.to_array().map(|value| value * value).iter().sum::<f64>() / 3.0,
+            Self::KnownMean(truth) => truth.mean.to_array().map(|value| value * value).iter().sum::<f64>() / 3.0,
             Self::Image(reference) => {
                 let values = reference.film.pixels().as_flattened();
                 values.iter().map(|&value| f64::from(value) * f64::from(value)).sum::<f64>() / values.len() as f64
@@ -129,14 +129,14 @@ impl Reference {
     /// Combination of the errors of the seeds.
     pub(super) const fn repetitions(&self) -> Repetitions {
         match self {
-            Self::Truth(_) => Repetitions::Together,
+            Self::KnownMean(_) => Repetitions::Together,
             Self::Image(_) => Repetitions::Each,
         }
     }
 
     pub(super) fn image(&self) -> Option<&ReferenceImage> {
         match self {
-            Self::Truth(_) => None,
+            Self::KnownMean(_) => None,
             Self::Image(reference) => Some(reference),
         }
     }
@@ -157,8 +157,8 @@ impl ReferenceImage {
     }
 
     /// Tone mapping of the reference for display.
-    pub(super) fn development(&self, of_pictures: &Development) -> Development {
-        if self.displayed.is_some() { Development::default() } else { *of_pictures }
+    pub(super) fn development(&self, of_images: &Development) -> Development {
+        if self.displayed.is_some() { Development::default() } else { *of_images }
     }
 
     /// Image as stored in bytes, if the reference is.
@@ -167,7 +167,7 @@ impl ReferenceImage {
     }
 }
 
-fn errors_of_mean(film: &Image, truth: &Truth) -> Errors {
+fn errors_of_mean(film: &Image, truth: &KnownMean) -> Errors {
     let mut sum = [0.0; 3];
     for pixel in film.pixels() {
         for (sum, &value) in sum.iter_mut().zip(pixel) {
@@ -231,8 +231,8 @@ mod tests {
     fn a_truth_is_of_the_mean_over_the_image() {
         let mut film = Image::new(2, 1, false);
         film.pixels_mut().copy_from_slice(&[[1.0, 0.0, 0.0], [3.0, 0.0, 0.5]]);
-        let truth = Truth { mean: Rgb::new(1.5, 0.0, 0.0), note: String::new() };
-        let errors = Reference::Truth(truth).measure(&film).expect("any");
+        let truth = KnownMean { mean: Rgb::new(1.5, 0.0, 0.0), note: String::new() };
+        let errors = Reference::KnownMean(truth).measure(&film).expect("any");
         let expected = Errors {
             mse: (0.25 + 0.0625) / 3.0,
             relative_mse: (0.25 / 2.26 + 0.0625 / 0.01) / 3.0,

@@ -70,14 +70,14 @@ impl<'a> Report<'a> {
     pub(super) fn new(setting: Setting<'a>, experiment: &'a Experiment) -> Self {
         let Setting { args, scene, kind, reference, development } = setting;
         let measured_against = match reference {
-            Reference::Truth(truth) => {
+            Reference::KnownMean(truth) => {
                 let [r, g, b] = truth.mean.to_array();
                 format!("the mean radiance {r} {g} {b} that the scene declares: {}", truth.note)
             }
             Reference::Image(image) => image.note.clone(),
         };
-        let picture = experiment.methods.iter().find_map(|method| method.last_picture());
-        let [width, height] = picture.map_or([0; 2], |picture| [picture.film.width(), picture.film.height()]);
+        let image = experiment.methods.iter().find_map(|method| method.last_image());
+        let [width, height] = image.map_or([0; 2], |image| [image.film.width(), image.film.height()]);
         let info = RunInfo {
             scene: scene.name.clone(),
             width,

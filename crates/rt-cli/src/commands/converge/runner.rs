@@ -138,11 +138,11 @@ pub(super) struct Measured {
     /// Ascending samples per pixel.
     pub(super) points: Vec<Point>,
     /// Images of the first seed with the fewest and the most samples.
-    pub(super) pictures: [Option<Picture>; 2],
+    pub(super) images: [Option<MeasuredImage>; 2],
 }
 
 #[derive(Debug)]
-pub(super) struct Picture {
+pub(super) struct MeasuredImage {
     pub(super) spp: u32,
     pub(super) film: Image,
 }
@@ -206,7 +206,7 @@ pub(super) fn run(
     reference: &Reference,
     mut after: impl FnMut(&Experiment) -> Result<(), CliError>,
 ) -> Result<Experiment, CliError> {
-    let empty = |method: &Method| Measured { name: method.name.clone(), points: Vec::new(), pictures: [None, None] };
+    let empty = |method: &Method| Measured { name: method.name.clone(), points: Vec::new(), images: [None, None] };
     let mut experiment =
         Experiment { methods: methods.iter().map(empty).collect(), left_out: Vec::new(), bad_samples: 0, threads: 0 };
     let first_seeds: Vec<u64> = methods.iter().map(|method| method.scene.settings.seed).collect();
@@ -258,14 +258,14 @@ impl Measured {
     /// Adds a point, unless the sampler rounded up to the previous sample count.
     fn add(&mut self, point: Point, film: Option<Image>) {
         let Some(film) = film.filter(|_| self.points.last().is_none_or(|last| last.spp != point.spp)) else { return };
-        let slot = usize::from(self.pictures[0].is_some());
-        self.pictures[slot] = Some(Picture { spp: point.spp, film });
+        let slot = usize::from(self.images[0].is_some());
+        self.images[slot] = Some(MeasuredImage { spp: point.spp, film });
         self.points.push(point);
     }
 
     /// Image with the most samples.
-    pub(super) fn last_picture(&self) -> Option<&Picture> {
-        self.pictures.iter().flatten().last()
+    pub(super) fn last_image(&self) -> Option<&MeasuredImage> {
+        self.images.iter().flatten().last()
     }
 }
 

@@ -177,7 +177,7 @@ mod tests {
             };
             Point { spp, runs: (0..8).map(run).collect(), flip: None }
         };
-        Measured { name: name(label), points: [1, 4, 16, 64, 256].map(point).to_vec(), pictures: [None, None] }
+        Measured { name: name(label), points: [1, 4, 16, 64, 256].map(point).to_vec(), images: [None, None] }
     }
 
     fn precision(floor: Floor) -> Precision {

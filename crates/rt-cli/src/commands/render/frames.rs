@@ -43,7 +43,7 @@ pub(super) fn each(
             files = Some(files_of(&args).map_err(|source| failed(frame, source))?);
         }
         let identity =
-            Identity::new(&args.input, &args.picture, files.as_deref().unwrap_or_default(), &InputHashes::default())?;
+            Identity::new(&args.input, &args.image, files.as_deref().unwrap_or_default(), &InputHashes::default())?;
         // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
         if log.has(frame, &identity, &args.input.scene)? && results(&args).all(Path::exists) {
@@ -61,7 +61,7 @@ pub(super) fn each(
 /// All frames of the animations of the scene and its models.
 pub(super) fn all(args: &RenderArgs) -> Result<Frames, CliError> {
     let input = InputArgs { at_time: Some(0.0), ..args.input.clone() };
-    let loaded = input::read(&input, Some(&args.picture), Console { quiet: true })?;
+    let loaded = input::read(&input, Some(&args.image), Console { quiet: true })?;
     let (scene, fps) = (args.input.scene.display(), args.input.timing.fps);
     let Some(end) = loaded.options.animation_end.seconds() else {
         return Err(CliError::Usage(format!(
@@ -87,7 +87,7 @@ fn failed(frame: u32, source: CliError) -> CliError {
 
 /// Input files, which are the same for all frames.
 fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, CliError> {
-    Ok(input::read(&args.input, Some(&args.picture), Console { quiet: true })?.files)
+    Ok(input::read(&args.input, Some(&args.image), Console { quiet: true })?.files)
 }
 
 /// Arguments of a single frame.

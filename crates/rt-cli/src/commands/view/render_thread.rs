@@ -12,12 +12,12 @@ use rt_render::{
 use rt_scene_io::Integrator;
 
 use super::frame_budget::FrameBudget;
-use super::shared_state::{ErrorPoint, Pick, Picture, SharedState, Task, View};
+use super::shared_state::{ErrorPoint, Pick, SharedState, Task, View, ViewImage};
 
-/// Shortest and longest time from one picture of a view to the next.
+/// Shortest and longest time from one image of a view to the next.
 const INTERVAL: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(1)];
 
-/// Share of the time since a view began that passes before its next picture. Encoding pictures takes time from rendering.
+/// Share of the time since a view began that passes before its next image. Encoding images takes time from rendering.
 const INTERVAL_SHARE: f64 = 0.1;
 
 /// Least ratio of the sample counts of two points of the error plot, which bounds their number.
@@ -72,9 +72,9 @@ impl Renderer<'_> {
     fn render(&mut self, plan: &mut RenderPlan<'_>, view: &View) -> Result<(), RenderError> {
         let (preview, pixel_side) = self.preview(plan, view)?;
         let film = enlarged(&preview, pixel_side, view.size);
-        let picture = Picture { view: view.number, size: view.size, pixel_side: 1, ..Picture::default() };
-        let shown = Picture { film: Some(Arc::new(preview)), pixel_side, ..picture.clone() };
-        self.shared.show(|state| state.picture = shown);
+        let image = ViewImage { view: view.number, size: view.size, pixel_side: 1, ..ViewImage::default() };
+        let shown = ViewImage { film: Some(Arc::new(preview)), pixel_side, ..image.clone() };
+        self.shared.show(|state| state.image = shown);
         if self.shared.is_outdated() {
             return Ok(());
         }
@@ -83,7 +83,7 @@ impl Renderer<'_> {
             plan,
             shared: self.shared,
             film,
-            picture,
+            image,
             pass: 0,
             spent: Duration::ZERO,
             resumed: Instant::now(),
@@ -99,8 +99,8 @@ impl Renderer<'_> {
             let rendering = canvas.plan.render_part(&run, Some(&rule), from, &mut canvas)?.into_rendering();
             if rendering.stopped != Stopped::Interrupted {
                 canvas.film = rendering.film;
-                canvas.picture.spp = rendering.samples_per_pixel.min;
-                canvas.picture.is_finished = true;
+                canvas.image.spp = rendering.samples_per_pixel.min;
+                canvas.image.is_finished = true;
                 canvas.add_error(rendering.error);
                 canvas.publish();
                 return Ok(());
@@ -147,13 +147,13 @@ fn enlarged(coarse: &Image, side: u32, [width, height]: [u32; 2]) -> Image {
     film
 }
 
-/// Picture that finished tiles are copied to.
+/// Image that finished tiles are copied to.
 struct Canvas<'a> {
     plan: &'a RenderPlan<'a>,
     shared: &'a SharedState,
     film: Image,
     /// Everything but the film.
-    picture: Picture,
+    image: ViewImage,
     /// Passes whose error is known.
     pass: u32,
     /// Render time before the last interruption.
@@ -171,14 +171,14 @@ impl Canvas<'_> {
 
     fn publish(&mut self) {
         self.shown = Instant::now();
-        self.picture.seconds = self.seconds();
-        let shown = Picture { film: Some(Arc::new(self.film.clone())), ..self.picture.clone() };
-        self.shared.show(|state| state.picture = shown);
+        self.image.seconds = self.seconds();
+        let shown = ViewImage { film: Some(Arc::new(self.film.clone())), ..self.image.clone() };
+        self.shared.show(|state| state.image = shown);
     }
 
     fn add_error(&mut self, error: Option<ErrorEstimate>) {
         let Some(error) = error.filter(|error| error.relative_rmse().is_finite()) else { return };
-        let Picture { spp, is_finished, ref mut errors, .. } = self.picture;
+        let ViewImage { spp, is_finished, ref mut errors, .. } = self.image;
         let last = errors.last().map_or(0.0, |point| f64::from(point.spp));
         if is_finished || f64::from(spp) >= ERROR_SPACING * last {
             errors.push(ErrorPoint { spp, rmse: error.relative_rmse(), interval: error.relative_interval() });
@@ -201,15 +201,15 @@ impl Observer for &mut Canvas<'_> {
         }
         let progress = so_far.progress();
         let seconds = self.seconds();
-        self.picture.mega_rays_per_second = if seconds > 0.0 { progress.rays as f64 * 1e-6 / seconds } else { 0.0 };
+        self.image.mega_rays_per_second = if seconds > 0.0 { progress.rays as f64 * 1e-6 / seconds } else { 0.0 };
         if let Some(pass) = progress.pass {
-            self.picture.spp = pass.spp;
+            self.image.spp = pass.spp;
             if pass.finished > self.pass {
                 self.pass = pass.finished;
                 self.add_error(so_far.error());
             }
         }
-        answer(self.plan, self.picture.view, self.shared.take_picks());
+        answer(self.plan, self.image.view, self.shared.take_picks());
         self.shared.pause_without_client();
         let interval = Duration::from_secs_f64(seconds * INTERVAL_SHARE).clamp(INTERVAL[0], INTERVAL[1]);
         if self.shown.elapsed() >= interval && !self.shared.is_outdated() {

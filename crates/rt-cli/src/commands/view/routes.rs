@@ -1,4 +1,4 @@
-//! Requests to responses: the page, its pictures, and commands to camera and renderer.
+//! Requests to responses: the page, its images, and commands to camera and renderer.
 
 use std::fmt::Display;
 use std::sync::mpsc::channel;
@@ -18,7 +18,7 @@ use super::http::{Request, Response, Status};
 use super::shared_state::{SharedState, State};
 use crate::args::{TONE_CURVES, tone_name, tone_of_name};
 
-/// Longest wait of a page for a new picture.
+/// Longest wait of a page for a new image.
 const FRAME_WAIT: Duration = Duration::from_secs(1);
 
 /// Longest wait for the renderer's answer to a pick.
@@ -103,27 +103,27 @@ impl Session {
     }
 
     /// A line of JSON, and the bytes of a PNG if there is a later version than `after`. Of the errors, the page has `errors` if
-    /// its picture shows `view`.
+    /// its image shows `view`.
     fn frame(&self, request: &Request) -> Result<Response, Response> {
         let after = request.number("after").unwrap_or(0);
         let mut state = self.shared.wait_for_version(after, FRAME_WAIT);
         let view = state.view;
         let mut development = *state.development(view.integrator);
-        let (version, picture) = (state.version, state.picture.clone());
-        let is_finished = picture.is_finished && picture.view == view.number;
-        let is_same_view = request.number("view") == Some(picture.view);
+        let (version, image) = (state.version, state.image.clone());
+        let is_finished = image.is_finished && image.view == view.number;
+        let is_same_view = request.number("view") == Some(image.view);
         let first_error = request.number("errors").filter(|_| is_same_view).map_or(0, |first| first as usize);
-        let errors = picture.errors.iter().skip(first_error);
+        let errors = image.errors.iter().skip(first_error);
         let status = json!({
             "version": version,
-            "view": picture.view,
-            "spp": picture.spp,
+            "view": image.view,
+            "spp": image.spp,
             "max_spp": view.max_spp,
-            "mega_rays_per_second": picture.mega_rays_per_second,
-            "seconds": picture.seconds,
+            "mega_rays_per_second": image.mega_rays_per_second,
+            "seconds": image.seconds,
             "is_finished": is_finished,
-            "size": picture.size,
-            "pixel_side": picture.pixel_side,
+            "size": image.size,
+            "pixel_side": image.pixel_side,
             "integrator": view.integrator.name(),
             "exposure": development.exposure,
             "tone": tone_name(development.tone),
@@ -134,21 +134,21 @@ impl Session {
         drop(state);
         let mut body = status.to_string().into_bytes();
         body.push(b'\n');
-        if let Some(film) = picture.film.filter(|_| version != after) {
-            // Without dithering, pictures on their way to the final one are much smaller.
+        if let Some(film) = image.film.filter(|_| version != after) {
+            // Without dithering, images on their way to the final one are much smaller.
             development.dither = development.dither.filter(|_| is_finished);
             body.extend(encoded(&film, &development, ImageFormat::Png)?);
         }
         Ok(Response::new("application/octet-stream", body))
     }
 
-    /// The picture as a file.
+    /// The image as a file.
     fn image(&self, format: ImageFormat, content_type: &'static str) -> Result<Response, Response> {
         let mut state = self.shared.lock();
         let integrator = state.view.integrator;
-        let (film, development) = (state.picture.film.clone(), *state.development(integrator));
+        let (film, development) = (state.image.film.clone(), *state.development(integrator));
         drop(state);
-        let film = film.ok_or_else(|| Response::refusal(Status::NOT_FOUND, "there is no picture so far"))?;
+        let film = film.ok_or_else(|| Response::refusal(Status::NOT_FOUND, "there is no image so far"))?;
         let bytes = encoded(&film, &development, format)?;
         let stem = self.name.replace(|c: char| !c.is_ascii_alphanumeric() && !"-_.".contains(c), "_");
         let extension = format.extensions().first().copied().unwrap_or_default();

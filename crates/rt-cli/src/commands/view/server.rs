@@ -60,7 +60,7 @@ fn converse(stream: TcpStream, session: &Session) {
         if connection.write(&response).is_err() {
             return;
         }
-        // A picture may have been long on its way.
+        // A image may have been long on its way.
         session.shared.see_client();
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //!   server ── wanted view, picks ──> shared state ── next_task ──> renderer
 //!     ^                                   │
-//!     └──── picture, status <─────────────┴──── show <───────────────┘
+//!     └──── image, status <─────────────┴──── show <───────────────┘
 //! ```
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,7 +24,7 @@ pub(super) const ABSENCE: Duration = Duration::from_secs(4);
 /// Image that a page wants to see.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
-    /// Number of changes before it; pictures of an older view are outdated.
+    /// Number of changes before it; images of an older view are outdated.
     pub(super) number: u64,
     pub(super) camera: CameraSettings,
     /// Width and height in pixels.
@@ -43,9 +43,9 @@ pub(super) struct ErrorPoint {
     pub(super) interval: [f64; 2],
 }
 
-/// Picture of a view, and the work that it took.
+/// Image of a view, and the work that it took.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Picture {
+pub(super) struct ViewImage {
     /// Number of the view.
     pub(super) view: u64,
     /// `None` before the first one.
@@ -69,7 +69,7 @@ pub(super) struct State {
     pub(super) view: View,
     pub(super) controller: CameraController,
     pub(super) developments: [Development; 2],
-    pub(super) picture: Picture,
+    pub(super) image: ViewImage,
     /// Message to the user of the page.
     pub(super) message: Option<String>,
     /// Number of changes that a page can see.
@@ -100,7 +100,7 @@ impl State {
             view,
             controller,
             developments,
-            picture: Picture::default(),
+            image: ViewImage::default(),
             message: None,
             version: 0,
             is_pending: true,
@@ -153,7 +153,7 @@ impl SharedState {
         self.changed.notify_all();
     }
 
-    /// Renders anew if the view is another one after the change. Pages see that with the next picture.
+    /// Renders anew if the view is another one after the change. Pages see that with the next image.
     pub(super) fn change_view<T>(&self, change: impl FnOnce(&mut State) -> T) -> T {
         let mut state = self.lock();
         let before = state.view;
@@ -320,7 +320,7 @@ mod tests {
         let shared = shared();
         thread::scope(|scope| {
             let page = scope.spawn(|| shared.wait_for_version(0, Duration::from_secs(60)).version);
-            shared.show(|state| state.picture = Picture::default());
+            shared.show(|state| state.image = ViewImage::default());
             assert_eq!(page.join().expect("no panic"), 1);
         });
         assert_eq!(shared.wait_for_version(1, Duration::ZERO).version, 1);

@@ -1,4 +1,4 @@
-// The page of `rt-cli view`: shows pictures as they come, and sends what pointer, keys and menus ask for.
+// The page of `rt-cli view`: shows images as they come, and sends what pointer, keys and menus ask for.
 
 import { drawPlot, percent } from "./plot.js";
 
@@ -33,7 +33,7 @@ async function post(path, value) {
     if (response.ok) return await response.json();
     toast(await response.text());
   } catch {
-    // The loop that waits for pictures says that the connection is lost.
+    // The loop that waits for images says that the connection is lost.
   }
   return undefined;
 }
@@ -95,7 +95,7 @@ async function watch() {
   }
 }
 
-/** Draws a picture of an image of this size; the pixels of a preview are squares of it. */
+/** Draws an image of this size; the pixels of a preview are squares of it. */
 async function draw(png, [width, height], side) {
   const blob = new Blob([png], { type: "image/png" });
   const bitmap = await createImageBitmap(blob, { colorSpaceConversion: "none" });

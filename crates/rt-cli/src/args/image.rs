@@ -12,7 +12,7 @@ use rt_scene_io::{Accel, Integrator, LightSampling};
 use super::values::{self, BackgroundChoice, named};
 
 #[derive(Clone, Debug, Args)]
-pub(crate) struct PictureArgs {
+pub(crate) struct ImageArgs {
     /// Set width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "Camera and scene")]
     pub(crate) size: Option<[u32; 2]>,

@@ -14,11 +14,11 @@ fn warnings(run: &Run) -> Vec<&str> {
     run.stderr.lines().filter(|line| line.starts_with("warning: ")).collect()
 }
 
-const BALL: &str = "nodes: [(shape: sphere())]";
+const SPHERE: &str = "nodes: [(shape: sphere())]";
 
 #[test]
-fn a_camera_that_looks_away_is_told() {
-    let away = format!("(camera: (look_from: (0, 0, 5), look_at: (0, 0, 9)), {BALL})");
+fn a_camera_that_looks_away_is_reported() {
+    let away = format!("(camera: (look_from: (0, 0, 5), look_at: (0, 0, 9)), {SPHERE})");
     for options in ["", "--integrator path", "--integrator normals", "--env", "--background transparent"] {
         let options = if options == "--env" { "--background white" } else { options };
         let run = render(&away, options);
@@ -38,15 +38,15 @@ fn a_camera_that_looks_away_is_told() {
 }
 
 #[test]
-fn a_scene_without_objects_is_told() {
+fn a_scene_without_objects_is_reported() {
     let run = render("(nodes: [])", "");
     let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
     assert!(warning.contains("the scene has no objects"), "{run:?}");
 }
 
 #[test]
-fn a_scene_without_light_is_told_before_it_is_rendered() {
-    let dark = format!("(camera: (look_from: (0, 0, 5)), lights: [], background: constant(gray(0)), {BALL})");
+fn a_scene_without_light_is_reported_before_it_is_rendered() {
+    let dark = format!("(camera: (look_from: (0, 0, 5)), lights: [], background: constant(gray(0)), {SPHERE})");
     for integrator in ["whitted", "path", "direct"] {
         let run = render(&dark, &format!("--integrator {integrator}"));
         let [warning] = warnings(&run)[..] else { panic!("{integrator}: {run:?}") };
@@ -65,10 +65,10 @@ fn a_scene_without_light_is_told_before_it_is_rendered() {
 }
 
 #[test]
-fn a_black_picture_of_a_lit_scene_is_told() {
+fn a_black_image_of_a_lit_scene_is_reported() {
     let behind = format!(
         "(camera: (look_from: (0, 0, 5), fov: 10), background: constant(gray(0)), \
-          lights: [point(position: (0, 0, -5), intensity: gray(1))], {BALL})"
+          lights: [point(position: (0, 0, -5), intensity: gray(1))], {SPHERE})"
     );
     let run = render(&behind, "");
     let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
