@@ -16,7 +16,7 @@ use crate::view_server::ViewServer;
 
 const CHROMIUM: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 
-/// Options of the render whose picture is compared.
+/// Options of the render whose image is compared.
 const OPTIONS: &str = "--integrator path --spp 24 --size 160x160";
 
 /// Path of the first of these programs that is there.
@@ -64,7 +64,7 @@ fn a_browser_shows_renders_picks_and_saves() {
     let pixels: serde_json::Value = serde_json::from_slice(&saved("pixels.json")).expect("JSON");
     let shown: Vec<u64> =
         pixels["data"].as_array().expect("bytes").iter().filter_map(serde_json::Value::as_u64).collect();
-    let film = read_image(&view.place.path("expected.png")).expect("a picture");
+    let film = read_image(&view.place.path("expected.png")).expect("a image");
     let expected = Development::default().develop(&film).bytes;
     let expected: Vec<u64> =
         expected.chunks(3).flat_map(|rgb| rgb.iter().copied().chain([255])).map(u64::from).collect();

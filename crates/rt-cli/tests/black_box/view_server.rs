@@ -100,7 +100,7 @@ impl ViewServer {
         self.request("POST", path, body).json()
     }
 
-    /// State of the render, and the picture if there is a later one than `after`.
+    /// State of the render, and the image if there is a later one than `after`.
     pub(crate) fn frame(&self, after: u64) -> (Value, Vec<u8>) {
         let Answer { status, body, .. } = self.get(&format!("frame?after={after}"));
         assert_eq!(status, 200, "{}", String::from_utf8_lossy(&body));
@@ -108,15 +108,15 @@ impl ViewServer {
         (serde_json::from_slice(&body[..end]).expect("JSON"), body[end + 1..].to_vec())
     }
 
-    /// Looks on until the picture is finished, or the condition holds for its state.
+    /// Looks on until the image is finished, or the condition holds for its state.
     pub(crate) fn watch(&self, is_enough: impl Fn(&Value) -> bool) -> (Value, Vec<u8>) {
         let deadline = Instant::now() + PATIENCE;
         let (mut version, mut latest) = (0, Vec::new());
         loop {
-            let (state, picture) = self.frame(version);
+            let (state, image) = self.frame(version);
             version = state["version"].as_u64().expect("a number");
-            if !picture.is_empty() {
-                latest = picture;
+            if !image.is_empty() {
+                latest = image;
             }
             if state["is_finished"] == true || is_enough(&state) {
                 return (state, latest);

@@ -133,14 +133,14 @@ fn paint(stream: TcpStream) -> Vec<Painting> {
 #[test]
 fn the_viewer_shows_the_pixels_of_the_file() {
     let place = Workplace::with_scene();
-    for (options, picture, channels, tiles) in [
+    for (options, image, channels, tiles) in [
         ("", "a.pfm", "RGB", 6),
         ("--integrator path --passes 3", "b.exr", "RGB", 6),
         ("--spp 4 --time 1h", "c.pfm", "RGB", 18),
         ("--background transparent --crop 5,6,30,21", "d.exr", "RGBA", 4),
     ] {
         let (address, watching) = viewer(paint);
-        let run = place.succeed(&format!("render scene.ron {options} -o {picture} --display-server {address}"));
+        let run = place.succeed(&format!("render scene.ron {options} -o {image} --display-server {address}"));
         assert!(run.stderr.is_empty(), "{run:?}");
         let states = watching.join().expect("no panic");
         let (created, last) = (&states[1], states.last().expect("one"));
@@ -148,7 +148,7 @@ fn the_viewer_shows_the_pixels_of_the_file() {
         assert!(created.values.iter().all(|value| value.is_nan()), "{options}");
         // Each tile when it is done, and everything once more at the end.
         assert_eq!(last.updates, tiles + 1, "{options}");
-        let film = place.film(picture);
+        let film = place.film(image);
         last.assert_is(&film);
         states[states.len() - 2].assert_is(&film);
     }
