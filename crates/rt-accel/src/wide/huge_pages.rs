@@ -14,6 +14,9 @@ pub(super) fn with_huge_pages<T>(count: usize) -> Vec<T> {
     allocation
 }
 
+/// Minimum items that are filled on several threads: fewer take less time than another thread takes to begin.
+const MIN_SHARED: usize = 4096;
+
 /// Fills a vector part by part in place, on several threads, each of which first touches its part. Unfilled items are
 /// `empty`.
 pub(super) fn filled<T, P>(parts: Vec<(usize, P)>, empty: T, fill: impl Fn(P, &mut [T]) + Sync + Send) -> Vec<T>
@@ -30,7 +33,12 @@ where
         rest = others;
         slots.push((part, slot));
     }
-    for_each(slots, |(part, slot)| fill(part, emptied(slot, &empty)));
+    let fill = |(part, slot)| fill(part, emptied(slot, &empty));
+    if count < MIN_SHARED {
+        slots.into_iter().for_each(fill)
+    } else {
+        for_each(slots, fill)
+    }
     // SAFETY: the parts cover exactly `count` items, which fit the allocation, and all are written.
     unsafe { all.set_len(count) };
     all

@@ -57,6 +57,9 @@ fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &BinSplit
 impl PrimInfo {
     /// Parallel version of [`PrimInfo::of`].
     pub(super) fn of_many(references: &[PrimRef]) -> Self {
+        if references.len() <= CHUNK {
+            return Self::of(references);
+        }
         references.par_chunks(CHUNK).map(Self::of).reduce(|| Self::EMPTY, Self::union)
     }
 }
