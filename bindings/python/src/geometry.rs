@@ -22,15 +22,13 @@ impl PyMesh {
             return Err(PyValueError::new_err(format!("faces must have three columns, not {}", faces.ncols())));
         }
         let triangles: Vec<[u32; 3]> = faces.rows().into_iter().map(|face| [face[0], face[1], face[2]]).collect();
-        let vertices: Vertices<'static> = match rows.view() {
-            RowsView::F32(rows) => {
-                rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into()
-            }
-            RowsView::F64(rows) => {
-                rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into()
-            }
-        };
-        let mesh = TriangleMesh::new(vertices, triangles);
+        let mesh = TriangleMesh::new(vertices_of(&rows), triangles);
+        mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// The same triangles over other vertices.
+    fn with_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mesh = self.0.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?));
         mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
@@ -45,6 +43,14 @@ impl PyMesh {
     /// Indices of vertices, three for each triangle: a copy.
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.0.triangles().as_flattened().to_vec().into_pyarray(py)
+    }
+}
+
+/// Vertices in the precision of the rows.
+fn vertices_of(rows: &Rows<'_>) -> Vertices<'static> {
+    match rows.view() {
+        RowsView::F32(rows) => rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into(),
+        RowsView::F64(rows) => rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into(),
     }
 }
 

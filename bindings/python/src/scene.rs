@@ -4,7 +4,7 @@ use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonl
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use rt_accel::{BuildParams, DVec3, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform};
+use rt_accel::{BuildParams, DVec3, GeometryId, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform};
 
 use crate::arrays::{Gathered, Parameters, ParametersView, RAYS_PER_SLICE, Rows, RowsView};
 use crate::geometry::{PyMesh, PySpheres};
@@ -14,7 +14,56 @@ const POINTS_PER_TASK: usize = 64;
 
 /// Meshes and spheres with their trees.
 #[pyclass(name = "Scene", frozen)]
-pub(crate) struct PyScene(Scene<'static>);
+pub(crate) struct PyScene {
+    scene: Scene<'static>,
+    /// In the order in which they were added.
+    geometries: Vec<GeometryId>,
+}
+
+/// Index of a geometry, and a matrix of 4 x 4 numbers or `None` for the identity.
+type Placement<'py> = (usize, Option<PyReadonlyArray2<'py, f64>>);
+
+/// Adds geometries to a builder, and appends their numbers.
+fn add_all(
+    py: Python<'_>,
+    builder: &mut SceneBuilder<'static>,
+    geometries: &[Bound<'_, PyAny>],
+    ids: &mut Vec<GeometryId>,
+) -> PyResult<()> {
+    for geometry in geometries {
+        let id = if let Ok(mesh) = geometry.cast::<PyMesh>() {
+            let mesh = mesh.get().0.clone();
+            py.detach(|| builder.add(mesh))
+        } else {
+            let spheres = geometry.cast::<PySpheres>()?.get().0.clone();
+            py.detach(|| builder.add(spheres))
+        };
+        ids.push(id.map_err(value_error)?);
+    }
+    Ok(())
+}
+
+/// Places geometries, and returns the numbers of the instances.
+fn place_all(
+    builder: &mut SceneBuilder<'static>,
+    instances: &[Placement<'_>],
+    ids: &[GeometryId],
+) -> PyResult<Vec<u32>> {
+    let place = |(i, (geometry, transform)): (usize, &Placement<'_>)| {
+        let id = geometry_of(ids, *geometry)?;
+        let refused = |error: String| value_error(format!("instance {i}: {error}"));
+        match transform {
+            None => builder.place(id),
+            Some(matrix) => builder.place_at(id, &transform_of(matrix).map_err(refused)?),
+        }
+        .map_err(|error| refused(error.to_string()))
+    };
+    instances.iter().enumerate().map(place).collect()
+}
+
+fn geometry_of(ids: &[GeometryId], geometry: usize) -> PyResult<GeometryId> {
+    ids.get(geometry).copied().ok_or_else(|| value_error(format!("there is no geometry {geometry}")))
+}
 
 fn value_error(error: impl ToString) -> PyErr {
     PyValueError::new_err(error.to_string())
@@ -152,7 +201,7 @@ impl PyScene {
     fn new(
         py: Python<'_>,
         geometries: Vec<Bound<'_, PyAny>>,
-        instances: Vec<(usize, Option<PyReadonlyArray2<'_, f64>>)>,
+        instances: Vec<Placement<'_>>,
         quality: &str,
     ) -> PyResult<Self> {
         let params = match quality {
@@ -161,37 +210,52 @@ impl PyScene {
             "high" => BuildParams::HIGH,
             _ => return Err(value_error(format!("quality {quality:?} is not one of 'fast', 'balanced', 'high'"))),
         };
-        let mut builder = SceneBuilder::new(params);
-        let mut ids = Vec::new();
-        for geometry in &geometries {
-            let id = if let Ok(mesh) = geometry.cast::<PyMesh>() {
-                let mesh = mesh.get().0.clone();
-                py.detach(|| builder.add(mesh))
-            } else {
-                let spheres = geometry.cast::<PySpheres>()?.get().0.clone();
-                py.detach(|| builder.add(spheres))
-            };
-            ids.push(id.map_err(value_error)?);
+        let (mut builder, mut ids) = (SceneBuilder::new(params), Vec::new());
+        add_all(py, &mut builder, &geometries, &mut ids)?;
+        place_all(&mut builder, &instances, &ids)?;
+        let scene = py.detach(|| builder.build()).map_err(value_error)?;
+        Ok(Self { scene, geometries: ids })
+    }
+
+    /// A changed copy, which shares the trees of unchanged geometries, and the numbers of the new instances. Instances and
+    /// geometries are removed before others are added.
+    #[expect(clippy::too_many_arguments, reason = "a call from Python has one argument for each kind of change")]
+    fn updated(
+        &self,
+        py: Python<'_>,
+        vertices: Vec<(usize, Bound<'_, PyMesh>)>,
+        transforms: Vec<(u32, PyReadonlyArray2<'_, f64>)>,
+        removed_instances: Vec<u32>,
+        removed_geometries: Vec<usize>,
+        geometries: Vec<Bound<'_, PyAny>>,
+        instances: Vec<Placement<'_>>,
+    ) -> PyResult<(Self, Vec<u32>)> {
+        let (mut builder, mut ids) = (self.scene.to_builder(), self.geometries.clone());
+        for (geometry, mesh) in vertices {
+            let (id, vertices) = (geometry_of(&ids, geometry)?, mesh.get().0.vertices().clone());
+            py.detach(|| builder.set_vertices(id, vertices)).map_err(value_error)?;
         }
-        for (i, (geometry, transform)) in instances.iter().enumerate() {
-            let id = *ids.get(*geometry).ok_or_else(|| value_error(format!("there is no geometry {geometry}")))?;
-            let placed = match transform {
-                None => builder.place(id),
-                Some(matrix) => {
-                    let transform =
-                        transform_of(matrix).map_err(|error| value_error(format!("instance {i}: {error}")))?;
-                    builder.place_at(id, &transform)
-                }
-            };
-            placed.map_err(|error| value_error(format!("instance {i}: {error}")))?;
+        for (instance, matrix) in transforms {
+            let refused = |error: String| value_error(format!("instance {instance}: {error}"));
+            let transform = transform_of(&matrix).map_err(refused)?;
+            builder.set_transform(instance, &transform).map_err(|error| refused(error.to_string()))?;
         }
-        py.detach(|| builder.build()).map(Self).map_err(value_error)
+        for instance in removed_instances {
+            builder.remove(instance).map_err(value_error)?;
+        }
+        for geometry in removed_geometries {
+            builder.remove_geometry(geometry_of(&ids, geometry)?).map_err(value_error)?;
+        }
+        add_all(py, &mut builder, &geometries, &mut ids)?;
+        let numbers = place_all(&mut builder, &instances, &ids)?;
+        let scene = py.detach(|| builder.build()).map_err(value_error)?;
+        Ok((Self { scene, geometries: ids }, numbers))
     }
 
     /// Bytes of the trees.
     #[getter]
     fn memory(&self) -> usize {
-        self.0.memory()
+        self.scene.memory()
     }
 
     fn closest<'py>(
@@ -227,9 +291,9 @@ impl PyScene {
                         uv: Some(&mut uv[range]),
                     };
                     let traced = if is_parallel {
-                        self.0.par_closest_batch(rays, &mut hits)
+                        self.scene.par_closest_batch(rays, &mut hits)
                     } else {
-                        self.0.closest_batch(rays, &mut hits)
+                        self.scene.closest_batch(rays, &mut hits)
                     };
                     traced.map_err(|error| error.to_string())
                 })
@@ -258,9 +322,9 @@ impl PyScene {
                 view.for_each_slice(|first, rays| {
                     let occluded = &mut occluded[first..first + rays.len()];
                     let traced = if is_parallel {
-                        self.0.par_occluded_batch(rays, occluded)
+                        self.scene.par_occluded_batch(rays, occluded)
                     } else {
-                        self.0.occluded_batch(rays, occluded)
+                        self.scene.occluded_batch(rays, occluded)
                     };
                     traced.map_err(|error| error.to_string())
                 })
@@ -289,9 +353,9 @@ impl PyScene {
                 view.for_each_slice(|first, rays| {
                     let counts = &mut counts[first..first + rays.len()];
                     let traced = if is_parallel {
-                        self.0.par_count_hits_batch(rays, counts)
+                        self.scene.par_count_hits_batch(rays, counts)
                     } else {
-                        self.0.count_hits_batch(rays, counts)
+                        self.scene.count_hits_batch(rays, counts)
                     };
                     traced.map_err(|error| error.to_string())
                 })
@@ -316,7 +380,8 @@ impl PyScene {
         let work = |is_parallel| {
             let mut all = HitLists { offsets: vec![0], hits: Vec::new() };
             view.for_each_slice(|_, rays| {
-                let lists = if is_parallel { self.0.par_all_hits_batch(rays) } else { self.0.all_hits_batch(rays) };
+                let lists =
+                    if is_parallel { self.scene.par_all_hits_batch(rays) } else { self.scene.all_hits_batch(rays) };
                 let first = all.hits.len();
                 all.offsets.extend(lists.offsets.iter().skip(1).map(|offset| first + offset));
                 all.hits.extend(lists.hits);
@@ -345,7 +410,7 @@ impl PyScene {
     ) -> PyResult<Nearest<'py>> {
         let points = Rows::extract("points", points)?;
         let view = points.view();
-        let nearest = |point| self.0.nearest_point(point, max_distance);
+        let nearest = |point| self.scene.nearest_point(point, max_distance);
         let found = py.detach(|| for_each_point(view, threads, nearest)).map_err(value_error)?;
         let coordinates = found.iter().flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point.to_array()));
         let distances = found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance));
@@ -368,7 +433,7 @@ impl PyScene {
         let points = Rows::extract("points", points)?;
         let view = points.view();
         let inside =
-            py.detach(|| for_each_point(view, threads, |point| self.0.contains(point))).map_err(value_error)?;
+            py.detach(|| for_each_point(view, threads, |point| self.scene.contains(point))).map_err(value_error)?;
         Ok(inside.into_pyarray(py))
     }
 
@@ -380,7 +445,7 @@ impl PyScene {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let points = Rows::extract("points", points)?;
         let view = points.view();
-        let distance = |point| self.0.signed_distance(point).unwrap_or(f64::INFINITY);
+        let distance = |point| self.scene.signed_distance(point).unwrap_or(f64::INFINITY);
         let distances = py.detach(|| for_each_point(view, threads, distance)).map_err(value_error)?;
         Ok(distances.into_pyarray(py))
     }

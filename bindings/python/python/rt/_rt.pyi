@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 class Mesh:
     def __new__(cls, vertices: NDArray[Any], faces: NDArray[np.uint32]) -> Mesh: ...
+    def with_vertices(self, vertices: NDArray[Any]) -> Mesh: ...
     def vertices(self) -> NDArray[Any]: ...
     def faces(self) -> NDArray[np.uint32]: ...
 
@@ -24,6 +25,15 @@ class Scene:
         instances: list[tuple[int, NDArray[np.float64] | None]],
         quality: str,
     ) -> Scene: ...
+    def updated(
+        self,
+        vertices: list[tuple[int, Mesh]],
+        transforms: list[tuple[int, NDArray[np.float64]]],
+        removed_instances: list[int],
+        removed_geometries: list[int],
+        geometries: list[Mesh | SphereSet],
+        instances: list[tuple[int, NDArray[np.float64] | None]],
+    ) -> tuple[Scene, list[int]]: ...
     @property
     def memory(self) -> int: ...
     def closest(

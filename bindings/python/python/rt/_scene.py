@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -242,6 +242,13 @@ class TriangleMesh(_Geometry):
         self.n_vertices = len(vertices)
         self.n_faces = len(faces)
 
+    def _with_vertices(self, vertices):
+        vertices = _arrays.vectors("vertices", vertices)
+        mesh = TriangleMesh.__new__(TriangleMesh)
+        _Geometry.__init__(mesh, self._geometry.with_vertices(vertices), self.quality)
+        mesh.n_vertices, mesh.n_faces = len(vertices), self.n_faces
+        return mesh
+
     @property
     def vertices(self) -> NDArray[Any]:
         """Copy of the vertices, in single precision if it holds all of them exactly."""
@@ -326,7 +333,7 @@ class Scene(_Queries):
     Parameters
     ----------
     objects : sequence of TriangleMesh, Spheres and Instance
-        Their positions are the numbers of ``instance`` in results.
+        Their positions are the numbers of ``instance`` in results. `update` changes them.
     quality : {'fast', 'balanced', 'high'}
         Time to build the trees against time to trace rays.
 
@@ -341,7 +348,7 @@ class Scene(_Queries):
     (array([4., 4.]), array([0, 1], dtype=int32))
     """
 
-    __slots__ = ("_objects", "_scene")
+    __slots__ = ("_geometries", "_n_geometries", "_objects", "_scene")
 
     def __init__(
         self,
@@ -351,21 +358,143 @@ class Scene(_Queries):
     ) -> None:
         if isinstance(objects, (_Geometry, Instance)):
             objects = [objects]
-        geometries = {}
-        instances = []
-        self._objects = tuple(objects)
-        for i, item in enumerate(self._objects):
+        # By identity: the geometries that are placed, with their numbers.
+        self._geometries: dict[int, tuple[int, _Geometry]] = {}
+        self._n_geometries = 0
+        self._objects: dict[int, TriangleMesh | Spheres | Instance] = dict(enumerate(objects))
+        self._scene = _rt.Scene(*self._added(self._objects.values()), quality)
+
+    def _added(self, objects):
+        """New geometries among those of objects, and the number of the geometry and the transform of each object."""
+        geometries, instances = [], []
+        for i, item in enumerate(objects):
             geometry, transform = (item.geometry, item.transform) if isinstance(item, Instance) else (item, None)
             if not isinstance(geometry, _Geometry):
                 raise TypeError(f"object {i} is a {type(item).__name__}, not a TriangleMesh, Spheres or Instance")
-            index, _ = geometries.setdefault(id(geometry), (len(geometries), geometry))
-            instances.append((index, transform))
-        self._scene = _rt.Scene([geometry._geometry for _, geometry in geometries.values()], instances, quality)
+            if id(geometry) not in self._geometries:
+                self._geometries[id(geometry)] = (self._n_geometries, geometry)
+                self._n_geometries += 1
+                geometries.append(geometry._geometry)
+            instances.append((self._geometries[id(geometry)][0], transform))
+        return geometries, instances
+
+    def update(
+        self,
+        *,
+        insert: Sequence[TriangleMesh | Spheres | Instance] = (),
+        remove: Sequence[int] = (),
+        transforms: Mapping[int, ArrayLike] | None = None,
+        vertices: Mapping[int, ArrayLike] | None = None,
+    ) -> list[int]:
+        """Changes objects without building the trees of the others again.
+
+        The tree over the objects is built once for each call, so one call with many changes is faster than many calls.
+        Queries in other threads see the scene before or after all changes of a call.
+
+        Parameters
+        ----------
+        insert : sequence of TriangleMesh, Spheres and Instance
+            Objects to add. They get the lowest numbers that are free after `remove`.
+        remove : sequence of int
+            Numbers of objects to remove. The numbers of others stay. A geometry without objects frees its memory.
+        transforms : mapping from int to array_like of shape (4, 4)
+            New transform by number of the object, which replaces the former one.
+        vertices : mapping from int to array_like of shape (n, 3)
+            New vertices by number of the object, which has to be a mesh; its triangles stay. All objects of the scene with
+            the same mesh change, and no other scene. The tree is refitted, or built again if refitting made it too slow.
+
+        Returns
+        -------
+        list of int
+            Numbers of the inserted objects.
+
+        Raises
+        ------
+        KeyError
+            For a number without an object.
+        ValueError
+            For vertices and transforms that do not fit. The scene is unchanged then.
+
+        Examples
+        --------
+        >>> import numpy as np, rt
+        >>> ball = rt.Spheres([[0, 0, 0]], 1.0)
+        >>> scene = rt.Scene([ball])
+        >>> raised = np.eye(4); raised[2, 3] = 2
+        >>> scene.update(insert=[rt.Instance(ball, raised)])
+        [1]
+        >>> scene.closest([0, 0, 5], [0, 0, -1]).t
+        array(2.)
+        >>> scene.update(remove=[1])
+        []
+        >>> scene.closest([0, 0, 5], [0, 0, -1]).t
+        array(4.)
+        """
+        changed = Scene.__new__(Scene)
+        changed._geometries, changed._n_geometries = dict(self._geometries), self._n_geometries
+        changed._objects = dict(self._objects)
+        transforms, vertices = transforms or {}, vertices or {}
+        for number in (*vertices, *transforms, *remove):
+            if number not in self._objects:
+                raise KeyError(f"there is no object {number}")
+        new_meshes = [changed._set_vertices(number, of_object) for number, of_object in vertices.items()]
+        new_transforms = [changed._set_transform(number, matrix) for number, matrix in transforms.items()]
+        for number in remove:
+            if changed._objects.pop(number, None) is None:
+                raise ValueError(f"object {number} is removed twice")
+        unused = changed._drop_unused()
+        insert = [insert] if isinstance(insert, (_Geometry, Instance)) else list(insert)
+        geometries, instances = changed._added(insert)
+        scene, numbers = self._scene.updated(
+            new_meshes, new_transforms, list(remove), unused, geometries, instances
+        )
+        changed._objects.update(zip(numbers, insert, strict=True))
+        self._objects = dict(sorted(changed._objects.items()))
+        self._geometries, self._n_geometries, self._scene = changed._geometries, changed._n_geometries, scene
+        return numbers
+
+    def _set_vertices(self, number, vertices):
+        """Replaces the mesh of an object and of all that share it. Returns its number and the new arrays."""
+        item = self._objects[number]
+        old = item.geometry if isinstance(item, Instance) else item
+        if not isinstance(old, TriangleMesh):
+            raise ValueError(f"object {number} has no vertices: {old!r}")
+        new = old._with_vertices(vertices)
+        index, _ = self._geometries.pop(id(old))
+        self._geometries[id(new)] = (index, new)
+        for other, placed in self._objects.items():
+            if placed is old:
+                self._objects[other] = new
+            elif isinstance(placed, Instance) and placed.geometry is old:
+                self._objects[other] = Instance(new, placed.transform)
+        return index, new._geometry
+
+    def _set_transform(self, number, transform):
+        item = self._objects[number]
+        try:
+            moved = Instance(item.geometry if isinstance(item, Instance) else item, transform)
+        except ValueError as error:
+            raise ValueError(f"object {number}: {error}") from None
+        self._objects[number] = moved
+        return number, moved.transform
+
+    def _drop_unused(self):
+        """Forgets geometries without objects. Returns their numbers."""
+        used = {id(item.geometry if isinstance(item, Instance) else item) for item in self._objects.values()}
+        unused = {key: index for key, (index, _) in self._geometries.items() if key not in used}
+        for key in unused:
+            del self._geometries[key]
+        return list(unused.values())
 
     @property
     def objects(self) -> tuple[TriangleMesh | Spheres | Instance, ...]:
         """The objects in the order of their numbers."""
-        return self._objects
+        return tuple(self._objects.values())
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers of the objects, ascending: ``instance`` in results. Without `update`, these are 0, 1, 2, ..."""
+        return tuple(self._objects)
 
     def _core(self) -> _rt.Scene:
         return self._scene

@@ -1,4 +1,7 @@
-//! Builder of scenes.
+//! Builder of scenes, which also changes them.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use glam::DVec3;
 use rt_math::{Aabb, Transform};
@@ -7,14 +10,15 @@ use super::error::SceneError;
 use super::geometry::{Blas, Geometry};
 use super::instances::{Instance, Instances};
 use super::ray_queries::Scene;
-use crate::WideBvh;
+use super::refit_tree::RefitTree;
+use super::triangle_mesh::Vertices;
 use crate::wide::BuildParams;
 
 /// Number of a geometry within its [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct GeometryId(u32);
 
-/// Collects geometries and their instances.
+/// Collects geometries and their instances, or changes those of a scene.
 ///
 /// ```
 /// use rt_accel::{BuildParams, DVec3, Interval, Ray, SceneBuilder, Transform, TriangleMesh};
@@ -34,14 +38,28 @@ pub struct GeometryId(u32);
 #[derive(Clone, Debug)]
 pub struct SceneBuilder<'a> {
     params: BuildParams,
-    geometries: Vec<Blas<'a>>,
-    instances: Vec<Instance>,
+    geometries: Vec<Option<Arc<Blas<'a>>>>,
+    /// By number; `None` for free numbers.
+    instances: Vec<Option<Instance>>,
+    /// Numbers of these.
+    free: BTreeSet<u32>,
+    /// Meshes whose vertices have changed, so that the bounds of their instances are outdated.
+    moved: BTreeSet<u32>,
+    /// Tree of a scene with the same instances at other places.
+    former_tree: Option<RefitTree>,
 }
 
 impl<'a> SceneBuilder<'a> {
     /// An empty scene, all of whose trees are built with these parameters.
     pub const fn new(params: BuildParams) -> Self {
-        Self { params, geometries: Vec::new(), instances: Vec::new() }
+        Self {
+            params,
+            geometries: Vec::new(),
+            instances: Vec::new(),
+            free: BTreeSet::new(),
+            moved: BTreeSet::new(),
+            former_tree: None,
+        }
     }
 
     /// Adds a geometry and builds its tree. It is in the scene once it is placed.
@@ -52,11 +70,13 @@ impl<'a> SceneBuilder<'a> {
     pub fn add(&mut self, geometry: impl Into<Geometry<'a>>) -> Result<GeometryId, SceneError> {
         let id = self.geometries.len() as u32;
         let built = Blas::build(geometry.into(), &self.params);
-        self.geometries.push(built.map_err(|source| SceneError::Geometry { geometry: id, source })?);
+        let built = built.map_err(|source| SceneError::Geometry { geometry: id, source })?;
+        self.geometries.push(Some(Arc::new(built)));
         Ok(GeometryId(id))
     }
 
-    /// Places a geometry as it is. Returns the number of the instance, as in [`Hit::instance`](crate::Hit::instance).
+    /// Places a geometry as it is. Returns the number of the instance, as in [`Hit::instance`](crate::Hit::instance): the
+    /// lowest that is free.
     ///
     /// # Errors
     ///
@@ -80,35 +100,171 @@ impl<'a> SceneBuilder<'a> {
         GeometryId(geometry): GeometryId,
         world_from_local: Option<&Transform>,
     ) -> Result<u32, SceneError> {
-        let Some(placed) = self.geometries.get(geometry as usize) else {
-            return Err(SceneError::UnknownGeometry { geometry });
-        };
+        let number = self.free.first().copied().unwrap_or(self.instances.len() as u32);
+        let instance = self.instance(number, geometry, world_from_local)?;
+        if self.free.remove(&number) {
+            self.instances[number as usize] = Some(instance);
+        } else {
+            self.instances.push(Some(instance));
+        }
+        self.former_tree = None;
+        Ok(number)
+    }
+
+    fn instance(&self, id: u32, geometry: u32, world_from_local: Option<&Transform>) -> Result<Instance, SceneError> {
+        let placed = self.geometry(GeometryId(geometry))?;
         let stays_round = world_from_local.is_none_or(|transform| transform.uniform_scale().is_some());
         if matches!(placed.geometry, Geometry::Spheres(_)) && !stays_round {
             return Err(SceneError::NotUniform { geometry });
         }
-        let local_bounds = if placed.bounds.is_empty() { Aabb::from_points([DVec3::ZERO]) } else { placed.bounds };
-        let bounds = world_from_local.map_or(local_bounds, |transform| transform.aabb(&local_bounds));
-        let instance = Instance { geometry, world_from_local: world_from_local.copied().map(Box::new), bounds };
-        self.instances.push(instance);
-        Ok((self.instances.len() - 1) as u32)
+        let bounds = bounds(placed, world_from_local);
+        Ok(Instance { id, geometry, world_from_local: world_from_local.copied().map(Box::new), bounds })
     }
 
-    /// The scene of all placed geometries.
+    fn geometry(&self, GeometryId(geometry): GeometryId) -> Result<&Blas<'a>, SceneError> {
+        let found = self.geometries.get(geometry as usize).and_then(Option::as_deref);
+        found.ok_or(SceneError::UnknownGeometry { geometry })
+    }
+
+    fn placed(&self, instance: u32) -> Result<&Instance, SceneError> {
+        let found = self.instances.get(instance as usize).and_then(Option::as_ref);
+        found.ok_or(SceneError::UnknownInstance { instance })
+    }
+
+    /// Moves an instance: its former transform is replaced by one from the space of its geometry to world space.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::UnknownInstance`] and [`SceneError::NotUniform`]. The instance is unchanged then.
+    pub fn set_transform(&mut self, instance: u32, world_from_local: &Transform) -> Result<(), SceneError> {
+        let geometry = self.placed(instance)?.geometry;
+        let world_from_local = (!world_from_local.is_identity()).then_some(world_from_local);
+        self.instances[instance as usize] = Some(self.instance(instance, geometry, world_from_local)?);
+        Ok(())
+    }
+
+    /// Removes an instance. The numbers of the others stay, and its own is free. Its geometry can be placed again.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::UnknownInstance`].
+    pub fn remove(&mut self, instance: u32) -> Result<(), SceneError> {
+        self.placed(instance)?;
+        self.instances[instance as usize] = None;
+        self.free.insert(instance);
+        self.former_tree = None;
+        Ok(())
+    }
+
+    /// Removes a geometry that is not placed, and frees its memory unless a scene still has it. The numbers of the others
+    /// stay.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::UnknownGeometry`] and [`SceneError::InUse`].
+    pub fn remove_geometry(&mut self, geometry: GeometryId) -> Result<(), SceneError> {
+        self.geometry(geometry)?;
+        if let Some(instance) = self.instances.iter().flatten().find(|instance| instance.geometry == geometry.0) {
+            return Err(SceneError::InUse { geometry: geometry.0, instance: instance.id });
+        }
+        self.geometries[geometry.0 as usize] = None;
+        Ok(())
+    }
+
+    /// Moves the vertices of a mesh, whose triangles stay. All of its instances change.
+    ///
+    /// The tree of the mesh is refitted, which takes a fraction of the time of building it. It is built anew if
+    /// refitting raises its cost by the surface area heuristic to more than 1.5 times that of when it was built.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::UnknownGeometry`], [`SceneError::NotAMesh`], [`SceneError::Vertices`] for arrays that are no mesh, and
+    /// [`SceneError::Geometry`] if no tree can be built. The mesh is unchanged then.
+    pub fn set_vertices(&mut self, geometry: GeometryId, vertices: impl Into<Vertices<'a>>) -> Result<(), SceneError> {
+        let id = geometry.0;
+        let Geometry::Mesh(mesh) = &self.geometry(geometry)?.geometry else {
+            return Err(SceneError::NotAMesh { geometry: id });
+        };
+        let mesh = mesh.with_vertices(vertices).map_err(|source| SceneError::Vertices { geometry: id, source })?;
+        let Some(Some(changed)) = self.geometries.get_mut(id as usize) else { return Ok(()) };
+        let refitted = Arc::make_mut(changed).refit(mesh.into(), &self.params);
+        refitted.map_err(|source| SceneError::Geometry { geometry: id, source })?;
+        self.moved.insert(id);
+        Ok(())
+    }
+
+    /// The scene of all placed geometries. Builds the tree over the instances, or refits it if a scene had the same ones at
+    /// other places; the trees of geometries exist already.
     ///
     /// # Errors
     ///
     /// [`SceneError::Instances`] if no tree can be built over the instances, as when a transform moves one beyond the
     /// range of numbers.
     pub fn build(self) -> Result<Scene<'a>, SceneError> {
-        let Self { params, geometries, instances } = self;
+        let Self { params, geometries, instances, moved, former_tree, .. } = self;
+        let mut instances: Vec<Instance> = instances.into_iter().flatten().collect();
+        for instance in instances.iter_mut().filter(|instance| moved.contains(&instance.geometry)) {
+            if let Some(Some(geometry)) = geometries.get(instance.geometry as usize) {
+                instance.bounds = bounds(geometry, instance.world_from_local.as_deref());
+            }
+        }
         let set = Instances { instances: &instances, geometries: &geometries };
-        let tree = WideBvh::build_with(&set, &params).map_err(SceneError::Instances)?;
-        Ok(Scene { geometries, instances, tree })
+        let tree = match former_tree {
+            Some(tree) => tree.refitted(&set, &params),
+            None => RefitTree::build(&set, &params),
+        };
+        let tree = tree.map_err(SceneError::Instances)?;
+        Ok(Scene { params, geometries, instances, tree })
     }
 }
 
+/// World bounds of a placed geometry; a point without primitives.
+fn bounds(geometry: &Blas<'_>, world_from_local: Option<&Transform>) -> Aabb {
+    let local = if geometry.bounds.is_empty() { Aabb::from_points([DVec3::ZERO]) } else { geometry.bounds };
+    world_from_local.map_or(local, |transform| transform.aabb(&local))
+}
+
 impl<'a> Scene<'a> {
+    /// A builder that holds this scene, to change it: instances and geometries keep their numbers, and share their trees
+    /// with this scene. Only the tree over the instances changes: it is refitted if instances have moved, and built again
+    /// if some were added or removed. Queries of this scene are not affected.
+    ///
+    /// ```
+    /// use rt_accel::{BuildParams, DVec3, Interval, Ray, SceneBuilder, Transform, TriangleMesh};
+    ///
+    /// let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mut builder = SceneBuilder::new(BuildParams::default());
+    /// let leaf = builder.add(TriangleMesh::new(&vertices, &[[0, 1, 2]])?)?;
+    /// let (low, high) = (builder.place(leaf)?, builder.place_at(leaf, &Transform::translate(DVec3::Z))?);
+    /// let before = builder.build()?;
+    ///
+    /// let mut builder = before.to_builder();
+    /// builder.remove(high)?;
+    /// builder.set_transform(low, &Transform::translate(DVec3::new(0.0, 0.0, -1.0)))?;
+    /// let after = builder.build()?;
+    /// let ray = Ray::new(DVec3::new(0.2, 0.2, 4.0), DVec3::NEG_Z);
+    /// let t = [before, after].map(|scene| scene.closest(&ray, Interval::FORWARD).map(|hit| hit.t));
+    /// assert_eq!(t, [Some(3.0), Some(5.0)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn to_builder(&self) -> SceneBuilder<'a> {
+        let mut instances = Vec::with_capacity(self.instances.len());
+        for instance in &self.instances {
+            instances.resize(instance.id as usize, None);
+            instances.push(Some(instance.clone()));
+        }
+        let free =
+            (0..).zip(&instances).filter_map(|(number, instance)| instance.is_none().then_some(number)).collect();
+        SceneBuilder {
+            params: self.params,
+            geometries: self.geometries.clone(),
+            instances,
+            free,
+            moved: BTreeSet::new(),
+            former_tree: Some(self.tree.clone()),
+        }
+    }
+
     /// A scene of a single geometry, with default parameters.
     ///
     /// # Errors

@@ -61,10 +61,34 @@ pub enum SceneError {
         /// Number of the geometry.
         geometry: u32,
     },
+    /// No instance has this number.
+    UnknownInstance {
+        /// Number of the instance.
+        instance: u32,
+    },
     /// A transform would turn spheres into ellipsoids.
     NotUniform {
         /// Number of the geometry.
         geometry: u32,
+    },
+    /// A geometry without vertices was given new ones.
+    NotAMesh {
+        /// Number of the geometry.
+        geometry: u32,
+    },
+    /// New vertices do not fit the triangles of a mesh.
+    Vertices {
+        /// Number of the geometry.
+        geometry: u32,
+        /// The reason.
+        source: MeshError,
+    },
+    /// A geometry cannot be removed while it is placed.
+    InUse {
+        /// Number of the geometry.
+        geometry: u32,
+        /// The first of its instances.
+        instance: u32,
     },
 }
 
@@ -74,6 +98,12 @@ impl fmt::Display for SceneError {
             Self::Geometry { geometry, source } => write!(f, "geometry {geometry}: {source}"),
             Self::Instances(source) => write!(f, "instances: {source}"),
             Self::UnknownGeometry { geometry } => write!(f, "geometry {geometry} is not in this scene"),
+            Self::UnknownInstance { instance } => write!(f, "instance {instance} is not in this scene"),
+            Self::NotAMesh { geometry } => write!(f, "geometry {geometry} has no vertices: it is a list of spheres"),
+            Self::Vertices { geometry, source } => write!(f, "geometry {geometry}: {source}"),
+            Self::InUse { geometry, instance } => {
+                write!(f, "geometry {geometry} is placed: remove instance {instance} first")
+            }
             Self::NotUniform { geometry } => {
                 write!(
                     f,
@@ -88,7 +118,12 @@ impl core::error::Error for SceneError {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
             Self::Geometry { source, .. } | Self::Instances(source) => Some(source),
-            Self::UnknownGeometry { .. } | Self::NotUniform { .. } => None,
+            Self::Vertices { source, .. } => Some(source),
+            Self::UnknownGeometry { .. }
+            | Self::UnknownInstance { .. }
+            | Self::NotUniform { .. }
+            | Self::NotAMesh { .. }
+            | Self::InUse { .. } => None,
         }
     }
 }

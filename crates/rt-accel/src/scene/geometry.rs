@@ -4,6 +4,7 @@ use glam::DVec3;
 use rt_geometry::{Hit, Primitives, Probe, Spheres};
 use rt_math::{Aabb, Interval, Ray};
 
+use super::refit_tree::RefitTree;
 use super::triangle_mesh::TriangleMesh;
 use crate::wide::BuildParams;
 use crate::{Accelerator, BuildError, PointHit, WideBvh};
@@ -33,7 +34,7 @@ impl From<Spheres> for Geometry<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct Blas<'a> {
     pub(super) geometry: Geometry<'a>,
-    tree: WideBvh,
+    tree: RefitTree,
     /// Bounds of all primitives; empty without any.
     pub(super) bounds: Aabb,
 }
@@ -51,9 +52,18 @@ macro_rules! with_primitives {
 impl<'a> Blas<'a> {
     pub(super) fn build(geometry: Geometry<'a>, params: &BuildParams) -> Result<Self, BuildError> {
         let (tree, bounds) = with_primitives!(&geometry, primitives => {
-            (WideBvh::build_with(primitives, params)?, bounds_of(primitives))
+            (RefitTree::build(primitives, params)?, bounds_of(primitives))
         });
         Ok(Self { geometry, tree, bounds })
+    }
+
+    /// Replaces the geometry by one of as many primitives.
+    pub(super) fn refit(&mut self, geometry: Geometry<'a>, params: &BuildParams) -> Result<(), BuildError> {
+        let (tree, bounds) = with_primitives!(&geometry, primitives => {
+            (self.tree.clone().refitted(primitives, params)?, bounds_of(primitives))
+        });
+        *self = Self { geometry, tree, bounds };
+        Ok(())
     }
 
     pub(super) fn len(&self) -> usize {
@@ -61,37 +71,37 @@ impl<'a> Blas<'a> {
     }
 
     pub(super) fn memory(&self) -> usize {
-        self.tree.memory()
+        self.tree.tree.memory()
     }
 
     #[inline]
     pub(super) fn closest<S: Probe>(&self, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        with_primitives!(&self.geometry, primitives => self.tree.closest(primitives, ray, span, probe))
+        with_primitives!(&self.geometry, primitives => self.tree.tree.closest(primitives, ray, span, probe))
     }
 
     #[inline]
     pub(super) fn occluded<S: Probe>(&self, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        with_primitives!(&self.geometry, primitives => self.tree.occluded(primitives, ray, span, probe))
+        with_primitives!(&self.geometry, primitives => self.tree.tree.occluded(primitives, ray, span, probe))
     }
 
     pub(super) fn closest_batch<S: Probe>(&self, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.closest_batch(primitives, rays, hits, probe));
+        with_primitives!(&self.geometry, primitives => self.tree.tree.closest_batch(primitives, rays, hits, probe));
     }
 
     pub(super) fn occluded_batch<S: Probe>(&self, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.occluded_batch(primitives, rays, occluded, probe));
+        with_primitives!(&self.geometry, primitives => self.tree.tree.occluded_batch(primitives, rays, occluded, probe));
     }
 
     pub(super) fn all_hits<S: Probe>(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>, probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.all_hits(primitives, ray, span, hits, probe));
+        with_primitives!(&self.geometry, primitives => self.tree.tree.all_hits(primitives, ray, span, hits, probe));
     }
 
     pub(super) fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
-        with_primitives!(&self.geometry, primitives => self.tree.nearest_point(primitives, point, radius))
+        with_primitives!(&self.geometry, primitives => self.tree.tree.nearest_point(primitives, point, radius))
     }
 
     pub(super) const fn tree(&self) -> &WideBvh {
-        &self.tree
+        &self.tree.tree
     }
 }
 

@@ -1,6 +1,7 @@
 //! Instances of geometries as primitives of the top level.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use rt_geometry::{BatchKernel, Hit, NoProbe, Primitives, Probe};
 use rt_math::{Aabb, Interval, Ray, Transform};
@@ -10,6 +11,8 @@ use super::geometry::Blas;
 /// A placed geometry.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
+    /// Number of the instance in hits; instances are sorted by it.
+    pub(super) id: u32,
     /// Index of its geometry.
     pub(super) geometry: u32,
     /// `None` for the identity.
@@ -37,15 +40,20 @@ impl Instance {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instances<'s, 'a> {
     pub(super) instances: &'s [Instance],
-    pub(super) geometries: &'s [Blas<'a>],
+    pub(super) geometries: &'s [Option<Arc<Blas<'a>>>],
 }
 
 impl<'s, 'a> Instances<'s, 'a> {
-    /// Instance `index` and its geometry.
+    /// All instances with their geometries, sorted by number.
+    pub(super) fn iter(self) -> impl Iterator<Item = (&'s Instance, &'s Blas<'a>)> {
+        (0..self.instances.len() as u32).filter_map(move |index| self.get(index))
+    }
+
+    /// Instance at an index, which is at most its number, and its geometry.
     #[inline]
-    fn get(&self, index: u32) -> Option<(&'s Instance, &'s Blas<'a>)> {
+    pub(super) fn get(&self, index: u32) -> Option<(&'s Instance, &'s Blas<'a>)> {
         let instance = self.instances.get(index as usize)?;
-        Some((instance, self.geometries.get(instance.geometry as usize)?))
+        Some((instance, self.geometries.get(instance.geometry as usize)?.as_deref()?))
     }
 }
 
@@ -70,7 +78,7 @@ impl Primitives for Instances<'_, '_> {
     fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
         let (instance, geometry) = self.get(index)?;
         let hit = geometry.closest(&instance.local_ray(ray), span, probe)?;
-        Some(Hit { instance: index, ..hit })
+        Some(Hit { instance: instance.id, ..hit })
     }
 
     #[inline]
@@ -86,7 +94,7 @@ impl Primitives for Instances<'_, '_> {
         let n = rays.len().min(hits.len());
         let Some((instance, geometry)) = self.get(index) else { return hits[..n].fill(None) };
         geometry.closest_batch(&instance.local_rays(&rays[..n]), &mut hits[..n], probe);
-        hits[..n].iter_mut().flatten().for_each(|hit| hit.instance = index);
+        hits[..n].iter_mut().flatten().for_each(|hit| hit.instance = instance.id);
     }
 
     fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {

@@ -2,7 +2,7 @@
 //!
 //! From the lowest layer to the highest:
 //!
-//! * `error`, `triangle_mesh`, `user_geometry`
+//! * `error`, `triangle_mesh`, `user_geometry`, `refit_tree`
 //! * `geometry` with its tree; `instances` as primitives of the top level
 //! * `ray_queries`: scenes, and queries along a ray; `points`: queries at a point; `batches`: queries for many rays
 //! * `builder`
@@ -14,6 +14,7 @@ mod geometry;
 mod instances;
 mod points;
 mod ray_queries;
+mod refit_tree;
 mod triangle_mesh;
 mod user_geometry;
 

@@ -25,15 +25,14 @@ impl Scene<'_> {
     pub fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
         let mut nearest: Option<PointHit> = None;
         // Few instances: near ones first would need an order, and far ones are cut off by their bounds.
-        for (index, instance) in self.instances.iter().enumerate() {
+        for (instance, geometry) in self.top_level().iter() {
             let limit = nearest.map_or(radius, |hit| hit.distance);
             if instance.bounds.distance_squared(point).sqrt() > limit {
                 continue;
             }
-            let geometry = &self.geometries[instance.geometry as usize];
             let Some(hit) = nearest_of(geometry, instance, point, limit) else { continue };
             if nearest.is_none_or(|best| hit.distance < best.distance) {
-                nearest = Some(PointHit { instance: index as u32, ..hit });
+                nearest = Some(PointHit { instance: instance.id, ..hit });
             }
         }
         nearest
@@ -45,12 +44,11 @@ impl Scene<'_> {
     /// common orientation. The mesh has to be closed. Crossings, and points on the surface, are decided exactly: a ray
     /// through an edge or a vertex is replaced by one in another direction. False for NaN.
     pub fn contains(&self, point: DVec3) -> bool {
-        self.instances.iter().any(|instance| {
+        self.top_level().iter().any(|(instance, geometry)| {
             if !instance.bounds.padded().contains(point) {
                 return false;
             }
             let local = instance.world_from_local.as_ref().map_or(point, |transform| transform.inverse_point(point));
-            let geometry = &self.geometries[instance.geometry as usize];
             match &geometry.geometry {
                 Geometry::Mesh(mesh) => is_on_surface(geometry, mesh, local) || mesh_contains(geometry, local),
                 Geometry::Spheres(spheres) => {

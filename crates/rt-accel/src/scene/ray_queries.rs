@@ -1,13 +1,16 @@
 //! Scenes and their queries along a ray.
 
 use core::ops::ControlFlow;
+use std::sync::Arc;
 
 use rt_geometry::{Hit, NoProbe};
 use rt_math::{Interval, Ray};
 
 use super::geometry::Blas;
 use super::instances::{Instance, Instances};
-use crate::{Accelerator, WideBvh};
+use super::refit_tree::RefitTree;
+use crate::Accelerator;
+use crate::wide::BuildParams;
 
 /// Meshes and spheres that rays are traced against: two levels of [`WideBvh`].
 ///
@@ -16,9 +19,13 @@ use crate::{Accelerator, WideBvh};
 /// (instance, primitive) is the closest.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
-    pub(super) geometries: Vec<Blas<'a>>,
+    pub(super) params: BuildParams,
+    /// By [`GeometryId`](super::GeometryId); `None` for removed ones.
+    pub(super) geometries: Vec<Option<Arc<Blas<'a>>>>,
+    /// Sorted by number.
     pub(super) instances: Vec<Instance>,
-    pub(super) tree: WideBvh,
+    /// Over the instances.
+    pub(super) tree: RefitTree,
 }
 
 impl<'a> Scene<'a> {
@@ -29,12 +36,12 @@ impl<'a> Scene<'a> {
 
     /// Number of triangles and spheres, those of each geometry once.
     pub fn n_primitives(&self) -> usize {
-        self.geometries.iter().map(Blas::len).sum()
+        self.geometries.iter().flatten().map(|geometry| geometry.len()).sum()
     }
 
     /// Size of all trees in bytes, without the arrays of the geometries.
     pub fn memory(&self) -> usize {
-        self.tree.memory() + self.geometries.iter().map(Blas::memory).sum::<usize>()
+        self.tree.tree.memory() + self.geometries.iter().flatten().map(|geometry| geometry.memory()).sum::<usize>()
     }
 
     /// The closest hit within `span`.
@@ -42,7 +49,7 @@ impl<'a> Scene<'a> {
     pub fn closest(&self, ray: &Ray, span: Interval) -> Option<Hit> {
         match self.single() {
             Some(geometry) => geometry.closest(ray, span, &mut NoProbe),
-            None => self.tree.closest(&self.top_level(), ray, span, &mut NoProbe),
+            None => self.tree.tree.closest(&self.top_level(), ray, span, &mut NoProbe),
         }
     }
 
@@ -51,7 +58,7 @@ impl<'a> Scene<'a> {
     pub fn occluded(&self, ray: &Ray, span: Interval) -> bool {
         match self.single() {
             Some(geometry) => geometry.occluded(ray, span, &mut NoProbe),
-            None => self.tree.occluded(&self.top_level(), ray, span, &mut NoProbe),
+            None => self.tree.tree.occluded(&self.top_level(), ray, span, &mut NoProbe),
         }
     }
 
@@ -64,25 +71,28 @@ impl<'a> Scene<'a> {
         hits.clear();
         let mut of_one = Vec::new();
         let visit = |index: u32, inside: Interval| {
-            let instance = &self.instances[index as usize];
-            let geometry = &self.geometries[instance.geometry as usize];
+            let Some((instance, geometry)) = self.top_level().get(index) else {
+                return ControlFlow::Continue(f64::INFINITY);
+            };
             geometry.all_hits(&instance.local_ray(ray), span, &mut of_one, &mut NoProbe);
             // As the closest hit: not before the entry into the bounds.
-            let placed = |hit: &Hit| Hit { t: hit.t.max(inside.min), instance: index, ..*hit };
+            let placed = |hit: &Hit| Hit { t: hit.t.max(inside.min), instance: instance.id, ..*hit };
             hits.extend(of_one.iter().map(placed));
             ControlFlow::<(), f64>::Continue(f64::INFINITY)
         };
-        self.tree.visit_candidates(&self.top_level(), ray, span, visit, &mut NoProbe);
+        self.tree.tree.visit_candidates(&self.top_level(), ray, span, visit, &mut NoProbe);
         hits.sort_unstable_by(|a, b| {
             a.t.total_cmp(&b.t).then((a.instance, a.primitive).cmp(&(b.instance, b.primitive)))
         });
     }
 
-    /// The geometry, if there is a single one that is not transformed: rays skip the top level.
+    /// The geometry, if instance 0 is the only one and not transformed: rays skip the top level.
     #[inline]
     pub(super) fn single(&self) -> Option<&Blas<'a>> {
         match self.instances.as_slice() {
-            [Instance { geometry, world_from_local: None, .. }] => self.geometries.get(*geometry as usize),
+            [Instance { id: 0, geometry, world_from_local: None, .. }] => {
+                self.geometries.get(*geometry as usize)?.as_deref()
+            }
             _ => None,
         }
     }

@@ -140,6 +140,15 @@ impl<'a> TriangleMesh<'a> {
         })
     }
 
+    /// The same triangles over other vertices.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new).
+    pub fn with_vertices(&self, vertices: impl Into<Vertices<'a>>) -> Result<Self, MeshError> {
+        Self::new(vertices, self.triangles.clone())
+    }
+
     /// A mesh that borrows nothing.
     pub fn into_owned(self) -> TriangleMesh<'static> {
         TriangleMesh {
