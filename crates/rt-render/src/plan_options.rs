@@ -19,8 +19,8 @@ pub struct PlanOptions {
     pub backdrop: Option<Rgb>,
     /// Do not trim the plan. The image is bit-identical, as tests verify.
     pub full: bool,
-    /// Instruction set of the accelerators; `None` for the best one of the processor. The portable one
-    /// replaces an unsupported one. The image is bit-identical.
+    /// Instruction set of the accelerators; `None` for the best one of the processor. The best
+    /// available one below it replaces one that is not available. The image is bit-identical.
     pub simd: Option<SimdLevel>,
     /// Build quality of the wide BVH. The image is bit-identical.
     pub quality: Quality,

@@ -79,8 +79,11 @@ fn current_name(name: &str) -> &str {
 
 /// SIMD instructions of this processor.
 pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
-    named(SimdLevel::ALL, SimdLevel::name)
-        .try_map(|level| Some(level).filter(|level| level.is_available()).ok_or("this processor does not have it"))
+    named(SimdLevel::ALL, SimdLevel::name).try_map(|level| match level {
+        level if level.is_available() => Ok(level),
+        level if level.is_compiled() => Err("this processor does not have it"),
+        _ => Err("this program is built without it: add `--features all-simd`"),
+    })
 }
 
 pub(super) fn dither() -> impl TypedValueParser<Value = bool> {

@@ -39,6 +39,16 @@ impl SimdLevel {
         Self::ALL.iter().rev().copied().find(|level| level.is_available()).unwrap_or(Self::Portable)
     }
 
+    /// True if the crate was compiled with kernels of the level: for AVX-512 the feature `all-simd` is needed, and for it
+    /// and AVX2 a target of x86-64.
+    pub const fn is_compiled(self) -> bool {
+        match self {
+            Self::Portable => true,
+            Self::Avx2 => cfg!(target_arch = "x86_64"),
+            Self::Avx512 => cfg!(all(target_arch = "x86_64", feature = "all-simd")),
+        }
+    }
+
     /// True if this processor supports the level, and the level is compiled.
     pub fn is_available(self) -> bool {
         DetectedSimd::detect(self).is_some()
@@ -56,9 +66,10 @@ pub(in crate::wide) enum DetectedSimd {
 }
 
 impl DetectedSimd {
-    /// The given level, or the portable one if the processor does not support it.
+    /// The given level, or the most demanding available one below it.
     pub(in crate::wide) fn new(level: SimdLevel) -> Self {
-        Self::detect(level).unwrap_or(Self::Portable(Portable))
+        let mut not_above = SimdLevel::ALL.iter().rev().filter(|&&other| other <= level);
+        not_above.find_map(|&level| Self::detect(level)).unwrap_or(Self::Portable(Portable))
     }
 
     /// `None` if the processor does not support the level, or it is not compiled.
@@ -123,5 +134,20 @@ impl Default for DetectedSimd {
 impl Default for SimdLevel {
     fn default() -> Self {
         Self::best()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_demanding_available_level_replaces_one_that_is_not_available() {
+        for (i, &level) in SimdLevel::ALL.iter().enumerate() {
+            let expected = SimdLevel::ALL[..=i].iter().rev().find(|level| level.is_available());
+            assert_eq!(Some(&DetectedSimd::new(level).level()), expected);
+            assert!(level.is_compiled() || !level.is_available());
+        }
+        assert!(SimdLevel::Portable.is_available());
     }
 }
