@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use rt_image::{Development, Image, ImageFormat, write_image};
-use rt_render::Rendering;
+use rt_image::{Development, Image, ImageFormat, Layer, write_image, write_layers};
+use rt_render::{FirstHitLayer, LayerValues, Rendering};
 
-use crate::args::{Aov, AovArg};
+use crate::args::{Aov, AovArg, AovContent, LayerList};
 use crate::error::CliError;
 use crate::image_file;
 use crate::output::OutputFile;
@@ -13,7 +13,7 @@ use crate::output_error::OutputError;
 
 #[derive(Debug)]
 pub(crate) struct AovFile {
-    aov: Aov,
+    content: AovContent,
     format: ImageFormat,
     output: OutputFile,
 }
@@ -21,7 +21,7 @@ pub(crate) struct AovFile {
 impl AovFile {
     fn prepare(arg: &AovArg, inputs: &[PathBuf]) -> Result<Self, CliError> {
         let format = image_file::format_of(&arg.file)?;
-        Ok(Self { aov: arg.aov, format, output: OutputFile::prepare(&arg.file, inputs)? })
+        Ok(Self { content: arg.content.clone(), format, output: OutputFile::prepare(&arg.file, inputs)? })
     }
 
     /// Prepares all files, which must differ from each other and from `others`.
@@ -42,22 +42,65 @@ impl AovFile {
         Ok(aovs)
     }
 
-    const fn output(&self) -> &OutputFile {
+    pub(crate) const fn output(&self) -> &OutputFile {
         &self.output
+    }
+
+    /// True if it needs the sums of all passes.
+    pub(crate) const fn needs_maps(&self) -> bool {
+        self.content.needs_maps()
+    }
+
+    /// Layers of first hits to compute from the plan.
+    pub(crate) fn first_hit_layers(&self) -> &[FirstHitLayer] {
+        match &self.content {
+            AovContent::Map(_) => &[],
+            AovContent::Layers(list) => &list.first_hit,
+        }
     }
 
     /// Refuses outputs that cannot be estimated or stored.
     pub(crate) fn check(&self, size: [u32; 2], several_passes: bool) -> Result<(), CliError> {
-        if self.aov == Aov::Stderr && !several_passes {
+        let needs_passes = match &self.content {
+            AovContent::Map(map) => *map == Aov::Stderr,
+            AovContent::Layers(list) => list.stderr,
+        };
+        if needs_passes && !several_passes {
             let message = "--aov stderr needs at least two passes: add --passes 4";
             return Err(CliError::Usage(message.to_owned()));
         }
         image_file::check(self.format, size, false)
     }
 
-    /// Writes the file, if need be to a fallback directory.
-    pub(crate) fn write(&self, rendering: &Rendering, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
-        let film = match self.aov {
+    /// Memory of the layers for this number of pixels, and at most the size of the file. The image is in it as well.
+    pub(crate) fn layer_bytes(&self, pixels: u64) -> u64 {
+        let AovContent::Layers(list) = &self.content else { return 0 };
+        let of_hits: usize = list.first_hit.iter().map(|layer| layer.channels().len()).sum();
+        let of_maps = 3 * (usize::from(list.samples) + usize::from(list.stderr || list.is_all));
+        pixels.saturating_mul(4 * (of_hits + of_maps + 4) as u64)
+    }
+
+    /// Writes the file, if need be to a fallback directory. `values` are the layers of first hits, and `attributes` describe
+    /// the render.
+    pub(crate) fn write(
+        &self,
+        rendering: &Rendering,
+        values: Vec<LayerValues>,
+        attributes: &[(&str, String)],
+        fallback_dirs: &[PathBuf],
+    ) -> Result<(), OutputError> {
+        match &self.content {
+            AovContent::Map(map) => self.write_map(*map, rendering, fallback_dirs),
+            AovContent::Layers(list) => {
+                let layers = layers(list, rendering, values);
+                self.output
+                    .write_with_fallback(fallback_dirs, |file| write_layers(&rendering.film, &layers, attributes, file))
+            }
+        }
+    }
+
+    fn write_map(&self, map: Aov, rendering: &Rendering, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
+        let film = match map {
             Aov::Stderr => &rendering.standard_error,
             Aov::Samples => &rendering.sample_counts,
         };
@@ -72,6 +115,26 @@ impl AovFile {
         self.output
             .write_with_fallback(fallback_dirs, |file| write_image(film, &Development::default(), self.format, file))
     }
+}
+
+/// All layers of a file with the names of their channels.
+fn layers(list: &LayerList, rendering: &Rendering, values: Vec<LayerValues>) -> Vec<Layer> {
+    let mut layers: Vec<Layer> = values
+        .into_iter()
+        .map(|LayerValues { layer, channels }| Layer {
+            name: layer.name().to_owned(),
+            channels: layer.channels().iter().map(|&name| name.to_owned()).zip(channels).collect(),
+        })
+        .collect();
+    let plane = |film: &Image, at: usize| film.pixels().iter().map(|pixel| pixel[at]).collect();
+    if let Some(counts) = rendering.sample_counts.as_ref().filter(|_| list.samples) {
+        layers.push(Layer { name: "samples".to_owned(), channels: vec![("V".to_owned(), plane(counts, 0))] });
+    }
+    if let Some(errors) = rendering.standard_error.as_ref().filter(|_| list.stderr || list.is_all) {
+        let channels = ["R", "G", "B"].into_iter().enumerate().map(|(at, name)| (name.to_owned(), plane(errors, at)));
+        layers.push(Layer { name: "stderr".to_owned(), channels: channels.collect() });
+    }
+    layers
 }
 
 /// Values relative to the largest finite one.

@@ -32,7 +32,9 @@ pub(crate) use merge::MergeArgs;
 pub(crate) use stop::StopArgs;
 #[cfg(feature = "view")]
 pub(crate) use values::TONE_CURVES;
-pub(crate) use values::{Aov, AovArg, BackgroundChoice, CheckpointInterval, tone_name, tone_of_name};
+pub(crate) use values::{
+    Aov, AovArg, AovContent, BackgroundChoice, CheckpointInterval, LayerList, tone_name, tone_of_name,
+};
 
 /// Name of an enum value on the command line.
 pub(crate) fn name_of(value: impl ValueEnum) -> String {
@@ -135,7 +137,7 @@ pub(crate) struct RenderArgs {
     pub(crate) development: DevelopmentArgs,
 
     /// Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
-    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov, long_help = stop::AOV_HELP, help_heading = "Output")]
+    #[arg(long, value_name = "LIST=FILE", value_parser = values::aov, long_help = stop::AOV_HELP, help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]

@@ -21,7 +21,7 @@ use crate::output_error::OutputError;
 use crate::render_observer::RenderObserver;
 use crate::signals::SignalGuard;
 use crate::stats::{self, Outcome};
-use crate::{empty_image, image_file, input, report, signals};
+use crate::{empty_image, image_file, input, memory, report, signals};
 
 /// A render with all settings resolved.
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl JobOutput {
 
     /// True if standard errors and sample counts are kept. `merge` may ask for those of a part.
     fn needs_maps(&self) -> bool {
-        matches!(self, Self::Part(_)) || !self.aovs().is_empty()
+        matches!(self, Self::Part(_)) || self.aovs().iter().any(AovFile::needs_maps)
     }
 }
 
@@ -106,7 +106,7 @@ impl Job<'_> {
         let is_written = matches!(self.output, JobOutput::Image { .. }) || missing_tiles == 0;
         let mut results = vec![self.write_part(&part, &fallback_dirs)];
         let rendering = part.into_rendering();
-        results.extend(self.write_images(&rendering, &fallback_dirs));
+        results.extend(self.write_images(&plan, &rendering, &fallback_dirs));
         if let Some(display) = display {
             display.finish(&rendering.film);
         }
@@ -178,12 +178,40 @@ impl Job<'_> {
     }
 
     /// Writes the image and its per-pixel outputs.
-    fn write_images(&self, rendering: &Rendering, fallback_dirs: &[PathBuf]) -> Vec<Result<(), OutputError>> {
+    fn write_images(
+        &self,
+        plan: &RenderPlan<'_>,
+        rendering: &Rendering,
+        fallback_dirs: &[PathBuf],
+    ) -> Vec<Result<(), OutputError>> {
         let JobOutput::Image { format, file, aovs } = &self.output else { return Vec::new() };
         let development = &self.scene.film.development;
         let image =
             file.write_with_fallback(fallback_dirs, |file| write_image(&rendering.film, development, *format, file));
-        core::iter::once(image).chain(aovs.iter().map(|aov| aov.write(rendering, fallback_dirs))).collect()
+        let attributes = self.attributes(plan, rendering);
+        let write = |aov: &AovFile| {
+            let values = plan.first_hit_layers(aov.first_hit_layers(), self.threads).map_err(|error| {
+                OutputError::Write { path: aov.output().path().to_owned(), reason: error.to_string() }
+            })?;
+            aov.write(rendering, values, &attributes, fallback_dirs)
+        };
+        core::iter::once(image).chain(aovs.iter().map(write)).collect()
+    }
+
+    /// Texts that describe the render in files with layers.
+    fn attributes(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Vec<(&'static str, String)> {
+        let settings = &self.scene.settings;
+        let mut attributes = vec![
+            ("renderer", concat!("rt ", env!("CARGO_PKG_VERSION")).to_owned()),
+            ("scene", self.scene.name.clone()),
+            ("camera", plan.camera_name().to_owned()),
+            ("integrator", settings.integrator.name().to_owned()),
+            ("spp", rendering.samples_per_pixel.mean.to_string()),
+            ("seed", settings.seed.to_string()),
+        ];
+        let identity = self.checkpoint.as_ref().map(|options| ("sceneHash", options.identity.to_string()));
+        attributes.extend(identity);
+        attributes
     }
 
     /// True if the part exists already: finished, and of this image.
@@ -264,6 +292,11 @@ impl Job<'_> {
         }
         for aov in self.output.aovs() {
             aov.check(size, self.rule.is_some() || plan.passes() > 1)?;
+            let pixels = u64::from(size[0]) * u64::from(size[1]);
+            // The layers, their copy in the file, and while they are put together.
+            let needed = ("the layers of --aov".to_owned(), aov.layer_bytes(pixels).saturating_mul(3));
+            memory::check(self.options.memory, aov.output().path(), &[needed])?;
+            aov.output().check_space(aov.layer_bytes(pixels))?;
         }
         Ok(plan)
     }

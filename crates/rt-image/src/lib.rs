@@ -36,6 +36,8 @@ mod dither;
 mod image;
 #[cfg(feature = "files")]
 mod image_file;
+#[cfg(feature = "files")]
+mod layers;
 pub mod metrics;
 #[cfg(feature = "files")]
 mod pfm;
@@ -52,6 +54,8 @@ pub use dither::Dither;
 pub use image::Image;
 #[cfg(feature = "files")]
 pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
+#[cfg(feature = "files")]
+pub use layers::{Layer, write_layers};
 #[cfg(feature = "files")]
 pub use read_image::{ImageHeader, decode_image, format_of_bytes, image_format, image_header, read_image};
 #[cfg(feature = "files")]

@@ -105,6 +105,11 @@ impl<'s> RenderPlan<'s> {
         Ok(())
     }
 
+    /// Name of the camera in the scene.
+    pub const fn camera_name(&self) -> &str {
+        self.camera_name
+    }
+
     /// False if the scene has no light: no delta light and no emissive surface, and the integrator gathers no light from the
     /// background.
     pub fn has_light(&self) -> bool {

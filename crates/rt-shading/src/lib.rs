@@ -75,6 +75,7 @@ mod path;
 mod phong;
 mod ray_queues;
 mod russian_roulette;
+mod surface_features;
 mod texture;
 mod to_phong;
 mod tracer;

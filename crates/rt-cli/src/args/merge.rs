@@ -28,7 +28,7 @@ pub(crate) struct MergeArgs {
     pub(crate) development: DevelopmentArgs,
 
     /// Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
-    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov, long_help = super::stop::AOV_HELP)]
+    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov_of_parts, long_help = super::stop::MAP_HELP)]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]

@@ -57,6 +57,17 @@ impl StopArgs {
 }
 
 pub(super) const AOV_HELP: &str = "\
+Write layers such as depth,normal,albedo to one .exr file, or stderr=FILE or samples=FILE as an image
+
+Layers of the first surfaces that camera rays hit: depth, position, normal, geometric_normal, albedo, roughness, emission, uv, \
+object_id, material_id, instance_id, coverage; `all` stands for them, `samples` and `stderr`. The file also holds the image. \
+Channels are named as depth.Z and normal.X, with 32-bit floats.
+
+`stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
+needs at least two passes. `samples` is the number of samples, in all channels. Alone, they may go to any format: .exr, .hdr and .pfm \
+hold the numbers; .png and .jpg show them relative to the largest of the image, from black to white. May be given more than once.";
+
+pub(super) const MAP_HELP: &str = "\
 Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
 
 `stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \

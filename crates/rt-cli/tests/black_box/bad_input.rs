@@ -158,7 +158,7 @@ fn wrong_usage_ends_with_code_2() {
             ("minimum without adaptive sampling", GOOD, "render scene.ron --min-spp 4"),
             ("stages without an error", GOOD, "render scene.ron --two-stage"),
             ("no passes", GOOD, "render scene.ron --passes 0"),
-            ("no such AOV", GOOD, "render scene.ron --aov albedo=a.exr"),
+            ("no such AOV", GOOD, "render scene.ron --aov beauty=a.exr"),
             ("standard error of one pass", GOOD, "render scene.ron --aov stderr=a.exr"),
             ("two AOVs in one", GOOD, "render scene.ron --aov samples=a.exr --aov samples=./a.exr"),
             ("NaN", GOOD, "render scene.ron --look-from 0,nan,0"),

@@ -14,6 +14,7 @@ mod documentation;
 mod empty_images;
 #[cfg(unix)]
 mod hostile_files;
+mod layers;
 mod lighting;
 mod long_renders;
 mod piping;

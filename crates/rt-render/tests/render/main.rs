@@ -6,6 +6,7 @@ mod crafted;
 mod culling;
 mod determinism;
 mod invariance;
+mod layers;
 mod left_out;
 mod lens;
 mod motion;

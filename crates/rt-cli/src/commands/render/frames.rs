@@ -96,7 +96,7 @@ fn of_frame(args: &RenderArgs, frame: u32) -> RenderArgs {
     RenderArgs {
         input: InputArgs { at_time: Some(args.input.timing.time_of(frame)), ..args.input.clone() },
         output: Some(name(&output(args))),
-        aov: args.aov.iter().map(|arg| AovArg { aov: arg.aov, file: name(&arg.file) }).collect(),
+        aov: args.aov.iter().map(|arg| AovArg { content: arg.content.clone(), file: name(&arg.file) }).collect(),
         checkpoint: CheckpointArgs {
             shard: None,
             checkpoint: args.checkpoint.checkpoint.as_deref().map(name),

@@ -1,0 +1,78 @@
+//! Layers in one file, read back by the project and by OpenImageIO.
+
+use std::process::Command;
+
+use rt_tests::skip;
+
+use crate::program::Workplace;
+
+const CHANNELS: &str = "R, G, B, albedo.R, albedo.G, albedo.B, coverage.V, depth.Z, emission.R, emission.G, emission.B, \
+    geometric_normal.X, geometric_normal.Y, geometric_normal.Z, instance_id.V, material_id.V, normal.X, normal.Y, normal.Z, \
+    object_id.V, position.X, position.Y, position.Z, roughness.V, samples.V, stderr.R, stderr.G, stderr.B, uv.U, uv.V";
+
+#[test]
+fn layers_leave_the_image_alone_and_hold_it() {
+    let place = Workplace::with_scene();
+    for options in ["--spp 4", "--spp 8 --passes 2 --integrator path", "--crop 3,4,9,7 --integrator normals"] {
+        place.succeed(&format!("render scene.ron {options} -o plain.exr"));
+        place.succeed(&format!("render scene.ron {options} -o a.exr --aov all=layers.exr --aov depth,uv=few.exr"));
+        assert_eq!(place.read("a.exr"), place.read("plain.exr"), "{options}");
+        assert_eq!(place.film("layers.exr"), place.film("plain.exr"), "{options}");
+        let layers = place.read("layers.exr");
+        place.succeed(&format!("render scene.ron {options} -o a.exr --aov all=layers.exr --threads 1"));
+        assert_eq!(place.read("layers.exr"), layers, "{options}");
+        assert!(place.read("few.exr").len() < layers.len(), "{options}");
+    }
+}
+
+#[test]
+fn open_image_io_reads_names_values_and_attributes() {
+    if Command::new("oiiotool").arg("--help").output().is_err() {
+        return skip("oiiotool is not installed (Debian's openimageio-tools)");
+    }
+    let place = Workplace::new();
+    place.write(
+        "s.ron",
+        "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0)), film: (size: (9, 9)),
+          materials: {\"red\": diffuse(albedo: (0.75, 0.25, 0))},
+          nodes: [(shape: sphere(), material: \"red\")])",
+    );
+    place.succeed("render s.ron --spp 4 --passes 2 --sampler jittered --seed 7 -o a.exr --aov all=layers.exr");
+    let oiio = |arguments: &[&str]| {
+        let output = Command::new("oiiotool").current_dir(place.path("")).args(arguments).output().expect("it runs");
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let info = oiio(&["--info", "-v", "layers.exr"]);
+    assert!(info.contains("9 x    9, 30 channel, float openexr"), "{info}");
+    assert!(info.contains(&format!("channel list: {CHANNELS}\n")), "{info}");
+    for attribute in ["renderer: \"rt ", "scene: \"s\"", "seed: \"7\"", "spp: \"8\"", "sceneHash: \""] {
+        assert!(info.contains(attribute), "{attribute}: {info}");
+    }
+    let channels = "depth.Z,albedo.R,albedo.G,material_id.V";
+    let middle = oiio(&["layers.exr", "--ch", channels, "--cut", "1x1+4+4", "--printstats"]);
+    let numbers = middle.lines().find_map(|line| line.trim().strip_prefix("Stats Min:")).expect("values");
+    let numbers: Vec<f64> = numbers.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let [depth, red, green, material] = numbers[..] else { panic!("four values: {middle}") };
+    assert!((4.0..4.1).contains(&depth), "{middle}");
+    assert_eq!((red, green, material), (0.75, 0.25, 1.0), "{middle}");
+}
+
+#[test]
+fn layers_that_cannot_be_written_are_refused_at_once() {
+    let place = Workplace::with_scene();
+    let cases = [
+        (2, "render scene.ron -o a.png --aov depth=a.png"),
+        (2, "render scene.ron -o a.png --aov dept=a.exr"),
+        (2, "render scene.ron -o a.png --spp 1 --integrator depth --aov stderr,depth=b.exr"),
+        (2, "render scene.ron -o a.exr --aov depth=a.exr"),
+        (2, "merge a.part -o a.exr --aov depth=b.exr"),
+        (3, "render scene.ron -o a.exr --size 8000x8000 --memory 8GiB --integrator depth --spp 1 --aov all=b.exr"),
+    ];
+    for (code, arguments) in cases {
+        let run = place.run(arguments);
+        assert_eq!(run.code, Some(code), "{arguments}: {run:?}");
+        assert!(["--aov", "a.exr", "b.exr"].iter().any(|word| run.stderr.contains(word)), "{run:?}");
+    }
+    assert_eq!(place.files(), ["scene.ron"]);
+}

@@ -1,0 +1,161 @@
+//! Multi-layer OpenEXR files.
+//!
+//! All channels are in one part and have names like `normal.X`, as Blender, Nuke and OpenImageIO expect; those of the image
+//! itself have no prefix. All are 32-bit floats, also numbers of objects, because Blender and Nuke show no others. The data
+//! are compressed without loss.
+
+use std::io::{Cursor, Write};
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer as ExrLayer, LayerAttributes, SmallVec,
+    Text, Vec2, WritableImage as _, attribute::AttributeValue,
+};
+
+use crate::{Image, ImageFileError, ImageFormat};
+
+/// Values per pixel under one name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Name, such as `normal`.
+    pub name: String,
+    /// Channels with their names, such as `X`, and one value per pixel, row by row.
+    pub channels: Vec<(String, Vec<f32>)>,
+}
+
+/// Writes an image with layers, and texts such as the name of the program as attributes, to an OpenEXR file.
+///
+/// # Errors
+/// [`ImageFileError::Encode`] if the image has no pixels, or a layer not one value for each of them, and
+/// [`ImageFileError::Write`] if the writer fails.
+pub fn write_layers(
+    image: &Image,
+    layers: &[Layer],
+    attributes: &[(&str, String)],
+    mut writer: impl Write,
+) -> Result<(), ImageFileError> {
+    let refused = |reason: String| ImageFileError::Encode { format: ImageFormat::Exr, reason };
+    let count = image.pixels().len();
+    if count == 0 {
+        return Err(refused("it has no pixels".to_owned()));
+    }
+    let mut channels = SmallVec::new();
+    for (at, name) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(channel(name, image.pixels().iter().map(|pixel| pixel[at]).collect()));
+    }
+    if let Some(alpha) = image.alpha() {
+        channels.push(channel("A", alpha.to_vec()));
+    }
+    for Layer { name, channels: of_layer } in layers {
+        for (component, values) in of_layer {
+            if values.len() != count {
+                return Err(refused(format!("{name}.{component} has {} values for {count} pixels", values.len())));
+            }
+            channels.push(channel(&format!("{name}.{component}"), values.clone()));
+        }
+    }
+    let mut described = LayerAttributes::default();
+    for (name, value) in attributes {
+        described.other.insert(Text::from(*name), AttributeValue::Text(Text::from(value.as_str())));
+    }
+    let size = Vec2(image.width() as usize, image.height() as usize);
+    let layer = ExrLayer::new(size, described, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let mut bytes = Vec::new();
+    let written = ExrImage::from_layer(layer).write().non_parallel().to_buffered(Cursor::new(&mut bytes));
+    written.map_err(|error| refused(error.to_string()))?;
+    sort_attributes(&mut bytes);
+    writer.write_all(&bytes).and_then(|()| writer.flush()).map_err(ImageFileError::Write)
+}
+
+/// Sorts the attributes in the header of a file by name: the encoder writes them in an order that varies.
+///
+/// They follow eight bytes of magic number and version: a name, a type, both ended by 0, the number of bytes, and these. An
+/// empty name ends the header. Its length stays, and so do the positions of the data in the file.
+fn sort_attributes(bytes: &mut [u8]) {
+    let text_end = |from: usize| bytes[from..].iter().position(|&byte| byte == 0).map(|length| from + length + 1);
+    let mut attributes: Vec<&[u8]> = Vec::new();
+    let mut at = 8;
+    while bytes.get(at).is_some_and(|&byte| byte != 0) {
+        let Some(size) = text_end(at).and_then(text_end) else { return };
+        let Some(&[a, b, c, d]) = bytes.get(size..size + 4) else { return };
+        let end = size + 4 + u32::from_le_bytes([a, b, c, d]) as usize;
+        let Some(attribute) = bytes.get(at..end) else { return };
+        attributes.push(attribute);
+        at = end;
+    }
+    attributes.sort_unstable();
+    let sorted = attributes.concat();
+    bytes[8..at].copy_from_slice(&sorted);
+}
+
+fn channel(name: &str, values: Vec<f32>) -> AnyChannel<FlatSamples> {
+    AnyChannel::new(name, FlatSamples::F32(values))
+}
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::{ReadChannels as _, ReadLayers as _, read};
+
+    use super::*;
+    use crate::read_image;
+
+    fn film() -> Image {
+        let mut film = Image::new(3, 2, true);
+        for (i, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            *pixel = [i as f32, 0.1, -2.5e-20];
+        }
+        film
+    }
+
+    fn depth() -> Layer {
+        Layer { name: "depth".to_owned(), channels: vec![("Z".to_owned(), vec![1.0, 2.0, 3.5, 1e10, 0.0, 7.0])] }
+    }
+
+    #[test]
+    fn names_values_and_attributes_are_read_back() {
+        let normal = |at: usize| (0..6).map(|i| (i * 3 + at) as f32 / 7.0).collect::<Vec<f32>>();
+        let channels = ["X", "Y", "Z"].into_iter().enumerate().map(|(at, name)| (name.to_owned(), normal(at)));
+        let layers = [depth(), Layer { name: "normal".to_owned(), channels: channels.collect() }];
+        let mut bytes = Vec::new();
+        write_layers(&film(), &layers, &[("renderer", "rt 1".to_owned())], &mut bytes).expect("written");
+        let reader = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+        let file = reader.from_buffered(Cursor::new(&bytes)).expect("an EXR file");
+        let [layer] = &file.layer_data[..] else { panic!("one layer") };
+        let names: Vec<String> = layer.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+        assert_eq!(names, ["A", "B", "G", "R", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);
+        let values: Vec<f32> = layer.channel_data.list[4].sample_data.values_as_f32().collect();
+        assert_eq!(values, depth().channels[0].1);
+        let values: Vec<f32> = layer.channel_data.list[6].sample_data.values_as_f32().collect();
+        assert_eq!(values, normal(1));
+        let attribute = layer.attributes.other.get(&Text::from("renderer"));
+        assert_eq!(attribute, Some(&AttributeValue::Text(Text::from("rt 1"))));
+    }
+
+    #[test]
+    fn the_image_itself_is_read_as_any_other() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("layers.exr");
+        let file = std::fs::File::create(&path).expect("a file");
+        write_layers(&film(), &[depth()], &[], file).expect("written");
+        assert_eq!(read_image(&path).expect("an image"), film());
+    }
+
+    #[test]
+    fn equal_layers_make_equal_files() {
+        let attributes = ["renderer", "scene", "camera", "integrator", "seed"].map(|name| (name, name.to_uppercase()));
+        let file = || {
+            let mut bytes = Vec::new();
+            write_layers(&film(), &[depth()], &attributes, &mut bytes).expect("written");
+            bytes
+        };
+        let first = file();
+        assert!((0..20).all(|_| file() == first));
+    }
+
+    #[test]
+    fn layers_of_another_size_are_refused() {
+        let short = Layer { name: "depth".to_owned(), channels: vec![("Z".to_owned(), vec![1.0])] };
+        let refused = write_layers(&film(), &[short], &[], Vec::new()).expect_err("five values are missing");
+        assert!(refused.to_string().contains("depth.Z has 1 values for 6 pixels"), "{refused}");
+        assert!(write_layers(&Image::new(0, 0, false), &[], &[], Vec::new()).is_err());
+    }
+}

@@ -1,0 +1,129 @@
+//! Layers of the first surfaces that camera rays hit.
+
+use rt_camera::{CameraSettings, FovAxis, Projection, SamplerKind};
+use rt_geometry::{Shape, Sphere};
+use rt_math::{DVec3, Rgb, Transform};
+use rt_render::{Crop, FAR_DEPTH, FirstHitLayer, LayerValues, PlanOptions, RenderPlan, RunOptions};
+use rt_scene_io::{Content, MaterialId, Scene, SceneNode};
+use rt_shading::{ColorTexture, Material, MaterialModel};
+
+use crate::support::{everything, spheres};
+
+fn all(plan: &RenderPlan<'_>, threads: usize) -> Vec<LayerValues> {
+    plan.first_hit_layers(FirstHitLayer::ALL, threads).expect("threads")
+}
+
+fn values(layers: &[LayerValues], layer: FirstHitLayer, pixel: usize) -> Vec<f32> {
+    let found = layers.iter().find(|values| values.layer == layer).expect("it was asked for");
+    found.channels.iter().map(|channel| channel[pixel]).collect()
+}
+
+/// A red sphere of radius 1 around the origin, seen from (0, 0, 5) by an image of 9 by 9 pixels.
+fn one_sphere() -> Scene {
+    let mut scene = spheres();
+    let sphere = Sphere::new(DVec3::ZERO, 1.0).expect("a sphere");
+    let mut material = Material::new("red".to_owned(), MaterialModel::Diffuse { albedo: red(), roughness: 0.0 });
+    material.emission = ColorTexture::Constant(Rgb::new(0.0, 2.0, 0.0));
+    scene.appearance.materials = vec![material];
+    scene.nodes = vec![SceneNode::new(Content::Shape(Shape::Sphere(sphere)), MaterialId(0))];
+    scene.groups.clear();
+    let projection = Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical };
+    scene.cameras[0].settings = CameraSettings::new(Transform::translate(DVec3::Z * 5.0), projection);
+    (scene.film.width, scene.film.height) = (9, 9);
+    scene.settings.spp = 1;
+    scene
+}
+
+fn red() -> ColorTexture {
+    ColorTexture::Constant(Rgb::new(0.75, 0.25, 0.0))
+}
+
+#[test]
+fn the_middle_of_a_sphere_has_known_values() {
+    let mut scene = one_sphere();
+    scene.settings.pattern = SamplerKind::Centre;
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let layers = all(&plan, 1);
+    let middle = |layer| values(&layers, layer, 4 * 9 + 4);
+    assert_eq!(middle(FirstHitLayer::Depth), [4.0]);
+    assert_eq!(middle(FirstHitLayer::Position), [0.0, 0.0, 1.0]);
+    assert_eq!(middle(FirstHitLayer::Normal), [0.0, 0.0, 1.0]);
+    assert_eq!(middle(FirstHitLayer::GeometricNormal), [0.0, 0.0, 1.0]);
+    assert_eq!(middle(FirstHitLayer::Albedo), [0.75, 0.25, 0.0]);
+    assert_eq!(middle(FirstHitLayer::Roughness), [1.0]);
+    assert_eq!(middle(FirstHitLayer::Emission), [0.0, 2.0, 0.0]);
+    assert_eq!(middle(FirstHitLayer::ObjectId), [1.0]);
+    assert_eq!(middle(FirstHitLayer::MaterialId), [1.0]);
+    assert_eq!(middle(FirstHitLayer::Coverage), [1.0]);
+    for &layer in FirstHitLayer::ALL {
+        let corner = values(&layers, layer, 0);
+        let expected = if layer == FirstHitLayer::Depth { FAR_DEPTH } else { 0.0 };
+        assert!(corner.iter().all(|&value| value == expected), "{layer:?} of nothing: {corner:?}");
+    }
+}
+
+#[test]
+fn coverage_is_partial_at_the_silhouette_only() {
+    let mut scene = one_sphere();
+    scene.settings.spp = 16;
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let layers = all(&plan, 1);
+    let coverage: Vec<f32> = (0..81).map(|pixel| values(&layers, FirstHitLayer::Coverage, pixel)[0]).collect();
+    let partial = coverage.iter().filter(|&&share| share > 0.0 && share < 1.0).count();
+    let covered = coverage.iter().filter(|&&share| share == 1.0).count();
+    assert!(partial >= 8 && covered >= 4, "{coverage:?}");
+    for pixel in (0..81).filter(|&pixel| coverage[pixel] > 0.0) {
+        let normal = DVec3::from_slice(
+            &values(&layers, FirstHitLayer::Normal, pixel).iter().map(|&c| f64::from(c)).collect::<Vec<_>>(),
+        );
+        assert!((normal.length() - 1.0).abs() < 1e-6 && normal.z > 0.0, "{normal}");
+    }
+}
+
+#[test]
+fn layers_do_not_depend_on_threads_trimming_or_the_crop() {
+    let mut scene = everything();
+    (scene.film.width, scene.film.height) = (32, 24);
+    scene.settings.spp = 4;
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let expected = all(&plan, 1);
+    for threads in [2, 3] {
+        assert_eq!(all(&plan, threads), expected, "{threads} threads");
+    }
+    let full = RenderPlan::compile(&scene, &PlanOptions { full: true, ..PlanOptions::default() }).expect("compiles");
+    for (values, of_full) in expected.iter().zip(all(&full, 2)) {
+        // A full plan keeps the coordinates of surfaces without textures.
+        assert!(values.layer == FirstHitLayer::Uv || *values == of_full, "{:?}", values.layer);
+    }
+    let crop = Crop { x: 5, y: 7, width: 9, height: 4 };
+    let cropped = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
+    let cropped = RenderPlan::compile(&scene, &cropped).expect("the scene compiles");
+    for (whole, part) in expected.iter().zip(all(&cropped, 2)) {
+        for (whole, part) in whole.channels.iter().zip(part.channels) {
+            let rows = (0..4).flat_map(|y| &whole[(7 + y) * 32 + 5..][..9]);
+            assert!(rows.eq(&part), "{crop:?}");
+        }
+    }
+}
+
+#[test]
+fn positions_of_scenes_far_from_the_origin_are_in_world_space() {
+    let mut scene = one_sphere();
+    let far = DVec3::new(3e6, 0.0, 0.0);
+    scene.nodes[0].parent_from_local = Transform::translate(far);
+    scene.cameras[0].settings.world_from_camera = Transform::translate(far + DVec3::Z * 5.0);
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let layers = plan.first_hit_layers(&[FirstHitLayer::Position], 1).expect("threads");
+    let [x, y, z] = values(&layers, FirstHitLayer::Position, 4 * 9 + 4)[..] else { panic!("three channels") };
+    assert!((x - 3e6).abs() <= 0.5 && y.abs() < 0.5 && (z - 1.0).abs() < 0.1, "{x} {y} {z}");
+}
+
+#[test]
+fn asking_for_layers_leaves_the_image_alone() {
+    let scene = one_sphere();
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let before = plan.render(&RunOptions::default(), |_| {}).expect("it renders");
+    all(&plan, 2);
+    assert_eq!(plan.render(&RunOptions::default(), |_| {}).expect("it renders").film, before.film);
+    assert_eq!(plan.first_hit_layers(&[], 1).expect("threads"), []);
+}
