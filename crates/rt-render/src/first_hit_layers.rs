@@ -1,7 +1,7 @@
 //! Layers: attributes of the surfaces that camera rays hit first.
 //!
-//! They are computed from the plan in a sweep of their own, after the image or without it. So they cost nothing unless they
-//! are asked for, do not change the image, and are the same for every integrator, number of threads, and for resumed renders.
+//! They are computed from the plan in a sweep of their own, after the image or without it. So they do not change the image,
+//! and are the same for every integrator and number of threads, and for resumed renders.
 
 use rayon::prelude::*;
 use rt_accel::{Accelerator, AnyAccelerator};

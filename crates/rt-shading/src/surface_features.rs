@@ -8,8 +8,8 @@ use crate::{Material, MaterialEvalContext, MaterialModel, Phong, layered_surface
 const DIFFUSE: f64 = 1.0;
 
 impl Material {
-    /// Base colour of the surface, 0 to 1 in each channel: the albedo of diffuse surfaces, the reflectance of mirrors and
-    /// metals at normal incidence, and the transmittance of glass. Lobes of one material are added up to at most 1.
+    /// Base colour of the surface, 0 to 1 in each channel. It is the albedo of diffuse surfaces, the reflectance of mirrors
+    /// and metals at normal incidence, or the transmittance of glass. Lobes of one material are added up to at most 1.
     pub fn albedo(&self, at: &MaterialEvalContext<'_>) -> Rgb {
         albedo(&self.model, at)
     }

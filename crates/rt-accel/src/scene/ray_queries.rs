@@ -12,7 +12,7 @@ use super::refit_tree::RefitTree;
 use crate::Accelerator;
 use crate::wide::BuildParams;
 
-/// Meshes and spheres that rays are traced against: two levels of [`WideBvh`].
+/// Meshes and spheres that rays are traced against: two levels of [`WideBvh`](crate::WideBvh).
 ///
 /// In a [`Hit`], `primitive` is the number of the triangle or sphere in its geometry, and `instance` that of the placed
 /// geometry. Edges and vertices belong to all of their triangles. Of hits at equal `t`, the one with the lowest

@@ -39,8 +39,8 @@ impl SimdLevel {
         Self::ALL.iter().rev().copied().find(|level| level.is_available()).unwrap_or(Self::Portable)
     }
 
-    /// True if the crate was compiled with kernels of the level: for AVX-512 the feature `all-simd` is needed, and for it
-    /// and AVX2 a target of x86-64.
+    /// True if the crate was compiled with kernels of the level. AVX2 needs a target of x86-64, and AVX-512 also the feature
+    /// `all-simd`.
     pub const fn is_compiled(self) -> bool {
         match self {
             Self::Portable => true,
