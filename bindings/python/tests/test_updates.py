@@ -101,6 +101,38 @@ def test_refused_changes_leave_the_scene_as_it_is():
     assert_same(scene, rays)
 
 
+def test_updates_from_several_threads_are_all_made():
+    sphere = rt.Spheres([[0, 0, 0]], 1.0)
+    scene = rt.Scene([sphere])
+    numbers = [[] for _ in range(4)]
+
+    def insert(own):
+        for _ in range(25):
+            own.extend(scene.update(insert=[place(np.random.default_rng(len(own)), sphere)]))
+
+    threads = [threading.Thread(target=insert, args=(own,)) for own in numbers]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(sum(numbers, [])) == list(range(1, 101)) and scene.numbers == tuple(range(101))
+
+
+def test_changes_are_taken_from_any_iterable():
+    sphere = rt.Spheres([[0, 0, 0]], 1.0)
+    scene = rt.Scene([sphere, place(np.random.default_rng(1), sphere)])
+    assert scene.update(remove=(i for i in [1]), insert=(item for item in [sphere])) == [1]
+    scene.update(remove=np.array([1]))
+    assert scene.numbers == (0,)
+
+
+def test_one_mesh_takes_vertices_once():
+    triangle = rt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    scene = rt.Scene([triangle, rt.Instance(triangle, np.eye(4))])
+    with pytest.raises(ValueError, match="objects 0 and 1 share a mesh: give its vertices once"):
+        scene.update(vertices={0: np.zeros((3, 3)), 1: np.ones((3, 3))})
+
+
 def test_queries_during_updates_see_a_whole_scene():
     sphere = rt.Spheres([[0, 0, 0]], 1.0)
     up, down = np.eye(4), np.eye(4)

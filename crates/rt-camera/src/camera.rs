@@ -284,7 +284,12 @@ impl Camera {
         })
     }
 
-    /// The direction of view: a unit vector in world space.
+    /// The direction of view at a time of the shutter: a unit vector in world space.
+    pub fn view_axis_at(&self, time: f64) -> DVec3 {
+        self.at(time).view_axis()
+    }
+
+    /// The direction of view when the shutter opens: a unit vector in world space.
     pub fn view_axis(&self) -> DVec3 {
         // Scaled first, since the square of a very long or short axis leaves the range of f64.
         (self.forward / self.forward.abs().max_element()).normalize_or(DVec3::NEG_Z)

@@ -190,9 +190,10 @@ impl Job<'_> {
             file.write_with_fallback(fallback_dirs, |file| write_image(&rendering.film, development, *format, file));
         let attributes = self.attributes(plan, rendering);
         let write = |aov: &AovFile| {
-            let values = plan.first_hit_layers(aov.first_hit_layers(), self.threads).map_err(|error| {
-                OutputError::Write { path: aov.output().path().to_owned(), reason: error.to_string() }
-            })?;
+            let values =
+                plan.first_hit_layers(aov.first_hit_layers(), rendering.samples_per_pixel.max, self.threads).map_err(
+                    |error| OutputError::Write { path: aov.output().path().to_owned(), reason: error.to_string() },
+                )?;
             aov.write(rendering, values, &attributes, fallback_dirs)
         };
         core::iter::once(image).chain(aovs.iter().map(write)).collect()
@@ -294,8 +295,9 @@ impl Job<'_> {
             aov.check(size, self.rule.is_some() || plan.passes() > 1)?;
             let pixels = u64::from(size[0]) * u64::from(size[1]);
             // The layers, their copy in the file, and while they are put together.
-            let needed = ("the layers of --aov".to_owned(), aov.layer_bytes(pixels).saturating_mul(3));
-            memory::check(self.options.memory, aov.output().path(), &[needed])?;
+            let layers = ("the layers of --aov".to_owned(), aov.layer_bytes(pixels).saturating_mul(3));
+            let render = ("the render without them".to_owned(), plan.memory().peak());
+            memory::check(self.options.memory, aov.output().path(), &[render, layers])?;
             aov.output().check_space(aov.layer_bytes(pixels))?;
         }
         Ok(plan)

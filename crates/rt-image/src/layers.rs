@@ -55,7 +55,7 @@ pub fn write_layers(
     }
     let mut described = LayerAttributes::default();
     for (name, value) in attributes {
-        described.other.insert(Text::from(*name), AttributeValue::Text(Text::from(value.as_str())));
+        described.other.insert(text(name), AttributeValue::Text(text(value)));
     }
     let size = Vec2(image.width() as usize, image.height() as usize);
     let layer = ExrLayer::new(size, described, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
@@ -87,8 +87,13 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[8..at].copy_from_slice(&sorted);
 }
 
+/// UTF-8, as OpenEXR has it since version 2.0. The conversion of the encoder panics beyond Latin-1.
+fn text(text: &str) -> Text {
+    Text::from_slice_unchecked(text.as_bytes())
+}
+
 fn channel(name: &str, values: Vec<f32>) -> AnyChannel<FlatSamples> {
-    AnyChannel::new(name, FlatSamples::F32(values))
+    AnyChannel::new(text(name), FlatSamples::F32(values))
 }
 
 #[cfg(test)]
@@ -149,6 +154,16 @@ mod tests {
         };
         let first = file();
         assert!((0..20).all(|_| file() == first));
+    }
+
+    #[test]
+    fn names_in_any_script_are_stored_as_utf_8() {
+        let layer = Layer { name: "tiefe é 深度".to_owned(), ..depth() };
+        let mut bytes = Vec::new();
+        write_layers(&film(), &[layer], &[("scene", "日本 é".to_owned())], &mut bytes).expect("written");
+        for name in ["tiefe é 深度.Z", "日本 é"] {
+            assert!(bytes.windows(name.len()).any(|part| part == name.as_bytes()), "{name}");
+        }
     }
 
     #[test]

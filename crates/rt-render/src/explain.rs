@@ -403,7 +403,7 @@ impl RenderPlan<'_> {
             (counts.unbounded == 0, "list of unbounded objects", "everything has bounds"),
             (linear, "tree over the objects", "all of them are asked in turn"),
             (counts.shadowless == 0, "shadow switches", "every object casts shadows"),
-            (!self.frame.transparent, "alpha channel", "the background is part of the picture"),
+            (!self.frame.transparent, "alpha channel", "the background is part of the image"),
             (!self.frame.has_motion, "time", "nothing moves while the shutter is open"),
             (!self.frame.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
         ];

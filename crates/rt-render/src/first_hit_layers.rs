@@ -1,13 +1,14 @@
 //! Layers: attributes of the surfaces that camera rays hit first.
 //!
-//! They are computed from the plan in a sweep of their own, after the image or without it. So they do not change the image,
-//! and are the same for every integrator and number of threads, and for resumed renders.
+//! They are computed from the plan in a sweep of their own, after the image or without it. So they do not change the image. For
+//! the same number of samples they are the same with every integrator, number of threads and accelerator.
 
 use rayon::prelude::*;
 use rt_accel::{Accelerator, AnyAccelerator};
+use rt_camera::PixelSampler;
 use rt_geometry::{Hit, InteractionFlags, NoProbe};
 use rt_math::{DVec2, DVec3, Interval, Ray, Rgb, Sampler};
-use rt_shading::{MaterialEvalContext, SurfaceHit};
+use rt_shading::{MaterialEvalContext, SurfaceHit, is_inside};
 
 use crate::{
     Crop, RenderError, RenderPlan,
@@ -77,7 +78,7 @@ layers! {
     ObjectId = "object_id", ["V"];
     /// Number of the material in the scene, from 1; 0 for none.
     MaterialId = "material_id", ["V"];
-    /// Number of the instance, from 1; 0 for none.
+    /// Number of the instance of the top level, from 1; 0 for none.
     InstanceId = "instance_id", ["V"];
     /// Share of the samples that hit a surface.
     Coverage = "coverage", ["V"];
@@ -90,6 +91,13 @@ pub struct LayerValues {
     pub layer: FirstHitLayer,
     /// For each of its [channels](FirstHitLayer::channels), a value per pixel of the crop, row by row.
     pub channels: Vec<Vec<f32>>,
+}
+
+/// Samples of all pixels, and what their surfaces need.
+struct Sweep {
+    spp: u32,
+    sampler: PixelSampler,
+    flags: InteractionFlags,
 }
 
 /// Sums over the samples of a pixel.
@@ -111,11 +119,16 @@ struct PixelSums {
 impl RenderPlan<'_> {
     /// Computes layers of all pixels in the crop, in the order of the request, on `threads` threads or on all processors for 0.
     ///
-    /// Each pixel takes as many samples as in the image, but at most [`MAX_LAYER_SAMPLES`].
+    /// Each pixel takes `spp` samples, but at most [`MAX_LAYER_SAMPLES`], rounded up as the sample pattern requires.
     ///
     /// # Errors
     /// [`RenderError::Threads`] if the threads cannot be started.
-    pub fn first_hit_layers(&self, layers: &[FirstHitLayer], threads: usize) -> Result<Vec<LayerValues>, RenderError> {
+    pub fn first_hit_layers(
+        &self,
+        layers: &[FirstHitLayer],
+        spp: u32,
+        threads: usize,
+    ) -> Result<Vec<LayerValues>, RenderError> {
         let Crop { x, y, width, height } = self.frame.crop;
         let n = width as usize * height as usize;
         let mut values: Vec<LayerValues> = layers
@@ -130,13 +143,15 @@ impl RenderPlan<'_> {
         };
         let flags = if layers.iter().any(needs_surface) { InteractionFlags::ALL } else { InteractionFlags::NONE };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(RenderError::Threads)?;
+        let spp = self.frame.sampler.round_up(spp.min(MAX_LAYER_SAMPLES));
+        let sweep = Sweep { spp, sampler: self.frame.pass_sampler(0, spp), flags };
         let row = |y: u32| {
             let sums = match &self.scene.world {
-                World::Spheres(world, structure) => self.row(world, structure, flags, [x, y], width),
-                World::Instances(top, levels) => self.row(&top.set(levels), &top.structure, flags, [x, y], width),
+                World::Spheres(world, structure) => self.row(world, structure, &sweep, [x, y], width),
+                World::Instances(top, levels) => self.row(&top.set(levels), &top.structure, &sweep, [x, y], width),
             };
             let channels = layers.iter().flat_map(|layer| (0..layer.channels().len()).map(move |at| (*layer, at)));
-            channels.map(|(layer, at)| sums.iter().map(|sums| self.value(sums, layer, at)).collect()).collect()
+            channels.map(|(layer, at)| sums.iter().map(|sums| self.value(sums, spp, layer, at)).collect()).collect()
         };
         let rows: Vec<Vec<Vec<f32>>> = pool.install(|| (y..y + height).into_par_iter().map(row).collect());
         for row in rows {
@@ -146,27 +161,22 @@ impl RenderPlan<'_> {
         Ok(values)
     }
 
-    /// Samples per pixel.
-    fn layer_spp(&self) -> u32 {
-        self.frame.pass_spp.max(1).saturating_mul(self.frame.passes.max(1)).min(MAX_LAYER_SAMPLES)
-    }
-
     fn row<W: ShadedPrimitives>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
-        flags: InteractionFlags,
+        sweep: &Sweep,
         [first, y]: [u32; 2],
         width: u32,
     ) -> Vec<PixelSums> {
-        let spp = self.layer_spp();
+        let Sweep { spp, flags, .. } = *sweep;
         let mut sums = vec![PixelSums::default(); width as usize];
         let (mut rays, mut hits): (Vec<(Ray, Interval)>, Vec<Option<Hit>>) = Default::default();
         let pixels = (BATCH_SIZE / spp as usize).max(1);
         for (block, sums) in sums.chunks_mut(pixels).enumerate() {
             rays.clear();
             for x in (first + (block * pixels) as u32..).take(sums.len()) {
-                rays.extend((0..spp).map(|sample| (self.layer_ray([x, y], sample), Interval::FORWARD)));
+                rays.extend((0..spp).map(|sample| (self.layer_ray(&sweep.sampler, [x, y], sample), Interval::FORWARD)));
             }
             hits.clear();
             hits.resize(rays.len(), None);
@@ -174,7 +184,7 @@ impl RenderPlan<'_> {
             for ((ray, _), (i, hit)) in rays.iter().zip(hits.iter().enumerate()) {
                 let surface = hit.as_ref().and_then(|hit| Some((hit, world.surface_at(ray, hit, flags)?)));
                 if let Some((hit, surface)) = surface {
-                    self.add(&mut sums[i / spp as usize], hit, &surface);
+                    self.add(&mut sums[i / spp as usize], ray, world.instance_at(hit), &surface);
                 }
             }
         }
@@ -182,10 +192,8 @@ impl RenderPlan<'_> {
     }
 
     /// Camera ray of a sample, which covers the pixel evenly.
-    fn layer_ray(&self, [x, y]: [u32; 2], sample: u32) -> Ray {
-        let pass_spp = self.frame.pass_spp.max(1);
-        let sampler = self.frame.pass_sampler(sample / pass_spp, pass_spp);
-        let mut random = sampler.sample([x, y], sample % pass_spp);
+    fn layer_ray(&self, sampler: &PixelSampler, [x, y]: [u32; 2], sample: u32) -> Ray {
+        let mut random = sampler.sample([x, y], sample);
         let [u, v] = random.next_2d();
         let centre = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
         let on_lens = if self.frame.camera.has_lens() { random.next_2d() } else { [0.5; 2] };
@@ -193,10 +201,10 @@ impl RenderPlan<'_> {
         self.frame.camera.generate_ray(centre + DVec2::new(u, v) - 0.5, on_lens, time)
     }
 
-    fn add(&self, sums: &mut PixelSums, hit: &Hit, surface: &SurfaceHit) {
+    fn add(&self, sums: &mut PixelSums, ray: &Ray, instance: u32, surface: &SurfaceHit) {
         let interaction = &surface.interaction;
         sums.hits += 1;
-        sums.depth += surface.t;
+        sums.depth += surface.t * ray.direction.dot(self.frame.camera.view_axis_at(ray.time));
         sums.position += interaction.point;
         sums.normal += interaction.shading_normal;
         sums.geometric_normal += interaction.geometric_normal;
@@ -204,17 +212,18 @@ impl RenderPlan<'_> {
         sums.uv[1] += interaction.uv[1];
         let appearance = &self.scene.source.appearance;
         if let Some(material) = appearance.materials.get(surface.material as usize) {
+            let is_inside = is_inside(ray.direction, interaction);
             let at = MaterialEvalContext { textures: &appearance.textures, surface: interaction, ior: 1.0 };
             sums.albedo += material.albedo(&at);
             sums.roughness += material.roughness(&at);
-            sums.emission += material.emitted_radiance(&appearance.textures, interaction, false);
+            sums.emission += material.emitted_radiance(&appearance.textures, interaction, is_inside);
         }
         if sums.hits == 1 {
-            sums.ids = [surface.object, surface.material, hit.instance].map(|id| id.saturating_add(1));
+            sums.ids = [surface.object, surface.material, instance].map(|id| id.saturating_add(1));
         }
     }
 
-    fn value(&self, sums: &PixelSums, layer: FirstHitLayer, channel: usize) -> f32 {
+    fn value(&self, sums: &PixelSums, spp: u32, layer: FirstHitLayer, channel: usize) -> f32 {
         if sums.hits == 0 {
             return if layer == FirstHitLayer::Depth { FAR_DEPTH } else { 0.0 };
         }
@@ -232,7 +241,7 @@ impl RenderPlan<'_> {
             FirstHitLayer::ObjectId => f64::from(sums.ids[0]),
             FirstHitLayer::MaterialId => f64::from(sums.ids[1]),
             FirstHitLayer::InstanceId => f64::from(sums.ids[2]),
-            FirstHitLayer::Coverage => n / f64::from(self.layer_spp()),
+            FirstHitLayer::Coverage => n / f64::from(spp),
         };
         value as f32
     }

@@ -96,7 +96,7 @@ impl MemoryPrediction {
             building: survey.building,
         };
         let Crop { width, height, .. } = kept.crop;
-        largest.update(prediction.film, || format!("the picture of {width} x {height} pixels"));
+        largest.update(prediction.film, || format!("the image of {width} x {height} pixels"));
         largest.update(prediction.textures, || "textures".to_owned());
         Ok((prediction, largest))
     }

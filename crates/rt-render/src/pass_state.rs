@@ -86,7 +86,7 @@ impl PassState {
         check_crop(crop)?;
         check_share(*share)?;
         let area = crop.width as usize * crop.height as usize;
-        let of = || "the picture".to_owned();
+        let of = || "the image".to_owned();
         check_length("pixels", of, pixels.len(), area)?;
         if !begun.is_empty() {
             check_length("tiles of the pass", of, begun.len(), tile_count(crop))?;
@@ -162,7 +162,7 @@ impl RefineStage {
 
     /// Checks that lists have one entry per pixel and that pass counts are within their limits.
     pub(crate) fn validate(&self, pixels: usize) -> Result<(), ContentError> {
-        let of = || "the picture".to_owned();
+        let of = || "the image".to_owned();
         match self {
             Self::Everywhere => Ok(()),
             Self::Decide(active) => check_length("active pixels", of, active.len(), pixels),

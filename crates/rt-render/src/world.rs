@@ -66,12 +66,19 @@ impl World {
 pub(crate) trait ShadedPrimitives: HasForm {
     /// Surface at a hit; `None` for a hit outside of this set. Object indices are those of the instances of the top level.
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit>;
+
+    /// Index of the hit instance of the top level.
+    fn instance_at(&self, hit: &Hit) -> u32;
 }
 
 impl ShadedPrimitives for Instances<'_> {
     #[inline]
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.surface(ray, hit, needs)
+    }
+
+    fn instance_at(&self, hit: &Hit) -> u32 {
+        self.instance_index(hit)
     }
 }
 
@@ -140,6 +147,10 @@ impl ShadedPrimitives for SphereWorld {
         let index = self.lights.get(hit.primitive as usize).copied().flatten();
         let light = index.map(|index| LightId { index, triangle: None });
         Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, light })
+    }
+
+    fn instance_at(&self, hit: &Hit) -> u32 {
+        hit.primitive
     }
 }
 

@@ -106,4 +106,5 @@ pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use phong::{Highlight, Phong, Transmission};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use tracer::{Seen, SurfaceHit, Tracer};
+pub use viewed_surface::is_inside;
 pub use whitted::{ShadingCounts, Whitted};

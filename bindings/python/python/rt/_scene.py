@@ -327,6 +327,10 @@ class Instance:
         return f"rt.Instance({self.geometry!r}, {self.transform.tolist()})"
 
 
+def _geometry_of(item):
+    return item.geometry if isinstance(item, Instance) else item
+
+
 class Scene(_Queries):
     """Geometries and instances, queried together.
 
@@ -348,7 +352,7 @@ class Scene(_Queries):
     (array([4., 4.]), array([0, 1], dtype=int32))
     """
 
-    __slots__ = ("_geometries", "_n_geometries", "_objects", "_scene")
+    __slots__ = ("_geometries", "_lock", "_n_geometries", "_objects", "_scene")
 
     def __init__(
         self,
@@ -358,6 +362,7 @@ class Scene(_Queries):
     ) -> None:
         if isinstance(objects, (_Geometry, Instance)):
             objects = [objects]
+        self._lock = threading.Lock()
         # By identity: the geometries that are placed, with their numbers.
         self._geometries: dict[int, tuple[int, _Geometry]] = {}
         self._n_geometries = 0
@@ -389,7 +394,8 @@ class Scene(_Queries):
         """Changes objects without building the trees of the others again.
 
         The tree over the objects is built once for each call, so one call with many changes is faster than many calls.
-        Queries in other threads see the scene before or after all changes of a call.
+        Queries in other threads see the scene before or after all changes of a call, and calls in several threads follow each
+        other.
 
         Parameters
         ----------
@@ -413,7 +419,8 @@ class Scene(_Queries):
         KeyError
             For a number without an object.
         ValueError
-            For vertices and transforms that do not fit. The scene is unchanged then.
+            For vertices and transforms that do not fit, and for vertices of one mesh given twice. The scene is unchanged
+            then.
 
         Examples
         --------
@@ -430,23 +437,32 @@ class Scene(_Queries):
         >>> scene.closest([0, 0, 5], [0, 0, -1]).t
         array(4.)
         """
+        insert = [insert] if isinstance(insert, (_Geometry, Instance)) else list(insert)
+        remove = [int(number) for number in remove]
+        with self._lock:
+            return self._update(insert, remove, transforms or {}, vertices or {})
+
+    def _update(self, insert, remove, transforms, vertices):
         changed = Scene.__new__(Scene)
         changed._geometries, changed._n_geometries = dict(self._geometries), self._n_geometries
         changed._objects = dict(self._objects)
-        transforms, vertices = transforms or {}, vertices or {}
         for number in (*vertices, *transforms, *remove):
             if number not in self._objects:
                 raise KeyError(f"there is no object {number}")
+        first = {}
+        for number in vertices:
+            other = first.setdefault(id(_geometry_of(self._objects[number])), number)
+            if other != number:
+                raise ValueError(f"objects {other} and {number} share a mesh: give its vertices once")
         new_meshes = [changed._set_vertices(number, of_object) for number, of_object in vertices.items()]
         new_transforms = [changed._set_transform(number, matrix) for number, matrix in transforms.items()]
         for number in remove:
             if changed._objects.pop(number, None) is None:
                 raise ValueError(f"object {number} is removed twice")
         unused = changed._drop_unused()
-        insert = [insert] if isinstance(insert, (_Geometry, Instance)) else list(insert)
         geometries, instances = changed._added(insert)
         scene, numbers = self._scene.updated(
-            new_meshes, new_transforms, list(remove), unused, geometries, instances
+            new_meshes, new_transforms, remove, unused, geometries, instances
         )
         changed._objects.update(zip(numbers, insert, strict=True))
         self._objects = dict(sorted(changed._objects.items()))
@@ -456,7 +472,7 @@ class Scene(_Queries):
     def _set_vertices(self, number, vertices):
         """Replaces the mesh of an object and of all that share it. Returns its number and the new arrays."""
         item = self._objects[number]
-        old = item.geometry if isinstance(item, Instance) else item
+        old = _geometry_of(item)
         if not isinstance(old, TriangleMesh):
             raise ValueError(f"object {number} has no vertices: {old!r}")
         new = old._with_vertices(vertices)
@@ -472,7 +488,7 @@ class Scene(_Queries):
     def _set_transform(self, number, transform):
         item = self._objects[number]
         try:
-            moved = Instance(item.geometry if isinstance(item, Instance) else item, transform)
+            moved = Instance(_geometry_of(item), transform)
         except ValueError as error:
             raise ValueError(f"object {number}: {error}") from None
         self._objects[number] = moved
@@ -480,7 +496,7 @@ class Scene(_Queries):
 
     def _drop_unused(self):
         """Forgets geometries without objects. Returns their numbers."""
-        used = {id(item.geometry if isinstance(item, Instance) else item) for item in self._objects.values()}
+        used = {id(_geometry_of(item)) for item in self._objects.values()}
         unused = {key: index for key, (index, _) in self._geometries.items() if key not in used}
         for key in unused:
             del self._geometries[key]

@@ -122,7 +122,7 @@ impl Scene<'_> {
     fn closest_range(&self, rays: &RayBatch<'_>, range: Range<usize>, hits: &mut HitBatch<'_>) {
         let trace = |rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]| match self.single() {
             Some(geometry) => geometry.closest_batch(rays, hits, &mut NoProbe),
-            None => self.tree.tree.closest_batch(&self.top_level(), rays, hits, &mut NoProbe),
+            None => self.tree.bvh.closest_batch(&self.top_level(), rays, hits, &mut NoProbe),
         };
         RayChunk::new().for_each(rays, range, trace, |index, hit| hits.set(index, hit.as_ref()));
     }
@@ -130,7 +130,7 @@ impl Scene<'_> {
     fn occluded_range(&self, rays: &RayBatch<'_>, range: Range<usize>, occluded: &mut [bool]) {
         let trace = |rays: &[(Ray, Interval)], occluded: &mut [bool]| match self.single() {
             Some(geometry) => geometry.occluded_batch(rays, occluded, &mut NoProbe),
-            None => self.tree.tree.occluded_batch(&self.top_level(), rays, occluded, &mut NoProbe),
+            None => self.tree.bvh.occluded_batch(&self.top_level(), rays, occluded, &mut NoProbe),
         };
         RayChunk::new().for_each(rays, range, trace, |index, is_occluded| occluded[index] = *is_occluded);
     }

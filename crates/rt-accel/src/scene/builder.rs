@@ -186,9 +186,9 @@ impl<'a> SceneBuilder<'a> {
             return Err(SceneError::NotAMesh { geometry: id });
         };
         let mesh = mesh.with_vertices(vertices).map_err(|source| SceneError::Vertices { geometry: id, source })?;
-        let Some(Some(changed)) = self.geometries.get_mut(id as usize) else { return Ok(()) };
-        let refitted = Arc::make_mut(changed).refit(mesh.into(), &self.params);
-        refitted.map_err(|source| SceneError::Geometry { geometry: id, source })?;
+        let refitted = self.geometry(geometry)?.refitted(mesh.into(), &self.params);
+        let refitted = refitted.map_err(|source| SceneError::Geometry { geometry: id, source })?;
+        self.geometries[id as usize] = Some(Arc::new(refitted));
         self.moved.insert(id);
         Ok(())
     }

@@ -57,13 +57,12 @@ impl<'a> Blas<'a> {
         Ok(Self { geometry, tree, bounds })
     }
 
-    /// Replaces the geometry by one of as many primitives.
-    pub(super) fn refit(&mut self, geometry: Geometry<'a>, params: &BuildParams) -> Result<(), BuildError> {
+    /// A geometry of as many primitives with a tree that is made of this one.
+    pub(super) fn refitted(&self, geometry: Geometry<'a>, params: &BuildParams) -> Result<Self, BuildError> {
         let (tree, bounds) = with_primitives!(&geometry, primitives => {
             (self.tree.clone().refitted(primitives, params)?, bounds_of(primitives))
         });
-        *self = Self { geometry, tree, bounds };
-        Ok(())
+        Ok(Self { geometry, tree, bounds })
     }
 
     pub(super) fn len(&self) -> usize {
@@ -71,37 +70,37 @@ impl<'a> Blas<'a> {
     }
 
     pub(super) fn memory(&self) -> usize {
-        self.tree.tree.memory()
+        self.tree.bvh.memory()
     }
 
     #[inline]
     pub(super) fn closest<S: Probe>(&self, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        with_primitives!(&self.geometry, primitives => self.tree.tree.closest(primitives, ray, span, probe))
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.closest(primitives, ray, span, probe))
     }
 
     #[inline]
     pub(super) fn occluded<S: Probe>(&self, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        with_primitives!(&self.geometry, primitives => self.tree.tree.occluded(primitives, ray, span, probe))
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.occluded(primitives, ray, span, probe))
     }
 
     pub(super) fn closest_batch<S: Probe>(&self, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.tree.closest_batch(primitives, rays, hits, probe));
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.closest_batch(primitives, rays, hits, probe));
     }
 
     pub(super) fn occluded_batch<S: Probe>(&self, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.tree.occluded_batch(primitives, rays, occluded, probe));
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.occluded_batch(primitives, rays, occluded, probe));
     }
 
     pub(super) fn all_hits<S: Probe>(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>, probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.tree.all_hits(primitives, ray, span, hits, probe));
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.all_hits(primitives, ray, span, hits, probe));
     }
 
     pub(super) fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
-        with_primitives!(&self.geometry, primitives => self.tree.tree.nearest_point(primitives, point, radius))
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.nearest_point(primitives, point, radius))
     }
 
     pub(super) const fn tree(&self) -> &WideBvh {
-        &self.tree.tree
+        &self.tree.bvh
     }
 }
 

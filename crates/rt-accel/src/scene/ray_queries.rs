@@ -41,7 +41,7 @@ impl<'a> Scene<'a> {
 
     /// Size of all trees in bytes, without the arrays of the geometries.
     pub fn memory(&self) -> usize {
-        self.tree.tree.memory() + self.geometries.iter().flatten().map(|geometry| geometry.memory()).sum::<usize>()
+        self.tree.bvh.memory() + self.geometries.iter().flatten().map(|geometry| geometry.memory()).sum::<usize>()
     }
 
     /// The closest hit within `span`.
@@ -49,7 +49,7 @@ impl<'a> Scene<'a> {
     pub fn closest(&self, ray: &Ray, span: Interval) -> Option<Hit> {
         match self.single() {
             Some(geometry) => geometry.closest(ray, span, &mut NoProbe),
-            None => self.tree.tree.closest(&self.top_level(), ray, span, &mut NoProbe),
+            None => self.tree.bvh.closest(&self.top_level(), ray, span, &mut NoProbe),
         }
     }
 
@@ -58,7 +58,7 @@ impl<'a> Scene<'a> {
     pub fn occluded(&self, ray: &Ray, span: Interval) -> bool {
         match self.single() {
             Some(geometry) => geometry.occluded(ray, span, &mut NoProbe),
-            None => self.tree.tree.occluded(&self.top_level(), ray, span, &mut NoProbe),
+            None => self.tree.bvh.occluded(&self.top_level(), ray, span, &mut NoProbe),
         }
     }
 
@@ -80,7 +80,7 @@ impl<'a> Scene<'a> {
             hits.extend(of_one.iter().map(placed));
             ControlFlow::<(), f64>::Continue(f64::INFINITY)
         };
-        self.tree.tree.visit_candidates(&self.top_level(), ray, span, visit, &mut NoProbe);
+        self.tree.bvh.visit_candidates(&self.top_level(), ray, span, visit, &mut NoProbe);
         hits.sort_unstable_by(|a, b| {
             a.t.total_cmp(&b.t).then((a.instance, a.primitive).cmp(&(b.instance, b.primitive)))
         });

@@ -9,16 +9,26 @@ use super::{BuildParams, WideBvh};
 use crate::{BuildError, Refit, bvh::Aabb32, prim_bounds::validate_lists};
 
 impl Refit for WideBvh {
-    /// Builds a new tree if another kind of leaf suits the triangles, as after a move far from the origin.
+    /// Builds a new tree with default parameters if another kind of leaf suits the triangles, as after a move far from the
+    /// origin.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
+        if !self.refit_leaves_of_same_kind(primitives)? {
+            *self = Self::build_with(primitives, &BuildParams::default())?.with_level(self.level());
+        }
+        Ok(())
+    }
+}
+
+impl WideBvh {
+    /// Fits all bounds and leaves; false, without a change, if another kind of leaf suits the primitives.
+    pub(crate) fn refit_leaves_of_same_kind<P: Primitives>(&mut self, primitives: &P) -> Result<bool, BuildError> {
         let stats = PrimStats::of(primitives)?;
         let built = self.bounded + self.unbounded.len() as u32;
         validate_lists(primitives, built, &self.unbounded).map_err(BuildError::Changed)?;
         let (centre, size) = (stats.centre(), stats.size());
         let kind = LeafKind::of(stats.layouts, centre, size);
         if kind != self.leaves.kind {
-            *self = Self::build_with(primitives, &BuildParams::default())?.with_level(self.level());
-            return Ok(());
+            return Ok(false);
         }
         (self.centre, self.size) = (centre, size);
         let filling = LeafWriter { primitives, centre, kind };
@@ -30,11 +40,9 @@ impl Refit for WideBvh {
             }
             self.nodes[number] = node;
         }
-        Ok(())
+        Ok(true)
     }
-}
 
-impl WideBvh {
     /// Refits a leaf, or joins the boxes of a node that is already fitted; returns the bounds.
     fn fit<P: Primitives>(&mut self, child: Child, filling: &LeafWriter<'_, P>) -> Aabb32 {
         if child.is_node() {

@@ -20,15 +20,8 @@ pub(crate) enum Aov {
     Samples,
 }
 
-impl AovArg {
-    /// True if it needs the sums of all passes: standard errors or numbers of samples.
-    pub(crate) fn needs_maps(&self) -> bool {
-        self.content.needs_maps()
-    }
-}
-
 impl AovContent {
-    /// True if it needs the sums of all passes.
+    /// True if it needs the sums of all passes: standard errors or numbers of samples.
     pub(crate) const fn needs_maps(&self) -> bool {
         match self {
             Self::Map(_) => true,

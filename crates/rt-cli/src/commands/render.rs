@@ -9,7 +9,7 @@ use rt_image::ImageFormat;
 use rt_render::Share;
 
 use crate::aov_file::AovFile;
-use crate::args::{AovArg, CheckpointArgs, FrameChoice, RenderArgs};
+use crate::args::{CheckpointArgs, FrameChoice, RenderArgs};
 use crate::checkpoint::{self, CheckpointOptions};
 use crate::console::{Console, reserve_stdout};
 use crate::error::CliError;
@@ -59,7 +59,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         development: Some(&args.development),
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),
-        progressive: rule.is_some() || args.aov.iter().any(AovArg::needs_maps),
+        progressive: rule.is_some() || args.aov.iter().any(|aov| aov.content.needs_maps()),
     };
     let (scene, options) = settings::resolve(scene, overrides)?;
 

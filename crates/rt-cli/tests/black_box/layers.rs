@@ -59,6 +59,31 @@ fn open_image_io_reads_names_values_and_attributes() {
 }
 
 #[test]
+fn scenes_and_cameras_have_names_in_any_script() {
+    let place = Workplace::new();
+    place.write(
+        "日本.ron",
+        "(cameras: [(name: \"カメラ\", look_from: (0, 0, 5))], film: (size: (8, 8)), nodes: [(shape: sphere())])",
+    );
+    place.succeed("render 日本.ron -o a.png --aov depth=a.exr --stats a.json");
+    assert_eq!(place.files(), ["a.exr", "a.json", "a.png", "日本.ron"]);
+}
+
+#[test]
+fn layers_take_as_many_samples_as_a_render_that_stops_by_itself() {
+    let place = Workplace::new();
+    let scene =
+        "(camera: (look_from: (0, 0, 5)), film: (size: (9, 9)), settings: (spp: SPP), nodes: [(shape: sphere())])";
+    let coverage = |spp: &str, options: &str| {
+        place.write("s.ron", scene.replace("SPP", spp));
+        place.succeed(&format!("render s.ron -o a.pfm {options} --aov coverage=a.exr"));
+        place.read("a.exr").len()
+    };
+    // Shares of one sample are whole, and pack into fewer bytes.
+    assert!(coverage("1", "--time 100ms") > coverage("1", ""));
+}
+
+#[test]
 fn layers_that_cannot_be_written_are_refused_at_once() {
     let place = Workplace::with_scene();
     let cases = [

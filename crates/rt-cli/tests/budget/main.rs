@@ -62,14 +62,14 @@ fn sparse(place: &Workplace, name: &str, head: &[u8], size: u64) {
 fn a_picture_that_needs_more_is_refused_before_it_is_begun() {
     let place = Workplace::with_scene();
     let said = refused(&place, "render scene.ron --size 8192x8192 --spp 1 --memory 512M -o a.png");
-    assert!(said.contains("for the picture of 8192 x 8192 pixels") && said.contains("488.3 MiB"), "{said}");
+    assert!(said.contains("for the image of 8192 x 8192 pixels") && said.contains("488.3 MiB"), "{said}");
     // The same size in passes needs more.
     let fits = "render scene.ron --size 1024x1024 --crop 0,0,8,8 --spp 1 --memory 16MiB -o b.png";
     place.succeed(fits);
     let passes = "explain scene.ron --size 4000x4000 --memory 500M";
     place.succeed(passes);
     let said = refused(&place, "render scene.ron --size 4000x4000 --time 1s --memory 500M -o a.png");
-    assert!(said.contains("for the picture of 4000 x 4000 pixels"), "{said}");
+    assert!(said.contains("for the image of 4000 x 4000 pixels"), "{said}");
 }
 
 #[test]

@@ -1,16 +1,16 @@
 //! Layers of the first surfaces that camera rays hit.
 
 use rt_camera::{CameraSettings, FovAxis, Projection, SamplerKind};
-use rt_geometry::{Shape, Sphere};
+use rt_geometry::{Cuboid, Rectangle, Shape, Sphere};
 use rt_math::{DVec3, Rgb, Transform};
 use rt_render::{Crop, FAR_DEPTH, FirstHitLayer, LayerValues, PlanOptions, RenderPlan, RunOptions};
-use rt_scene_io::{Content, MaterialId, Scene, SceneNode};
-use rt_shading::{ColorTexture, Material, MaterialModel};
+use rt_scene_io::{Accel, Content, Integrator, MaterialId, Scene, SceneNode};
+use rt_shading::{ColorTexture, Material, MaterialModel, light::EmissionSides};
 
 use crate::support::{everything, spheres};
 
 fn all(plan: &RenderPlan<'_>, threads: usize) -> Vec<LayerValues> {
-    plan.first_hit_layers(FirstHitLayer::ALL, threads).expect("threads")
+    plan.first_hit_layers(FirstHitLayer::ALL, plan.samples_per_pixel(), threads).expect("threads")
 }
 
 fn values(layers: &[LayerValues], layer: FirstHitLayer, pixel: usize) -> Vec<f32> {
@@ -81,7 +81,7 @@ fn coverage_is_partial_at_the_silhouette_only() {
 }
 
 #[test]
-fn layers_do_not_depend_on_threads_trimming_or_the_crop() {
+fn layers_do_not_depend_on_threads_accelerator_trimming_or_crop() {
     let mut scene = everything();
     (scene.film.width, scene.film.height) = (32, 24);
     scene.settings.spp = 4;
@@ -89,6 +89,12 @@ fn layers_do_not_depend_on_threads_trimming_or_the_crop() {
     let expected = all(&plan, 1);
     for threads in [2, 3] {
         assert_eq!(all(&plan, threads), expected, "{threads} threads");
+    }
+    let mut other = scene.clone();
+    for accel in [Accel::Linear, Accel::Bvh, Accel::Kd] {
+        other.settings.accel = accel;
+        let plan = RenderPlan::compile(&other, &PlanOptions::default()).expect("the scene compiles");
+        assert_eq!(all(&plan, 2), expected, "{accel:?}");
     }
     let full = RenderPlan::compile(&scene, &PlanOptions { full: true, ..PlanOptions::default() }).expect("compiles");
     for (values, of_full) in expected.iter().zip(all(&full, 2)) {
@@ -107,13 +113,78 @@ fn layers_do_not_depend_on_threads_trimming_or_the_crop() {
 }
 
 #[test]
+fn instances_have_the_same_numbers_in_trimmed_and_full_plans() {
+    let mut boxed = one_sphere();
+    let cuboid = Cuboid::new(DVec3::new(-1.0, -3.0, -1.0), DVec3::new(1.0, -1.5, 1.0)).expect("a cuboid");
+    boxed.nodes.push(SceneNode::new(Content::Shape(Shape::Cuboid(cuboid)), MaterialId(0)));
+    for scene in [spheres(), boxed] {
+        let ids = [false, true].map(|full| {
+            let plan = RenderPlan::compile(&scene, &PlanOptions { full, ..PlanOptions::default() }).expect("compiles");
+            plan.first_hit_layers(&[FirstHitLayer::InstanceId], 4, 1).expect("threads")
+        });
+        assert_eq!(ids[0], ids[1]);
+        assert!(ids[0][0].channels[0].iter().any(|&id| id > 1.0), "one number only");
+    }
+}
+
+#[test]
+fn depth_is_in_world_units_if_the_camera_is_scaled() {
+    for size in [0.5, 1.0, 2.0] {
+        let mut scene = one_sphere();
+        scene.settings.pattern = SamplerKind::Centre;
+        let scale = Transform::scale(DVec3::splat(size)).expect("a scale");
+        scene.cameras[0].settings.world_from_camera = Transform::translate(DVec3::Z * 5.0).compose(&scale);
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        assert_eq!(values(&all(&plan, 1), FirstHitLayer::Depth, 4 * 9 + 4), [4.0], "scaled by {size}");
+    }
+}
+
+#[test]
+fn the_back_of_an_emitter_that_emits_from_its_front_emits_nothing() {
+    let mut scene = one_sphere();
+    let rectangle = Rectangle::new(2.0, 2.0).expect("a rectangle");
+    scene.nodes[0].content = Some(Content::Shape(Shape::Rectangle(rectangle)));
+    scene.appearance.materials[0].emission_sides = EmissionSides::Front;
+    let emission = |y: f64| {
+        let mut scene = scene.clone();
+        let turn = Transform::from_rows([
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, y, 5.0 * y],
+            [0.0, -y, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ]);
+        scene.cameras[0].settings.world_from_camera = turn.expect("a rotation");
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let layers = all(&plan, 1);
+        assert_eq!(values(&layers, FirstHitLayer::Coverage, 4 * 9 + 4), [1.0]);
+        values(&layers, FirstHitLayer::Emission, 4 * 9 + 4)[1]
+    };
+    let (above, below) = (emission(1.0), emission(-1.0));
+    assert!((above, below) == (2.0, 0.0) || (above, below) == (0.0, 2.0), "{above} and {below}");
+}
+
+#[test]
+fn integrators_share_the_layers() {
+    let mut scene = spheres();
+    (scene.film.width, scene.film.height) = (24, 16);
+    let mut of = |integrator| {
+        scene.settings.integrator = integrator;
+        all(&RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles"), 2)
+    };
+    let expected = of(Integrator::Whitted);
+    for integrator in [Integrator::Path, Integrator::Depth, Integrator::AmbientOcclusion] {
+        assert_eq!(of(integrator), expected, "{integrator:?}");
+    }
+}
+
+#[test]
 fn positions_of_scenes_far_from_the_origin_are_in_world_space() {
     let mut scene = one_sphere();
     let far = DVec3::new(3e6, 0.0, 0.0);
     scene.nodes[0].parent_from_local = Transform::translate(far);
     scene.cameras[0].settings.world_from_camera = Transform::translate(far + DVec3::Z * 5.0);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let layers = plan.first_hit_layers(&[FirstHitLayer::Position], 1).expect("threads");
+    let layers = plan.first_hit_layers(&[FirstHitLayer::Position], 1, 1).expect("threads");
     let [x, y, z] = values(&layers, FirstHitLayer::Position, 4 * 9 + 4)[..] else { panic!("three channels") };
     assert!((x - 3e6).abs() <= 0.5 && y.abs() < 0.5 && (z - 1.0).abs() < 0.1, "{x} {y} {z}");
 }
@@ -125,5 +196,5 @@ fn asking_for_layers_leaves_the_image_alone() {
     let before = plan.render(&RunOptions::default(), |_| {}).expect("it renders");
     all(&plan, 2);
     assert_eq!(plan.render(&RunOptions::default(), |_| {}).expect("it renders").film, before.film);
-    assert_eq!(plan.first_hit_layers(&[], 1).expect("threads"), []);
+    assert_eq!(plan.first_hit_layers(&[], 1, 1).expect("threads"), []);
 }
