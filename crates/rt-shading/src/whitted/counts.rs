@@ -28,6 +28,23 @@ pub struct ShadingCounts {
     pub clamped_units: u64,
 }
 
+impl ShadingCounts {
+    /// All counts but those of clamping, by the names of their fields.
+    pub const fn named(&self) -> [(&'static str, u64); 9] {
+        [
+            ("shadow_rays_skipped", self.shadow_rays_skipped),
+            ("highlights", self.highlights),
+            ("mirrors", self.mirrors),
+            ("refractions", self.refractions),
+            ("fresnel", self.fresnel),
+            ("absorption", self.absorption),
+            ("passages", self.passages),
+            ("depth_limited", self.depth_limited),
+            ("interior_overflows", self.interior_overflows),
+        ]
+    }
+}
+
 impl core::ops::AddAssign for ShadingCounts {
     fn add_assign(&mut self, o: Self) {
         self.shadow_rays_skipped += o.shadow_rays_skipped;
