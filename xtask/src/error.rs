@@ -1,4 +1,4 @@
-//! Why a task could not run.
+//! Error of a task that could not run.
 
 use std::{
     io,

@@ -2,13 +2,13 @@
 //!
 //! ```text
 //!   cargo xtask regress    golden images and checks, through the real binary
-//!   cargo xtask tidy       rules of the house that no compiler checks
-//!   cargo xtask bench      rays per second and build times of each structure
-//!   cargo xtask costs      what each structure costs, and how that grows
-//!   cargo xtask figures    the pictures in the guide of rt-accel, and the plot in the README
+//!   cargo xtask tidy       project rules that no compiler checks
+//!   cargo xtask bench      rays per second and build times of each accelerator
+//!   cargo xtask costs      costs of each accelerator on scenes of growing size
+//!   cargo xtask figures    the images in the guide of rt-accel, and the plot in the README
 //!   cargo xtask spd        the Standard Procedural Databases as NFF files
 //!   cargo xtask table1     the table of the report that this ray tracer began with
-//!   cargo xtask terarays   how long the lecture's trillion rays of a Cornell box take here
+//!   cargo xtask terarays   estimated time for the lecture's trillion rays of a Cornell box
 //! ```
 //!
 //! **Owns** tasks that developers run in addition to `cargo test`. **Does not own** programs for users, nor the tests
@@ -47,7 +47,7 @@ mod workspace;
 use error::TaskError;
 use workspace::Workspace;
 
-/// Tasks of the project itself.
+/// Developer tasks: golden images, measurements, generated pages.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask")]
 struct Arguments {
@@ -61,7 +61,7 @@ enum Task {
     Regress(regress::RegressOptions),
     /// Check crate edges, documentation, file lengths and stray paths.
     Tidy(tidy::TidyOptions),
-    /// Measure rays per second and build times.
+    /// Measure rays per second and build times of accelerators.
     Bench(Box<bench::BenchOptions>),
     /// Measure the costs of each accelerator on scenes of growing size.
     Costs(costs::CostsOptions),
@@ -69,9 +69,9 @@ enum Task {
     Figures(figures::FiguresOptions),
     /// Write the Standard Procedural Databases as NFF files.
     Spd(spd::SpdOptions),
-    /// Measure the report's Table 1 again.
+    /// Repeat the measurements of Table 1 of the report.
     Table1(table1::Table1Options),
-    /// Tell how long the lecture's trillion rays of a Cornell box take here, from a part of them.
+    /// Estimate the time for the lecture's trillion rays of a Cornell box.
     Terarays(terarays::TeraraysOptions),
 }
 

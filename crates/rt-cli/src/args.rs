@@ -51,7 +51,7 @@ pub(crate) fn name_of(value: impl ValueEnum) -> String {
                   `rt-cli SCENE` is short for `rt-cli render SCENE` and takes the same options. Without arguments, a built-in scene is \
                   rendered to still_life.png. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
                   The file name `-` means standard input for inputs and standard output for outputs. Reports then go to standard error.",
-    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 finished with damage, 130 interrupted (the image so far is saved).",
+    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 image written but damaged, 130 interrupted (the image so far is saved).",
     disable_help_subcommand = true,
     args_conflicts_with_subcommands = true
 )]
@@ -75,7 +75,7 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// Check the numerical health of a scene: sizes, transforms, meshes, glass, precision
     Check(CheckArgs),
-    /// Convert a scene or model to a scene file
+    /// Convert a scene or model to a scene file (.ron, .json)
     Convert(ConvertArgs),
     /// Tone-map a linear image: exposure, tone curve, gamma
     Develop(DevelopArgs),
@@ -96,7 +96,7 @@ pub(crate) enum Command {
     },
     /// Print shell completions
     Completions {
-        /// Shell
+        /// Name of the shell
         shell: clap_complete::Shell,
     },
     /// Print the manual, or write one page per command
@@ -114,9 +114,8 @@ pub(crate) struct RenderArgs {
 
     /// Write the image to this file: .png, .jpg, .exr, .hdr, .pfm, or - [default: SCENE.png]
     ///
-    /// With --shard, a .part file is written [default: SCENE.I-of-N.part]. An older file is replaced when the new one is complete,
-    /// and survives any failure. Standard output gets a PNG unless --output-format is given, and has no checkpoint unless
-    /// --checkpoint is given.
+    /// With --shard, a .part file is written [default: SCENE.I-of-N.part]. An older file is replaced only when the new one is
+    /// complete. For -, the format is PNG unless --output-format is given, and no checkpoint is written unless --checkpoint is given.
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
 
@@ -136,7 +135,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
 
-    /// Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
+    /// Write layers: depth,normal,albedo=FILE.exr, or one of stderr=FILE and samples=FILE in any format
     #[arg(long, value_name = "LIST=FILE", value_parser = values::aov, long_help = stop::AOV_HELP, help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,
 
@@ -164,18 +163,18 @@ pub(crate) struct BrowserArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Running")]
     pub(crate) threads: Option<u16>,
 
-    /// Serve the page at this port; 0 for any free one
+    /// Serve the page at this port; 0 chooses a free port
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Server")]
     pub(crate) port: u16,
 
-    /// Listen on this address; all but loopback addresses open the view to the network
+    /// Listen on this address; any other than a loopback address opens the view to the network
     ///
-    /// The printed address, token included, gives access to scene and render. The connection is not encrypted. From
-    /// another machine, a forwarded port is safer: `ssh -t -L 8080:localhost:8080 HOST` and `--port 8080`.
+    /// Anyone with the printed address, which includes a token, has access to the scene and the render. The connection is not
+    /// encrypted. To view from another machine, forward a port: `ssh -t -L 8080:localhost:8080 HOST` and `--port 8080`.
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Server")]
     pub(crate) bind: IpAddr,
 
-    /// Print the address, and do not open it in the browser
+    /// Print the address without opening the browser
     #[arg(long, help_heading = "Server")]
     pub(crate) no_open: bool,
 }
@@ -202,7 +201,7 @@ pub(crate) struct CheckArgs {
     #[arg(long, value_enum, default_value_t = ReportFormat::Text, long_help = CHECK_FORMAT_HELP)]
     pub(crate) format: ReportFormat,
 
-    /// Exit with code 3 on warnings as well
+    /// Treat warnings as errors (exit code 3)
     #[arg(long)]
     pub(crate) strict: bool,
 }
@@ -216,7 +215,7 @@ pub(crate) enum ReportFormat {
 const CHECK_FORMAT_HELP: &str = "\
 Set the report format
 
-In JSON, `measures` holds measurements of the whole scene, lengths in world units. `findings` lists the findings, most severe \
+In JSON, `measures` holds measurements of the whole scene, with lengths in world units. `findings` lists the findings, most severe \
 first: `severity` (error, warning, info), `kind` (a name that is stable across versions), `object`, measured `values` by name \
 (null for infinite), `message` and `advice`. The first findings of each kind are listed; `more` counts the others. `errors`, \
 `warnings` and `notes` count all findings.";
@@ -256,7 +255,7 @@ pub(crate) struct DevelopArgs {
     #[command(flatten)]
     pub(crate) development: DevelopmentArgs,
 
-    /// Encode with a power law of this exponent instead of the sRGB curve; 1 stores linear values
+    /// Encode with the exponent 1 / GAMMA instead of the sRGB curve; 1 stores linear values
     #[arg(long, value_name = "GAMMA", value_parser = values::gamma)]
     pub(crate) gamma: Option<f64>,
 
@@ -278,12 +277,12 @@ pub(crate) struct RunArgs {
 
     /// Show the image in the viewer tev while it renders
     ///
-    /// Start tev first. If the connection is lost, the render continues.
+    /// tev must be running. If the connection is lost, the render continues.
     #[cfg(feature = "display")]
     #[arg(long, value_name = "HOST:PORT")]
     pub(crate) display_server: Option<String>,
 
-    /// Treat warnings as errors (exit code 3), and bad samples too (exit code 5)
+    /// Treat warnings (exit code 3) and bad samples (exit code 5) as errors
     #[arg(long)]
     pub(crate) strict: bool,
 
@@ -312,7 +311,7 @@ Write statistics in JSON to this file or to -, and count the cost per ray
 `rays` has an entry for each kind of ray and for their `total`: traced `rays`, visited nodes, primitive tests and hits. \
 `camera_hits` counts camera samples that hit a surface. `primary_rays_skipped` counts camera rays that were skipped because \
 their part of the view is empty. `pixel_samples` are the samples per pixel; `simple_pixels` took fewer because they show no edge \
-(--adaptive). `stopped` is the reason of the end (samples, time, target-error). `unconverged_pixels` missed --target-error (null \
-without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `estimated_error` is null after a single \
+(--adaptive). `stopped` is the stop rule that ended the render (samples, time, target-error). `unconverged_pixels` counts pixels that missed --target-error \
+(null without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `estimated_error` is null after a single \
 pass. `shading` counts the work of materials. `seconds` are wall-clock times. Counts are the same in every run; `seconds`, \
 `mega_rays_per_second` and `peak_memory_bytes` (null where unknown) are not.";

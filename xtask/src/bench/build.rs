@@ -28,10 +28,10 @@ const LISTED_SECONDS: f64 = 1.0;
 /// Options of `bench build`.
 #[derive(Debug, clap::Args)]
 pub(super) struct BuildOptions {
-    /// Package to build, with all of its dependencies.
+    /// Build this package and its dependencies.
     #[arg(long, default_value = "rt-cli")]
     package: String,
-    /// Profile to build by.
+    /// Build with this profile.
     #[arg(long, default_value = "dev")]
     profile: String,
     /// Also write the page docs/BUILD-TIME.md.

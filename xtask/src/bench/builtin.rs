@@ -20,10 +20,10 @@ pub(super) struct BuiltinOptions {
     /// Also write the page docs/BENCHMARKS.md.
     #[arg(long)]
     write: bool,
-    /// Rays of each kind; brute force gets fewer where there are many primitives.
+    /// Set the number of rays of each kind; brute force gets fewer on large scenes.
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(100..))]
     rays: u32,
-    /// Measurements of each time.
+    /// Measure each time this often.
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..))]
     reps: u32,
 }

@@ -20,13 +20,13 @@ use crate::{
 /// Options of `bench load`.
 #[derive(Debug, clap::Args)]
 pub(super) struct LoadOptions {
-    /// About as many triangles; each step down makes a fourth.
+    /// Set the approximate number of triangles.
     #[arg(long, default_value_t = 1_310_720)]
     triangles: usize,
-    /// Runs of each file.
+    /// Load each file this often.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     reps: u32,
-    /// Keep the files here, for other programs to be measured with.
+    /// Keep the files in this directory, to measure other programs.
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
 }

@@ -3,7 +3,7 @@
 //! ```text
 //!   cargo xtask bench                    every structure on scenes that are made here
 //!   cargo xtask bench rays MESH RAYS     meshes and rays from neutral files, which other tracers read as well
-//!   cargo xtask bench render             whole pictures, from neutral descriptions
+//!   cargo xtask bench render             whole images, from neutral descriptions
 //!   cargo xtask bench cornell REFERENCE  error and efficiency on the Cornell box
 //!   cargo xtask bench build              time of a cold build, by package
 //!   cargo xtask bench load               time and memory that a mesh takes to load
@@ -38,17 +38,17 @@ pub(crate) struct BenchOptions {
 
 #[derive(Debug, clap::Subcommand)]
 enum Benchmark {
-    /// Trace rays from neutral files, and count wrong hits.
+    /// Trace rays from binary files of meshes and rays, and count wrong hits.
     Rays(rays::RayOptions),
-    /// Render whole images from neutral descriptions, as processes of their own.
+    /// Render whole images from JSON scene descriptions, in separate processes.
     Render(render::RenderOptions),
-    /// Measure error and efficiency on the Cornell box against an image.
+    /// Measure error and efficiency on the Cornell box against a reference image.
     Cornell(cornell::CornellOptions),
-    /// Measure the time and memory that a mesh takes to load, in each format.
+    /// Measure time and memory to load a mesh in each format.
     Load(load::LoadOptions),
     /// Measure processor and wall seconds of a cold build, by package.
     Build(build::BuildOptions),
-    /// Write the scene file of a neutral description.
+    /// Convert a JSON scene description to a scene file.
     Convert(render::convert::ConvertOptions),
 }
 

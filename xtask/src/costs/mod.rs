@@ -25,19 +25,19 @@ pub(crate) use page::each;
 /// Options of `costs`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct CostsOptions {
-    /// Go on to 10⁶ primitives.
+    /// Measure scenes of up to 10⁶ primitives.
     #[arg(long)]
     full: bool,
     /// Replace docs/COSTS.md.
     #[arg(long)]
     write: bool,
-    /// Rays of each kind.
+    /// Set the number of rays of each kind.
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(100..))]
     rays: u32,
-    /// Measurements of each time, of which the least counts.
+    /// Measure each time this often, and report the minimum.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     repeats: u32,
-    /// The mesh of the scene "model", an OBJ file; by default the teapot of the gallery.
+    /// Use this OBJ file for the scene `model` [default: teapot of the gallery].
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
 }

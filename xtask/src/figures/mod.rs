@@ -31,9 +31,9 @@ pub(crate) struct FiguresOptions {
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum What {
-    /// The images in the guide of rt-accel.
+    /// Images in the guide of rt-accel.
     Guide,
-    /// Error against run time on the Cornell box, which takes minutes: measure it on a machine that does nothing else.
+    /// Error against run time on the Cornell box; takes minutes on an otherwise idle machine.
     Cornell,
 }
 

@@ -84,7 +84,7 @@ impl Unit for Kills {
                 };
                 different += killed.max(1);
                 findings.problem(format!(
-                    "picture {image}, killed {killed} times, is not that of one run: {:?} instead of {:?}",
+                    "image {image}, killed {killed} times, is not that of one run: {:?} instead of {:?}",
                     names(&found, &expected),
                     names(&expected, &found)
                 ));
@@ -120,7 +120,7 @@ impl Kills {
             match renderer.run_at_most(folder, &args, Duration::from_secs_f64(seconds_to_kill))?.exit {
                 Exit::TimedOut(_) => {}
                 Exit::Code(0) => return Ok(run),
-                exit => return Err(TaskError::Other(format!("run {run} of picture {image}: {exit}"))),
+                exit => return Err(TaskError::Other(format!("run {run} of image {image}: {exit}"))),
             }
         }
         let last = renderer.run(folder, &args)?;

@@ -39,24 +39,24 @@ const FULL_TIMEOUT: Duration = Duration::from_secs(2 * 3600);
 /// Options of `regress`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RegressOptions {
-    /// Run only units with this in their name, or of one suite, such as `golden/`.
+    /// Run only units whose name contains this, or a suite such as `golden/`.
     filter: Option<String>,
-    /// Replace the expected images that differ, list them, and still fail.
+    /// Replace the expected images that differ, and list them; the exit code is still 1.
     #[arg(long)]
     bless: bool,
-    /// Run checks at full size: hours instead of minutes.
+    /// Run checks at full size, which takes hours instead of minutes.
     #[arg(long)]
     full: bool,
-    /// Folder of further pairs for `physics` [default: ../shared/reference/physics/pairs, if it exists].
+    /// Add pairs for `physics` from this folder [default: ../shared/reference/physics/pairs, if it exists].
     #[arg(long, value_name = "FOLDER")]
     pairs: Option<PathBuf>,
     /// Write the table of all pairs of `physics` into docs/PHYSICS.md.
     #[arg(long, requires = "full")]
     write: bool,
-    /// The program under test; by default a build by the profile of this task.
+    /// Test this program [default: rt-cli, built with the profile of this task].
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
-    /// Renders at the same time; by default one per processor.
+    /// Set the number of simultaneous renders [default: one per processor].
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     jobs: usize,
 }
@@ -73,7 +73,7 @@ pub(crate) fn run(workspace: Workspace, options: &RegressOptions) -> Result<bool
         units.retain(|unit| matches(&unit.name(), filter));
     }
     if units.is_empty() {
-        return Err(TaskError::Other("nothing matches the filter".to_owned()));
+        return Err(TaskError::Other("no unit matches the filter".to_owned()));
     }
     let program = match &options.program {
         Some(program) => fs::canonicalize(program).map_err(TaskError::file(program))?,

@@ -28,31 +28,31 @@ use nff::Nff;
 /// Options of `spd`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SpdOptions {
-    /// Database to write; by default all of them, in a small size, to scenes/spd
+    /// Write this database [default: all, in a small size, to scenes/spd]
     #[arg(value_enum)]
     database: Option<Database>,
-    /// Size factor; that of the paper by default
+    /// Set the size factor [default: size of the paper]
     #[arg(long, requires = "database")]
     size: Option<u32>,
-    /// File to write; NAME.nff by default
+    /// Write to this file [default: DATABASE.nff]
     #[arg(short, long, value_name = "FILE", requires = "database")]
     output: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Database {
-    /// Spheres on spheres on spheres: (9^(size + 1) − 1) / 8.
+    /// Recursive spheres: (9^(size + 1) − 1) / 8 spheres.
     #[value(name = "balls")]
     Sphereflake,
-    /// Gears of glass: size³ of 146 polygons.
+    /// Glass gears: size³ gears of 146 polygons.
     Gears,
-    /// A fractal mountain of 2 · 4^size triangles, and four spheres of glass.
+    /// Fractal mountain of 2 · 4^size triangles, and four glass spheres.
     Mountain,
-    /// Interlocked rings: size layers of 1, 4, 9, ... sets of 60 cylinders and spheres.
+    /// Interlocked rings: layers of 1, 4, 9, ... size² sets of 60 cylinders and spheres.
     Rings,
-    /// A pyramid of pyramids: 4^size triangles.
+    /// Recursive tetrahedra: 4^size triangles.
     Tetra,
-    /// A tree of 2^(size + 1) − 1 branches.
+    /// Tree of 2^(size + 1) − 1 branches.
     Tree,
 }
 

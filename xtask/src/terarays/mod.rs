@@ -23,7 +23,7 @@ const SCENE: &str = "scenes/lecture/cornell.ron";
 /// Options of `terarays`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct TeraraysOptions {
-    /// Measure for this time, as 60s, 10m or 8h; a started tile is finished. 0s prints earlier results.
+    /// Measure for this time, such as 60s, 10min or 8h, to the end of the tile; 0s prints earlier results.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration, default_value = "60s")]
     budget: Duration,
     /// Discard earlier measurements.
@@ -45,7 +45,7 @@ pub(crate) fn run(workspace: &Workspace, options: &TeraraysOptions) -> Result<()
     let program = Program { path, folder };
     let renderer = TileRenderer { program: &program, scene: &scene };
     work(&mut progress_file, options.budget, |tile| renderer.measure(tile))?;
-    let nothing = || TaskError::Other("nothing has been measured yet: give it time by --budget 60s".to_owned());
+    let nothing = || TaskError::Other("no measurements yet: measure with --budget 60s".to_owned());
     let whole = Whole::of(progress_file.units()).ok_or_else(nothing)?;
     print!("{}", page::table(&whole));
     if options.write {

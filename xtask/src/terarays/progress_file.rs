@@ -71,7 +71,7 @@ impl ProgressFile {
             Err(error) => return Err(TaskError::file(&path)(error)),
         };
         let refused = |why: &str| {
-            Err(TaskError::Other(format!("{}: {why}; move it away, or begin again with --fresh", path.display())))
+            Err(TaskError::Other(format!("{}: {why}; rename it, or start over with --fresh", path.display())))
         };
         let state: State = match serde_json::from_str(&text) {
             Ok(state) => state,

@@ -25,7 +25,7 @@ mod unsafe_code;
 /// TidyOptions of `tidy`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct TidyOptions {
-    /// List the breaches that the allowance covers, in these crates; `docs` for pages in Markdown.
+    /// List the allowed breaches in these crates; `docs` selects the Markdown pages.
     packages: Vec<String>,
     /// Lower the counts in xtask/tidy-allowance.toml to those found.
     #[arg(long)]

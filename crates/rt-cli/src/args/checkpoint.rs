@@ -12,8 +12,8 @@ use super::values::{self, CheckpointInterval};
 pub(crate) struct CheckpointArgs {
     /// Continue from the checkpoint of an earlier run of the same scene and options, if there is one
     ///
-    /// The image is bit-identical to that of an uninterrupted run, except with --time. A checkpoint of another scene or of other
-    /// options is moved aside with a note, and needs neither this option nor --restart.
+    /// The image is bit-identical to that of an uninterrupted run, except with --time. Without this option, a checkpoint of another
+    /// scene or of other options is renamed to CHECKPOINT.old, and the render starts over.
     #[arg(long)]
     pub(crate) resume: bool,
 
@@ -41,7 +41,7 @@ pub(crate) struct CheckpointArgs {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct FallbackArgs {
-    /// Directory for results whose output path is not writable [default: $TMPDIR, then .]
+    /// Write results to this directory if their output path is not writable [default: $TMPDIR, then .]
     #[arg(long = "fallback-dir", alias = "fallback", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) dir: Option<PathBuf>,
 }

@@ -22,7 +22,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "NAME", value_enum, default_value = "rmse")]
     pub(crate) metric: Metric,
 
-    /// Accept metric values up to this one (down to it for psnr and ssim) [default: its value for equal images]
+    /// Accept metric values up to this one (down to it for psnr and ssim) [default: value of equal images]
     #[arg(long, value_name = "X", value_parser = values::finite, allow_negative_numbers = true)]
     pub(crate) threshold: Option<f64>,
 
@@ -34,7 +34,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, long_help = JSON_HELP)]
     pub(crate) json: bool,
 
-    /// Set the pixels per degree for FLIP [default: a 4K screen 0.7 m wide, seen from 0.7 m]
+    /// Set the pixels per degree for FLIP [default: 67, a 4K screen 0.7 m wide at 0.7 m]
     #[arg(long, value_name = "N", value_parser = values::pixels_per_degree)]
     pub(crate) pixels_per_degree: Option<f64>,
 
@@ -55,7 +55,7 @@ pub(crate) struct HeatMapArgs {
     #[arg(long = "heat-map", value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) file: Option<PathBuf>,
 
-    /// Choose what the heat map shows: the signed error of radiance, or the visible difference
+    /// Choose the quantity of the heat map: the signed error of radiance, or the visible difference
     #[arg(long = "heat-map-of", value_name = "NAME", value_enum, default_value = "error", requires = "file")]
     pub(crate) shows: HeatMapOf,
 
@@ -107,18 +107,18 @@ pub(crate) enum HeatMapOf {
 }
 
 pub(super) const COMPARE_HELP: &str = "\
-Measure the difference of an image A from a reference B of the same size
+Measure the difference of image A from reference image B of the same size
 
 Linear radiance: RMSE, MAE (mean absolute error), relMSE (mean of (A - B)^2 / (B^2 + 0.01)), bias (mean of A - B, with its standard \
 error for independent noise), largest difference, largest difference of coverage. Pixels that are NaN or infinite in one of the images \
-are left out and counted; the images differ unless both have the same value there.
+are excluded and counted; the images differ unless both have the same value there.
 
 Tone-mapped signal, 0 to 1: PSNR in decibels, SSIM (Wang et al. 2004). Displayed light: FLIP (Andersson et al. 2020), 0 to 1, the \
 difference seen when alternating between the images. --exposure and --tone set the tone mapping; HDR-FLIP (Andersson et al. 2021) \
 samples the exposures that fit the reference.
 
-PNG and JPEG are decoded from sRGB to linear light. If only one image is PNG or JPEG, the other one is first tone-mapped to bytes as \
-`develop` does, with dithering unless --dither none, so that an image and its .exr compare equal.
+PNG and JPEG are decoded from sRGB to linear light. If only one image is PNG or JPEG, the other one is first tone-mapped to bytes, as \
+by `develop`, so that a .png and its .exr compare equal. This includes dithering, unless --dither none is given.
 
 The exit code is 1 if --metric is worse than --threshold: above it, or below it for psnr and ssim.";
 

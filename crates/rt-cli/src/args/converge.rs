@@ -24,11 +24,11 @@ pub(crate) struct ConvergeArgs {
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) output: Option<PathBuf>,
 
-    /// Compare these values of a `render` option, such as sampler=random,sobol; several options are combined
+    /// Compare these values of a `render` option, such as sampler=random,sobol; repeat for all combinations
     #[arg(long, value_name = "KEY=A,B,C", value_parser = variation, help_heading = "Experiment")]
     pub(crate) vary: Vec<Variation>,
 
-    /// Measure at these samples per pixel: doublings as 1..256, or a list as 4,16,64
+    /// Measure at these samples per pixel: doublings such as 1..256, or a list such as 4,16,64
     #[arg(long, value_name = "SERIES", value_parser = series, default_value = "1..256", help_heading = "Experiment")]
     pub(crate) spp: Series,
 
@@ -42,7 +42,7 @@ pub(crate) struct ConvergeArgs {
     )]
     pub(crate) seeds: u32,
 
-    /// Choose the kind of reference [default: the first available of the possible values]
+    /// Choose the kind of reference [default: first available, in this order]
     #[arg(long, alias = "against", value_name = "NAME", value_enum, help_heading = "Error measurement")]
     pub(crate) reference_kind: Option<ReferenceKind>,
 
@@ -67,7 +67,7 @@ pub(crate) struct ConvergeArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Running")]
 pub(crate) struct ConvergeRunArgs {
-    /// Stop after this time, such as 90s, 10m or 1h, with the measurements so far
+    /// Stop after this time, such as 90s, 10min or 1h, and report the measurements so far
     ///
     /// Sample counts that do not fit are skipped and reported. The first is always measured.
     #[arg(long, value_name = "TIME", value_parser = values::time)]
@@ -115,10 +115,10 @@ fn variation(text: &str) -> Result<Variation, String> {
     let values: Vec<String> = values.split(',').map(|value| value.trim().to_owned()).collect();
     for (index, value) in values.iter().enumerate() {
         if value.is_empty() {
-            return Err("a value is missing".to_owned());
+            return Err("expected a value between commas, such as sampler=random,sobol".to_owned());
         }
         if values[..index].contains(value) {
-            return Err(format!("{value} is there twice"));
+            return Err(format!("the value {value} is repeated; remove one"));
         }
     }
     Ok(Variation { key, values })
@@ -139,7 +139,7 @@ fn series(text: &str) -> Result<Series, String> {
         None => text.split(',').map(number).collect::<Result<_, _>>()?,
     };
     if numbers.is_empty() || !numbers.is_sorted_by(|a, b| a < b) {
-        return Err("the numbers must ascend".to_owned());
+        return Err("expected ascending numbers, such as 1..256 or 4,16,64".to_owned());
     }
     Ok(Series(numbers))
 }
@@ -149,17 +149,21 @@ Measure error against run time for several methods, with confidence intervals
 
 A method is a combination of the --vary values. Each is rendered at a series of sample counts with several seeds. Errors are measured \
 against the first available reference: the mean radiance that the scene declares (truth), the image of --reference, or a reference \
-rendered in two halves by another sampler with other seeds (split). The error of a split reference is a quarter of the mean squared \
-difference of its halves (the floor). It is printed, plotted, and subtracted; points below three times the floor are excluded from \
-plots and fits.
+rendered in two halves by another sampler with other seeds (split).
+
+The squared error of a split reference, the floor, is a quarter of the mean squared difference of its halves. It is printed, plotted, \
+and subtracted. Points below three times the floor are excluded from plots and fits.
 
 RMSE is the root of the mean squared error over pixels, channels and seeds; with a truth, that of the image mean. relMSE is the mean of \
-(A - B)^2 / (B^2 + 0.01). Bias is the mean of A - B with its standard error, from the spread between seeds and the error of the \
-reference. FLIP is that of the first seed. Seconds are processor time of all threads for rendering, without building, as the median over \
-seeds. Efficiency is 1 / (MSE seconds); for methods whose squared error falls as 1/N, twice the efficiency means half the time to the \
-same error. Slopes are those of log RMSE against log N (samples per pixel) and log seconds, fitted per seed. Their 95 % intervals, and \
-those of the plot, are by Student's t over the seeds. The error of a truth is a single number and may be zero: logarithms are then taken \
-of the mean over seeds, with the jackknife for the spread.";
+(A - B)^2 / (B^2 + 0.01). Bias is the mean of A - B. Its standard error includes the spread between seeds and the error of the \
+reference. FLIP is that of the first seed.
+
+Seconds are the processor time of all threads for rendering, without building, as the median over seeds. Efficiency is 1 / (MSE * \
+seconds). If the squared error falls as 1/N, twice the efficiency means half the time to the same error.
+
+Slopes are fitted per seed to log RMSE against log N (samples per pixel), and against log seconds. The 95 % intervals of slopes and plot \
+are by Student's t over the seeds. The error of a truth is a single number and may be zero. Logarithms are then taken of the mean over \
+seeds, and intervals are by the jackknife.";
 
 #[cfg(test)]
 mod tests {
@@ -187,9 +191,9 @@ mod tests {
             ("sampelr=a", "did you mean `sampler`"),
             ("size=1x1,2x2", "unknown option to vary `size`"),
             ("spp=1,2", "--spp 4,16,64"),
-            ("sampler=", "a value is missing"),
-            ("sampler=a,,b", "a value is missing"),
-            ("sampler=a,b,a", "a is there twice"),
+            ("sampler=", "expected a value between commas, such as sampler=random,sobol"),
+            ("sampler=a,,b", "expected a value between commas, such as sampler=random,sobol"),
+            ("sampler=a,b,a", "the value a is repeated"),
         ] {
             let error = variation(bad).expect_err(bad);
             assert!(error.contains(message), "{bad}: {error}");

@@ -24,9 +24,9 @@ pub(crate) enum FrameChoice {
 const FRAMES_HELP: &str = "\
 Render the frames A to B of an animation (inclusive), the single frame N, or all
 
-Frame N is at time N / FPS, and is rendered like --at-time with the same --fps. `all` are the frames before the last key of all \
-animations: 48 for 2 s at 24 frames per second. In all output names, the last run of # is replaced by the frame number, padded with \
-zeros: frame 7 of -o out-####.png is out-0007.png [default output: SCENE-####.png].";
+Frame N is at N / FPS seconds, and is rendered as by --at-time. `all` selects the frames before the last key of all animations: 48 \
+frames for 2 s at 24 frames per second. In all output names, the last run of # is replaced by the frame number, padded with zeros: -o \
+out-####.png writes frame 7 to out-0007.png [default of -o: SCENE-####.png].";
 
 /// Range of frame indices, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +73,7 @@ fn choice(text: &str) -> Result<FrameChoice, String> {
 /// `A..B` or `N`.
 fn frames(text: &str) -> Result<Frames, String> {
     let (first, last) = text.split_once("..").unwrap_or((text, text));
-    let rule = "write the first and the last frame as 0..47, or the number of a single one, up to 4294967295, or all";
+    let rule = "expected the first and last frame, such as 0..47, a single frame, such as 7, or all; frames are at most 4294967295";
     let number = |text: &str| text.parse().ok().filter(|_| !text.starts_with('+')).ok_or_else(|| rule.to_owned());
     let frames = Frames { first: number(first)?, last: number(last)? };
     if frames.first > frames.last {
@@ -84,13 +84,14 @@ fn frames(text: &str) -> Result<Frames, String> {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct TimingArgs {
-    /// Set the frames per second of --frames and of motion blur
+    /// Set the frames per second, for --frames and --shutter
     #[arg(long, value_name = "F", value_parser = values::positive, default_value = "24")]
     pub(crate) fps: f64,
 
-    /// Set the shutter interval of all cameras as a share of a frame: 0,0.5 blurs motion in its first half
+    /// Set the shutter interval of all cameras as fractions of a frame, such as 0,0.5 [default: as in the scene]
     ///
-    /// 0 is the time of a frame and 1 that of the next [default: as in the scene; closed, without motion blur].
+    /// 0 is the time of the frame and 1 that of the next frame. Motion is blurred between the two; an interval of length 0 has no
+    /// motion blur.
     #[arg(long, value_name = "OPENS,CLOSES", value_parser = shutter)]
     pub(crate) shutter: Option<[f64; 2]>,
 }
@@ -106,7 +107,7 @@ impl TimingArgs {
 fn shutter(text: &str) -> Result<[f64; 2], String> {
     let parsed = text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
     let sound = parsed.filter(|&[opens, closes]: &[f64; 2]| 0.0 <= opens && opens <= closes && closes <= 1.0);
-    sound.ok_or_else(|| "write two numbers from 0 to 1, the smaller first, as 0,0.5".to_owned())
+    sound.ok_or_else(|| "expected two numbers from 0 to 1, the smaller first, such as 0,0.5".to_owned())
 }
 
 #[cfg(test)]

@@ -13,11 +13,13 @@ use super::values::{self, BackgroundChoice, named};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ImageArgs {
-    /// Set width and height in pixels
+    /// Set width and height in pixels [default: as in the scene]
     #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "Camera and scene")]
     pub(crate) size: Option<[u32; 2]>,
 
-    /// Take this many samples per pixel, rounded up for the sampler; the maximum with --time or --target-error
+    /// Set the samples per pixel, or their maximum with --time or --target-error [default: as in the scene]
+    ///
+    /// Numbers that the sampler does not support are rounded up.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "Sampling")]
     pub(crate) spp: Option<u32>,
 
@@ -25,7 +27,7 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 16), help_heading = "Sampling")]
     pub(crate) passes: Option<u32>,
 
-    /// Use fewer samples in pixels without object or shadow edges (whitted only) [default: off]
+    /// Take fewer samples in pixels without object or shadow edges (whitted only) [default: as in the scene]
     ///
     /// `object-space` detects edges by intersecting the frustum of each pixel with the scene.
     #[arg(long, value_name = "NAME", value_enum, help_heading = "Sampling")]
@@ -35,38 +37,38 @@ pub(crate) struct ImageArgs {
     #[arg(long, alias = "least", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "Sampling")]
     pub(crate) min_spp: Option<u32>,
 
-    /// Limit the bounces after the first hit; 0 shows emission and direct light only
+    /// Limit the bounces after the first hit; 0 shows emission and direct light only [default: as in the scene]
     #[arg(long, alias = "depth", value_name = "N", value_parser = clap::value_parser!(u32).range(..=10_000), help_heading = "Sampling")]
     pub(crate) max_depth: Option<u32>,
 
-    /// Set the seed of the random numbers
+    /// Set the seed of the random numbers [default: as in the scene]
     #[arg(long, value_name = "N", help_heading = "Sampling")]
     pub(crate) seed: Option<u64>,
 
-    /// Clamp each contribution of indirect light to this radiance: fewer fireflies, but biased [default: none]
+    /// Clamp each contribution of indirect light to this radiance: fewer fireflies, but biased [default: as in the scene]
     ///
     /// Light is indirect after two or more surface interactions. A contribution whose largest component exceeds N is scaled down to
     /// N. Direct light, and the light paths of `path-caustics`, are not clamped. The statistics report the lost light.
     #[arg(long, value_name = "N", value_parser = values::positive, allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) clamp: Option<f64>,
 
-    /// Choose the integrator: a light transport algorithm, or a debug view of geometry or cost
+    /// Choose the integrator: a light transport algorithm, or a debug view of geometry or cost [default: as in the scene]
     #[arg(long, value_name = "NAME", value_parser = named(&Integrator::ALL, Integrator::name), help_heading = "Rendering")]
     pub(crate) integrator: Option<Integrator>,
 
-    /// Choose the sample pattern of the pixels
+    /// Choose the sample pattern of pixels [default: as in the scene]
     #[arg(long, value_name = "NAME", value_parser = named(&SamplerKind::ALL, SamplerKind::name), help_heading = "Rendering")]
     pub(crate) sampler: Option<SamplerKind>,
 
-    /// Choose how one of many area lights is sampled
+    /// Choose the sampling of area lights: uniform, by power, or by a light tree [default: as in the scene]
     #[arg(long, value_name = "NAME", value_parser = named(&LightSampling::ALL, LightSampling::name), help_heading = "Rendering")]
     pub(crate) light_sampling: Option<LightSampling>,
 
-    /// Choose the acceleration structure; does not change the image
+    /// Choose the acceleration structure; does not change the image [default: as in the scene]
     #[arg(long, value_name = "NAME", value_parser = named(&Accel::ALL, Accel::name), help_heading = "Rendering")]
     pub(crate) accel: Option<Accel>,
 
-    /// Choose the SIMD instructions of `bvh8` and `linear`; does not change the image [default: the best available]
+    /// Choose the SIMD instructions of `bvh8` and `linear`; does not change the image [default: best available]
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "Rendering")]
     pub(crate) simd: Option<SimdLevel>,
 
@@ -85,7 +87,7 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop, help_heading = "Camera and scene")]
     pub(crate) crop: Option<Crop>,
 
-    /// Set the background: #RRGGBB, #RGB, linear GRAY or R,G,B, black, white, or transparent
+    /// Set the background: #RRGGBB, #RGB, linear GRAY or R,G,B, black, white, or transparent [default: as in the scene]
     ///
     /// With --env, camera rays see this background, and the environment image lights the scene.
     #[arg(long, value_name = "COLOR", value_parser = values::background, help_heading = "Camera and scene")]
@@ -102,11 +104,11 @@ pub(crate) struct ImageArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Camera and scene")]
 pub(crate) struct ViewArgs {
-    /// Choose the camera by name [default: the first]
+    /// Choose the camera by name [default: first]
     #[arg(long, value_name = "NAME")]
     pub(crate) camera: Option<String>,
 
-    /// Move the camera to this point; without --look-at it keeps its direction
+    /// Move the camera to this point; without --look-at, it keeps its direction
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) look_from: Option<DVec3>,
 
@@ -118,7 +120,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
 
-    /// Set the field of view in degrees, along the same side of the image as the camera's own
+    /// Set the field of view in degrees, along the `fov_axis` of the camera [default: as in the scene]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
     pub(crate) fov: Option<f64>,
 }
@@ -127,15 +129,15 @@ pub(crate) struct ViewArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Tone mapping")]
 pub(crate) struct DevelopmentArgs {
-    /// Set the exposure in stops: 1 doubles the brightness, -1 halves it
+    /// Set the exposure in stops: 1 doubles the brightness, -1 halves it [default: as in the scene, or 0]
     #[arg(long, value_name = "EV", value_parser = values::exposure, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f64>,
 
-    /// Choose the tone curve, which maps radiance to the range of the display
+    /// Choose the tone curve from radiance to display values [default: as in the scene, or clamp]
     #[arg(long, value_name = "NAME", value_parser = named(&values::TONE_CURVES, values::tone_name))]
     pub(crate) tone: Option<ToneCurve>,
 
-    /// Dither .png and .jpg to avoid banding; none rounds to the nearest byte [default: on, or as in the scene]
+    /// Dither .png and .jpg to avoid banding; none rounds to the nearest byte [default: as in the scene, or on]
     #[arg(long, value_name = "NAME", value_parser = values::dither())]
     pub(crate) dither: Option<bool>,
 }

@@ -7,10 +7,10 @@ use crate::memory;
 
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct MemoryArgs {
-    /// Refuse work that is predicted to need more memory, such as 512M, 4GiB or 75%
+    /// Refuse work whose predicted memory exceeds this, such as 512M, 4GiB or 75%
     ///
-    /// Percentages are of the memory of the machine or of its control group; without a limit if neither is known. K, M, G and T are
-    /// powers of 1000; Ki, Mi, Gi and Ti of 1024.
+    /// A percentage is of the memory of the machine or of its control group; if neither is known, there is no limit. K, M, G and T
+    /// are powers of 1000; Ki, Mi, Gi and Ti are powers of 1024.
     #[arg(long, value_name = "BYTES", value_parser = amount, default_value = "75%", help_heading = "Limits")]
     memory: Amount,
 }
@@ -54,7 +54,7 @@ pub(super) fn amount(text: &str) -> Result<Amount, String> {
                 percent.trim_end().parse().ok().filter(|percent| (0.0..=100.0).contains(percent) && *percent > 0.0);
             percent
                 .map(|percent: f64| Amount::Share(percent / 100.0))
-                .ok_or_else(|| "write a percentage up to 100%".to_owned())
+                .ok_or_else(|| "expected a percentage greater than 0 and at most 100, such as 75%".to_owned())
         }
         None => bytes(text).map(Amount::Bytes),
     }
@@ -65,7 +65,7 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
     // What is too large for the type is read as its greatest value.
     match text.parse() {
         Ok(ByteSize(bytes)) if bytes > 0 && bytes < u64::MAX => Ok(bytes),
-        _ => Err("write a number of bytes with its unit, as 512M, 1.5GiB or 65536".to_owned()),
+        _ => Err("expected a number of bytes with its unit, such as 512M, 1.5GiB or 65536".to_owned()),
     }
 }
 

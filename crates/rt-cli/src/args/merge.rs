@@ -12,7 +12,7 @@ use super::values::{self, AovArg};
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
-    /// All parts of the image, in any order
+    /// All .part files of the image, in any order
     #[arg(required = true, value_hint = ValueHint::FilePath)]
     pub(crate) parts: Vec<PathBuf>,
 
@@ -46,4 +46,4 @@ pub(super) const MERGE_HELP: &str = "\
 Join the parts of an image rendered with --shard I/N
 
 The image is bit-identical to that of a single run on one machine. All N parts must be given once each, in any order, finished, and \
-of the same scene, options and program version. Missing, repeated and foreign parts are named, and nothing is written (exit code 3).";
+of the same scene, options and program version. If a part is missing, repeated or of another image, nothing is written (exit code 3).";

@@ -17,29 +17,29 @@ pub(crate) struct StopArgs {
     #[arg(long, value_name = "TIME", value_parser = values::time, conflicts_with = "passes", allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
 
-    /// Stop at this relative error of the image, such as 1%, or at --spp samples [default: 4096]
+    /// Stop at this relative error of the image, such as 1%, or at --spp samples [default of --spp: 4096]
     ///
     /// The error is the relative root mean square error, estimated from the differences of independent passes:
     ///
     ///   sqrt(mean of v) / (mean of m)
     ///
-    /// m is the radiance of a pixel in a channel, v the variance of its mean; both means are over all pixels and channels. All
-    /// pixels take the same number of samples. The error is tested after each pass, from 16 samples on, and has a 95 % confidence
-    /// interval. Images of fewer than 1024 pixels are rendered again with new samples, as with --two-stage.
+    /// For a pixel and a channel, m is the estimated radiance and v the variance of that estimate. Both means are over all pixels
+    /// and channels. All pixels take the same number of samples. The error is tested after each pass, from 16 samples on, and is
+    /// reported with a 95 % confidence interval. Images of fewer than 1024 pixels are rendered again, as with --two-stage.
     #[arg(long, value_name = "PERCENT", value_parser = values::percentage, conflicts_with = "passes", allow_hyphen_values = true)]
     pub(crate) target_error: Option<f64>,
 
-    /// Require --target-error of this share of the pixels, such as 99%, instead of the image
+    /// Require --target-error of this share of the pixels, such as 99%, instead of the whole image
     ///
-    /// A pixel must be within the error of its radiance plus 0.01 with 95 % confidence in each channel. It is tested at 64, 128,
-    /// 256, ... samples. Converged pixels take no more samples. This biases them, noisy ones by some per cent of their radiance;
-    /// --two-stage removes the bias.
+    /// A pixel has converged if its error in each channel is below --target-error times (radiance + 0.01), with 95 % confidence.
+    /// Pixels are tested at 64, 128, 256, ... samples, and take no more samples once converged. This biases them, noisy ones by
+    /// some per cent of their radiance; --two-stage removes the bias.
     #[arg(long, value_name = "PERCENT", value_parser = values::share_of_pixels, requires = "target_error", allow_hyphen_values = true)]
     pub(crate) target_error_pixels: Option<f64>,
 
     /// Render the image again with as many new samples as --target-error needed
     ///
-    /// The stop rule biases the samples that it tests, if little. This takes twice the time and is unbiased.
+    /// A stop rule slightly biases the samples that it tests. The second render is unbiased, and doubles the time.
     #[arg(long, requires = "target_error")]
     pub(crate) two_stage: bool,
 }
@@ -57,19 +57,19 @@ impl StopArgs {
 }
 
 pub(super) const AOV_HELP: &str = "\
-Write layers such as depth,normal,albedo to one .exr file, or stderr=FILE or samples=FILE as an image
+Write layers: depth,normal,albedo=FILE.exr, or one of stderr=FILE and samples=FILE in any format
 
 Layers of the first surfaces that camera rays hit: depth, position, normal, geometric_normal, albedo, roughness, emission, uv, \
-object_id, material_id, instance_id, coverage; `all` stands for them, `samples` and `stderr`. The file also holds the image. \
-Channels are named as depth.Z and normal.X, with 32-bit floats.
+object_id, material_id, instance_id, coverage. `all` selects these, `samples` and `stderr`. The .exr file also holds the image. Its \
+channels are 32-bit floats with names such as depth.Z and normal.X.
 
 `stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
-needs at least two passes. `samples` is the number of samples, in all channels. Alone, they may go to any format: .exr, .hdr and .pfm \
-hold the numbers; .png and .jpg show them relative to the largest of the image, from black to white. May be given more than once.";
+needs at least two passes. `samples` is the number of samples, in all channels. Either may be written alone to any image format: .exr, \
+.hdr and .pfm hold the numbers; .png and .jpg show them from black (0) to white (maximum of the image). May be given more than once.";
 
 pub(super) const MAP_HELP: &str = "\
 Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
 
 `stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
 needs at least two passes. `samples` is the number of samples, in all channels. The formats .exr, .hdr and .pfm hold the numbers; .png \
-and .jpg show them relative to the largest of the image, from black to white. May be given more than once.";
+and .jpg show them from black (0) to white (maximum of the image). May be given more than once.";

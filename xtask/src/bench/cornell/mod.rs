@@ -24,21 +24,21 @@ const SCENE: &str = "scenes/lecture/cornell.ron";
 /// Options of `bench cornell`.
 #[derive(Debug, clap::Args)]
 pub(super) struct CornellOptions {
-    /// An image of the scene, linear and of its size, which is almost free of noise.
+    /// Linear reference image of the scene, of the same size and almost free of noise.
     reference: PathBuf,
-    /// Root of the mean squared error of that image, which is subtracted.
+    /// Subtract this RMSE of the reference image from the errors.
     #[arg(long, default_value_t = 0.000_361)]
     noise: f64,
-    /// Samples per pixel, one after the other.
+    /// Measure at these samples per pixel.
     #[arg(long, value_delimiter = ',', default_value = "16,64,256,1024")]
     spp: Vec<u32>,
-    /// Renders of each, with different seeds.
+    /// Repeat each render with this many seeds.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: u32,
-    /// The renderer's sampler.
+    /// Choose the sampler.
     #[arg(long, default_value = "sobol")]
     sampler: String,
-    /// Independent passes that the samples are split into.
+    /// Split the samples into this many independent passes.
     #[arg(long, default_value_t = 1)]
     passes: u32,
 }
@@ -80,7 +80,7 @@ fn figure(
             let used = render(program, scene, options, (threads, spp, seed))?;
             let errors = reference.measure(&read(&program.folder.join(IMAGE))?);
             let other_size =
-                || TaskError::Other(format!("{}: this has another size than {SCENE}", options.reference.display()));
+                || TaskError::Other(format!("{}: the size differs from that of {SCENE}", options.reference.display()));
             Ok((used, errors.ok_or_else(other_size)?))
         })
         .collect::<Result<_, TaskError>>()?;

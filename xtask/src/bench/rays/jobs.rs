@@ -35,7 +35,7 @@ pub(super) fn jobs(options: &RayOptions) -> Result<Vec<Job>, TaskError> {
         None => named(options)?,
     };
     if jobs.iter().all(|job| job.sets.is_empty()) {
-        return Err(TaskError::Other("there is nothing to measure: name MESH and RAYS, or --folder".into()));
+        return Err(TaskError::Other("no files to measure: name MESH and RAYS, or --folder".into()));
     }
     Ok(jobs)
 }
@@ -47,7 +47,7 @@ fn named(options: &RayOptions) -> Result<Vec<Job>, TaskError> {
         return Err(TaskError::Other("every MESH needs RAYS after it".into()));
     }
     if (options.out.is_some() && pairs.len() > 1) || options.reference.len() > pairs.len() {
-        return Err(TaskError::Other("--out is for one pair of files, and every --reference for a pair".into()));
+        return Err(TaskError::Other("--out allows one pair of files, and --reference one file for each pair".into()));
     }
     for (index, pair) in pairs.enumerate() {
         let (mesh, rays) = (&pair[0], &pair[1]);

@@ -11,51 +11,50 @@ use crate::bench::common::{accelerator, quality};
 /// Options of `bench rays`.
 #[derive(Debug, clap::Args)]
 pub(in crate::bench) struct RayOptions {
-    /// Pairs of files: a mesh and rays through it.
+    /// Pairs of a mesh file and a ray file.
     #[arg(value_name = "MESH RAYS", required_unless_present = "folder")]
     pub(super) files: Vec<PathBuf>,
-    /// Measure every SCENE.mesh of this folder with every SCENE.KIND.rays, against SCENE.KIND.ref where it exists.
+    /// Measure all SCENE.mesh with SCENE.KIND.rays in this directory, against SCENE.KIND.ref if it exists.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["files", "reference"])]
     pub(super) folder: Option<PathBuf>,
-    /// Measure only these scenes of the folder.
+    /// Measure only these scenes of --folder.
     #[arg(long, value_delimiter = ',', requires = "folder")]
     pub(super) scene: Vec<String>,
-    /// Measure only these kinds of rays of the folder.
+    /// Measure only these kinds of rays of --folder.
     #[arg(long, value_delimiter = ',', requires = "folder")]
     pub(super) kind: Vec<String>,
-    /// Accelerators to measure.
+    /// Measure these accelerators.
     #[arg(long, value_delimiter = ',', default_value = "bvh", value_parser = accelerator())]
     pub(super) accel: Vec<AcceleratorKind>,
-    /// Build quality of the wide BVH.
+    /// Choose the build quality of the wide BVH.
     #[arg(long, default_value = "medium", value_parser = quality())]
     pub(super) quality: Quality,
-    /// Query for each ray; by default any hit for files `*.shadow.rays`, the closest hit for others.
+    /// Choose the query of each ray [default: occluded for *.shadow.rays, closest for others].
     #[arg(long)]
     pub(super) query: Option<Query>,
     /// Trace batches of this many rays instead of single rays.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "4096", value_name = "RAYS",
           value_parser = positive())]
     pub(super) batch: Option<usize>,
-    /// Threads that build and trace.
+    /// Set the number of threads for building and tracing.
     #[arg(long, default_value_t = 1, value_parser = positive())]
     pub(super) threads: usize,
-    /// Measurements of each figure, after a pass that is checked and not timed.
+    /// Measure each value this often, after a pass that is checked and not timed.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) reps: u32,
-    /// Trace only every so many-th ray.
-    #[arg(long, default_value_t = 1, value_parser = positive())]
+    /// Trace only every N-th ray.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = positive())]
     pub(super) every: usize,
-    /// Write the hits to this file, or those of a folder into this folder.
+    /// Write the hits to this file, or to this directory with --folder.
     #[arg(long, value_name = "HITS")]
     pub(super) out: Option<PathBuf>,
-    /// Count wrong hits by this file; give it once for each pair.
+    /// Count hits that differ from this file; once for each pair.
     #[arg(long, value_name = "REF")]
     pub(super) reference: Vec<PathBuf>,
-    /// Absolute tolerance of t, in addition to 1e-4 of it: a number or a file with one. By default MESH with the
-    /// extension `.eps`, or 1e-5.
+    /// Set the absolute tolerance of t, in addition to 1e-4 · t: a number or a file [default: MESH with extension .eps, or 1e-5].
     #[arg(long)]
     pub(super) eps: Option<String>,
-    /// Count the rays for which this accelerator, as single rays, gives an answer with other bits.
+    /// Count the rays whose hit is not bit-identical to that of this accelerator, traced as single rays.
     #[arg(long, value_name = "ACCEL", value_parser = accelerator())]
     pub(super) same_as: Option<AcceleratorKind>,
 }

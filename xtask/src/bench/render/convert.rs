@@ -13,10 +13,10 @@ use crate::{error::TaskError, files};
 /// The files to convert.
 #[derive(Debug, clap::Args)]
 pub(in crate::bench) struct ConvertOptions {
-    /// A neutral description.
+    /// JSON scene description.
     #[arg(value_name = "JSON")]
     from: PathBuf,
-    /// The scene file to write.
+    /// Scene file to write.
     #[arg(value_name = "SCENE.json")]
     to: PathBuf,
 }

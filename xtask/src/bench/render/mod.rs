@@ -34,19 +34,19 @@ const TIMEOUT: Duration = Duration::from_secs(600);
 /// Options of `bench render`.
 #[derive(Debug, clap::Args)]
 pub(super) struct RenderOptions {
-    /// Folder of neutral scene descriptions, `*.json`.
+    /// Render the scene descriptions `*.json` of this directory.
     #[arg(long, value_name = "DIR")]
     folder: PathBuf,
-    /// Only these scenes.
+    /// Render only these scenes.
     #[arg(long, value_delimiter = ',')]
     scene: Vec<String>,
-    /// Runs of each scene that are measured, after one that counts rays.
+    /// Measure each scene this often, after a run that counts rays.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     reps: u32,
-    /// Threads of the renderer.
+    /// Set the number of threads of the renderer.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
-    /// The accelerator, instead of the renderer's own choice.
+    /// Choose the accelerator [default: chosen by the renderer].
     #[arg(long, value_parser = accelerator())]
     accel: Option<AcceleratorKind>,
 }
@@ -63,7 +63,7 @@ pub(super) fn run(workspace: &Workspace, options: &RenderOptions) -> Result<(), 
     }
     if figures.scenes.is_empty() {
         let folder = options.folder.display();
-        return Err(TaskError::Other(format!("{folder}: there is no scene to render")));
+        return Err(TaskError::Other(format!("{folder}: contains no selected scene")));
     }
     print(&figures, &figures)
 }

@@ -38,7 +38,7 @@ const REDUCED: Effort = Effort::Reduced { seeds: 8, divisor: 4 };
 pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let shared = more.map_or_else(|| workspace.root.join(SHARED), Path::to_path_buf);
     if more.is_some() && !shared.is_dir() {
-        return Err(TaskError::Other(format!("{}: there is no such folder of pairs", shared.display())));
+        return Err(TaskError::Other(format!("{}: the folder of pairs does not exist", shared.display())));
     }
     let mut pairs = BTreeMap::new();
     for (parent, is_own) in [(shared.clone(), false), (workspace.root.join(OWN), true)] {
