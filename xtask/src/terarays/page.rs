@@ -45,7 +45,7 @@ pub(super) fn table(whole: &Whole) -> Table {
 pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
     format!(
         "# 10¹² rays\n\n\
-         After reading this page you know how long the lecture's Cornell box of a trillion rays takes with this renderer, \
+         After reading this page you know how long the lecture's Cornell box of a trillion rays takes in rt, \
          and how to repeat the estimate.\n\n\
          The lecture shows a Cornell box of {SIZE}×{SIZE} pixels with {STRATA}×{STRATA} jittered primary rays per pixel. It \
          states a trillion rays and two years of processor time in all. The pixels and samples make {} primary rays. The \
