@@ -189,7 +189,7 @@ A distance is right here to {SINGLE_PRECISION:g} of its value, as other programs
 2⁻⁴⁴ of the distance of the farthest vertex. Edges and vertices belong to all of their triangles. A program may count all of these
 hits, as this one does, or count hits at one location once.
 
-If the differences between the vertices and the origin of a ray have to be rounded, a ray along an edge may pass on either side of it.
+Where differences between vertices and the origin of a ray are rounded, a ray along an edge may pass on either side of it.
 Both results count as right, but a ray that passes between the triangles is wrong.
 
 Written by `python bindings/python/tests/field_cases/compare.py --write`, Python {platform.python_version()}, on {platform.machine()}:
