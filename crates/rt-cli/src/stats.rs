@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use rt_render::{
-    Clamping, Criterion, ErrorEstimate, PlanOptions, RayKind, RayStats, RenderPlan, Rendering, StopRule,
-    Stopped,
+    Clamping, Criterion, ErrorEstimate, PlanOptions, RayKind, RayStats, RenderPlan, Rendering, StopRule, Stopped,
 };
 use rt_scene_io::Scene;
 use serde_json::{Map, Value, json};

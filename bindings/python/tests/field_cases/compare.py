@@ -174,19 +174,25 @@ def main():
     table = "\n".join(lines)
     print(table)
     if options.write:
-        PAGE.write_text(f"""# Field cases: rays that programs have answered wrongly
+        PAGE.write_text(f"""# Field cases: rays that programs have traced wrongly
 
-Each case is built after a reported problem; *after* names the thread. The answers are exact: rational arithmetic
-on the numbers as they are stored (`bindings/python/tests/field_cases/exact.py`). Tests in Rust and Python hold this project to
-them, with every accelerator.
+After reading this page you know which rays give wrong hits in which programs.
 
-A cell counts the rays whose closest hit is lost, invented, or at a wrong distance, and the rays whose number of hits is wrong. A
-distance is right here to {SINGLE_PRECISION:g} of its value, as others compute in single precision; the tests of this project ask for
+Each case is built after a reported problem; *after* names the project and the number of the report. The right results are computed
+by rational arithmetic from the stored numbers (`bindings/python/tests/field_cases/exact.py`). Tests in Rust and Python compare this
+project with them, with every accelerator.
+
+A cell counts the rays whose closest hit is lost, invented, or at a wrong distance (*wrong t*). It also counts the rays whose number of
+hits is wrong (*miscounted*).
+
+A distance is right here to {SINGLE_PRECISION:g} of its value, as other programs compute in single precision. The tests of this project require
 2⁻⁴⁴ of the distance of the farthest vertex. Edges and vertices belong to all of their triangles. A program may count all of these
-hits, as this one does, or those at one location once. Where differences between vertices and the origin of a ray have to be rounded, a
-ray along an edge may pass on either side of it. Both answers count as right, but a ray that passes between the triangles does not.
+hits, as this one does, or count hits at one location once.
 
-`python bindings/python/tests/field_cases/compare.py --write`, Python {platform.python_version()}, on {platform.machine()}:
+Where differences between vertices and the origin of a ray are rounded, a ray along an edge may pass on either side of it.
+Both results count as right, but a ray that passes between the triangles is wrong.
+
+Written by `python bindings/python/tests/field_cases/compare.py --write`, Python {platform.python_version()}, on {platform.machine()}:
 
 {table}
 """)
