@@ -244,7 +244,7 @@ hits, as this one does, or count hits at one location once.
 Where differences between vertices and the origin of a ray are rounded, a ray along an edge may pass on either side of it.
 Both results count as right, but a ray that passes between the triangles is wrong.
 
-tinybvh has no query of all hits, so its column judges closest hits only. It is called through its Rust bindings, tinybvh-rs: the
+tinybvh has no query of all hits, so its column tests closest hits only. It is called through its Rust bindings, tinybvh-rs: the
 binary tree `bvh::BVH` with default settings, rays from `Ray::new`, and the end of the ray in `hit.t`. Its build is for this processor.
 
 Written by `python bindings/python/tests/field_cases/compare.py --write`, Python {platform.python_version()}, on {platform.machine()}:
