@@ -96,12 +96,26 @@ impl Statistics {
 
     /// Counts of camera samples and rays, by the names of their fields.
     pub const fn named(&self) -> [(&'static str, u64); 5] {
+        // All fields are listed, so that a new one cannot be forgotten.
+        let Self {
+            samples,
+            camera_hits,
+            simple_pixels,
+            primary_rays_skipped,
+            bad_samples,
+            counters: _,
+            shading: _,
+            passes: _,
+            threads: _,
+            build_seconds: _,
+            render_seconds: _,
+        } = *self;
         [
-            ("samples", self.samples),
-            ("camera_hits", self.camera_hits),
-            ("simple_pixels", self.simple_pixels),
-            ("primary_rays_skipped", self.primary_rays_skipped),
-            ("bad_samples", self.bad_samples),
+            ("samples", samples),
+            ("camera_hits", camera_hits),
+            ("simple_pixels", simple_pixels),
+            ("primary_rays_skipped", primary_rays_skipped),
+            ("bad_samples", bad_samples),
         ]
     }
 

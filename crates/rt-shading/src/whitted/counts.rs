@@ -31,16 +31,30 @@ pub struct ShadingCounts {
 impl ShadingCounts {
     /// All counts but those of clamping, by the names of their fields.
     pub const fn named(&self) -> [(&'static str, u64); 9] {
+        // All fields are listed, so that a new one cannot be forgotten.
+        let Self {
+            shadow_rays_skipped,
+            highlights,
+            mirrors,
+            refractions,
+            fresnel,
+            absorption,
+            passages,
+            depth_limited,
+            interior_overflows,
+            clamped: _,
+            clamped_units: _,
+        } = *self;
         [
-            ("shadow_rays_skipped", self.shadow_rays_skipped),
-            ("highlights", self.highlights),
-            ("mirrors", self.mirrors),
-            ("refractions", self.refractions),
-            ("fresnel", self.fresnel),
-            ("absorption", self.absorption),
-            ("passages", self.passages),
-            ("depth_limited", self.depth_limited),
-            ("interior_overflows", self.interior_overflows),
+            ("shadow_rays_skipped", shadow_rays_skipped),
+            ("highlights", highlights),
+            ("mirrors", mirrors),
+            ("refractions", refractions),
+            ("fresnel", fresnel),
+            ("absorption", absorption),
+            ("passages", passages),
+            ("depth_limited", depth_limited),
+            ("interior_overflows", interior_overflows),
         ]
     }
 }

@@ -37,7 +37,7 @@ def _slices(n, size):
 
 
 def _floats(values):
-    """Array of doubles, or of floats, whose rays are the same."""
+    """The values as an array of doubles. Single precision stays as it is: it is converted without rounding later."""
     array = np.asarray(values)
     return array if array.dtype == np.float32 else array.astype(np.float64, copy=False)
 
