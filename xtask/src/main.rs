@@ -28,6 +28,7 @@ mod costs;
 mod error;
 mod figures;
 mod files;
+mod line_fit;
 mod matrix;
 mod number;
 mod process;

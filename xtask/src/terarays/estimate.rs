@@ -15,6 +15,7 @@ use super::{
     lecture_numbers::{RAYS, SPP, TILE_PIXELS, TILES},
     tile_job::{BEST_SPP, TileResult},
 };
+use crate::line_fit::LineFit;
 
 const METHODS: usize = BEST_SPP.len();
 const CONFIDENCE: f64 = 0.95;
@@ -115,9 +116,10 @@ impl Means {
     }
 
     /// Log variance of the best method against log samples; `None` if it does not fall.
-    fn line(&self) -> Option<FittedLine> {
+    fn line(&self) -> Option<LineFit> {
         let points = BEST_SPP.iter().zip(self.best_mse).map(|(&spp, mse)| [log(f64::from(spp)), log(mse)]);
-        FittedLine::fit(&points.collect::<Vec<_>>()).filter(|line| line.slope < 0.0)
+        let line = LineFit::of(&points.collect::<Vec<_>>());
+        Some(line).filter(|line| line.slope < 0.0 && line.slope.is_finite() && line.y.is_finite())
     }
 
     fn best_spp(&self) -> Option<f64> {
@@ -129,27 +131,6 @@ impl Means {
     fn best_seconds(&self) -> Option<f64> {
         let (seconds, spp) = (self.best_seconds.last()?, BEST_SPP.last()?);
         Some(self.best_spp()? * seconds / f64::from(*spp) * f64::from(TILES))
-    }
-}
-
-/// A straight line through a point.
-#[derive(Clone, Copy, Debug)]
-struct FittedLine {
-    x: f64,
-    y: f64,
-    slope: f64,
-}
-
-impl FittedLine {
-    /// The line of least squares; `None` if it would not be finite.
-    fn fit(points: &[[f64; 2]]) -> Option<Self> {
-        let count = points.len() as f64;
-        let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
-        let (x, y) = (mean(0), mean(1));
-        let covariance =
-            |axis: usize| points.iter().map(|point| (point[0] - x) * (point[axis] - mean(axis))).sum::<f64>();
-        let slope = covariance(1) / covariance(0);
-        (slope.is_finite() && y.is_finite()).then_some(Self { x, y, slope })
     }
 }
 

@@ -15,7 +15,7 @@ mod tile_job;
 
 use estimate::Whole;
 use lecture_numbers::Tile;
-use progress_file::{ProgressFile, RunConditions};
+use progress_file::ProgressFile;
 use tile_job::{TileRenderer, TileResult};
 
 const SCENE: &str = "scenes/lecture/cornell.ron";
@@ -38,10 +38,8 @@ pub(crate) struct TeraraysOptions {
 pub(crate) fn run(workspace: &Workspace, options: &TeraraysOptions) -> Result<(), TaskError> {
     let path = workspace.build_release_renderer()?;
     let scene = workspace.root.join(SCENE);
-    let conditions = RunConditions::here(&path, &scene)?;
-    let processor = conditions.processor.clone();
     let folder = if options.fresh { workspace.fresh_folder("terarays")? } else { workspace.folder("terarays")? };
-    let mut progress_file = ProgressFile::open(folder.join("state.json"), conditions)?;
+    let mut progress_file = ProgressFile::open(folder.join(progress_file::name(&path, &scene)?))?;
     let program = Program { path, folder };
     let renderer = TileRenderer { program: &program, scene: &scene };
     work(&mut progress_file, options.budget, |tile| renderer.measure(tile))?;
@@ -50,7 +48,7 @@ pub(crate) fn run(workspace: &Workspace, options: &TeraraysOptions) -> Result<()
     print!("{}", page::table(&whole));
     if options.write {
         let path = workspace.root.join("docs/TERARAYS.md");
-        files::write(&path, page::markdown(&whole, &processor, &workspace.commit()))?;
+        files::write(&path, page::markdown(&whole, &crate::processor::processor(), &workspace.commit()))?;
     }
     Ok(())
 }
@@ -74,31 +72,26 @@ fn work(
 mod tests {
     use std::cell::RefCell;
 
-    use std::fs;
-
     use super::{tile_job::Measured, *};
 
-    fn conditions(folder: &std::path::Path) -> RunConditions {
-        let scene = folder.join("scene");
-        fs::write(&scene, "scene").unwrap();
-        RunConditions::here(&scene, &scene).unwrap()
+    fn result(tile: Tile) -> TileResult {
+        let one = Measured { cpu_seconds: 1.0, mse: 1.0 };
+        TileResult { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] }
     }
 
     #[test]
     fn a_run_that_was_ended_goes_on_and_repeats_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let conditions = conditions(folder.path());
         let measured = RefCell::new(Vec::new());
         // Killed when so many tiles are measured.
         let run = |most: usize, budget: Duration| {
-            let mut progress_file = ProgressFile::open(folder.path().join("state.json"), conditions.clone()).unwrap();
+            let mut progress_file = ProgressFile::open(folder.path().join("tiles.jsonl")).unwrap();
             let result = work(&mut progress_file, budget, |tile| {
                 if measured.borrow().len() == most {
                     return Err(TaskError::Other("killed".to_owned()));
                 }
                 measured.borrow_mut().push(tile);
-                let one = Measured { cpu_seconds: 1.0, mse: 1.0 };
-                Ok(TileResult { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
+                Ok(result(tile))
             });
             result.is_err()
         };
@@ -112,12 +105,10 @@ mod tests {
     #[test]
     fn a_short_budget_is_one_tile() {
         let folder = tempfile::tempdir().unwrap();
-        let mut progress_file =
-            ProgressFile::open(folder.path().join("state.json"), conditions(folder.path())).unwrap();
+        let mut progress_file = ProgressFile::open(folder.path().join("tiles.jsonl")).unwrap();
         let slow = |tile| {
             std::thread::sleep(Duration::from_millis(5));
-            let one = Measured { cpu_seconds: 1.0, mse: 1.0 };
-            Ok(TileResult { tile, rays_per_sample: 9.0, jittered: one, best: [one; 3] })
+            Ok(result(tile))
         };
         work(&mut progress_file, Duration::from_millis(1), slow).unwrap();
         assert_eq!(progress_file.units().len(), 1);

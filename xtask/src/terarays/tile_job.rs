@@ -22,8 +22,6 @@ pub(super) const BEST_SPP: [u32; 3] = [1024, 4096, 16_384];
 
 /// Samples per pixel of the render that counts rays, which is not timed.
 const COUNTED_SPP: u32 = 64 * 64;
-/// Two independent renders differ by twice the variance of one.
-const SEEDS: [&str; 2] = ["1", "2"];
 /// A render that takes longer than this has gone wrong.
 const TIMEOUT: Duration = Duration::from_secs(600);
 
@@ -84,16 +82,16 @@ impl TileRenderer<'_> {
 
     fn count(&self, tile: Tile) -> Result<f64, TaskError> {
         let renderer = Renderer::new(self.program.path.clone(), TIMEOUT);
-        let args = arguments(tile, JITTERED, COUNTED_SPP, "0");
-        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let args = arguments(tile, JITTERED, COUNTED_SPP, 0);
+        let args: Vec<&str> = args.split(' ').collect();
         let Statistics { rays, .. } = statistics::measure(&renderer, &self.program.folder, self.scene, &args)?;
         Ok(rays.total.rays as f64 / f64::from(COUNTED_SPP * TILE_PIXELS))
     }
 
+    /// Two independent renders differ by twice the variance of one.
     fn twice(&self, tile: Tile, sampler: &str, spp: u32) -> Result<Measured, TaskError> {
-        let [first, second] = SEEDS;
-        let (first_seconds, first) = self.render(tile, sampler, spp, first)?;
-        let (second_seconds, second) = self.render(tile, sampler, spp, second)?;
+        let [first, second] = [1, 2].map(|seed| self.render(tile, sampler, spp, seed));
+        let ((first_seconds, first), (second_seconds, second)) = (first?, second?);
         Ok(Measured {
             cpu_seconds: 0.5 * (first_seconds + second_seconds),
             mse: 0.5 * mean_squared_difference(&first, &second),
@@ -101,38 +99,22 @@ impl TileRenderer<'_> {
     }
 
     /// CPU seconds and image of a render.
-    fn render(&self, tile: Tile, sampler: &str, spp: u32, seed: &str) -> Result<(f64, Image), TaskError> {
+    fn render(&self, tile: Tile, sampler: &str, spp: u32, seed: u32) -> Result<(f64, Image), TaskError> {
         const IMAGE: &str = "tile.pfm";
         let scene = self.scene.to_string_lossy();
         let args = arguments(tile, sampler, spp, seed);
         let mut all = vec!["render", &scene, "-o", IMAGE, "--quiet"];
-        all.extend(args.iter().map(String::as_str));
+        all.extend(args.split(' '));
         let used = self.program.run(&all)?;
         let image = read_image(&self.program.folder.join(IMAGE));
         Ok((used.cpu_seconds, image.map_err(TaskError::other)?))
     }
 }
 
-/// Arguments of a render in one pass. Each of several passes would have a coarser grid of its own.
-fn arguments(tile: Tile, sampler: &str, spp: u32, seed: &str) -> Vec<String> {
-    let text = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>();
-    let (size, crop, spp) = (format!("{SIZE}x{SIZE}"), tile.crop(), spp.to_string());
-    text(&[
-        "--size",
-        &size,
-        "--crop",
-        &crop,
-        "--sampler",
-        sampler,
-        "--spp",
-        &spp,
-        "--passes",
-        "1",
-        "--seed",
-        seed,
-        "--threads",
-        "1",
-    ])
+/// Arguments of a render in one pass, separated by spaces. Each of several passes would have a coarser grid of its own.
+fn arguments(tile: Tile, sampler: &str, spp: u32, seed: u32) -> String {
+    let crop = tile.crop();
+    format!("--size {SIZE}x{SIZE} --crop {crop} --sampler {sampler} --spp {spp} --passes 1 --seed {seed} --threads 1")
 }
 
 /// Mean squared difference over all channels of all pixels.

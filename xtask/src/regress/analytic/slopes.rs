@@ -12,6 +12,7 @@ use super::{
     coverage::{disk, half_plane, left_of, sphere_aside},
     test_image::TestImage,
 };
+use crate::line_fit::LineFit;
 
 cases! {
     "S67", "slopes of RMSE over N of each pattern: edges, disks, spheres, smooth light",
@@ -54,11 +55,8 @@ pub(super) fn rmse(seeds: u64, truth: f64, of_seed: impl Fn(u64) -> Fallible<f64
 
 /// Slope of log RMSE over log N by least squares, for `rmse(N)` at some powers of 4.
 pub(super) fn slope(counts: &[u32], rmse: impl Fn(u32) -> Fallible<f64>) -> Fallible<f64> {
-    let points: Vec<[f64; 2]> =
-        counts.iter().map(|&spp| Ok([log2(f64::from(spp)), log2(rmse(spp)?)])).collect::<Fallible<_>>()?;
-    let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64);
-    let covariance = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
-    Ok(covariance(1) / covariance(0))
+    let points = counts.iter().map(|&spp| Ok([log2(f64::from(spp)), log2(rmse(spp)?)]));
+    Ok(LineFit::of(&points.collect::<Fallible<Vec<_>>>()?).slope)
 }
 
 fn slopes(conditions: &Conditions) -> CaseResult {
