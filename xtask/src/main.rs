@@ -61,7 +61,7 @@ enum Task {
     /// Render the golden cases and run the checks.
     Regress(regress::RegressOptions),
     /// Check crate edges, documentation, file lengths and stray paths.
-    Tidy(tidy::TidyOptions),
+    Tidy,
     /// Measure rays per second and build times of accelerators.
     Bench(Box<bench::BenchOptions>),
     /// Measure the costs of each accelerator on scenes of growing size.
@@ -95,7 +95,7 @@ fn run(task: Task) -> Result<bool, TaskError> {
     let workspace = Workspace::load()?;
     match task {
         Task::Regress(options) => regress::run(workspace, &options),
-        Task::Tidy(options) => tidy::run(&workspace, &options),
+        Task::Tidy => tidy::run(&workspace),
         Task::Bench(options) => bench::run(&workspace, &options).map(|()| true),
         Task::Costs(options) => costs::run(&workspace, &options).map(|()| true),
         Task::Figures(options) => figures::run(&workspace, &options).map(|()| true),

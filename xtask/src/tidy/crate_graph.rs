@@ -4,7 +4,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::report::Report;
 use crate::{
     error::TaskError,
     workspace::{Package, Workspace, cargo, output_of},
@@ -45,16 +44,16 @@ const ACCEL_TREE: [&str; 14] = [
     "unicode-ident",
 ];
 
-pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
-    let mut report = Report { breaches: edges(&workspace.packages), ..Report::default() };
+pub(super) fn check(workspace: &Workspace) -> Result<Vec<String>, TaskError> {
+    let mut breaches = edges(&workspace.packages);
     let mut command = cargo();
     command.args(["tree", "-p", "rt-accel", "-e", "normal", "--no-default-features", "--prefix", "none"]);
     let tree = output_of(command.current_dir(&workspace.root))?;
     let strangers = strangers(&tree);
     if !strangers.is_empty() {
-        report.breaches.push(format!("rt-accel without default features brings {}", strangers.join(", ")));
+        breaches.push(format!("rt-accel without default features brings {}", strangers.join(", ")));
     }
-    Ok(report)
+    Ok(breaches)
 }
 
 fn edges(packages: &[Package]) -> Vec<String> {

@@ -1,14 +1,13 @@
 //! The first page of each crate's documentation.
 
-use super::report::Report;
 use crate::{error::TaskError, files, workspace::Workspace};
 
 /// Minimum number of lines for the tasks of a library and an example.
 const MIN_LINES_OF_LIBRARY: usize = 25;
 const MIN_LINES_OF_PROGRAM: usize = 8;
 
-pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
-    let mut report = Report::default();
+pub(super) fn check(workspace: &Workspace) -> Result<Vec<String>, TaskError> {
+    let mut breaches = Vec::new();
     for package in &workspace.packages {
         let Some(folder) = package.manifest_path.parent() else { continue };
         if !folder.starts_with(workspace.root.join("crates")) {
@@ -18,9 +17,9 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
         let (page, is_library) = if library.exists() { (library, true) } else { (folder.join("src/main.rs"), false) };
         let source = files::read(&page)?;
         let missing = missing(&source, is_library);
-        report.breaches.extend(missing.into_iter().map(|what| format!("{}: {what}", workspace.relative(&page))));
+        breaches.extend(missing.into_iter().map(|what| format!("{}: {what}", workspace.relative(&page))));
     }
-    Ok(report)
+    Ok(breaches)
 }
 
 /// Missing parts of the front page of a crate.

@@ -11,7 +11,7 @@ const OPENERS: [&str; 9] = ["What", "Where", "How", "Whether", "Who", "That", "W
 const MAX_WORDS: usize = 25;
 
 /// A line number, from 1, and text.
-type Line = (usize, String);
+pub(super) type Line = (usize, String);
 
 /// Comments of one kind that follow each other, without their markers.
 pub(super) fn comment_blocks(tokens: &[Token<'_>], kind: Kind) -> Vec<Vec<Line>> {

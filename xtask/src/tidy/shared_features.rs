@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::report::Report;
 use crate::{
     error::TaskError,
     workspace::{Workspace, cargo, output_of},
@@ -11,7 +10,7 @@ use crate::{
 /// Sets of features in which each version of a crate is built: one for programs and one for build scripts, if they differ.
 type Builds<'t> = BTreeMap<&'t str, BTreeSet<&'t str>>;
 
-pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
+pub(super) fn check(workspace: &Workspace) -> Result<Vec<String>, TaskError> {
     let tree = |arguments: &[&str]| {
         let mut command = cargo();
         command.args(["tree", "--locked", "--prefix", "none", "--format", "{p}|{f}"]).args(arguments);
@@ -20,7 +19,7 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
     // Packages of `cargo xtask`, and of `cargo test --workspace`.
     let task = tree(&["--package", "xtask", "--edges", "normal,build"])?;
     let tests = tree(&["--workspace", "--edges", "normal,build,dev"])?;
-    Ok(Report { breaches: disagreements(&builds(&task), &builds(&tests)), ..Report::default() })
+    Ok(disagreements(&builds(&task), &builds(&tests)))
 }
 
 fn builds(tree: &str) -> Builds<'_> {

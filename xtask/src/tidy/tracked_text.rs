@@ -2,7 +2,6 @@
 
 use std::fs;
 
-use super::report::Report;
 use crate::{error::TaskError, workspace::Workspace};
 
 /// Folders at the start of absolute paths.
@@ -11,8 +10,8 @@ const MACHINE_FOLDERS: [&str; 6] = ["work", "home", "tmp", "root", "mnt", "Users
 /// Settings that replace the public registry.
 const REGISTRIES: [&str; 4] = ["sparse+http", "[source.", "[registries", "replace-with"];
 
-pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
-    let mut report = Report::default();
+pub(super) fn check(workspace: &Workspace) -> Result<Vec<String>, TaskError> {
+    let mut breaches = Vec::new();
     for path in workspace.files("", "")? {
         let bytes = fs::read(&path).map_err(TaskError::file(&path))?;
         let Ok(text) = String::from_utf8(bytes) else { continue };
@@ -22,11 +21,11 @@ pub(super) fn check(workspace: &Workspace) -> Result<Report, TaskError> {
         }
         for (number, line) in text.lines().enumerate() {
             if let Some(what) = tied(line) {
-                report.breaches.push(format!("{}:{}: {what}", workspace.relative(&path), number + 1));
+                breaches.push(format!("{}:{}: {what}", workspace.relative(&path), number + 1));
             }
         }
     }
-    Ok(report)
+    Ok(breaches)
 }
 
 /// Part of a line that is specific to one machine.
