@@ -14,7 +14,6 @@ use self::unit::{Context, Findings, Outcome, Unit, Verdict, count, summary};
 use crate::{error::TaskError, files, renderer::Renderer, workspace::Workspace};
 
 mod analytic;
-mod bad_inputs;
 mod case;
 mod checks;
 mod compare;
@@ -114,7 +113,6 @@ fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn 
     units.extend(table1_counts::units());
     units.extend(same_image::units(workspace)?);
     units.extend(kills::units());
-    units.extend(bad_inputs::units());
     units.extend(physics::units(workspace, options.pairs.as_deref())?);
     units.extend(golden::units(workspace)?);
     units.extend(numerics::units());
