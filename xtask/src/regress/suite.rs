@@ -47,6 +47,11 @@ impl Conditions<'_> {
     pub(super) const fn count(&self, reduced: u64, full: u64) -> u64 {
         if self.full { full } else { reduced }
     }
+
+    /// Numbers of seeds and of samples of most estimates.
+    pub(super) const fn effort(&self) -> [u64; 2] {
+        [self.count(64, 256), self.count(64, 256)]
+    }
 }
 
 /// One unit for each case of the chapters of the suite of this name.

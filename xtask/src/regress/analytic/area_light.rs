@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use rt_camera::SamplerKind;
 use rt_math::{DVec3, Frame, Rgb, Sampler, transcendental::acos};
 use rt_scene_io::Integrator;
 use rt_shading::light::{
@@ -13,7 +12,7 @@ use rt_shading::light::{
 use super::{
     Checks, Conditions, Fallible,
     estimate::{hold, mean_of},
-    test_image::TestImage,
+    test_image::{DARK, TestImage},
 };
 
 /// Part of the light that receivers reflect.
@@ -128,12 +127,9 @@ impl AreaLight {
         let Receiver { point, normal, lift } = *receiver;
         let up = if normal.z > 0.9 { DVec3::Y } else { Frame::from_z(normal).y };
         TestImage::of(&format!(
-            "(
-                camera: (look_from: {}, look_at: {}, up: {}, orthographic: {height:?}),
-                film: (size: (1, 1)),
+            "camera: (look_from: {}, look_at: {}, up: {}, orthographic: {height:?}),
                 settings: (max_depth: 3),
-                lights: [],
-                background: constant(gray(0)),
+                {DARK},
                 materials: {{
                     \"ground\": diffuse(albedo: gray({ALBEDO})),
                     \"black\": diffuse(albedo: gray(0)),
@@ -143,8 +139,7 @@ impl AreaLight {
                     (shape: plane(point: {}, normal: {}), material: \"ground\"),
                     {},
                     {others}
-                ],
-            )",
+                ],",
             tuple(point + normal * lift),
             tuple(point),
             tuple(up),
@@ -167,15 +162,14 @@ pub(super) fn hold_irradiance(
     area_light: &AreaLight,
     receiver: &Receiver,
 ) -> Fallible<()> {
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
+    let [seeds, spp] = conditions.effort();
     let truth = area_light.irradiance(receiver);
     let light = area_light.light()?;
     hold(checks, format_args!("{what}, samples of the light"), truth, seeds, |pattern, seed| {
-        Ok(mean_of(pattern, spp, seed, |sample| irradiance_from(&light, receiver, sample.next_2d())))
+        Ok(mean_of(pattern, spp as u32, seed, |sample| irradiance_from(&light, receiver, sample.next_2d())))
     })?;
     let image = area_light.scene(receiver, POINT * receiver.lift, "")?;
-    check_image(checks, what, truth, &image, [seeds, spp.into()])
+    check_image(checks, what, truth, &image, [seeds, spp])
 }
 
 /// Compares images of a diffuse receiver by all integrators that sample lights with its irradiance; `effort` is the
@@ -185,15 +179,12 @@ pub(super) fn check_image(
     what: &str,
     irradiance: f64,
     image: &TestImage,
-    [seeds, spp]: [u64; 2],
+    effort: [u64; 2],
 ) -> Fallible<()> {
-    for integrator in DRAWING {
-        let mean = |pattern: SamplerKind, seed| {
-            image.mean(integrator, pattern, spp as u32, seed).map(|radiance| radiance * PI / ALBEDO)
-        };
-        hold(checks, format_args!("{what}, {}", integrator.name()), irradiance, seeds, mean)?;
-    }
-    Ok(())
+    DRAWING.into_iter().try_for_each(|integrator| {
+        let what = format!("{what}, {}", integrator.name());
+        image.hold(checks, what, irradiance, (integrator, PI / ALBEDO), effort)
+    })
 }
 
 /// One sample of the irradiance.

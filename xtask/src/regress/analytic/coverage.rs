@@ -8,8 +8,8 @@ use rt_scene_io::Integrator;
 
 use super::{
     Case, CaseResult, Checks, Conditions, Fallible, cases, closed_form,
-    estimate::{Estimate, MOST, hold},
-    test_image::TestImage,
+    estimate::{Estimate, MOST},
+    test_image::{DARK, TestImage},
 };
 
 cases! {
@@ -33,14 +33,10 @@ const PINHOLE: &str = "(look_from: (0, 0, 0), look_at: (0, 0, -1), fov: 90)";
 /// A shape of radiance 1 before black, seen by one pixel.
 pub(super) fn emissive(camera: &str, shape: &str, place: &str) -> Fallible<TestImage> {
     TestImage::of(&format!(
-        "(
-            camera: {camera},
-            film: (size: (1, 1)),
-            lights: [],
-            background: constant(gray(0)),
+        "camera: {camera},
+            {DARK},
             materials: {{\"lamp\": light(radiance: gray(1), emission_sides: both)}},
-            nodes: [(shape: {shape}, transform: [{place}], material: \"lamp\")],
-        )"
+            nodes: [(shape: {shape}, transform: [{place}], material: \"lamp\")],"
     ))
 }
 
@@ -68,13 +64,10 @@ pub(super) fn sphere_aside(angle: f64) -> Fallible<TestImage> {
 }
 
 fn hold_all(checks: &mut Checks, conditions: &Conditions, what: &str, truth: f64, image: &TestImage) -> Fallible<()> {
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
-    for integrator in SHOWING {
-        let mean = |pattern: SamplerKind, seed| image.mean(integrator, pattern, spp, seed);
-        hold(checks, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
-    }
-    Ok(())
+    SHOWING.into_iter().try_for_each(|integrator| {
+        let what = format!("{what}, {}", integrator.name());
+        image.hold(checks, what, truth, (integrator, 1.0), conditions.effort())
+    })
 }
 
 fn coverage(conditions: &Conditions) -> CaseResult {
@@ -122,14 +115,11 @@ fn half_jittered(conditions: &Conditions) -> CaseResult {
 /// Its disk fills a square but for the corners.
 fn lambert_sphere(conditions: &Conditions) -> CaseResult {
     let image = TestImage::of(&format!(
-        "(
-            camera: {UNIT_SQUARE},
-            film: (size: (1, 1)),
+        "camera: {UNIT_SQUARE},
             lights: [directional(direction: (0, 0, -1))],
             background: constant(gray(0)),
             materials: {{\"chalk\": phong(diffuse: gray(0.8), ambient: gray(0))}},
-            nodes: [(shape: sphere(center: (0.5, 0.5, -2), radius: 0.5), material: \"chalk\")],
-        )"
+            nodes: [(shape: sphere(center: (0.5, 0.5, -2), radius: 0.5), material: \"chalk\")],"
     ))?;
     let mut checks = Checks::default();
     hold_all(&mut checks, conditions, "π/4 · 2/3 · .8", FRAC_PI_4 * 2.0 / 3.0 * 0.8, &image)?;

@@ -1,12 +1,9 @@
 //! Closed rooms with infinite interreflection.
 
-use rt_camera::SamplerKind;
 use rt_math::DVec3;
 use rt_scene_io::Integrator;
 
-use super::{
-    Case, CaseResult, Checks, Conditions, Fallible, area_light::tuple, cases, estimate::hold, test_image::TestImage,
-};
+use super::{Case, CaseResult, Checks, Conditions, Fallible, area_light::tuple, cases, test_image::TestImage};
 
 cases! {
     "S59", "a closed sphere and cubes of radiance 1 that reflect .5, .8 and .99",
@@ -15,6 +12,9 @@ cases! {
         "(1 − ρⁿ⁺¹) / (1 − ρ), with n = depth + 1: 1.96875 for n = 5", "5 σ", truncated;
     "lit-sphere", "a diffuse sphere with a point light in its middle", "ρ / (1 − ρ) = 1 for ρ = ½", "5 σ", lit_sphere;
 }
+
+/// Path tracing, compared as radiance.
+const PATH: (Integrator, f64) = (Integrator::Path, 1.0);
 
 /// Walls, all of the material "wall".
 #[derive(Clone, Copy, Debug)]
@@ -51,15 +51,12 @@ impl Enclosure {
     /// The room seen from within, with walls of a material.
     fn image(self, wall: &str, lights: &str, depth: u32) -> Fallible<TestImage> {
         TestImage::of(&format!(
-            "(
-                camera: (look_from: (0.3, -0.2, 0.1), look_at: (-0.3, 0.4, 1), fov: 60),
-                film: (size: (1, 1)),
+            "camera: (look_from: (0.3, -0.2, 0.1), look_at: (-0.3, 0.4, 1), fov: 60),
                 settings: (max_depth: {depth}),
                 lights: [{lights}],
                 background: constant(gray(0)),
                 materials: {{\"wall\": {wall}}},
-                nodes: [{}],
-            )",
+                nodes: [{}],",
             self.nodes()
         ))
     }
@@ -78,11 +75,9 @@ fn closed(conditions: &Conditions) -> CaseResult {
     let mut checks = Checks::default();
     for enclosure in Enclosure::ALL {
         for (reflected, spp, depth) in [(0.5, [16, 256], 100), (0.8, [16, 256], 300), (0.99, [4, 64], 4000)] {
-            let seeds = conditions.count(64, 256);
-            let spp = conditions.count(spp[0], spp[1]) as u32;
-            let image = enclosure.emissive(reflected, depth)?;
-            let mean = |pattern: SamplerKind, seed| image.mean(Integrator::Path, pattern, spp, seed);
-            hold(&mut checks, format_args!("{enclosure:?} of {reflected}"), 1.0 / (1.0 - reflected), seeds, mean)?;
+            let effort = [conditions.count(64, 256), conditions.count(spp[0], spp[1])];
+            let (what, truth) = (format!("{enclosure:?} of {reflected}"), 1.0 / (1.0 - reflected));
+            enclosure.emissive(reflected, depth)?.hold(&mut checks, what, truth, PATH, effort)?;
         }
     }
     Ok(checks)
@@ -90,39 +85,34 @@ fn closed(conditions: &Conditions) -> CaseResult {
 
 /// The light that is sampled at the last surface adds one bounce.
 fn truncated(conditions: &Conditions) -> CaseResult {
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
+    let effort = conditions.effort();
     let mut checks = Checks::default();
     let mut truth = 1.0;
     for depth in 0..=4 {
         truth = 1.0 + 0.5 * truth;
         for enclosure in [Enclosure::Cube, Enclosure::Quads] {
-            let image = enclosure.emissive(0.5, depth)?;
-            let mean = |pattern: SamplerKind, seed| image.mean(Integrator::Path, pattern, spp, seed);
-            hold(&mut checks, format_args!("{enclosure:?}, depth {depth}"), truth, seeds, mean)?;
+            let what = format!("{enclosure:?}, depth {depth}");
+            enclosure.emissive(0.5, depth)?.hold(&mut checks, what, truth, PATH, effort)?;
         }
     }
     // These two stop after one bounce of diffuse light, however deep they may go.
     for integrator in [Integrator::Direct, Integrator::Distributed] {
-        let image = Enclosure::Cube.emissive(0.5, 7)?;
-        let mean = |pattern: SamplerKind, seed| image.mean(integrator, pattern, spp, seed);
-        hold(&mut checks, format_args!("cube, {}", integrator.name()), 1.5, seeds, mean)?;
+        let what = format!("cube, {}", integrator.name());
+        Enclosure::Cube.emissive(0.5, 7)?.hold(&mut checks, what, 1.5, (integrator, 1.0), effort)?;
     }
     Ok(checks)
 }
 
 /// The intensity of a classical light counts π times: I = π.
 fn lit_sphere(conditions: &Conditions) -> CaseResult {
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
     let area_light = "point(position: (0, 0, 0), falloff: inverse_square)";
     let mut checks = Checks::default();
     for reflected in [0.5, 0.8] {
         for wall in ["phong(ambient: gray(0), diffuse", "diffuse(albedo"] {
             let image = Enclosure::Sphere.image(&format!("{wall}: gray({reflected}))"), area_light, 200)?;
-            let mean = |pattern: SamplerKind, seed| image.mean(Integrator::Path, pattern, spp, seed);
             let kind = wall.split('(').next().unwrap_or_default();
-            hold(&mut checks, format_args!("{kind} of {reflected}"), reflected / (1.0 - reflected), seeds, mean)?;
+            let (what, truth) = (format!("{kind} of {reflected}"), reflected / (1.0 - reflected));
+            image.hold(&mut checks, what, truth, PATH, conditions.effort())?;
         }
     }
     Ok(checks)

@@ -9,7 +9,7 @@ use super::{
     area_light::{AreaLight, Receiver, check_image, irradiance_from},
     cases, closed_form,
     estimate::{hold, mean_of},
-    test_image::TestImage,
+    test_image::{DARK, TestImage},
 };
 
 cases! {
@@ -70,18 +70,14 @@ fn coaxial_disks(conditions: &Conditions) -> CaseResult {
     for distance in [1.0, 2.0] {
         let area_light = AreaLight::disk(1.0, distance, 0.0);
         let image = TestImage::of(&format!(
-            "(
-                camera: (look_from: (0, 0, {LIFT}), look_at: (0, 0, 0), orthographic: 2),
-                film: (size: (1, 1)),
+            "camera: (look_from: (0, 0, {LIFT}), look_at: (0, 0, 0), orthographic: 2),
                 settings: (max_depth: 3),
-                lights: [],
-                background: constant(gray(0)),
+                {DARK},
                 materials: {{\"ground\": diffuse(albedo: gray(0.5)), \"lamp\": light(radiance: gray(1))}},
                 nodes: [
                     (shape: disk(radius: 1), transform: [rotate_x(90)], material: \"ground\"),
                     {},
-                ],
-            )",
+                ],",
             area_light.node("lamp"),
         ))?;
         let truth = FRAC_PI_4 * PI * closed_form::coaxial_disks(distance);

@@ -79,15 +79,12 @@ const MATERIALS: [(&str, Truth); 15] = [
 fn plane(material: &str, degrees: f64) -> Fallible<TestImage> {
     let (sin, cos) = sincos(degrees.to_radians());
     TestImage::of(&format!(
-        "(
-            camera: (look_from: {}, look_at: (0, 0, 0), up: (0, 1, 0), orthographic: 1e-9),
-            film: (size: (1, 1)),
+        "camera: (look_from: {}, look_at: (0, 0, 0), up: (0, 1, 0), orthographic: 1e-9),
             settings: (max_depth: 4),
             lights: [],
             background: constant(gray(1)),
             materials: {{\"it\": {material}}},
-            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"it\")],
-        )",
+            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"it\")],",
         tuple(DVec3::new(sin, 0.0, cos)),
     ))
 }
@@ -113,8 +110,7 @@ impl Truth {
 }
 
 fn furnace(conditions: &Conditions) -> CaseResult {
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
+    let [seeds, spp] = conditions.effort();
     let around = Background::Environment(Arc::new(EnvironmentLight::constant(Rgb::WHITE)?));
     let mut checks = Checks::default();
     for (material, truth) in MATERIALS {
@@ -135,7 +131,7 @@ fn furnace(conditions: &Conditions) -> CaseResult {
                 for pattern in [SamplerKind::Random, SamplerKind::Sobol] {
                     let how = format!("{}, {}", integrator.name(), pattern.name());
                     let name = format!("{material} at {degrees}° in a {what}, {how}");
-                    let mean = |seed| target.mean(integrator, pattern, spp, seed);
+                    let mean = |seed| target.mean(integrator, pattern, spp as u32, seed);
                     let found = Estimate::of_seeds(&name, seeds, mean)?;
                     let z = found.z(truth);
                     note.push_str(&format!(" {z:+.1}"));
@@ -151,24 +147,18 @@ fn furnace(conditions: &Conditions) -> CaseResult {
 /// Every ray that goes into it comes out of it. Roulette would end one path in many thousands, and make the mean of few seeds
 /// lopsided.
 fn glass_sphere(conditions: &Conditions) -> CaseResult {
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
     let mut checks = Checks::default();
     for degrees in ANGLES {
         let aside = sin(degrees.to_radians());
         let target = TestImage::of(&format!(
-            "(
-                camera: (look_from: ({aside:?}, 0, 2), look_at: ({aside:?}, 0, 0), orthographic: 1e-9),
-                film: (size: (1, 1)),
+            "camera: (look_from: ({aside:?}, 0, 2), look_at: ({aside:?}, 0, 0), orthographic: 1e-9),
                 settings: (max_depth: 400, rr_start_depth: 400),
                 lights: [],
                 background: constant(gray(1)),
                 materials: {{\"it\": glass(ior: {GLASS:?})}},
-                nodes: [(shape: sphere(radius: 1), material: \"it\")],
-            )"
+                nodes: [(shape: sphere(radius: 1), material: \"it\")],"
         ))?;
-        let mean = |pattern: SamplerKind, seed| target.mean(Integrator::Path, pattern, spp, seed);
-        hold(&mut checks, format_args!("{degrees}°"), 1.0, seeds, mean)?;
+        target.hold(&mut checks, format_args!("{degrees}°"), 1.0, (Integrator::Path, 1.0), conditions.effort())?;
     }
     Ok(checks)
 }

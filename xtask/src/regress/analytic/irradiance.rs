@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use rt_camera::SamplerKind;
 use rt_math::{
     DVec3, Sampler,
     transcendental::{asin, atan, sincos},
@@ -34,8 +33,6 @@ cases! {
 
 /// A diffuse surface of the classical kind is as bright as its coefficient says, by any integrator.
 fn point_light(conditions: &Conditions) -> CaseResult {
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
     let mut checks = Checks::default();
     for (what, look, height, truth) in [
         ("45° aside", DVec3::X, 1e-7, 0.125f64.sqrt()),
@@ -43,17 +40,14 @@ fn point_light(conditions: &Conditions) -> CaseResult {
     ] {
         let DVec3 { x, y, .. } = look;
         let image = TestImage::of(&format!(
-            "(
-                camera: (look_from: ({x:?}, {y:?}, 0.5), look_at: ({x:?}, {y:?}, 0), orthographic: {height:?}),
-                film: (size: (1, 1)),
+            "camera: (look_from: ({x:?}, {y:?}, 0.5), look_at: ({x:?}, {y:?}, 0), orthographic: {height:?}),
                 lights: [point(position: (0, 0, 1), falloff: inverse_square)],
                 materials: {{\"ground\": phong(diffuse: gray({ALBEDO}), ambient: gray(0))}},
-                nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],
-            )"
+                nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],"
         ))?;
         for integrator in [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed] {
-            let mean = |pattern: SamplerKind, seed| Ok(image.mean(integrator, pattern, spp, seed)? / ALBEDO);
-            hold(&mut checks, format_args!("{what}, {}", integrator.name()), truth, seeds, mean)?;
+            let what = format!("{what}, {}", integrator.name());
+            image.hold(&mut checks, what, truth, (integrator, 1.0 / ALBEDO), conditions.effort())?;
         }
     }
     Ok(checks)

@@ -5,7 +5,10 @@ use std::f64::consts::PI;
 use rt_math::transcendental::acos;
 use rt_scene_io::Integrator;
 
-use super::{Case, CaseResult, Checks, Conditions, cases, estimate::hold, test_image::TestImage};
+use super::{
+    Case, CaseResult, Checks, Conditions, cases,
+    test_image::{DARK, TestImage},
+};
 
 cases! {
     "S64", "an edge at 4 m, seen by 50 mm at f/2 that are focused at 2 m",
@@ -25,31 +28,25 @@ fn depth_of_field(conditions: &Conditions) -> CaseResult {
     let fov = 2.0 * (FOOTPRINT * confusion / film / 2.0).to_degrees();
     let mut checks = Checks::default();
     checks.limit(confusion * 1e3 - 0.320_512_820_5, 1e-10, "the circle of confusion in mm");
-    let seeds = conditions.count(64, 256);
-    let spp = conditions.count(64, 256) as u32;
     for part in [-0.6, 0.0, 0.25, 0.5, 0.9f64] {
         // Of the circle as it is at the depth of the edge.
         let edge = part * confusion / 2.0 / film * depth;
         let image = TestImage::of(&format!(
-            "(
-                camera: (
+            "camera: (
                     look_from: (0, 0, 0), look_at: (0, 0, -1), fov: {fov:?},
                     lens: (focal_length: {focal_length:?}, f_stop: {f_stop:?}, focus: {focus:?}),
                 ),
-                film: (size: (1, 1)),
-                lights: [],
-                background: constant(gray(0)),
+                {DARK},
                 materials: {{\"lamp\": light(radiance: gray(1), emission_sides: both)}},
                 nodes: [(
                     shape: polygon(points: [({edge:?}, -9, -{depth:?}), ({edge:?}, 9, -{depth:?}), (9, 0, -{depth:?})]),
                     material: \"lamp\",
-                )],
-            )"
+                )],"
         ))?;
         let truth = (acos(part) - part * ((1.0 - part) * (1.0 + part)).sqrt()) / PI;
         for integrator in [Integrator::Distributed, Integrator::Path] {
             let what = format!("edge at {part} of the radius, {}", integrator.name());
-            hold(&mut checks, what, truth, seeds, |pattern, seed| image.mean(integrator, pattern, spp, seed))?;
+            image.hold(&mut checks, what, truth, (integrator, 1.0), conditions.effort())?;
         }
     }
     Ok(checks)

@@ -75,7 +75,7 @@ fn two(strong_is_seen: bool) -> Fallible<(TestImage, f64)> {
 }
 
 fn extreme(conditions: &Conditions) -> CaseResult {
-    let effort = [conditions.count(64, 256), conditions.count(64, 256)];
+    let effort = conditions.effort();
     let mut checks = Checks::default();
     for (strong_is_seen, samplings) in [
         (true, &LightSampling::ALL[..]),

@@ -1,9 +1,8 @@
 //! Visible part of the sky from a point of the ground.
 
-use rt_camera::SamplerKind;
 use rt_scene_io::Integrator;
 
-use super::{Case, CaseResult, Checks, Conditions, cases, estimate::hold, test_image::TestImage};
+use super::{Case, CaseResult, Checks, Conditions, cases, test_image::TestImage};
 
 cases! {
     "ambient-occlusion", "open ground, beside a sphere that rests on it, in a corner of walls",
@@ -14,8 +13,7 @@ const SPHERE: &str = "(shape: sphere(center: (0, 0, 1), radius: 1))";
 const WALL: &str = "(shape: plane(normal: (1, 0, 0)))";
 
 fn occlusion(conditions: &Conditions) -> CaseResult {
-    let seeds = conditions.count(64, 512);
-    let spp = conditions.count(64, 256) as u32;
+    let effort = [conditions.count(64, 512), conditions.count(64, 256)];
     // The sphere is seen at s = cos θ = 1 / √(1 + d²).
     let next_to_sphere = |d: f64| {
         let squared = 1.0 + d * d;
@@ -31,17 +29,13 @@ fn occlusion(conditions: &Conditions) -> CaseResult {
         ("1e-6 from the wall", WALL, 1e-6, 0.5),
     ] {
         let image = TestImage::of(&format!(
-            "(
-                camera: (
+            "camera: (
                     look_from: ({distance:?}, 0, 0.05), look_at: ({distance:?}, 0, 0), orthographic: 1e-9,
                 ),
-                film: (size: (1, 1)),
                 lights: [],
-                nodes: [(shape: plane(normal: (0, 0, 1))), {next_to_wall}],
-            )"
+                nodes: [(shape: plane(normal: (0, 0, 1))), {next_to_wall}],"
         ))?;
-        let mean = |pattern: SamplerKind, seed| image.mean(Integrator::AmbientOcclusion, pattern, spp, seed);
-        hold(&mut checks, what, truth, seeds, mean)?;
+        image.hold(&mut checks, what, truth, (Integrator::AmbientOcclusion, 1.0), effort)?;
     }
     Ok(checks)
 }

@@ -26,7 +26,7 @@ const HALF_WAY: f64 = 0.5;
 fn penumbra(conditions: &Conditions) -> CaseResult {
     let area_light = AreaLight::disk(RADIUS, 1.0, 0.0);
     let receiver = Receiver::ground(0.25);
-    let effort = [conditions.count(64, 256), conditions.count(64, 256)];
+    let effort = conditions.effort();
     let mut checks = Checks::default();
     for cut in [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75] {
         let edge = HALF_WAY * cut * RADIUS;
@@ -43,7 +43,7 @@ fn penumbra(conditions: &Conditions) -> CaseResult {
 fn eclipse(conditions: &Conditions) -> CaseResult {
     let area_light = AreaLight::disk(RADIUS, 1.0, 0.0);
     let receiver = Receiver::ground(0.25);
-    let effort = [conditions.count(64, 256), conditions.count(64, 256)];
+    let effort = conditions.effort();
     let mut checks = Checks::default();
     for radius in [1.0, 0.5] {
         let (size, aside) = (HALF_WAY * radius * RADIUS, HALF_WAY * RADIUS);

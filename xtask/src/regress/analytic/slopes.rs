@@ -37,13 +37,10 @@ const EXPECTED: [(SamplerKind, [f64; 5]); 6] = [
 /// Light of a point light over a square.
 fn smooth() -> Fallible<TestImage> {
     TestImage::of(&format!(
-        "(
-            camera: (look_from: (0.5, 0.5, 0.5), look_at: (0.5, 0.5, 0), orthographic: 1),
-            film: (size: (1, 1)),
+        "camera: (look_from: (0.5, 0.5, 0.5), look_at: (0.5, 0.5, 0), orthographic: 1),
             lights: [point(position: (0, 0, 1), falloff: inverse_square)],
             materials: {{\"ground\": phong(diffuse: gray({ALBEDO}), ambient: gray(0))}},
-            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],
-        )"
+            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],"
     ))
 }
 

@@ -1,12 +1,15 @@
 //! Images that are rendered for their mean alone.
 
-use std::path::Path;
+use std::{fmt::Display, path::Path};
 
 use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::{Integrator, LoadOptions, Scene, format::parse_ron, resolve};
 
-use super::Fallible;
+use super::{Checks, Fallible, estimate::hold};
+
+/// Fields of a scene without delta lights before black.
+pub(super) const DARK: &str = "lights: [], background: constant(gray(0))";
 
 /// A scene, and how it is sampled.
 #[derive(Clone, Debug)]
@@ -15,10 +18,11 @@ pub(super) struct TestImage {
 }
 
 impl TestImage {
-    /// The scene of a text in the format of scene files. All samples are one pattern.
-    pub(super) fn of(text: &str) -> Fallible<Self> {
+    /// A scene of one pixel with these fields of a scene file. All samples are one pattern.
+    pub(super) fn of(fields: &str) -> Fallible<Self> {
         let name = Path::new("analytic.ron");
-        let mut scene = resolve(&parse_ron(text, name)?, name, &LoadOptions::default())?;
+        let text = format!("(film: (size: (1, 1)), {fields})");
+        let mut scene = resolve(&parse_ron(&text, name)?, name, &LoadOptions::default())?;
         scene.settings.passes = Some(1);
         Ok(Self { scene })
     }
@@ -33,5 +37,18 @@ impl TestImage {
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let sum: f64 = pixels.filter_map(|(x, y)| plan.pixel(x, y)).map(|radiance| radiance.g).sum();
         Ok(sum / f64::from(width * height))
+    }
+
+    /// Compares the mean radiance, times `scale`, with the truth for all unbiased patterns. `effort` is the number of seeds
+    /// and of samples.
+    pub(super) fn hold(
+        &self,
+        checks: &mut Checks,
+        what: impl Display,
+        truth: f64,
+        (integrator, scale): (Integrator, f64),
+        [seeds, spp]: [u64; 2],
+    ) -> Fallible<()> {
+        hold(checks, what, truth, seeds, |pattern, seed| Ok(self.mean(integrator, pattern, spp as u32, seed)? * scale))
     }
 }
