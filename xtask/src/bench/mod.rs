@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   cargo xtask bench                    every structure on scenes that are made here
-//!   cargo xtask bench rays MESH RAYS     meshes and rays from neutral files, which other tracers read as well
+//!   cargo xtask bench rays --folder DIR  meshes and rays from neutral files, which other tracers read as well
 //!   cargo xtask bench render             whole images, from neutral descriptions
 //!   cargo xtask bench cornell REFERENCE  error and efficiency on the Cornell box
 //!   cargo xtask bench build              time of a cold build, by package

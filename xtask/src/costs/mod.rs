@@ -21,6 +21,7 @@ pub(crate) use figure::Figure;
 use growth::Costs;
 pub(crate) use measure::scene as measure_scene;
 pub(crate) use page::each;
+pub(crate) use query::RayAnswer;
 
 /// Options of `costs`.
 #[derive(Debug, clap::Args)]

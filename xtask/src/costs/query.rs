@@ -21,20 +21,25 @@ impl RaySample<'_> {
     }
 }
 
-/// Exact answer to a ray: the closest hit, or for shadow rays the presence of a hit.
+/// Every bit of the answer to a ray: the closest hit, or for shadow rays the presence of a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum RayAnswer {
+pub(crate) enum RayAnswer {
     Miss,
     Blocked,
-    Hit { t: u64, instance: u32, primitive: u32 },
+    Hit { t: u64, instance: u32, primitive: u32, uv: [u64; 2] },
 }
 
 impl RayAnswer {
-    fn closest(hit: Option<Hit>) -> Self {
-        hit.map_or(Self::Miss, |hit| Self::Hit { t: hit.t.to_bits(), instance: hit.instance, primitive: hit.primitive })
+    pub(crate) fn of_closest(hit: Option<Hit>) -> Self {
+        hit.map_or(Self::Miss, |Hit { t, instance, primitive, uv }| Self::Hit {
+            t: t.to_bits(),
+            instance,
+            primitive,
+            uv: uv.map(f64::to_bits),
+        })
     }
 
-    fn any(is_blocked: bool) -> Self {
+    pub(crate) fn of_occluded(is_blocked: bool) -> Self {
         if is_blocked { Self::Blocked } else { Self::Miss }
     }
 }
@@ -82,9 +87,9 @@ impl<P: Primitives, S: Probe, F: FnMut(RayAnswer)> AcceleratorVisitor for Counte
         for place in sample.places() {
             let (ray, span) = &sample.set.rays[place];
             answered(if sample.set.any {
-                RayAnswer::any(structure.occluded(primitives, ray, *span, probe))
+                RayAnswer::of_occluded(structure.occluded(primitives, ray, *span, probe))
             } else {
-                RayAnswer::closest(structure.closest(primitives, ray, *span, probe))
+                RayAnswer::of_closest(structure.closest(primitives, ray, *span, probe))
             });
         }
     }

@@ -7,29 +7,28 @@ use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator};
 use rt_geometry::TriangleMesh;
 
 use super::{
+    RayOptions,
     files::{self, HitRecord, RayRecord},
     jobs::{Job, RayFile},
     mismatch::Mismatches,
-    options::RayOptions,
     table::{BuildResult, RayResult, RayResults, TreeShape},
-    trace::{Bits, Method, trace},
+    trace::{Method, trace},
 };
-use crate::{bench::timing_stats::Spread, error::TaskError};
+use crate::{bench::timing_stats::Spread, costs::RayAnswer, error::TaskError};
 
 /// Builds that take longer than this together are not repeated.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A mesh whose triangles have the numbers of the file.
+/// A mesh with its files.
 struct MeshScene<'j> {
     job: &'j Job,
     mesh: TriangleMesh,
-    /// The number in the file of each triangle of the mesh, if any was dropped for having no area.
-    numbers: Option<Vec<u32>>,
 }
 
 /// Measures everything on the threads of the current pool.
 pub(super) fn job(job: &Job, options: &RayOptions, figures: &mut RayResults) -> Result<(), TaskError> {
-    let scene = MeshScene::load(job)?;
+    let (mesh, _) = TriangleMesh::build(files::read_mesh(&job.mesh)?).map_err(TaskError::other)?;
+    let scene = MeshScene { job, mesh };
     let oracle = match options.same_as {
         Some(kind) => Some(AnyAccelerator::build(kind, &scene.mesh).map_err(TaskError::other)?),
         None => None,
@@ -42,31 +41,6 @@ pub(super) fn job(job: &Job, options: &RayOptions, figures: &mut RayResults) -> 
         }
     }
     Ok(())
-}
-
-impl<'j> MeshScene<'j> {
-    fn load(job: &'j Job) -> Result<Self, TaskError> {
-        let data = files::read_mesh(&job.mesh)?;
-        let all = data.triangles.clone();
-        let (mesh, _) = TriangleMesh::build(data).map_err(TaskError::other)?;
-        let kept = &mesh.data().triangles;
-        let numbers = (kept.len() < all.len()).then(|| numbers(&all, kept));
-        Ok(Self { job, mesh, numbers })
-    }
-
-    fn renumber(&self, hits: &mut [HitRecord]) {
-        let Some(numbers) = &self.numbers else { return };
-        for hit in hits {
-            hit.triangle = numbers.get(hit.triangle as usize).copied().unwrap_or(u32::MAX);
-        }
-    }
-}
-
-/// Index in `all` of each triangle of `kept`, which has the same order. Equal triangles are kept or dropped alike.
-fn numbers(all: &[[u32; 3]], kept: &[[u32; 3]]) -> Vec<u32> {
-    let mut kept = kept.iter().peekable();
-    let numbered = (0..).zip(all).filter(|(_, triangle)| kept.next_if_eq(triangle).is_some());
-    numbered.map(|(number, _)| number).collect()
 }
 
 fn build(
@@ -109,16 +83,12 @@ fn rays(
     set: &RayFile,
     options: &RayOptions,
 ) -> Result<RayResult, TaskError> {
-    let rays = every(options.every, files::read_rays(&set.rays)?);
+    let rays = files::read_rays(&set.rays)?;
     let method = Method { query: set.query, batch: options.batch };
     let mut hits = vec![HitRecord::MISS; rays.len()];
     trace(structure, &scene.mesh, method, &rays, &mut hits);
-    scene.renumber(&mut hits);
-    if let Some(path) = &set.hits {
-        files::write_hits(path, &hits)?;
-    }
     let wrong = match &set.reference {
-        Some(path) => Some(wrong(path, &hits, scene, set, options)?),
+        Some(path) => Some(wrong(path, &hits, scene, set)?),
         None => None,
     };
     let differing = oracle.map(|oracle| differing(scene, structure, oracle, method, &rays));
@@ -153,9 +123,8 @@ fn wrong(
     hits: &[HitRecord],
     scene: &MeshScene<'_>,
     set: &RayFile,
-    options: &RayOptions,
 ) -> Result<Mismatches, TaskError> {
-    let reference = every(options.every, files::read_hits(path)?);
+    let reference = files::read_hits(path)?;
     if reference.len() != hits.len() {
         let (there, here) = (reference.len(), hits.len());
         return Err(TaskError::Other(format!("{}: {there} hits for {here} rays", path.display())));
@@ -171,16 +140,11 @@ fn differing(
     method: Method,
     rays: &[RayRecord],
 ) -> usize {
-    let mut ours = vec![Bits::Miss; rays.len()];
+    let mut ours = vec![RayAnswer::Miss; rays.len()];
     let mut theirs = ours.clone();
     trace(structure, &scene.mesh, method, rays, &mut ours);
     trace(oracle, &scene.mesh, Method { batch: None, ..method }, rays, &mut theirs);
     ours.iter().zip(&theirs).filter(|(ours, theirs)| ours != theirs).count()
-}
-
-/// Every `step`-th element.
-fn every<T>(step: usize, all: Vec<T>) -> Vec<T> {
-    if step == 1 { all } else { all.into_iter().step_by(step).collect() }
 }
 
 /// CPU time of all threads, and wall time.
@@ -201,16 +165,5 @@ impl Watch {
 
     fn seconds(&self) -> ClockTimes {
         ClockTimes { cpu: self.cpu.elapsed().as_secs_f64(), wall: self.wall.elapsed().as_secs_f64() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn triangles_keep_the_numbers_of_the_file() {
-        let all = [[0, 0, 1], [0, 1, 2], [3, 3, 3], [0, 1, 2], [2, 1, 4]];
-        assert_eq!(numbers(&all, &[[0, 1, 2], [0, 1, 2], [2, 1, 4]]), [1, 3, 4]);
     }
 }

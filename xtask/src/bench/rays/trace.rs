@@ -6,6 +6,7 @@ use rt_geometry::{Hit, TriangleMesh};
 use rt_math::{Interval, Ray};
 
 use super::files::{HitRecord, RayRecord};
+use crate::costs::RayAnswer;
 
 /// Consecutive rays that a thread takes at a time, unless batches have a size of their own.
 const SHARE: usize = 4096;
@@ -46,26 +47,13 @@ impl Answer for HitRecord {
     }
 }
 
-/// Every bit of an answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Bits {
-    Miss,
-    Blocked,
-    Hit { t: u64, instance: u32, primitive: u32, uv: [u64; 2] },
-}
-
-impl Answer for Bits {
+impl Answer for RayAnswer {
     fn closest(hit: Option<Hit>) -> Self {
-        hit.map_or(Self::Miss, |Hit { t, instance, primitive, uv }| Self::Hit {
-            t: t.to_bits(),
-            instance,
-            primitive,
-            uv: uv.map(f64::to_bits),
-        })
+        Self::of_closest(hit)
     }
 
     fn occluded(is_blocked: bool) -> Self {
-        if is_blocked { Self::Blocked } else { Self::Miss }
+        Self::of_occluded(is_blocked)
     }
 }
 
