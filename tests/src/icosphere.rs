@@ -20,7 +20,7 @@ pub fn icosphere(levels: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
             .into_iter()
             .flat_map(|[a, b, c]| {
                 let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
             })
             .collect();
     }
@@ -29,10 +29,10 @@ pub fn icosphere(levels: u32) -> (Vec<DVec3>, Vec<[usize; 3]>) {
 
 /// Corners of three golden rectangles at right angles.
 fn icosahedron_vertices() -> Vec<DVec3> {
-    let golden = f64::midpoint(1.0, 5f64.sqrt());
-    let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-    let corner = |(s, t): (f64, f64)| DVec3::new(0.0, s, t * golden).normalize();
-    signs.into_iter().flat_map(|sign| [corner(sign), corner(sign).yzx(), corner(sign).zxy()]).collect()
+    let golden = (1.0 + 5f64.sqrt()) / 2.0;
+    let corners = |(a, b)| [DVec3::new(a, b, 0.0), DVec3::new(0.0, a, b), DVec3::new(b, 0.0, a)];
+    let signs = [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)];
+    signs.into_iter().flat_map(corners).map(DVec3::normalize).collect()
 }
 
 /// All triples of mutual neighbours, counter-clockwise from outside.
@@ -51,22 +51,6 @@ fn icosahedron_triangles(vertices: &[DVec3]) -> Vec<[usize; 3]> {
         }
     }
     triangles
-}
-
-/// Cyclic permutations of the axes.
-trait Cyclic {
-    fn yzx(self) -> Self;
-    fn zxy(self) -> Self;
-}
-
-impl Cyclic for DVec3 {
-    fn yzx(self) -> Self {
-        Self::new(self.y, self.z, self.x)
-    }
-
-    fn zxy(self) -> Self {
-        Self::new(self.z, self.x, self.y)
-    }
 }
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ fn figures(model: &Path, options: &CostsOptions) -> Result<Vec<Figure>, TaskErro
         figures.extend(measure::scene(&scenes::mound(size)?, options.rays, options.repeats, false)?);
         figures.extend(measure::scene(&scenes::sphereflake(size)?, options.rays, options.repeats, false)?);
         figures.extend(measure::scene(&scenes::tree(size)?, options.rays, options.repeats, false)?);
-        figures.extend(measure::scene(&scenes::gears(size)?, options.rays, options.repeats, false)?);
+        figures.extend(measure::scene(&scenes::gears::gears(size)?, options.rays, options.repeats, false)?);
         figures.extend(measure::scene(&scenes::rock(size)?, options.rays, options.repeats, false)?);
         figures.extend(measure::scene(&scenes::stadium(size)?, options.rays, options.repeats, false)?);
     }

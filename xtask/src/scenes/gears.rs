@@ -3,21 +3,22 @@
 use std::f64::consts::TAU;
 
 use rt_geometry::{MeshData, TriangleMesh};
-use rt_math::{DVec3, Vec3, transcendental::sincos};
+use rt_math::{DVec3, transcendental::sincos};
 
 use super::{Scene, mesh, nearest};
 use crate::error::TaskError;
 
 const TEETH: u32 = 36;
 /// Corners of the outline: four for each tooth.
-const CORNERS: u32 = 4 * TEETH;
+pub(crate) const CORNERS: u32 = 4 * TEETH;
 /// A face is a fan of triangles around its middle, a side of the outline is a rectangle of two.
 const TRIANGLES: usize = 2 * CORNERS as usize + 2 * CORNERS as usize;
 /// From the axis to the foot and to the end of a tooth; axes are a distance of 2 apart.
 const FOOT: f64 = 0.95;
 const END: f64 = 1.03;
-const THICKNESS: f64 = 0.4;
-const LAYER: f64 = 0.6;
+pub(crate) const THICKNESS: f64 = 0.4;
+/// From one layer to the next.
+pub(crate) const LAYER: f64 = 0.6;
 
 /// A cube of gear wheels after Haines, "A Proposal for Standard Graphics Environments", 1987. Polygons with many sides
 /// give long thin triangles, evenly spread and aligned with the axes.
@@ -37,7 +38,7 @@ fn gear(data: &mut MeshData, axis: DVec3, turn: f64) {
     let first = data.positions.len() as u32;
     for z in [0.0, THICKNESS] {
         data.positions.push((axis + DVec3::Z * z).as_vec3());
-        data.positions.extend((0..CORNERS).map(|corner| outline(axis + DVec3::Z * z, corner, turn)));
+        data.positions.extend((0..CORNERS).map(|corner| (axis + DVec3::Z * z + outline(corner, turn)).as_vec3()));
     }
     let at = |face: u32, corner: u32| first + face * (CORNERS + 1) + 1 + corner % CORNERS;
     let middle = |face: u32| first + face * (CORNERS + 1);
@@ -48,12 +49,12 @@ fn gear(data: &mut MeshData, axis: DVec3, turn: f64) {
     }
 }
 
-/// A corner of the outline, counter-clockwise: a tooth rises, ends, falls, and is followed by a gap.
-fn outline(axis: DVec3, corner: u32, turn: f64) -> Vec3 {
+/// Corner of the outline around the z axis, counter-clockwise: a tooth rises, ends, falls, and is followed by a gap.
+pub(crate) fn outline(corner: u32, turn: f64) -> DVec3 {
     const PLACES: [(f64, f64); 4] = [(-0.27, FOOT), (-0.15, END), (0.15, END), (0.27, FOOT)];
     let (along, radius) = PLACES[(corner % 4) as usize];
     let (sin, cos) = sincos((f64::from(corner / 4) + along + turn) / f64::from(TEETH) * TAU);
-    (axis + DVec3::new(cos, sin, 0.0) * radius).as_vec3()
+    DVec3::new(cos, sin, 0.0) * radius
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Scenes to measure with, of any size, and rays through them: even and uneven, spheres, solids and triangles.
 
-mod gears;
+pub(crate) mod gears;
 mod model;
 mod mound;
 pub(crate) mod rays;
@@ -10,12 +10,11 @@ mod sphereflake;
 mod stadium;
 mod tree;
 
-pub(crate) use gears::gears;
 pub(crate) use model::model;
 pub(crate) use mound::mound;
 pub(crate) use rock::{data as rock_data, rock};
 pub(crate) use scene::{Scene, Surfaces};
-use scene::{Solids, mesh, nearest};
+use scene::{mesh, nearest};
 pub(crate) use sphereflake::sphereflake;
 pub(crate) use stadium::stadium;
 pub(crate) use tree::tree;
@@ -33,7 +32,7 @@ mod tests {
                 mound(wanted).unwrap().primitives.len(),
                 sphereflake(wanted).unwrap().primitives.len(),
                 tree(wanted).unwrap().primitives.len(),
-                gears(wanted).unwrap().primitives.len(),
+                gears::gears(wanted).unwrap().primitives.len(),
                 rock(wanted).unwrap().primitives.len(),
                 stadium(wanted).unwrap().primitives.len(),
             ];
@@ -54,7 +53,7 @@ mod tests {
         seen(&mound(500).unwrap());
         seen(&sphereflake(500).unwrap());
         seen(&tree(500).unwrap());
-        seen(&gears(500).unwrap());
+        seen(&gears::gears(500).unwrap());
         seen(&rock(500).unwrap());
         seen(&stadium(500).unwrap());
     }

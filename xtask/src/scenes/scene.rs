@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use rt_geometry::{
-    Hit, InteractionFlags, MeshData, Primitives, ShapeHit, Spheres, SurfaceInteraction, TransformedShape, TriangleMesh,
-};
-use rt_math::{Aabb, Interval, Ray};
+use rt_geometry::{Hit, InteractionFlags, MeshData, Primitives, Spheres, SurfaceInteraction, TriangleMesh};
+use rt_math::{Aabb, Ray};
+use rt_tests::ShapeSet;
 
 use crate::error::TaskError;
 
@@ -45,29 +44,9 @@ impl Surfaces for TriangleMesh {
     }
 }
 
-/// Solids of several kinds.
-#[derive(Debug)]
-pub(crate) struct Solids(pub(super) Vec<TransformedShape>);
-
-impl Primitives for Solids {
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn bounds(&self, index: u32) -> Option<Aabb> {
-        self.0.get(index as usize)?.bounds()
-    }
-
-    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        let ShapeHit { t, uv } = self.0.get(index as usize)?.intersect(ray, span)?;
-        Some(Hit { t, instance: 0, primitive: index, uv })
-    }
-}
-
-impl Surfaces for Solids {
+impl Surfaces for ShapeSet {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Option<SurfaceInteraction> {
-        let solid = self.0.get(hit.primitive as usize)?;
-        Some(solid.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, InteractionFlags::ALL))
+        self.surface(ray, hit, InteractionFlags::ALL)
     }
 }
 

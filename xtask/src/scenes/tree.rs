@@ -2,8 +2,9 @@
 
 use rt_geometry::{Frustum, Shape, Sphere, TransformedShape};
 use rt_math::{DMat3, DVec3, Frame, Transform, transcendental::sincos};
+use rt_tests::ShapeSet;
 
-use super::{Scene, Solids, nearest};
+use super::{Scene, nearest};
 use crate::error::TaskError;
 
 /// Length and thickness of a branch relative to its parent.
@@ -15,7 +16,7 @@ const TURN: f64 = 1.9;
 
 /// A tree after Haines, "A Proposal for Standard Graphics Environments", 1987. Branches are frusta with a sphere at the
 /// joint, and fork in two. Primitives are long, thin, oblique, of all sizes, and leave most of space empty.
-pub(crate) fn tree(wanted: usize) -> Result<Scene<Solids>, TaskError> {
+pub(crate) fn tree(wanted: usize) -> Result<Scene<ShapeSet>, TaskError> {
     let generations = nearest(wanted, 0..24, |generations| 2 * ((1 << (generations + 1)) - 1));
     let trunk = Branch { foot: DVec3::ZERO, frame: Frame::from_z(DVec3::Y), length: 1.0, radius: 0.1 };
     let mut solids = Vec::new();
@@ -28,7 +29,7 @@ pub(crate) fn tree(wanted: usize) -> Result<Scene<Solids>, TaskError> {
         }
         growing = next;
     }
-    Ok(Scene::whole("tree", Solids(solids)))
+    Ok(Scene::whole("tree", ShapeSet::new(solids)))
 }
 
 struct Branch {
@@ -50,8 +51,8 @@ impl Branch {
         let axes = DMat3::from_cols(self.frame.y, self.frame.z, self.frame.x);
         let stand = Transform::from_linear(axes, self.foot).map_err(TaskError::other)?;
         let joint = Sphere::new(self.tip(), self.radius * SHRINK).map_err(TaskError::other)?;
-        let stay = Transform::from_linear(DMat3::IDENTITY, DVec3::ZERO).map_err(TaskError::other)?;
-        Ok([TransformedShape::new(Shape::Frustum(frustum), stand), TransformedShape::new(Shape::Sphere(joint), stay)])
+        let joint = TransformedShape::new(Shape::Sphere(joint), Transform::IDENTITY);
+        Ok([TransformedShape::new(Shape::Frustum(frustum), stand), joint])
     }
 
     fn fork(&self, side: f64) -> Self {

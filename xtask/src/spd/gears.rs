@@ -1,24 +1,12 @@
 //! Gear wheels of glass that mesh.
 
-use std::f64::consts::TAU;
-
 use rt_math::{
     DVec3,
     random::{hash, unit},
-    transcendental::sincos,
 };
 
 use super::nff::{Fill, Nff, NffView};
-
-const TEETH: u32 = 36;
-/// Corners of the outline: four for each tooth.
-const CORNERS: u32 = 4 * TEETH;
-/// From the axis to the foot and to the end of a tooth; axes are a distance of 2 apart.
-const FOOT: f64 = 0.95;
-const END: f64 = 1.03;
-const THICKNESS: f64 = 0.4;
-/// From one layer to the next.
-const LAYER: f64 = 0.6;
+use crate::scenes::gears::{CORNERS, LAYER, THICKNESS, outline};
 
 /// A cube of `size`³ gears, each of two faces with 144 corners and as many quadrilaterals around them, above a square.
 ///
@@ -53,23 +41,5 @@ fn gear(file: &mut Nff, axis: DVec3, turn: f64) {
     for i in 0..CORNERS as usize {
         let next = (i + 1) % CORNERS as usize;
         file.polygon(&[bottom[i], bottom[next], top[next], top[i]]);
-    }
-}
-
-/// A corner of the outline, counter-clockwise: a tooth rises, ends, falls, and is followed by a gap.
-fn outline(corner: u32, turn: f64) -> DVec3 {
-    const PLACES: [(f64, f64); 4] = [(-0.27, FOOT), (-0.15, END), (0.15, END), (0.27, FOOT)];
-    let (along, radius) = PLACES[(corner % 4) as usize];
-    let (sin, cos) = sincos((f64::from(corner / 4) + along + turn) / f64::from(TEETH) * TAU);
-    DVec3::new(cos, sin, 0.0) * radius
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_paper_has_this_many() {
-        assert_eq!(gears(4).objects(), 9345);
     }
 }

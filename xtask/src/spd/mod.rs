@@ -206,10 +206,14 @@ mod tests {
     }
 
     #[test]
-    fn sizes_of_the_paper_and_small_ones_are_allowed() {
-        for database in Database::ALL {
-            assert!(database.sizes().contains(&database.size_of_paper()));
-            assert!(database.sizes().contains(&database.small_size()));
+    fn the_paper_has_this_many_polygons_spheres_and_cones() {
+        let counts = [[1, 7381, 0], [9345, 0, 0], [8192, 4, 0], [1, 4200, 4200], [4096, 0, 0], [1, 4095, 4095]];
+        for (database, counts) in Database::ALL.into_iter().zip(counts) {
+            let file = database.generate(database.size_of_paper());
+            assert_eq!([file.polygons, file.spheres, file.cones], counts, "{}", database.name());
+            assert!(
+                [database.size_of_paper(), database.small_size()].iter().all(|size| database.sizes().contains(size))
+            );
         }
     }
 }

@@ -73,12 +73,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_paper_has_this_many() {
-        let file = mountain(6);
-        assert_eq!((file.polygons, file.spheres), (8192, 4));
-    }
-
-    #[test]
     fn a_finer_mountain_has_the_heights_of_a_coarser_one() {
         let (coarse, fine) = (heights(3), heights(5));
         for (y, x) in (0..=8).flat_map(|y| (0..=8).map(move |x| (y, x))) {

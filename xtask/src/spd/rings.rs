@@ -69,14 +69,3 @@ fn plane(axis: usize) -> [DVec3; 2] {
     let right = DVec3::new(-sin, cos, 0.0);
     [right, normal.cross(right)]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_paper_has_this_many() {
-        let file = rings(7);
-        assert_eq!((file.spheres, file.cones, file.objects()), (4200, 4200, 8401));
-    }
-}

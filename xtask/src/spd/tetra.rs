@@ -34,13 +34,3 @@ fn pyramid(file: &mut Nff, divisions: u32, centre: DVec3, half: f64) {
         file.polygon(&face);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_paper_has_this_many() {
-        assert_eq!(tetra(6).objects(), 4096);
-    }
-}

@@ -57,14 +57,3 @@ fn branch(file: &mut Nff, forks: u32, foot: DVec3, along: DVec3, side: DVec3, le
         branch(file, forks - 1, end, direction, Frame::from_z(direction).x, length * part, thinner);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_paper_has_this_many() {
-        let file = tree(11);
-        assert_eq!((file.cones, file.spheres, file.objects()), (4095, 4095, 8191));
-    }
-}
