@@ -1,15 +1,13 @@
 //! CPU time, wall time and memory of a whole process.
 
-use std::{
-    fs::File,
-    path::PathBuf,
-    process::{Command, Stdio},
-    time::Instant,
-};
+use std::{path::PathBuf, time::Instant};
 
 use wait4::Wait4;
 
-use crate::error::TaskError;
+use crate::{
+    error::TaskError,
+    renderer::{last_line, spawn},
+};
 
 /// A program to run in a folder.
 #[derive(Debug)]
@@ -32,20 +30,15 @@ pub(crate) struct Usage {
 impl Program {
     /// Runs the program to its end; an error if it fails.
     pub(crate) fn run(&self, args: &[&str]) -> Result<Usage, TaskError> {
-        let log_path = self.folder.join("log.txt");
-        let log = File::create(&log_path).map_err(TaskError::file(&log_path))?;
-        let log_twin = log.try_clone().map_err(TaskError::file(&log_path))?;
-        let mut command = Command::new(&self.path);
-        command.args(args).current_dir(&self.folder).stdin(Stdio::null()).stdout(log).stderr(log_twin);
         let started = Instant::now();
-        let mut child = command.spawn().map_err(TaskError::file(&self.path))?;
+        let (mut child, log_path) = spawn(&self.path, &self.folder, args)?;
         let used = child.wait4().map_err(TaskError::file(&self.path))?;
         let wall_seconds = started.elapsed().as_secs_f64();
         if !used.status.success() {
             let said = std::fs::read_to_string(&log_path).unwrap_or_default();
-            let last = said.trim().lines().last().unwrap_or("no message");
-            let reason = format!("{}: {last}", used.status);
-            return Err(TaskError::Command { command: format!("{command:?}"), reason });
+            let command = format!("{} {}", self.path.display(), args.join(" "));
+            let reason = format!("{}: {}", used.status, last_line(&said));
+            return Err(TaskError::Command { command, reason });
         }
         let cpu_seconds = (used.rusage.utime + used.rusage.stime).as_secs_f64();
         Ok(Usage { wall_seconds, cpu_seconds, bytes: used.rusage.maxrss })

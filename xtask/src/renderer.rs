@@ -58,18 +58,7 @@ impl Renderer {
         args: impl IntoIterator<Item = A>,
         time: Duration,
     ) -> Result<Run, TaskError> {
-        // A file rather than a pipe: a full pipe would block the program.
-        let log_path = folder.join("log.txt");
-        let log_file = File::create(&log_path).map_err(TaskError::file(&log_path))?;
-        let log_twin = log_file.try_clone().map_err(TaskError::file(&log_path))?;
-        let mut child = Command::new(&self.program)
-            .args(args)
-            .current_dir(folder)
-            .stdin(Stdio::null())
-            .stdout(log_file)
-            .stderr(log_twin)
-            .spawn()
-            .map_err(TaskError::file(&self.program))?;
+        let (mut child, log_path) = spawn(&self.program, folder, args)?;
         let exit = wait(&mut child, time).map_err(TaskError::file(&self.program))?;
         let log = fs::read(&log_path).map_err(TaskError::file(&log_path))?;
         Ok(Run { exit, log: String::from_utf8_lossy(&log).into_owned() })
@@ -100,10 +89,7 @@ impl Run {
     pub(crate) fn succeeded(&self) -> Result<(), TaskError> {
         match self.exit {
             Exit::Code(0) => Ok(()),
-            exit => {
-                let last = self.log.trim().lines().last().unwrap_or("no message");
-                Err(TaskError::Other(format!("{exit}: {last}")))
-            }
+            exit => Err(TaskError::Other(format!("{exit}: {}", last_line(&self.log)))),
         }
     }
 }
@@ -122,6 +108,25 @@ impl From<ExitStatus> for Exit {
     fn from(status: ExitStatus) -> Self {
         status.code().map_or(Self::Crashed, Self::Code)
     }
+}
+
+/// Starts a program in `folder`, and returns it with the file that gets all that it prints: a full pipe would block it.
+pub(crate) fn spawn<A: AsRef<OsStr>>(
+    program: &Path,
+    folder: &Path,
+    args: impl IntoIterator<Item = A>,
+) -> Result<(Child, PathBuf), TaskError> {
+    let log_path = folder.join("log.txt");
+    let log = File::create(&log_path).map_err(TaskError::file(&log_path))?;
+    let log_twin = log.try_clone().map_err(TaskError::file(&log_path))?;
+    let mut command = Command::new(program);
+    command.args(args).current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(log_twin);
+    Ok((command.spawn().map_err(TaskError::file(program))?, log_path))
+}
+
+/// End of what a program printed.
+pub(crate) fn last_line(log: &str) -> &str {
+    log.trim().lines().last().unwrap_or("no message")
 }
 
 fn wait(child: &mut Child, timeout: Duration) -> std::io::Result<Exit> {

@@ -9,7 +9,7 @@ use rt_tests::{Draw, ShapeSet};
 
 use super::{
     Case, CaseResult, Checks, Conditions, cases,
-    scenes::{Named, all_structures, key},
+    scenes::{all_structures, key},
 };
 
 cases! {
@@ -39,13 +39,13 @@ fn solid(min: DVec3, max: DVec3) -> Result<Shape, rt_geometry::ShapeError> {
 }
 
 /// All accelerators against the first, which is brute force.
-fn agree<P: Primitives>(structures: &[Named], primitives: &P, ray: &Ray, checks: &mut Checks) -> Option<Hit> {
+fn agree<P: Primitives>(structures: &[AnyAccelerator], primitives: &P, ray: &Ray, checks: &mut Checks) -> Option<Hit> {
     let (linear, others) = structures.split_first()?;
-    let expected = linear.closest(primitives, ray, Interval::FORWARD);
+    let expected = linear.closest(primitives, ray, Interval::FORWARD, &mut NoProbe);
     for structure in others {
-        let found = structure.closest(primitives, ray, Interval::FORWARD);
+        let found = structure.closest(primitives, ray, Interval::FORWARD, &mut NoProbe);
         checks.check(key(found) == key(expected), || {
-            format!("{}: {found:?} instead of {expected:?} for {ray:?}", structure.name())
+            format!("{}: {found:?} instead of {expected:?} for {ray:?}", structure.kind().name())
         });
     }
     expected
@@ -58,10 +58,10 @@ fn ray_at(target: &Aabb, draw: &mut Draw) -> Ray {
     Ray::new(origin, point - origin)
 }
 
-fn shallow(structures: &[Named], checks: &mut Checks) {
+fn shallow(structures: &[AnyAccelerator], checks: &mut Checks) {
     for structure in structures {
-        let depth = structure.structure.build_stats().max_depth;
-        checks.check(depth <= MAX_DEPTH, || format!("{}: depth {depth}", structure.name()));
+        let depth = structure.build_stats().max_depth;
+        checks.check(depth <= MAX_DEPTH, || format!("{}: depth {depth}", structure.kind().name()));
     }
 }
 
@@ -72,9 +72,9 @@ fn nothing(conditions: &Conditions) -> CaseResult {
         let mut draw = Draw::of(37, index);
         let ray = Ray::new(draw.point(), draw.point() * draw.pick(&[0.0, 1.0, f64::INFINITY, f64::NAN]));
         for structure in &structures {
-            let hit = structure.closest(&set, &ray, Interval::FORWARD);
-            let blocked = structure.structure.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
-            checks.check(hit.is_none() && !blocked, || format!("{}: {hit:?}", structure.name()));
+            let hit = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
+            let blocked = structure.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
+            checks.check(hit.is_none() && !blocked, || format!("{}: {hit:?}", structure.kind().name()));
         }
     }))
 }
@@ -103,7 +103,7 @@ fn identical(conditions: &Conditions) -> CaseResult {
         let seconds = started.elapsed().as_secs_f64();
         checks.note(format!("{}: built in {seconds:.2} s, depth {}", kind.name(), structure.build_stats().max_depth));
         checks.check(seconds < BUILD_SECONDS, || format!("{}: built in {seconds:.1} s", kind.name()));
-        structures.push(Named::new(kind, structure));
+        structures.push(structure);
     }
     shallow(&structures, &mut checks);
     for index in 0..10 {
@@ -111,8 +111,8 @@ fn identical(conditions: &Conditions) -> CaseResult {
         let origin = draw.direction() * 9.0;
         let ray = Ray::new(origin, DVec3::ONE + draw.point() * 0.2 - origin);
         for structure in &structures {
-            let first = structure.closest(&set, &ray, Interval::FORWARD).map(|hit| hit.primitive);
-            checks.same(first, Some(0), structure.name());
+            let first = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe).map(|hit| hit.primitive);
+            checks.same(first, Some(0), structure.kind().name());
         }
     }
     Ok(checks)
@@ -189,7 +189,12 @@ fn stadium(conditions: &Conditions) -> CaseResult {
     });
     let rays: Vec<Ray> = (0..count.min(50)).map(ray).collect();
     for structure in &structures {
-        checks.note(format!("{}: {:.0} nodes and primitives per ray", structure.name(), structure.visits(&set, &rays)));
+        let mut counters = Counters::default();
+        for ray in &rays {
+            structure.closest(&set, ray, Interval::FORWARD, &mut counters);
+        }
+        let per_ray = (counters.total().nodes + counters.total().tests) as f64 / rays.len() as f64;
+        checks.note(format!("{}: {per_ray:.0} nodes and primitives per ray", structure.kind().name()));
     }
     Ok(checks)
 }
@@ -206,7 +211,7 @@ fn split_planes(conditions: &Conditions) -> CaseResult {
     let structures = all_structures(&set)?;
     let mut planes: [Vec<f64>; 3] = Default::default();
     for structure in &structures {
-        structure.structure.for_each_box(|node, _| {
+        structure.for_each_box(|node, _| {
             for (axis, planes) in planes.iter_mut().enumerate() {
                 planes.extend([node.min[axis], node.max[axis]].iter().filter(|x| x.is_finite()));
             }
@@ -251,7 +256,7 @@ fn cell_corners(conditions: &Conditions) -> CaseResult {
     let set = ShapeSet::of_shapes(shapes);
     let mut structures = all_structures(&set)?;
     let fine = UniformGrid::with_resolution(&set, [CELLS; 3])?;
-    structures.push(Named::new(AcceleratorKind::Grid, AnyAccelerator::Grid(fine)));
+    structures.push(AnyAccelerator::Grid(fine));
     Ok(Checks::of_all(conditions.count(10_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(44, index);
         let through = DVec3::from([(); 3].map(|()| draw.below(CELLS as usize + 1) as f64)) / f64::from(CELLS);

@@ -1,6 +1,7 @@
 //! Boxes and planes.
 
-use rt_geometry::{Cuboid, InteractionFlags, Plane, Shape};
+use rt_accel::Accelerator;
+use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Plane, Shape};
 use rt_math::{DVec3, Interval, Ray, float::UNIT_ROUNDOFF};
 use rt_tests::{Draw, ShapeSet};
 
@@ -101,8 +102,8 @@ fn coplanar(conditions: &Conditions) -> CaseResult {
         let origin = draw.point() * 10.0;
         let ray = Ray::new(origin, DVec3::new(draw.unit(), draw.unit(), -origin.z) * draw.between(0.1, 10.0));
         for structure in &structures {
-            let first = structure.closest(&set, &ray, Interval::FORWARD).map(|hit| hit.primitive);
-            checks.same(first, Some(0), structure.name());
+            let first = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe).map(|hit| hit.primitive);
+            checks.same(first, Some(0), structure.kind().name());
         }
     }))
 }

@@ -1,13 +1,13 @@
 //! Differential tests: all accelerators are bit-identical to brute force, on every shape.
 
-use rt_accel::Accelerator;
+use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, NoProbe, Primitives};
 use rt_math::{Aabb, DVec3, Interval, Ray, Transform};
 use rt_tests::{Draw, Seams, ShapeKind, ShapeSet, span_at};
 
 use super::{
     Case, CaseResult, Checks, Conditions, cases,
-    scenes::{Named, all_structures, key},
+    scenes::{all_structures, key},
 };
 
 cases! {
@@ -74,25 +74,25 @@ fn far_and_small(conditions: &Conditions) -> CaseResult {
 struct RayTrial<'s> {
     set: &'s ShapeSet,
     /// Brute force first.
-    structures: Vec<Named>,
+    structures: Vec<AnyAccelerator>,
     seed: u64,
 }
 
 impl RayTrial<'_> {
     fn compare(&self, index: u64, ray: &Ray, what: &str, draw: &mut Draw, checks: &mut Checks) {
         let Some((linear, others)) = self.structures.split_first() else { return };
-        let ahead = linear.closest(self.set, ray, Interval::FORWARD);
+        let ahead = linear.closest(self.set, ray, Interval::FORWARD, &mut NoProbe);
         let span = span_at(ahead.map_or(1.0, |hit| hit.t), draw);
-        let expected = linear.closest(self.set, ray, span);
+        let expected = linear.closest(self.set, ray, span, &mut NoProbe);
         let looks_for_all = index.is_multiple_of(ALL_HITS_EVERY);
         let all_expected = looks_for_all.then(|| all_hits(linear, self.set, ray, span));
         for structure in others {
-            let found = structure.closest(self.set, ray, span);
-            let name = structure.name();
+            let found = structure.closest(self.set, ray, span, &mut NoProbe);
+            let name = structure.kind().name();
             checks.check(key(found) == key(expected), || {
                 format!("{name}, {what}: {found:?} instead of {expected:?} for {ray:?} {span:?}")
             });
-            let blocked = structure.structure.occluded(self.set, ray, span, &mut NoProbe);
+            let blocked = structure.occluded(self.set, ray, span, &mut NoProbe);
             checks.check(blocked == expected.is_some(), || {
                 format!("{name}, {what}: occluded {blocked} beside {expected:?} for {ray:?} {span:?}")
             });
@@ -105,9 +105,13 @@ impl RayTrial<'_> {
 }
 
 /// Bits of all hits, in order.
-fn all_hits<P: Primitives>(structure: &Named, primitives: &P, ray: &Ray, span: Interval) -> Vec<Option<[u64; 5]>> {
-    use rt_accel::Accelerator;
+fn all_hits<P: Primitives>(
+    structure: &AnyAccelerator,
+    primitives: &P,
+    ray: &Ray,
+    span: Interval,
+) -> Vec<Option<[u64; 5]>> {
     let mut hits: Vec<Hit> = Vec::new();
-    structure.structure.all_hits(primitives, ray, span, &mut hits, &mut NoProbe);
+    structure.all_hits(primitives, ray, span, &mut hits, &mut NoProbe);
     hits.into_iter().map(|hit| key(Some(hit))).collect()
 }

@@ -160,8 +160,8 @@ fn fan(conditions: &Conditions) -> CaseResult {
         tied += nearest.count();
         checks.check(first.is_some(), || format!("a miss from {origin}"));
         for structure in &structures {
-            let found = structure.closest(&mesh, &ray, Interval::FORWARD);
-            checks.same(key(found), key(first), structure.name());
+            let found = structure.closest(&mesh, &ray, Interval::FORWARD, &mut NoProbe);
+            checks.same(key(found), key(first), structure.kind().name());
         }
     }
     checks.note(format!("{count} triangles; {tied} further hits at the same t"));

@@ -1,48 +1,16 @@
-//! Accelerators and rays that several chapters need.
-
-use std::error::Error;
+//! Accelerators that several chapters need.
 
 use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator};
-use rt_geometry::{Counters, Hit, NoProbe, Primitives};
-use rt_math::{Interval, Ray};
+use rt_geometry::{Hit, Primitives};
 
-/// An accelerator under its name.
-#[derive(Debug)]
-pub(super) struct Named {
-    kind: AcceleratorKind,
-    pub structure: AnyAccelerator,
-}
-
-impl Named {
-    pub(super) const fn new(kind: AcceleratorKind, structure: AnyAccelerator) -> Self {
-        Self { kind, structure }
-    }
-
-    pub(super) fn name(&self) -> &'static str {
-        self.kind.name()
-    }
-
-    pub(super) fn closest<P: Primitives>(&self, primitives: &P, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.structure.closest(primitives, ray, span, &mut NoProbe)
-    }
-
-    /// Visited nodes and tested primitives per ray.
-    pub(super) fn visits<P: Primitives>(&self, primitives: &P, rays: &[Ray]) -> f64 {
-        let mut counters = Counters::default();
-        for ray in rays {
-            self.structure.closest(primitives, ray, Interval::FORWARD, &mut counters);
-        }
-        let total = counters.total();
-        (total.nodes + total.tests) as f64 / rays.len() as f64
-    }
-}
+use super::Fallible;
 
 /// One validated accelerator of each kind, brute force first.
-pub(super) fn all_structures<P: Primitives>(primitives: &P) -> Result<Vec<Named>, Box<dyn Error + Send + Sync>> {
+pub(super) fn all_structures<P: Primitives>(primitives: &P) -> Fallible<Vec<AnyAccelerator>> {
     let build = |&kind: &AcceleratorKind| {
         let structure = AnyAccelerator::build(kind, primitives)?;
         structure.validate(primitives).map_err(|violation| format!("{}: {violation}", kind.name()))?;
-        Ok(Named { kind, structure })
+        Ok(structure)
     };
     AcceleratorKind::ALL.iter().map(build).collect()
 }

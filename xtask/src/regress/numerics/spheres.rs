@@ -1,6 +1,7 @@
 //! Spheres, and what transforms do to them.
 
-use rt_geometry::{InteractionFlags, Shape, ShapeHit, Sphere, TransformedShape};
+use rt_accel::Accelerator;
+use rt_geometry::{InteractionFlags, NoProbe, Shape, ShapeHit, Sphere, TransformedShape};
 use rt_math::{DVec3, Interval, Ray, Transform, TransformError, float::UNIT_ROUNDOFF, transcendental::exp2};
 use rt_tests::{Draw, ShapeKind, ShapeSet};
 
@@ -52,11 +53,11 @@ fn tangents(_: &Conditions) -> CaseResult {
                 let axes = |v: [f64; 3]| DVec3::new(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
                 let ray = Ray::new(axes([x, 0.0, -distance]), axes([0.0, 0.0, 1.0]));
                 for structure in &structures {
-                    let hit = structure.closest(&set, &ray, Interval::FORWARD);
+                    let hit = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
                     // From its closest point the ray meets the sphere at 0 only if it is a tangent.
                     let expected = if x <= 1.0 && (distance > 0.0 || x == 1.0) { Some(true) } else { None };
                     let expected = if distance == 0.0 && x < 1.0 { Some(true) } else { expected };
-                    checks.same(hit.map(|_| true), expected, format_args!("{} at {x:?}", structure.name()));
+                    checks.same(hit.map(|_| true), expected, format_args!("{} at {x:?}", structure.kind().name()));
                 }
             }
             x = x.next_up();
