@@ -6,8 +6,8 @@
 //!   xtask ────────┘
 //! ```
 //!
-//! **Owns** generators of shapes, meshes, scenes and rays for tests and tasks of several crates, and the reports of
-//! skipped tests. Tests of the whole workspace are in the folder `tests`. **Does not own** expected values: those are
+//! **Owns** generators of shapes, meshes, scenes and rays for tests and tasks of several crates, lists of test files, and
+//! the reports of skipped tests. Tests of the whole workspace are in the folder `tests`. **Does not own** expected values: those are
 //! in the tests.
 //!
 //! ```
@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod draw;
+mod files_below;
 mod icosphere;
 mod moved;
 mod seams;
@@ -29,6 +30,7 @@ mod skip;
 mod spawned;
 
 pub use draw::Draw;
+pub use files_below::files_below;
 pub use icosphere::icosphere;
 pub use moved::moved;
 pub use seams::{Seams, span_at};

@@ -4,28 +4,15 @@ use std::path::{Path, PathBuf};
 
 use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::LoadOptions;
+use rt_tests::files_below;
 
 fn scenes_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes")
 }
 
-fn scene_files() -> Vec<PathBuf> {
-    let mut files = vec![];
-    for chapter in ["report", "lecture", "gallery", "spd"] {
-        let folder = std::fs::read_dir(scenes_folder().join(chapter)).expect("the chapter's folder");
-        let paths = folder.map(|entry| entry.expect("an entry").path());
-        let is_scene = |path: &PathBuf| {
-            path.extension().is_some_and(|extension| ["ron", "nff", "pbrt"].iter().any(|known| extension == *known))
-        };
-        files.extend(paths.filter(is_scene));
-    }
-    files.sort();
-    files
-}
-
 #[test]
 fn the_plan_of_every_scene() {
-    let files = scene_files();
+    let files = files_below(&scenes_folder(), &["ron", "nff", "pbrt"]);
     assert!(files.len() >= 10, "only {} scene files", files.len());
     for file in files {
         let scene = rt_scene_io::load(&file, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));

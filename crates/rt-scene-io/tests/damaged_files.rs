@@ -72,22 +72,10 @@ fn damage_all(extensions: &[&str]) {
 /// All files with these extensions that are neither empty nor long.
 #[track_caller]
 fn good_files(extensions: &[&str]) -> Vec<PathBuf> {
-    let mut found = Vec::new();
     let mut folders = Vec::from(FOLDERS.map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)));
     folders.extend(rt_tests::shared_or_skip("data"));
-    while let Some(folder) = folders.pop() {
-        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                folders.push(path);
-            } else if extensions.contains(&extension(&path))
-                && (1..=LONGEST).contains(&fs::metadata(&path).unwrap().len())
-            {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    found
+    let files = folders.iter().flat_map(|folder| rt_tests::files_below(folder, extensions));
+    files.filter(|path| (1..=LONGEST).contains(&fs::metadata(path).unwrap().len())).collect()
 }
 
 fn extension(path: &Path) -> &str {

@@ -2,12 +2,10 @@
 
 #![cfg(feature = "gltf")]
 
-mod data;
-
 use std::path::Path;
 
-use data::{data, files};
 use rt_scene_io::{Content, LoadOptions, SceneNode, load_model};
+use rt_tests::{files_below, shared_or_skip};
 
 /// Triangles in the scene, counting each instance.
 fn instanced(nodes: &[SceneNode], sizes: &[usize]) -> usize {
@@ -20,7 +18,7 @@ fn instanced(nodes: &[SceneNode], sizes: &[usize]) -> usize {
 
 #[test]
 fn well_formed_files_have_all_of_their_triangles() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = shared_or_skip("data") else { return };
     let expected = [
         ("AlphaBlendModeTest/AlphaBlendModeTest.glb", 61, 61),
         ("Box/separate/Box.gltf", 12, 12),
@@ -70,8 +68,10 @@ fn well_formed_files_have_all_of_their_triangles() {
 
 #[test]
 fn unsupported_files_are_refused_by_name() {
-    let Some(folder) = data() else { return };
-    for file in files(&folder.join("gltf-unsupported/gltf-1.1"), &["gltf", "glb"]) {
+    let Some(folder) = shared_or_skip("data") else { return };
+    let files = files_below(&folder.join("gltf-unsupported/gltf-1.1"), &["gltf", "glb"]);
+    assert!(!files.is_empty());
+    for file in files {
         let message = load_model(&file, &LoadOptions::default()).expect_err("unsupported").to_string();
         println!("{message}");
         assert!(message.contains("glTF version 1.") && message.contains("not supported"), "{message}");
@@ -80,7 +80,7 @@ fn unsupported_files_are_refused_by_name() {
 
 #[test]
 fn compressed_files_are_decoded() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = shared_or_skip("data") else { return };
     let box_of = [-0.5, 0.5];
     for (name, count, [low, high]) in [
         ("BoxDraco.gltf", 12, box_of),
@@ -148,8 +148,10 @@ fn errors_of(file: &Path) -> Option<Vec<String>> {
 
 #[test]
 fn nasty_files_load_or_are_refused_in_words() {
-    let Some(folder) = data() else { return };
-    for file in files(&folder.join("gltf-nasty"), &["gltf", "glb"]) {
+    let Some(folder) = shared_or_skip("data") else { return };
+    let files = files_below(&folder.join("gltf-nasty"), &["gltf", "glb"]);
+    assert!(!files.is_empty());
+    for file in files {
         let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let errors = errors_of(&file);
         match load_model(&file, &LoadOptions::default()) {

@@ -3,11 +3,9 @@
 
 #![cfg(feature = "nff")]
 
-mod data;
-
-use data::data;
 use rt_geometry::Shape;
 use rt_scene_io::{Content, LoadOptions, Model, convert, load, load_model};
+use rt_tests::shared_or_skip;
 
 /// Numbers of spheres, cylinders and cones, single polygons, and triangles of meshes.
 fn census(model: &Model) -> [usize; 4] {
@@ -26,7 +24,7 @@ fn census(model: &Model) -> [usize; 4] {
 
 #[test]
 fn databases_have_all_of_their_objects() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = shared_or_skip("data") else { return };
     let expected = [
         ("balls-s1", 3, [10, 0, 1, 0]),
         ("balls-s2", 3, [91, 0, 1, 0]),
@@ -49,7 +47,7 @@ fn databases_have_all_of_their_objects() {
 
 #[test]
 fn a_converted_database_gives_the_same_scene() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = shared_or_skip("data") else { return };
     let place = tempfile::tempdir().expect("a folder");
     let input = place.path().join("m.nff");
     std::fs::copy(folder.join("nff-spd/rings-s2.nff"), &input).expect("copied");

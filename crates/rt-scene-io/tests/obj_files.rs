@@ -2,14 +2,12 @@
 
 #![cfg(feature = "obj")]
 
-mod data;
-
-use data::{data, files};
 use rt_scene_io::{LoadOptions, load_model};
+use rt_tests::{files_below, shared_or_skip};
 
 #[test]
 fn well_formed_files_have_all_of_their_triangles() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = shared_or_skip("data") else { return };
     let expected = [
         ("cornell-box-measured/cornell_box.obj", 36),
         ("cornell-box-measured/cornell_box_multimaterial.obj", 36),
@@ -36,8 +34,10 @@ fn well_formed_files_have_all_of_their_triangles() {
 /// counted here by the rules of the format alone.
 #[test]
 fn no_face_is_lost_in_silence() {
-    let Some(folder) = data() else { return };
-    for file in files(&folder, &["obj"]) {
+    let Some(folder) = shared_or_skip("data") else { return };
+    let files = files_below(&folder, &["obj"]);
+    assert!(!files.is_empty());
+    for file in files {
         let Ok(model) = load_model(&file, &LoadOptions::default()) else { continue };
         let text = String::from_utf8_lossy(&std::fs::read(&file).expect("a file")).replace("\r\n", "\n");
         let text = text.replace("\\\n", " ");
@@ -56,8 +56,10 @@ fn no_face_is_lost_in_silence() {
 
 #[test]
 fn nasty_files_load_or_are_refused_in_words() {
-    let Some(folder) = data() else { return };
-    for file in files(&folder.join("obj-nasty"), &["obj"]) {
+    let Some(folder) = shared_or_skip("data") else { return };
+    let files = files_below(&folder.join("obj-nasty"), &["obj"]);
+    assert!(!files.is_empty());
+    for file in files {
         match load_model(&file, &LoadOptions::default()) {
             Ok(model) => {
                 println!("{}: ok, {} warnings", file.display(), model.warnings.len());
