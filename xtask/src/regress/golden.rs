@@ -35,7 +35,8 @@ impl Unit for Golden {
             let actual = open(&actual)?;
             self.compare(context, folder, &case, &actual, findings)?;
             if let Some(reference) = &case.reference {
-                near_reference(context, &self.folder, reference, &actual, findings)?;
+                let expected = open(&locate(&reference.image, &self.folder, &context.workspace.root))?;
+                near_reference(&expected, &actual, reference, findings);
             }
         }
         if let Some(truth) = &case.truth
@@ -107,15 +108,14 @@ fn check(expected: &RgbaImage, actual: &RgbaImage, case: &GoldenCase) -> Result<
     if difference.outliers <= case.max_outliers { Ok(()) } else { Err(difference.to_string()) }
 }
 
-fn near_reference(
-    context: &Context,
-    case_folder: &Path,
-    reference: &GoldenReference,
+/// Compares with an independent image of the same scene.
+pub(super) fn near_reference(
+    expected: &RgbaImage,
     actual: &RgbaImage,
+    reference: &GoldenReference,
     findings: &mut Findings,
-) -> Result<(), TaskError> {
-    let expected = open(&locate(&reference.image, case_folder, &context.workspace.root))?;
-    match Difference::of(&expected, actual, reference.tolerance) {
+) {
+    match Difference::of(expected, actual, reference.tolerance) {
         Ok(difference) => {
             let near =
                 difference.rmse <= reference.max_rmse && difference.outlier_share() <= reference.max_outlier_share;
@@ -124,7 +124,6 @@ fn near_reference(
         }
         Err(error) => findings.problem(error.to_string()),
     }
-    Ok(())
 }
 
 fn near_truth(linear: &Path, truth: &KnownMean, findings: &mut Findings) -> Result<(), TaskError> {
