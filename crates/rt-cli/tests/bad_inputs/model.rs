@@ -67,17 +67,12 @@ pub(crate) fn missing_material_library() -> Vec<Input> {
     ]
 }
 
+/// `rt-scene-io/tests/strictness.rs` has more of them, in PLY and pbrt files as well.
 pub(crate) fn surplus_of_models() -> Vec<Input> {
-    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
-               element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n7 7 7\n";
     vec![
         Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
             .with_file("m.mtl", "newmtl a\nKd 1 0 0\nKm 0.5\n")
             .shown(&["m.mtl:3: the statement `Km` is not known; it is left out"]),
-        Input::file("m.ply", ply)
-            .shown(&["m.ply: 1 line beyond the rows that the header promises are left out (line 14)"]),
-        Input::file("m.pbrt", "Attribute \"shape\" \"float typo\" 1\nWorldBegin\nShape \"sphere\"\n")
-            .shown(&["m.pbrt:1: the attribute \"typo\" for \"shape\" is used by nothing"]),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! Sequences of pictures.
 
-use crate::program::Workplace;
+use crate::program::{ANIMATED, Workplace};
 
 /// A ball that flies past a camera, which is itself on its way, with the shutter open for half a frame.
 const FLIGHT: &str = "(
@@ -58,32 +58,17 @@ fn all_frames_of_an_animation_are_rendered() {
     let expected = ["flight.ron", "out-#.pfm.frames.json", "out-0.pfm", "out-1.pfm", "out-2.pfm", "out-3.pfm"];
     assert_eq!(place.files(), expected);
     place.write("still.ron", "(nodes: [(shape: sphere())])");
-    let run = place.run("render still.ron --frames all");
-    assert!(run.code == Some(2) && run.stderr.contains("nothing in still.ron is animated"), "{run:?}");
+    place.fails(2, "render still.ron --frames all", "nothing in still.ron is animated");
 }
 
 /// The length of a model's animation is in its file.
 #[test]
 fn all_frames_of_a_model_are_rendered() {
-    let place = Workplace::new();
-    // Three points, and a way that takes 0.5 s.
-    let numbers: [f32; 17] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.5, 0., 0., 0., 1., 0., 0.];
-    place.write("m.bin", numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>());
-    let model = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "animations": [{"samplers": [{"input": 1, "output": 2}],
-            "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
-            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [0.5]},
-            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
-            {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
-        "buffers": [{"uri": "m.bin", "byteLength": 68}]}"#;
-    place.write("m.gltf", model);
+    let place = Workplace::with_animated_model();
     place.succeed("render m.gltf --frames all --fps 6 --size 8x8 --spp 1 -o #.png --quiet");
     assert_eq!(place.files(), ["#.png.frames.json", "0.png", "1.png", "2.png", "m.bin", "m.gltf"]);
-    let piped = place.pipe(model.as_bytes(), "render - --frames all --fps 2 --size 8x8 --spp 1 -o piped-#.png --quiet");
+    let piped =
+        place.pipe(ANIMATED.as_bytes(), "render - --frames all --fps 2 --size 8x8 --spp 1 -o piped-#.png --quiet");
     assert!(
         piped.status.success() && place.path("piped-0.png").exists() && !place.path("piped-1.png").exists(),
         "{piped:?}"
@@ -115,9 +100,11 @@ fn a_frame_that_fails_is_named_and_those_before_it_are_kept() {
     let place = Workplace::new();
     // It flies through what it looks at.
     place.write("a.ron", FLIGHT.replace("(1, 0.5, 6)", "(0, 0, -6)").replace("interpolation: smooth,", ""));
-    let run = place.run("render a.ron --frames 0..3 --fps 4 -o #.png");
-    assert_eq!(run.code, Some(3), "{run:?}");
-    assert!(run.stderr.contains("error: frame 2: a.ron: camera.animation: look_from and look_at are both"), "{run:?}");
+    place.fails(
+        3,
+        "render a.ron --frames 0..3 --fps 4 -o #.png",
+        "error: frame 2: a.ron: camera.animation: look_from and look_at are both",
+    );
     assert_eq!(place.files(), ["#.png.frames.json", "0.png", "1.png", "a.ron"]);
 }
 

@@ -1,6 +1,6 @@
 //! Scenes that are lit by an image and shown before something else.
 
-use rt_image::{Development, Image, ImageFormat, write_image};
+use rt_image::Image;
 
 use crate::program::Workplace;
 
@@ -16,9 +16,7 @@ fn place() -> Workplace {
     for (index, pixel) in sky.pixels_mut().iter_mut().enumerate() {
         *pixel = if index < 64 { [2.0, 2.0, 1.0] } else { [0.1, 0.1, 0.2] };
     }
-    let mut bytes = Vec::new();
-    write_image(&sky, &Development::default(), ImageFormat::Exr, &mut bytes).expect("written");
-    place.write("sky.exr", bytes);
+    place.save("sky.exr", &sky);
     place
 }
 

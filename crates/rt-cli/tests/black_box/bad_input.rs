@@ -40,49 +40,25 @@ fn lock(path: &std::path::Path) {
 
 const GOOD: &str = "(film: (size: (8, 8)), nodes: [(shape: sphere())])";
 
+/// The test `bad_inputs` has the kinds of bad scenes; these are about what else is given or there.
 #[test]
 fn bad_scenes_end_with_code_3() {
     let render = "render scene.ron -o older.png";
+    let textured = "(materials: {\"wood\": phong(color: image(file: \"older.png\"))}, nodes: [(shape: sphere(), material: \"wood\")])";
+    let lamp = "(materials: {\"lamp\": phong(emission: gray(3))}, settings: (integrator: distributed), \
+        lights: [point(position: (3, 3, 3), intensity: gray(1))], camera: (look_from: (0, 0, 5)), \
+        nodes: [(name: \"firefly\", shape: sphere(), motion: [translate(1, 0, 0)], material: \"lamp\")])";
     let said = messages(
         3,
         &[
             ("missing file", GOOD, "render missing.ron -o older.png"),
-            ("a folder", GOOD, "render folder.png -o older.png"),
             ("no ending that is known", GOOD, "render older.png"),
-            ("empty file", "", render),
-            ("cut off", "(nodes: [(shape: sphere(", render),
-            ("unknown field", "(\n    nodes: [\n        (shape: sphere(raduis: 2)),\n    ],\n)", render),
-            ("unknown shape", "(nodes: [(shape: spere())])", render),
-            (
-                "unknown material",
-                "(materials: {\"red\": phong()}, nodes: [(shape: sphere(), material: \"rad\")])",
-                render,
-            ),
-            ("NaN", "(nodes: [(shape: sphere(center: (0, NaN, 0)))])", render),
             ("negative radius", "(nodes: [(shape: sphere()), (name: \"moon\", shape: sphere(radius: -1))])", render),
-            ("zero-size image", "(film: (size: (0, 480)), nodes: [(shape: sphere())])", render),
-            ("too large an image", "(film: (size: (100000, 100000)), nodes: [(shape: sphere())])", render),
-            ("camera along up", "(camera: (look_from: (0, 5, 0)), nodes: [(shape: sphere())])", render),
-            ("field of view", "(camera: (look_from: (0, 0, 5), fov: 180), nodes: [(shape: sphere())])", render),
             ("shutter", "(camera: (shutter: (0.5, 0.25)), nodes: [(shape: sphere())])", render),
             ("motion through a mirror", "(nodes: [(shape: sphere(), motion: [stretch(-1, 1, 1)])])", render),
-            (
-                "lamp that no ray finds",
-                "(materials: {\"lamp\": phong(emission: gray(3))}, settings: (integrator: distributed), \
-                 lights: [point(position: (3, 3, 3), intensity: gray(1))], camera: (look_from: (0, 0, 5)), \
-                 nodes: [(name: \"firefly\", shape: sphere(), motion: [translate(1, 0, 0)], material: \"lamp\")])",
-                render,
-            ),
-            (
-                "missing texture",
-                "(materials: {\"wood\": phong(color: image(file: \"wood.png\"))}, nodes: [(shape: sphere(), material: \"wood\")])",
-                render,
-            ),
-            (
-                "broken texture",
-                "(materials: {\"wood\": phong(color: image(file: \"older.png\"))}, nodes: [(shape: sphere(), material: \"wood\")])",
-                "render scene.ron -o new.png",
-            ),
+            ("lamp that no ray finds", lamp, render),
+            ("missing texture", &textured.replace("older", "wood"), render),
+            ("broken texture", textured, "render scene.ron -o new.png"),
             ("missing image", GOOD, "develop missing.exr -o older.png"),
             ("broken image", GOOD, "develop older.png -o new.png"),
         ],
@@ -186,9 +162,7 @@ fn warnings_are_errors_under_strict() {
     place.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n");
     let lenient = place.succeed("render m.obj --size 8x8");
     assert!(lenient.stderr.starts_with("warning: m.obj"), "{lenient:?}");
-    let strict = place.run("render m.obj --size 8x8 --strict -o strict.png");
-    assert_eq!(strict.code, Some(3), "{strict:?}");
-    assert!(strict.stderr.contains("error: m.obj: 1 warning; fix the scene"), "{strict:?}");
+    place.fails(3, "render m.obj --size 8x8 --strict -o strict.png", "error: m.obj: 1 warning; fix the scene");
     for (command, output) in [("explain m.obj", ""), ("convert m.obj", " -o m.ron")] {
         let strict = place.run(&format!("{command} --strict{output}"));
         assert_eq!((strict.code, strict.stdout.as_str()), (Some(3), ""), "{strict:?}");

@@ -1,7 +1,6 @@
 //! Reports on the health of scenes.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -81,31 +80,14 @@ fn repairs_of_the_loader_are_found() {
     assert_eq!(report["warnings"], json!(1), "{report}");
 }
 
-/// Files below a folder with one of these extensions, sorted.
-fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
-    let (mut open, mut found) = (vec![folder.to_path_buf()], Vec::new());
-    while let Some(folder) = open.pop() {
-        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|e| extensions.iter().any(|extension| e == *extension)) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    found
-}
-
 #[test]
 fn every_scene_has_a_report() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut files = files_below(&root.join("scenes"), &["ron"]);
+    let mut files = rt_tests::files_below(&root.join("scenes"), &["ron"]);
     assert!(files.len() >= 13, "{files:?}");
     let models = rt_tests::shared_or_skip("data");
     if let Some(models) = &models {
-        files.extend(files_below(models, &["obj", "gltf", "glb"]));
+        files.extend(rt_tests::files_below(models, &["obj", "gltf", "glb"]));
     }
     let place = Workplace::new();
     for file in files {
@@ -126,30 +108,12 @@ fn every_scene_has_a_report() {
     }
 }
 
-/// A triangle, and an animation that moves it.
-const ANIMATED: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-    "buffers": [{"byteLength": 68, "uri": "animated.bin"}],
-    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
-        {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
-    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
-        {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
-        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
-    "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
-        "samplers": [{"input": 1, "output": 2}]}]}"#;
-
 #[test]
 fn an_animated_gltf_file_without_a_time_is_refused_by_strict_commands() {
-    let place = Workplace::new();
-    let numbers: [f32; 17] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-    let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
-    place.write("animated.bin", bytes);
-    place.write("animated.gltf", ANIMATED);
-    for command in ["render animated.gltf --size 8x6", "explain animated.gltf", "check animated.gltf"] {
+    let place = Workplace::with_animated_model();
+    for command in ["render m.gltf --size 8x6", "explain m.gltf", "check m.gltf"] {
         place.succeed(command);
-        let strict = place.run(&format!("{command} --strict"));
-        assert_eq!(strict.code, Some(3), "{command}: {strict:?}");
-        assert!(strict.stderr.contains("animated.gltf: 1 warning"), "{command}: {strict:?}");
+        place.fails(3, &format!("{command} --strict"), "m.gltf: 1 warning");
     }
-    place.succeed("render animated.gltf --size 8x6 --at-time 0.5 --strict");
+    place.succeed("render m.gltf --size 8x6 --at-time 0.5 --strict");
 }

@@ -1,6 +1,6 @@
 //! `compare`: difference of two images.
 
-use rt_image::{Development, Image, ImageFormat, write_image};
+use rt_image::{Development, Image};
 use serde_json::{Value, json};
 
 use crate::program::Workplace;
@@ -14,8 +14,8 @@ fn place_with_images() -> Workplace {
         let red = if x % 2 == 0 && y % 2 == 0 { 1.0 } else { 0.5 };
         [red, 0.25, if [x, y] == [7, 5] { 1.0 } else { 2.0 }]
     });
-    save(&place, "a.exr", &test);
-    save(&place, "b.exr", &reference);
+    place.save("a.exr", &test);
+    place.save("b.exr", &reference);
     place
 }
 
@@ -25,13 +25,6 @@ fn film(radiance: impl Fn(u32, u32) -> [f32; 3]) -> Image {
         *pixel = radiance(index % 16, index / 16);
     }
     film
-}
-
-fn save(place: &Workplace, name: &str, film: &Image) {
-    let mut bytes = Vec::new();
-    let format = ImageFormat::from_path(name.as_ref()).expect("known");
-    write_image(film, &Development::default(), format, &mut bytes).expect("written");
-    place.write(name, bytes);
 }
 
 fn report(place: &Workplace, arguments: &str) -> Value {
@@ -155,18 +148,20 @@ fn non_finite_pixels_are_reported_and_differ() {
     let place = place_with_images();
     let broken = |value: f32| film(move |x, _| if x == 3 { [value, 0.0, 0.0] } else { [0.5; 3] });
     for (name, value) in [("nan.exr", f32::NAN), ("inf.exr", f32::INFINITY), ("sound.exr", 0.0)] {
-        save(&place, name, &broken(value));
+        place.save(name, &broken(value));
     }
     let alike = place.succeed("compare nan.exr nan.exr");
     assert!(alike.stdout.contains("NaN or infinite pixels: 12 of A, 12 of B, 0 of them different"), "{alike:?}");
     for pair in ["nan.exr inf.exr", "nan.exr sound.exr", "sound.exr inf.exr"] {
-        let run = place.run(&format!("compare {pair} --threshold 1000"));
-        assert_eq!(run.code, Some(1), "{run:?}");
-        assert!(run.stderr.contains("12 pixels are NaN or infinite in one of them and not the same"), "{run:?}");
+        place.fails(
+            1,
+            &format!("compare {pair} --threshold 1000"),
+            "12 pixels are NaN or infinite in one of them and not the same",
+        );
         let report = report(&place, pair);
         assert_eq!((&report["differently_finite"], &report["metrics"]["rmse"]), (&json!(12), &json!(0.0)));
     }
-    save(&place, "blind.exr", &film(|_, _| [f32::NAN; 3]));
+    place.save("blind.exr", &film(|_, _| [f32::NAN; 3]));
     let blind = place.run("compare blind.exr sound.exr");
     assert_eq!((blind.code, blind.stdout.as_str()), (Some(3), ""), "{blind:?}");
 }
@@ -174,8 +169,8 @@ fn non_finite_pixels_are_reported_and_differ() {
 #[test]
 fn incomparable_images_are_refused() {
     let place = place_with_images();
-    save(&place, "small.exr", &Image::new(4, 4, false));
-    save(&place, "a.png", &film(|_, _| [0.5; 3]));
+    place.save("small.exr", &Image::new(4, 4, false));
+    place.save("a.png", &film(|_, _| [0.5; 3]));
     place.write("text.png", "hello");
     let said = place.refusals(
         "compare",

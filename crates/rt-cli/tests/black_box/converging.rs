@@ -208,11 +208,7 @@ fn invalid_experiments_are_refused_before_rendering() {
     place.write("broken.ron", "(nodes: [(shape: sphere(radius: -1))])");
     place.write("text.exr", "hello");
     place.write("file", "older");
-    let mut bytes = Vec::new();
-    let small = Image::new(4, 4, false);
-    rt_image::write_image(&small, &rt_image::Development::default(), rt_image::ImageFormat::Exr, &mut bytes)
-        .expect("EXR");
-    place.write("small.exr", bytes);
+    place.save("small.exr", &Image::new(4, 4, false));
     let said = place.refusals(
         "converge",
         &[

@@ -147,27 +147,6 @@ fn nohup_is_obeyed() {
 }
 
 #[test]
-fn kills_at_random_times_change_no_bit() {
-    let whole = Workplace::with_scene();
-    whole.succeed(LONG);
-    let place = Workplace::with_scene();
-    let mut kills = 0;
-    for milliseconds in [150, 400, 90, 600, 260] {
-        let mut child = place.spawn(&format!("{LONG} --resume --checkpoint-every 10ms"));
-        std::thread::sleep(Duration::from_millis(milliseconds));
-        if child.try_wait().expect("it can be asked").is_none() {
-            child.kill().expect("it runs");
-            kills += 1;
-        }
-        child.wait().expect("it ended");
-    }
-    assert!(kills > 0);
-    place.succeed(&format!("{LONG} --resume"));
-    assert_eq!(place.read("scene.exr"), whole.read("scene.exr"), "after {kills} kills");
-    assert_eq!(place.files(), ["scene.exr", "scene.ron"], "what a kill leaves half-written is cleared away");
-}
-
-#[test]
 fn a_kill_leaves_the_older_image_and_nothing_else() {
     let place = Workplace::with_scene();
     place.write("scene.png", "older");
@@ -195,12 +174,8 @@ fn checkpoints_of_another_image_are_not_resumed_and_none_is_overwritten() {
     let place = Workplace::with_scene();
     assert_eq!(interrupted(&place, "").code, Some(130));
     let kept = place.read("scene.exr.checkpoint");
-    let plain = place.run(LONG);
-    assert_eq!(plain.code, Some(2));
-    assert!(plain.stderr.contains("continue with --resume, or start over with --restart"), "{plain:?}");
-    let other = place.run(&format!("{LONG} --resume --seed 7"));
-    assert_eq!(other.code, Some(3));
-    assert!(other.stderr.contains("scene.exr.checkpoint: is of another image"), "{other:?}");
+    place.fails(2, LONG, "continue with --resume, or start over with --restart");
+    place.fails(3, &format!("{LONG} --resume --seed 7"), "scene.exr.checkpoint: is of another image");
     place.write("scene.ron", crate::program::SCENE.replace("0.7", "0.71"));
     assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3));
     assert_eq!(place.read("scene.exr.checkpoint"), kept);
@@ -242,8 +217,7 @@ fn a_checkpoint_of_another_image_is_kept_aside() {
     place.succeed("render scene.ron --shard 1/2 -o scene.part");
     let part = place.read("scene.part");
     for options in ["", "--resume", "--restart"] {
-        let run = place.run(&format!("{LONG} --checkpoint scene.part {options}"));
-        assert!(run.code == Some(3) && run.stderr.contains("scene.part: is not a checkpoint"), "{run:?}");
+        place.fails(3, &format!("{LONG} --checkpoint scene.part {options}"), "scene.part: is not a checkpoint");
     }
     assert_eq!(place.read("scene.part"), part);
 }
@@ -275,9 +249,11 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
 fn options_that_resume_needs_again_are_named() {
     let place = Workplace::with_scene();
     assert_eq!(interrupted(&place, "").code, Some(130));
-    let run = place.run(&format!("{LONG} --resume --stats stats.json"));
-    assert_eq!(run.code, Some(3), "{run:?}");
-    assert!(run.stderr.contains("scene.exr.checkpoint: was made with other options: give --stats"), "{run:?}");
+    place.fails(
+        3,
+        &format!("{LONG} --resume --stats stats.json"),
+        "scene.exr.checkpoint: was made with other options: give --stats",
+    );
 }
 
 #[test]
@@ -293,8 +269,7 @@ fn checkpoints_never_replace_the_scene_or_the_image() {
         ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs would go to c.pfm"),
         ("--checkpoint notes.txt --restart", 3, "notes.txt: is not a checkpoint"),
     ] {
-        let run = place.run(&format!("render scene.ron {options}"));
-        assert!(run.code == Some(code) && run.stderr.contains(message), "{options}: {run:?}");
+        place.fails(code, &format!("render scene.ron {options}"), message);
         assert_eq!(place.files(), files, "{options}");
     }
 }

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
-use rt_image::{Image, read_image};
+use rt_image::{Development, Image, ImageFormat, read_image, write_image};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -34,6 +34,19 @@ pub(crate) const SCENE: &str = r#"(
         (transform: [rotate_y(30), translate(0.3, 0, -1)], shape: box(min: (-0.5, 0, -0.5), max: (0.5, 1, 0.5)), material: "red"),
     ],
 )"#;
+
+/// A glTF file of a triangle whose animation moves it for half a second; the numbers are in `m.bin`.
+pub(crate) const ANIMATED: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "animations": [{"samplers": [{"input": 1, "output": 2}],
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+    "accessors": [
+        {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+        {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [0.5]},
+        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+        {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+    "buffers": [{"uri": "m.bin", "byteLength": 68}]}"#;
 
 /// Working directory of the program.
 pub(crate) struct Workplace {
@@ -72,6 +85,16 @@ impl Workplace {
         place
     }
 
+    /// Directory with [`ANIMATED`] as `m.gltf`.
+    pub(crate) fn with_animated_model() -> Self {
+        let place = Self::new();
+        // Three points, two times, and two places.
+        let numbers: [f32; 17] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.5, 0., 0., 0., 1., 0., 0.];
+        place.write("m.bin", numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>());
+        place.write("m.gltf", ANIMATED);
+        place
+    }
+
     pub(crate) fn path(&self, name: impl AsRef<Path>) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -90,6 +113,14 @@ impl Workplace {
 
     pub(crate) fn film(&self, name: &str) -> Image {
         read_image(&self.path(name)).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Writes an image in the format of the extension.
+    pub(crate) fn save(&self, name: &str, film: &Image) {
+        let mut bytes = Vec::new();
+        let format = ImageFormat::from_path(name.as_ref()).expect("known");
+        write_image(film, &Development::default(), format, &mut bytes).expect("written");
+        self.write(name, bytes);
     }
 
     /// Names of all files, sorted.
@@ -118,6 +149,13 @@ impl Workplace {
     pub(crate) fn run(&self, arguments: &str) -> Run {
         let run = Run::of(self.command(arguments).output().expect("it starts"));
         assert!(!run.stderr.contains("panicked"), "{arguments}: {run:?}");
+        run
+    }
+
+    /// Runs the program, and expects this exit code and a message with these words.
+    pub(crate) fn fails(&self, code: i32, arguments: &str, words: &str) -> Run {
+        let run = self.run(arguments);
+        assert!(run.code == Some(code) && run.stderr.contains(words), "{arguments}: {run:?}");
         run
     }
 

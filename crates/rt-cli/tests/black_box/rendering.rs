@@ -89,10 +89,8 @@ fn a_scene_without_a_command_is_rendered() {
         place.succeed(arguments);
         assert!(place.read(file) == place.read("x.png"), "{arguments}");
     }
-    let run = place.run("missing.ron");
-    assert!(run.code == Some(3) && run.stderr.contains("missing.ron: cannot be read"), "{run:?}");
-    let run = place.run("rendr scene.ron");
-    assert!(run.code == Some(2) && run.stderr.contains("'render'"), "{run:?}");
+    place.fails(3, "missing.ron", "missing.ron: cannot be read");
+    place.fails(2, "rendr scene.ron", "'render'");
 }
 
 #[test]

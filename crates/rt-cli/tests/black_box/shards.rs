@@ -99,9 +99,7 @@ fn a_part_that_is_there_is_not_rendered_again() {
     let run = place.succeed(&format!("{RENDER} --shard 1/2 --resume"));
     assert!(run.stdout.contains("scene.1-of-2.part is there already, and finished"), "{run:?}");
     assert_eq!(place.read("scene.1-of-2.part"), before);
-    let other = place.run(&format!("{RENDER} --shard 1/2 --resume --seed 3"));
-    assert_eq!(other.code, Some(3), "{other:?}");
-    assert!(other.stderr.contains("scene.1-of-2.part: is of another image"), "{other:?}");
+    place.fails(3, &format!("{RENDER} --shard 1/2 --resume --seed 3"), "scene.1-of-2.part: is of another image");
 }
 
 #[test]
@@ -120,9 +118,7 @@ fn parts_that_make_no_sense_are_refused() {
         ("--checkpoint-every soon", "or never"),
         ("--resume --restart", "cannot be used with"),
     ] {
-        let run = place.run(&format!("render scene.ron {options}"));
-        assert_eq!(run.code, Some(2), "{options}: {run:?}");
-        assert!(run.stderr.contains(message), "{options}: {run:?}");
+        place.fails(2, &format!("render scene.ron {options}"), message);
     }
     assert_eq!(place.files(), ["scene.ron"]);
 }

@@ -353,8 +353,6 @@ fn failures_are_reported_in_the_terminal() {
         ("scene.ron --adaptive object-space".to_owned(), 2, "--adaptive is for `render`"),
         ("scene.ron --min-spp 1".to_owned(), 2, "--min-spp is for `render`"),
     ] {
-        let run = place.run(&format!("view --no-open {arguments}"));
-        assert_eq!(run.code, Some(code), "{arguments}: {run:?}");
-        assert!(run.stderr.contains(message), "{arguments}: {run:?}");
+        place.fails(code, &format!("view --no-open {arguments}"), message);
     }
 }
