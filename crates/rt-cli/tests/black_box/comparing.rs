@@ -54,7 +54,7 @@ fn equal_images_are_equal_whatever_the_file() {
 }
 
 #[test]
-fn cut_out_pictures_equal_their_radiance() {
+fn cut_out_images_equal_their_radiance() {
     let place = Workplace::new();
     place.write("ball.ron", "(film: (size: (24, 16)), nodes: [(shape: sphere())])");
     for name in ["p.exr", "p.png"] {
@@ -162,7 +162,7 @@ fn non_finite_pixels_are_reported_and_differ() {
     for pair in ["nan.exr inf.exr", "nan.exr sound.exr", "sound.exr inf.exr"] {
         let run = place.run(&format!("compare {pair} --threshold 1000"));
         assert_eq!(run.code, Some(1), "{run:?}");
-        assert!(run.stderr.contains("12 pixels are NaN or infinite in one of them and not the same"), "{run:?}");
+        assert!(run.stderr.contains("12 pixels are NaN or infinite in one image and different"), "{run:?}");
         let report = report(&place, pair);
         assert_eq!((&report["differently_finite"], &report["metrics"]["rmse"]), (&json!(12), &json!(0.0)));
     }
