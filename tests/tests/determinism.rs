@@ -67,7 +67,7 @@ fn threads_and_structures_change_no_bit_of_any_integrator_with_any_pattern() {
             (scene.settings.integrator, scene.settings.pattern, scene.settings.accel) =
                 (integrator, pattern, Accel::Linear);
             let expected = bits(&scene, 1);
-            assert!(expected.iter().any(|bits| *bits != expected[0]), "an even picture shows nothing");
+            assert!(expected.iter().any(|bits| *bits != expected[0]), "an even image shows nothing");
             for (accel, threads) in [
                 (Accel::Linear, 2),
                 (Accel::Linear, 3),
@@ -97,7 +97,7 @@ fn the_full_plan_changes_no_bit_of_any_integrator() {
 }
 
 #[test]
-fn the_seed_changes_the_picture() {
+fn the_seed_changes_the_image() {
     let mut scene = scene();
     for integrator in INTEGRATORS {
         scene.settings.integrator = integrator;
