@@ -5,7 +5,7 @@
 //!   cargo xtask tidy       project rules that no compiler checks
 //!   cargo xtask bench      rays per second and build times of each accelerator
 //!   cargo xtask costs      costs of each accelerator on scenes of growing size
-//!   cargo xtask figures    the images in the guide of rt-accel, and the plot in the README
+//!   cargo xtask figures    the images in the guide of rt-accel, and the plot in docs/CONVERGENCE.md
 //!   cargo xtask spd        the Standard Procedural Databases as NFF files
 //!   cargo xtask table1     the table of the report that this ray tracer began with
 //!   cargo xtask terarays   estimated time for the lecture's trillion rays of a Cornell box
@@ -65,7 +65,7 @@ enum Task {
     Bench(Box<bench::BenchOptions>),
     /// Measure the costs of each accelerator on scenes of growing size.
     Costs(costs::CostsOptions),
-    /// Render the images in the guide of rt-accel, or measure the plot in the README.
+    /// Render the images in the guide of rt-accel, or measure the plot in docs/CONVERGENCE.md.
     Figures(figures::FiguresOptions),
     /// Write the Standard Procedural Databases as NFF files.
     Spd(spd::SpdOptions),

@@ -54,8 +54,14 @@ def test_ambient_occlusion():
 
 
 def test_speed():
-    text = run("speed.py", "--rays", "1e4", "--detail", "20")
-    assert number(r"\| rt closest \| (\S+) \|", text) > 0
+    text = run("speed.py", "--rays", "1e4", "--detail", "20", "--runs", "1")
+    for kind in ["primary", "diffuse", "random"]:
+        assert kind in text
+    rows = dict(re.findall(r"^\| (rt \w+) \|(.*)\|$", text, re.MULTILINE))
+    assert {"rt closest", "rt any_hit"} <= set(rows)
+    for row in rows.values():
+        rates = re.findall(r"(\S+) \((\S+)\)", row)
+        assert len(rates) == 3 and all(float(best) == float(least) > 0 for best, least in rates)
 
 
 @pytest.mark.parametrize("program", sorted(path.name for path in EXAMPLES.glob("*.py")))

@@ -8,6 +8,8 @@ import pytest
 
 trimesh = pytest.importorskip("trimesh")
 
+import rt  # noqa: E402
+import rt.compat.trimesh as compat  # noqa: E402
 from rt.compat.trimesh import RayMeshIntersector  # noqa: E402
 
 
@@ -102,6 +104,30 @@ def test_it_agrees_with_the_intersector_of_trimesh():
     np.testing.assert_array_equal(ours[1], theirs[1][order])
     np.testing.assert_array_equal(ours[2], theirs[2][order])
     np.testing.assert_allclose(ours[0], theirs[0][order], atol=1e-9)
+
+
+def test_slices_of_rays_give_the_results_of_all(monkeypatch):
+    mesh = trimesh.creation.icosphere(subdivisions=2)
+    generator = np.random.default_rng(3)
+    origins = (3 * generator.normal(size=(101, 3))).astype(np.float32)
+    directions = (0.7 * generator.normal(size=(101, 3)) - origins).astype(np.float32)
+    hits = rt.TriangleMesh(mesh.vertices, mesh.faces).closest(origins, directions)
+    assert 20 < hits.hit.sum() < 80
+    for rays_per_slice, hits_per_slice in [(1 << 19, 1 << 13), (101, 50), (10, 3), (1, 1)]:
+        monkeypatch.setattr(compat, "_RAYS_PER_SLICE", rays_per_slice)
+        monkeypatch.setattr(compat, "_HITS_PER_SLICE", hits_per_slice)
+        ours = RayMeshIntersector(mesh)
+        first = ours.intersects_first(origins, directions)
+        np.testing.assert_array_equal(first, hits.primitive)
+        locations, index_ray, index_tri = ours.intersects_location(origins, directions, multiple_hits=False)
+        np.testing.assert_array_equal(index_ray, np.flatnonzero(hits.hit))
+        np.testing.assert_array_equal(index_tri, first[hits.hit])
+        expected = origins[index_ray].astype(float) + hits.t[index_ray, None] * directions[index_ray].astype(float)
+        np.testing.assert_allclose(locations, expected, atol=1e-14)
+        assert [array.dtype for array in (first, index_ray, index_tri)] == [np.int64] * 3
+        without = ours.intersects_id(origins, directions, multiple_hits=False)
+        for array, same in zip(without, (index_tri, index_ray), strict=True):
+            np.testing.assert_array_equal(array, same)
 
 
 def test_wrong_shapes_are_refused():

@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use rt_render::{
-    Clamping, Criterion, ErrorEstimate, PlanOptions, RayKind, RayStats, RenderPlan, Rendering, ShadingCounts, StopRule,
-    Stopped,
+    Clamping, Criterion, ErrorEstimate, PlanOptions, RayKind, RayStats, RenderPlan, Rendering, StopRule, Stopped,
 };
 use rt_scene_io::Scene;
 use serde_json::{Map, Value, json};
@@ -30,16 +29,13 @@ pub(crate) fn json(outcome: &Outcome<'_>) -> Value {
     let rendering = outcome.rendering;
     let statistics = &rendering.statistics;
     let samples = rendering.samples_per_pixel;
-    json!({
+    let mut values = json!({
         "program": env!("CARGO_PKG_NAME"),
         "version": env!("CARGO_PKG_VERSION"),
         "scene": outcome.scene_file.display().to_string(),
         "settings": settings(outcome),
         "plan": plan(outcome),
-        "samples": statistics.samples,
-        "camera_hits": statistics.camera_hits,
         "pixel_samples": { "min": samples.min, "mean": samples.mean, "max": samples.max },
-        "simple_pixels": statistics.simple_pixels,
         "passes": statistics.passes,
         "stopped": stopped_by(rendering.stopped),
         "unconverged_pixels": rendering.unconverged,
@@ -47,10 +43,8 @@ pub(crate) fn json(outcome: &Outcome<'_>) -> Value {
         "clamping": outcome.plan.clamping(rendering).map(|Clamping { bound, contributions, lost_share }| {
             json!({ "bound": bound, "contributions": contributions, "lost_share": lost_share })
         }),
-        "bad_samples": statistics.bad_samples,
-        "primary_rays_skipped": statistics.primary_rays_skipped,
         "rays": rays(rendering),
-        "shading": shading(statistics.shading),
+        "shading": named(statistics.shading.named()),
         "seconds": {
             "load": outcome.load_seconds,
             "build": statistics.build_seconds,
@@ -59,7 +53,16 @@ pub(crate) fn json(outcome: &Outcome<'_>) -> Value {
         },
         "mega_rays_per_second": statistics.mega_rays_per_second(),
         "peak_memory_bytes": memory::peak_bytes(),
-    })
+    });
+    if let Value::Object(values) = &mut values {
+        values.extend(named(statistics.named()));
+    }
+    values
+}
+
+/// Counts by their names.
+fn named<const N: usize>(counts: [(&'static str, u64); N]) -> Map<String, Value> {
+    counts.into_iter().map(|(name, count)| (name.to_owned(), count.into())).collect()
 }
 
 const fn stopped_by(stopped: Stopped) -> &'static str {
@@ -132,18 +135,4 @@ fn rays(rendering: &Rendering) -> Map<String, Value> {
     let kinds = RayKind::ALL.map(|kind| (kind.name(), counters.of(kind)));
     let cost = |RayStats { rays, nodes, tests, hits }| json!({ "rays": rays, "nodes": nodes, "primitive_tests": tests, "hits": hits });
     kinds.into_iter().chain([("total", counters.total())]).map(|(name, stats)| (name.to_owned(), cost(stats))).collect()
-}
-
-fn shading(counts: ShadingCounts) -> Value {
-    json!({
-        "shadow_rays_skipped": counts.shadow_rays_skipped,
-        "highlights": counts.highlights,
-        "mirrors": counts.mirrors,
-        "refractions": counts.refractions,
-        "fresnel": counts.fresnel,
-        "absorption": counts.absorption,
-        "passages": counts.passages,
-        "depth_limited": counts.depth_limited,
-        "interior_overflows": counts.interior_overflows,
-    })
 }

@@ -51,7 +51,7 @@ pub enum ContentError {
     #[error("pixel {0} has more samples than the passes so far took")]
     Pixel(usize),
     /// A count exceeds its limit, or the counts of all parts together do.
-    #[error("{name} is {value}, and at most {max} is possible")]
+    #[error("the number of {name} is {value}, and at most {max} is possible")]
     Count {
         /// Name of the count.
         name: &'static str,

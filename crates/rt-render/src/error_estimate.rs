@@ -103,7 +103,7 @@ impl ErrorSums {
     /// Checks the sums over a tile of `area` pixels.
     pub(crate) fn validate(&self, area: u64) -> Result<(), ContentError> {
         let Self { pixels, squares, spread_of_estimate, spread_of_error, relative, largest, radiance } = *self;
-        check_count("the number of pixels of an error", pixels, area)?;
+        check_count("pixels of an error", pixels, area)?;
         [squares, spread_of_estimate, spread_of_error, relative, largest]
             .into_iter()
             .try_for_each(|sum| check_number("a sum of squared errors", sum))?;

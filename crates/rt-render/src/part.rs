@@ -307,9 +307,9 @@ impl Part {
         }
         statistics.validate()?;
         // The statistics also count the samples of the first stage of adaptive sampling, which are discarded.
-        check_count("the number of samples of all tiles", samples, statistics.samples)?;
+        check_count("samples of all tiles", samples, statistics.samples)?;
         let pixels = u64::from(crop.width) * u64::from(crop.height);
-        check_count("the number of pixels that have not converged", unconverged.unwrap_or(0), pixels)
+        check_count("pixels that have not converged", unconverged.unwrap_or(0), pixels)
     }
 
     /// Joins all shares of an image, in any order. The caller must ensure that all parts show the same scene.

@@ -92,7 +92,7 @@ impl PassState {
             check_length("tiles of the pass", of, begun.len(), tile_count(crop))?;
         }
         stage.validate(area)?;
-        check_count("the number of the pass", (*pass).into(), MAX_PASSES.into())?;
+        check_count("the pass", (*pass).into(), MAX_PASSES.into())?;
         // A pixel has at most the passes so far, and in a tile that has taken the current pass one more.
         for (number, tile) in tiles(crop).into_iter().enumerate() {
             let has_begun = begun.get(number).copied().unwrap_or(false);
@@ -169,8 +169,8 @@ impl RefineStage {
             Self::Repeat(decided, _, unconverged) => {
                 check_length("passes to repeat", of, decided.len(), pixels)?;
                 let max = decided.iter().copied().max().unwrap_or(0);
-                check_count("the number of passes to repeat", max.into(), MAX_PASSES.into())?;
-                check_count("the number of pixels that have not converged", *unconverged, pixels as u64)
+                check_count("passes to repeat", max.into(), MAX_PASSES.into())?;
+                check_count("pixels that have not converged", *unconverged, pixels as u64)
             }
         }
     }

@@ -94,66 +94,49 @@ impl Statistics {
         self.render_seconds += other.render_seconds;
     }
 
-    /// Checks that counts are at most [`MAX_COUNT`] and times are finite and not negative.
-    pub(crate) fn validate(&self) -> Result<(), ContentError> {
+    /// Counts of camera samples and rays, by the names of their fields.
+    pub const fn named(&self) -> [(&'static str, u64); 5] {
+        // All fields are listed, so that a new one cannot be forgotten.
         let Self {
             samples,
-            simple_pixels,
-            counters,
             camera_hits,
+            simple_pixels,
             primary_rays_skipped,
-            shading,
-            passes,
             bad_samples,
-            threads,
-            build_seconds,
-            render_seconds,
+            counters: _,
+            shading: _,
+            passes: _,
+            threads: _,
+            build_seconds: _,
+            render_seconds: _,
         } = *self;
-        let ShadingCounts {
-            shadow_rays_skipped,
-            highlights,
-            mirrors,
-            refractions,
-            fresnel,
-            absorption,
-            passages,
-            depth_limited,
-            interior_overflows,
-            clamped,
-            // Saturates: any value is valid.
-            clamped_units: _,
-        } = shading;
-        let counts = [
-            ("the number of samples", samples),
-            ("the number of pixels without edges", simple_pixels),
-            ("the number of primary rays that were skipped", primary_rays_skipped),
-            ("the number of camera rays that hit", camera_hits),
-            ("the number of bad samples", bad_samples),
-            ("the number of shadow rays that were skipped", shadow_rays_skipped),
-            ("the number of highlights", highlights),
-            ("the number of mirror directions", mirrors),
-            ("the number of refractions", refractions),
-            ("the number of Fresnel terms", fresnel),
-            ("the number of absorption terms", absorption),
-            ("the number of passages", passages),
-            ("the number of paths that reached the depth limit", depth_limited),
-            ("the number of interior overflows", interior_overflows),
-            ("the number of clamped contributions", clamped),
-        ];
-        for (name, count) in counts {
+        [
+            ("samples", samples),
+            ("camera_hits", camera_hits),
+            ("simple_pixels", simple_pixels),
+            ("primary_rays_skipped", primary_rays_skipped),
+            ("bad_samples", bad_samples),
+        ]
+    }
+
+    /// Checks that counts are at most [`MAX_COUNT`] and times are finite and not negative.
+    pub(crate) fn validate(&self) -> Result<(), ContentError> {
+        // `clamped_units` saturates, so that any value is valid.
+        let clamped = [("clamped", self.shading.clamped)];
+        for (name, count) in self.named().into_iter().chain(self.shading.named()).chain(clamped) {
             check_count(name, count, MAX_COUNT)?;
         }
         for kind in RayKind::ALL {
-            let RayStats { rays, nodes, tests, hits } = counters.of(kind);
-            check_count("the number of rays", rays, MAX_COUNT)?;
-            check_count("the number of nodes", nodes, MAX_COUNT)?;
-            check_count("the number of primitive tests", tests, MAX_COUNT)?;
-            check_count("the number of hits", hits, MAX_COUNT)?;
+            let RayStats { rays, nodes, tests, hits } = self.counters.of(kind);
+            check_count("rays", rays, MAX_COUNT)?;
+            check_count("nodes", nodes, MAX_COUNT)?;
+            check_count("primitive_tests", tests, MAX_COUNT)?;
+            check_count("hits", hits, MAX_COUNT)?;
         }
-        check_count("the number of passes", passes.into(), MAX_PASSES.into())?;
-        check_count("the number of threads", threads as u64, MAX_THREADS)?;
-        check_number("the build time in seconds", build_seconds)?;
-        check_number("the render time in seconds", render_seconds)
+        check_count("passes", self.passes.into(), MAX_PASSES.into())?;
+        check_count("threads", self.threads as u64, MAX_THREADS)?;
+        check_number("the build time in seconds", self.build_seconds)?;
+        check_number("the render time in seconds", self.render_seconds)
     }
 
     /// Millions of rays of all kinds per second of rendering.

@@ -153,10 +153,11 @@ fn page(options: &BuildOptions, table: &Table, provenance: &str) -> String {
     let BuildOptions { package, profile, .. } = options;
     format!(
         "# Build time\n\n\
-         Cold build of `{package}` by the profile `{profile}`, with all dependencies, into an empty target folder, after all \
+         After reading this page you know which packages dominate the build time of `{package}`.\n\n\
+         Cold build of `{package}` with the profile `{profile}` and all dependencies, into an empty target folder, after all \
          downloads. Written by `cargo xtask bench build --package {package} --profile {profile} --write` on {provenance}.\n\n\
-         CPU seconds are those of rustc and of the linkers that it starts, in the program and in the system. Wall seconds \
-         of packages overlap; those in the last row are of the whole build.\n\n\
+         CPU seconds are user and system time of rustc and of the linkers that it starts. Wall seconds of packages overlap; \
+         the last row has those of the whole build.\n\n\
          {table}"
     )
 }

@@ -55,8 +55,8 @@ fn brute_force(costs: &Costs) -> Option<String> {
     let Growth { work, time, .. } = costs.growth("mound", "linear")?;
     let holds = (work.exponent - 1.0).abs() < 0.01 && (time.exponent - 1.0).abs() < 0.2;
     Some(format!(
-        "**Brute force takes time in proportion to the number of spheres** (the report): on `mound` the tests of a ray \
-         grow as n^{:.2} ± {:.2}, its time as n^{:.2} ± {:.2}. It {}.",
+        "**Brute force takes time in proportion to the number of spheres** (the report). On `mound` the tests of a ray \
+         grow as n^{:.2} ± {:.2}, its time as n^{:.2} ± {:.2}. The claim {}.",
         work.exponent,
         work.error,
         time.exponent,
@@ -71,9 +71,9 @@ fn even_spheres(costs: &Costs) -> Option<String> {
     let fastest = trees.iter().min_by(|a, b| a.seconds_per_ray().total_cmp(&b.seconds_per_ray()))?;
     let leanest = trees.iter().min_by(|a, b| a.work().total_cmp(&b.work()))?;
     Some(format!(
-        "**The grid beats trees on evenly spread spheres** (the report): on `mound` with {} spheres a ray takes {} nodes \
-         and tests in the grid and {} in the leanest tree, `{}`; the time of a ray is {} times that in the fastest tree, \
-         `{}`, and of the build {} times that of `bvh`. In work it {}, in time it {}.",
+        "**The grid beats trees on evenly spread spheres** (the report). On `mound` with {} spheres a ray takes {} nodes \
+         and tests in the grid and {} in the leanest tree, `{}`. The time of a ray is {} times that in the fastest tree, \
+         `{}`. The time of the build is {} times that of `bvh`. The claim {} for the work and {} for the time.",
         grouped(grid.primitives as u64),
         three_digits(grid.work()),
         three_digits(leanest.work()),
@@ -89,8 +89,8 @@ fn even_spheres(costs: &Costs) -> Option<String> {
 fn cube_root(costs: &Costs) -> Option<String> {
     let slope = costs.growth("mound", "grid")?.work;
     Some(format!(
-        "**A ray in a grid visits ∛n cells** (the lecture): the work of a ray on `mound` grows as n^{:.2} ± {:.2}, where \
-         ∛n would be 0.33 for rays that cross everything; most end at a surface before.",
+        "**A ray in a grid visits ∛n cells** (the lecture). The work of a ray on `mound` grows as n^{:.2} ± {:.2}. The \
+         exponent would be 0.33 for rays that cross the whole grid; most end at a surface before.",
         slope.exponent, slope.error
     ))
 }
@@ -108,8 +108,8 @@ fn logarithm(costs: &Costs) -> Option<String> {
     };
     let slopes: Vec<String> = TREES.iter().filter_map(|tree| slopes(tree)).collect();
     Some(format!(
-        "**Hierarchies need O(log n)** (the lecture): over these sizes log n looks like n^{expected:.2}, and √n would be \
-         n^0.50. The work of a ray grows with exponents of {}, the minimum and the maximum of all scenes.",
+        "**Hierarchies need O(log n)** (the lecture). Over these sizes log n grows like n^{expected:.2}. The exponents of \
+         the work of a ray, minimum to maximum over all scenes: {}.",
         slopes.join(", ")
     ))
 }
@@ -118,8 +118,8 @@ fn stadium(costs: &Costs) -> Option<String> {
     let [grid, bvh] = [costs.largest("stadium", "grid")?, costs.largest("stadium", "bvh")?];
     let ratio = grid.work() / bvh.work();
     Some(format!(
-        "**A teapot in a stadium defeats the grid** (Haines): a ray takes {} nodes and tests in the grid and {} in `bvh`, \
-         {} times as many, and {} times as long; in the grid this work grows as n^{:.2}. It {}.",
+        "**A teapot in a stadium defeats the grid** (Haines). A ray takes {} nodes and tests in the grid and {} in `bvh`. \
+         These are {} times as many, and they take {} times as long. In the grid this work grows as n^{:.2}. The claim {}.",
         three_digits(grid.work()),
         three_digits(bvh.work()),
         three_digits(ratio),
@@ -148,9 +148,9 @@ fn fewest(costs: &Costs) -> Option<String> {
     let (nodes, tests) = (min(RayFigure::nodes_per_ray), min(RayFigure::tests_per_ray));
     let holds = nodes.iter().filter(|(_, structure)| *structure == "kd").count();
     Some(format!(
-        "**The kd-tree visits the fewest nodes of all trees** (the lecture): the fewest nodes are visited on {}; the fewest \
-         primitives are tested on {}. It {}. A visit of `wide` tests eight boxes, one of `bvh` two, \
-         one of `kd` one plane.",
+        "**The kd-tree visits the fewest nodes of all trees** (the lecture). Fewest nodes visited: {}. Fewest primitives \
+         tested: {}. The claim {}. A visit of a node of `wide` tests eight boxes, of `bvh` two boxes, and of `kd` one \
+         plane.",
         list(&nodes),
         list(&tests),
         verdict(holds, nodes.len())
@@ -168,7 +168,7 @@ fn loose(costs: &Costs) -> Option<String> {
     let pairs = [costs.pairs("spheres", "bvh"), costs.pairs("cylinders", "bvh")].concat();
     let holds = pairs.iter().filter(|(volume, bvh)| volume.work() > bvh.work()).count();
     Some(format!(
-        "**Boxes fit better than spheres and cylinders** (the lecture): in `spheres` a ray takes {} times the nodes and \
+        "**Boxes fit better than spheres and cylinders** (the lecture). In `spheres` a ray takes {} times the nodes and \
          tests of `bvh`, in `cylinders` {} times. Boxes need less work in {holds} of {} comparisons.",
         against("spheres")?,
         against("cylinders")?,
@@ -180,8 +180,8 @@ fn planes(costs: &Costs) -> Option<String> {
     let pairs = costs.pairs("bsp", "kd");
     let holds = pairs.iter().filter(|(bsp, kd)| bsp.work() < kd.work()).count();
     Some(format!(
-        "**Planes of any direction fit better than those along the axes** (the lecture): in `bsp` a ray takes {} times the \
-         nodes and tests of `kd`, and the build {} times as long. Of the work it {}.",
+        "**Planes of any direction fit better than those along the axes** (the lecture). In `bsp` a ray takes {} times the \
+         nodes and tests of `kd`. The build takes {} times as long. The claim {} for the work.",
         ratios(costs, "bsp", "kd", Figure::work)?,
         ratios(costs, "bsp", "kd", |figure| figure.build_seconds)?,
         verdict(holds, pairs.len())
@@ -193,9 +193,9 @@ fn intervals(costs: &Costs) -> Option<String> {
     let builds = pairs.iter().filter(|(bih, bvh)| bih.build_seconds < bvh.build_seconds).count();
     let walks = pairs.iter().filter(|(bih, bvh)| bih.work() > bvh.work()).count();
     Some(format!(
-        "**A bounding interval hierarchy is built faster than a tree of boxes and traversed more slowly** (Wächter and Keller): \
-         `bih` takes {} times the build time of `bvh`, {} times its memory and {} times its nodes and tests. For the build \
-         it {}, for the work it {}.",
+        "**A bounding interval hierarchy is built faster than a tree of boxes and traversed more slowly** (Wächter and Keller). \
+         `bih` takes {} times the build time of `bvh`, {} times its memory and {} times its nodes and tests. The claim {} \
+         for the build and {} for the work.",
         ratios(costs, "bih", "bvh", |figure| figure.build_seconds)?,
         ratios(costs, "bih", "bvh", Figure::bytes_per_primitive)?,
         ratios(costs, "bih", "bvh", Figure::work)?,
@@ -214,8 +214,9 @@ fn lazy(costs: &Costs) -> Option<String> {
     let rays = pairs.first()?.0.of("primary")?.rays;
     let holds = pairs.iter().filter(|(lazy, full)| first_image(lazy) < first_image(full)).count();
     Some(format!(
-        "**Building where rays go shows the first image sooner** (Wächter and Keller): build and {} first primary \
-         rays take {} times as long with `bih-lazy` as with `bih`, and {} times as long as with `bvh`. Against `bih` it {}.",
+        "**Building where rays go shows the first image sooner** (Wächter and Keller). Build and {} first primary \
+         rays take {} times as long with `bih-lazy` as with `bih`, and {} times as long as with `bvh`. Compared with `bih` \
+         the claim {}.",
         grouped(rays as u64),
         ratios(costs, "bih-lazy", "bih", first_image)?,
         ratios(costs, "bih-lazy", "bvh", first_image)?,
@@ -265,11 +266,13 @@ mod tests {
 
     #[test]
     fn verdicts_follow_the_figures() {
-        assert!(even_spheres(&costs(10)).unwrap().ends_with("In work it holds, in time it holds."));
+        assert!(even_spheres(&costs(10)).unwrap().ends_with("The claim holds for the work and holds for the time."));
         let slow = even_spheres(&costs(40)).unwrap();
-        assert!(slow.ends_with("In work it does not hold, in time it does not hold."), "{slow}");
+        assert!(slow.ends_with("The claim does not hold for the work and does not hold for the time."), "{slow}");
         assert!(slow.contains("40.0 nodes and tests in the grid and 20.0 in the leanest tree, `bvh`"), "{slow}");
-        assert!(brute_force(&costs(10)).unwrap().contains("n^1.00 ± 0.00, its time as n^1.00 ± 0.00. It holds."));
+        assert!(
+            brute_force(&costs(10)).unwrap().contains("n^1.00 ± 0.00, its time as n^1.00 ± 0.00. The claim holds.")
+        );
     }
 
     #[test]

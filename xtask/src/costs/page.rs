@@ -23,17 +23,19 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display, provenanc
          After reading this page you can choose an accelerator by its build time, memory and work per ray.\n\n\
          Written by `{command}` on {provenance}. Nodes, tests and bytes are equal in every run and on every machine. Times \
          vary with the machine and its load: compare their ratios only. Rays are traced on one thread, trees are built \
-         on all. All accelerators gave the same answers, bit for bit, on every counted ray. Where rays are very \
-         expensive, fewer of them are traced.\n\n\
+         on all. All accelerators gave bit-identical results on every counted ray. Where rays are very \
+         expensive, fewer of them are traced. The columns `wide`, `spheres` and `cylinders` are `bvh8`, `sphere-tree` and \
+         `cylinder-tree` of `rt-cli`.\n\n\
          * `mound`: the report's heap of overlapping spheres of similar size, in a half sphere.\n\
          * `balls`, `tree`, `gears`: after Haines, \"A Proposal for Standard Graphics Environments\", 1987. Spheres on \
            spheres; frusta and spheres that fork; gear wheels of thin triangles.\n\
          * `rock`: a closed mesh of small triangles.\n\
          * `stadium`: such a rock in the middle of a stadium a thousand times its size; the camera looks at the rock.\n\
          * `model`: the mesh `{model}`.\n\n\
-         `bih-lazy` is measured after its rays have been traced once; its build time is that of the start of a build. \
+         `bih-lazy` is measured after its rays have been traced once; its build time is that before the first ray. \
          Shadow rays are any-hit queries, the others closest-hit queries; diffuse rays are incoherent.\n\n\
-         ## Claims\n\n"
+         ## Claims of the report, the lecture and papers\n\n\
+         n is the number of primitives. *Work* is the number of visited nodes plus the number of tested primitives.\n\n"
     );
     text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));
     for matrix in matrices(costs) {

@@ -1,4 +1,4 @@
-//! Error against run time on the Cornell box: the plot that the README shows.
+//! Error against run time on the Cornell box: the plot in docs/CONVERGENCE.md.
 
 use std::{fs, time::Duration};
 

@@ -1,4 +1,4 @@
-//! `figures`: the images in the guide of rt-accel, rendered by the real binary, and the plot in the README.
+//! `figures`: the images in the guide of rt-accel, rendered by the real binary, and the plot in docs/CONVERGENCE.md.
 //!
 //! Each accelerator has two images: its nodes over a still life of a few spheres, and the cost of rays on the
 //! sphereflake. An HTML fragment holds both with their bytes: they are part of the crate and shown without a network.

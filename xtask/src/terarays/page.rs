@@ -27,9 +27,9 @@ pub(super) fn table(whole: &Whole) -> Table {
     row("rays of all kinds, traced in one processor second", Some(whole.rays_per_second), three_digits);
     row("rays of all kinds that the whole image takes", Some(whole.rays), power_of_ten);
     row("**processor time of the whole image**", Some(whole.seconds), span);
-    row("two years : that", Some(whole.seconds.inverse(SECONDS)), three_digits);
+    row("two years / that time", Some(whole.seconds.inverse(SECONDS)), three_digits);
     row(&format!("processor time of {} rays of all kinds", power_of_ten(RAYS)), Some(whole.claimed_rays_seconds), span);
-    row("two years : that", Some(whole.claimed_rays_seconds.inverse(SECONDS)), three_digits);
+    row("two years / that time", Some(whole.claimed_rays_seconds.inverse(SECONDS)), three_digits);
     row("RMSE of the whole image", Some(whole.rmse), power_of_ten);
     for (spp, rmse) in BEST_SPP.iter().zip(whole.best_rmse) {
         row(&format!("RMSE by `{BEST}`, {} samples per pixel", grouped(u64::from(*spp))), Some(rmse), power_of_ten);
@@ -37,7 +37,7 @@ pub(super) fn table(whole: &Whole) -> Table {
     row(&format!("k of RMSE ~ N⁻ᵏ by `{BEST}`"), whole.exponent, three_digits);
     row(&format!("samples per pixel for the RMSE of the whole image by `{BEST}`"), whole.best_spp, three_digits);
     row(&format!("**processor time of these by `{BEST}`**"), whole.best_seconds, span);
-    row("two years : that", whole.best_seconds.map(|seconds| seconds.inverse(SECONDS)), three_digits);
+    row("two years / that time", whole.best_seconds.map(|seconds| seconds.inverse(SECONDS)), three_digits);
     table
 }
 
@@ -45,11 +45,11 @@ pub(super) fn table(whole: &Whole) -> Table {
 pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
     format!(
         "# 10¹² rays\n\n\
-         After reading this page you know how long the lecture's Cornell box of a trillion rays takes here, and how to \
-         repeat the estimate.\n\n\
+         After reading this page you know how long the lecture's Cornell box of a trillion rays takes in rt, \
+         and how to repeat the estimate.\n\n\
          The lecture shows a Cornell box of {SIZE}×{SIZE} pixels with {STRATA}×{STRATA} jittered primary rays per pixel. It \
-         gives the total as a trillion rays and two years of processor time. These are {} primary rays. The table is \
-         extrapolated from a random part of the image.\n\n\
+         states a trillion rays and two years of processor time in all. The pixels and samples make {} primary rays. The \
+         table is extrapolated from a random part of the image.\n\n\
          Written by `cargo xtask terarays --write` on one {processor}, with one thread, at commit {commit}. The command \
          stops after the time of `--budget` and continues in the next run. `cargo xtask terarays --budget 8h --write` makes \
          the intervals narrower.\n\n{}\n\
@@ -58,13 +58,13 @@ pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
          at most 14 bounces, and Russian roulette. The lecture states neither the length of its paths nor which rays it \
          counts. Here \"rays of all kinds\" are all traced primary, secondary and shadow rays.\n\n\
          The image is divided into {} tiles of {TILE_PIXELS} pixels. They are rendered in random order, each with all \
-         {STRATA}×{STRATA} strata, by the installed program. Time is processor time of the whole program, with its start. \
-         Each tile is rendered twice with different seeds: half of the mean squared difference is the mean squared error of \
-         one render. The time is that of one render. A third render counts the rays.\n\n\
-         Intervals are of the logarithm, by the jackknife over tiles and Student's t. They contain the variation between \
-         tiles, and not that of machine and load.\n\n\
-         The same tiles are rendered with `{BEST}`, the sampler that reaches an error first. Its error is extrapolated by a \
-         line through the logarithms to that of the whole image.\n",
+         {STRATA}×{STRATA} strata, by the installed program. Times are processor times of the whole program, with \
+         its start. Each tile is rendered twice with different seeds: half of the mean squared difference is the mean squared \
+         error of one render. The time of one render counts. A third render counts the rays.\n\n\
+         Intervals are those of the logarithm, by the jackknife over tiles and Student's t. They include the variation between \
+         tiles, but not that of machine and load.\n\n\
+         The same tiles are rendered with `{BEST}`, the sampler that reaches a given error in the least time. A line through the \
+         logarithms of its errors and sample counts extrapolates to the error of the whole image.\n",
         grouped(PRIMARY_RAYS),
         table(whole),
         grouped(u64::from(TILES)),
@@ -137,7 +137,7 @@ mod tests {
         let rows: String = rows.collect();
         // A million tiles of one second, and two years by that.
         assert!(rows.contains("image**|12.1 days|"), "{text}");
-        assert!(rows.contains("|two years : that|60.2|"), "{text}");
+        assert!(rows.contains("|two years / that time|60.2|"), "{text}");
         assert!(rows.contains("RMSE of the whole image|3.15 · 10⁻³|3.15 · 10⁻³ to 3.15 · 10⁻³|"), "{text}");
         assert!(markdown(&whole, "processor", "commit").contains(&text));
     }

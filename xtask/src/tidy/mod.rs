@@ -22,7 +22,7 @@ mod style;
 mod tracked_text;
 mod unsafe_code;
 
-/// TidyOptions of `tidy`.
+/// Options of `tidy`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct TidyOptions {
     /// List the allowed breaches in these crates; `docs` selects the Markdown pages.

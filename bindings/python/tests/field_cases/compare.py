@@ -2,7 +2,8 @@
 
     python bindings/python/tests/field_cases/compare.py [--write]
 
-Programs that are not installed are left out: trimesh (with rtree), embreex, open3d.
+Columns of programs that are not installed say so: trimesh (with rtree), embreex, open3d, and tinybvh-rs, which cargo and a C++
+compiler build.
 """
 
 import argparse
@@ -10,21 +11,33 @@ import importlib.metadata
 import json
 import math
 import platform
+import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
 
 FOLDER = Path(__file__).resolve().parent
-PAGE = FOLDER.parents[3] / "docs" / "FIELD-CASES.md"
+REPOSITORY = FOLDER.parents[3]
+PAGE = REPOSITORY / "docs" / "FIELD-CASES.md"
 
 #: Relative error of t that counts as right for programs in single precision.
 SINGLE_PRECISION = 1e-5
 
+#: Cells of a program that is not installed.
+MISSING = "not installed"
+
+#: Seconds after which a program that runs by itself is stopped.
+TIME_LIMIT = 60
+
 
 class Program:
-    """One program: a name, and the closest hit of each ray, as t and the number of the triangle, -1 for none."""
+    """One program: a name, the closest hit of each ray, as t and the number of the triangle, -1 for none, and the number of hits of
+    each ray. Programs without a query of all hits have `all_hits` of None, and programs that are not installed `closest` of None.
+    """
 
-    def __init__(self, name, closest, all_hits=None):
+    def __init__(self, name, closest=None, all_hits=None):
         self.name, self.closest, self.all_hits = name, closest, all_hits
 
 
@@ -96,6 +109,31 @@ def of_open3d():
     return Program(f"Open3D {version('open3d')}", closest, count)
 
 
+def of_tinybvh():
+    folder = FOLDER / "tinybvh"
+    package = re.search(r'^tinybvh-rs = "=(.*)"$', (folder / "Cargo.toml").read_text(), re.MULTILINE)
+    if shutil.which("cargo") is None:
+        raise ImportError("cargo is not installed")
+    target = REPOSITORY / "target" / "tinybvh"
+    build = ["cargo", "build", "--quiet", "--release", "--locked", "--manifest-path", str(folder / "Cargo.toml")]
+    if subprocess.run([*build, "--target-dir", str(target)], check=False).returncode != 0:
+        raise ImportError("its build fails")
+    program = target / "release" / ("field-cases-tinybvh.exe" if platform.system() == "Windows" else "field-cases-tinybvh")
+
+    def line(*vectors):
+        return " ".join(repr(number) for number in np.concatenate(vectors).astype(np.float32).tolist())
+
+    def closest(vertices, faces, origins, directions, t_max):
+        triangles = [line(*vertices[face]) for face in faces]
+        rays = [f"{line(*ray)} {t_max!r}" for ray in zip(origins, directions)]
+        text = "\n".join([str(len(triangles)), *triangles, str(len(rays)), *rays])
+        answer = subprocess.run([program], input=text, capture_output=True, text=True, check=True, timeout=TIME_LIMIT).stdout
+        hits = [(math.inf, -1) if hit == "miss" else hit.split() for hit in answer.splitlines()]
+        return np.array([float(t) for t, _ in hits]), np.array([int(triangle) for _, triangle in hits])
+
+    return Program(f"tinybvh-rs {package[1]}", closest)
+
+
 def programs():
     found = [ours()]
     try:
@@ -105,6 +143,7 @@ def programs():
         found.append(of_trimesh(f"trimesh {version('trimesh')}", ray_triangle))
     except ImportError as error:
         print(f"trimesh is left out: {error}")
+        found.append(Program("trimesh"))
     try:
         import embreex  # noqa: F401
         from trimesh.ray import ray_pyembree
@@ -112,22 +151,33 @@ def programs():
         found.append(of_trimesh(f"trimesh with embreex {version('embreex')}", ray_pyembree))
     except ImportError as error:
         print(f"embreex is left out: {error}")
+        found.append(Program("trimesh with embreex"))
     try:
         found.append(of_open3d())
     except (ImportError, OSError) as error:
         print(f"Open3D is left out: {error}")
+        found.append(Program("Open3D"))
+    try:
+        found.append(of_tinybvh())
+    except ImportError as error:
+        print(f"tinybvh-rs is left out: {error}")
+        found.append(Program("tinybvh-rs"))
     return found
 
 
 def judge(case, program):
     """What is wrong: numbers of rays whose closest hit or whose number of hits is not right, as text."""
+    if program.closest is None:
+        return MISSING
     vertices, faces = np.array(case["vertices"]), np.array(case["faces"])
     origins, directions = np.moveaxis(np.array(case["rays"]), 1, 0)
     t_max = math.inf if case["t_max"] is None else case["t_max"]
     with np.errstate(all="ignore"):
         try:
             t, tri = program.closest(vertices, faces, origins, directions, t_max)
-            counts = program.all_hits(vertices, faces, origins, directions, t_max)
+            counts = program.all_hits and program.all_hits(vertices, faces, origins, directions, t_max)
+        except subprocess.CalledProcessError as error:
+            return f"ends with code {error.returncode}"
         except Exception as error:  # noqa: BLE001: a program may fail in any way, which is what the page says.
             return f"fails: {type(error).__name__}"
     lost = ghosts = wrong = miscounted = 0
@@ -168,25 +218,36 @@ def main():
     cases = json.loads((FOLDER / "cases.json").read_text())
     found = programs()
     rows = [[case["name"], case["source"] or "–"] + [judge(case, program) for program in found] for case in cases]
-    right = ["**right**", ""] + [f"**{sum(row[2 + i] == 'right' for row in rows)} of {len(cases)}**" for i in range(len(found))]
+    columns = list(zip(*rows))[2:]
+    totals = ["–" if MISSING in column else f"**{column.count('right')} of {len(cases)}**" for column in columns]
+    right = ["**right**", "", *totals]
     header = ["case", "after"] + [program.name for program in found]
     lines = ["| " + " | ".join(row) + " |" for row in [header, ["---"] * len(header), *rows, right]]
     table = "\n".join(lines)
     print(table)
     if options.write:
-        PAGE.write_text(f"""# Field cases: rays that programs have answered wrongly
+        PAGE.write_text(f"""# Field cases: rays that programs have traced wrongly
 
-Each case is built after a reported problem; *after* names the thread. The answers are exact: rational arithmetic
-on the numbers as they are stored (`bindings/python/tests/field_cases/exact.py`). Tests in Rust and Python hold this project to
-them, with every accelerator.
+After reading this page you know which rays give wrong hits in which programs.
 
-A cell counts the rays whose closest hit is lost, invented, or at a wrong distance, and the rays whose number of hits is wrong. A
-distance is right here to {SINGLE_PRECISION:g} of its value, as others compute in single precision; the tests of this project ask for
+Each case is built after a reported problem; *after* names the project and the number of the report. The right results are computed
+by rational arithmetic from the stored numbers (`bindings/python/tests/field_cases/exact.py`). Tests in Rust and Python compare this
+project with them, with every accelerator.
+
+A cell counts the rays whose closest hit is lost, invented, or at a wrong distance (*wrong t*). It also counts the rays whose number of
+hits is wrong (*miscounted*).
+
+A distance is right here to {SINGLE_PRECISION:g} of its value, as other programs compute in single precision. The tests of this project require
 2⁻⁴⁴ of the distance of the farthest vertex. Edges and vertices belong to all of their triangles. A program may count all of these
-hits, as this one does, or those at one location once. Where differences between vertices and the origin of a ray have to be rounded, a
-ray along an edge may pass on either side of it. Both answers count as right, but a ray that passes between the triangles does not.
+hits, as this one does, or count hits at one location once.
 
-`python bindings/python/tests/field_cases/compare.py --write`, Python {platform.python_version()}, on {platform.machine()}:
+Where differences between vertices and the origin of a ray are rounded, a ray along an edge may pass on either side of it.
+Both results count as right, but a ray that passes between the triangles is wrong.
+
+tinybvh has no query of all hits, so its column tests closest hits only. It is called through its Rust bindings, tinybvh-rs: the
+binary tree `bvh::BVH` with default settings, rays from `Ray::new`, and the end of the ray in `hit.t`. Its build is for this processor.
+
+Written by `python bindings/python/tests/field_cases/compare.py --write`, Python {platform.python_version()}, on {platform.machine()}:
 
 {table}
 """)

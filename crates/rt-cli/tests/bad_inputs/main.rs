@@ -122,13 +122,15 @@ fn kinds_are_numbered() {
 
 const HEAD: &str = "# Bad inputs
 
-What the program says to files that are broken, or made to break it. Each is a test by this name in
-`crates/rt-cli/tests/bad_inputs/`: the real binary gets the file, ends with the exit code below, leaves no file where it refuses,
-and takes less than a second of processor time and 64 MiB. All of them with `--memory 4GiB`.
+After reading this page you know how `rt-cli` responds to damaged and malicious files.
+
+Each row is a test of this name in `crates/rt-cli/tests/bad_inputs/`. It runs the real binary on the file with `--memory 4GiB`. The
+program must end with the exit code below, within a second of processor time and 64 MiB. If it refuses the file, it must leave no output
+file. The last column is the message for the first example of the kind.
 
 Written by `WRITE_TABLE=1 cargo test -p rt-cli --test bad_inputs`.
 
-| number | name | what is wrong | exit code | what the program says, of the first example |
+| number | name | what is wrong | exit code | message |
 |---|---|---|---|---|
 ";
 

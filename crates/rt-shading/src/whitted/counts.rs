@@ -28,6 +28,37 @@ pub struct ShadingCounts {
     pub clamped_units: u64,
 }
 
+impl ShadingCounts {
+    /// All counts but those of clamping, by the names of their fields.
+    pub const fn named(&self) -> [(&'static str, u64); 9] {
+        // All fields are listed, so that a new one cannot be forgotten.
+        let Self {
+            shadow_rays_skipped,
+            highlights,
+            mirrors,
+            refractions,
+            fresnel,
+            absorption,
+            passages,
+            depth_limited,
+            interior_overflows,
+            clamped: _,
+            clamped_units: _,
+        } = *self;
+        [
+            ("shadow_rays_skipped", shadow_rays_skipped),
+            ("highlights", highlights),
+            ("mirrors", mirrors),
+            ("refractions", refractions),
+            ("fresnel", fresnel),
+            ("absorption", absorption),
+            ("passages", passages),
+            ("depth_limited", depth_limited),
+            ("interior_overflows", interior_overflows),
+        ]
+    }
+}
+
 impl core::ops::AddAssign for ShadingCounts {
     fn add_assign(&mut self, o: Self) {
         self.shadow_rays_skipped += o.shadow_rays_skipped;

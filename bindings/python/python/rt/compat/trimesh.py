@@ -24,6 +24,23 @@ import rt
 #: Two hits of a ray are one location if they are closer than this.
 _SAME_LOCATION = 1e-8
 
+#: Rays that are traced at a time where there is one hit for each at most. More than all threads need, and few enough that
+#: intermediate results take tens of megabytes.
+_RAYS_PER_SLICE = 1 << 19
+
+#: Hits whose locations are interpolated at a time, so that intermediate results fit into the cache.
+_HITS_PER_SLICE = 1 << 13
+
+
+def _slices(n, size):
+    return (slice(first, min(first + size, n)) for first in range(0, n, size))
+
+
+def _floats(values):
+    """The values as an array of doubles. Single precision stays as it is: it is converted without rounding later."""
+    array = np.asarray(values)
+    return array if array.dtype == np.float32 else array.astype(np.float64, copy=False)
+
 
 class RayMeshIntersector:
     """Rays at a mesh of trimesh.
@@ -52,8 +69,7 @@ class RayMeshIntersector:
 
     @staticmethod
     def _rays(ray_origins, ray_directions):
-        origins = np.asarray(ray_origins, dtype=np.float64)
-        directions = np.asarray(ray_directions, dtype=np.float64)
+        origins, directions = _floats(ray_origins), _floats(ray_directions)
         if origins.size == 0 and directions.size == 0:
             return np.empty((0, 3)), np.empty((0, 3))
         if origins.shape != directions.shape or origins.ndim != 2 or origins.shape[1] != 3:
@@ -93,21 +109,18 @@ class RayMeshIntersector:
             Only with `return_locations`.
         """
         origins, directions = self._rays(ray_origins, ray_directions)
-        tree = self._tree()
-        if multiple_hits:
-            hits = tree.all_hits(origins, directions)
-            index_ray, index_tri, uv = hits.ray, hits.primitive, hits.uv
-        else:
-            closest = tree.closest(origins, directions)
-            index_ray = np.flatnonzero(closest.hit)
-            index_tri, uv = closest.primitive[index_ray], closest.uv[index_ray]
-        index_ray, index_tri = index_ray.astype(np.int64), index_tri.astype(np.int64)
+        if not multiple_hits:
+            return self._closest(origins, directions, return_locations)
+        hits = self._tree().all_hits(origins, directions)
+        index_ray, index_tri = hits.ray, hits.primitive.astype(np.int64)
         keep = np.ones(len(index_ray), dtype=bool)
-        locations = self._locations(index_tri, uv) if return_locations else None
-        if return_locations and multiple_hits and len(index_ray) > 1:
+        locations = None
+        if return_locations:
+            locations = np.empty((len(index_tri), 3))
+            self._interpolate(index_tri, hits.uv, locations)
             step = np.abs(np.diff(locations, axis=0)).max(axis=1)
             keep[1:] = (np.diff(index_ray) != 0) | (step > _SAME_LOCATION)
-        if max_hits is not None and multiple_hits:
+        if max_hits is not None:
             kept_before = np.cumsum(keep) - keep
             first = np.searchsorted(index_ray, index_ray)
             keep &= kept_before - kept_before[first] < max_hits
@@ -115,11 +128,36 @@ class RayMeshIntersector:
             return index_tri[keep], index_ray[keep], locations[keep]
         return index_tri[keep], index_ray[keep]
 
-    def _locations(self, index_tri, uv):
-        """Points of triangles, interpolated between vertices: exact to rounding, however far away the ray starts."""
-        corners = np.asarray(self.mesh.vertices, dtype=np.float64)[np.asarray(self.mesh.faces)[index_tri]]
-        weights = np.column_stack((1.0 - uv.sum(axis=1), uv))
-        return np.einsum("ij,ijk->ik", weights, corners)
+    def _closest(self, origins, directions, return_locations):
+        """Results of `intersects_id` for the closest hits, without much memory beyond them."""
+        tree = self._tree()
+        n = 0
+        index_tri, index_ray = np.empty(len(origins), dtype=np.int64), np.empty(len(origins), dtype=np.int64)
+        locations = np.empty((len(origins) if return_locations else 0, 3))
+        for rays in _slices(len(origins), _RAYS_PER_SLICE):
+            closest = tree.closest(origins[rays], directions[rays])
+            found = np.flatnonzero(closest.hit)
+            hits = slice(n, n + len(found))
+            index_tri[hits] = closest.primitive[found]
+            np.add(found, rays.start, out=index_ray[hits])
+            if return_locations:
+                self._interpolate(index_tri[hits], closest.uv[found], locations[hits])
+            n = hits.stop
+        # In place: the memory that was never written is given back without a copy.
+        index_tri.resize(n, refcheck=False)
+        index_ray.resize(n, refcheck=False)
+        if not return_locations:
+            return index_tri, index_ray
+        locations.resize((n, 3), refcheck=False)
+        return index_tri, index_ray, locations
+
+    def _interpolate(self, index_tri, uv, locations):
+        """Writes points of triangles, interpolated between vertices: exact to rounding, however far away the ray starts."""
+        vertices, faces = np.asarray(self.mesh.vertices, dtype=np.float64), np.asarray(self.mesh.faces)
+        for hits in _slices(len(index_tri), _HITS_PER_SLICE):
+            corners = vertices[faces[index_tri[hits]]]
+            weights = np.column_stack((1.0 - uv[hits].sum(axis=1), uv[hits]))
+            np.einsum("ij,ijk->ik", weights, corners, out=locations[hits])
 
     def intersects_location(
         self, ray_origins: ArrayLike, ray_directions: ArrayLike, **options: Any
@@ -147,7 +185,11 @@ class RayMeshIntersector:
             Rows of ``mesh.faces``, -1 for rays that hit nothing.
         """
         origins, directions = self._rays(ray_origins, ray_directions)
-        return self._tree().closest(origins, directions).primitive.astype(np.int64)
+        tree = self._tree()
+        first = np.empty(len(origins), dtype=np.int64)
+        for rays in _slices(len(origins), _RAYS_PER_SLICE):
+            first[rays] = tree.closest(origins[rays], directions[rays]).primitive
+        return first
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **options: Any) -> np.ndarray:
         """True for each ray that hits the mesh.
