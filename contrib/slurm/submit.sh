@@ -1,16 +1,16 @@
 #!/bin/sh
 # Renders a scene on a Slurm cluster: one job of an array for each part, and one that joins them. README.md explains it.
 #
-#   submit.sh SCENE PARTS PICTURE [OPTIONS OF `rt-cli render`]
+#   submit.sh SCENE PARTS IMAGE [OPTIONS OF `rt-cli render`]
 #
 # Set RT_CLI if rt-cli is not on the nodes' PATH, and SBATCH_* variables or SBATCH_OPTIONS for accounts, partitions and limits.
 set -eu
 
-usage="usage: submit.sh SCENE PARTS PICTURE [options of rt-cli render]"
-scene=${1:?$usage} parts=${2:?$usage} picture=${3:?$usage}
+usage="usage: submit.sh SCENE PARTS IMAGE [options of rt-cli render]"
+scene=${1:?$usage} parts=${2:?$usage} image=${3:?$usage}
 shift 3
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
-folder=$picture.parts
+folder=$image.parts
 mkdir -p "$folder"
 
 # SBATCH_OPTIONS is a list of words.
@@ -19,5 +19,5 @@ array=$(sbatch --parsable --array="1-$parts" --output="$folder/%a.log" ${SBATCH_
     "$here/part.sbatch" "$scene" "$folder" "$@")
 # shellcheck disable=SC2086
 merge=$(sbatch --parsable --dependency="afterok:${array%%;*}" --kill-on-invalid-dep=yes --output="$folder/merge.log" \
-    ${SBATCH_OPTIONS:-} "$here/merge.sbatch" "$folder" "$picture" "$parts")
-echo "parts: job ${array%%;*}, picture: job ${merge%%;*}"
+    ${SBATCH_OPTIONS:-} "$here/merge.sbatch" "$folder" "$image" "$parts")
+echo "parts: job ${array%%;*}, image: job ${merge%%;*}"

@@ -95,7 +95,7 @@ fn count(nodes: &[SceneNode], groups: &[u64]) -> u64 {
     total
 }
 
-/// Goes on from a checkpoint, tile by tile and pass by pass: with a scene whose picture is 17 by 3 pixels, as that of the seeds.
+/// Goes on from a checkpoint, tile by tile and pass by pass: with a scene whose image is 17 by 3 pixels, as that of the seeds.
 pub fn go_on(checkpoint: &Checkpoint) {
     const SCENE: &str = "(film: (size: (17, 3)), settings: (spp: 2), nodes: [(shape: sphere())])";
     thread_local!(static LOADED: OnceCell<Scene> = const { OnceCell::new() });

@@ -1,11 +1,11 @@
-//! Content of the files of parts: decoded, checked, joined, and made a picture of.
+//! Content of the files of parts: decoded, checked, joined, and made an image of.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use rt_render::{Part, UncheckedPart};
 
-/// Pixels of the largest picture that is made: a short input may claim 2²⁸, which are legal and take gigabytes.
+/// Pixels of the largest image that is made: a short input may claim 2²⁸, which are legal and take gigabytes.
 const MAX_BYTES: u64 = 1 << 24;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -17,7 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
             return;
         }
         let joined = Part::join(vec![part.clone()]);
-        assert!(missing == 0 || joined.is_err(), "a part that lacks tiles is no picture");
+        assert!(missing == 0 || joined.is_err(), "a part that lacks tiles is not an image");
         if let Ok(joined) = joined {
             assert!(joined.validate().is_ok(), "what is joined is sound");
         }

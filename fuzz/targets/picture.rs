@@ -1,4 +1,4 @@
-//! Pictures that are compared and developed.
+//! Images that are compared and developed.
 
 #![no_main]
 

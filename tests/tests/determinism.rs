@@ -64,7 +64,7 @@ fn threads_structures_and_the_full_plan_change_no_bit_and_the_seed_does() {
             let settings = &mut scene.settings;
             (settings.integrator, settings.pattern, settings.accel) = (integrator, pattern, Accel::Linear);
             let expected = bits(&scene, false, 1);
-            assert!(expected.iter().any(|bits| *bits != expected[0]), "an even picture shows nothing");
+            assert!(expected.iter().any(|bits| *bits != expected[0]), "an even image shows nothing");
             for (accel, full, threads) in [
                 (Accel::Linear, false, 2),
                 (Accel::Linear, true, 3),

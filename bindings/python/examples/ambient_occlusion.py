@@ -38,7 +38,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=16, help="square root of the number of rays of a vertex")
     parser.add_argument("--size", type=int, default=96, help="vertices of the plane on each side")
-    parser.add_argument("--figure", help="picture of the plane (needs matplotlib)")
+    parser.add_argument("--figure", help="image of the plane (needs matplotlib)")
     options = parser.parse_args()
     n = options.size
     x, y = np.meshgrid(np.linspace(-3, 3, n), np.linspace(-3, 3, n), indexing="ij")

@@ -93,7 +93,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--columns", type=int, default=2048, help="columns of 64 beams in one turn")
     parser.add_argument("--out", help="file for the cloud, as a numpy array of records")
-    parser.add_argument("--figure", help="picture of the cloud from above (needs matplotlib)")
+    parser.add_argument("--figure", help="image of the cloud from above (needs matplotlib)")
     options = parser.parse_args()
     solid, leaves = town(np.random.default_rng(1))
     origins, directions = beams(options.columns)

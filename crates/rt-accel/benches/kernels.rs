@@ -2,7 +2,7 @@
 //! leaves of triangles and spheres, lists of spheres, and exact tests in `f64`.
 //!
 //! `cargo bench -p rt-accel --bench kernels` runs all; a filter such as `list` runs some. Rays are prepared anew for each
-//! query, as they are in a picture, so that the first numbers of a kind hold that as well.
+//! query, as they are in an image, so that the first numbers of a kind hold that as well.
 
 #![allow(missing_docs, reason = "criterion's macros generate public functions")]
 

@@ -184,7 +184,7 @@ mod tests {
         }
     }
 
-    /// numerics: f = 50 mm at f/2, focused at 2 m, and a point 4 m away. The picture of a plane at distance 1 is that on the
+    /// numerics: f = 50 mm at f/2, focused at 2 m, and a point 4 m away. The image of a plane at distance 1 is that on the
     /// film, enlarged by the distance of the film, `f·zf / (zf − f)`.
     #[test]
     fn the_circle_of_confusion_is_that_of_the_thin_lens() {

@@ -35,7 +35,10 @@ impl AovFile {
             let aov = Self::prepare(arg, inputs)?;
             if aovs.iter().map(Self::output).chain(others.iter().copied()).any(|other| other.is_same_file(&aov.output))
             {
-                return Err(CliError::Usage(format!("two outputs would go to {}", arg.file.display())));
+                return Err(CliError::Usage(format!(
+                    "two outputs have the same file {}; choose another name for one",
+                    arg.file.display()
+                )));
             }
             aovs.push(aov);
         }
@@ -66,7 +69,7 @@ impl AovFile {
             AovContent::Layers(list) => list.stderr,
         };
         if needs_passes && !several_passes {
-            let message = "--aov stderr needs at least two passes: add --passes 4";
+            let message = "--aov stderr needs at least two passes; render with --passes 4";
             return Err(CliError::Usage(message.to_owned()));
         }
         image_file::check(self.format, size, false)

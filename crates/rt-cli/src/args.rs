@@ -160,18 +160,18 @@ pub(crate) struct BrowserArgs {
     pub(crate) development: DevelopmentArgs,
 
     /// Set the number of threads [default: one per processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Running")]
+    #[arg(long, value_name = "N", value_parser = values::whole(1..=1024_u16), allow_negative_numbers = true, help_heading = "Running")]
     pub(crate) threads: Option<u16>,
 
     /// Serve the page at this port; 0 chooses a free port
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Server")]
+    #[arg(long, value_name = "N", value_parser = values::whole(0..=u16::MAX), allow_negative_numbers = true, default_value = "0", help_heading = "Server")]
     pub(crate) port: u16,
 
     /// Listen on this address; any other than a loopback address opens the view to the network
     ///
     /// Anyone with the printed address, which includes a token, has access to the scene and the render. The connection is not
     /// encrypted. To view from another machine, forward a port: `ssh -t -L 8080:localhost:8080 HOST` and `--port 8080`.
-    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Server")]
+    #[arg(long, value_name = "ADDRESS", value_parser = values::address, default_value = "127.0.0.1", help_heading = "Server")]
     pub(crate) bind: IpAddr,
 
     /// Print the address without opening the browser
@@ -268,7 +268,7 @@ pub(crate) struct DevelopArgs {
 #[command(next_help_heading = "Running")]
 pub(crate) struct RunArgs {
     /// Set the number of threads [default: one per processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = values::whole(1..=1024_u16), allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
 
     /// Write statistics in JSON to this file or to -, and count the cost per ray

@@ -33,10 +33,10 @@ pub(crate) enum ArtifactError {
     Log(PathBuf),
     #[error("{}: was written by version {version} of this program; this is version {}", file.display(), env!("CARGO_PKG_VERSION"))]
     Version { file: PathBuf, version: String },
-    #[error("{}: was made with other options: give --stats, --aov, --time and --target-error exactly as at first, or start over \
+    #[error("{}: was made with other options; use the same --stats, --aov, --time and --target-error, or start over \
              with --restart", .0.display())]
     OtherOptions(PathBuf),
-    #[error("{}: is of another image: its scene ({scene}), a file of it, or an option differs{advice}", file.display())]
+    #[error("{}: is of another image: its scene ({scene}), an asset of it, or an option differs{advice}", file.display())]
     Foreign { file: PathBuf, scene: String, advice: &'static str },
 }
 

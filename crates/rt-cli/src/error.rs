@@ -147,8 +147,8 @@ fn retry(checkpoint: &Option<Result<PathBuf, String>>) -> String {
 
 fn difference(metric: &str, value: f64, threshold: f64, non_finite: u64) -> String {
     match non_finite {
-        0 => format!("{metric} is {value}, and {threshold} is allowed"),
-        1 => "a pixel is NaN or infinite in one of them and not the same in the other".to_owned(),
-        n => format!("{n} pixels are NaN or infinite in one of them and not the same in the other"),
+        0 => format!("{metric} is {value}, the threshold is {threshold}"),
+        1 => "1 pixel is NaN or infinite in one image and different in the other".to_owned(),
+        n => format!("{n} pixels are NaN or infinite in one image and different in the other"),
     }
 }

@@ -7,9 +7,9 @@ use bytesize::ByteSize;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum OutputError {
-    #[error("cannot write `{}`: it names no file", .0.display())]
+    #[error("cannot write `{}`: it is not a file name", .0.display())]
     NoName(PathBuf),
-    #[error("cannot write `{}`: {} is not a directory; create it, or choose another", path.display(), folder.display())]
+    #[error("cannot write `{}`: {} is not a directory; create it, or choose another one", path.display(), folder.display())]
     NoFolder { path: PathBuf, folder: PathBuf },
     #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]
     NotAFile(PathBuf),
@@ -20,7 +20,7 @@ pub(crate) enum OutputError {
     #[error("cannot write `{}`: the directory {} is not writable: {source}", path.display(), folder.display())]
     Folder { path: PathBuf, folder: PathBuf, source: io::Error },
     #[error(
-        "cannot write `{}`: it may take {}, and only {} are free in {}",
+        "cannot write `{}`: it may take {}, but only {} are free in {}; choose another directory",
         path.display(), ByteSize(*bytes), ByteSize(*available), folder.display()
     )]
     NoSpace { path: PathBuf, folder: PathBuf, available: u64, bytes: u64 },

@@ -29,7 +29,7 @@ pub(crate) fn content(max_bytes: Option<u64>) -> Result<Arc<[u8]>, CliError> {
         return Ok(content.clone());
     }
     if io::stdin().is_terminal() {
-        return Err(CliError::Usage("standard input is a terminal: pipe a file into it, or name one".to_owned()));
+        return Err(CliError::Usage("standard input is a terminal; pipe a file into it, or name a file".to_owned()));
     }
     let failed = |reason: LoadErrorKind| CliError::from(reason.at(Path::new("standard input"), ""));
     let limit = max_bytes.unwrap_or(limits::FILE_BYTES);
@@ -41,7 +41,7 @@ pub(crate) fn content(max_bytes: Option<u64>) -> Result<Arc<[u8]>, CliError> {
         return Err(failed(LoadErrorKind::Empty));
     }
     if value > limit {
-        return Err(failed(LoadErrorKind::TooLarge { what: "the size in bytes", value, limit }));
+        return Err(failed(LoadErrorKind::TooLarge { what: "the file size in bytes (--max-file-size)", value, limit }));
     }
     Ok(CONTENT.get_or_init(|| bytes.into()).clone())
 }

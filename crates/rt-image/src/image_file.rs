@@ -62,7 +62,7 @@ impl ImageFormat {
 #[non_exhaustive]
 pub enum ImageFileError {
     /// The file's name has no ending that names a format.
-    #[error("cannot tell the image format of `{}`: use one of {}", .0.display(), ImageFormat::list_extensions())]
+    #[error("unknown image format of `{}`: use one of {}", .0.display(), ImageFormat::list_extensions())]
     UnknownExtension(PathBuf),
     /// The writer failed.
     #[error("the image could not be written: {0}")]
@@ -76,7 +76,7 @@ pub enum ImageFileError {
         reason: String,
     },
     /// The file cannot be opened or read.
-    #[error("cannot read `{}`: {source}", path.display())]
+    #[error("{}: cannot be read: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -84,14 +84,14 @@ pub enum ImageFileError {
         source: io::Error,
     },
     /// The path names a folder, a pipe or a device.
-    #[error("`{}` is not a regular file", .0.display())]
+    #[error("{}: is not a regular file", .0.display())]
     NotAFile(PathBuf),
     /// The file is in no known format.
-    #[error("`{}` is not an image in one of the formats {}", .0.display(), ImageFormat::list_extensions())]
+    #[error("{}: is not an image in one of the formats {}", .0.display(), ImageFormat::list_extensions())]
     UnknownFormat(PathBuf),
     /// The image has more pixels than [`MAX_READ_PIXELS`].
     #[error(
-        "`{}` is {width} by {height} pixels; at most {max} pixels can be read",
+        "{}: is {width} by {height} pixels; at most {max} pixels can be read",
         path.display(),
         max = MAX_READ_PIXELS
     )]
@@ -104,7 +104,7 @@ pub enum ImageFileError {
         height: u32,
     },
     /// The file is damaged, or uses a feature that is not supported.
-    #[error("`{}` cannot be decoded: {reason}", path.display())]
+    #[error("{}: cannot be decoded: {reason}", path.display())]
     Decode {
         /// The file.
         path: PathBuf,

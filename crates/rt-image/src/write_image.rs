@@ -104,7 +104,7 @@ mod tests {
         (folder, path)
     }
 
-    /// Values over the whole range of `f32`, also those that no picture should hold.
+    /// Values over the whole range of `f32`, also those that no image should hold.
     fn film(with_alpha: bool) -> Image {
         let mut film = Image::new(9, 5, with_alpha);
         for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {

@@ -39,7 +39,7 @@ impl fmt::Display for TransformError {
             Self::NonFinite => f.write_str("the transform has a NaN or infinite component"),
             Self::Singular(condition) => write!(
                 f,
-                "the transform flattens space (condition number {condition:.3e}, at most {MAX_CONDITION:.0e} is accepted)"
+                "the transform is singular (condition number {condition:.3e}, at most {MAX_CONDITION:.0e} is accepted)"
             ),
             Self::NotAffine => f.write_str("the last row of the matrix must be (0, 0, 0, 1)"),
             Self::DegenerateDirection => {

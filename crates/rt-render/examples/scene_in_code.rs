@@ -1,4 +1,4 @@
-//! Builds a scene in Rust, renders it and saves the picture:
+//! Builds a scene in Rust, renders it and saves the image:
 //! `cargo run -p rt-render --example scene_in_code -- picture.png`
 
 #![allow(clippy::print_stdout, reason = "an example shows its results")]

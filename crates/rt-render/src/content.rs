@@ -21,13 +21,13 @@ pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
 #[non_exhaustive]
 pub enum ContentError {
     /// The rendered area is empty, or exceeds [`Image::MAX_PIXELS`].
-    #[error("{}x{} pixels at {}, {} are no picture", .0.width, .0.height, .0.x, .0.y)]
+    #[error("the area of {}x{} pixels at {},{} is empty or too large", .0.width, .0.height, .0.x, .0.y)]
     Crop(Crop),
     /// The share does not exist; with its index and the number of shares.
     #[error("there is no share {0} of {1}")]
     Share(u32, u32),
     /// A tile lies outside of the image or the share; with its number.
-    #[error("tile {0} is not in this picture or share")]
+    #[error("tile {0} lies outside of the image or share")]
     Tile(u32),
     /// A tile is listed twice; with its number.
     #[error("tile {0} is listed twice")]

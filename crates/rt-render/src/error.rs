@@ -12,7 +12,7 @@ pub enum RenderError {
         source: rt_camera::CameraError,
     },
     /// The scene has no camera, or none of that index.
-    #[error("the scene has {count} cameras, so there is no camera number {index}")]
+    #[error("camera index {index} is out of range: the scene has {count} cameras")]
     NoCamera {
         /// Requested index.
         index: usize,
@@ -23,7 +23,7 @@ pub enum RenderError {
     #[error("film: {0}")]
     Film(#[from] rt_camera::FilmError),
     /// The crop is empty or outside of the image.
-    #[error("crop {x},{y} {width}x{height} does not lie within the {film_width}x{film_height} image")]
+    #[error("the crop of {width}x{height} pixels at {x},{y} exceeds the image of {film_width}x{film_height} pixels")]
     Crop {
         /// Left edge in pixels.
         x: u32,
@@ -47,10 +47,10 @@ pub enum RenderError {
         source: rt_accel::BuildError,
     },
     /// A group contains itself, or the tree is nested too deeply; with the name of the deepest object.
-    #[error("object '{0}' lies in a group that contains itself, or groups and nodes are nested more than 1024 deep")]
+    #[error("object '{0}': its group contains itself, or groups and nodes are nested more than 1024 deep")]
     Nesting(String),
     /// An index in the scene points nowhere.
-    #[error("object '{object}' refers to {what} number {index}, but there are {count}")]
+    #[error("object '{object}': {what} index {index} is out of range: there are {count}")]
     Dangling {
         /// Name of the object.
         object: String,
@@ -82,8 +82,8 @@ pub enum RenderError {
     TooManyObjects,
     /// A level has more objects than its limit.
     #[error(
-        "{count} objects stand on one level, at most {limit} may; place groups that hold many objects more than once, and \
-         not within other groups"
+        "{count} objects on one level of the scene exceed the limit of {limit}; use instances of larger groups, and do not \
+         nest them in other groups"
     )]
     TooManyParts {
         /// Number of objects, or 2⁶⁴ − 1 for more.
@@ -98,56 +98,53 @@ pub enum RenderError {
     #[error("at least 1 pass over the image is needed")]
     NoPasses,
     /// The bound of indirect light is not a positive number.
-    #[error("the bound of indirect light (clamp) is {0}; it must be a finite number above 0")]
+    #[error("the clamp of indirect light is {0}; it must be a finite number above 0")]
     Clamp(f64),
     /// The target error is not a positive number.
-    #[error("the error to reach is {0}; it must be a finite number above 0")]
+    #[error("the target error is {0}; it must be a finite number above 0")]
     TargetError(f64),
     /// The fraction of pixels to converge is not in (0, 1].
-    #[error("a share of pixels of {0} is not above 0 and at most 1")]
+    #[error("the share of pixels to converge is {0}; it must be above 0 and at most 1")]
     TargetShare(f64),
     /// A target error, but all passes are equal.
     #[error(
-        "the error of a picture cannot be told where all passes are the same, as with the samples of this pattern: {0}"
+        "the error cannot be estimated: all passes of the sampler '{0}' are equal; choose a random sampler, such as 'sobol'"
     )]
     SamePasses(&'static str),
     /// Adaptive sampling in object space with an integrator other than `whitted`.
     #[error(
-        "adaptive sampling in object space knows the edges that 'whitted' shows; for '{0}', let the error decide \
+        "adaptive sampling in object space supports the integrator 'whitted' only; for '{0}', use a target error \
          (--target-error)"
     )]
     Adaptive(&'static str),
     /// Adaptive sampling in object space with a lens.
     #[error(
-        "adaptive sampling in object space looks for edges, of which a lens leaves none sharp; let the error decide \
+        "adaptive sampling in object space does not support depth of field; remove the lens, or use a target error \
          (--target-error)"
     )]
     AdaptiveLens,
     /// Adaptive sampling in object space with motion.
     #[error(
-        "adaptive sampling in object space looks for edges at one moment, and the camera or an object moves; let the error \
-         decide (--target-error)"
+        "adaptive sampling in object space does not support motion blur; remove the motion, or use a target error \
+         (--target-error)"
     )]
     AdaptiveMotion,
     /// An animated emissive object with an integrator that finds sampled lights only.
     #[error(
-        "object '{0}' shines and moves: lamps that move are found by rays in all directions, which 'distributed' does not \
-         follow; use 'path', 'direct' or 'caustics', or let it stand still"
+        "object '{0}' is a moving emitter, which the integrator 'distributed' does not support; use 'path', 'direct' or \
+         'caustics', or remove its motion"
     )]
     MovingLight(String),
     /// Adaptive sampling in object space in a progressive render.
     #[error(
-        "adaptive sampling in object space shares out a fixed number of samples; it goes with no time and no error to reach"
+        "adaptive sampling in object space needs a fixed number of samples; remove the time limit and the target error"
     )]
     AdaptiveUntil,
     /// A share of the tiles with a stop rule.
-    #[error(
-        "a share of the tiles takes a fixed number of samples: when to stop would depend on the clock of the machine, or on pixels \
-         that other machines have"
-    )]
+    #[error("a share of the tiles needs a fixed number of samples; remove the time limit and the target error")]
     SharedUntil,
     /// The checkpoint belongs to a render of another size, share, rule or options.
-    #[error("the checkpoint is of another picture, or of one that was made with other options")]
+    #[error("the checkpoint is of another image, or was made with other options")]
     Checkpoint,
     /// More memory would be needed than the budget allows.
     #[error(transparent)]

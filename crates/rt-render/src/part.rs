@@ -239,7 +239,7 @@ fn missing(shares: &[u32], count: u32) -> String {
     let named: Vec<_> = shares.iter().take(NAMED).map(|share| format!("{}/{count}", share + 1)).collect();
     let more = shares.len().saturating_sub(NAMED);
     let and = if more > 0 { format!(", and {more} more") } else { String::new() };
-    format!("{} of {count} shares missing: {}{and}", shares.len(), named.join(", "))
+    format!("{} of {count} parts missing: {}{and}", shares.len(), named.join(", "))
 }
 
 impl Part {

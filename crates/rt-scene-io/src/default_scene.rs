@@ -34,7 +34,7 @@ pub(crate) fn scene_for_model(
     let mut file = SceneFile::of_nodes(vec![content]);
     if options.ground && !bounds.is_empty() {
         add_ground(&mut file, &bounds, model);
-        notes.push(format!("A ground plane was put under the model, at y = {}.", bounds.min.y));
+        notes.push(format!("A ground plane was added under the model, at y = {}.", bounds.min.y));
     }
     let exposure = options.shutter_interval().unwrap_or_default();
     file.cameras = model.cameras.iter().map(|model| camera(model, exposure)).collect();

@@ -96,7 +96,7 @@ pub enum LoadErrorKind {
         rule: String,
     },
     /// A reference to a file that is not there.
-    #[error("`{reference}` is not there (looked for {})", looked_for.display())]
+    #[error("`{reference}` does not exist (looked for {})", looked_for.display())]
     MissingReference {
         /// The reference as written.
         reference: String,

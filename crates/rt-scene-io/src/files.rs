@@ -16,7 +16,7 @@ use crate::{LoadErrorKind, LoadOptions, limits};
 /// A missing or empty file, a folder, a pipe, a device, a file beyond the size limit, or a read error.
 pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
     let limit = options.max_file_bytes.unwrap_or(limits::FILE_BYTES);
-    let too_large = |value| LoadErrorKind::too_large("the size in bytes", value, limit);
+    let too_large = |value| LoadErrorKind::too_large("the file size in bytes (--max-file-size)", value, limit);
     if let Some(bytes) = options.content_of(path) {
         return match bytes.len() as u64 {
             0 => Err(LoadErrorKind::Empty),

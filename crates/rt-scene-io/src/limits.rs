@@ -65,48 +65,48 @@ limits! {
     /// Squares and cubes of coordinates stay far from overflow.
     NUMBER: f64 = 1e60, Quantity "magnitude of a number" of "every scene and model";
     /// Bounds files that include each other.
-    INCLUDE_DEPTH: usize = 16, Count "files within files" of ".pbrt";
+    INCLUDE_DEPTH: usize = 16, Count "nesting of included files" of ".pbrt";
     /// Nested repeated includes would take exponential time.
-    INCLUDES: usize = 1024, Count "files included in all" of ".pbrt";
+    INCLUDES: usize = 1024, Count "included files" of ".pbrt";
     /// Each scope keeps a copy of the graphics state.
-    SCOPES: usize = 1024, Count "scopes within scopes" of ".pbrt";
+    SCOPES: usize = 1024, Count "nesting of attribute scopes" of ".pbrt";
     /// Real directives have a dozen, and each is compared with the others.
     PARAMETERS: usize = 256, Count "parameters of a directive" of ".pbrt";
     /// Each node inherits its transform from those above; no real tree comes near, and walks of it keep a stack.
-    NODE_DEPTH: u64 = 1024, Count "depth of the tree, instances unfolded" of "every scene and model";
+    NODE_DEPTH: u64 = 1024, Count "depth of the tree, with expanded instances" of "every scene and model";
     /// Object ids have 32 bits, of which one is reserved.
-    OBJECTS: u64 = (1 << 31) - 1, Count "objects, instances unfolded" of ".ron, .json";
+    OBJECTS: u64 = (1 << 31) - 1, Count "objects, with expanded instances" of ".ron, .json";
     /// Instances of this format become nodes of their own.
-    PBRT_NODES: usize = 1 << 18, Count "shapes, instances unfolded" of ".pbrt";
+    PBRT_NODES: usize = 1 << 18, Count "shapes, with expanded instances" of ".pbrt";
     /// Attributes of instances need no bytes in the file, and each instance becomes a node.
     GLTF_INSTANCES: u64 = 1 << 21, Count "instances of EXT_mesh_gpu_instancing" of ".gltf, .glb";
     /// An accessor without a buffer holds zeros, which cost nothing in the file.
     GLTF_ZEROS: usize = 1 << 22, Count "elements of an accessor without a buffer" of ".gltf, .glb";
     /// Compressed views expand, and several may share the same bytes.
-    GLTF_DECODED_BYTES: u64 = 1 << 32, Bytes "decoded views of a model" of ".gltf, .glb";
+    GLTF_DECODED_BYTES: u64 = 1 << 32, Bytes "size of all decoded views of a model" of ".gltf, .glb";
     /// The header of a stream claims it before there is anything to show for it.
-    DRACO_BYTES: u64 = 1 << 31, Bytes "content of a Draco stream" of ".gltf, .glb";
+    DRACO_BYTES: u64 = 1 << 31, Bytes "size of a decoded Draco stream" of ".gltf, .glb";
     /// The header of a stream claims it before there is anything to show for it.
     DRACO_FACES: u64 = 1 << 27, Count "faces of a Draco stream" of ".gltf, .glb";
     /// Many primitives may share accessors, and each becomes a mesh of its own.
-    GLTF_MESH_BYTES: u64 = 1 << 32, Bytes "all meshes of a model" of ".gltf, .glb";
+    GLTF_MESH_BYTES: u64 = 1 << 32, Bytes "size of all meshes of a model" of ".gltf, .glb";
     /// Cutting a polygon into triangles takes time with the square of its corners.
     FACE_CORNERS: usize = rt_geometry::MeshData::MAX_CORNERS, Count "corners of a face" of "every mesh";
     /// Crossings of edges are looked for between all pairs of them; larger faces are taken as they are.
-    CROSSING_CORNERS: usize = 512, Count "corners among which crossings are looked for" of ".obj";
+    CROSSING_CORNERS: usize = 512, Count "corners of a face tested for crossing edges" of ".obj";
     /// Smoothing across creases compares all pairs of faces around a corner; beyond, corners are smooth all around.
-    CREASED_FACES: usize = 256, Count "faces around a corner that creases are looked for between" of ".obj";
+    CREASED_FACES: usize = 256, Count "faces at a vertex tested for creases" of ".obj";
     /// Textures are decoded to three numbers of 32 bits for each pixel.
     TEXTURE_PIXELS: u64 = 1 << 28, Count "pixels of a texture" of "every texture";
     /// A header of some bytes can claim more than any memory holds.
-    TEXTURE_BYTES: u64 = 1 << 30, Bytes "a texture, decoded" of "every texture";
+    TEXTURE_BYTES: u64 = 1 << 30, Bytes "size of a decoded texture" of "every texture";
     /// Each image is within its limit, and there may be many.
-    MODEL_TEXTURE_BYTES: u64 = 1 << 32, Bytes "all textures of a model" of ".gltf, .glb, .obj, .pbrt";
+    MODEL_TEXTURE_BYTES: u64 = 1 << 32, Bytes "size of all textures of a model" of ".gltf, .glb, .obj, .pbrt";
     /// A file that claims to expand further is damaged. The densest compression, that of PNG and ZIP, reaches 1032 : 1;
     /// 16-bit floats double when they are read. A few damaged bytes would cost gigabytes otherwise.
-    TEXTURE_EXPANSION: u64 = 4096, Count "pixel bytes for each byte of the file" of "every texture but .png";
+    TEXTURE_EXPANSION: u64 = 4096, Count "decoded bytes per byte of a texture file" of "every texture but .png";
     /// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
-    PNG_EXPANSION: u64 = 1032, Count "packed pixel bytes for each byte of the file" of ".png";
+    PNG_EXPANSION: u64 = 1032, Count "decompressed bytes per byte of a texture file" of ".png";
     /// A film of so many takes four gigabytes with coverage, and no screen or printer shows more.
     FILM_PIXELS: u64 = rt_image::Image::MAX_PIXELS, Count "pixels of the image" of "every scene and model";
     /// Numbers of samples have 32 bits.
@@ -118,11 +118,11 @@ limits! {
     /// The filter reaches three times as far around each pixel.
     FILTER_SIGMA: f64 = 100.0, Quantity "width of a Gaussian filter in pixels" of ".ron, .json";
     /// The highlight is narrower than a pixel by far.
-    HIGHLIGHT_EXPONENT: f64 = 1e7, Quantity "exponent of a highlight" of "every scene and model";
+    HIGHLIGHT_EXPONENT: f64 = 1e7, Quantity "exponent of a Phong highlight" of "every scene and model";
     /// More errors than these are rarely independent.
-    PROBLEMS: usize = 20, Count "problems that one run lists" of "every scene and model";
+    PROBLEMS: usize = 20, Count "errors that are listed" of "every scene and model";
     /// Reading a file that consists of errors would take long.
-    PBRT_ERRORS: usize = 1000, Count "problems after which reading ends" of ".pbrt";
+    PBRT_ERRORS: usize = 1000, Count "errors that end reading" of ".pbrt";
 }
 
 impl fmt::Display for Amount {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::default_scene::{needs_bounds, scene_for_model};
 use crate::format::{SceneFile, parse_json, parse_ron};
+use crate::load_model::KNOWN_EXTENSIONS;
 use crate::memory::Reservation;
 use crate::memory::reserve_scene;
 use crate::resolve::{resolve, resolve_with};
@@ -24,8 +25,19 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     }
 }
 
+/// Extensions of scenes and models, for messages.
+const ALL_EXTENSIONS: &str = ".ron, .json, .obj, .gltf, .glb, .nff, .pbrt, .ply, .stl";
+
+fn is_model(path: &Path) -> bool {
+    let extension = extension(path);
+    KNOWN_EXTENSIONS.split(", ").any(|known| known.strip_prefix('.') == Some(&extension))
+}
+
 /// A model as a scene, and the scene file that would give the same.
 pub(crate) fn load_standalone_model(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
+    if !is_model(path) {
+        return Err(LoadErrorKind::UnknownFormat { known: ALL_EXTENSIONS }.at(path, ""));
+    }
     let model = load_model(path, options)?;
     let reference = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     // Choices are made for the pose at rest, so that they are constant over an animation.

@@ -33,6 +33,13 @@ impl Model {
         self.warnings.push(Warning { place: place.to_string(), message: message.into() });
     }
 
+    /// Error of a model without content. It includes the first warning, which may state the cause.
+    #[cfg(any(feature = "obj", feature = "pbrt", feature = "ply", feature = "stl"))]
+    pub(crate) fn empty(&self, message: &str, path: &std::path::Path) -> crate::LoadError {
+        let cause = self.warnings.first().map_or_else(String::new, |warning| format!(" (warning: {warning})"));
+        crate::LoadErrorKind::Syntax(format!("{message}{cause}")).at(path, "")
+    }
+
     /// Adds a grey mesh with the name of its file.
     #[cfg(any(feature = "ply", feature = "stl"))]
     pub(crate) fn set_mesh(
@@ -44,8 +51,9 @@ impl Model {
         let place = path.display().to_string();
         let mesh = crate::build_mesh::build_mesh(data, &place, &mut self.warnings);
         let Some(mesh) = mesh.at(path, "")? else {
-            let message = "no triangle is left: the file has no usable faces";
-            return Err(crate::LoadErrorKind::Syntax(message.to_owned()).at(path, ""));
+            // The last warning says the same.
+            self.warnings.pop();
+            return Err(self.empty("has no usable triangles", path));
         };
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let material = self.add_material(Material::new("default".to_owned(), rt_shading::Phong::default()));

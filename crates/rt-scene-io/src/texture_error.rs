@@ -11,12 +11,12 @@ pub enum TextureError {
     #[error("cannot be decoded: {0}")]
     Damaged(String),
     /// More than 2²⁸ pixels or more than 1 GiB as linear `f32`.
-    #[error("has {0} x {1} pixels; textures may have at most 2^28 pixels and take at most 1 GiB; scale it down")]
+    #[error("has {0} x {1} pixels; at most 2^28 pixels and 1 GiB are supported; scale it down")]
     TooLarge(u32, u32),
     /// No pixels.
     #[error("has {0} x {1} pixels; it must have at least one")]
     NoPixels(u32, u32),
     /// A pixel that is NaN or infinite.
-    #[error("has {0} pixels that are not finite numbers")]
+    #[error("has {0} pixels that are NaN or infinite")]
     NonFinite(usize),
 }

@@ -71,7 +71,7 @@ fn nodes_go_straight_from_key_to_key_and_keep_their_own_transform() {
 fn without_a_time_an_animation_is_as_at_its_beginning() {
     let scene = posed(SPHERE, &LoadOptions::default());
     assert_eq!(place(&scene), place(&at(SPHERE, 0.0)));
-    assert!(scene.notes.contains(&"The scene is animated: it is shown as it is at 0 s.".to_owned()));
+    assert!(scene.notes.contains(&"The scene is animated: it is shown at 0 s.".to_owned()));
     assert!(at(SPHERE, 0.0).notes.iter().all(|note| !note.contains("animated")));
 }
 

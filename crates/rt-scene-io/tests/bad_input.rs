@@ -215,7 +215,7 @@ fn instances_that_multiply_without_end_are_refused() {
     let text = error(&format!("(nodes: [(instance: \"g11\")], groups: {{{groups}}})"));
     assert_eq!(
         text,
-        "scene.ron: nodes: the number of objects, instances unfolded, is 100000000000, the limit is 2147483647"
+        "scene.ron: nodes: the number of objects, with expanded instances, is 100000000000, the limit is 2147483647"
     );
 }
 
@@ -308,7 +308,7 @@ fn references_must_stay_below_the_root() {
         ("C:\\x.png", "is absolute"),
         ("file:///etc/passwd", "is a URL"),
         ("https://example.org/x.png", "is a URL"),
-        ("none.png", "`none.png` is not there"),
+        ("none.png", "`none.png` does not exist"),
         ("", "is empty"),
         ("bad.png", "`bad.png` is not a PNG, JPEG, HDR or EXR image"),
     ] {

@@ -86,7 +86,7 @@ fn the_camera_suits_the_requested_size() {
 }
 
 #[test]
-fn a_converted_model_gives_the_same_picture() {
+fn a_converted_model_gives_the_same_image() {
     let (folder, model) = folder();
     for options in [LoadOptions::default(), LoadOptions { ground: true, ..LoadOptions::default() }] {
         let direct = load(&model, &options).unwrap();
@@ -167,5 +167,5 @@ fn problems_of_a_model_name_its_file() {
     let error = error.replace(&folder.path().display().to_string(), "");
     let lines: Vec<&str> = error.lines().collect();
     assert!(lines[0].starts_with("/a.obj:1: "), "{error}");
-    assert!(lines[1].starts_with("/scene.ron: nodes[1].model: `b.obj` is not there"), "{error}");
+    assert!(lines[1].starts_with("/scene.ron: nodes[1].model: `b.obj` does not exist"), "{error}");
 }

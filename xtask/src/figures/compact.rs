@@ -35,7 +35,7 @@ mod tests {
     }
 
     #[test]
-    fn the_file_holds_the_picture() {
+    fn the_file_holds_the_image() {
         let image = RgbImage::from_fn(5, 4, |x, y| image::Rgb([(x * 50) as u8, (y * 60) as u8, 255]));
         let read = image::load_from_memory(&png(&image).unwrap()).unwrap().to_rgb8();
         assert!(read.as_raw().iter().zip(image.as_raw()).all(|(a, b)| *a == coarse(*b)));

@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_pictures_have_no_worst_pixel() {
+    fn equal_images_have_no_worst_pixel() {
         let difference = Difference::of(&grey(4, 3), &grey(4, 3), 0).unwrap();
         assert_eq!(difference, Difference { outliers: 0, pixels: 12, worst: None, rmse: 0.0 });
     }
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_different_size_are_not_compared() {
+    fn images_of_different_size_are_not_compared() {
         let error = Difference::of(&grey(4, 3), &grey(3, 4), 255).unwrap_err();
         assert_eq!(error.to_string(), "expected 4×3 pixels, got 3×4");
     }

@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_middle_panel_shows_where_pictures_differ() {
+    fn the_middle_panel_shows_where_images_differ() {
         let expected = RgbaImage::from_pixel(5, 2, Rgba([9, 9, 9, 255]));
         let mut actual = expected.clone();
         actual.put_pixel(3, 1, Rgba([9, 10, 9, 255]));
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_different_size_stand_side_by_side() {
+    fn images_of_different_size_stand_side_by_side() {
         let image = three_panels(&RgbaImage::new(2, 3), &RgbaImage::new(4, 1));
         assert_eq!(image.dimensions(), (2 + 4 + 4 + 2 * GAP, 3));
     }

@@ -5,7 +5,7 @@
 //!        │ no
 //!     of similar size, evenly spread? ── yes ─▶ UniformGrid
 //!        │ no
-//!     another scene for every picture? ─ yes ─▶ Bih, or LazyBih if little of it is seen
+//!     another scene for every image? ─ yes ─▶ Bih, or LazyBih if little of it is seen
 //!        │ no
 //!     else ────────────────────────────────────▶ WideBvh
 //! ```

@@ -12,7 +12,7 @@
 //! | [`bih`] | a tree of pairs of planes, built at once or on demand |
 //! | [`choosing_an_accelerator`] | recommendations |
 //!
-//! # The pictures
+//! # The images
 //!
 //! Each page shows two images, both rendered by this project. The left one is a table with thirteen spheres of three
 //! sizes and the parts of the accelerator. Colours show the depth: black is the whole, then blue, green, orange, red,

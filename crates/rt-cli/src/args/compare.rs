@@ -35,7 +35,7 @@ pub(crate) struct CompareArgs {
     pub(crate) json: bool,
 
     /// Set the pixels per degree for FLIP [default: 67, a 4K screen 0.7 m wide at 0.7 m]
-    #[arg(long, value_name = "N", value_parser = values::pixels_per_degree)]
+    #[arg(long, value_name = "N", value_parser = values::pixels_per_degree, allow_negative_numbers = true)]
     pub(crate) pixels_per_degree: Option<f64>,
 
     #[command(flatten)]
@@ -60,7 +60,7 @@ pub(crate) struct HeatMapArgs {
     pub(crate) shows: HeatMapOf,
 
     /// Set the value at the end of the color scale [default: 99.9th percentile of errors; 1 for FLIP]
-    #[arg(long = "heat-map-scale", value_name = "X", value_parser = values::positive, requires = "file")]
+    #[arg(long = "heat-map-scale", value_name = "X", value_parser = values::positive, allow_negative_numbers = true, requires = "file")]
     pub(crate) scale: Option<f64>,
 }
 

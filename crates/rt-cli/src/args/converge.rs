@@ -36,7 +36,8 @@ pub(crate) struct ConvergeArgs {
     #[arg(
         long,
         value_name = "N",
-        value_parser = clap::value_parser!(u32).range(2..=1000),
+        value_parser = values::whole(2..=1000_u32),
+        allow_negative_numbers = true,
         default_value_t = 8,
         help_heading = "Experiment"
     )]
@@ -74,7 +75,7 @@ pub(crate) struct ConvergeRunArgs {
     pub(crate) time: Option<Duration>,
 
     /// Set the number of threads [default: one per processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = values::whole(1..=1024_u16), allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
 
     /// Print errors only

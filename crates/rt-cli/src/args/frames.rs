@@ -85,7 +85,7 @@ fn frames(text: &str) -> Result<Frames, String> {
 #[derive(Clone, Debug, Args)]
 pub(crate) struct TimingArgs {
     /// Set the frames per second, for --frames and --shutter
-    #[arg(long, value_name = "F", value_parser = values::positive, default_value = "24")]
+    #[arg(long, value_name = "F", value_parser = values::positive, allow_negative_numbers = true, default_value = "24")]
     pub(crate) fps: f64,
 
     /// Set the shutter interval of all cameras as fractions of a frame, such as 0,0.5 [default: as in the scene]

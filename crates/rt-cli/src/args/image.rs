@@ -20,11 +20,11 @@ pub(crate) struct ImageArgs {
     /// Set the samples per pixel, or their maximum with --time or --target-error [default: as in the scene]
     ///
     /// Numbers that the sampler does not support are rounded up.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "Sampling")]
+    #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 31), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) spp: Option<u32>,
 
     /// Split the samples into N independent passes to estimate the error [default: 1; 4 for stochastic integrators]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 16), help_heading = "Sampling")]
+    #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 16), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) passes: Option<u32>,
 
     /// Take fewer samples in pixels without object or shadow edges (whitted only) [default: as in the scene]
@@ -34,15 +34,15 @@ pub(crate) struct ImageArgs {
     pub(crate) adaptive: Option<AdaptiveChoice>,
 
     /// Take at least this many samples per pixel with --adaptive [default: a quarter of --spp]
-    #[arg(long, alias = "least", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31), help_heading = "Sampling")]
+    #[arg(long, alias = "least", value_name = "N", value_parser = values::whole(1..=1_u32 << 31), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) min_spp: Option<u32>,
 
     /// Limit the bounces after the first hit; 0 shows emission and direct light only [default: as in the scene]
-    #[arg(long, alias = "depth", value_name = "N", value_parser = clap::value_parser!(u32).range(..=10_000), help_heading = "Sampling")]
+    #[arg(long, alias = "depth", value_name = "N", value_parser = values::whole(0..=10_000_u32), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) max_depth: Option<u32>,
 
     /// Set the seed of the random numbers [default: as in the scene]
-    #[arg(long, value_name = "N", help_heading = "Sampling")]
+    #[arg(long, value_name = "N", value_parser = values::whole(0..=u64::MAX), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) seed: Option<u64>,
 
     /// Clamp each contribution of indirect light to this radiance: fewer fireflies, but biased [default: as in the scene]
@@ -121,7 +121,7 @@ pub(crate) struct ViewArgs {
     pub(crate) up: Option<DVec3>,
 
     /// Set the field of view in degrees, along the `fov_axis` of the camera [default: as in the scene]
-    #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
+    #[arg(long, value_name = "DEG", value_parser = values::field_of_view, allow_negative_numbers = true)]
     pub(crate) fov: Option<f64>,
 }
 

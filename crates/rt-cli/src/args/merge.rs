@@ -24,22 +24,22 @@ pub(crate) struct MergeArgs {
     #[arg(long, value_name = "FORMAT", value_parser = values::image_format())]
     pub(crate) output_format: Option<ImageFormat>,
 
-    #[command(flatten)]
-    pub(crate) development: DevelopmentArgs,
-
-    /// Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
+    /// Write an additional image: stderr=FILE (standard error) or samples=FILE (sample count)
     #[arg(long, value_name = "NAME=FILE", value_parser = values::aov_of_parts, long_help = super::stop::MAP_HELP)]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]
     pub(crate) fallback: FallbackArgs,
 
-    #[command(flatten)]
-    pub(crate) memory: MemoryArgs,
-
     /// Print errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,
+
+    #[command(flatten)]
+    pub(crate) development: DevelopmentArgs,
+
+    #[command(flatten)]
+    pub(crate) memory: MemoryArgs,
 }
 
 pub(super) const MERGE_HELP: &str = "\

@@ -68,7 +68,7 @@ needs at least two passes. `samples` is the number of samples, in all channels. 
 .hdr and .pfm hold the numbers; .png and .jpg show them from black (0) to white (maximum of the image). May be given more than once.";
 
 pub(super) const MAP_HELP: &str = "\
-Write an additional per-pixel image: stderr=FILE (standard error) or samples=FILE (sample count)
+Write an additional image: stderr=FILE (standard error) or samples=FILE (sample count)
 
 `stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
 needs at least two passes. `samples` is the number of samples, in all channels. The formats .exr, .hdr and .pfm hold the numbers; .png \

@@ -1,6 +1,11 @@
 //! Values of options and their parsers. Each error states the expected form.
 
+use std::fmt::Display;
+#[cfg(feature = "view")]
+use std::net::IpAddr;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::time::Duration;
 
 use clap::ValueEnum;
@@ -109,8 +114,10 @@ fn current_name(name: &str) -> &str {
 pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
     named(SimdLevel::ALL, SimdLevel::name).try_map(|level| match level {
         level if level.is_available() => Ok(level),
-        level if level.is_compiled() => Err("this processor does not have it"),
-        _ => Err("this program is built without it: add `--features all-simd`"),
+        level if level.is_compiled() => {
+            Err("this processor does not support it; remove --simd to use the best available")
+        }
+        _ => Err("this program is built without it; build with `--features all-simd`"),
     })
 }
 
@@ -172,6 +179,23 @@ pub(super) fn gamma(text: &str) -> Result<f64, String> {
     check(&Development { encoding: Encoding::Power(gamma), ..Development::default() }).map(|()| gamma)
 }
 
+/// IP address.
+#[cfg(feature = "view")]
+pub(super) fn address(text: &str) -> Result<IpAddr, String> {
+    text.parse().map_err(|_| "expected an IP address, such as 127.0.0.1 or ::1".to_owned())
+}
+
+/// Parser of whole numbers in a range.
+pub(super) fn whole<T>(range: RangeInclusive<T>) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Clone + Send + Sync + 'static,
+{
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("expected a whole number from {} to {}", range.start(), range.end()))
+    }
+}
+
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|value| value.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
 }
@@ -197,9 +221,9 @@ pub(super) fn checkpoint_interval(text: &str) -> Result<CheckpointInterval, Stri
 pub(super) fn share(text: &str) -> Result<Share, String> {
     let numbers =
         text.split_once('/').and_then(|(index, count)| Some((index.parse::<u32>().ok()?, count.parse().ok()?)));
-    numbers.and_then(|(index, count)| Share::new(index.checked_sub(1)?, count)).ok_or_else(|| {
-        format!("expected a part and the number of parts, such as 1/8 to 8/8, with at most {} parts", Share::MOST)
-    })
+    numbers
+        .and_then(|(index, count)| Share::new(index.checked_sub(1)?, count))
+        .ok_or_else(|| format!("expected part/parts, such as 1/8 to 8/8, with at most {} parts", Share::MOST))
 }
 
 /// Percentage greater than zero, as a fraction.
@@ -252,7 +276,7 @@ pub(super) fn aov(text: &str) -> Result<AovArg, String> {
 pub(super) fn aov_of_parts(text: &str) -> Result<AovArg, String> {
     match aov(text)? {
         AovArg { content: AovContent::Layers(_), .. } => {
-            Err("parts hold stderr and samples only; `render` writes layers".to_owned())
+            Err("expected stderr=FILE or samples=FILE; only `render` writes other layers".to_owned())
         }
         map => Ok(map),
     }
@@ -266,14 +290,14 @@ pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
 
 /// A color, as scene files write it, or its name.
 pub(super) fn background(text: &str) -> Result<BackgroundChoice, String> {
-    const FORMS: &str = "#RRGGBB, #RGB, one or three linear numbers as 0.5 or 0.2,0.4,1";
+    const FORMS: &str = "#RRGGBB, #RGB, or one or three linear numbers, such as 0.5 or 0.2,0.4,1";
     let color = match text {
         "transparent" => return Ok(BackgroundChoice::Transparent),
         "black" => Some(Rgb::BLACK),
         "white" => Some(Rgb::WHITE),
         _ if text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.parse::<f64>().is_err() => {
             let known = ["black", "white", "transparent"].map(str::to_owned).into();
-            return Err(unknown_word("color", text, known) + "; write others as " + FORMS);
+            return Err(unknown_word("color", text, known) + "; or write " + FORMS);
         }
         _ => match text.strip_prefix('#') {
             Some(digits) => hexadecimal(digits),
@@ -285,7 +309,7 @@ pub(super) fn background(text: &str) -> Result<BackgroundChoice, String> {
     };
     color
         .map(BackgroundChoice::Color)
-        .ok_or_else(|| format!("expected {FORMS}, `black`, `white` or `transparent`; numbers must not be negative"))
+        .ok_or_else(|| format!("expected `black`, `white`, `transparent`, {FORMS}, none negative"))
 }
 
 fn check(development: &Development) -> Result<(), String> {
@@ -313,7 +337,7 @@ fn finite_numbers(text: &str) -> Option<[f64; 3]> {
 }
 
 /// Exactly `N` numbers, separated by commas.
-fn numbers<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let values: Option<Vec<T>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     values?.try_into().ok()
 }
@@ -335,6 +359,16 @@ mod tests {
         {
             assert!(size(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn whole_numbers_lie_in_their_range() {
+        let threads = whole(1..=1024_u16);
+        assert_eq!((threads("1"), threads("1024")), (Ok(1), Ok(1024)));
+        for bad in ["", "0", "1025", "-1", "1.5", "1e3", "many", "99999999999999999999"] {
+            assert_eq!(threads(bad), Err("expected a whole number from 1 to 1024".to_owned()), "{bad}");
+        }
+        assert_eq!(whole(0..=u64::MAX)("18446744073709551615"), Ok(u64::MAX));
     }
 
     #[test]

@@ -78,10 +78,12 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Resu
         || view.fov.is_some();
     let refuse = |message: &str| Err(CliError::Usage(format!("--reference-kind {message}")));
     match args.reference_kind {
-        Some(ReferenceKind::Truth) if scene.truth.is_none() => refuse("truth: the scene declares none"),
-        Some(ReferenceKind::Truth) if is_other_view => {
-            refuse("truth: it holds for the view of the scene only, which other options change")
+        Some(ReferenceKind::Truth) if scene.truth.is_none() => {
+            refuse("truth: the scene declares no mean radiance; choose reference or split")
         }
+        Some(ReferenceKind::Truth) if is_other_view => refuse(
+            "truth: the declared mean holds for the view of the scene only; remove options such as --crop and --look-from",
+        ),
         Some(ReferenceKind::Reference) if args.reference.is_none() => refuse("reference requires --reference FILE"),
         Some(kind) => Ok(kind),
         None if scene.truth.is_some() && !is_other_view => Ok(ReferenceKind::Truth),

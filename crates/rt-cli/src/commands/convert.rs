@@ -25,7 +25,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
         return Err(CliError::Usage(message));
     }
     if args.input.piped.is_some() && !is_scene_file(&args.input.scene) {
-        let message = "a scene refers to its model by file name: write the model to a file, and convert that";
+        let message = "a model from standard input cannot be converted, because the scene refers to its file; save it to a file first";
         return Err(CliError::Usage(message.to_owned()));
     }
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;

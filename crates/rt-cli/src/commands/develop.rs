@@ -13,7 +13,7 @@ use crate::{image_file, memory};
 pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
     let format = image_file::chosen_format(&args.output, args.output_format)?;
     if !image_file::is_developed(format) {
-        let message = format!("{} would hold linear radiance; write .png or .jpg", args.output.display());
+        let message = format!("--output {} must be .png or .jpg", args.output.display());
         return Err(CliError::Usage(message));
     }
     let standard = Development::default();
@@ -27,7 +27,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
         let header = image_header(&args.image)?;
         // The decoded file is freed before the display bytes are allocated.
         let transient = header.decoded_bytes.max(4 * header.pixels());
-        let needs = [("the image".to_owned(), header.film_bytes), ("what it is decoded to".to_owned(), transient)];
+        let needs = [("the image".to_owned(), header.film_bytes), ("the decoded image".to_owned(), transient)];
         memory::check(args.memory.limit(), &args.image, &needs)?;
     }
     let film = image_file::read(&args.image)?;

@@ -27,9 +27,9 @@ pub(super) fn run() -> Result<(), CliError> {
         table.add_row([limit.what, &limit.max.to_string(), limit.applies_to, flag]);
     }
     let read = Amount::Count(MAX_READ_PIXELS).to_string();
-    table.add_row(["pixels of an image that is read", &read, "compare, develop", ""]);
+    table.add_row(["pixels of an input image", &read, "compare, develop", ""]);
     let joined = Amount::Count(Image::MAX_PIXELS).to_string();
-    table.add_row(["pixels of an image that is joined", &joined, "merge", ""]);
+    table.add_row(["pixels of a merged image", &joined, "merge", ""]);
     if let Some(column) = table.column_mut(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }

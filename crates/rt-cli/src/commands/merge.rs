@@ -59,10 +59,8 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Cl
     let lengths = files.iter().map(|file| checkpoint_file::length(file)).collect::<Result<Vec<_>, _>>()?;
     let decoded = lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(checkpoint_file::decoded_bytes(length)));
     let reading = lengths.iter().copied().max().unwrap_or(0);
-    let of_parts = [
-        (format!("what the {} parts hold", files.len()), decoded),
-        ("the part that is being read".to_owned(), reading),
-    ];
+    let of_parts =
+        [(format!("the content of {} parts", files.len()), decoded), ("the part being read".to_owned(), reading)];
     let mut label: Option<Label> = None;
     let mut parts = Vec::with_capacity(files.len());
     for file in files {
@@ -97,11 +95,11 @@ fn named(files: &[PathBuf], error: JoinError) -> CliError {
     let name = |number: usize| files.get(number).map(|file| file.display().to_string()).unwrap_or_default();
     CliError::Join(match error {
         JoinError::Damaged(part, reason) => {
-            format!("{}: is not a valid part of an image, or not together with the earlier parts: {reason}", name(part))
+            format!("{}: is not a valid part, or does not fit the earlier parts: {reason}", name(part))
         }
         JoinError::Foreign(part) => {
             format!(
-                "{}: has another size, or was made with other options (give --stats for all parts, or for none)",
+                "{}: has another size, or was made with other options (use --stats for all parts, or for none)",
                 name(part)
             )
         }

@@ -69,7 +69,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     };
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
-        return Err(CliError::Usage("the image and the statistics cannot go to the same file".to_owned()));
+        return Err(CliError::Usage("--output and --stats have the same file; choose another name for one".to_owned()));
     }
     let checkpoint = prepare_checkpoint(&args.checkpoint, &file, stats.as_ref(), &files)?;
     let others: Vec<_> = stats.iter().chain([&file]).chain(&checkpoint).collect();
@@ -109,7 +109,7 @@ fn prepare_checkpoint(
     match OutputFile::prepare_over_link(&path, inputs) {
         Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => {
             Err(CliError::Usage(format!(
-                "the checkpoint and another output would both go to {}",
+                "the checkpoint and another output have the same file {}; choose another --checkpoint",
                 checkpoint.path().display()
             )))
         }
@@ -128,10 +128,10 @@ fn refuse_for_parts(args: &RenderArgs) -> Result<(), CliError> {
     ];
     match whole.into_iter().find(|(_, is_given)| *is_given && args.checkpoint.shard.is_some()) {
         None => Ok(()),
-        Some(("--aov", _)) => Err(CliError::Usage("--aov cannot be used with --shard: give it to `merge`".to_owned())),
-        Some((option, _)) => Err(CliError::Usage(format!(
-            "{option} cannot be used with --shard, except with --frames, which shares out whole frames"
-        ))),
+        Some(("--aov", _)) => Err(CliError::Usage("--aov cannot be used with --shard; add it to `merge`".to_owned())),
+        Some((option, _)) => {
+            Err(CliError::Usage(format!("{option} cannot be used with --shard, except with --frames")))
+        }
     }
 }
 
@@ -147,10 +147,12 @@ impl OutputKind {
             (Some(_), true) => refuse_terminal(path).map(|()| Self::Part),
             (None, false) => Ok(Self::Image(image_file::chosen_format(path, format)?)),
             (Some(_), false) => Err(CliError::Usage(format!(
-                "{} is not a .part file, which --shard writes; `merge` joins all parts to an image",
+                "--shard writes .part files, not {}; `merge` joins them to an image",
                 path.display()
             ))),
-            (None, true) => Err(CliError::Usage(format!("{} is a part of an image: add --shard I/N", path.display()))),
+            (None, true) => {
+                Err(CliError::Usage(format!("{} is a .part file, which needs --shard I/N", path.display())))
+            }
         }
     }
 }

@@ -129,9 +129,9 @@ fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), CliError> {
         ("--min-spp", image.min_spp.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => Err(CliError::Usage(format!(
-            "{option} is for `render`: `view` shows the whole image, all pixels sampled alike"
-        ))),
+        Some((option, _)) => {
+            Err(CliError::Usage(format!("{option} is not supported by `view`; remove it, or use `render`")))
+        }
         None => Ok(()),
     }
 }

@@ -53,7 +53,7 @@ impl Content {
 enum Outcome {
     /// Exit code 3, and a message with these parts.
     Refused(&'static [&'static str]),
-    /// A picture, and a message with these parts.
+    /// An image, and a message with these parts.
     Shown(&'static [&'static str]),
 }
 
@@ -103,7 +103,7 @@ impl Input {
         self
     }
 
-    /// The picture has the size that the file says, rather than a small one.
+    /// The image has the size that the file says, rather than a small one.
     pub(crate) fn in_its_own_size(self) -> Self {
         Self { has_own_size: true, ..self }
     }

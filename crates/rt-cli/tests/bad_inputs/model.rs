@@ -54,15 +54,14 @@ pub(crate) fn bent_or_crossed_polygon() -> Vec<Input> {
 pub(crate) fn zero_or_missing_normals() -> Vec<Input> {
     vec![
         obj("vn 0 0 0\nf 1//1 2//1 3//1\n").shown(&["m.obj", "3 normals that are zero or not finite were replaced"]),
-        obj("vn 0 0 1\nf 1//7 2//1 3//1\n")
-            .shown(&["m.obj:6: normal or texture coordinate that is not there: left out"]),
+        obj("vn 0 0 1\nf 1//7 2//1 3//1\n").shown(&["m.obj:6: missing normal or texture coordinate: left out"]),
     ]
 }
 
 pub(crate) fn missing_material_library() -> Vec<Input> {
     vec![
         Input::file("m.obj", format!("mtllib none.mtl\n{SQUARE}usemtl red\nf 1 2 3\n"))
-            .shown(&["m.obj:1: the material library `none.mtl` is not there; its materials become plain grey"]),
+            .shown(&["m.obj:1: the material library `none.mtl` does not exist; its materials become plain grey"]),
         obj("usemtl red\nf 1 2 3\n").shown(&["the material `red` is in no library"]),
     ]
 }
@@ -80,6 +79,6 @@ pub(crate) fn absolute_texture_of_mtl() -> Vec<Input> {
     vec![
         Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
             .with_file("m.mtl", "newmtl a\nKd 1 0 0\nmap_Kd /absolute.png\n")
-            .shown(&["the image `/absolute.png` is not looked for, as its path is absolute; the plain colour is used"]),
+            .shown(&["the path of the image `/absolute.png` is absolute; the plain colour is used"]),
     ]
 }

@@ -117,7 +117,7 @@ fn refused_matrix(matrix: &str, parts: &'static [&'static str]) -> Vec<Input> {
 pub(crate) fn singular_matrix() -> Vec<Input> {
     refused_matrix(
         "(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1)",
-        &["scene.ron: nodes[0].transform", "flattens space"],
+        &["scene.ron: nodes[0].transform", "is singular"],
     )
 }
 
@@ -254,7 +254,7 @@ pub(crate) fn billion_instances() -> Vec<Input> {
 }
 
 pub(crate) fn no_camera_and_no_lights() -> Vec<Input> {
-    vec![Input::node("shape: sphere()").shown(&["note: The camera has no place", "note: There are no lights"])]
+    vec![Input::node("shape: sphere()").shown(&["note: The camera has no position", "note: The scene has no lights"])]
 }
 
 /// Notations of other programs, one in each format. `rt-scene-io/tests/friendly.rs` has all of them.
@@ -269,8 +269,8 @@ pub(crate) fn first_mistakes() -> Vec<Input> {
 pub(crate) fn colour_with_alpha() -> Vec<Input> {
     vec![
         with("materials: {\"m\": diffuse(albedo: \"#ff000080\")}")
-            .refused(&["scene.ron: materials[\"m\"].albedo: \"#ff000080\" has digits for alpha"]),
-        with("materials: {\"m\": diffuse(albedo: \"#f008\")}").refused(&["has digits for alpha"]),
+            .refused(&["scene.ron: materials[\"m\"].albedo: \"#ff000080\" has an alpha component"]),
+        with("materials: {\"m\": diffuse(albedo: \"#f008\")}").refused(&["has an alpha component"]),
         with("materials: {\"m\": diffuse(albedo: \"red\")}").refused(&["scene.ron:1:", "expected a colour"]),
         with("materials: {\"m\": diffuse(albedo: \"#ggg\")}").refused(&["is not a colour"]),
         with("materials: {\"m\": diffuse(albedo: (1, 0))}").refused(&["scene.ron:1:", "(r, g, b)"]),

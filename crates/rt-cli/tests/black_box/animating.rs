@@ -1,4 +1,4 @@
-//! Sequences of pictures.
+//! Sequences of images.
 
 use crate::program::{ANIMATED, Workplace};
 
@@ -19,7 +19,7 @@ fn flight() -> Workplace {
 }
 
 #[test]
-fn each_frame_is_the_picture_of_its_moment() {
+fn each_frame_is_the_image_of_its_moment() {
     let place = flight();
     let run = place
         .succeed("render flight.ron --frames 2..4 --fps 8 -o out-##.pfm --stats stats-##.json --aov samples=n##.pfm");
@@ -157,7 +157,7 @@ fn machines_share_frames_out() {
     assert!(place.path("out-#.pfm.frames.2-of-3.json").exists());
     let run = place.succeed("render flight.ron -o out-#.pfm --frames 1..5 --shard 2/3 --resume");
     assert_eq!(run.stdout, "frame 1 of 1..5 is there already\nframe 4 of 1..5 is there already\n");
-    // Each frame is a whole picture, so that it can be one that stops by its error; a single frame is one machine's as well.
+    // Each frame is a whole image, so that it can be one that stops by its error; a single frame is one machine's as well.
     place.succeed("render flight.ron -o rule-#.pfm --frames 1..2 --quiet --shard 1/2 --target-error 50%");
     assert!(place.path("rule-1.pfm").exists() != place.path("rule-2.pfm").exists());
     for shard in 1..=2 {

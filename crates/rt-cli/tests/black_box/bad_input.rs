@@ -99,7 +99,7 @@ fn files_that_the_scene_refers_to_are_not_overwritten() {
     place.write("ball.ron", GOOD);
     place.succeed("render ball.ron -o wood.png");
     let before = place.read("wood.png");
-    // By default the picture would be named like the texture.
+    // By default the image would be named like the texture.
     let scene = "(materials: {\"wood\": phong(color: image(file: \"wood.png\"))},
         nodes: [(shape: sphere(), material: \"wood\")])";
     place.write("wood.ron", scene);
@@ -129,7 +129,7 @@ fn wrong_usage_ends_with_code_2() {
             ("NaN error", GOOD, "render scene.ron --target-error nan%"),
             ("error without a unit", GOOD, "render scene.ron --target-error 0.01"),
             ("error of a fixed pattern", GOOD, "render scene.ron --target-error 1% --sampler centre"),
-            ("edges of a random picture", GOOD, "render scene.ron --adaptive object-space --integrator path"),
+            ("edges of a random image", GOOD, "render scene.ron --adaptive object-space --integrator path"),
             ("edges until it is time", GOOD, "render scene.ron --adaptive object-space --time 10s"),
             ("minimum without adaptive sampling", GOOD, "render scene.ron --min-spp 4"),
             ("stages without an error", GOOD, "render scene.ron --two-stage"),

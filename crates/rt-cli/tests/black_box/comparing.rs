@@ -47,7 +47,7 @@ fn equal_images_are_equal_whatever_the_file() {
 }
 
 #[test]
-fn cut_out_pictures_equal_their_radiance() {
+fn cut_out_images_equal_their_radiance() {
     let place = Workplace::new();
     place.write("ball.ron", "(film: (size: (24, 16)), nodes: [(shape: sphere())])");
     for name in ["p.exr", "p.png"] {
@@ -156,7 +156,7 @@ fn non_finite_pixels_are_reported_and_differ() {
         place.fails(
             1,
             &format!("compare {pair} --threshold 1000"),
-            "12 pixels are NaN or infinite in one of them and not the same",
+            "12 pixels are NaN or infinite in one image and different",
         );
         let report = report(&place, pair);
         assert_eq!((&report["differently_finite"], &report["metrics"]["rmse"]), (&json!(12), &json!(0.0)));

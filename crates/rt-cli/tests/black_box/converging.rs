@@ -52,7 +52,7 @@ fn slopes_are_those_of_the_samplers() {
         ["low", "mean", "high"].map(|end| interval[end].as_f64().expect("a number"))
     });
     let slopes: Vec<[f64; 3]> = slopes.collect();
-    // Edges: −1/2, −3/4, −3/4 (Mitchell 1996); smooth parts of the picture make the last two steeper.
+    // Edges: −1/2, −3/4, −3/4 (Mitchell 1996); smooth parts of the image make the last two steeper.
     assert!((slopes[0][1] + 0.5).abs() < 0.05, "{slopes:?}");
     assert!((-1.1..-0.65).contains(&slopes[1][1]) && (-1.2..-0.65).contains(&slopes[2][1]), "{slopes:?}");
     assert!(slopes[1][2] < slopes[0][0] && slopes[2][2] < slopes[0][0], "{slopes:?}");
@@ -78,7 +78,7 @@ fn the_page_is_self_contained_and_all_files_are_written() {
         .map(|extension| place.read(&format!("edge-converge/converge.{extension}")));
     let page = std::str::from_utf8(&files[4]).expect("text");
     assert!(!page.contains("http") && !page.contains("url(") && !page.contains("<link") && !page.contains("@import"));
-    // Two pictures of each method, the reference, and the errors of both methods on one scale.
+    // Two images of each method, the reference, and the errors of both methods on one scale.
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 2 * 2 + 1 + 2);
     assert_eq!((page.matches("class=\"shown\"").count(), page.matches("class=\"scale\"").count()), (5, 1));
     for part in ["<svg", "id=\"slider\"", "type=\"range\"", "random, 4 spp", "sobol, 1 spp", "slope −1/2"] {
@@ -139,7 +139,7 @@ fn a_reference_is_measured_against() {
         assert!((rmse(&image, point) / rmse(&split, point) - 1.0).abs() < 0.02, "{image} {split}");
     }
     assert!(image["measured_against"].as_str().is_some_and(|text| text.starts_with("right.exr; its own error")));
-    // Bytes are compared with bytes: the picture equals itself.
+    // Bytes are compared with bytes: the image equals itself.
     let same = "edge.ron --spp 1024 --seeds 2 --seed 77 --vary sampler=halton --reference right.png --quiet";
     let bytes = json(&place, same);
     let first = &bytes["methods"][0]["points"][0]["runs"][0];
@@ -161,7 +161,7 @@ fn results_are_reproducible_except_times() {
     };
     let one = errors("--threads 1");
     assert_eq!(one, errors("--threads 3"));
-    assert_eq!(one[0], one[1], "any structure gives the same picture");
+    assert_eq!(one[0], one[1], "any structure gives the same image");
     assert_ne!(one, errors("--seed 9"));
 }
 
@@ -171,7 +171,7 @@ fn the_time_limit_reports_skipped_sample_counts() {
     let started = std::time::Instant::now();
     let run = place.succeed("converge edge.ron --spp 1..1073741824 --seeds 2 --time 3s -o out");
     assert!(started.elapsed().as_secs_f64() < 30.0, "{run:?}");
-    assert!(run.stdout.contains("the time limit left out ") && run.stdout.contains("1073741824 samples"), "{run:?}");
+    assert!(run.stdout.contains("the time limit skipped ") && run.stdout.contains("1073741824 samples"), "{run:?}");
     let report = place.json("out/converge.json");
     let points = report["methods"][0]["points"].as_array().expect("a list").len();
     let left_out = report["left_out"].as_array().expect("a list").len();

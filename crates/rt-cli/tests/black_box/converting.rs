@@ -12,7 +12,7 @@ fn place_with_model() -> Workplace {
 }
 
 #[test]
-fn a_converted_model_renders_to_the_same_picture() {
+fn a_converted_model_renders_to_the_same_image() {
     let place = place_with_model();
     place.succeed("render m.obj --size 24x16 --ground -o model.pfm");
     for scene in ["m.ron", "m.json"] {

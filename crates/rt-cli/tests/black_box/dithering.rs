@@ -1,4 +1,4 @@
-//! Gradients in pictures of 8 bits.
+//! Gradients in images of 8 bits.
 
 use rt_image::Development;
 

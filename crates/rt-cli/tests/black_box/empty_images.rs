@@ -1,4 +1,4 @@
-//! Pictures that show nothing.
+//! Images that show nothing.
 
 use crate::program::{Run, Workplace};
 
@@ -31,7 +31,7 @@ fn a_camera_that_looks_away_is_reported() {
         let strict = render(&away, &format!("{options} --strict"));
         assert!(strict.code == Some(5) && strict.stderr.contains("the image was written to a.png"), "{strict:?}");
     }
-    // A part of an image may well show nothing, and the cost of nothing is worth a picture.
+    // A part of an image may well show nothing, and the cost of nothing is worth an image.
     for options in ["--crop 0,0,2,2", "--integrator cost"] {
         assert!(warnings(&render(&away, options)).is_empty(), "{options}");
     }

@@ -206,5 +206,5 @@ fn overlapping_runs_log_all_frames() {
     let frames = log["frames"].as_object().expect("frames");
     let missing: Vec<_> = (0..60).filter(|frame| !frames.contains_key(&frame.to_string())).collect();
     assert!(missing.is_empty(), "{missing:?} are missing");
-    assert_eq!(place.files().len(), 62, "a picture for each frame, the log, and the scene");
+    assert_eq!(place.files().len(), 62, "an image for each frame, the log, and the scene");
 }

@@ -252,7 +252,7 @@ fn options_that_resume_needs_again_are_named() {
     place.fails(
         3,
         &format!("{LONG} --resume --stats stats.json"),
-        "scene.exr.checkpoint: was made with other options: give --stats",
+        "scene.exr.checkpoint: was made with other options; use the same --stats",
     );
 }
 
@@ -263,10 +263,14 @@ fn checkpoints_never_replace_the_scene_or_the_image() {
     let files = place.files();
     for (options, code, message) in [
         ("--checkpoint scene.ron --restart", 4, "it is an input"),
-        ("--checkpoint scene.png", 2, "the checkpoint and another output would both go to scene.png"),
-        ("--stats s.json --checkpoint s.json", 2, "the checkpoint and another output would both go to s.json"),
-        ("--stats scene.png.checkpoint", 2, "the checkpoint and another output would both go to scene.png.checkpoint"),
-        ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs would go to c.pfm"),
+        ("--checkpoint scene.png", 2, "the checkpoint and another output have the same file scene.png"),
+        ("--stats s.json --checkpoint s.json", 2, "the checkpoint and another output have the same file s.json"),
+        (
+            "--stats scene.png.checkpoint",
+            2,
+            "the checkpoint and another output have the same file scene.png.checkpoint",
+        ),
+        ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs have the same file c.pfm"),
         ("--checkpoint notes.txt --restart", 3, "notes.txt: is not a checkpoint"),
     ] {
         place.fails(code, &format!("render scene.ron {options}"), message);
@@ -283,9 +287,9 @@ fn resume_without_a_checkpoint_begins() {
 
 /// Renders to a directory that is removed meanwhile.
 fn after_the_folder_is_gone(place: &Workplace, options: &str, gone: impl FnOnce(&Path)) -> Run {
-    let folder = place.path("pictures");
+    let folder = place.path("images");
     fs::create_dir(&folder).expect("created");
-    let options = format!("{LONG} {options}").replace("-o scene.exr", "-o pictures/scene.exr");
+    let options = format!("{LONG} {options}").replace("-o scene.exr", "-o images/scene.exr");
     let child = place.spawn(&format!("{options} --checkpoint-every 1ms --checkpoint kept"));
     wait_until("a checkpoint", || place.path("kept").exists());
     gone(&folder);
@@ -296,7 +300,7 @@ fn after_the_folder_is_gone(place: &Workplace, options: &str, gone: impl FnOnce(
 fn an_image_whose_directory_is_gone_goes_to_the_fallback() {
     let place = Workplace::with_scene();
     fs::create_dir(place.path("refuge")).expect("created");
-    let options = "--fallback-dir refuge --aov samples=pictures/samples.exr --stats pictures/stats.json";
+    let options = "--fallback-dir refuge --aov samples=images/samples.exr --stats images/stats.json";
     let run = after_the_folder_is_gone(&place, options, |folder| fs::remove_dir_all(folder).expect("removed"));
     assert_eq!(run.code, Some(4), "{run:?}");
     // The image, the samples and the statistics: each is named, with where it is.
@@ -316,7 +320,7 @@ fn an_image_whose_directory_is_gone_goes_to_the_fallback() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_picture_for_a_full_disk_goes_to_the_fallback() {
+fn an_image_for_a_full_disk_goes_to_the_fallback() {
     spoil_the_disk(
         "{ dd if=/dev/zero of=full/ballast bs=1k count=390 2>/dev/null || true; }",
         "No space left on device",
@@ -325,7 +329,7 @@ fn a_picture_for_a_full_disk_goes_to_the_fallback() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_picture_for_a_disk_that_became_read_only_goes_to_the_fallback() {
+fn an_image_for_a_disk_that_became_read_only_goes_to_the_fallback() {
     spoil_the_disk("mount -o remount,ro full", "Read-only file system");
 }
 

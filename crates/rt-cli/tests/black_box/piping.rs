@@ -23,7 +23,7 @@ fn a_scene_comes_from_standard_input() {
         succeed(&place, input, &format!("render - -o piped.pfm {options}"));
         assert!(place.read("piped.pfm") == place.read("file.pfm"), "{options}");
     }
-    // Without a name for the picture, it goes by that of its scene.
+    // Without a name for the image, it goes by that of its scene.
     succeed(&place, SCENE.as_bytes(), "render - --spp 1");
     assert_eq!(place.files(), ["file.pfm", "piped.pfm", "scene.ron", "stdin.png"]);
     let explained = succeed(&place, SCENE.as_bytes(), "explain -").stdout;
@@ -56,12 +56,17 @@ fn standard_input_that_is_no_scene_is_refused_with_advice() {
         ("v 0 0 0\n", "render -", 2, "is unknown: add --input-format with one of ron, json"),
         ("", "render -", 3, "standard input: is empty"),
         ("(nodes: [(shape: spere())])", "render -", 3, "stdin.ron:1:18: unknown"),
-        (SCENE, "render - --max-file-size 10", 3, "standard input: the size in bytes is 11, the limit is 10"),
+        (
+            SCENE,
+            "render - --max-file-size 10",
+            3,
+            "standard input: the file size in bytes (--max-file-size) is 11, the limit is 10",
+        ),
         (SCENE, "render scene.ron --input-format ron", 2, "--input-format requires standard input"),
         (SCENE, "render - --env -", 2, "cannot be both the scene and --env"),
-        ("v 0 0 0\n", "convert - --input-format obj -o -", 2, "write the model to a file, and convert that"),
+        ("v 0 0 0\n", "convert - --input-format obj -o -", 2, "save it to a file first"),
         ("", "compare - -", 2, "standard input cannot be both images"),
-        (SCENE, "render scene.ron -o - --stats -", 2, "cannot go to the same file"),
+        (SCENE, "render scene.ron -o - --stats -", 2, "--output and --stats have the same file"),
         (SCENE, "render scene.ron -o - --frames 0..1", 2, "all frames would be written to -"),
         (SCENE, "render scene.ron -o - --resume", 2, "--resume requires --checkpoint FILE"),
     ] {
@@ -103,7 +108,7 @@ fn statistics_go_to_standard_output() {
 }
 
 #[test]
-fn pictures_are_developed_compared_merged_and_converted_through_pipes() {
+fn images_are_developed_compared_merged_and_converted_through_pipes() {
     let place = Workplace::with_scene();
     place.succeed("render scene.ron -o linear.exr");
     place.succeed("render scene.ron -o direct.png");
@@ -157,7 +162,7 @@ fn a_broken_pipe_is_no_failure() {
 }
 
 #[test]
-fn pictures_are_not_written_to_a_terminal() {
+fn images_are_not_written_to_a_terminal() {
     let place = Workplace::with_scene();
     let program = env!("CARGO_BIN_EXE_rt-cli");
     let script = format!("{program} render scene.ron -o -");

@@ -1,4 +1,4 @@
-//! Pictures, and what options do to them.
+//! Images, and what options do to them.
 
 use crate::program::{SCENE, Workplace};
 

@@ -1,4 +1,4 @@
-//! Pictures of which several machines render a part each.
+//! Images of which several machines render a part each.
 
 use crate::program::Workplace;
 
@@ -18,7 +18,7 @@ fn parts(order: &[u32], count: u32) -> String {
 }
 
 #[test]
-fn parts_in_any_order_make_the_picture_of_one_run() {
+fn parts_in_any_order_make_the_image_of_one_run() {
     let place = with_parts(5, "");
     let whole = Workplace::with_scene();
     whole.succeed(&format!("{RENDER} -o scene.exr --aov samples=samples.exr --aov stderr=variance.pfm"));
@@ -47,7 +47,7 @@ fn parts_are_developed_as_the_scene_or_the_options_of_merge_say() {
     place.succeed("merge scene.1-of-2.part scene.2-of-2.part --exposure -1 --tone aces -o joined.png");
     assert_eq!(place.read("one.png"), place.read("joined.png"));
     let run = place.run("merge scene.1-of-2.part scene.2-of-2.part -o joined.hdr");
-    assert_eq!(run.code, Some(2), "transparent pictures do not fit there: {run:?}");
+    assert_eq!(run.code, Some(2), "transparent images do not fit there: {run:?}");
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn what_is_missing_doubled_or_foreign_is_named() {
     let all = parts(&[1, 2, 3], 3);
     let two = parts(&[1, 3], 3);
     for (files, message) in [
-        (two.clone(), "1 of 3 shares missing: 2/3".to_owned()),
+        (two.clone(), "1 of 3 parts missing: 2/3".to_owned()),
         (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same part".to_owned()),
         (format!("{two} foreign.part"), "foreign.part: is of another image".to_owned()),
         (format!("{two} half.part"), "half.part: is one of 2 parts, and scene.1-of-3.part is one of 3".to_owned()),
@@ -106,15 +106,15 @@ fn a_part_that_is_there_is_not_rendered_again() {
 fn parts_that_make_no_sense_are_refused() {
     let place = Workplace::with_scene();
     for (options, message) in [
-        ("--shard 0/8", "expected a part and the number of parts, such as 1/8 to 8/8"),
-        ("--shard 9/8", "expected a part and the number of parts"),
-        ("--shard 1/0", "expected a part and the number of parts"),
-        ("--shard one", "expected a part and the number of parts"),
-        ("--shard 1/8 -o scene.png", "is not a .part file"),
-        ("-o scene.part", "add --shard I/N"),
+        ("--shard 0/8", "expected part/parts, such as 1/8 to 8/8"),
+        ("--shard 9/8", "expected part/parts"),
+        ("--shard 1/0", "expected part/parts"),
+        ("--shard one", "expected part/parts"),
+        ("--shard 1/8 -o scene.png", "--shard writes .part files, not scene.png"),
+        ("-o scene.part", "scene.part is a .part file, which needs --shard I/N"),
         ("--shard 1/2 --time 3s", "--time cannot be used with --shard"),
         ("--shard 1/2 --target-error 1%", "--target-error cannot be used with --shard"),
-        ("--shard 1/2 --aov samples=s.exr", "give it to `merge`"),
+        ("--shard 1/2 --aov samples=s.exr", "add it to `merge`"),
         ("--checkpoint-every soon", "or never"),
         ("--resume --restart", "cannot be used with"),
     ] {

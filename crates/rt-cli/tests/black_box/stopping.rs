@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::program::Workplace;
 
 #[test]
-fn time_ends_a_heavy_render_and_the_picture_is_whole() {
+fn time_ends_a_heavy_render_and_the_image_is_whole() {
     let place = Workplace::with_scene();
     let started = Instant::now();
     let run = place.succeed("render scene.ron --size 96x64 --depth 8 --time 500ms -o a.exr --stats stats.json");

@@ -263,10 +263,10 @@ fn a_closed_page_stops_the_work_which_goes_on_later() {
     assert!(work < 0.1, "{work} s of work for a page that is closed");
     assert_eq!(view.frame(u64::MAX).0["is_finished"], false, "the interruption came too late");
 
-    // It goes on, to the picture of a render without interruptions.
+    // It goes on, to the image of a render without interruptions.
     let (_, shown) = view.finished();
     view.place.succeed(&format!("render scene.ron {} --time 1h -o expected.png", options(spp)));
-    assert!(shown == view.place.read("expected.png"), "the interruption changes the picture");
+    assert!(shown == view.place.read("expected.png"), "the interruption changes the image");
 }
 
 /// Interrupts a view that has begun to render.
@@ -348,10 +348,10 @@ fn failures_are_reported_in_the_terminal() {
         (format!("scene.ron --port {port}"), 4, "choose another --port"),
         ("scene.ron --bind 192.0.2.1".to_owned(), 4, "cannot listen on 192.0.2.1"),
         ("scene.ron --bind localhost".to_owned(), 2, "--bind"),
-        ("scene.ron --crop 0,0,8,8".to_owned(), 2, "--crop is for `render`"),
-        ("scene.ron --passes 2".to_owned(), 2, "--passes is for `render`"),
-        ("scene.ron --adaptive object-space".to_owned(), 2, "--adaptive is for `render`"),
-        ("scene.ron --min-spp 1".to_owned(), 2, "--min-spp is for `render`"),
+        ("scene.ron --crop 0,0,8,8".to_owned(), 2, "--crop is not supported by `view`"),
+        ("scene.ron --passes 2".to_owned(), 2, "--passes is not supported by `view`"),
+        ("scene.ron --adaptive object-space".to_owned(), 2, "--adaptive is not supported by `view`"),
+        ("scene.ron --min-spp 1".to_owned(), 2, "--min-spp is not supported by `view`"),
     ] {
         place.fails(code, &format!("view --no-open {arguments}"), message);
     }

@@ -1,4 +1,4 @@
-//! A picture rendered by a Slurm cluster: parts, one of which is killed and queued again, and the job that joins them.
+//! An image rendered by a Slurm cluster: parts, one of which is killed and queued again, and the job that joins them.
 
 #![cfg(target_os = "linux")]
 

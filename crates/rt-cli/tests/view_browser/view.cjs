@@ -48,7 +48,7 @@ async function open(browser, options) {
 
 const finished = (page) => page.waitForSelector("body[data-state=finished]");
 
-/** Does something that has to change the picture, and waits until the new one is finished. */
+/** Does something that has to change the image, and waits until the new one is finished. */
 async function rendersAnew(page, action) {
   const before = await page.getAttribute("body", "data-view");
   await action();
@@ -94,7 +94,7 @@ async function onTheDesktop(browser) {
     () => document.body.dataset.state === "rendering" && document.querySelectorAll("#plot .line").length > 0,
   );
   await page.screenshot({ path: file("rendering.png") });
-  step("a picture while it is rendered");
+  step("an image while it is rendered");
 
   await rendersAnew(page, () => samples(SPP));
   const pixels = await page.evaluate(() => {

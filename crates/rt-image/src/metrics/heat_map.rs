@@ -56,7 +56,7 @@ fn between(colours: &[[u8; 3]], part: f64) -> [u8; 3] {
     })
 }
 
-/// A picture of the errors, which the standard [`Development`](crate::Development) brings to the bytes of
+/// An image of the errors, which the standard [`Development`](crate::Development) brings to the bytes of
 /// [`ColourScale::colour`].
 pub fn heat_map(map: &ErrorMap, scale: ColourScale, limit: f64) -> Image {
     let mut film = Image::new(map.width(), map.height(), false);

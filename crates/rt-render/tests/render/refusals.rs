@@ -21,9 +21,9 @@ fn message(change: impl FnOnce(&mut Scene)) -> String {
 fn dangling_indices_are_named() {
     let named = |content, material| SceneNode { name: "chair".into(), ..SceneNode::new(content, MaterialId(material)) };
     for (node, what) in [
-        (named(sphere(0.0, 0.0, 0.0, 1.0), 7), "material number 7"),
-        (named(Content::Mesh(MeshId(3)), 0), "mesh number 3"),
-        (named(Content::Instance(GroupId(9)), 0), "group number 9"),
+        (named(sphere(0.0, 0.0, 0.0, 1.0), 7), "material index 7"),
+        (named(Content::Mesh(MeshId(3)), 0), "mesh index 3"),
+        (named(Content::Instance(GroupId(9)), 0), "group index 9"),
     ] {
         let message = message(|scene| scene.nodes.push(node));
         assert!(message.contains("chair") && message.contains(what), "{message}");
@@ -102,7 +102,7 @@ fn singular_products_of_transforms_are_refused() {
         scene.nodes[0].parent_from_local = thin;
         scene.nodes[0].children.push(inner);
     });
-    assert!(message.contains("foil") && message.contains("flattens"), "{message}");
+    assert!(message.contains("foil") && message.contains("is singular"), "{message}");
 }
 
 #[test]

@@ -65,17 +65,18 @@ impl<'t> Explainer<'t> {
             Ron::DuplicateStructField { field, .. } => {
                 ParseError::new(at, format!("the field `{field}` is given twice"))
             }
-            Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word) => {
-                ParseError::new(at, format!("`{word}` is not the name of a field (decimals are written with a point)"))
-            }
+            Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word) => ParseError::new(
+                at,
+                format!("expected the name of a field, found `{word}` (decimals are written with a point)"),
+            ),
             Ron::ExceededRecursionLimit => ParseError { at, kind: too_deep() },
             Ron::Eof => self.early_end(),
-            Ron::ExpectedStringEnd => ParseError::new(at, "a text has no closing quote"),
+            Ron::ExpectedStringEnd => ParseError::new(at, "a string has no closing quote"),
             Ron::ExpectedMapColon if self.text[at..].starts_with('=') => {
-                ParseError::new(at, "write `:` after the name of a field, in place of `=`")
+                ParseError::new(at, "expected `:` after the name of a field, found `=`")
             }
-            Ron::ExpectedMapColon => ParseError::new(at, "`:` is missing after a name"),
-            Ron::TrailingCharacters => ParseError::new(at, "the scene has ended: remove what follows"),
+            Ron::ExpectedMapColon => ParseError::new(at, "expected `:` after a name"),
+            Ron::TrailingCharacters => ParseError::new(at, "unexpected text after the end of the scene: remove it"),
             Ron::ExpectedArrayEnd | Ron::ExpectedMapEnd | Ron::ExpectedStructLikeEnd | Ron::ExpectedComma => {
                 self.end_of_group(&cursor, at)
             }
@@ -134,16 +135,16 @@ impl<'t> Explainer<'t> {
             self.early_end()
         } else {
             let message = match message {
-                "trailing comma" => "a comma must not stand before a closing bracket: remove it",
-                "expected `:`" => "`:` is missing after a name",
-                "expected value" => "a value is missing here",
-                "key must be a string" => "names of fields are texts in double quotes",
-                "trailing characters" => "the scene has ended: remove what follows",
+                "trailing comma" => "trailing comma before a closing bracket: remove it",
+                "expected `:`" => "expected `:` after a name",
+                "expected value" => "expected a value",
+                "key must be a string" => "expected the name of a field in double quotes",
+                "trailing characters" => "unexpected text after the end of the scene: remove it",
                 message if starts("expected `,` or") => {
                     let bracket = message.chars().rev().nth(1).unwrap_or_default();
                     return ParseError::new(
                         at.saturating_sub(1),
-                        format!("a comma or `{bracket}` is missing before this"),
+                        format!("expected a comma or `{bracket}` before this"),
                     );
                 }
                 other => other,
@@ -154,7 +155,7 @@ impl<'t> Explainer<'t> {
 
     /// A value that has none of its spellings has been read.
     fn no_spelling(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
-        let Some(value) = cursor.last() else { return ParseError::new(at, "another value is expected here") };
+        let Some(value) = cursor.last() else { return ParseError::new(at, "expected another value") };
         let given = &self.text[value.range.clone()];
         let is_choice = given.starts_with(|c: char| c.is_alphabetic() || c == '_') && !given.starts_with("r\"");
         let definition = self.schema.slot(&value.path).and_then(|slot| slot.definition);
@@ -170,7 +171,7 @@ impl<'t> Explainer<'t> {
         }
         if is_choice && definition == Some("NodeMaterial") {
             let message =
-                format!("`{given}` is no material; if it is the name of one, put it into quotes: \"{given}\"");
+                format!("`{given}` is not a kind of material; put the name of a material in quotes: \"{given}\"");
             return ParseError::new(value.range.start, message);
         }
         self.wrong_value(Some(value), at)
@@ -204,7 +205,7 @@ impl<'t> Explainer<'t> {
         match meant(context, found) {
             Some(Meant::Word(word)) => suggestion(Some(word), &known),
             Some(Meant::Written(form)) if self.notation == Notation::Ron => format!("; write {form}"),
-            Some(Meant::Written(form)) => format!("; write, in the notation of .ron files, {form}"),
+            Some(Meant::Written(form)) => format!("; in the notation of .ron files, write {form}"),
             None => suggestion(crate::error::nearest(found, &known), &known),
         }
     }
@@ -243,10 +244,7 @@ impl<'t> Explainer<'t> {
             let word = &self.text[start..value_end(self.text, start)];
             let after = next(self.text, start + word.len()).map_or("", |next| &self.text[next..]);
             if after.starts_with(':') {
-                return ParseError::new(
-                    start,
-                    format!("names in braces are texts: put the name into quotes: \"{word}\""),
-                );
+                return ParseError::new(start, format!("put the name in quotes: \"{word}\""));
             }
         }
         if self.stands_behind_value(cursor, at) || self.text[start..].starts_with([')', ']', '}', ',']) {
@@ -266,7 +264,7 @@ impl<'t> Explainer<'t> {
     fn wrong_value(&self, value: Option<TextValue<'t>>, at: usize) -> ParseError {
         let Some(TextValue { range, path }) = value else { return self.early_end() };
         let given = &self.text[range.clone()];
-        let Some(slot) = self.schema.slot(&path) else { return ParseError::new(at, "this is not expected here") };
+        let Some(slot) = self.schema.slot(&path) else { return ParseError::new(at, "unexpected value") };
         let word = given.trim_matches('"');
         let chosen = slot.choices().into_iter().find(|(name, _)| *name == word);
         let place = field_of(&path).map_or_else(String::new, |field| format!(" for `{field}`"));
@@ -298,7 +296,7 @@ impl<'t> Explainer<'t> {
     /// A group should end here, or go on after a comma.
     fn end_of_group(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
         let Some(frame) = cursor.brackets.last() else {
-            return ParseError::new(at, "the scene has ended: remove what follows");
+            return ParseError::new(at, "unexpected text after the end of the scene: remove it");
         };
         let Some(start) = next(self.text, at) else { return self.early_end() };
         let length = self.schema.slot(&cursor.container()).and_then(|slot| slot.fixed_length());
@@ -310,8 +308,8 @@ impl<'t> Explainer<'t> {
             bracket @ (b')' | b']' | b'}') => {
                 ParseError::new(start, format!("`{closing}` is missing before `{}`", char::from(bracket)))
             }
-            b'=' => ParseError::new(start, "write `:` after the name of a field, in place of `=`"),
-            _ => ParseError::new(start, format!("a comma is missing before this, or `{closing}`")),
+            b'=' => ParseError::new(start, "expected `:` after the name of a field, found `=`"),
+            _ => ParseError::new(start, format!("expected a comma or `{closing}` before this")),
         }
     }
 
@@ -320,8 +318,11 @@ impl<'t> Explainer<'t> {
         let end = self.text.trim_end().len();
         let cursor = Cursor::before(self.text, self.text.len());
         match cursor.brackets.last() {
-            None if end == 0 => ParseError::new(0, "the file has no scene in it"),
-            None => ParseError::new(end, "the file ends too early"),
+            None if end == 0 => ParseError::new(0, "the file contains no scene"),
+            None => {
+                let opening = if self.notation == Notation::Ron { '(' } else { '{' };
+                ParseError::new(end, format!("expected a scene, which begins with `{opening}`"))
+            }
             Some(frame) => {
                 let Position { line, .. } = Position::of(self.text, frame.bracket_at);
                 let (opening, closing) = (char::from(frame.bracket), closing(frame.bracket));
@@ -360,7 +361,7 @@ fn called(context: &str) -> String {
 /// Hint for vectors in the brackets of the other notation.
 fn hint_of_brackets(slot: &Slot<'_>, given: &str, notation: Notation) -> &'static str {
     match notation {
-        Notation::Ron if slot.fixed_length().is_some() && given.starts_with('[') => "; vectors stand in parentheses",
+        Notation::Ron if slot.fixed_length().is_some() && given.starts_with('[') => "; write vectors in parentheses",
         _ => "",
     }
 }

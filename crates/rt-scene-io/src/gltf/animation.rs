@@ -66,7 +66,7 @@ pub(super) fn poses(
     let mut opens = Pose::rest(document);
     let Some([opens_at, closes_at]) = options.shutter_interval() else {
         if !list.is_empty() {
-            warn("no time was chosen: the model rests as its nodes say");
+            warn("no time is given: the model is in its rest pose");
         }
         return Ok((opens, None));
     };
@@ -151,7 +151,7 @@ impl Curve {
         };
         let accessor = |index: usize| buffers.document().accessors().nth(index);
         let (input, output) = (sampler.input.to_string(), sampler.output.to_string());
-        let missing = |index: &str| fail(index, "is not there".to_owned());
+        let missing = |index: &str| fail(index, "does not exist".to_owned());
         let times = accessor(sampler.input).ok_or_else(|| missing(&input))?;
         let times = read_vectors::<1>(&times, buffers)?.into_flattened();
         if !times.is_sorted_by(|a, b| a < b) || times.iter().any(|time| !time.is_finite()) {

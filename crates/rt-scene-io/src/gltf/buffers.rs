@@ -61,7 +61,7 @@ impl<'a> Buffers<'a> {
                 Some(mut content) => {
                     let claimed = buffer.byte_length.0;
                     if claimed > content.len() as u64 {
-                        let rule = format!("bytes are claimed, but there are {}", content.len());
+                        let rule = format!("exceeds the size of the buffer, {} bytes", content.len());
                         return Err(LoadErrorKind::invalid(claimed, rule).at(path, format!("buffers[{i}].byteLength")));
                     }
                     match &mut content {

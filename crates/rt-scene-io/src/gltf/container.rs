@@ -25,7 +25,7 @@ impl<'a> Container<'a> {
             return Err(format!("GLB version {version}.x is not supported; it must be 2"));
         }
         let Some(mut rest) = bytes.get(..length).and_then(|all| all.get(12..)) else {
-            return Err(format!("the GLB header claims {length} bytes, but the file has {}", bytes.len()));
+            return Err(format!("the GLB header declares {length} bytes, but the file has {}", bytes.len()));
         };
         let json = chunk(&mut rest, JSON)?.ok_or("the first chunk of the GLB file is not JSON")?;
         let blob = if rest.is_empty() { None } else { chunk(&mut rest, BIN)? };
@@ -48,7 +48,7 @@ fn chunk<'a>(rest: &mut &'a [u8], kind: &[u8]) -> Result<Option<&'a [u8]>, Strin
     }
     let content = data
         .get(..length)
-        .ok_or_else(|| format!("a chunk of the GLB file claims {length} bytes, but {} are left", data.len()))?;
+        .ok_or_else(|| format!("a chunk of the GLB file declares {length} bytes, but {} are left", data.len()))?;
     *rest = &data[length..];
     Ok(Some(content))
 }
@@ -95,11 +95,11 @@ pub(super) mod tests {
         }
         for (at, value, expected) in [
             (4, 1, "GLB version 1.x is not supported; it must be 2"),
-            (8, 0, "the GLB header claims 0 bytes, but the file has 36"),
-            (8, u32::MAX, "the GLB header claims 4294967295 bytes, but the file has 36"),
+            (8, 0, "the GLB header declares 0 bytes, but the file has 36"),
+            (8, u32::MAX, "the GLB header declares 4294967295 bytes, but the file has 36"),
             (8, 16, "a chunk header of the GLB file is cut off after 4 of 8 bytes"),
-            (12, u32::MAX, "a chunk of the GLB file claims 4294967295 bytes, but 16 are left"),
-            (24, 5, "a chunk of the GLB file claims 5 bytes, but 4 are left"),
+            (12, u32::MAX, "a chunk of the GLB file declares 4294967295 bytes, but 16 are left"),
+            (24, 5, "a chunk of the GLB file declares 5 bytes, but 4 are left"),
         ] {
             let mut bad = good.clone();
             bad[at..at + 4].copy_from_slice(&value.to_le_bytes());

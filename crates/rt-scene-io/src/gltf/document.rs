@@ -158,7 +158,10 @@ fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
             let Some(position) = primitive.get("attributes").and_then(|all| all.get("POSITION")) else { continue };
             let accessor = position.as_u64().and_then(|i| accessors.get(usize::try_from(i).ok()?));
             if accessor.is_none() {
-                let reason = LoadErrorKind::invalid(position, format!("is no accessor; there are {}", accessors.len()));
+                let reason = LoadErrorKind::invalid(
+                    position,
+                    format!("is not the index of an accessor; there are {}", accessors.len()),
+                );
                 problems.push((format!("{place}.attributes.POSITION"), reason));
             }
         }
@@ -207,7 +210,7 @@ fn check_references(root: &Root, value: &Value, path: &Path) -> Result<(), LoadE
         let found = lookup(value, &place).map(Value::to_string);
         let reason = match (error, found) {
             (Error::IndexOutOfBounds, Some(found)) => {
-                LoadErrorKind::invalid(found, "refers to something that is not there")
+                LoadErrorKind::invalid(found, "is out of range: there is no object of this index")
             }
             (Error::Missing, _) => LoadErrorKind::Syntax("is missing".to_owned()),
             (_, Some(found)) => LoadErrorKind::invalid(shortened(&found), "is not valid"),
@@ -310,11 +313,11 @@ mod tests {
         let with = |rest: &str| refused(&format!(r#"{{"asset": {{"version": "2.0"}}, {rest}}}"#));
         assert_eq!(
             with(r#""nodes": [{"children": [7]}]"#),
-            "m.gltf: nodes[0].children[0]: 7 refers to something that is not there"
+            "m.gltf: nodes[0].children[0]: 7 is out of range: there is no object of this index"
         );
         assert_eq!(
             with(r#""meshes": [{"primitives": [{"attributes": {"POSITION": 2}}]}]"#),
-            "m.gltf: meshes[0].primitives[0].attributes.POSITION: 2 is no accessor; there are 0"
+            "m.gltf: meshes[0].primitives[0].attributes.POSITION: 2 is not the index of an accessor; there are 0"
         );
         assert_eq!(
             with(r#""meshes": [{"primitives": [{"attributes": {}}]}]"#),
@@ -322,7 +325,7 @@ mod tests {
         );
         assert_eq!(
             with(r#""accessors": [{"componentType": 7, "count": 1, "type": "VEC3", "bufferView": 1}]"#),
-            "m.gltf: accessors[0].bufferView: 1 refers to something that is not there\n\
+            "m.gltf: accessors[0].bufferView: 1 is out of range: there is no object of this index\n\
              m.gltf: accessors[0].componentType: 7 is not valid"
         );
     }

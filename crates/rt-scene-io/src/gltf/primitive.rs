@@ -64,7 +64,7 @@ pub(super) fn read(
         .ok_or_else(|| LoadErrorKind::Syntax("has no POSITION".to_owned()).at(buffers.path(), place))?;
     let order = attributes.order(data.positions.len())?;
     if primitive.mode() == Mode::Triangles && order.len() % 3 != 0 {
-        notes.push("the number of vertices is no multiple of three; the last ones are left out".to_owned());
+        notes.push("the number of vertices is not a multiple of three; the last ones are left out".to_owned());
     }
     data.triangles = assemble(primitive.mode(), &order);
     check_counts(&data).at(buffers.path(), place)?;
@@ -99,8 +99,9 @@ fn read_vertices(
         match attributes.vectors::<2>(&Semantic::TexCoords(set))? {
             // In the file v runs downwards.
             Some(uvs) => *slot = uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect(),
-            None => notes
-                .push(format!("its texture reads TEXCOORD_{set}, which is not there: one point is used everywhere")),
+            None => {
+                notes.push(format!("its texture needs TEXCOORD_{set}, which is missing: one point is used everywhere"))
+            }
         }
     }
     // Flat triangles have normals of their own, which the tangents of a file do not fit.

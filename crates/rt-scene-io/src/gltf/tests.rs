@@ -189,7 +189,7 @@ fn flattened_nodes_are_left_out_with_a_warning() {
     let model = load_nodes(r#""nodes": [{"name": "gone", "scale": [1, 0, 1], "mesh": 0}, {"mesh": 0}]"#);
     assert_eq!(model.nodes.len(), 1);
     assert_eq!(model.warnings[0].place, "m.glb: node `gone`");
-    assert!(model.warnings[0].message.contains("flattens space"));
+    assert!(model.warnings[0].message.contains("is singular"));
     let skewed = load_nodes(r#""nodes": [{"matrix": [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1], "mesh": 0}]"#);
     assert!(skewed.warnings[0].message.contains("last row"));
 }
@@ -348,7 +348,7 @@ fn nodes_are_posed_at_a_moment() {
     );
     let place = |model: Model| model.nodes[0].parent_from_local.point(DVec3::X);
     let rest_model = arrays.model(&rest);
-    assert_eq!(rest_model.warnings[0].message, "no time was chosen: the model rests as its nodes say");
+    assert_eq!(rest_model.warnings[0].message, "no time is given: the model is in its rest pose");
     assert_eq!(place(rest_model), DVec3::new(2.0, 0.0, 0.0));
     assert_eq!(place(arrays.at(1.0, &rest)), DVec3::new(4.0, 0.0, 0.0));
     assert!((place(arrays.at(9.0, &rest)) - DVec3::new(4.0, 2.0, 0.0)).length() < 1e-6);
@@ -363,7 +363,7 @@ fn nodes_are_posed_at_a_moment() {
     assert!(refused("\"output\": 2", "\"output\": 3").contains("has 4 components, where 3 are needed"));
     assert!(refused("\"interpolation\": \"STEP\"", "\"interpolation\": \"CUBICSPLINE\"").contains("do not fit 2 keys"));
     assert!(
-        refused("\"input\": 1, \"output\": 2", "\"input\": 9, \"output\": 2").contains("accessors[9]: is not there")
+        refused("\"input\": 1, \"output\": 2", "\"input\": 9, \"output\": 2").contains("accessors[9]: does not exist")
     );
     let fixed = rest.replace("\"scale\": [2, 2, 2]", "\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]");
     let options = LoadOptions { at_time: Some(1.0), ..LoadOptions::default() };

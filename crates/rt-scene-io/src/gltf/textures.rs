@@ -74,7 +74,8 @@ impl<'a> GltfTextures<'a> {
     ) -> Result<Option<Arc<Bitmap>>, LoadError> {
         let count = self.document.as_json().textures.len();
         if info.index >= count {
-            let reason = LoadErrorKind::invalid(info.index, format!("is no texture; there are {count}"));
+            let reason =
+                LoadErrorKind::invalid(info.index, format!("is not the index of a texture; there are {count}"));
             return Err(reason.at(self.buffers.path(), place));
         }
         let Some(image) = texture_source(self.document, info.index) else {

@@ -130,7 +130,7 @@ fn corner_count(tokens: &mut Tokenizer<'_>) -> Result<usize, LineError> {
     let line = tokens.peek_word().map_or(0, |Word { line, .. }| line);
     let count = tokens.number("the number of corners")?;
     if count.fract() != 0.0 || count < 3.0 {
-        return Err(LineError::new(line, count, "is no number of corners: a polygon has 3 or more"));
+        return Err(LineError::new(line, count, "is not a number of corners: a polygon has 3 or more"));
     }
     // The conversion saturates beyond the range of u64.
     let (value, limit) = (count as u64, limits::FACE_CORNERS as u64);
@@ -206,8 +206,8 @@ mod tests {
             assert!(faces.is_empty() && faces.corners.is_empty());
             error.kind.to_string()
         };
-        assert_eq!(refused("2 0 0 0 1 1 1"), "2 is no number of corners: a polygon has 3 or more");
-        assert_eq!(refused("3.5"), "3.5 is no number of corners: a polygon has 3 or more");
+        assert_eq!(refused("2 0 0 0 1 1 1"), "2 is not a number of corners: a polygon has 3 or more");
+        assert_eq!(refused("3.5"), "3.5 is not a number of corners: a polygon has 3 or more");
         assert!(refused("4000000000 0 0 0").ends_with("is 4000000000, the limit is 100000"));
         assert!(refused("99999 0 0 0 1").contains("the end of the file comes before a coordinate of a corner"));
     }

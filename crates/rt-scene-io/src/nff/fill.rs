@@ -45,7 +45,7 @@ impl Fill {
             return Err(LineError::new(
                 line,
                 ior,
-                "is no index of refraction of what light passes through: give 1 or more",
+                "is not an index of refraction of a transparent material: give at least 1",
             ));
         }
         Ok(Self { ior, ..fill })
@@ -104,8 +104,8 @@ mod tests {
 
     #[test]
     fn what_is_transparent_needs_an_index() {
-        assert!(fill("1 1 1 1 0 1 0.5 0").unwrap_err().starts_with("0 is no index of refraction"));
-        assert!(fill("1 1 1 1 -1 1 0 1").unwrap_err().contains("-1 as Ks is less than 0"));
+        assert!(fill("1 1 1 1 0 1 0.5 0").unwrap_err().starts_with("0 is not an index of refraction"));
+        assert!(fill("1 1 1 1 -1 1 0 1").unwrap_err().contains("Ks: -1 must not be negative"));
         assert!(fill("1 1 1 1").unwrap_err().contains("comes before Ks"));
     }
 }

@@ -140,7 +140,7 @@ impl<'p> NffReader<'p> {
             "b" => {
                 let colour = tokens.color("a part of the background colour")?.into();
                 if self.background.replace(colour).is_some() {
-                    return Err(LineError::new(line, "the background", "is given a second time: keep one"));
+                    return Err(LineError::new(line, "the background", "is given twice: keep one"));
                 }
             }
             "l" => {
@@ -170,7 +170,7 @@ impl<'p> NffReader<'p> {
     fn view(&mut self, tokens: &mut Tokenizer<'_>, line: usize) -> Result<(), LineError> {
         let NffView { camera, size } = NffView::read(tokens, line)?;
         if std::mem::replace(&mut self.has_view, true) {
-            return Err(LineError::new(line, "the view", "is given a second time: keep one"));
+            return Err(LineError::new(line, "the view", "is given twice: keep one"));
         }
         self.model.cameras.push(camera);
         self.model.image_size = Some(size);

@@ -98,15 +98,15 @@ fn every_bad_line_is_named() {
     assert_eq!(
         message.lines().collect::<Vec<_>>(),
         [
-            "m.nff:10: `f` stands where a coordinate of the light should: give a number",
+            "m.nff:10: `f` is not a number; expected a coordinate of the light",
             "m.nff:11: radius 0 must be positive (at least 1e-60)",
-            "m.nff:12: `x` stands where a coordinate of the centre should: give a number",
+            "m.nff:12: `x` is not a number; expected a coordinate of the centre",
             "m.nff:13: `5` is one number too many for the statement before it: remove it",
             "m.nff:14: [0, 0, 0] is the middle of both ends of a cone: move one of them",
-            "m.nff:15: 2 is no number of corners: a polygon has 3 or more",
+            "m.nff:15: 2 is not a number of corners: a polygon has 3 or more",
             "m.nff:16: unknown statement `q`; known are `v`, `b`, `l`, `f`, `c`, `s`, `p`, `pp`",
-            "m.nff:17: 0 is no index of refraction of what light passes through: give 1 or more",
-            "m.nff:18: the background is given a second time: keep one",
+            "m.nff:17: 0 is not an index of refraction of a transparent material: give at least 1",
+            "m.nff:18: the background is given twice: keep one",
             "m.nff:19: the view has no `at`: add it",
             "m.nff:20: the end of the file comes before a component of a normal",
         ]

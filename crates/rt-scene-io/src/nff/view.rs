@@ -76,7 +76,7 @@ fn resolution(tokens: &mut Tokenizer<'_>, line: usize) -> Result<[u32; 2], LineE
     let shown = || format!("{width} x {height}");
     let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
     if !whole(width) || !whole(height) {
-        return Err(LineError::new(line, shown(), "is no resolution: give two whole numbers of pixels from 1 up"));
+        return Err(LineError::new(line, shown(), "is not a resolution: give two whole numbers of pixels, at least 1"));
     }
     if width * height > Image::MAX_PIXELS as f64 {
         return Err(LineError::new(line, shown(), "pixels are more than 2^28: choose a smaller image"));

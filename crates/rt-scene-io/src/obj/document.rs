@@ -211,7 +211,7 @@ impl StatementReader {
         for word in line.arguments() {
             let corner = corner(word, self.counts)?;
             if corner.dangling {
-                self.skip("normal or texture coordinate that is not there", line.number);
+                self.skip("missing normal or texture coordinate", line.number);
             }
             self.corners.push(corner.indices);
         }

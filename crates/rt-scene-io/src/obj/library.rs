@@ -83,7 +83,7 @@ impl<'a> MaterialLibrary<'a> {
         }
         for name in missing {
             self.incomplete = true;
-            let message = format!("the material library `{name}` is not there; its materials become plain grey");
+            let message = format!("the material library `{name}` does not exist; its materials become plain grey");
             model.warn(format_args!("{}:{}", self.path.display(), line), message);
         }
         Ok(())

@@ -114,7 +114,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         model.nodes.push(SceneNode { name: part.name.clone(), ..SceneNode::new(Content::Mesh(id), material) });
     }
     if model.meshes.is_empty() {
-        return Err(LoadErrorKind::Syntax("no triangle is left: the file has no usable faces".to_owned()).at(path, ""));
+        return Err(model.empty("has no usable triangles", path));
     }
     Ok(model)
 }
@@ -276,9 +276,14 @@ mod tests {
 
     #[test]
     fn files_without_faces_are_refused() {
-        for text in ["", "# nothing\n", SQUARE, "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"] {
-            assert_eq!(refused(text), "m.obj: no triangle is left: the file has no usable faces");
+        for text in ["", "# nothing\n", SQUARE] {
+            assert_eq!(refused(text), "m.obj: has no usable triangles");
         }
+        assert_eq!(
+            refused("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
+            "m.obj: has no usable triangles (warning: m.obj: unnamed object: 1 triangles without area were dropped (of 1 \
+             triangles in all))"
+        );
     }
 
     #[test]
@@ -306,8 +311,8 @@ mod tests {
         assert!(matches!(model.materials[1].to_phong().diffuse, ColorTexture::Textured(..)));
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-        assert_eq!(what[0], "the material library `none.mtl` is not there; its materials become plain grey");
-        assert_eq!(what[1], "the image `missing.png` is not there; the plain colour is used");
+        assert_eq!(what[0], "the material library `none.mtl` does not exist; its materials become plain grey");
+        assert_eq!(what[1], "the image `missing.png` does not exist; the plain colour is used");
         assert_eq!(what.len(), 2);
     }
 

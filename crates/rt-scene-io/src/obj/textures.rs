@@ -57,7 +57,7 @@ impl<'a> ObjTextures<'a> {
             model.warn(place, message);
         };
         for option in &map.ignored {
-            warn(format!("the texture option `{option}` of `{}` is not followed", map.file));
+            warn(format!("the texture option `{option}` of `{}` is not supported", map.file));
         }
         let instead = match meaning {
             PixelMeaning::Colors => "the plain colour is used",
@@ -67,13 +67,13 @@ impl<'a> ObjTextures<'a> {
         };
         // Absolute paths are those of another machine.
         if is_absolute(&map.file) {
-            warn(format!("the image `{}` is not looked for, as its path is absolute; {instead}", map.file));
+            warn(format!("the path of the image `{}` is absolute; {instead}", map.file));
             return Ok(None);
         }
         let image = match resolve_path(&map.file, file, self.options) {
             Ok(image) => image,
             Err(LoadErrorKind::MissingReference { .. }) => {
-                warn(format!("the image `{}` is not there; {instead}", map.file));
+                warn(format!("the image `{}` does not exist; {instead}", map.file));
                 return Ok(None);
             }
             Err(reason) => return Err(reason.at(file, place)),

@@ -101,8 +101,8 @@ fn aim(parameters: &Parameters, place: &Transform) -> Result<DVec3, LineError> {
     place.vector(to - from).try_normalize().ok_or_else(|| {
         LineError::new(
             parameters.line,
-            format_args!("the way from {from} to {to}"),
-            "has no direction: move one of them",
+            format_args!("the direction from {from} to {to}"),
+            "has length 0: move one of them",
         )
     })
 }

@@ -100,7 +100,7 @@ impl MaterialParameters<'_> {
         if alpha <= 1.0 {
             return Ok(alpha.sqrt());
         }
-        warnings.push(format!("roughness {roughness} is more than there is: it became 1"));
+        warnings.push(format!("roughness {roughness} was clamped to 1"));
         Ok(1.0)
     }
 
@@ -169,7 +169,7 @@ impl MaterialParameters<'_> {
         }
         let (first, second) = (find(&names[0])?, find(&names[1])?);
         let (Some(first), Some(second)) = (first, second) else {
-            return Err(LineError::new(p.line, "a mix", "has a part that is not seen: give it a material"));
+            return Err(LineError::new(p.line, "a mix", "has an invisible part: give it a material"));
         };
         let mixes = |part: &Material| match &part.model {
             MaterialModel::Mix(_) | MaterialModel::Dielectric { .. } => None,

@@ -70,7 +70,7 @@ impl Parameter {
         let declared = tokens.text("the type and name of a parameter")?;
         let mut words = declared.split_whitespace();
         let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-            let rule = "is no parameter: give its type and its name, such as \"float radius\"";
+            let rule = "is not a parameter: give its type and its name, such as \"float radius\"";
             return Err(LineError::new(line, format_args!("`\"{declared}\"`"), rule));
         };
         let Some((kind, size)) = TYPES.iter().copied().find(|(known, _)| *known == kind) else {
@@ -87,8 +87,10 @@ impl Parameter {
         };
         if !fits {
             let rule = match size {
-                0 => format!("takes words or `true` and `false`, not so many numbers, as {kind}"),
-                _ => format!("takes {size} numbers for each {kind}"),
+                0 if kind == "spectrum" => "of type spectrum needs a name, or pairs of wavelength and value".to_owned(),
+                0 => format!("of type {kind} needs strings or booleans, not numbers"),
+                1 => format!("of type {kind} needs numbers"),
+                _ => format!("of type {kind} needs {size} numbers for each value"),
             };
             return Err(LineError::new(line, format_args!("the parameter \"{name}\""), rule));
         }
@@ -115,7 +117,7 @@ impl Parameter {
                 match tokens.peek() {
                     // A directive here means that the bracket was never closed.
                     Some(TokenKind::Word(word)) if word.starts_with(|c: char| c.is_ascii_uppercase()) => {
-                        let rule = format!("stands where {what} should: close the bracket");
+                        let rule = format!("is not a value; expected {what} or `]`");
                         return Err(LineError::new(tokens.line(), format_args!("`{word}`"), rule));
                     }
                     _ => {}
@@ -126,7 +128,7 @@ impl Parameter {
                 }
             },
             (line, kind @ TokenKind::Close) => {
-                return Err(LineError::new(line, shown(&kind), format!("stands where {what} should")));
+                return Err(LineError::new(line, shown(&kind), format!("is not a value; expected {what}")));
             }
             (line, kind) => add(line, kind)?,
         }
@@ -135,7 +137,7 @@ impl Parameter {
 
     /// Error about its value.
     pub(super) fn error(&self, value: impl Display, rule: impl Into<String>) -> LineError {
-        LineError::new(self.line, format_args!("{value} as \"{}\"", self.name), rule)
+        LineError::new(self.line, format_args!("\"{}\": {value}", self.name), rule)
     }
 }
 
@@ -146,7 +148,7 @@ impl Parameters {
         while let Some(TokenKind::Text(_)) = tokens.peek() {
             let parameter = Parameter::read(tokens)?;
             if list.iter().any(|before| before.name == parameter.name && before.kind == parameter.kind) {
-                let rule = "is given a second time: keep one";
+                let rule = "is given twice: keep one";
                 return Err(LineError::new(parameter.line, format_args!("the parameter \"{}\"", parameter.name), rule));
             }
             list.push(parameter);
@@ -214,7 +216,7 @@ impl Parameters {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let numbers = self.numbers(name, types)?;
         let one = numbers.try_into();
-        one.map(Some).map_err(|_| parameter.error(format_args!("{} numbers", numbers.len()), format!("must be {N}")))
+        one.map(Some).map_err(|_| parameter.error(format_args!("{} numbers,", numbers.len()), format!("expected {N}")))
     }
 
     /// A number.
@@ -279,7 +281,7 @@ impl Parameters {
             if number >= 0.0 && number < count as f64 && number.fract() == 0.0 {
                 Ok(number as u32)
             } else {
-                Err(parameter.error(number, format!("names no vertex: there are {count}, counted from 0")))
+                Err(parameter.error(number, format!("is not a vertex: there are {count}, counted from 0")))
             }
         };
         self.numbers(name, &["integer"])?.iter().map(index).collect()
@@ -327,23 +329,23 @@ mod tests {
         assert_eq!(p.word("s", "string").unwrap(), Some("a b"));
         assert_eq!(p.indices("i", 2).unwrap(), [0, 1]);
         let message = p.indices("i", 1).unwrap_err().kind.to_string();
-        assert_eq!(message, "1 as \"i\" names no vertex: there are 1, counted from 0");
+        assert_eq!(message, "\"i\": 1 is not a vertex: there are 1, counted from 0");
         assert!(p.float("P", 0.0).is_err() && p.word("r", "string").is_err() && p.point("P", DVec3::ZERO).is_err());
     }
 
     #[test]
     fn every_bad_parameter_is_named() {
         for (text, message) in [
-            ("\"radius\" 1", "1: `\"radius\"` is no parameter"),
+            ("\"radius\" 1", "1: `\"radius\"` is not a parameter"),
             ("\n\"flaot r\" 1", "2: unknown type of a parameter `flaot`; did you mean `float`?"),
-            ("\"rgb c\" [1 2]", "1: the parameter \"c\" takes 3 numbers for each rgb"),
-            ("\"float r\" \"a\"", "1: the parameter \"r\" takes 1 numbers for each float"),
-            ("\"string s\" 1", "1: the parameter \"s\" takes words"),
+            ("\"rgb c\" [1 2]", "1: the parameter \"c\" of type rgb needs 3 numbers for each value"),
+            ("\"float r\" \"a\"", "1: the parameter \"r\" of type float needs numbers"),
+            ("\"string s\" 1", "1: the parameter \"s\" of type string needs strings"),
             ("\"float r\" [1 \"a\"]", "1: the parameter \"r\" mixes numbers and words"),
-            ("\"float r\" [1\nShape", "2: `Shape` stands where a value of \"r\" should: close the bracket"),
-            ("\"float r\" x", "1: `x` stands where a value of \"r\" should"),
+            ("\"float r\" [1\nShape", "2: `Shape` is not a value; expected a value of \"r\" or `]`"),
+            ("\"float r\" x", "1: `x` is not a number; expected a value of \"r\""),
             ("\"float r\"", "1: the end of the file comes before a value of \"r\""),
-            ("\"float r\" 1 \"float r\" 2", "1: the parameter \"r\" is given a second time"),
+            ("\"float r\" 1 \"float r\" 2", "1: the parameter \"r\" is given twice"),
         ] {
             let error = read(text).unwrap_err();
             assert!(error.starts_with(message), "{text}: {error}");

@@ -142,7 +142,7 @@ impl<'f> PbrtReader<'f> {
                 Ok(None) => return,
                 Ok(Some(Token { line, kind: TokenKind::Word(word) })) => self.directive(word, line, &mut tokens),
                 Ok(Some(Token { line, kind })) => {
-                    Err(LineError::new(line, shown(&kind), "stands where a directive should: remove it").into())
+                    Err(LineError::new(line, shown(&kind), "is not a directive: remove it").into())
                 }
                 Err(error) => Err(error.into()),
             };
@@ -196,7 +196,7 @@ impl<'f> PbrtReader<'f> {
             }
             "Shape" | "LightSource" | "AreaLightSource" | "ObjectBegin" | "ObjectInstance" if !self.in_world => {
                 return Err(
-                    LineError::new(line, format_args!("`{word}`"), "comes before `WorldBegin`: put it after").into()
+                    LineError::new(line, format_args!("`{word}`"), "comes before `WorldBegin`: move it after").into()
                 );
             }
             _ if TRANSFORMS.contains(&word) => {
@@ -210,7 +210,7 @@ impl<'f> PbrtReader<'f> {
             _ if CHOICES.contains(&word) => {
                 let name = tokens.text("the name of a choice")?;
                 Parameters::read(tokens, line)?;
-                self.model.notes.push(format!("{word} \"{name}\" is not taken over: this program's own choice holds."));
+                self.model.notes.push(format!("{word} \"{name}\" is ignored: this program chooses its own."));
             }
             "AttributeBegin" | "TransformBegin" => self.open_scope(line, false)?,
             "AttributeEnd" | "TransformEnd" => self.close_scope(line, word)?,
@@ -220,7 +220,7 @@ impl<'f> PbrtReader<'f> {
                 let target = tokens.text("what attributes are for")?;
                 if !TARGETS.contains(&target.as_str()) {
                     let known = "give shape, light, material, medium or texture";
-                    self.warn(line, format!("`Attribute \"{target}\"` is for nothing that is known: {known}"));
+                    self.warn(line, format!("`Attribute \"{target}\"` has an unknown target: {known}"));
                     Parameters::read(tokens, line)?;
                     return Ok(());
                 }
@@ -257,7 +257,7 @@ impl<'f> PbrtReader<'f> {
 
     fn set_matrix(&mut self, matrix: Transform, line: usize) {
         if self.at_end_time {
-            self.warn(line, "motion is not supported: all is where it begins".to_owned());
+            self.warn(line, "motion is not supported: objects stay at their start".to_owned());
         } else {
             self.state.matrix = matrix;
         }
@@ -281,7 +281,7 @@ impl<'f> PbrtReader<'f> {
                 (_, TokenKind::Word("StartTime" | "All")) => self.at_end_time = false,
                 (_, TokenKind::Word("EndTime")) => self.at_end_time = true,
                 (line, other) => {
-                    return Err(LineError::new(line, shown(&other), "is none of `StartTime`, `EndTime` and `All`"));
+                    return Err(LineError::new(line, shown(&other), "is not one of `StartTime`, `EndTime` and `All`"));
                 }
             },
             _ => {
@@ -301,7 +301,9 @@ impl<'f> PbrtReader<'f> {
                 if self.view.is_none() {
                     self.warn(
                         line,
-                        format!("the camera \"{kind}\" is not supported: one that sees everything is put up"),
+                        format!(
+                            "the camera \"{kind}\" is not supported: a camera that shows the whole scene replaces it"
+                        ),
                     );
                     return Ok(());
                 }
@@ -321,7 +323,7 @@ impl<'f> PbrtReader<'f> {
             }
             _ => {
                 if std::mem::replace(&mut self.in_world, true) {
-                    return Err(LineError::new(line, "`WorldBegin`", "comes a second time: keep one"));
+                    return Err(LineError::new(line, "`WorldBegin`", "is given twice: keep one"));
                 }
                 self.state.matrix = Transform::IDENTITY;
                 self.at_end_time = false;
@@ -343,7 +345,7 @@ impl<'f> PbrtReader<'f> {
     pub(super) fn close_scope(&mut self, line: usize, word: &str) -> Result<(), LineError> {
         let is_object = word == "ObjectEnd";
         if self.saved.last().is_none_or(|(_, _, of_object)| *of_object != is_object) {
-            return Err(LineError::new(line, format_args!("`{word}`"), "ends nothing that is open here: remove it"));
+            return Err(LineError::new(line, format_args!("`{word}`"), "has no matching begin: remove it"));
         }
         if let Some((state, ..)) = self.saved.pop() {
             self.state = state;
@@ -382,7 +384,11 @@ impl<'f> PbrtReader<'f> {
     /// Returns the model, or all errors.
     pub(super) fn finish(mut self) -> Result<Model, LoadError> {
         if let Some((_, line, _)) = self.saved.pop() {
-            self.report(LineError::new(line, "what begins here", "has no end: add `AttributeEnd` or `ObjectEnd`"));
+            self.report(LineError::new(
+                line,
+                "the block that begins here",
+                "has no end: add `AttributeEnd` or `ObjectEnd`",
+            ));
         } else if !self.in_world {
             let reason = LoadErrorKind::Syntax("has no `WorldBegin`: add it before the first shape".to_owned());
             self.report.add(reason.at(self.files.root_file, "").into_diagnostics());
@@ -391,11 +397,11 @@ impl<'f> PbrtReader<'f> {
         self.report.finish()?;
         for (path, target, attribute) in self.attributes.iter().filter(|(.., attribute)| !attribute.is_used()) {
             let place = format!("{}:{}", path.display(), attribute.line);
-            let message = format!("the attribute \"{}\" for \"{target}\" is used by nothing", attribute.name);
+            let message = format!("the attribute \"{}\" for \"{target}\" is not used", attribute.name);
             self.model.warn(place, message);
         }
         if self.nodes.is_empty() {
-            return Err(LoadErrorKind::Syntax("has no shapes that can be seen".to_owned()).at(path, ""));
+            return Err(self.model.empty("has no visible shapes", path));
         }
         let mut model = self.model;
         for (index, count) in self.warned.into_values().filter(|(_, count)| *count > 1) {

@@ -28,7 +28,7 @@ fn of(parameter: &Parameter) -> Result<(Rgb, Approximation), LineError> {
     match (parameter.kind, &parameter.values) {
         ("rgb", Values::Numbers(numbers)) => match numbers[..] {
             [r, g, b] if r >= 0.0 && g >= 0.0 && b >= 0.0 => Ok((Rgb::new(r, g, b), None)),
-            _ => Err(parameter.error(format_args!("{numbers:?}"), "must be three numbers from 0 up")),
+            _ => Err(parameter.error(format_args!("{numbers:?}"), "must be three numbers of at least 0")),
         },
         ("float", Values::Numbers(numbers)) => match numbers[..] {
             [gray] if gray >= 0.0 => Ok((Rgb::gray(gray), None)),
@@ -54,7 +54,7 @@ fn of(parameter: &Parameter) -> Result<(Rgb, Approximation), LineError> {
             Some(name) => {
                 Ok((Rgb::WHITE, Some(format!("the spectrum \"{name}\" is not known: white is in its place"))))
             }
-            None => Err(parameter.error("nothing", "must be the name of a spectrum")),
+            None => Err(parameter.error("an empty value", "must be the name of a spectrum")),
         },
         (kind, _) => Err(parameter.error(kind, "has the wrong type: give rgb")),
     }
@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(read("\"spectrum L\" [400 1 700 2]").unwrap().1.unwrap(), "the spectrum \"L\" became its mean, 1.5");
         assert_eq!(
             read("\"rgb L\" [1 -2 3]").unwrap_err(),
-            "[1.0, -2.0, 3.0] as \"L\" must be three numbers from 0 up"
+            "\"L\": [1.0, -2.0, 3.0] must be three numbers of at least 0"
         );
         assert!(read("\"blackbody L\" [1]").is_err() && read("\"point3 L\" [1 1 1]").is_err());
         assert!(read("\"spectrum L\" \"stdillum-F11\"").unwrap().1.is_some());

@@ -50,7 +50,7 @@ pub(super) fn transformed(
     let error = |error: TransformError| LineError { line, kind: error.into() };
     let first = match directive {
         "Identity" => return Ok(Transform::IDENTITY),
-        "Translate" => Transform::translate(DVec3::from(tokens.numbers("a part of the way")?)),
+        "Translate" => Transform::translate(DVec3::from(tokens.numbers("a part of the translation")?)),
         "Scale" => Transform::scale(DVec3::from(tokens.numbers("a factor")?)).map_err(error)?,
         "Rotate" => {
             let [degrees, x, y, z] = tokens.numbers("an angle in degrees or a component of the axis")?;

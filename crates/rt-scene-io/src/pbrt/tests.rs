@@ -92,7 +92,7 @@ fn known_values_of_a_scene() {
         model.background,
         Some(crate::format::Background::Constant(crate::format::Color::from_rgb([0.1, 0.2, 0.3])))
     );
-    assert_eq!(model.notes, ["Sampler \"halton\" is not taken over: this program's own choice holds."]);
+    assert_eq!(model.notes, ["Sampler \"halton\" is ignored: this program chooses its own."]);
 
     let DeltaLightKind::Directional { direction } = model.lights[0].kind else { panic!("a sun") };
     assert_eq!(direction, DVec3::NEG_Y);
@@ -203,17 +203,20 @@ fn every_bad_line_is_named_and_all_in_one_run() {
     let cases = [
         ("Shpae \"sphere\"", "m.pbrt:2: unknown directive `Shpae`; did you mean `Shape`?"),
         ("Shape \"cube\"", "m.pbrt:2: unknown shape `cube`"),
-        ("Shape \"sphere\" \"float radius\" -1", "m.pbrt:2: -1 as \"radius\" must be above 0"),
+        ("Shape \"sphere\" \"float radius\" -1", "m.pbrt:2: \"radius\": -1 must be above 0"),
         ("Shape \"trianglemesh\"", "m.pbrt:2: a mesh has no \"point3 P\": add its vertices"),
         (
             "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]",
-            "m.pbrt:2: 3 as \"indices\" names no vertex",
+            "m.pbrt:2: \"indices\": 3 is not a vertex",
         ),
-        ("Shape \"plymesh\" \"string filename\" \"none.ply\"", "m.pbrt:2: `none.ply` is not there"),
+        ("Shape \"plymesh\" \"string filename\" \"none.ply\"", "m.pbrt:2: `none.ply` does not exist"),
         ("Shape \"plymesh\" \"string filename\" \"/etc/a.ply\"", "m.pbrt:2: `/etc/a.ply` is absolute"),
         ("Include \"../../../../etc/passwd\"", "m.pbrt:2: `../../../../etc/passwd`"),
         ("Material \"wood\"", "m.pbrt:2: unknown material `wood`"),
-        ("Material \"diffuse\" \"rgb reflectance\" [1 2]", "m.pbrt:2: the parameter \"reflectance\" takes 3 numbers"),
+        (
+            "Material \"diffuse\" \"rgb reflectance\" [1 2]",
+            "m.pbrt:2: the parameter \"reflectance\" of type rgb needs 3 numbers",
+        ),
         ("Material \"diffuse\" \"texture reflectance\" \"t\"", "m.pbrt:2: unknown texture `t`; there are none"),
         ("NamedMaterial \"m\"", "m.pbrt:2: unknown material `m`; there are none"),
         ("ObjectInstance \"m\"", "m.pbrt:2: unknown object `m`; there are none"),
@@ -223,20 +226,20 @@ fn every_bad_line_is_named_and_all_in_one_run() {
         ("LightSource \"spot\" \"float coneangle\" 100", "m.pbrt:2: a cone from 95 to 100 degrees must be angles"),
         (
             "LightSource \"distant\" \"point3 to\" [0 0 0]",
-            "m.pbrt:2: the way from [0, 0, 0] to [0, 0, 0] has no direction",
+            "m.pbrt:2: the direction from [0, 0, 0] to [0, 0, 0] has length 0",
         ),
         ("AreaLightSource \"glow\"", "m.pbrt:2: unknown area light `glow`"),
         ("Camera \"perspective\"", "m.pbrt:2: `Camera` comes after the world has begun"),
-        ("AttributeEnd", "m.pbrt:2: `AttributeEnd` ends nothing that is open here"),
-        ("AttributeBegin", "m.pbrt:2: what begins here has no end"),
-        ("ObjectBegin \"a\" AttributeEnd ObjectEnd", "m.pbrt:2: `AttributeEnd` ends nothing that is open here"),
+        ("AttributeEnd", "m.pbrt:2: `AttributeEnd` has no matching begin"),
+        ("AttributeBegin", "m.pbrt:2: the block that begins here has no end"),
+        ("ObjectBegin \"a\" AttributeEnd ObjectEnd", "m.pbrt:2: `AttributeEnd` has no matching begin"),
         ("Scale 0 1 1", "m.pbrt:2: "),
-        ("Translate 1 x 1", "m.pbrt:2: `x` stands where a part of the way should"),
+        ("Translate 1 x 1", "m.pbrt:2: `x` is not a number; expected a part of the translation"),
         ("LookAt 0 0 0 0 0 0 0 1 0", "m.pbrt:2: the view from [0, 0, 0] to [0, 0, 0]"),
-        ("Transform [1 0 0]", "m.pbrt:2: `]` stands where an element of the matrix should"),
+        ("Transform [1 0 0]", "m.pbrt:2: `]` is not a number; expected an element of the matrix"),
         ("CoordSysTransform \"a\"", "m.pbrt:2: unknown coordinate system `a`"),
-        ("WorldBegin", "m.pbrt:2: `WorldBegin` comes a second time"),
-        ("\"float radius\" 1", "m.pbrt:2: `\"float radius\"` stands where a directive should"),
+        ("WorldBegin", "m.pbrt:2: `WorldBegin` is given twice"),
+        ("\"float radius\" 1", "m.pbrt:2: `\"float radius\"` is not a directive"),
     ];
     for (bad, message) in cases {
         let error = load(&world(bad)).expect_err(bad).to_string();
@@ -247,13 +250,13 @@ fn every_bad_line_is_named_and_all_in_one_run() {
     let lines: Vec<_> = two.diagnostics().iter().map(|diagnostic| diagnostic.location.to_string()).collect();
     assert_eq!(lines, [":1", ":3", ":4"]);
     assert_eq!(load("Shape \"sphere\"").unwrap_err().to_string().lines().count(), 2, "before the world, and no world");
-    assert_eq!(load("WorldBegin").unwrap_err().to_string(), "m.pbrt: has no shapes that can be seen");
+    assert_eq!(load("WorldBegin").unwrap_err().to_string(), "m.pbrt: has no visible shapes");
 }
 
 #[test]
 fn what_is_not_supported_is_listed_with_its_line() {
     for (directive, message) in [
-        ("Shape \"curve\" \"point3 P\" [0 0 0 1 1 1 2 2 2 3 3 3]", "the shape \"curve\" is left out"),
+        ("Shape \"curve\" \"point3 P\" [0 0 0 1 1 1 2 2 2 3 3 3]", "the shape \"curve\" is not supported"),
         ("Shape \"sphere\" \"float zmin\" 0", "the sphere is whole, without regard"),
         ("Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" cuts meshes alone: the sphere is whole"),
         ("Material \"hair\"", "the material \"hair\" is not supported: grey is in its place"),
@@ -266,11 +269,14 @@ fn what_is_not_supported_is_listed_with_its_line() {
             "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"spherical\"",
             "the mapping \"spherical\" is not supported",
         ),
-        ("LightSource \"goniometric\"", "the light \"goniometric\" is left out"),
+        ("LightSource \"goniometric\"", "the light \"goniometric\" is not supported"),
         ("LightSource \"point\" \"float fov\" 5", "the parameter \"fov\" of LightSource is not supported"),
         ("MediumInterface \"fog\" \"\"", "`MediumInterface` is left out"),
         ("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "`MakeNamedMedium` is left out"),
-        ("AttributeBegin Material \"interface\" Shape \"sphere\" AttributeEnd", "a shape of no material is not seen"),
+        (
+            "AttributeBegin Material \"interface\" Shape \"sphere\" AttributeEnd",
+            "a shape without material is invisible",
+        ),
         (
             "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]",
             "a subdivision surface is not smoothed",
@@ -288,7 +294,7 @@ fn what_is_not_supported_is_listed_with_its_line() {
     let many = good(&world("Shape \"curve\"\nShape \"curve\""));
     assert_eq!(
         many.warnings[0].message,
-        "the shape \"curve\" is left out: it is not supported (2 times, this is the first)"
+        "the shape \"curve\" is not supported: it is left out (2 times, this is the first)"
     );
 }
 

@@ -143,9 +143,7 @@ impl PbrtTextures {
             None | Some("repeat") => Wrap::Repeat,
             Some("clamp") => Wrap::Clamp,
             Some(other) => {
-                warnings.push(format!(
-                    "the image does not end at its edge, as \"{other}\" would have it: the edge goes on"
-                ));
+                warnings.push(format!("the wrap mode \"{other}\" is not supported: `clamp` is used"));
                 Wrap::Clamp
             }
         };

@@ -142,7 +142,7 @@ impl PbrtReader<'_> {
             PbrtLight::Light(light) => self.model.lights.push(light),
             PbrtLight::Sky(radiance) => self.sky = Some(self.sky.unwrap_or_default() + radiance),
             PbrtLight::Unsupported => {
-                self.warn(line, format!("the light \"{kind}\" is left out: it is not supported"));
+                self.warn(line, format!("the light \"{kind}\" is not supported: it is left out"));
                 return Ok(());
             }
         }
@@ -173,13 +173,13 @@ impl PbrtReader<'_> {
                 (Content::Mesh(self.model.add_mesh(name.clone(), mesh)), self.state.matrix)
             }
             PbrtShape::Unsupported => {
-                self.warn(line, format!("the shape \"{kind}\" is left out: it is not supported"));
+                self.warn(line, format!("the shape \"{kind}\" is not supported: it is left out"));
                 return Ok(());
             }
         };
         self.warn_all(&format!("the shape \"{kind}\""), &parameters, warnings);
         let Some(material) = self.material(alpha) else {
-            self.warn(line, "a shape of no material is not seen: it is left out".to_owned());
+            self.warn(line, "a shape without material is invisible: it is left out".to_owned());
             return Ok(());
         };
         self.add(SceneNode { content: Some(content), material, ..SceneNode::empty(name, place) }, line)?;

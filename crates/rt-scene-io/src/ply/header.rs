@@ -20,7 +20,7 @@ pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), LoadErrorK
             element.properties.iter().map(|property| min_bytes(header.format, &property.property_type)).sum();
         if row == 0 && element.count > 0 {
             let value = format!("the element `{}` of {} rows", element.name, element.count);
-            return Err(LoadErrorKind::invalid(value, "has no properties: a row must hold something"));
+            return Err(LoadErrorKind::invalid(value, "has no properties: give at least one"));
         }
         needed = needed.saturating_add(row.saturating_mul(element.count as u64));
     }
@@ -28,7 +28,7 @@ pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), LoadErrorK
         let value = format!("{available} bytes after the header");
         return Err(LoadErrorKind::invalid(
             value,
-            format!("cannot hold what it promises, which takes {needed} or more"),
+            format!("are too few: its elements take at least {needed}; the file is truncated"),
         ));
     }
     let Some(vertex) = header.get_element("vertex") else {

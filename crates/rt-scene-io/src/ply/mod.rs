@@ -118,7 +118,7 @@ fn surplus(bytes: &[u8], rest: &[u8], format: PlyFormat) -> Option<String> {
     let rest = &rest[..rest.len().saturating_sub(1)];
     if format != PlyFormat::Ascii {
         let unit = if rest.len() == 1 { "byte" } else { "bytes" };
-        let sentence = format!("{} {unit} beyond the rows that the header promises are left out", rest.len());
+        let sentence = format!("{} {unit} beyond the rows that the header declares are left out", rest.len());
         return (!rest.is_empty()).then_some(sentence);
     }
     let read = bytes.len() - 1 - rest.len();
@@ -133,7 +133,7 @@ fn surplus(bytes: &[u8], rest: &[u8], format: PlyFormat) -> Option<String> {
     let (first, unit) = (first?, if count == 1 { "line" } else { "lines" });
     let place = if count == 1 { format!("(line {first})") } else { format!("the first of them line {first}") };
     let comma = if count == 1 { " " } else { ", " };
-    Some(format!("{count} {unit} beyond the rows that the header promises are left out{comma}{place}"))
+    Some(format!("{count} {unit} beyond the rows that the header declares are left out{comma}{place}"))
 }
 
 /// Error at the position up to which the file was read: a line of text, or a byte.

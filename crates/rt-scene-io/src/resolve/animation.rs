@@ -68,7 +68,7 @@ pub(super) fn posed_camera<'a>(
     let looks = animation.keys.iter().any(CameraKey::looks);
     let first_move = animation.keys.iter().position(|key| !key.transform.is_empty());
     if let Some(index) = first_move.filter(|_| looks) {
-        let rule = "conflicts with `look_from`, `look_at` or `up` of this or another key: move by one of both";
+        let rule = "conflicts with `look_from`, `look_at` or `up` of this or another key: use one of them";
         let reason = LoadErrorKind::invalid("the transform", rule);
         return report.check(format_args!("{keys_path}.keys[{index}].transform"), Err(reason));
     }
@@ -95,7 +95,7 @@ pub(super) fn posed_camera<'a>(
 
 /// Refuses `motion` together with `animation`.
 fn refuse_motion(report: &mut Diagnostics, path: &str, motion: &[Step]) -> Option<()> {
-    let rule = "conflicts with `animation`, which says how it moves: remove one of them";
+    let rule = "conflicts with `animation`: remove one of them";
     let absent = if motion.is_empty() { Ok(()) } else { Err(LoadErrorKind::invalid("the motion", rule)) };
     report.check(format_args!("{path}.motion"), absent)
 }
@@ -181,7 +181,7 @@ impl Views {
         for (i, key) in animation.keys.iter().enumerate() {
             let path = format!("{path}.keys[{i}]");
             let eye = key.look_from.or(camera.look_from).ok_or_else(|| {
-                LoadErrorKind::invalid("`look_from`", "is needed here, as the camera itself does not say it either")
+                LoadErrorKind::invalid("`look_from`", "is needed here, because neither the key nor the camera has it")
             });
             views.eyes.push(report.check(format_args!("{path}.look_from"), eye.and_then(vector))?);
             let target = key.look_at.or(camera.look_at).unwrap_or_default();

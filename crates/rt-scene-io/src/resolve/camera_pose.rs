@@ -37,7 +37,7 @@ pub(super) fn place(report: &mut Diagnostics, path: &str, camera: &format::Camer
         return transform(report, path, &camera.transform);
     }
     let Some(look_from) = camera.look_from else {
-        let rule = "is needed with `look_at` and `up`; leave all three out for a camera that sees everything";
+        let rule = "is needed with `look_at` and `up`; omit all three for a camera that shows the whole scene";
         return report.check(path, Err(LoadErrorKind::invalid("`look_from`", rule)));
     };
     let eye = report.check(format_args!("{path}.look_from"), vector(look_from));

@@ -75,7 +75,9 @@ impl EffectiveFields {
             }
             camera.look_from = Some(eye.to_array());
             camera.look_at = Some(target.to_array());
-            notes.push(format!("The camera has no place: it looks from {eye} at {target}, where it sees everything."));
+            notes.push(format!(
+                "The camera has no position: it looks from {eye} at {target}, and shows the whole scene."
+            ));
         }
         notes.extend(self.fill_lights(lighting, options));
         notes
@@ -95,20 +97,20 @@ impl EffectiveFields {
             StudioLights::Studio => true,
         };
         if adds {
-            let reason = if lights.is_empty() { "There are no lights: a" } else { "A" };
+            let reason = if lights.is_empty() { "The scene has no lights: a" } else { "A" };
             lights.extend(studio_lights());
             self.background.get_or_insert_with(default_background);
-            return Some(format!("{reason} key light, a fill light and some ambient light were added."));
+            return Some(format!("{reason} key light, a fill light and ambient light were added."));
         }
         let sources = match (has_emissive, has_image) {
-            (true, true) => "emissive materials and the image around the scene",
+            (true, true) => "emissive materials and the environment image",
             (true, false) => "emissive materials",
-            (false, true) => "the image around the scene",
+            (false, true) => "the environment image",
             (false, false) => return None,
         };
         let is_lit_by_these = is_unspecified && options.studio_lights == StudioLights::Auto;
         (is_lit_by_these && integrator == Integrator::Whitted)
-            .then(|| format!("`whitted` takes no light from {sources}: use `path`, or ask for studio lights."))
+            .then(|| format!("`whitted` takes no light from {sources}: use `path`, or --lights studio."))
     }
 
     /// True if rays that leave the scene carry no light.

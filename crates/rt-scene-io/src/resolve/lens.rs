@@ -21,7 +21,7 @@ pub(super) fn lens(
     let focus = focus(report, &path, camera, lens, world_from_camera);
     let blades = match lens.blades {
         Some(blades @ 0..3) => {
-            let rule = "is no polygon: give at least 3, or leave it out for a round aperture";
+            let rule = "is less than 3: give at least 3 blades, or omit the field for a round aperture";
             report.check(format_args!("{path}.blades"), Err(LoadErrorKind::invalid(blades, rule)))
         }
         blades => Some(blades),

@@ -159,7 +159,7 @@ impl ModelReader<'_, '_> {
         let part = self.coefficient(path, field, value)?;
         let checked = match part {
             ColorTexture::Constant(rgb) if rgb.max_component() > 1.0 => {
-                let rule = "is more than all of the light: each part must lie between 0 and 1";
+                let rule = "exceeds 1 and would create energy: each component must lie between 0 and 1";
                 Err(LoadErrorKind::invalid(rgb.max_component(), rule))
             }
             part => Ok(part),

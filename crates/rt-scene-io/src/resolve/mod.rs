@@ -79,7 +79,7 @@ pub(crate) fn resolve_with(
     notes.extend(fields.fill(&bounds, SceneLighting { integrator, has_emissive, has_layers }, &options));
     key_times(file).for_each(|time| options.animation_end.extend(time));
     if options.at_time.is_none() && is_animated(file) {
-        notes.push("The scene is animated: it is shown as it is at 0 s.".to_owned());
+        notes.push("The scene is animated: it is shown at 0 s.".to_owned());
     }
 
     let (lights, ambient) = light::lights(&mut report, fields.lights.as_deref().unwrap_or_default());
@@ -90,7 +90,7 @@ pub(crate) fn resolve_with(
     let is_chosen = options.integrator.is_none() && file.settings.integrator.is_none();
     if is_chosen && settings.integrator != Integrator::Whitted {
         notes.push(format!(
-            "The integrator is `{}`, as the scene asks for light that spreads.",
+            "The integrator is `{}`, because `whitted` does not support all its lights and materials.",
             settings.integrator.name()
         ));
     }

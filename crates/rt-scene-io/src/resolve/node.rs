@@ -127,7 +127,7 @@ impl<'a> Objects<'a> {
             }
             (None, None, Some(group)) => placed.content = Some(Content::Instance(self.instance(path, group, node)?)),
             _ => {
-                let rule = "stand at one node: put all but one in its `children`";
+                let rule = "are given at one node: move all but one to its `children`";
                 self.report
                     .check::<()>(path, Err(LoadErrorKind::invalid("two of `shape`, `model` and `instance`", rule)));
             }

@@ -33,7 +33,7 @@ pub(super) fn motion(
 pub(super) fn refused_motion(error: AnimatedTransformError) -> LoadErrorKind {
     match error {
         AnimatedTransformError::Mirrors => {
-            LoadErrorKind::invalid("the motion", "mirrors on its way, where all would be flat: mirror both ends")
+            LoadErrorKind::invalid("the motion", "mirrors one end only, and is singular in between: mirror both ends")
         }
         AnimatedTransformError::Decomposition => {
             LoadErrorKind::invalid("the motion", "has numbers that are too large, too small or too different")
@@ -76,7 +76,7 @@ fn single(step: &Step) -> Result<Transform, LoadErrorKind> {
     transform.map_err(|error| {
         let rule = match error {
             TransformError::NonFinite => "has a NaN or infinite number",
-            TransformError::Singular(_) => "flattens space: no factor may be 0, nor 1e12 times another",
+            TransformError::Singular(_) => "is singular: no factor may be 0, nor 1e12 times another",
             TransformError::NotAffine => "is not affine: the last row must be (0, 0, 0, 1)",
             TransformError::DegenerateDirection => {
                 "has no direction: an axis must not be 0, nor a view empty or parallel to `up`"

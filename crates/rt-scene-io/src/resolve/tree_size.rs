@@ -17,9 +17,9 @@ pub(super) fn check(nodes: &[SceneNode], groups: &[Group]) -> Result<(), LoadErr
     }
     let TreeSize { depth, objects } = size(nodes, &sizes);
     if depth > limits::NODE_DEPTH {
-        Err(LoadErrorKind::too_large("the depth of the tree, instances unfolded,", depth, limits::NODE_DEPTH))
+        Err(LoadErrorKind::too_large("the depth of the tree, with expanded instances,", depth, limits::NODE_DEPTH))
     } else if objects > limits::OBJECTS {
-        let what = "the number of objects, instances unfolded,";
+        let what = "the number of objects, with expanded instances,";
         Err(LoadErrorKind::too_large(what, objects, limits::OBJECTS))
     } else {
         Ok(())

@@ -81,7 +81,7 @@ fn hex(text: &str) -> Result<[f64; 3], LoadErrorKind> {
         3 => digits.chars().flat_map(|digit| [digit; 2]).collect(),
         6 => digits.to_owned(),
         4 | 8 => {
-            let rule = "has digits for alpha, which a colour has none of: leave them out, as in \"#ff8000\"";
+            let rule = "has an alpha component, which colours do not support: remove it, as in \"#ff8000\"";
             return Err(LoadErrorKind::invalid(format_args!("\"{text}\""), rule));
         }
         _ => return Err(bad()),

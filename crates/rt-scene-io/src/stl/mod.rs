@@ -55,7 +55,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
         Some(promised) if promised == bytes.len() as u64 || !begins_as_text => {
             let after = (bytes.len() as u64).checked_sub(promised).ok_or_else(|| {
                 let facets = (promised - HEADER as u64) / FACET;
-                let rule = format!("cannot hold the {facets} facets that it promises, which take {promised}");
+                let rule = format!("is truncated: its {facets} facets take {promised} bytes");
                 LoadErrorKind::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, "")
             })?;
             if after > 0 {
@@ -67,7 +67,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
         _ if begins_as_text => read_text(&bytes, &mut mesh)
             .map_err(|(line, error)| LoadErrorKind::Syntax(error.to_string()).at(path, Location::Line(line)))?,
         _ => {
-            let rule = "is no STL: it is too short for a binary file and does not begin with `solid`";
+            let rule = "is not an STL file: it is too short for a binary file and does not begin with `solid`";
             return Err(LoadErrorKind::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, ""));
         }
     }

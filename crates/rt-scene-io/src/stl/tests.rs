@@ -82,19 +82,18 @@ fn every_bad_line_is_named() {
     assert!(line("vertex 1 0 0", "vertex 1 0").starts_with("m.stl:5: vertex f32 f32 f32"));
     assert!(line("endsolid a", "").starts_with("m.stl:16: EOF while expecting"), "{}", line("endsolid a", ""));
     assert_eq!(line("endsolid a\n", "endsolid a\nrest"), "m.stl:17: expected `solid` or the end of the file");
-    assert_eq!(refused(b"solid a\nendsolid a"), "m.stl: no triangle is left: the file has no usable faces");
+    assert_eq!(refused(b"solid a\nendsolid a"), "m.stl: has no usable triangles");
 }
 
 #[test]
 fn numbers_of_facets_are_checked_before_anything_is_read() {
     let mut many = binary(b"");
     many[COMMENT..HEADER].copy_from_slice(&u32::MAX.to_le_bytes());
-    let expected =
-        "m.stl: a file of 184 bytes cannot hold the 4294967295 facets that it promises, which take 214748364834";
+    let expected = "m.stl: a file of 184 bytes is truncated: its 4294967295 facets take 214748364834 bytes";
     assert_eq!(refused(&many), expected);
     assert_eq!(
         refused(b"abc"),
-        "m.stl: a file of 3 bytes is no STL: it is too short for a binary file and does not begin with `solid`"
+        "m.stl: a file of 3 bytes is not an STL file: it is too short for a binary file and does not begin with `solid`"
     );
     let longer = [binary(b""), vec![0; 7]].concat();
     assert_eq!(load_all(&longer).expect("a square").warnings[0].message, "7 bytes after the last facet are left out");

@@ -108,7 +108,7 @@ impl<'a> Tokenizer<'a> {
         match self.next_kind(what)? {
             (_, TokenKind::Text(text)) => Ok(text),
             (line, other) => {
-                Err(LineError::new(line, shown(&other), format!("stands where {what} should: put it in quotes")))
+                Err(LineError::new(line, shown(&other), format!("is not a string in quotes; expected {what}")))
             }
         }
     }
@@ -118,7 +118,7 @@ impl<'a> Tokenizer<'a> {
         if let Some(Word { line, text }) = self.peek_word()
             && text.parse::<f64>().is_err()
         {
-            let rule = format!("stands where {what} should: give a number");
+            let rule = format!("is not a number; expected {what}");
             return Err(LineError::new(line, format_args!("`{text}`"), rule));
         }
         let (line, kind) = self.next_kind(what)?;
@@ -139,7 +139,11 @@ impl<'a> Tokenizer<'a> {
             match self.next_kind("the closing bracket")? {
                 (_, TokenKind::Close) => {}
                 (line, other) => {
-                    return Err(LineError::new(line, shown(&other), format!("follows {what}: {N} numbers are enough")));
+                    return Err(LineError::new(
+                        line,
+                        shown(&other),
+                        format!("follows {what}, which has {N} numbers: remove it"),
+                    ));
                 }
             }
         }
@@ -151,7 +155,11 @@ impl<'a> Tokenizer<'a> {
     pub(crate) fn non_negative(&mut self, what: &str) -> Result<f64, LineError> {
         let line = self.line;
         let number = self.number(what)?;
-        if number >= 0.0 { Ok(number) } else { Err(LineError::new(line, number, format!("as {what} is less than 0"))) }
+        if number >= 0.0 {
+            Ok(number)
+        } else {
+            Err(LineError::new(line, format_args!("{what}: {number}"), "must not be negative"))
+        }
     }
 
     /// Consumes a colour: three numbers from 0 up.
@@ -241,10 +249,12 @@ pub(crate) fn number(line: usize, kind: &TokenKind<'_>, what: &str) -> Result<f6
     match parsed {
         // NaN fails the comparison.
         Some(number) if number.abs() <= limits::NUMBER => Ok(number),
-        Some(_) => {
-            Err(LineError::new(line, shown(kind), format!("as {what} is not a number of magnitude at most 1e60")))
-        }
-        None => Err(LineError::new(line, shown(kind), format!("stands where {what} should: give a number"))),
+        Some(_) => Err(LineError::new(
+            line,
+            format_args!("{what}: {}", shown(kind)),
+            "is not a number of magnitude at most 1e60",
+        )),
+        None => Err(LineError::new(line, shown(kind), format!("is not a number; expected {what}"))),
     }
 }
 
@@ -290,13 +300,13 @@ mod tests {
         let message = |text: &str| Tokenizer::new(text).numbers::<2>("a factor").unwrap_err().kind.to_string();
         assert_eq!(Tokenizer::new("[1 -2e1]").numbers::<2>("a factor").unwrap(), [1.0, -20.0]);
         assert_eq!(message("1"), "the end of the file comes before a factor");
-        assert_eq!(message("1 Shape"), "`Shape` stands where a factor should: give a number");
-        assert_eq!(message("[1 2 3]"), "`3` follows a factor: 2 numbers are enough");
-        assert_eq!(message("1 nan"), "`nan` as a factor is not a number of magnitude at most 1e60");
+        assert_eq!(message("1 Shape"), "`Shape` is not a number; expected a factor");
+        assert_eq!(message("[1 2 3]"), "`3` follows a factor, which has 2 numbers: remove it");
+        assert_eq!(message("1 nan"), "a factor: `nan` is not a number of magnitude at most 1e60");
         let message = |text: &str| Tokenizer::words(text).non_negative("the radius").unwrap_err().kind.to_string();
         assert_eq!(Tokenizer::words("2.5").non_negative("the radius").unwrap(), 2.5);
         assert_eq!(message(""), "the end of the file comes before the radius");
-        assert_eq!(message("-1"), "-1 as the radius is less than 0");
+        assert_eq!(message("-1"), "the radius: -1 must not be negative");
         for bad in ["nan", "1e61", "-inf"] {
             assert!(message(bad).contains("is not a number of magnitude at most 1e60"), "{bad}");
         }

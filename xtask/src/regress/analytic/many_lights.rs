@@ -20,7 +20,7 @@ cases! {
     "many-lights", "50 lights of all kinds and sizes, each way to choose among them",
         "the sum of their closed forms", "5 σ", many;
     "S69", "lights of radiance 1e-30 and 1e30 in one scene",
-        "½ Σ Γᵢ · n where either is seen; finite, and a picture", "5 σ", extreme;
+        "½ Σ Γᵢ · n where either is seen; finite, and an image", "5 σ", extreme;
 }
 
 fn many(conditions: &Conditions) -> CaseResult {

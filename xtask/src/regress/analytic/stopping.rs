@@ -22,10 +22,10 @@ const SEEDS: u64 = 200;
 
 cases! {
     "S72", "half a second for the Cornell box",
-        "over after it and one pass, with a whole picture", "5 %", half_a_second;
+        "over after it and one pass, with a whole image", "5 %", half_a_second;
     "S73", "`--target-error-pixels 100%`, tried with at least 200 seeds",
         "kept 94 times of 100", "α = 1 %", target_error;
-    "target-error-bias", "mean of pictures that end at 10 % of `--target-error`",
+    "target-error-bias", "mean of images that end at 10 % of `--target-error`",
         "the mean of the scene; a bias where each pixel decides for itself", "5 σ", bias;
     "target-error-reached", "`--target-error` against the error that a closed form tells",
         "within the interval 94 times of 100", "α = 1 %", reached;

@@ -153,7 +153,7 @@ fn differences(scene: &Scene, expected: &[Rgb]) -> Fallible<Vec<f64>> {
 fn radiance(scene: &Scene) -> Fallible<Vec<Rgb>> {
     let plan = RenderPlan::compile(scene, &PlanOptions::default())?;
     let (width, height) = (scene.film.width, scene.film.height);
-    let pixel = |index: u32| plan.pixel(index % width, index / width).ok_or("a pixel outside of the picture");
+    let pixel = |index: u32| plan.pixel(index % width, index / width).ok_or("a pixel outside of the image");
     Ok((0..width * height).into_par_iter().map(pixel).collect::<Result<_, _>>()?)
 }
 

@@ -16,7 +16,7 @@ use rt_tests::{Draw, ShapeSet};
 use super::{Case, CaseResult, Checks, Conditions, Tolerance, cases};
 
 cases! {
-    "S49", "a sphere of glass as dense as air", "the picture without it", "bits", null_glass;
+    "S49", "a sphere of glass as dense as air", "the image without it", "bits", null_glass;
     "S50", "overlapping bodies of equal density", "seen as one body", "bits", one_body;
     "S51", "the critical angle of glass ± 1e-12", "1 − R in [0, 2e-5), no NaN", "2e-5 abs", critical_angle;
     "S52", "Brewster's angle of glass", "nothing of parallel light is reflected", "1e-30 abs", brewster;

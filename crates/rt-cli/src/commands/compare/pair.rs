@@ -84,7 +84,7 @@ fn check_memory(args: &CompareArgs) -> Result<(), CliError> {
     let needs = [
         (format!("the image {}", args.test.display()), test.film_bytes),
         (format!("the image {}", args.reference.display()), reference.film_bytes),
-        ("what is measured".to_owned(), decoded.max(maps * MEASURE_BYTES * pixels)),
+        ("the metrics".to_owned(), decoded.max(maps * MEASURE_BYTES * pixels)),
     ];
     memory::check(args.memory.limit(), &args.test, &needs)
 }

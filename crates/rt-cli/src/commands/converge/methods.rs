@@ -37,7 +37,7 @@ pub(super) struct MethodName {
 pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>, CliError> {
     let keys: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
     if let Some(twice) = keys.iter().enumerate().find(|(index, key)| keys[..*index].contains(key)) {
-        let message = format!("--vary {} is given twice; list all values at once, as {0}=A,B,C", twice.1);
+        let message = format!("--vary {} is given twice; list all values at once, such as {0}=A,B,C", twice.1);
         return Err(CliError::Usage(message));
     }
     let count = args.vary.iter().try_fold(1usize, |count, vary| count.checked_mul(vary.values.len()));

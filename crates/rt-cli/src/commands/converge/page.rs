@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_part_of_the_page() {
+    fn images_are_part_of_the_page() {
         let text = figure(&Image::new(2, 2, false), &Development::default(), "a > b", "shown").expect("a PNG");
         assert!(text.contains("alt=\"a &gt; b\" src=\"data:image/png;base64,iVBORw0KGgo"), "{text}");
     }

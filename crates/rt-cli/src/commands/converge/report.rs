@@ -124,7 +124,7 @@ impl<'a> Report<'a> {
         }
         if !left_out.is_empty() {
             let list = left_out.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-            notes.push(format!("the time limit left out {list} samples per pixel"));
+            notes.push(format!("the time limit skipped {list} samples per pixel"));
         }
         notes
     }

@@ -65,12 +65,12 @@ pub(super) fn all(args: &RenderArgs) -> Result<Frames, CliError> {
     let (scene, fps) = (args.input.scene.display(), args.input.timing.fps);
     let Some(end) = loaded.options.animation_end.seconds() else {
         return Err(CliError::Usage(format!(
-            "--frames all: nothing in {scene} is animated; remove it to render a single image"
+            "--frames all: nothing in {scene} is animated; remove --frames to render a single image"
         )));
     };
     Frames::of_animation(end, fps).ok_or_else(|| {
         CliError::Usage(format!(
-            "--frames all: {end} s at {fps} frames a second are too many; give a range such as 0..47"
+            "--frames all: {end} s at {fps} frames per second are too many frames; choose a range such as 0..47"
         ))
     })
 }

@@ -72,7 +72,7 @@ const sendCamera = sender("camera", (last, next) => {
 
 const sendSettings = sender("settings", (last, next) => Object.assign(last, next));
 
-// Pictures
+// Images
 
 async function watch() {
   for (;;) {
