@@ -63,7 +63,7 @@ impl MemoryPrediction {
             ("film", self.film),
             ("textures", self.textures),
             ("geometry", self.geometry),
-            ("structures", self.structures),
+            ("accelerators", self.structures),
             ("building", self.building),
         ]
     }
@@ -118,8 +118,8 @@ impl fmt::Display for MemoryPrediction {
         let Self { film, textures, geometry, structures, building } = *self;
         let [film, textures, geometry, structures, building] =
             [film, textures, geometry, structures, building].map(ByteSize);
-        write!(f, "film {film}, textures {textures}, geometry {geometry}, structures {structures}, ")?;
-        write!(f, "building these {building}: at most {}", ByteSize(self.peak()))
+        write!(f, "film {film}, textures {textures}, geometry {geometry}, accelerators {structures}, ")?;
+        write!(f, "building them {building}: peak {}", ByteSize(self.peak()))
     }
 }
 
