@@ -132,7 +132,7 @@ pub enum RenderError {
     /// An animated emissive object with an integrator that finds sampled lights only.
     #[error(
         "object '{0}' is a moving emitter, which the integrator 'distributed' does not support; use 'path', 'direct' or \
-         'caustics', or remove its motion"
+         'path-caustics', or remove its motion"
     )]
     MovingLight(String),
     /// Adaptive sampling in object space in a progressive render.
