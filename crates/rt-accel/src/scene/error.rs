@@ -33,10 +33,10 @@ impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::VertexIndex { triangle, index, n_vertices } => {
-                write!(f, "triangle {triangle} refers to vertex {index}, but there are {n_vertices} vertices")
+                write!(f, "triangle {triangle}: vertex index {index} is out of range: there are {n_vertices} vertices")
             }
-            Self::NonFinite { vertex } => write!(f, "vertex {vertex} has a coordinate that is not finite"),
-            Self::TooMany { count } => write!(f, "{count} triangles, but at most 4294967295 can be numbered"),
+            Self::NonFinite { vertex } => write!(f, "vertex {vertex} has a NaN or infinite coordinate"),
+            Self::TooMany { count } => write!(f, "{count} triangles exceed the limit of 4294967295; split the mesh"),
         }
     }
 }
@@ -97,17 +97,19 @@ impl fmt::Display for SceneError {
         match self {
             Self::Geometry { geometry, source } => write!(f, "geometry {geometry}: {source}"),
             Self::Instances(source) => write!(f, "instances: {source}"),
-            Self::UnknownGeometry { geometry } => write!(f, "geometry {geometry} is not in this scene"),
-            Self::UnknownInstance { instance } => write!(f, "instance {instance} is not in this scene"),
-            Self::NotAMesh { geometry } => write!(f, "geometry {geometry} has no vertices: it is a list of spheres"),
+            Self::UnknownGeometry { geometry } => write!(f, "geometry {geometry} does not exist in this scene"),
+            Self::UnknownInstance { instance } => write!(f, "instance {instance} does not exist in this scene"),
+            Self::NotAMesh { geometry } => {
+                write!(f, "geometry {geometry} has no vertices to replace: it is a list of spheres")
+            }
             Self::Vertices { geometry, source } => write!(f, "geometry {geometry}: {source}"),
             Self::InUse { geometry, instance } => {
-                write!(f, "geometry {geometry} is placed: remove instance {instance} first")
+                write!(f, "geometry {geometry} has instances: remove instance {instance} first")
             }
             Self::NotUniform { geometry } => {
                 write!(
                     f,
-                    "geometry {geometry}: spheres may be rotated, moved, and scaled by the same factor on all axes"
+                    "geometry {geometry}: the transform is not uniform; scale spheres by the same factor on all axes"
                 )
             }
         }

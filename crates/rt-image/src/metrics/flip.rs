@@ -35,7 +35,7 @@ pub struct Flip {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FlipError {
     /// The number of pixels per degree (the value) is not usable.
-    #[error("{0} pixels per degree; there must be between 1 and 1000")]
+    #[error("the resolution is {0} pixels per degree; it must lie between 1 and 1000")]
     PixelsPerDegree(f64),
 }
 

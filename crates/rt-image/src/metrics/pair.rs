@@ -26,7 +26,7 @@ pub struct NonFinite {
 pub enum PairError {
     /// They differ in size (width and height in pixels).
     #[error(
-        "the images differ in size: {} by {} and {} by {} pixels",
+        "the images differ in size: {} by {} and {} by {} pixels; compare images of the same size",
         test[0], test[1], reference[0], reference[1]
     )]
     Size {
@@ -36,7 +36,7 @@ pub enum PairError {
         reference: [u32; 2],
     },
     /// They are empty, or every pixel is NaN or infinite in one of them.
-    #[error("there is no pixel that is finite in both images")]
+    #[error("no pixel is finite in both images; metrics need at least one")]
     NothingFinite,
 }
 

@@ -112,7 +112,7 @@ impl<'a> Items<'a> {
             Some(bytes) => Ok(Self { bytes, stride, size, count }),
             None => {
                 let message = format!(
-                    "{count} elements of {size} bytes, {stride} apart from {offset} on, do not fit in its {} bytes",
+                    "{count} elements of {size} bytes with stride {stride} at offset {offset} exceed its {} bytes",
                     bytes.len()
                 );
                 Err(fail(LoadErrorKind::Syntax(message)))
@@ -223,7 +223,7 @@ mod tests {
         let expected = "m.glb: accessors[0]: 3 is a sparse index, but there are 3 elements";
         assert_eq!(indices(&bytes, views, &out), Err(expected.to_owned()));
         let bomb = sparse.replace("\"count\": 4", "\"count\": 4000000000");
-        let expected = "m.glb: accessors[0]: the count without a bufferView is 4000000000, the limit is 4194304";
+        let expected = "m.glb: accessors[0]: the count without a bufferView is 4000000000, above the limit of 4194304";
         assert_eq!(indices(&bytes, views, &bomb), Err(expected.to_owned()));
     }
 

@@ -90,7 +90,8 @@ impl<'a> Buffers<'a> {
         let end = view.offset().checked_add(view.length());
         end.and_then(|end| data.get(view.offset()..end)).ok_or_else(|| {
             let (offset, length) = (view.offset(), view.length());
-            let message = format!("{length} bytes from {offset} on leave the buffer {buffer} of {} bytes", data.len());
+            let message =
+                format!("{length} bytes at offset {offset} exceed the buffer {buffer} of {} bytes", data.len());
             fail(LoadErrorKind::Syntax(message))
         })
     }

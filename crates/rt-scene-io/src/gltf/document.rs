@@ -135,7 +135,7 @@ fn check_extensions(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     });
     refuse(problems.collect(), path)?;
     for name in names("extensionsUsed").into_iter().filter(unknown) {
-        let message = format!("the optional extension {name} is not followed");
+        let message = format!("the optional extension {name} is not supported");
         warnings.push(Warning { place: "extensionsUsed".to_owned(), message });
     }
     Ok(())
@@ -152,7 +152,7 @@ fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
             let targets = list(primitive, "targets").iter().filter_map(Value::as_object);
             let unknown = |name: &&String| !["POSITION", "NORMAL", "TANGENT"].contains(&name.as_str());
             if let Some(name) = targets.flat_map(|target| target.keys()).find(unknown) {
-                let message = format!("morph targets of {name} are not followed");
+                let message = format!("morph targets of {name} are not supported");
                 warnings.push(Warning { place: place.clone(), message });
             }
             let Some(position) = primitive.get("attributes").and_then(|all| all.get("POSITION")) else { continue };

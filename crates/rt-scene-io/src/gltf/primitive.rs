@@ -99,9 +99,8 @@ fn read_vertices(
         match attributes.vectors::<2>(&Semantic::TexCoords(set))? {
             // In the file v runs downwards.
             Some(uvs) => *slot = uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect(),
-            None => {
-                notes.push(format!("its texture needs TEXCOORD_{set}, which is missing: one point is used everywhere"))
-            }
+            None => notes
+                .push(format!("its texture needs TEXCOORD_{set}, which is missing: the texture is read at one point")),
         }
     }
     // Flat triangles have normals of their own, which the tangents of a file do not fit.
@@ -189,8 +188,7 @@ fn apply_skin(
         sets.push(Influences { joints, weights });
     }
     if sets.is_empty() {
-        notes
-            .push("its node has a skin, but it has no joints and weights; it stays where it is in the file".to_owned());
+        notes.push("its node has a skin, but it has no joints and weights; the skin is ignored".to_owned());
         return Ok(());
     }
     let count = skin::deform(data, &sets, joints).map_err(SkinError::Deform)?;
@@ -207,7 +205,7 @@ fn complete_tangents(data: &mut MeshData, along: usize, notes: &mut Vec<String>)
     }
     let uvs = if along == 0 { &data.uvs } else { &data.second_uvs };
     if uvs.is_empty() {
-        notes.push("without texture coordinates there are no tangents: its normal map is left out".to_owned());
+        notes.push("its normal map needs texture coordinates: it is left out".to_owned());
         return;
     }
     let uvs = uvs.clone();

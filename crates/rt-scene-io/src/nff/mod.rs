@@ -197,7 +197,7 @@ impl<'p> NffReader<'p> {
         if let Some(id) = self.fill {
             return id;
         }
-        self.warn(line, "an object comes before the first fill colour; it becomes plain grey".to_owned());
+        self.warn(line, "an object comes before the first fill colour; plain grey is used".to_owned());
         let id = self.add_material(Material::new("no fill".to_owned(), Phong::default()), None);
         self.fill = Some(id);
         id
@@ -225,7 +225,7 @@ impl<'p> NffReader<'p> {
         self.model.background =
             Some(Background::Constant(Color::from_rgb(self.background.unwrap_or_default().to_array())));
         if let (count @ 1.., line) = self.inside_out {
-            let message = "spheres and cones of negative radius are seen from both sides, not from inside alone";
+            let message = "spheres and cones of negative radius are visible from both sides, not only from inside";
             self.warn(line, format!("{message} ({count} in the file, this is the first)"));
         }
         // A file that is wrong may have no objects only for that.

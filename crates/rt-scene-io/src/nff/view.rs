@@ -38,7 +38,7 @@ impl NffView {
             tokens.take_word();
             match text {
                 "from" => parts.from = Some(tokens.numbers("a coordinate of the eye")?.into()),
-                "at" => parts.at = Some(tokens.numbers("a coordinate of what is looked at")?.into()),
+                "at" => parts.at = Some(tokens.numbers("a coordinate of `at`")?.into()),
                 "up" => parts.up = Some(tokens.numbers("a component of `up`")?.into()),
                 "angle" => parts.angle = Some(angle(tokens, line)?),
                 "hither" => drop(tokens.number("the distance of the hither plane")?),

@@ -68,7 +68,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
 
     let mut model = Model::default();
     if let Some(line) = not_utf8 {
-        model.warn(format_args!("{}:{}", path.display(), line), "bytes that are not UTF-8 are replaced".to_owned());
+        model.warn(format_args!("{}:{}", path.display(), line), "bytes that are not UTF-8 were replaced".to_owned());
     }
     for (what, (count, line)) in &document.skipped {
         model.warn(
@@ -98,7 +98,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         let mut data = smoothing::add_normals(data, part.smoothing);
         if library.needs_tangents(part.material.as_deref()) {
             if data.uvs.is_empty() {
-                let message = "without texture coordinates there are no tangents: bumps and brushed metal are left out";
+                let message = "bump maps and anisotropy need texture coordinates: they are left out";
                 model.warn(&place, message);
             } else {
                 let uvs = data.uvs.clone();
@@ -210,7 +210,7 @@ mod tests {
         assert_eq!(sizes, [1, 1, 2]);
         assert_eq!(
             messages(&model),
-            ["m.obj: the material `m` is in no library (there are none); it becomes plain grey"]
+            ["m.obj: the material `m` is not defined in a library (there are none); plain grey is used"]
         );
     }
 
@@ -311,7 +311,7 @@ mod tests {
         assert!(matches!(model.materials[1].to_phong().diffuse, ColorTexture::Textured(..)));
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-        assert_eq!(what[0], "the material library `none.mtl` does not exist; its materials become plain grey");
+        assert_eq!(what[0], "the material library `none.mtl` does not exist; plain grey is used for its materials");
         assert_eq!(what[1], "the image `missing.png` does not exist; the plain colour is used");
         assert_eq!(what.len(), 2);
     }

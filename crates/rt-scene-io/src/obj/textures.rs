@@ -62,7 +62,7 @@ impl<'a> ObjTextures<'a> {
         let instead = match meaning {
             PixelMeaning::Colors => "the plain colour is used",
             PixelMeaning::Numbers => "the plain number is used",
-            PixelMeaning::Alpha(_) => "the surface is whole",
+            PixelMeaning::Alpha(_) => "the surface is opaque",
             PixelMeaning::NormalMap => "the surface is smooth",
         };
         // Absolute paths are those of another machine.

@@ -363,6 +363,6 @@ mod tests {
     #[test]
     fn parameters_are_counted() {
         let text: String = (0..300).map(|i| format!("\"float p{i}\" 1 ")).collect();
-        assert_eq!(read(&text).unwrap_err(), "1: the number of parameters is 257, the limit is 256");
+        assert_eq!(read(&text).unwrap_err(), "1: the number of parameters is 257, above the limit of 256");
     }
 }

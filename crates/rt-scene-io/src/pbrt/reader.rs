@@ -257,7 +257,7 @@ impl<'f> PbrtReader<'f> {
 
     fn set_matrix(&mut self, matrix: Transform, line: usize) {
         if self.at_end_time {
-            self.warn(line, "motion is not supported: objects stay at their start".to_owned());
+            self.warn(line, "motion is not supported: objects keep their transform at the start".to_owned());
         } else {
             self.state.matrix = matrix;
         }

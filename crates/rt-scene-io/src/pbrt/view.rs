@@ -98,7 +98,7 @@ pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], LineError> {
     let shown = || format!("{width} x {height}");
     let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
     if !whole(width) || !whole(height) {
-        let rule = "is no resolution: give two whole numbers of pixels from 1 up";
+        let rule = "is not a resolution: give two whole numbers of pixels from 1 up";
         return Err(LineError::new(parameters.line, shown(), rule));
     }
     if width * height > Image::MAX_PIXELS as f64 {

@@ -57,7 +57,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     let surplus = surplus(&bytes, rest, header.format);
     let PlyContent { vertices, corners } = content;
     if corners.is_empty() {
-        let what = "is a cloud of points, without faces, which";
+        let what = "a point cloud without faces";
         return Err(LoadErrorKind::Unsupported(what.to_owned()).at(path, ""));
     }
     let mut model = Model::default();

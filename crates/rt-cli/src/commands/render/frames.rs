@@ -47,7 +47,7 @@ pub(super) fn each(
         // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
         if log.has(frame, &identity, &args.input.scene)? && results(&args).all(Path::exists) {
-            say(frame, " is there already".to_owned())?;
+            say(frame, " exists already".to_owned())?;
             continue;
         }
         say(frame, at(frame))?;

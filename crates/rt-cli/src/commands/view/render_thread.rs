@@ -61,7 +61,7 @@ impl Renderer<'_> {
         let needed = MemoryPrediction { film, ..*predicted }.peak();
         match self.memory {
             Some(most) if needed > most => Err(format!(
-                "an image of {width}x{height} needs {} of memory, and --memory allows {}",
+                "an image of {width}x{height} needs {} of memory, above the limit of {} (--memory)",
                 ByteSize(needed),
                 ByteSize(most)
             )),
