@@ -12,7 +12,7 @@ pub enum MeshError {
     VertexIndex {
         /// Index of the triangle.
         triangle: usize,
-        /// Its index of a vertex.
+        /// The invalid index of a vertex.
         index: u32,
         /// Number of vertices.
         n_vertices: usize,
@@ -22,7 +22,7 @@ pub enum MeshError {
         /// Index of the vertex.
         vertex: usize,
     },
-    /// More triangles than 32 bits can number.
+    /// More triangles than a 32-bit index can address.
     TooMany {
         /// Number of triangles.
         count: usize,
@@ -49,7 +49,7 @@ impl core::error::Error for MeshError {}
 pub enum SceneError {
     /// No accelerator can be built over a geometry.
     Geometry {
-        /// Number of the geometry, in the order in which they were added.
+        /// Index of the geometry, in the order of addition.
         geometry: u32,
         /// The reason; primitives are those of the geometry.
         source: BuildError,
@@ -58,34 +58,34 @@ pub enum SceneError {
     Instances(BuildError),
     /// An instance refers to a geometry of another builder.
     UnknownGeometry {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
     },
-    /// No instance has this number.
+    /// No instance has this index.
     UnknownInstance {
-        /// Number of the instance.
+        /// Index of the instance.
         instance: u32,
     },
     /// A transform would turn spheres into ellipsoids.
     NotUniform {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
     },
     /// A geometry without vertices was given new ones.
     NotAMesh {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
     },
     /// New vertices do not fit the triangles of a mesh.
     Vertices {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
         /// The reason.
         source: MeshError,
     },
-    /// A geometry cannot be removed while it is placed.
+    /// A geometry cannot be removed while it has instances.
     InUse {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
         /// The first of its instances.
         instance: u32,
