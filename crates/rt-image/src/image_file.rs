@@ -67,7 +67,7 @@ pub enum ImageFileError {
     /// The writer failed.
     #[error("the image cannot be written: {0}")]
     Write(#[source] io::Error),
-    /// The format cannot hold the image, say because a side is 0 or too long for it.
+    /// The format cannot hold the image, such as a side that is 0 or too long for it.
     #[error("the image cannot be stored as {format:?}: {reason}")]
     Encode {
         /// The format.
@@ -83,7 +83,7 @@ pub enum ImageFileError {
         /// Error of the system.
         source: io::Error,
     },
-    /// The path names a folder, a pipe or a device.
+    /// The path is a directory, a pipe or a device.
     #[error("{}: is not a regular file", .0.display())]
     NotAFile(PathBuf),
     /// The file is in no known format.

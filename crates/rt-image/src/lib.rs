@@ -18,7 +18,7 @@
 //! | differences between two images | [`metrics`] |
 //!
 //! **Owns** pixels, tone mapping, image files and metrics.
-//! **Does not own** cameras, sample patterns and filters (rt-camera), or how a file is put in place (rt-cli).
+//! **Does not own** cameras, sample patterns and filters (rt-camera), or replacing files (rt-cli).
 //!
 //! ```
 //! use rt_image::{Development, Image};

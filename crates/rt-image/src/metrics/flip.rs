@@ -168,7 +168,7 @@ mod tests {
         assert!((near.mean() - 0.291_888_03).abs() < 5e-6, "{}", near.mean());
     }
 
-    /// The same, of radiance.
+    /// Reference values of HDR-FLIP.
     #[test]
     fn the_authors_program_agrees_on_high_dynamic_range() {
         let (test, reference) = (brightened(&disturbed_ramps()), brightened(&ramps()));

@@ -35,7 +35,7 @@ pub enum PairError {
         /// Size of the reference.
         reference: [u32; 2],
     },
-    /// They are empty, or every pixel is NaN or infinite in one of them.
+    /// The images are empty, or every pixel is NaN or infinite in one of them.
     #[error("no pixel is finite in both images; metrics need at least one")]
     NothingFinite,
 }
