@@ -32,7 +32,7 @@ pub enum CameraError {
     /// The shutter (its two times) is not usable.
     #[error("the shutter is open from {} to {}; it must open at 0 at the earliest and close after that, at 1 at the latest", .0[0], .0[1])]
     Shutter([f64; 2]),
-    /// The camera cannot move from the one place to the other.
+    /// The two poses of the camera cannot be interpolated.
     #[error(transparent)]
     AnimatedTransform(#[from] AnimatedTransformError),
     /// The rays overflow: the transform scales, or the lens shift reaches, too far.

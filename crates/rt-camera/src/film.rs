@@ -31,7 +31,7 @@ impl Default for FilmSettings {
     }
 }
 
-/// Why an image cannot be exposed with these settings.
+/// Reason why an image cannot be exposed with these settings.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FilmError {
     /// A side (width, height) is 0.
