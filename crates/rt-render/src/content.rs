@@ -13,7 +13,7 @@ pub(crate) const MAX_COUNT: u64 = 1 << 60;
 /// Largest number of threads of all machines together.
 pub(crate) const MAX_THREADS: u64 = 1 << 30;
 
-/// Largest number of a pass. The next higher bit marks the second stage of adaptive sampling.
+/// Largest index of a pass. The next higher bit marks the second stage of adaptive sampling.
 pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
 
 /// First invalid number of a decoded part or checkpoint.

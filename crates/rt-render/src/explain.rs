@@ -1,4 +1,4 @@
-//! Description of a plan: what it uses and leaves out, with reasons.
+//! Description of a plan: used and omitted features, with reasons.
 
 use std::{collections::BTreeSet, fmt};
 

@@ -144,12 +144,12 @@ impl FilmTile {
 pub struct Part {
     pub(crate) layout: FilmLayout,
     pub(crate) share: Share,
-    /// Finished tiles by number.
+    /// Finished tiles by index.
     pub(crate) tiles: BTreeMap<u32, FilmTile>,
     pub(crate) statistics: Statistics,
     pub(crate) stopped: Stopped,
     pub(crate) unconverged: Option<u64>,
-    /// Numbers of the tiles in which a thread panicked.
+    /// Indices of the tiles in which a thread panicked.
     pub(crate) lost: Vec<u32>,
 }
 
@@ -233,7 +233,7 @@ pub enum JoinError {
     Missing(Vec<u32>, u32),
 }
 
-/// Lists missing shares, the first 20 by number.
+/// Lists missing shares, the first 20 by index.
 fn missing(shares: &[u32], count: u32) -> String {
     const NAMED: usize = 20;
     let named: Vec<_> = shares.iter().take(NAMED).map(|share| format!("{}/{count}", share + 1)).collect();
@@ -414,7 +414,7 @@ impl Part {
         }
     }
 
-    /// Copies the values of a tile into the image; does nothing for an empty list.
+    /// Copies the values of a tile into the image. An empty list changes no pixel.
     fn copy_tile<T: Copy>(&self, number: u32, values: &[T], image: &mut [T]) {
         let crop = self.layout.crop;
         for ([x, y], &value) in tile(crop, number as usize).pixels().zip(values) {
