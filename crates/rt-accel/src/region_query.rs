@@ -11,8 +11,8 @@ use crate::Region;
 /// Query in a region. An [`Accelerator`](crate::Accelerator) passes it primitives to test; the query reports the boxes
 /// that can still matter.
 pub trait RegionQuery {
-    /// Bounds of the region that can still contain results. They may shrink from test to test if `test_primitive` ignores
-    /// `is_owner`.
+    /// Bounds of the region that can still contain results. They may shrink from test to test if `test_primitive`
+    /// ignores `is_owner`.
     fn bounds(&self) -> Aabb;
 
     /// Point to start from. May be NaN.

@@ -122,9 +122,9 @@ impl Camera {
     /// A camera that exposes an image of `width` × `height` pixels.
     ///
     /// # Errors
-    /// [`CameraError`] if a side is 0, the field of view lies outside (0, π), the orthographic height is not
-    /// positive, the lens or the shutter is unusable, the motion of the camera cannot be interpolated, or a number is NaN, infinite, or
-    /// so large that rays would not be finite.
+    /// [`CameraError`] if a side is 0, the field of view lies outside (0, π), the orthographic height is not positive,
+    /// the lens or the shutter is unusable, the motion of the camera cannot be interpolated, or a number is NaN,
+    /// infinite, or so large that rays would not be finite.
     pub fn new(settings: &CameraSettings, width: u32, height: u32) -> Result<Self, CameraError> {
         if width == 0 || height == 0 {
             return Err(CameraError::EmptyImage(width, height));

@@ -28,8 +28,8 @@ pub struct Lens {
     pub focus: f64,
     /// Number of corners of the aperture, at least 3; `None` for a round aperture.
     pub blades: Option<u32>,
-    /// Angle in radians, counter-clockwise seen from behind the camera, by which the aperture is rotated. At 0 the first
-    /// corner points up.
+    /// Angle in radians, counter-clockwise seen from behind the camera, by which the aperture is rotated. At 0 the
+    /// first corner points up.
     pub rotation: f64,
 }
 

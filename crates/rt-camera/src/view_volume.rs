@@ -59,8 +59,8 @@ struct HalfSpace {
 ///            f ↑
 /// ```
 ///
-/// Since `t` is linear in `p`, the right side is the lower of two planes. A box that lies entirely behind both contains no point of a
-/// ray; one that lies behind each with different parts may have.
+/// Since `t` is linear in `p`, the right side is the lower of two planes. A box that lies entirely behind both contains
+/// no point of a ray; one that lies behind each with different parts may have.
 ///
 /// No camera ray enters a box that [`excludes`](Self::excludes) rejects, rounding included. The slab test
 /// ([`Aabb::clip`]) with a ray of [`Camera::ray`](crate::Camera::ray) misses the box, and so do all tests that
@@ -154,8 +154,8 @@ impl ViewVolume {
         }
     }
 
-    /// True only if no ray of the volume hits the box: it lies behind one of the planes. False for
-    /// empty and for infinite boxes, and where coordinates are so large or small that no bound holds.
+    /// True only if no ray of the volume hits the box: it lies behind one of the planes. False for empty and for
+    /// infinite boxes, and where coordinates are so large or small that no bound holds.
     pub fn excludes(&self, aabb: &Aabb) -> bool {
         let farthest = |normal: DVec3| {
             let corner = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);

@@ -119,8 +119,8 @@ impl Development {
         Bitmap8 { width: film.width(), height: film.height(), channels: 4, bytes }
     }
 
-    /// Develops a film to three channels, in front of black: radiance is premultiplied, so that coverage
-    /// is simply left out.
+    /// Develops a film to three channels, in front of black: radiance is premultiplied, so that coverage is simply left
+    /// out.
     pub fn develop_over_black(&self, film: &Image) -> Bitmap8 {
         let curve = Curve::new(self);
         let mut bytes = Vec::with_capacity(3 * film.pixels().len());

@@ -13,7 +13,8 @@
 /// Unreasonable Effectiveness of Quasirandom Sequences"): even over any small area, without a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dither {
-    /// Position of the film's upper left pixel in the full image, in pixels: a crop is dithered like that part of the full image.
+    /// Position of the film's upper left pixel in the full image, in pixels: a crop is dithered like that part of the
+    /// full image.
     pub origin: [u32; 2],
 }
 

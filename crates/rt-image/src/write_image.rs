@@ -16,8 +16,7 @@ const JPEG_QUALITY: u8 = 95;
 /// Writes a film in the given format: developed for PNG and JPEG, linear radiance for EXR, HDR and PFM.
 ///
 /// The file is made in memory and then handed to the writer, which is not touched if the format cannot hold the film.
-/// If the writer fails, the output is incomplete: to keep an older file, write to another one and
-/// rename that.
+/// If the writer fails, the output is incomplete: to keep an older file, write to another one and rename that.
 ///
 /// # Errors
 /// [`ImageFileError::Write`] if the writer fails, [`ImageFileError::Encode`] if the format cannot hold the film.

@@ -119,8 +119,8 @@ impl Transform {
         Self::from_linear(linear, DVec3::ZERO)
     }
 
-    /// World from camera: a camera at `eye` that looks along its −z towards `target`, with +y as near to `up` as possible.
-    /// The result is `world_from_observer`.
+    /// World from camera: a camera at `eye` that looks along its −z towards `target`, with +y as near to `up` as
+    /// possible. The result is `world_from_observer`.
     ///
     /// # Errors
     /// [`TransformError::DegenerateDirection`] if `eye` equals `target` or the view is parallel to `up`.

@@ -50,8 +50,8 @@ impl<'p> TileScheduler<'p> {
         &self.tiles
     }
 
-    /// Renders tiles, by index, skipping those without sampled pixels. `finished` receives the results in any order, on this
-    /// thread, while other tiles are rendered.
+    /// Renders tiles, by index, skipping those without sampled pixels. `finished` receives the results in any order, on
+    /// this thread, while other tiles are rendered.
     pub(crate) fn render_tiles(
         &self,
         pass_spec: &PassSpec<'_>,

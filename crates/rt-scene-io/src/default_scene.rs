@@ -74,7 +74,7 @@ pub(crate) fn scene_for_model(
     (file, notes)
 }
 
-/// True if the box around a model matters to what is chosen for it.
+/// True if the defaults of a model depend on its bounds.
 pub(crate) const fn needs_bounds(model: &Model, options: &LoadOptions) -> bool {
     options.ground || (model.is_photometric && !model.lights.is_empty())
 }

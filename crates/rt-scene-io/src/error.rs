@@ -20,7 +20,7 @@ pub struct LoadError {
     diagnostics: Vec<Diagnostic>,
 }
 
-/// One thing that is wrong, and where.
+/// One error and its location.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}", SingleLine(format_args!("{file}{location}: {kind}")), excerpt.as_ref().map_or_else(String::new, |excerpt| format!("\n{excerpt}")))]
 pub struct Diagnostic {
@@ -95,7 +95,7 @@ pub enum LoadErrorKind {
         /// Reason for the refusal.
         rule: String,
     },
-    /// A reference to a file that is not there.
+    /// A reference to a missing file.
     #[error("`{reference}` does not exist (looked for {})", looked_for.display())]
     MissingReference {
         /// The reference as written.
@@ -116,7 +116,7 @@ pub enum LoadErrorKind {
         /// The words that exist.
         known: Vec<String>,
     },
-    /// Two things of the same name.
+    /// Two entries of the same name.
     #[error("there are two {kind}s named `{name}`; rename one of them")]
     Duplicate {
         /// "material", "camera", ...

@@ -1,4 +1,4 @@
-//! Resolved scene: plain data without paths or names to look up.
+//! Resolved scene: plain data without unresolved paths or names.
 
 #[cfg(feature = "format")]
 use std::collections::BTreeSet;

@@ -3,10 +3,10 @@
 //! # Why no primitive is lost
 //!
 //! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded
-//! bounds of a primitive, entering it at `e` in the sense of `intersect_primitive`. Some reference is entered no later than
-//! `e`, by induction. The whole box is (see `node.rs`). If a plane cuts a reference that is, one of the two parts is.
-//! Take a direction in which the left part comes first. It is entered where the whole was, and left where the whole was
-//! left or at `leave(s)`, the crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it.
+//! bounds of a primitive, entering it at `e` in the sense of `intersect_primitive`. Some reference is entered no later
+//! than `e`, by induction. The whole box is (see `node.rs`). If a plane cuts a reference that is, one of the two parts
+//! is. Take a direction in which the left part comes first. It is entered where the whole was, and left where the whole
+//! was left or at `leave(s)`, the crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it.
 //! Otherwise `e > leave(s) ≥ enter(s)`, so the right part is entered at `max(e, enter(s)) = e` and left where the whole
 //! was. Here `enter(s) ≤ leave(s)` because far planes are seen from an origin that is farther back, and moved outward
 //! on either side of `t` = 0. A ray along the plane is not constrained by it, and passes at least the part that its

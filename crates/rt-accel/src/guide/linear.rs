@@ -3,8 +3,8 @@
 //! **The idea** is that there is none. The right image is the reference of all others: the same cost for every ray.
 #![doc = include_str!("figures/linear.html")]
 //!
-//! **Build**: bounds are checked as in all accelerators, so that invalid input is rejected by all. Spheres are copied as
-//! four numbers of single precision each; no other data is stored.
+//! **Build**: bounds are checked as in all accelerators, so that invalid input is rejected by all. Spheres are copied
+//! as four numbers of single precision each; no other data is stored.
 //!
 //! **Traversal**: primitive 0, 1, 2, ... The closest hit requires all tests; any-hit queries end at the first hit.
 //!

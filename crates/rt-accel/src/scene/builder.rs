@@ -75,8 +75,8 @@ impl<'a> SceneBuilder<'a> {
         Ok(GeometryId(id))
     }
 
-    /// Adds an instance of a geometry, without a transform. Returns the index of the instance, as in [`Hit::instance`](crate::Hit::instance): the
-    /// lowest that is free.
+    /// Adds an instance of a geometry, without a transform. Returns the index of the instance, as in
+    /// [`Hit::instance`](crate::Hit::instance): the lowest that is free.
     ///
     /// # Errors
     ///
@@ -85,7 +85,8 @@ impl<'a> SceneBuilder<'a> {
         self.place_with(geometry, None)
     }
 
-    /// Adds an instance of a geometry, with a transform from its space to world space. Returns the index of the instance.
+    /// Adds an instance of a geometry, with a transform from its space to world space. Returns the index of the
+    /// instance.
     ///
     /// # Errors
     ///
@@ -156,8 +157,8 @@ impl<'a> SceneBuilder<'a> {
         Ok(())
     }
 
-    /// Removes a geometry without instances, and frees its memory unless a scene still uses it. The indices of the others
-    /// stay.
+    /// Removes a geometry without instances, and frees its memory unless a scene still uses it. The indices of the
+    /// others stay.
     ///
     /// # Errors
     ///

@@ -84,9 +84,9 @@ vertices_from!(f64, F64);
 
 /// Triangles over shared vertices, borrowed or owned.
 ///
-/// The mesh is not repaired: primitive `i` is triangle `i` of the caller. Triangles without area are kept and never hit.
-/// Vertices in double precision are used exactly. If single precision holds all of them, the mesh keeps them so, which
-/// is faster and gives the same hits.
+/// The mesh is not repaired: primitive `i` is triangle `i` of the caller. Triangles without area are kept and never
+/// hit. Vertices in double precision are used exactly. If single precision holds all of them, the mesh keeps them so,
+/// which is faster and gives the same hits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleMesh<'a> {
     vertices: Vertices<'a>,

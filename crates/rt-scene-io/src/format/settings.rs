@@ -31,7 +31,7 @@ pub struct Settings {
     /// Default: the same for all pixels. Example: `adaptive: object_space(min_spp: 4)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
-    /// Bounces after the first hit: 0 for direct light alone.
+    /// Bounces after the first hit: 0 for direct light only.
     ///
     /// Unit: bounces.
     #[serde(alias = "depth")]

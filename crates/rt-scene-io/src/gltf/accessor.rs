@@ -146,7 +146,7 @@ fn number(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
     unit_integer(kind).filter(|_| normalized).map_or(value, |unit| normalised(value, unit))
 }
 
-/// The integer that stands for 1 where integers are normalised; `None` for numbers that are none.
+/// Maximum of a normalised integer, which represents 1; `None` for floating-point numbers.
 pub(super) const fn unit_integer(kind: DataType) -> Option<f32> {
     match kind {
         DataType::F32 => None,

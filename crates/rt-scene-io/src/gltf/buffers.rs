@@ -32,7 +32,7 @@ pub(super) struct Buffers<'a> {
     data: Vec<Option<Cow<'a, [u8]>>>,
     /// Content of compressed views, by index.
     decoded: HashMap<usize, Vec<u8>>,
-    /// The memory that they take, but for what lies in the file itself.
+    /// Reserved memory of the buffers that are not in the file itself.
     _reservations: Vec<Reservation>,
 }
 
@@ -96,7 +96,7 @@ impl<'a> Buffers<'a> {
         })
     }
 
-    /// Bytes of all buffers, and of what compressed views hold.
+    /// Bytes of all buffers, and of decoded views.
     pub(super) fn bytes(&self) -> u64 {
         let buffers: usize = self.data.iter().flatten().map(|data| data.len()).sum();
         let views: usize = self.decoded.values().map(Vec::len).sum();

@@ -362,7 +362,7 @@ fn has_thickness(volume: &Volume) -> bool {
     volume.thickness_factor > 0.0
 }
 
-/// Medium of a solid. Black and metallic surfaces transmit nothing on average, and enclose none.
+/// Medium of a solid. Black and metallic surfaces transmit no light on average, and have no medium.
 fn interior(layered: &LayeredSurface, volume: Option<&Volume>) -> Option<InteriorMedium> {
     let volume = volume.filter(|volume| has_thickness(volume))?;
     let LayeredBase::MetallicRoughness { base_color, metallic, .. } = &layered.base else { return None };

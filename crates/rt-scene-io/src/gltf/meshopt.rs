@@ -82,7 +82,7 @@ mod tests {
     use serde_json::json;
 
     /// Version 0 of the vertex codec with two elements of four bytes. All deltas of the first group are zero; the second
-    /// element differs from the first by one in its first byte. The first element stands at the end.
+    /// element differs from the first by one in its first byte. The first element is at the end.
     fn stream() -> Vec<u8> {
         // A group of 16 deltas of two bits: the mode of the group, then four bytes of pairs, first element highest.
         let first = [0b01, 0b0010_0000, 0, 0, 0];

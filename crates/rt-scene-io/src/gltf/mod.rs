@@ -74,7 +74,7 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadErro
     })
 }
 
-/// Bytes of memory that the document takes while it is read. Buffers and meshes are counted when they are met.
+/// Bytes of memory that the document takes while it is read, without buffers and meshes, which are counted later.
 fn peak_bytes(sample: &FileSample) -> u64 {
     let objects = |text: &[u8]| text.iter().filter(|&&byte| byte == b'{').count() as u64;
     let (json, objects) = match Container::json_bytes(sample.head()) {

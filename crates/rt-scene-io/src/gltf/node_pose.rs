@@ -5,7 +5,7 @@ use rt_math::{DMat3, DQuat, DVec3, Transform, TransformError};
 
 use crate::LoadErrorKind;
 
-/// The map that a node's matrix, or its translation, rotation and scale stand for.
+/// Transform of a node, from its matrix or from its translation, rotation and scale.
 pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
     match matrix {
         Matrix::Matrix { matrix } => {

@@ -189,7 +189,7 @@ fn empty(source: &Source<'_>) -> SceneNode {
     SceneNode::empty(source.name().unwrap_or_default().to_owned(), Transform::IDENTITY)
 }
 
-/// One mesh stands at the node itself, several at children of it.
+/// One mesh becomes the content of the node, several become children of it.
 fn place_mesh(node: &mut SceneNode, parts: &[MeshPart]) {
     if let [(mesh, material)] = *parts {
         node.content = Some(Content::Mesh(mesh));

@@ -35,7 +35,7 @@ pub(super) struct Deformation<'a> {
     pub(super) weights: &'a [f32],
     /// The joints that take it to the world, if it follows some.
     pub(super) joints: Option<Arc<[Affine]>>,
-    /// True if a node mirrors a skinned mesh: its triangles are turned around.
+    /// True if a node mirrors a skinned mesh: its triangles are reversed.
     pub(super) mirrored: bool,
 }
 
@@ -47,7 +47,8 @@ pub(super) enum PrimitiveContent {
     NoSurface,
 }
 
-/// Reads the arrays of a primitive, and morphs and bends them. Where tangents are wanted and the file has none, they are made.
+/// Reads the arrays of a primitive, and applies morph targets and skins. Missing tangents are generated if the material
+/// needs them.
 pub(super) fn read(
     primitive: &Primitive<'_>,
     required_attributes: &RequiredAttributes,

@@ -7,7 +7,7 @@ use rt_math::{DMat3, DVec3};
 use super::{accessor::read_vectors, buffers::Buffers, node_pose::Affine};
 use crate::{LoadError, LoadErrorKind};
 
-/// Weights whose sum is farther than this from 1 are worth a warning: four of them rounded to bytes are within it.
+/// Weights whose sum is farther than this from 1 cause a warning: four of them rounded to bytes are within it.
 const MAX_DEVIATION: f64 = 1.0 / 64.0;
 
 /// The maps of the joints, from where the mesh was bound to the world.
@@ -87,7 +87,7 @@ fn move_vertex(data: &mut MeshData, vertex: usize, map: &Affine) {
     }
 }
 
-/// The matrix that takes normals, up to a factor that has the sign of the determinant; it is there for flat maps, too.
+/// The matrix that takes normals, up to a factor with the sign of the determinant; defined for singular maps, too.
 fn cofactors(m: &DMat3) -> DMat3 {
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))

@@ -29,7 +29,7 @@ pub(super) struct FaceList {
 }
 
 impl FaceList {
-    /// Reads what follows `p` or, with normals, `pp`.
+    /// Reads a `p` statement, or `pp` with normals.
     pub(super) fn read(
         &mut self,
         tokens: &mut Tokenizer<'_>,

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! v b l          view, background, lights   ──> camera, image size, background, classical lights
-//! f              fill colour                ──> a Phong material of what follows
+//! f              fill colour                ──> a Phong material of the objects that follow
 //! s c            sphere, cone or cylinder   ──> exact shapes
 //! p pp           polygon, patch             ──> polygons or a mesh, a mesh with normals
 //! ```
@@ -102,7 +102,7 @@ struct NffReader<'p> {
     /// One for each material of the model.
     surfaces: Vec<FillFaces>,
     known_fills: HashMap<[u64; 8], MaterialId>,
-    /// The material of what follows.
+    /// Material of the objects that follow.
     fill: Option<MaterialId>,
     /// Number of solids that show their inside only, and the line of the first.
     inside_out: (usize, usize),

@@ -28,7 +28,7 @@ struct ViewFields {
 }
 
 impl NffView {
-    /// Reads what follows `v` in `line`: the parts in any order.
+    /// Reads the parts of a `v` statement after `line`, in any order.
     pub(super) fn read(tokens: &mut Tokenizer<'_>, line: usize) -> Result<Self, LineError> {
         let mut parts = ViewFields::default();
         while let Some(Word { line, text }) = tokens.peek_word() {

@@ -35,7 +35,7 @@ pub(super) struct ObjDocument {
     pub(super) text: String,
     /// In order of their first face.
     pub(super) parts: Vec<ObjPart>,
-    /// Names of material libraries with their lines: what follows `mtllib`.
+    /// Arguments of `mtllib`, the names of material libraries, with their lines.
     pub(super) libraries: Vec<(usize, String)>,
     /// Skipped statements: their number, and the first line.
     pub(super) skipped: BTreeMap<String, (usize, usize)>,

@@ -44,7 +44,7 @@ fn tinted(texture: Option<TextureId>, model: &mut Model) -> TextureId {
 }
 
 impl<'a> MaterialLibrary<'a> {
-    /// Reads the libraries that `mtllib` statements name. One that is not there is a warning.
+    /// Reads the libraries that `mtllib` statements name. A missing one is a warning.
     pub(super) fn open(
         statements: &[(usize, String)],
         path: &'a Path,

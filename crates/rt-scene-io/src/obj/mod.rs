@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. What a file
-//! leaves out is replaced, with a warning: a library or image that is not there, a name that no library holds.
+//! leaves out is replaced, with a warning: a missing library or image, a name that no library defines.
 
 mod bump_to_normal;
 mod document;
@@ -156,7 +156,7 @@ fn mesh_data(mesh: &tobj::Mesh, shapes: &mut FaceShapes) -> Result<MeshData, Mes
 }
 
 /// The colours of vertices as light; none if all are white. The programs that write them (MeshLab, ZBrush, Blender) write
-/// colours as they are shown: sRGB.
+/// display colours: sRGB.
 fn linear_colours(shown: &[f32]) -> Vec<[f32; 4]> {
     if shown.iter().all(|&part| part == 1.0) {
         return Vec::new();

@@ -38,14 +38,14 @@ pub(super) struct MtlFile {
 /// Maximum number of unknown keywords in warnings.
 const MAX_UNKNOWN: usize = 100;
 
-/// Keywords, in the case that `tobj` knows; the case in files varies.
+/// Keywords, in the case that `tobj` requires; the case in files varies.
 const KEYWORDS: [&str; 33] = [
     "newmtl", "Ka", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",
     "anisor", "map_Ka", "map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Bump", "bump", "map_Pr", "map_Pm",
     "map_Ps", "map_Pc", "norm", "disp", "decal",
 ];
 
-/// The materials of a file, and what was left out of it.
+/// The materials of a file, and its ignored statements.
 pub(super) fn parse(text: &str) -> MtlFile {
     let mut clean = String::new();
     let mut warnings = Vec::new();

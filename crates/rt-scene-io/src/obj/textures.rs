@@ -42,7 +42,7 @@ impl<'a> ObjTextures<'a> {
         Self { options, known: HashMap::new(), bytes: 0 }
     }
 
-    /// The texture of a map in the library `file`. An image that is not there is a warning; a damaged one is an error.
+    /// The texture of a map in the library `file`. A missing image is a warning; a damaged one is an error.
     pub(super) fn texture(
         &mut self,
         map: &TextureMap,

@@ -31,7 +31,7 @@ pub(super) struct PbrtTextures {
 }
 
 impl PbrtTextures {
-    /// Adds the texture `name`; what is lost of it comes back.
+    /// Adds the texture `name`; returns warnings about unsupported parts.
     pub(super) fn define(
         &mut self,
         name: String,

@@ -56,7 +56,7 @@ impl PbrtCamera {
         if view.is_some_and(|view| view.camera_from_world.flips_handedness()) { Transform::IDENTITY } else { mirror() }
     }
 
-    /// The camera of an image of so many pixels.
+    /// The camera of an image of this size in pixels.
     pub(super) fn camera(&self, [width, height]: [u32; 2]) -> NamedCamera {
         let (width, height) = (f64::from(width), f64::from(height));
         let projection = match self.lens {
