@@ -28,7 +28,7 @@ pub(crate) struct Input {
     pub(crate) options: LoadOptions,
 }
 
-/// Loads a scene and prints the warnings. `image` overrides what the defaults of the loader depend on.
+/// Loads a scene and prints the warnings. `image` overrides settings on which the defaults of the loader depend.
 pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console) -> Result<Input, CliError> {
     let mut options = load_options(args)?;
     if let Some(image) = image {

@@ -150,7 +150,7 @@ impl Job<'_> {
         self.check_content(&plan, &rendering)
     }
 
-    /// Warns of an image that shows nothing.
+    /// Warns of an image that is black or shows no object.
     fn check_content(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Result<(), CliError> {
         let JobOutput::Image { format, file, .. } = &self.output else { return Ok(()) };
         if self.options.crop.is_some() {

@@ -42,7 +42,7 @@ pub(crate) struct LayerList {
     pub(crate) samples: bool,
     /// Standard errors, which a render of one pass does not have.
     pub(crate) stderr: bool,
-    /// True if the standard errors were not named, but are wanted if there are any.
+    /// True if the standard errors are not listed, but written if available.
     pub(crate) is_all: bool,
 }
 

@@ -107,7 +107,7 @@ fn of_frame(args: &RenderArgs, frame: u32) -> RenderArgs {
     }
 }
 
-/// Refuses output names without a place for the frame number.
+/// Refuses output names without `####` for the frame number.
 fn refuse_shared_files(args: &RenderArgs) -> Result<(), CliError> {
     let output = output(args);
     let others = [args.run.stats.as_deref(), args.checkpoint.checkpoint.as_deref(), Some(output.as_path())];

@@ -34,7 +34,7 @@ pub(super) struct Session {
     pub(super) shared: SharedState,
     /// Name of the scene.
     pub(super) name: String,
-    /// Name of the medium that the camera stands in.
+    /// Name of the medium around the camera.
     pub(super) medium: Option<String>,
     pub(super) size: [u32; 2],
     pub(super) spp: u32,
