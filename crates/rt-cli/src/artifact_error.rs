@@ -18,7 +18,7 @@ pub(crate) enum ArtifactKind {
 pub(crate) enum ArtifactError {
     #[error("{}: cannot be read: {source}", file.display())]
     Read { file: PathBuf, source: io::Error },
-    #[error("{}: is not a regular file", .0.display())]
+    #[error("{}: is not a regular file; give the path of a file", .0.display())]
     NotAFile(PathBuf),
     #[error("{}: {cause}", file.display())]
     Memory { file: PathBuf, cause: MemoryError },

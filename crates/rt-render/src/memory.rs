@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(prediction.peak(), 13);
         assert_eq!(MemoryPrediction { film: 9, ..prediction }.peak(), 15);
         assert_eq!(MemoryPrediction { film: u64::MAX, ..prediction }.peak(), u64::MAX);
-        let expected = "film 5 B, textures 1 B, geometry 2 B, structures 3 B, building these 7 B: at most 13 B";
+        let expected = "film 5 B, textures 1 B, geometry 2 B, accelerators 3 B, building them 7 B: peak 13 B";
         assert_eq!(prediction.to_string(), expected);
     }
 

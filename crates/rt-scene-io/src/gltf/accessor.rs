@@ -241,7 +241,9 @@ mod tests {
         assert!(refused(&whole, r#""componentType": 5121, "count": 9"#).contains("do not fit in its 8 bytes"));
         assert!(refused(&whole, r#""componentType": 5125, "count": 4611686018427387905"#).contains("do not fit"));
         assert!(refused(&whole, &format!(r#"{fine}, "byteOffset": 18446744073709551615"#)).contains("do not fit"));
-        assert!(refused(&view(r#""byteLength": 9"#), fine).contains("9 bytes from 0 on leave the buffer 0 of 8 bytes"));
+        assert!(
+            refused(&view(r#""byteLength": 9"#), fine).contains("9 bytes at offset 0 exceed the buffer 0 of 8 bytes")
+        );
         let overflow = view(r#""byteOffset": 18446744073709551615, "byteLength": 8"#);
         assert!(refused(&overflow, fine).contains("leave the buffer"));
         assert!(refused(&whole, r#""componentType": 5126, "count": 2"#).contains("must be unsigned scalars"));

@@ -277,7 +277,7 @@ mod tests {
         let mut warnings = Vec::new();
         parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("optional");
         assert_eq!(warnings.len(), 1);
-        assert_eq!(warnings[0].message, "the optional extension A is not followed");
+        assert_eq!(warnings[0].message, "the optional extension A is not supported");
     }
 
     #[test]
@@ -305,7 +305,7 @@ mod tests {
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOUR": 0}, "targets": [{"TEXCOORD_0": 0}]}]}]}"#;
         let mut warnings = Vec::new();
         parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("usable");
-        assert_eq!(warnings[0].message, "morph targets of TEXCOORD_0 are not followed");
+        assert_eq!(warnings[0].message, "morph targets of TEXCOORD_0 are not supported");
     }
 
     #[test]

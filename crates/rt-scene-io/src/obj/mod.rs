@@ -345,7 +345,7 @@ mod tests {
         assert_eq!(model.meshes[0].mesh.data().tangents[0], [1.0, 0.0, 0.0, 1.0]);
         assert!(model.meshes[1].mesh.data().tangents.is_empty());
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-        assert_eq!(what, ["`disp` is not followed", "`map_Pr` is not followed", "`Pc` is not followed"]);
+        assert_eq!(what, ["`disp` is not supported", "`map_Pr` is not supported", "`Pc` is not supported"]);
     }
 
     #[test]

@@ -258,7 +258,7 @@ fn what_is_not_supported_is_listed_with_its_line() {
     for (directive, message) in [
         ("Shape \"curve\" \"point3 P\" [0 0 0 1 1 1 2 2 2 3 3 3]", "the shape \"curve\" is not supported"),
         ("Shape \"sphere\" \"float zmin\" 0", "the sphere is whole, without regard"),
-        ("Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" cuts meshes alone: the sphere is whole"),
+        ("Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" is supported for meshes only: the sphere is opaque"),
         ("Material \"hair\"", "the material \"hair\" is not supported: grey is used"),
         (
             "Material \"diffuse\" \"texture displacement\" \"n\"",
