@@ -84,7 +84,7 @@ pub enum ImageFileError {
         source: io::Error,
     },
     /// The path is a directory, a pipe or a device.
-    #[error("{}: is not a regular file; give the path of a file", .0.display())]
+    #[error("{}: is not a regular file", .0.display())]
     NotAFile(PathBuf),
     /// The file is in no known format.
     #[error("{}: is not an image in one of the formats {}; convert it to one of them", .0.display(), ImageFormat::list_extensions())]
