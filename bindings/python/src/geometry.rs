@@ -26,7 +26,7 @@ impl PyMesh {
         mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    /// The same triangles over other vertices.
+    /// Mesh with the triangles of this one and other vertices.
     fn with_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mesh = self.0.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?));
         mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))

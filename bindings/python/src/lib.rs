@@ -1,4 +1,4 @@
-//! Extension module `rt._rt`: rays and images for numpy arrays. The package `rt` around it is what users see.
+//! Extension module `rt._rt`: rays and images for numpy arrays. Users import the package `rt`, which wraps it.
 //!
 //! `arrays` turns numpy arrays into batches, `geometry` holds meshes and spheres, `scene` the queries, `render` images.
 

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use rt_render::{PlanOptions, Progress, RayKind, RenderPlan, Rendering, RunOptions, StopRule, Stopped, TargetError};
 use rt_scene_io::{Integrator, LoadOptions};
 
-/// A finished image: pixels, row by row, with what is known about them.
+/// A finished image: pixels, row by row, with statistics and error estimates.
 #[pyclass(name = "Rendering", frozen)]
 pub(crate) struct PyRendering {
     rendering: Rendering,

@@ -43,7 +43,7 @@ fn add_all(
     Ok(())
 }
 
-/// Places geometries, and returns the numbers of the instances.
+/// Adds instances of geometries, and returns their indices.
 fn place_all(
     builder: &mut SceneBuilder<'static>,
     instances: &[Placement<'_>],

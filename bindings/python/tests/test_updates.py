@@ -84,11 +84,11 @@ def test_refused_changes_leave_the_scene_as_it_is():
         scene.update(remove=[5])
     with pytest.raises(ValueError, match="object 0 is removed twice"):
         scene.update(remove=[0, 0])
-    with pytest.raises(ValueError, match="triangle 1 refers to vertex 3, but there are 3 vertices"):
+    with pytest.raises(ValueError, match="triangle 1: vertex index 3 is out of range: there are 3 vertices"):
         scene.update(vertices={0: np.zeros((3, 3))}, transforms={1: 2 * np.eye(4)})
     with pytest.raises(ValueError, match="object 1 has no vertices"):
         scene.update(vertices={1: np.zeros((3, 3))})
-    with pytest.raises(ValueError, match="vertex 2 has a coordinate that is not finite"):
+    with pytest.raises(ValueError, match="vertex 2 has a NaN or infinite coordinate"):
         scene.update(vertices={0: np.where(np.arange(8)[:, None] == 2, np.nan, np.zeros((8, 3)))})
     with pytest.raises(ValueError, match=r"object 0: a transform has the shape \(4, 4\), not \(3, 3\)"):
         scene.update(transforms={0: np.eye(3)})

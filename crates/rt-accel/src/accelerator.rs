@@ -17,9 +17,9 @@ use crate::stats::BuildStats;
 /// It holds indices and boxes only and borrows the primitives for each query. Every query must be given the primitives
 /// that the accelerator was built over.
 ///
-/// Every implementation returns **the same bits** as a test of each primitive in turn. It culls only by boxes that
-/// contain the primitives' padded bounds, and accepts hits through
-/// [`intersect_primitive`](rt_geometry::intersect_primitive) alone. Equal `t` goes to the lower (instance, primitive).
+/// Every implementation returns **the same bits** as a test of each primitive. It culls only by boxes that contain the
+/// primitives' padded bounds, and accepts hits through [`intersect_primitive`](rt_geometry::intersect_primitive) only.
+/// Ties in `t` resolve to the lower (instance, primitive).
 ///
 /// All queries are built on two traversals: [`traverse_ray`](Self::traverse_ray) along a ray, and
 /// [`traverse_region`](Self::traverse_region) through a part of space. None allocates, except for the growth of a list

@@ -77,15 +77,15 @@ accelerators! {
     /// Binary tree of boxes.
     Bvh(Bvh) = "bvh",
     /// Tree of boxes with eight children per node.
-    Wide(WideBvh) = "wide",
+    Wide(WideBvh) = "bvh8",
     /// Tree of axis-aligned planes.
     Kd(KdTree) = "kd",
     /// Tree of planes of any direction.
     Bsp(BspTree) = "bsp",
     /// Tree of spheres.
-    Spheres(SphereTree) = "spheres",
+    Spheres(SphereTree) = "sphere-tree",
     /// Tree of cylinders.
-    Cylinders(CylinderTree) = "cylinders",
+    Cylinders(CylinderTree) = "cylinder-tree",
     /// Bounding interval hierarchy.
     Bih(Bih) = "bih",
     /// Bounding interval hierarchy that is built on demand.

@@ -48,7 +48,7 @@ pub(crate) trait BuildBounds: Copy {
     /// Number of bins per unit of length, if this box is divided evenly on each axis.
     fn bin_scale(&self) -> Self::Vector;
 
-    /// Bin of a point on each axis. NaN, which stands for an axis without extent, is in bin 0.
+    /// Bin of a point on each axis. NaN, from an axis without extent, is in bin 0.
     fn bin(&self, scale: Self::Vector, point: Self::Vector) -> [usize; 3];
 }
 

@@ -1,4 +1,4 @@
-//! Brute force: tests each primitive in turn, in `f64`.
+//! Brute force: tests each primitive, in `f64`.
 //!
 //! Reference of all tests, also for [`Linear`](crate::Linear), which has faster paths:
 //!

@@ -41,9 +41,14 @@ impl fmt::Display for BuildError {
                 write!(f, "primitive {index} has bounds from {min} to {max}: {reason}")
             }
             Self::TooMany { count, limit } => {
-                write!(f, "{count} primitives, cells or references, but at most {limit} can be numbered")
+                write!(
+                    f,
+                    "{count} primitives, cells or references exceed the limit of {limit}; split the primitives into instances"
+                )
             }
-            Self::Changed(violation) => write!(f, "the structure does not belong to these primitives: {violation}"),
+            Self::Changed(violation) => {
+                write!(f, "the accelerator was built over other primitives: {violation}; build it again")
+            }
         }
     }
 }
@@ -89,9 +94,13 @@ impl fmt::Display for ValidationError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Count { built, given } => write!(f, "built over {built} primitives, but there are {given}"),
-            Self::Misplaced { primitive } => write!(f, "primitive {primitive} is not where its bounds put it"),
-            Self::Outside { primitive } => write!(f, "primitive {primitive} reaches out of a box above it"),
-            Self::Node { node } => write!(f, "node {node} reaches out of its parent, or points nowhere"),
+            Self::Misplaced { primitive } => {
+                write!(f, "primitive {primitive} is not listed in a cell that its bounds overlap")
+            }
+            Self::Outside { primitive } => write!(f, "primitive {primitive} exceeds the bounds of a node above it"),
+            Self::Node { node } => {
+                write!(f, "node {node} exceeds the bounds of its parent, or has an index out of range")
+            }
             Self::Depth { depth } => write!(f, "a leaf at depth {depth} overflows the traversal stack"),
         }
     }

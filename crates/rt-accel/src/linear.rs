@@ -9,7 +9,7 @@ use rt_math::{Aabb, Interval, Ray};
 use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::wide::{SimdLevel, SmallSet, SphereList};
 
-/// Tests every primitive in turn. O(n) per ray; 16 bytes per sphere if there are more than 16 primitives and all are
+/// Tests every primitive. O(n) per ray; 16 bytes per sphere if there are more than 16 primitives and all are
 /// spheres, otherwise no memory.
 ///
 /// More than 16 spheres are tested eight at a time in `f32`, and those that a ray may hit in `f64`. Batches test up to
@@ -31,7 +31,7 @@ impl Linear {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or the primitives exceed 32-bit indices.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let mut linear =
             Self { primitives: count(primitives)?, unbounded: 0, spheres: None, level: SimdLevel::default() };
@@ -171,7 +171,7 @@ impl Accelerator for Linear {
         }
     }
 
-    /// Visits nothing: a list has no boxes.
+    /// Visits no nodes: a list has no boxes.
     fn for_each_box(&self, _visit: impl FnMut(Aabb, u32)) {}
 }
 

@@ -35,7 +35,7 @@ impl PrimBounds {
         Ok(all)
     }
 
-    /// Union of all bounds; a point at the origin without any, as not every serialisation format knows infinity.
+    /// Union of all bounds; a point at the origin without any, because not every serialisation format has infinity.
     pub(crate) fn finite_union(&self) -> Aabb {
         if self.bounded.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ZERO) } else { self.union }
     }

@@ -11,14 +11,14 @@ use crate::Region;
 /// Query in a region. An [`Accelerator`](crate::Accelerator) passes it primitives to test; the query reports the boxes
 /// that can still matter.
 pub trait RegionQuery {
-    /// Bounds of everything that can still matter. They may shrink from test to test if `test_primitive` ignores
-    /// `is_owner`.
+    /// Bounds of the region that can still contain results. They may shrink from test to test if `test_primitive`
+    /// ignores `is_owner`.
     fn bounds(&self) -> Aabb;
 
     /// Point to start from. May be NaN.
     fn query_point(&self) -> DVec3;
 
-    /// Distance of a box, by which boxes are visited in rising order; `None` if nothing in it can matter. Monotone: a
+    /// Distance of a box, by which boxes are visited in rising order; `None` if it can contain no result. Monotone: a
     /// box within another is no nearer. An accelerator that lists primitives several times must not cull boxes that
     /// overlap `bounds` by this.
     fn distance_to(&self, aabb: &Aabb) -> Option<f64>;

@@ -36,11 +36,11 @@ pub(crate) struct Subtree<N> {
 pub(crate) struct Split<P, T> {
     pub(crate) payload: P,
     pub(crate) tasks: [T; 2],
-    /// True if both sets are worth a thread each.
+    /// True if both sets are large enough for a thread each.
     pub(crate) is_large: bool,
 }
 
-/// Smallest set that is worth a thread.
+/// Minimum number of items for a thread of their own.
 pub(crate) const MIN_FORKED: usize = 4096;
 
 /// Builds a tree. `split` splits the set of a task, or appends its primitives to a leaf. Recursion is as deep as the

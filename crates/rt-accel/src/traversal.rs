@@ -26,7 +26,7 @@ impl<T: Copy> TraversalStack<T> {
         Self { entries: [filler; CAPACITY], len: 0 }
     }
 
-    /// Pushes the entry if `is_wanted`. Branch-free, because the outcome is unpredictable.
+    /// Pushes the entry if `is_wanted` is true. Branch-free, because the outcome is unpredictable.
     #[inline(always)]
     fn push_if(&mut self, is_wanted: bool, entry: T) {
         debug_assert!(self.len < CAPACITY, "the tree is deeper than its builder promises");

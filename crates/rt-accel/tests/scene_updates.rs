@@ -208,7 +208,10 @@ fn refused_changes_change_nothing() {
     let short = builder.set_vertices(mesh, vec![[0.0f64; 3]; 2]);
     let source = MeshError::VertexIndex { triangle: 0, index: 2, n_vertices: 2 };
     assert_eq!(short, Err(SceneError::Vertices { geometry: 0, source }));
-    assert_eq!(short.unwrap_err().to_string(), "geometry 0: triangle 0 refers to vertex 2, but there are 2 vertices");
+    assert_eq!(
+        short.unwrap_err().to_string(),
+        "geometry 0: triangle 0: vertex index 2 is out of range: there are 2 vertices"
+    );
     let broken = builder.set_vertices(mesh, vec![[0.0, f64::NAN, 0.0]; 3]);
     assert_eq!(broken, Err(SceneError::Vertices { geometry: 0, source: MeshError::NonFinite { vertex: 0 } }));
     let scene = builder.build().expect("a scene");

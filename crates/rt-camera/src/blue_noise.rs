@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!      pixels of a block along the curve     index of a sample: digits of base 4
-//!          0 1 4 5                               curve position of the pixel | number of the sample
+//!          0 1 4 5                               curve position of the pixel | index of the sample
 //!          2 3 6 7     each digit permuted           d d d d d d d d         |     d d d d
 //!          8 9 ...     by the digits before it
 //! ```
@@ -15,7 +15,7 @@ const LOG_SIDE: u32 = 7;
 /// A sample of a pixel among all samples of its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CurveIndex {
-    /// Place on the curve, with the number of the sample below.
+    /// Position on the curve, with the index of the sample in the low digits.
     index: u64,
     /// Binary digits of the index.
     digits: u32,

@@ -37,21 +37,21 @@ pub enum Projection {
     },
 }
 
-/// Everything about a camera but the image that it exposes.
+/// Settings of a camera, without the size of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraSettings {
     /// The camera looks along its −z, with +y up and +x to the right.
     pub world_from_camera: Transform,
     /// Pose at time 1, if the camera moves; [`world_from_camera`](Self::world_from_camera) is that at time 0.
     pub moves_to: Option<Transform>,
-    /// When the shutter opens and closes, from 0 to 1.
+    /// Times at which the shutter opens and closes, from 0 to 1.
     pub shutter: [f64; 2],
     /// The projection.
     pub projection: Projection,
     /// Shift of the lens, as a part of the image's width and height. (0.5, 0) moves the view by half an image to the
     /// right, (0, 0.5) by half an image up.
     pub lens_shift: DVec2,
-    /// The lens that makes what is out of focus blurred; all is sharp without.
+    /// Lens for depth of field; a pinhole if `None`.
     pub lens: Option<Lens>,
 }
 
@@ -114,7 +114,7 @@ pub struct Camera {
     pixel_side: f64,
     /// Principal point: intersection of the view axis with the image, in raster coordinates.
     principal_point: DVec2,
-    /// A lens that is no pinhole.
+    /// Lens with an aperture above 0.
     lens: Option<Lens>,
 }
 
@@ -122,9 +122,9 @@ impl Camera {
     /// A camera that exposes an image of `width` × `height` pixels.
     ///
     /// # Errors
-    /// [`CameraError`] if a side is 0, the field of view lies outside (0, π), the orthographic height is not
-    /// positive, the lens or the shutter is unusable, there is no way for a camera that moves, or a number is NaN, infinite, or
-    /// so large that rays would not be finite.
+    /// [`CameraError`] if a side is 0, the field of view lies outside (0, π), the orthographic height is not positive,
+    /// the lens or the shutter is unusable, the motion of the camera cannot be interpolated, or a number is NaN,
+    /// infinite, or so large that rays would not be finite.
     pub fn new(settings: &CameraSettings, width: u32, height: u32) -> Result<Self, CameraError> {
         if width == 0 || height == 0 {
             return Err(CameraError::EmptyImage(width, height));

@@ -15,27 +15,27 @@ pub enum CameraError {
     #[error("the height of the orthographic view is {0}; it must be positive and finite")]
     Height(f64),
     /// The lens shift is NaN or infinite.
-    #[error("the lens shift ({}, {}) is not finite", .0.x, .0.y)]
+    #[error("the lens shift ({}, {}) must be finite", .0.x, .0.y)]
     LensShift(DVec2),
     /// The radius of the lens (the value, in units of the camera's space) is not usable.
     #[error("the radius of the lens is {0}; it must be finite and not negative")]
     LensRadius(f64),
     /// The depth of the plane of focus (the value, in units of the camera's space) is not usable.
-    #[error("the camera is focused at a depth of {0}; it must be positive and finite")]
+    #[error("the focus distance is {0}; it must be positive and finite")]
     Focus(f64),
     /// The aperture has too few corners.
     #[error("the aperture has {0} blades; it must have at least 3, or none to be round")]
     Blades(u32),
     /// The angle of the aperture is NaN or infinite.
-    #[error("the aperture is turned by {0}, which is not finite")]
+    #[error("the rotation of the aperture is {0}; it must be finite")]
     LensRotation(f64),
     /// The shutter (its two times) is not usable.
     #[error("the shutter is open from {} to {}; it must open at 0 at the earliest and close after that, at 1 at the latest", .0[0], .0[1])]
     Shutter([f64; 2]),
-    /// The camera cannot move from the one place to the other.
+    /// The two poses of the camera cannot be interpolated.
     #[error(transparent)]
     AnimatedTransform(#[from] AnimatedTransformError),
     /// The rays overflow: the transform scales, or the lens shift reaches, too far.
-    #[error("the camera's transform, lens and lens shift are too large for its rays to be finite")]
+    #[error("the transform, lens and lens shift of the camera are so large that rays are not finite; reduce them")]
     Overflow,
 }

@@ -31,7 +31,7 @@ impl Default for FilmSettings {
     }
 }
 
-/// Why an image cannot be exposed with these settings.
+/// Reason why an image cannot be exposed with these settings.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FilmError {
     /// A side (width, height) is 0.
@@ -41,7 +41,7 @@ pub enum FilmError {
     #[error("the image is {0} by {1} pixels; at most {max} pixels are possible", max = Image::MAX_PIXELS)]
     TooLarge(u32, u32),
     /// The sample offset is NaN or infinite.
-    #[error("the sample offset ({}, {}) is not finite", .0.x, .0.y)]
+    #[error("the sample offset ({}, {}) must be finite", .0.x, .0.y)]
     SampleOffset(DVec2),
     /// The standard deviation of the Gaussian filter (the value, in pixels) is not usable.
     #[error("the Gaussian filter's standard deviation is {0}; it must be positive and finite")]

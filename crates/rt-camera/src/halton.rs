@@ -29,7 +29,7 @@ const fn first_primes() -> [u32; DIMENSIONS] {
 /// is the radical inverse of the index in the dimension's base. Each digit goes through a random permutation that
 /// depends on the digits before it (Owen 1995).
 ///
-/// The digits that `count` indices need are scrambled; what would follow them is as random as a uniform number, and is
+/// The digits that `count` indices need are scrambled; the digits after them are as random as a uniform number, and are
 /// drawn as one. Dimensions beyond the 128th are random: a base that is used twice would correlate its two
 /// dimensions.
 pub(crate) fn coordinate(mut key: u64, index: u32, count: u32, dimension: u32) -> f64 {

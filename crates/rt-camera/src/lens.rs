@@ -1,4 +1,4 @@
-//! The thin lens: rays start all over an aperture and meet again in the plane of focus.
+//! The thin lens: rays start at points of the aperture and converge in the plane of focus.
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -6,13 +6,13 @@ use rt_math::{DVec2, transcendental::sincos};
 
 use crate::CameraError;
 
-/// A lens without thickness, in the place of the pinhole (Cook, Porter, Carpenter 1984).
+/// Thin lens, which replaces the pinhole (Cook, Porter, Carpenter 1984).
 ///
 /// ```text
 ///            aperture                 plane of focus
 ///               │╲                         │
 ///        radius │  ╲___                    │
-///     ──────────┼──────╲───────────────────●──── all rays of a raster point meet here
+///     ──────────┼──────╲───────────────────●──── all rays of a raster point converge here
 ///               │   ___╱╲___               │
 ///               │ ╱         ╲___           │
 ///               0          depth           focus
@@ -26,10 +26,10 @@ pub struct Lens {
     pub radius: f64,
     /// Depth of the plane in which all is sharp, along the view axis, in units of the camera's space.
     pub focus: f64,
-    /// Number of corners of the aperture, at least 3; it is round without.
+    /// Number of corners of the aperture, at least 3; `None` for a round aperture.
     pub blades: Option<u32>,
-    /// Angle in radians, counter-clockwise seen from behind the camera, by which the aperture is turned. The first corner
-    /// points up otherwise.
+    /// Angle in radians, counter-clockwise seen from behind the camera, by which the aperture is rotated. At 0 the
+    /// first corner points up.
     pub rotation: f64,
 }
 

@@ -22,7 +22,7 @@
 //! | ray through a raster point, and back | [`Camera`] |
 //! | where on the aperture it starts, and where it is sharp | [`Lens`] |
 //! | when it is cast, and where the camera is then | [`Camera::shutter_time`], [`CameraSettings::moves_to`] |
-//! | boxes that none of these rays meets | [`ViewVolume`] |
+//! | boxes that none of these rays hits | [`ViewVolume`] |
 //! | size, sample position, filter, development of the image | [`FilmSettings`] |
 //!
 //! **Owns** cameras, sample patterns, reconstruction filters and the settings of the film.

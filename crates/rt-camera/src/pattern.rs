@@ -19,8 +19,8 @@ pub enum SamplerKind {
     Sobol,
     /// The Halton sequence with Owen scrambling, for any number of samples (Halton 1960, Owen 1995).
     Halton,
-    /// Sobol' points shared out among neighbouring pixels, so that the noise of few samples is fine and even, and less seen
-    /// (Ahmed and Wonka 2020).
+    /// Sobol' points distributed among neighbouring pixels, so that the noise of few samples is fine and even, and less
+    /// seen (Ahmed and Wonka 2020).
     BlueNoise,
 }
 
@@ -28,7 +28,7 @@ pub enum SamplerKind {
 const MAX_SIDE: u32 = u16::MAX as u32;
 
 impl SamplerKind {
-    /// All patterns, from the plainest on.
+    /// All patterns, from the simplest.
     pub const ALL: [Self; 9] = [
         Self::Centre,
         Self::Grid,
@@ -63,7 +63,8 @@ impl SamplerKind {
         matches!(self, Self::Centre | Self::Grid | Self::HalfJittered)
     }
 
-    /// The patterns that are not [biased](Self::is_biased), from the plainest on: each of their samples is uniform over the pixel.
+    /// The patterns that are not [biased](Self::is_biased), from the simplest: each of their samples is uniform over
+    /// the pixel.
     pub fn unbiased() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|pattern| !pattern.is_biased())
     }

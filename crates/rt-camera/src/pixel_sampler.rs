@@ -39,14 +39,9 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// use rt_camera::{PixelSampler, SamplerKind};
 /// use rt_math::Sampler;
 ///
-/// let pattern = SamplerKind::Jittered;
-/// let sampler = PixelSampler::new(pattern, pattern.round_up(5), 42);
-/// assert_eq!(sampler.spp(), 9);
-/// let mut sample = sampler.sample([10, 20], 3);
-/// let in_pixel = sample.next_2d();
-/// let on_light = sample.next_2d();
-/// assert_ne!(in_pixel, on_light);
-/// // Nothing is remembered between samples.
+/// let pattern = SamplerKind::Jittered; let sampler = PixelSampler::new(pattern, pattern.round_up(5), 42);
+/// assert_eq!(sampler.spp(), 9); let mut sample = sampler.sample([10, 20], 3); let in_pixel = sample.next_2d(); let
+/// on_light = sample.next_2d(); assert_ne!(in_pixel, on_light); // Samples do not depend on each other.
 /// assert_eq!(sampler.sample([10, 20], 3).next_2d(), in_pixel);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,7 +124,7 @@ impl PixelSampler {
     }
 }
 
-/// Each round of a whole pattern has random bits of its own.
+/// Each replication of the pattern has its own random bits.
 fn round_key(pixel_key: u64, round: u32) -> u64 {
     mix(pixel_key ^ u64::from(round))
 }
@@ -194,7 +189,7 @@ fn dimension_key(round_key: u64, dimension: u32) -> u64 {
     mix(round_key ^ u64::from(dimension))
 }
 
-/// Random bits for one sample alone.
+/// Random bits for one sample only.
 #[inline]
 fn noise(dimension_key: u64, index: u32) -> u64 {
     // Index 0 must not give the bits that `permute` makes of the same key, so the count starts at 1.

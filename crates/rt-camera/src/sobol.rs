@@ -17,10 +17,10 @@ impl SobolSet {
     pub(crate) const INDEX_BITS: u32 = 16;
     /// The bits of a sample's index that choose the point of a scramble.
     pub(crate) const INDEX_MASK: u32 = (1 << Self::INDEX_BITS) - 1;
-    /// Nothing drawn yet.
+    /// Without drawn coordinates.
     pub(crate) const EMPTY: Self = Self { number: u32::MAX, coordinates: [0.0; 4] };
 
-    /// A coordinate of the point number `index`, below 2^`INDEX_BITS`, of the pattern chosen by `key`.
+    /// A coordinate of the point `index`, below 2^`INDEX_BITS`, of the pattern chosen by `key`.
     pub(crate) fn coordinate(&mut self, key: u64, index: u32, dimension: u32) -> f64 {
         let (set, lane) = (dimension / 4, dimension % 4);
         if set != self.number {

@@ -32,7 +32,7 @@ pub(crate) struct Pencil {
 pub(crate) struct Rim {
     /// Radius in units of `right` and `down`.
     pub(crate) steps: f64,
-    /// The parameter at which rays through all points of the lens meet.
+    /// The parameter at which rays through all points of the lens intersect.
     pub(crate) focus: f64,
 }
 
@@ -48,7 +48,7 @@ struct HalfSpace {
 /// Volume in which camera rays can hit something. It lies in front of the camera plane, between four planes through the
 /// edges of a part of the image.
 ///
-/// With a lens, each edge has two planes, and what lies behind both is not met:
+/// With a lens, each edge has two planes, and no ray reaches points behind both:
 ///
 /// ```text
 ///            ╲       ╱    A point of a ray through the edge is p = origin + t·(forward + across) + λ·(1 − t/f),
@@ -59,12 +59,12 @@ struct HalfSpace {
 ///            f ↑
 /// ```
 ///
-/// Since `t` is linear in `p`, the right side is the lower of two planes. A box that lies behind both altogether has no point of a
-/// ray; one that lies behind each with different parts may have.
+/// Since `t` is linear in `p`, the right side is the lower of two planes. A box that lies entirely behind both contains
+/// no point of a ray; one that lies behind each with different parts may have.
 ///
 /// No camera ray enters a box that [`excludes`](Self::excludes) rejects, rounding included. The slab test
-/// ([`Aabb::clip`]) with a ray of [`Camera::ray`](crate::Camera::ray) misses the box, and so does everything that
-/// relies on it. Boxes near the edges may be kept though no ray meets them.
+/// ([`Aabb::clip`]) with a ray of [`Camera::ray`](crate::Camera::ray) misses the box, and so do all tests that
+/// use it. Boxes near the edges may be kept although no ray hits them.
 ///
 /// ```
 /// use rt_camera::{Camera, CameraSettings, FovAxis, Projection};
@@ -92,7 +92,7 @@ pub struct ViewVolume {
     other_edges: Option<[HalfSpace; 4]>,
     /// Growth of depth.
     depth: DVec3,
-    /// Part of its terms by which a sum must fall short of its offset. Infinite if nothing can be promised.
+    /// Part of its terms by which a sum must fall short of its offset. Infinite if no bound holds.
     slack: f64,
 }
 
@@ -154,8 +154,8 @@ impl ViewVolume {
         }
     }
 
-    /// True only if no ray of the volume meets the box: it then lies behind one of the planes altogether. False for
-    /// empty and for infinite boxes, and where coordinates are so large or small that nothing can be promised.
+    /// True only if no ray of the volume hits the box: it lies behind one of the planes. False for empty and for
+    /// infinite boxes, and where coordinates are so large or small that no bound holds.
     pub fn excludes(&self, aabb: &Aabb) -> bool {
         let farthest = |normal: DVec3| {
             let corner = DVec3::select(normal.cmpge(DVec3::ZERO), aabb.max, aabb.min);
@@ -164,8 +164,8 @@ impl ViewVolume {
         !aabb.is_empty() && self.is_behind_a_plane(aabb.max_abs(), farthest)
     }
 
-    /// True only if no ray of the volume meets the ball, which may lie outside though its box does not. False where
-    /// coordinates are so large or small that nothing can be promised, and for a negative or NaN radius.
+    /// True only if no ray of the volume hits the sphere, which may be outside although its box is not. False where
+    /// coordinates are so large or small that no bound holds, and for a negative or NaN radius.
     pub fn excludes_sphere(&self, centre: DVec3, radius: f64) -> bool {
         let farthest = |normal: DVec3| normal.dot(centre - self.origin) + normal.length() * radius;
         radius >= 0.0 && self.is_behind_a_plane(centre.abs().max_element() + radius, farthest)

@@ -46,7 +46,7 @@ impl fmt::Display for CameraMeasures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "camera {:<10}", self.name)?;
         if self.hits == 0 {
-            return writeln!(f, "none of {} rays hits anything", self.rays);
+            return writeln!(f, "none of {} rays hits an object", self.rays);
         }
         let Self { rays, hits, nearest, farthest, position_error: error, position_error_in_pixels: pixels, .. } = self;
         let share = 100.0 * *hits as f64 / *rays as f64;
@@ -142,11 +142,11 @@ fn check_camera(
     let ray = camera.ray(size * 0.5, 0.0);
     let pixels = extent / footprint(camera, size * 0.5, &ray, distance / ray.direction.length());
     if !bounds.is_empty() && pixels < TOO_SMALL {
-        let message = format!("the scene is {distance:.3e} away, and {pixels:.3} pixels large");
+        let message = format!("the scene is {distance:.3e} away, and covers {pixels:.3} pixels");
         add(Kind::CameraFar, &[("distance", distance), ("pixels", pixels)], message);
     } else if measures.hits == 0 && !objects.list.is_empty() {
         let rays = measures.rays;
-        let message = format!("none of {rays} rays hits anything; the middle of the scene is {distance:.3e} away");
+        let message = format!("none of {rays} rays hits an object; the centre of the scene is {distance:.3e} away");
         add(Kind::CameraSeesNothing, &[("rays", rays as f64)], message);
     }
     if measures.pixel_angle > 0.0 && measures.pixel_angle < NARROW {

@@ -56,7 +56,7 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
         findings.extend(search.finding(first, second, contact));
     }
     if complete.contains(&false) {
-        let message = "has too many faces, or too many near each other, to compare all of them";
+        let message = "has too many faces, or too many close ones, to compare all of them";
         findings.add(Finding::new(Kind::LimitReached, &objects.scene.name, &[("pairs", MAX_PAIRS as f64)], message));
     }
 }
@@ -151,10 +151,12 @@ impl Search<'_> {
         let Contact { faces, visible } = *contact;
         let values = [("faces", faces as f64), ("visible_faces", visible as f64)];
         if first == second {
-            let message = format!("{faces} pairs of triangles overlap; the one of the lower index is seen");
+            let message = format!("{faces} pairs of triangles overlap; the one of the lower index is visible");
             let finding = Finding::new(Kind::CoincidentSurfaces, name, &values, message);
             return Some(
-                finding.warn_if(objects.is_glass(a)).with_advice("cut away the overlap: glass is entered twice there"),
+                finding
+                    .warn_if(objects.is_glass(a))
+                    .with_advice("remove the overlap: rays enter the dielectric twice there"),
             );
         }
         if objects.is_glass(a) || objects.is_glass(b) {
@@ -167,7 +169,7 @@ impl Search<'_> {
         }
         (visible > 0).then(|| {
             let message = format!(
-                "overlaps {other} ({faces} pairs of faces); the first of the two is seen, either if one is rotated"
+                "overlaps {other} ({faces} pairs of faces); the first of the two is visible, or either if one is rotated"
             );
             Finding::new(Kind::CoincidentSurfaces, name, &values, message).warn_if(a.material != b.material)
         })

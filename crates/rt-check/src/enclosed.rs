@@ -19,7 +19,7 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
     }
     for (index, light) in objects.scene.appearance.lights.iter().enumerate() {
         let name = match light.name.as_str() {
-            "" => format!("light number {index}, not counting ambient light"),
+            "" => format!("light {index}, not counting ambient light"),
             name => name.to_owned(),
         };
         let Some(position) = light.kind.position() else { continue };
@@ -57,7 +57,7 @@ fn camera_inside(objects: &Objects<'_>, name: &str, eye: DVec3, enclosure: &Encl
     let message = format!("is at ({x}, {y}, {z}) inside {}, {wall:.6e} from its wall", objects.name(object));
     let finding = Finding::new(Kind::CameraInside, name, &[("distance_to_wall", wall)], message);
     let finding = finding.warn_if(!is_lit && !is_glass);
-    if is_glass { finding.with_advice("nothing if the view is from within the glass") } else { finding }
+    if is_glass { finding.with_advice("no action if the camera should be inside of the dielectric") } else { finding }
 }
 
 fn light_far(objects: &Objects<'_>, name: &str, position: DVec3) -> Option<Finding> {

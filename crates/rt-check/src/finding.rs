@@ -65,91 +65,91 @@ kinds! {
     /// The renderer refuses the scene.
     CannotRender = "cannot-render", Error, "fix the named object; rendering refuses the scene for the same reason";
     /// The loader fixed or skipped something.
-    LoadWarning = "mended", Warning, "fix the file if the image should show it";
+    LoadWarning = "load-warning", Warning, "fix the file if the image should show the object";
     /// Largest and smallest objects are too far apart in size.
-    DynamicRange = "dynamic-range", Info, "remove objects too small to be seen, or enlarge them";
+    DynamicRange = "dynamic-range", Info, "remove invisibly small objects, or enlarge them";
     /// The scene lies far from the origin compared to its size.
     FarFromOrigin = "far-from-origin", Info,
-        "move the scene to the origin: whole units can be subtracted from all positions without loss";
+        "move the scene to the origin; subtract an integer from all positions, which is exact";
     /// A mesh lies so far from its own origin that its `f32` vertices are coarse.
     CoarseVertices = "coarse-vertices", Warning,
-        "store its vertices relative to a point in its middle, and move it there by a transform";
-    /// A transform nearly flattens space.
+        "store its vertices relative to the centre of the mesh, and place it by a transform";
+    /// A transform is nearly singular.
     IllConditioned = "ill-conditioned-transform", Warning,
-        "scale the axes more alike, or model the flat shape itself instead of flattening a round one";
+        "use more similar scale factors, or a flat shape instead of a flattened one";
     /// A transform mirrors.
-    Mirrored = "mirrored", Info, "nothing: fronts stay fronts; text on textures reads backwards";
+    Mirrored = "mirrored", Info, "no action: the front stays the front; text in textures is mirrored";
     /// Vertex normals under a transform that stretches.
     StretchedNormals = "stretched-normals", Info,
-        "nothing: normals go by the inverse transpose and stay perpendicular to the surface";
+        "no action: normals are transformed by the inverse transpose and stay perpendicular to the surface";
     /// Two triangles of a mesh with the same corners and the same front.
     DuplicateTriangles = "duplicate-triangles", Warning,
-        "remove them: they cost time, and glass is entered twice; the triangle of the lower index is seen";
+        "remove them: they cost time, and rays enter dielectrics twice; the triangle of the lower index is visible";
     /// Two triangles of a mesh with the same corners, back to back.
     OppositeTriangles = "opposite-triangles", Info,
-        "remove one of each pair: surfaces are seen from both sides anyway";
+        "remove one of each pair: surfaces are two-sided";
     /// Triangles that are far longer than high.
     SliverTriangles = "sliver-triangles", Info,
-        "mesh the surface again, or merge its nearest vertices: the normal of a sliver is ill-defined";
+        "remesh the surface, or merge close vertices: the normal of a sliver is inaccurate";
     /// Edges of a mesh of very different lengths.
     UnevenTriangles = "uneven-triangles", Info,
-        "split it into meshes of one scale if rendering is slow; a grid suffers most, a BVH hardly";
+        "split it into meshes of similar triangles if rendering is slow, above all with a grid";
     /// A polygon whose corners do not lie in one plane.
     NonPlanarPolygon = "non-planar-polygon", Info,
-        "move them into one plane, or cut it into triangles; more than 1e-6 is refused";
+        "move the corners into one plane, or split the polygon into triangles; the limit is 1e-6";
     /// A polygon whose edges cross.
     SelfIntersectingPolygon = "self-intersecting-polygon", Warning,
-        "reorder the corners, or cut it into polygons whose edges do not cross";
+        "reorder the corners, or split it into simple polygons";
     /// Neighbouring triangles whose fronts disagree.
     InconsistentWinding = "inconsistent-winding", Info,
-        "let all triangles run counter-clockwise seen from outside; glass needs it, other surfaces have two fronts";
+        "orient all triangles counter-clockwise as seen from outside; dielectrics need it, other surfaces are two-sided";
     /// Edges with more than two triangles.
     NonManifoldEdges = "non-manifold-edges", Info,
-        "separate the parts that meet there if the mesh is to be a solid; as a surface it renders as it is";
+        "split the mesh at these edges if it is a solid; a surface needs no action";
     /// Edges with one triangle: the mesh has a border.
     OpenEdges = "open-edges", Info,
-        "nothing for a surface; close the mesh if it is to be a solid, and weld corners that should be one";
+        "close the mesh and weld its vertices if it is a solid; a surface needs no action";
     /// A closed mesh whose front is inside.
-    InsideOut = "inside-out", Info, "reverse all triangles: glass takes the outside for its inside";
-    /// A transparent surface that encloses nothing.
+    InsideOut = "inside-out", Info, "reverse all triangles: a dielectric would have its inside outside";
+    /// A transmissive surface that encloses no volume.
     OpenGlass = "open-glass", Warning,
-        "close it, or give the sheet a thickness; for a window that does not bend light set `ior: 1`";
+        "close it, or give it a thickness; set `ior: 1` for a window that does not refract";
     /// A transparent surface that touches another one exactly.
     TouchingGlass = "touching-glass", Info,
-        "let the two overlap a little, or leave a gap: light passes each surface then";
+        "let the two overlap slightly, or leave a gap: rays then hit each surface";
     /// Vertex normals that point to the back of their triangle.
     OpposedNormals = "opposed-normals", Warning,
-        "reverse these triangles, or compute the normals again: shading jumps where they disagree";
+        "reverse these triangles, or recompute the normals: shading is discontinuous there";
     /// A textured mesh without texture coordinates.
     MissingUvs = "missing-uvs", Warning, "give it texture coordinates, or a material without texture";
     /// Triangles of a textured mesh without area in the texture.
     DegenerateUvs = "degenerate-uvs", Info,
-        "unwrap them if they should show more of the texture than a line or a point";
+        "unwrap them if they should show more than a line or a point of the texture";
     /// Overlapping surfaces in one plane.
     CoincidentSurfaces = "coincident-surfaces", Info,
-        "move one of them, or order them so that the one to be seen comes first";
-    /// No ray of the camera hits anything.
+        "move one of them, or list the visible one first";
+    /// No ray of the camera hits an object.
     CameraSeesNothing = "camera-sees-nothing", Warning,
-        "point the camera at the scene, or leave it out to have one placed where it sees everything";
+        "point the camera at the scene, or omit it for a camera that shows the whole scene";
     /// The scene covers less than two pixels.
-    CameraFar = "camera-far", Warning, "go nearer, or narrow the field of view";
+    CameraFar = "camera-far", Warning, "move the camera closer, or reduce the field of view";
     /// The field of view is so small that neighbouring rays lose digits.
     NarrowView = "narrow-view", Warning,
-        "widen the field of view and go nearer, or use an orthographic camera";
+        "increase the field of view and move closer, or use an orthographic camera";
     /// Rounding moves visible points by a visible part of a pixel.
-    CameraPrecision = "camera-precision", Warning, "bring camera and scene nearer to the origin, and to each other";
+    CameraPrecision = "camera-precision", Warning, "move camera and scene closer to the origin, and to each other";
     /// The camera is inside of a solid.
     CameraInside = "camera-inside", Warning, "move the camera out, or put a light inside if this is a room";
     /// A light is inside of an opaque solid.
     LightEnclosed = "light-enclosed", Warning,
-        "move it out, give it a `shadow_near` beyond the wall, or let the object cast no shadow";
+        "move it out, set its `shadow_near` beyond the wall, or set `casts_shadow: false` for the object";
     /// A light is so far away that its directions lose digits.
-    LightFar = "light-far", Warning, "make it a directional light: from so far away its rays are parallel";
+    LightFar = "light-far", Warning, "use a directional light: at this distance its rays are parallel";
     /// A material reflects more light than arrives.
     EnergyGain = "energy-gain", Info,
-        "nothing under classical shading; lower `specular` or raise `exponent` for physical light";
+        "reduce `specular` or increase `exponent` for physical light; `whitted` needs no action";
     /// An unused material, mesh or group.
-    Unused = "unused", Info, "remove it, or correct the name where it should be used";
+    Unused = "unused", Info, "remove it, or correct the name that should refer to it";
     /// A check stopped at its limit of time.
     LimitReached = "limit-reached", Info, "check parts of the scene one by one for a complete report";
 }

@@ -63,7 +63,7 @@ fn unused(objects: &Objects<'_>, findings: &mut Findings) {
         }
     }
     let mut note = |what: &str, name: &str| {
-        findings.add(Finding::new(Kind::Unused, name, &[], format!("is a {what} that nothing in the scene uses")));
+        findings.add(Finding::new(Kind::Unused, name, &[], format!("is a {what} that the scene does not use")));
     };
     let names = scene.appearance.materials.iter().map(|material| material.name.as_str());
     names.zip(&materials).filter(|(_, used)| !**used).for_each(|(name, _)| note("material", name));

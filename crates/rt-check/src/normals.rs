@@ -34,7 +34,7 @@ fn opposed_normals(named: &NamedMesh, findings: &mut Findings) {
             &named.name,
             &[("count", count as f64), ("worst_angle", worst)],
             format!(
-                "{count} of {} triangles have a vertex normal that points to their back (by up to {worst:.1} degrees)",
+                "{count} of {} triangles have a vertex normal on their back (by up to {worst:.1} degrees)",
                 data.triangles.len()
             ),
         ));
@@ -48,7 +48,7 @@ fn uvs(named: &NamedMesh, findings: &mut Findings) {
             Kind::MissingUvs,
             &named.name,
             &[],
-            "has a textured material but no texture coordinates: all of it shows the texture at (0, 0)",
+            "has a textured material but no texture coordinates: the texture is read at (0, 0)",
         ));
         return;
     }

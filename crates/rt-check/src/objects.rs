@@ -183,7 +183,7 @@ impl<'s> Objects<'s> {
         }
     }
 
-    /// Meshes of the scene; unnamed ones are named by number.
+    /// Meshes of the scene; unnamed ones are named by index.
     pub(crate) fn meshes(&self) -> impl Iterator<Item = NamedMesh> {
         self.scene.meshes.iter().enumerate().map(|(index, named)| match named.name.as_str() {
             "" => NamedMesh { name: format!("mesh number {index}"), mesh: Arc::clone(&named.mesh) },

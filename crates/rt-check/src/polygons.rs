@@ -34,7 +34,7 @@ pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
             Kind::LimitReached,
             &objects.scene.name,
             &[("polygons", passed_over as f64)],
-            format!("{passed_over} polygons have too many corners to look for edges that cross"),
+            format!("{passed_over} polygons have too many corners to test for crossing edges"),
         ));
     }
 }
@@ -65,7 +65,7 @@ fn crossed(object: String, polygon: &Polygon) -> Option<Finding> {
             Kind::SelfIntersectingPolygon,
             object,
             &[("crossings", count as f64)],
-            format!("edges cross {count} times; what is inside depends on the rule of the polygon"),
+            format!("edges cross {count} times; the inside depends on the `rule` of the polygon"),
         )
     })
 }

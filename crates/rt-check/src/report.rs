@@ -16,7 +16,7 @@ pub struct More {
     pub count: u64,
 }
 
-/// Numerical health of a scene; a function of the scene alone.
+/// Numerical health of a scene; a function of the scene only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// Measurements of the scene as a whole.

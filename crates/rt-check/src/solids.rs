@@ -126,15 +126,15 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, topologies: &[Topolo
             Geometry::Mesh(mesh, _) => {
                 let topology = topologies[mesh];
                 let edges = topology.open + topology.inconsistent;
-                (edges as f64, format!("a mesh with {edges} edges that are open or of triangles with different fronts"))
+                (edges as f64, format!("a mesh with {edges} edges that are open or inconsistently oriented"))
             }
-            Geometry::Shape(_) => (0.0, "a shape without an inside".to_owned()),
+            Geometry::Shape(_) => (0.0, "a shape without an interior".to_owned()),
         };
         findings.add(Finding::new(
             Kind::OpenGlass,
             objects.name(object),
             &[("open_edges", edges)],
-            format!("is transparent, but {what}: light enters glass that it may never leave"),
+            format!("is transmissive, but {what}: light may enter it and never leave"),
         ));
     }
 }

@@ -81,9 +81,9 @@ fn volume(mesh: &TriangleMesh) -> f64 {
 
 pub(crate) fn check(named: &NamedMesh, topology: &Topology, is_glass: bool, findings: &mut Findings) {
     let counted = [
-        (Kind::InconsistentWinding, topology.inconsistent, "edges have their two triangles' fronts on different sides"),
+        (Kind::InconsistentWinding, topology.inconsistent, "edges join two triangles of opposite orientation"),
         (Kind::NonManifoldEdges, topology.non_manifold, "edges have more than two triangles"),
-        (Kind::OpenEdges, topology.open, "edges have one triangle: the mesh has a border"),
+        (Kind::OpenEdges, topology.open, "edges have one triangle: the mesh is open"),
     ];
     for (kind, count, what) in counted.into_iter().filter(|(_, count, _)| *count > 0) {
         let finding = Finding::new(kind, &named.name, &[("count", count as f64)], format!("{count} {what}"));

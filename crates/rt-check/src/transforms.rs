@@ -38,7 +38,7 @@ fn check_object(objects: &Objects<'_>, object: &Object<'_>, findings: &mut Findi
             Kind::Mirrored,
             objects.name(object),
             &[("determinant", linear.determinant())],
-            format!("the transform mirrors (determinant {:.6})", linear.determinant()),
+            format!("the transform is a reflection (determinant {:.6})", linear.determinant()),
         ));
     }
     let has_normals = matches!(object.geometry, Geometry::Mesh(_, mesh) if !mesh.data().normals.is_empty());
@@ -47,7 +47,7 @@ fn check_object(objects: &Objects<'_>, object: &Object<'_>, findings: &mut Findi
             Kind::StretchedNormals,
             objects.name(object),
             &[("condition", condition)],
-            format!("smooth normals under a transform that stretches by {condition:.6}"),
+            format!("vertex normals under a non-uniform scale, of ratio {condition:.6}"),
         ));
     }
 }

@@ -18,20 +18,20 @@ pub(crate) enum ArtifactKind {
 pub(crate) enum ArtifactError {
     #[error("{}: cannot be read: {source}", file.display())]
     Read { file: PathBuf, source: io::Error },
-    #[error("{}: is not a regular file", .0.display())]
+    #[error("{}: is not a regular file; give the path of a file", .0.display())]
     NotAFile(PathBuf),
     #[error("{}: {cause}", file.display())]
     Memory { file: PathBuf, cause: MemoryError },
     /// The hash is right, and a value is not.
     #[error("{}: is not a valid {kind}: {reason}", file.display())]
     Content { file: PathBuf, kind: ArtifactKind, reason: String },
-    #[error("{}: is not a {kind}", file.display())]
+    #[error("{}: is not a {kind}; choose another file", file.display())]
     OtherKind { file: PathBuf, kind: ArtifactKind },
-    #[error("{}: is damaged: its content does not match its hash", .0.display())]
+    #[error("{}: is damaged: its content does not match its hash; remove it, and render it again", .0.display())]
     Damaged(PathBuf),
     #[error("{}: is not a list of finished frames; remove it to start over", .0.display())]
     Log(PathBuf),
-    #[error("{}: was written by version {version} of this program; this is version {}", file.display(), env!("CARGO_PKG_VERSION"))]
+    #[error("{}: was written by version {version} of this program; use that version, or render it again with this version, {}", file.display(), env!("CARGO_PKG_VERSION"))]
     Version { file: PathBuf, version: String },
     #[error("{}: was made with other options; use the same --stats, --aov, --time and --target-error, or start over \
              with --restart", .0.display())]

@@ -154,7 +154,7 @@ impl Checkpointer {
             .ok_or(reason)
     }
 
-    /// Removes the checkpoint of a finished render. A failure is harmless: `--resume` would find nothing left to do.
+    /// Removes the checkpoint of a finished render. A failure is harmless: `--resume` would find all tiles finished.
     pub(crate) fn remove(&self) {
         let _ = fs::remove_file(&self.file);
     }

@@ -131,7 +131,7 @@ impl Display {
                 Ok(Ok(())) => return,
                 Ok(Err(error)) => return self.warn(&error.to_string()),
                 Err(RecvTimeoutError::Timeout) if waiting.load(Ordering::Relaxed) < before => {}
-                Err(_) => return self.warn("it does not receive the image"),
+                Err(_) => return self.warn("it stopped receiving the image"),
             }
         }
     }
@@ -144,7 +144,9 @@ impl Display {
             return;
         }
         let ended = self.link.take().and_then(|link| link.ended.recv().ok());
-        let reason = ended.and_then(Result::err).map_or_else(|| "it is gone".to_owned(), |error| error.to_string());
+        let reason = ended
+            .and_then(Result::err)
+            .map_or_else(|| "it closed the connection".to_owned(), |error| error.to_string());
         self.warn(&reason);
     }
 

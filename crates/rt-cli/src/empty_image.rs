@@ -1,4 +1,4 @@
-//! Warnings about images that show nothing.
+//! Warnings about images that are black or show no object.
 
 use rt_image::Image;
 use rt_render::RenderPlan;
@@ -14,8 +14,8 @@ pub(crate) fn unlit(scene: &Scene, plan: &RenderPlan<'_>) -> Option<String> {
     })
 }
 
-/// Warning about a whole image that shows nothing, with the likely cause. `hits` counts camera samples that hit a surface;
-/// `is_developed` is true for an image of display bytes.
+/// Warning about an image that is black or shows no object, with the likely cause. `hits` counts camera samples that
+/// hit a surface; `is_developed` is true for an image of display bytes.
 pub(crate) fn empty(
     scene: &Scene,
     plan: &RenderPlan<'_>,

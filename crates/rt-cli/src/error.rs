@@ -79,7 +79,7 @@ pub(crate) enum CliError {
     Server(SocketAddr, io::Error),
     #[error("standard output cannot be written: {0}")]
     Stdout(io::Error),
-    /// An image that shows nothing, with `--strict`.
+    /// An image that is black or shows no object, with `--strict`.
     #[error("{warning}; the image was written to {}", file.display())]
     Empty { warning: String, file: PathBuf },
     /// Bad samples, with `--strict`.

@@ -1,4 +1,4 @@
-//! Identity of an image: a hash of everything that it depends on.
+//! Identity of an image: a hash of all inputs that it depends on.
 
 use std::fmt;
 use std::fs::File;

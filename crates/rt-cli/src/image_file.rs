@@ -51,7 +51,8 @@ pub(crate) fn check(format: ImageFormat, [width, height]: [u32; 2], transparent:
         return Err(CliError::Usage("a transparent background requires a .png or .exr file".to_owned()));
     }
     if format == ImageFormat::Jpeg && width.max(height) > MAX_JPEG_SIDE {
-        let message = format!("a .jpg file holds at most {MAX_JPEG_SIDE} pixels a side, not {width}x{height}");
+        let message =
+            format!("a .jpg file of {width}x{height} pixels exceeds {MAX_JPEG_SIDE} pixels a side; use .png or .exr");
         return Err(CliError::Usage(message));
     }
     Ok(())

@@ -28,7 +28,7 @@ pub(crate) struct Input {
     pub(crate) options: LoadOptions,
 }
 
-/// Loads a scene and prints the warnings. `image` overrides what the defaults of the loader depend on.
+/// Loads a scene and prints the warnings. `image` overrides settings on which the defaults of the loader depend.
 pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console) -> Result<Input, CliError> {
     let mut options = load_options(args)?;
     if let Some(image) = image {
@@ -54,7 +54,9 @@ pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console
 
 fn environment(file: &Path, options: &LoadOptions) -> Result<Background, CliError> {
     if is_dash(file) && options.in_memory.is_some() {
-        return Err(CliError::Usage("standard input cannot be both the scene and --env".to_owned()));
+        return Err(CliError::Usage(
+            "standard input cannot be both the scene and --env; name a file for one".to_owned(),
+        ));
     }
     let piped = if is_dash(file) { Some(stdin::content(options.max_file_bytes)?) } else { None };
     let in_memory = piped.map(|bytes| InMemoryFile { path: file.to_owned(), bytes });

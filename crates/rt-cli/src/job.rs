@@ -82,7 +82,7 @@ impl Job<'_> {
     pub(crate) fn run(&self) -> Result<(), CliError> {
         if self.is_done()? {
             let part = self.output.file().path().display();
-            return self.console.println(format_args!("{part} is there already, and finished"));
+            return self.console.println(format_args!("{part} exists and is finished"));
         }
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
@@ -150,7 +150,7 @@ impl Job<'_> {
         self.check_content(&plan, &rendering)
     }
 
-    /// Warns of an image that shows nothing.
+    /// Warns of an image that is black or shows no object.
     fn check_content(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> Result<(), CliError> {
         let JobOutput::Image { format, file, .. } = &self.output else { return Ok(()) };
         if self.options.crop.is_some() {

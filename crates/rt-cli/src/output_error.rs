@@ -24,7 +24,7 @@ pub(crate) enum OutputError {
         path.display(), ByteSize(*bytes), ByteSize(*available), folder.display()
     )]
     NoSpace { path: PathBuf, folder: PathBuf, available: u64, bytes: u64 },
-    /// Writing failed, and left nothing behind.
+    /// Writing failed; temporary files are removed.
     #[error("cannot write `{}`: {reason}", path.display())]
     Write { path: PathBuf, reason: String },
     #[error("{original}; it was saved as `{}` instead", path.display())]

@@ -6,7 +6,7 @@ use rt_math::DVec3;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
     /// A coordinate is NaN, infinite, or beyond the range in which kernels keep their precision.
-    #[error("coordinate {0} is not a finite number of magnitude at most 1e60")]
+    #[error("coordinate {0:?} is not a finite number of magnitude at most 1e60")]
     BadCoordinate(f64),
     /// The radius is not positive, or so small that its square underflows.
     #[error("radius {0} must be positive (at least 1e-60)")]
@@ -39,7 +39,7 @@ pub enum ShapeError {
         tube_radius: f64,
     },
     /// A box whose minimum exceeds its maximum.
-    #[error("box minimum {min} exceeds maximum {max} on axis {axis}")]
+    #[error("box minimum {min} exceeds maximum {max} on the {} axis", ["x", "y", "z"].get(*axis).unwrap_or(&"?"))]
     InvertedBox {
         /// Axis: 0, 1 or 2.
         axis: usize,
@@ -49,10 +49,10 @@ pub enum ShapeError {
         max: f64,
     },
     /// A normal of length zero.
-    #[error("the normal must not be zero")]
+    #[error("the normal is zero; give a direction")]
     ZeroNormal,
     /// A triangle without area.
-    #[error("the triangle {0:?} has no area")]
+    #[error("the triangle {0:?} has no area; move one of its vertices")]
     NoArea([DVec3; 3]),
 }
 

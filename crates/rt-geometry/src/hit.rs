@@ -1,6 +1,6 @@
 //! Records of a hit.
 
-/// Hit on a primitive, with what is needed to compute the [`SurfaceInteraction`](crate::SurfaceInteraction) of the
+/// Hit on a primitive, with the data to compute the [`SurfaceInteraction`](crate::SurfaceInteraction) of the
 /// closest one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {

@@ -15,7 +15,7 @@ pub struct InteractionFlags {
 }
 
 impl InteractionFlags {
-    /// Everything.
+    /// All fields.
     pub const ALL: Self = Self { uv: true, shading_normal: true, detail: true };
     /// Only the point and the geometric normal.
     pub const NONE: Self = Self { uv: false, shading_normal: false, detail: false };
@@ -189,9 +189,9 @@ impl ShadowRays<'_> {
 /// Moves each component to the next number in the direction of `side`, unless that is 0. Compensates the rounding of a
 /// sum.
 ///
-/// The increment is more than half the distance to the larger neighbour and hardly more than all of it. So the sum is
-/// rounded to that neighbour. The smaller neighbour is reached alike, also across a power of two. Source: Rump,
-/// Zimmermann, Boldo and Melquiond, "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009,
+/// The increment is more than half the distance to the larger neighbour and at most slightly more than all of it. So
+/// the sum is rounded to that neighbour. The same holds for the smaller neighbour, also across a power of two. Source:
+/// Rump, Zimmermann, Boldo and Melquiond, "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009,
 /// algorithm 1.
 #[inline(always)]
 fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {

@@ -38,7 +38,7 @@ impl TriangleMesh {
         Ok((mesh, repairs))
     }
 
-    /// The arrays of the mesh, without what was dropped.
+    /// Arrays of the mesh, after repair.
     pub const fn data(&self) -> &MeshData {
         &self.data
     }

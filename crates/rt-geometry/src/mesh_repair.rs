@@ -8,7 +8,7 @@ use rt_math::{DVec3, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
     /// A triangle has an invalid vertex index.
-    #[error("triangle {triangle} refers to vertex {vertex}, but there are {count}")]
+    #[error("triangle {triangle}: vertex index {vertex} is out of range: there are {count}")]
     BadIndex {
         /// Index of the triangle.
         triangle: usize,
@@ -18,7 +18,7 @@ pub enum MeshError {
         count: usize,
     },
     /// A face has an invalid vertex index.
-    #[error("face {face} refers to vertex {vertex}, but there are {count}")]
+    #[error("face {face}: vertex index {vertex} is out of range: there are {count}")]
     BadCorner {
         /// Index of the face.
         face: usize,
@@ -36,7 +36,7 @@ pub enum MeshError {
         count: usize,
     },
     /// A face with too many corners.
-    #[error("face {face} has {count} corners; at most {limit} are accepted")]
+    #[error("face {face} has {count} corners; it may have at most {limit}")]
     TooManyCorners {
         /// Index of the face.
         face: usize,
@@ -46,7 +46,7 @@ pub enum MeshError {
         limit: usize,
     },
     /// The number of normals, texture coordinates, colours or tangents differs from that of positions.
-    #[error("{count} {what} for {positions} positions")]
+    #[error("{count} {what} do not match {positions} positions; give one for each")]
     CountMismatch {
         /// "normals", "texture coordinates", "colours" or "tangents".
         what: &'static str,
@@ -56,7 +56,7 @@ pub enum MeshError {
         positions: usize,
     },
     /// More than 2³² − 1 vertices or triangles.
-    #[error("the mesh has more than 2^32 - 1 vertices or triangles")]
+    #[error("the mesh has more than 2^32 - 1 vertices or triangles; split it")]
     TooLarge,
 }
 

@@ -73,7 +73,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// A normal that is not quite as long as 1 leaves the projected point some 10⁻³⁶ off a floor at height 0. A bound that
-    /// knows of that height alone lets shadow rays meet the floor again.
+    /// knows that height only lets shadow rays meet the floor again.
     #[test]
     fn a_floor_with_a_normal_rounded_short_does_not_shadow_itself() {
         for scale in [1e-3, 0.1, 0.3, 7.0, 1e3] {

@@ -1,4 +1,4 @@
-//! Interface of everything that rays can be traced against.
+//! Interface of primitives, against which rays are traced.
 
 use crate::{Hit, Probe, SphereKernel};
 use rt_math::{Aabb, Interval, Ray};

@@ -34,9 +34,9 @@ impl RayKind {
     }
 }
 
-/// Receiver of statistics. Every method does nothing by default.
+/// Receiver of statistics. The default methods discard them.
 pub trait Probe {
-    /// A ray of this kind is about to be traced; what follows belongs to it.
+    /// Starts a ray of this kind; the calls that follow belong to it.
     #[inline]
     fn ray(&mut self, _kind: RayKind) {}
     /// A node (or grid cell) of an accelerator is visited.
@@ -57,7 +57,7 @@ pub trait Probe {
     }
 }
 
-/// Counts nothing and compiles to nothing.
+/// Discards all statistics, at no cost.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoProbe;
 
@@ -103,7 +103,7 @@ impl AddAssign for RayStats {
     }
 }
 
-/// Counts everything, by kind of ray.
+/// Counts rays, nodes and tests by kind of ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counters {
@@ -134,7 +134,7 @@ impl Counters {
 }
 
 impl From<RayCounts> for Counters {
-    /// Counts of rays, with zero for everything else.
+    /// Counts of rays; all other counts are zero.
     #[inline]
     fn from(counts: RayCounts) -> Self {
         let mut counters = Self::default();

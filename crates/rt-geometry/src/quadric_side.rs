@@ -69,7 +69,7 @@ impl QuadricSide {
         Some(if a < 0.0 { Inside::Beyond(near, far) } else { Inside::Between(near, far) })
     }
 
-    /// First intersection within `span` that is `wanted`.
+    /// First intersection within `span` that satisfies `wanted`.
     #[inline]
     pub(crate) fn first_crossing(&self, ray: &Ray, span: Interval, wanted: impl Fn(f64) -> bool) -> Option<f64> {
         let (Inside::Between(near, far) | Inside::Beyond(near, far)) = self.inside(ray)? else { return None };

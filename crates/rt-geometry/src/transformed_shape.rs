@@ -131,7 +131,7 @@ mod tests {
         (side.clone(), side.clone(), side).prop_map(DVec3::from)
     }
 
-    /// Moved, turned, and scaled by factors of either sign.
+    /// Translation, rotation, and scale by factors of either sign.
     fn transform() -> impl Strategy<Value = Transform> {
         (vector(20.0), vector(1.0), -7.0..7.0f64, vector(3.0)).prop_filter_map(
             "flat",

@@ -30,7 +30,7 @@ impl WatertightRay {
     /// starts is computed exactly.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
 
-    /// Prepares a ray. A ray without a direction misses everything.
+    /// Prepares a ray. A ray of direction zero has no hits.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         Self::with_inverse(ray, ray.direction.recip())

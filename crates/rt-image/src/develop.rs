@@ -51,7 +51,7 @@ pub struct Bitmap8 {
 }
 
 impl Bitmap8 {
-    /// The light that the bytes stand for, multiplied by coverage: the film that [`read_image`](crate::read_image) makes of
+    /// Linear light of the bytes, multiplied by coverage: the film that [`read_image`](crate::read_image) makes of
     /// them if the encoding is sRGB. Pixels that `bytes` is too short for are black.
     pub fn decode(&self, encoding: Encoding) -> Image {
         let light: [f32; 256] = core::array::from_fn(|byte| encoding.decode(byte as u8));
@@ -85,14 +85,14 @@ impl Development {
     }
 
     /// The displayable light in [0, 1] of one component, `tone(2^exposure · radiance)`. Negative radiance and NaN give 0,
-    /// infinity what the greatest radiance gives.
+    /// infinity the same as the maximum radiance.
     pub fn light(&self, radiance: f32) -> f64 {
         // An infinite radiance times an underflowing exposure would be NaN.
         let radiance = f64::from(radiance.clamp(f32::MIN, f32::MAX));
         self.tone.apply(radiance * exp2(self.exposure))
     }
 
-    /// The signal in [0, 1] that stands for this [`light`](Self::light).
+    /// Signal in [0, 1] of this [`light`](Self::light).
     pub fn signal(&self, radiance: f32) -> f64 {
         self.encoding.encode(self.light(radiance))
     }
@@ -104,7 +104,7 @@ impl Development {
     }
 
     /// Develops a film to bytes, with its coverage as a fourth channel if it has one. Colours are divided by their
-    /// coverage before they are developed; where nothing is covered they are black.
+    /// coverage before they are developed; pixels without coverage are black.
     pub fn develop(&self, film: &Image) -> Bitmap8 {
         let Some(alpha) = film.alpha() else { return self.develop_over_black(film) };
         let curve = Curve::new(self);
@@ -119,8 +119,8 @@ impl Development {
         Bitmap8 { width: film.width(), height: film.height(), channels: 4, bytes }
     }
 
-    /// Develops a film to three channels, as it looks in front of black: radiance is premultiplied, so that coverage
-    /// is simply left out.
+    /// Develops a film to three channels, in front of black: radiance is premultiplied, so that coverage is simply left
+    /// out.
     pub fn develop_over_black(&self, film: &Image) -> Bitmap8 {
         let curve = Curve::new(self);
         let mut bytes = Vec::with_capacity(3 * film.pixels().len());
@@ -347,7 +347,7 @@ mod tests {
         Development { dither: Some(Dither { origin }), ..development }
     }
 
-    /// A film whose value depends on the column alone.
+    /// A film whose value depends on the column only.
     fn columns(width: u32, height: u32, value: impl Fn(u32) -> f32) -> Image {
         let mut film = Image::new(width, height, false);
         for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {

@@ -9,15 +9,16 @@
 /// Thresholds by position and channel. Gradients keep their shape, where plain rounding shows bands.
 ///
 /// The level of a value is `⌊value + threshold⌋`. Thresholds are uniform in (0, 1), so that the mean over positions is the
-/// value, and values that are levels already stay what they are. They are the additive recurrence R2 (Roberts 2018, "The
+/// value, and values that are levels stay unchanged. They are the additive recurrence R2 (Roberts 2018, "The
 /// Unreasonable Effectiveness of Quasirandom Sequences"): even over any small area, without a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dither {
-    /// Position of the film's upper left pixel in the full image, in pixels: a crop is dithered as the same part of the whole.
+    /// Position of the film's upper left pixel in the full image, in pixels: a crop is dithered like that part of the
+    /// full image.
     pub origin: [u32; 2],
 }
 
-/// Thresholds are odd multiples of 2⁻¹³. Values that differ from a level by rounding alone never reach another one.
+/// Thresholds are odd multiples of 2⁻¹³. Values that differ from a level by rounding only never reach another one.
 const LOG_THRESHOLDS: u32 = 12;
 
 impl Dither {

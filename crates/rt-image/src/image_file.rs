@@ -65,9 +65,9 @@ pub enum ImageFileError {
     #[error("unknown image format of `{}`: use one of {}", .0.display(), ImageFormat::list_extensions())]
     UnknownExtension(PathBuf),
     /// The writer failed.
-    #[error("the image could not be written: {0}")]
+    #[error("the image cannot be written: {0}")]
     Write(#[source] io::Error),
-    /// The format cannot hold the image, say because a side is 0 or too long for it.
+    /// The format cannot hold the image, such as a side that is 0 or too long for it.
     #[error("the image cannot be stored as {format:?}: {reason}")]
     Encode {
         /// The format.
@@ -83,15 +83,15 @@ pub enum ImageFileError {
         /// Error of the system.
         source: io::Error,
     },
-    /// The path names a folder, a pipe or a device.
+    /// The path is a directory, a pipe or a device.
     #[error("{}: is not a regular file", .0.display())]
     NotAFile(PathBuf),
     /// The file is in no known format.
-    #[error("{}: is not an image in one of the formats {}", .0.display(), ImageFormat::list_extensions())]
+    #[error("{}: is not an image in one of the formats {}; convert it to one of them", .0.display(), ImageFormat::list_extensions())]
     UnknownFormat(PathBuf),
     /// The image has more pixels than [`MAX_READ_PIXELS`].
     #[error(
-        "{}: is {width} by {height} pixels; at most {max} pixels can be read",
+        "{}: is {width} by {height} pixels, but at most {max} pixels can be read; scale it down",
         path.display(),
         max = MAX_READ_PIXELS
     )]

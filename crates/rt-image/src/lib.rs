@@ -17,8 +17,8 @@
 //! | files (feature `files`, on by default) | `read_image`, `write_image` |
 //! | differences between two images | [`metrics`] |
 //!
-//! **Owns** pixels, tone mapping, image files and metrics.
-//! **Does not own** cameras, sample patterns and filters (rt-camera), or how a file is put in place (rt-cli).
+//! **Owns** pixels, tone mapping, image files and metrics. **Does not own** cameras, sample patterns and filters
+//! (rt-camera), or replacing files (rt-cli).
 //!
 //! ```
 //! use rt_image::{Development, Image};

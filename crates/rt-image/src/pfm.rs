@@ -18,9 +18,9 @@ const MAX_WORD: usize = 64;
 pub(crate) enum PfmError {
     #[error("{0}")]
     Io(#[from] io::Error),
-    #[error("its header is damaged")]
+    #[error("its header is invalid")]
     Header,
-    #[error("{0} by {1} pixels are too many")]
+    #[error("{0} by {1} pixels exceed the largest possible file")]
     TooLarge(u32, u32),
     #[error("it is truncated: the pixels need {expected} bytes and {found} follow the header")]
     Truncated { expected: u64, found: u64 },

@@ -16,14 +16,14 @@ use crate::{
 /// Bytes that a decoder may allocate: four channels of `f32`.
 const MAX_DECODER_BYTES: u64 = 16 * MAX_READ_PIXELS;
 
-/// A file that claims to expand further is damaged. The densest compression, that of PNG and ZIP, reaches 1032 : 1, and
+/// A file that expands further is damaged. The densest compression, that of PNG and ZIP, reaches 1032 : 1, and
 /// 16-bit floats double when they are read. Without this limit, a few damaged bytes take gigabytes and seconds.
 const MAX_EXPANSION: u64 = 4096;
 
 /// Reads an image as linear radiance. The content of the file determines the format, not its name.
 ///
-/// PNG and JPEG are taken to be encoded in sRGB, whatever profile they carry; their coverage is multiplied into the
-/// radiance. EXR, HDR and PFM are taken as they are.
+/// PNG and JPEG are decoded as sRGB; embedded profiles are ignored. Their coverage is multiplied into the
+/// radiance. EXR, HDR and PFM are not converted.
 ///
 /// # Errors
 /// [`ImageFileError`] with the path, for a file that is missing, not a regular file, damaged, in another format, larger
@@ -62,7 +62,7 @@ impl ImageHeader {
     }
 }
 
-/// Reads the header of an image, to know what [`read_image`] would take before it does.
+/// Reads the header of an image, to predict the memory of [`read_image`].
 ///
 /// # Errors
 /// Those of [`read_image`], as far as the header shows them.
@@ -105,7 +105,7 @@ pub fn format_of_bytes(bytes: &[u8], name: &Path) -> Result<ImageFormat, ImageFi
     format_of_stream(name, Cursor::new(bytes))
 }
 
-/// The format of what a reader begins with.
+/// Format of the next bytes of a reader.
 fn format_of_stream(path: &Path, mut reader: impl BufRead + Seek) -> Result<ImageFormat, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     if is_pfm(&mut reader).map_err(unreadable)? {
@@ -226,7 +226,7 @@ fn fill(film: &mut Image, values: impl Iterator<Item = [f32; 4]> + Clone) {
     }
 }
 
-/// The light that each level of an sRGB signal stands for, from 0 to `max`.
+/// Linear light of each level of an sRGB signal, from 0 to `max`.
 fn light_of_signals(max: usize) -> Vec<f32> {
     (0..=max).map(|level| Encoding::Srgb.decode_signal(level as f64 / max as f64) as f32).collect()
 }

@@ -40,7 +40,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// The signal in [0, 1] that stands for displayable light in [0, 1].
+    /// Signal in [0, 1] of displayable light in [0, 1].
     pub fn encode(self, light: f64) -> f64 {
         match self {
             Self::Srgb if light <= 0.0031308 => 12.92 * light,
@@ -49,7 +49,7 @@ impl Encoding {
         }
     }
 
-    /// The light in [0, 1] that a signal in [0, 1] stands for.
+    /// Linear light in [0, 1] of a signal in [0, 1].
     pub fn decode_signal(self, signal: f64) -> f64 {
         match self {
             Self::Srgb if signal <= 0.04045 => signal / 12.92,
@@ -58,7 +58,7 @@ impl Encoding {
         }
     }
 
-    /// The light in [0, 1] that a byte stands for.
+    /// Linear light in [0, 1] of a byte.
     pub fn decode(self, byte: u8) -> f32 {
         self.decode_signal(f64::from(byte) / 255.0) as f32
     }

@@ -16,8 +16,7 @@ const JPEG_QUALITY: u8 = 95;
 /// Writes a film in the given format: developed for PNG and JPEG, linear radiance for EXR, HDR and PFM.
 ///
 /// The file is made in memory and then handed to the writer, which is not touched if the format cannot hold the film.
-/// Nothing is known about what has been written when the writer fails: to keep an older file, write to another one and
-/// rename that.
+/// If the writer fails, the output is incomplete: to keep an older file, write to another one and rename that.
 ///
 /// # Errors
 /// [`ImageFileError::Write`] if the writer fails, [`ImageFileError::Encode`] if the format cannot hold the film.
@@ -65,7 +64,7 @@ fn encode(film: &Image, development: &Development, format: ImageFormat) -> Resul
     Ok(bytes)
 }
 
-/// Radiance and, if the film has it, coverage: pixel by pixel, as native bytes, and what they are.
+/// Radiance and, if the film has it, coverage: pixel by pixel, as native bytes, with their colour type.
 fn float_channels(film: &Image) -> (ExtendedColorType, Vec<u8>) {
     if let Some(alpha) = film.alpha() {
         let channels = film.pixels().iter().zip(alpha).flat_map(|(&[r, g, b], &a)| [r, g, b, a]);

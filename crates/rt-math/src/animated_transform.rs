@@ -229,7 +229,7 @@ mod tests {
         prop::array::uniform3(-range..range).prop_map(DVec3::from)
     }
 
-    /// Moved, turned, sheared and scaled, without mirroring.
+    /// Translation, rotation, shear and scale, without mirroring.
     fn transform() -> impl Strategy<Value = Transform> {
         let factors = prop::array::uniform3(0.2..5.0f64).prop_map(DVec3::from);
         (vector(10.0), vector(1.0), -3.1..3.1f64, factors, -0.4..0.4f64).prop_filter_map(

@@ -10,10 +10,10 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Everything from the origin on: `[0, ∞]`.
+    /// All parameters from the origin on: `[0, ∞]`.
     pub const FORWARD: Self = Self { min: 0.0, max: f64::INFINITY };
 
-    /// Everything in front of the origin of a spawned ray.
+    /// All parameters in front of the origin of a spawned ray.
     ///
     /// For exact hit points, as on a floor at height 0, the offset of the origin may be the smallest number. Then the
     /// parameter of a hit on the same floor underflows to 0. So 0 and its neighbour are excluded.

@@ -95,7 +95,8 @@ impl KeyframedTransform {
         Ok(all)
     }
 
-    /// Transform at a time. At a key, and before the first and after the last, exactly that of the key.
+    /// Transform at a time. Exactly that of a key at its time, and of the nearest key before the first and after the
+    /// last.
     pub fn at(&self, time: f64) -> Transform {
         match self.timeline.find(time) {
             KeyframePosition::Key(key) => self.keys[key],

@@ -69,7 +69,7 @@ pub(crate) enum KeyframePosition {
 }
 
 impl Keyframes {
-    /// Keys at these times, which must rise.
+    /// Keys at these times, in ascending order.
     ///
     /// # Errors
     /// [`KeyframesError`] if there are none, or one exceeds 10⁶⁰ in magnitude or is not later than the one before it.

@@ -14,7 +14,7 @@
 //!
 //! **Does not own** shapes and their intersection (rt-geometry), accelerators, lights or cameras.
 //!
-//! Everything is `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
+//! All numbers are `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
 //!
 //! ```
 //! use rt_math::{DVec3, Ray, Transform};

@@ -27,7 +27,7 @@ impl Rgb {
         Self { r, g, b }
     }
 
-    /// The same value in all components.
+    /// Gray: `value` in all components.
     pub const fn gray(value: f64) -> Self {
         Self::new(value, value, value)
     }

@@ -28,7 +28,7 @@ pub fn f_quantile(probability: f64, m: f64, n: f64) -> f64 {
     }
 }
 
-/// Smallest number in (0, ½] that meets a condition, which holds from some number up to ½.
+/// Smallest number in (0, ½] that satisfies a condition. The condition holds from that number up to ½.
 fn first_of_half(is_met: impl Fn(f64) -> bool) -> f64 {
     let (mut below, mut above) = (0.0, 0.5);
     loop {

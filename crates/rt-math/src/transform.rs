@@ -25,11 +25,11 @@ pub struct Transform {
 pub enum TransformError {
     /// A component is NaN or infinite.
     NonFinite,
-    /// The map flattens space: its determinant is 0, or the condition number (the value) exceeds 3·10¹².
+    /// The map is singular: its determinant is 0, or its condition number (the value) exceeds 3·10¹².
     Singular(f64),
     /// The last row of a 4×4 matrix is not (0, 0, 0, 1).
     NotAffine,
-    /// The direction to look along, or the rotation axis, is zero or parallel to the up vector.
+    /// The view direction or the rotation axis is zero, or the view direction is parallel to the up vector.
     DegenerateDirection,
 }
 
@@ -61,7 +61,7 @@ impl Transform {
         Self { translation: offset, ..Self::IDENTITY }
     }
 
-    /// Turns by `angle` radians about `axis` (any non-zero length), counter-clockwise seen from its tip.
+    /// Rotates by `angle` radians about `axis` (any non-zero length), counter-clockwise seen from its tip.
     ///
     /// # Errors
     /// [`TransformError::DegenerateDirection`] for a zero axis, [`TransformError::NonFinite`] for a NaN.
@@ -76,7 +76,7 @@ impl Transform {
         Ok(Self::rotation(DMat3::from_cols(turn(DVec3::X), turn(DVec3::Y), turn(DVec3::Z))))
     }
 
-    /// Turns about x, then y, then z (fixed axes), by `angles` radians.
+    /// Rotates about x, then y, then z (fixed axes), by `angles` radians.
     ///
     /// # Errors
     /// [`TransformError::NonFinite`] for a NaN or infinite angle.
@@ -87,7 +87,7 @@ impl Transform {
         Ok(about_z.compose(&about_y).compose(&about_x))
     }
 
-    /// Turns by a quaternion of any non-zero length.
+    /// Rotates by a quaternion of any non-zero length.
     ///
     /// # Errors
     /// [`TransformError::DegenerateDirection`] for a zero quaternion, [`TransformError::NonFinite`] for a NaN.
@@ -113,14 +113,14 @@ impl Transform {
     /// Shears: `x` gains `xy·y + xz·z`, `y` gains `yx·x + yz·z`, `z` gains `zx·x + zy·y`.
     ///
     /// # Errors
-    /// [`TransformError::Singular`] if the six factors flatten space.
+    /// [`TransformError::Singular`] if the matrix of the six factors is singular.
     pub fn shear([xy, xz, yx, yz, zx, zy]: [f64; 6]) -> Result<Self, TransformError> {
         let linear = DMat3::from_cols(DVec3::new(1.0, yx, zx), DVec3::new(xy, 1.0, zy), DVec3::new(xz, yz, 1.0));
         Self::from_linear(linear, DVec3::ZERO)
     }
 
-    /// Places an observer at `eye` that looks along its −z towards `target`, with +y as near to `up` as possible.
-    /// The result is `world_from_observer`.
+    /// World from camera: a camera at `eye` that looks along its −z towards `target`, with +y as near to `up` as
+    /// possible. The result is `world_from_observer`.
     ///
     /// # Errors
     /// [`TransformError::DegenerateDirection`] if `eye` equals `target` or the view is parallel to `up`.

@@ -69,19 +69,14 @@ pub(crate) const fn choose(accel: Accel, is_small: bool) -> AcceleratorKind {
 pub(crate) fn reason<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> String {
     let count = primitives.len();
     match accel_options.accel {
-        Accel::Auto if count <= MAX_LINEAR => format!("up to {MAX_LINEAR}: asking each is faster than walking a tree"),
+        Accel::Auto if count <= MAX_LINEAR => format!("at most {MAX_LINEAR}: brute force is faster than a tree"),
         Accel::Auto if is_small(primitives, 0..count as u32) => {
-            format!(
-                "up to {MAX_LINEAR_SPHERES} spheres: asking each, for eight rays at a time, is faster than walking a tree"
-            )
+            format!("at most {MAX_LINEAR_SPHERES} spheres: brute force with 8 rays at a time is faster than a tree")
         }
         Accel::Auto => {
-            format!(
-                "more than {MAX_LINEAR}, {}: eight boxes at a time suit all sizes and places",
-                size_spread(primitives)
-            )
+            format!("default for more than {MAX_LINEAR}; {}", size_spread(primitives))
         }
-        _ => "as asked".to_owned(),
+        _ => "as requested".to_owned(),
     }
 }
 
@@ -92,10 +87,10 @@ fn size_spread<P: Primitives>(primitives: &P) -> String {
     let (min, max) = sizes.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), size| (a.min(size), b.max(size)));
     let ratio = max / min;
     match ratio {
-        _ if min == f64::INFINITY => "none of them bounded".to_owned(),
-        0.0..1.5 => "all of about one size".to_owned(),
-        1.5..10.0 => format!("sizes spread 1:{ratio:.1}"),
-        10.0..1e6 => format!("sizes spread 1:{ratio:.0}"),
+        _ if min == f64::INFINITY => "all unbounded".to_owned(),
+        0.0..1.5 => "all of similar size".to_owned(),
+        1.5..10.0 => format!("the largest is {ratio:.1} times the size of the smallest"),
+        10.0..1e6 => format!("the largest is {ratio:.0} times the size of the smallest"),
         _ => format!("sizes from {min:.1e} to {max:.1e}"),
     }
 }
@@ -123,12 +118,12 @@ mod tests {
     fn reasons_name_the_rule_and_its_input() {
         let auto = AccelOptions::default();
         let reason = |radii: &[f64]| reason(auto, &spheres(radii));
-        assert_eq!(reason(&[1.0; 8]), "up to 8: asking each is faster than walking a tree");
-        assert!(reason(&[1.0; 16]).starts_with("up to 16 spheres"), "{}", reason(&[1.0; 16]));
+        assert_eq!(reason(&[1.0; 8]), "at most 8: brute force is faster than a tree");
+        assert!(reason(&[1.0; 16]).starts_with("at most 16 spheres"), "{}", reason(&[1.0; 16]));
         let of = |radius: f64| reason(&[[1.0; 16].as_slice(), &[radius]].concat());
-        assert_eq!(of(0.025), "more than 8, sizes spread 1:40: eight boxes at a time suit all sizes and places");
-        assert!(of(0.9).contains("about one size") && of(0.4).contains("1:2.5"), "{}", of(0.4));
+        assert_eq!(of(0.025), "default for more than 8; the largest is 40 times the size of the smallest");
+        assert!(of(0.9).contains("similar size") && of(0.4).contains("2.5 times"), "{}", of(0.4));
         assert!(of(1e-9).contains("sizes from 2.0e-9 to 2.0e0"), "{}", of(1e-9));
-        assert_eq!(super::reason(AccelOptions { accel: Accel::Grid, ..auto }, &spheres(&[1.0])), "as asked");
+        assert_eq!(super::reason(AccelOptions { accel: Accel::Grid, ..auto }, &spheres(&[1.0])), "as requested");
     }
 }

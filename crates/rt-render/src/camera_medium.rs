@@ -15,7 +15,7 @@ const PROBE_DIRECTION: DVec3 = DVec3::new(0.36, 0.80, 0.48);
 /// Dielectrics around the origins of camera rays.
 #[derive(Debug)]
 pub(crate) enum CameraMedium {
-    /// The same for all rays.
+    /// One medium for all rays.
     Constant(InteriorList),
     /// Found for each ray that starts in this box: ray origins differ with a lens or a parallel projection, and media can
     /// move.

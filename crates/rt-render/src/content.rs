@@ -13,7 +13,7 @@ pub(crate) const MAX_COUNT: u64 = 1 << 60;
 /// Largest number of threads of all machines together.
 pub(crate) const MAX_THREADS: u64 = 1 << 30;
 
-/// Largest number of a pass. The next higher bit marks the second stage of adaptive sampling.
+/// Largest index of a pass. The next higher bit marks the second stage of adaptive sampling.
 pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
 
 /// First invalid number of a decoded part or checkpoint.
@@ -24,7 +24,7 @@ pub enum ContentError {
     #[error("the area of {}x{} pixels at {},{} is empty or too large", .0.width, .0.height, .0.x, .0.y)]
     Crop(Crop),
     /// The share does not exist; with its index and the number of shares.
-    #[error("there is no share {0} of {1}")]
+    #[error("share {0} of {1} does not exist")]
     Share(u32, u32),
     /// A tile lies outside of the image or the share; with its number.
     #[error("tile {0} lies outside of the image or share")]
@@ -51,7 +51,7 @@ pub enum ContentError {
     #[error("pixel {0} has more samples than the passes so far took")]
     Pixel(usize),
     /// A count exceeds its limit, or the counts of all parts together do.
-    #[error("the number of {name} is {value}, and at most {max} is possible")]
+    #[error("the number of {name} is {value}; it must be at most {max}")]
     Count {
         /// Name of the count.
         name: &'static str,
@@ -61,7 +61,7 @@ pub enum ContentError {
         max: u64,
     },
     /// A number is NaN, infinite, negative, or beyond its range.
-    #[error("{name} is {value}")]
+    #[error("{name} is {value}; it must be finite and not negative")]
     Number {
         /// Name of the number.
         name: &'static str,

@@ -78,7 +78,7 @@ pub enum RenderError {
         source: rt_math::AnimatedTransformError,
     },
     /// A group has more primitives than indices.
-    #[error("a group that is placed more than once has more than 2^32 - 1 shapes and triangles")]
+    #[error("a group with several instances has more than 2^32 - 1 shapes and triangles; split it")]
     TooManyObjects,
     /// A level has more objects than its limit.
     #[error(
@@ -92,10 +92,10 @@ pub enum RenderError {
         limit: u64,
     },
     /// Samples per pixel must be at least 1.
-    #[error("at least 1 sample per pixel is needed")]
+    #[error("the number of samples per pixel is 0; it must be at least 1")]
     NoSamples,
     /// Passes must be at least 1.
-    #[error("at least 1 pass over the image is needed")]
+    #[error("the number of passes is 0; it must be at least 1")]
     NoPasses,
     /// The bound of indirect light is not a positive number.
     #[error("the clamp of indirect light is {0}; it must be a finite number above 0")]
@@ -132,7 +132,7 @@ pub enum RenderError {
     /// An animated emissive object with an integrator that finds sampled lights only.
     #[error(
         "object '{0}' is a moving emitter, which the integrator 'distributed' does not support; use 'path', 'direct' or \
-         'caustics', or remove its motion"
+         'path-caustics', or remove its motion"
     )]
     MovingLight(String),
     /// Adaptive sampling in object space in a progressive render.
@@ -144,12 +144,12 @@ pub enum RenderError {
     #[error("a share of the tiles needs a fixed number of samples; remove the time limit and the target error")]
     SharedUntil,
     /// The checkpoint belongs to a render of another size, share, rule or options.
-    #[error("the checkpoint is of another image, or was made with other options")]
+    #[error("the checkpoint is of another image, or was made with other options; use those options, or start over")]
     Checkpoint,
     /// More memory would be needed than the budget allows.
     #[error(transparent)]
     Memory(#[from] rt_scene_io::MemoryError),
     /// The threads could not be started.
-    #[error("worker threads could not be started: {0}")]
+    #[error("worker threads cannot be started: {0}; use fewer threads")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }

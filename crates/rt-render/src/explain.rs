@@ -1,4 +1,4 @@
-//! Description of a plan: what it uses and leaves out, with reasons.
+//! Description of a plan: used and omitted features, with reasons.
 
 use std::{collections::BTreeSet, fmt};
 
@@ -155,7 +155,7 @@ impl RenderPlan<'_> {
         let passes = if self.frame.passes > 1 { format!(" in {} passes", self.frame.passes) } else { String::new() };
         let biased = if self.frame.sampler.is_biased() { " (biased)" } else { "" };
         format!(
-            "plan for '{}': {}, camera '{}', {}x{}, {samples} per pixel{passes}, {}{biased}",
+            "plan for '{}': integrator {}, camera '{}', {}x{} pixels, {samples} per pixel{passes}, sampler {}{biased}",
             self.scene.source.name,
             self.integrator_kind().name(),
             self.camera_name,
@@ -204,10 +204,10 @@ impl RenderPlan<'_> {
             used.extend(self.motion(counts));
         }
         if self.frame.backdrop.is_some() {
-            used.push("a backdrop: camera rays that leave the scene see it in place of the background".to_owned());
+            used.push("backdrop: shown instead of the background by camera rays that hit nothing".to_owned());
         }
         if self.frame.camera.has_lens() {
-            used.push("a lens: camera rays start all over the aperture".to_owned());
+            used.push("lens: camera rays start at points sampled on the aperture".to_owned());
         }
         if self.integrator_kind().follows_light() {
             used.extend(self.light());
@@ -215,7 +215,7 @@ impl RenderPlan<'_> {
         used.extend(self.light_paths());
         if let Some(min) = self.min_samples_per_pixel() {
             used.push(format!(
-                "pyramids through the pixels: {} for one smooth surface in even light, or nothing; all for others",
+                "adaptive sampling in object space: {} in pixels without edges of objects or shadows, all samples in others",
                 count(min as usize, "sample", "samples")
             ));
         }
@@ -225,17 +225,19 @@ impl RenderPlan<'_> {
     /// Lines on motion.
     fn motion(&self, counts: &SceneCounts) -> Vec<String> {
         let [opens, closes] = self.frame.camera.shutter();
-        let mut lines = vec![format!("a moment for each sample, while the shutter is open from {opens} to {closes}")];
+        let mut lines = vec![format!("motion blur: each sample has its own time, from {opens} to {closes}")];
         if counts.animated > 0 {
-            let what = count(counts.animated, "object that moves", "objects that move");
-            lines.push(format!("{what}, in boxes around all that they pass"));
+            let what = count(counts.animated, "animated object", "animated objects");
+            lines.push(format!("{what}: bounding boxes enclose the whole motion"));
         }
         if self.frame.camera.moves() {
-            lines.push("a camera that moves: no object is left out for its rays".to_owned());
+            lines.push("animated camera: camera rays are tested against all objects".to_owned());
         }
         if let (IntegratorState::Path(_), World::Instances(top, levels)) = (&self.integrator, &self.scene.world) {
             let light = find_animated_light(self.scene.source, top, levels);
-            lines.extend(light.map(|name| format!("lamps that move, such as '{name}': found by rays, not drawn from")));
+            lines.extend(light.map(|name| {
+                format!("moving emitters, such as '{name}': found by BSDF samples, not sampled explicitly")
+            }));
         }
         lines
     }
@@ -246,20 +248,23 @@ impl RenderPlan<'_> {
         let [width, height] = self.frame.size.map(u64::from);
         let paths = width * height * u64::from(self.frame.pass_spp);
         let targets = if sources.targets().is_everywhere() {
-            "in all directions, as a sharp mirror or a body of glass has no bounds".to_owned()
+            "in all directions, because a specular surface is unbounded".to_owned()
         } else {
-            let spheres = count(sources.targets().len(), "ball", "balls");
-            format!("to {spheres} around what mirrors sharply or lets light through")
+            let spheres = count(sources.targets().len(), "bounding sphere", "bounding spheres");
+            format!("towards {spheres} of specular surfaces")
         };
-        Some(format!("light paths: {paths} in each pass from the lamps, {targets}"))
+        Some(format!("light tracing: {paths} light paths per pass, emitted {targets}"))
     }
 
     fn structures(&self) -> Vec<String> {
         let accel_options = self.scene.accel;
-        let line = |level: &str, structure: &AnyAccelerator, primitives: usize, reason: String| {
+        let line = |level: &str, accelerator: &AnyAccelerator, primitives: usize, reason: String| {
             let primitives = count(primitives, "primitive", "primitives");
-            let nodes = count(structure.build_stats().nodes, "node", "nodes");
-            format!("{level}: {} over {primitives}, {nodes} ({reason})", structure.kind().name())
+            let nodes = match accelerator.build_stats().nodes {
+                0 => String::new(),
+                nodes => format!(", {}", count(nodes, "node", "nodes")),
+            };
+            format!("{level}: {} over {primitives}{nodes} ({reason})", accelerator.kind().name())
         };
         // Apply the selection rule again to the primitives of each accelerator.
         let aggregate = |level: &str, aggregate: &Aggregate, levels: &BottomLevel| {
@@ -268,38 +273,42 @@ impl RenderPlan<'_> {
         };
         let visible = |reason: &dyn Fn(&VisibleSet) -> String| {
             let visible = self.frame.visible.as_ref()?;
-            Some(line("  for camera rays", visible.structure(), visible.of() - visible.left_out(), reason(visible)))
+            Some(line(
+                "  objects in view, for camera rays",
+                visible.structure(),
+                visible.of() - visible.left_out(),
+                reason(visible),
+            ))
         };
         let mut lines = Vec::new();
         match &self.scene.world {
             World::Spheres(world, structure) => {
-                lines.push(line("structure", structure, world.len(), reason(accel_options, world)));
-                lines.push("  nothing but spheres: one list of centres and radii".to_owned());
+                lines.push(line("accelerator", structure, world.len(), reason(accel_options, world)));
+                lines.push("  all primitives are spheres: stored as one array of centres and radii".to_owned());
                 lines.extend(visible(&|visible| visible.reason(accel_options, world)));
             }
             World::Instances(top, levels) => {
-                lines.push(aggregate("structure", top, levels));
+                lines.push(aggregate("accelerator", top, levels));
                 lines.extend(visible(&|visible| visible.reason(accel_options, &top.set(levels))));
-                lines.extend(levels.groups.iter().map(|group| aggregate("  of a group", group, levels)));
+                lines.extend(levels.groups.iter().map(|group| aggregate("  group", group, levels)));
                 lines.extend(levels.meshes.iter().map(|level| {
                     let reason = reason(accel_options, &*level.mesh);
-                    let kind = if level.alpha_test.is_some() { "  of a mesh with holes" } else { "  of a mesh" };
+                    let kind = if level.alpha_test.is_some() { "  mesh with alpha test" } else { "  mesh" };
                     line(kind, &level.structure, level.mesh.data().triangles.len(), reason)
                 }));
             }
         }
         if self.frame.culls_tiles {
-            let what = "asked in turn in tiles in whose part of the view no others lie";
             lines.push(format!(
-                "  for camera rays: up to {MAX_LINEAR} objects, or {MAX_LINEAR_SPHERES} spheres, {what}"
+                "  tiles with at most {MAX_LINEAR} objects, or {MAX_LINEAR_SPHERES} spheres, in view: brute force for camera rays"
             ));
         }
         if (self.scene.features.shadows || !self.scene.lights.sampled_lights().is_empty()) && self.has_wide_tree() {
-            lines.push("  for shadow rays: what blocked a ray is asked first about the next".to_owned());
+            lines.push("  shadow rays: the last occluder is tested first".to_owned());
         }
         if self.scene.space != RenderSpace::WORLD {
             lines.push(format!(
-                "coordinates relative to {}, as the scene is small and far from the origin",
+                "rendering space: relative to {}, because the scene is small and far from the origin",
                 self.scene.space.origin()
             ));
         }
@@ -321,13 +330,16 @@ impl RenderPlan<'_> {
     fn light(&self) -> Vec<String> {
         let lights = &self.scene.appearance.lights;
         let shadowing = lights.iter().filter(|light| light.casts_shadows).count();
-        let mut lines = vec![format!("{}, {shadowing} casting shadows", count(lights.len(), "light", "lights"))];
+        let mut lines = vec![match (lights.len(), shadowing) {
+            (0, _) => "no delta lights".to_owned(),
+            (n, shadowing) => format!("{}, {shadowing} with shadows", count(n, "delta light", "delta lights")),
+        }];
         if let IntegratorState::Path(settings) = &self.integrator {
             lines.extend(self.extended_lights());
             lines.push(self.paths(settings));
         } else if self.scene.features.reflection || self.scene.features.refraction {
             lines.push(format!(
-                "up to {} after the first hit",
+                "ray tree of up to {} after the first hit",
                 count(self.scene.source.settings.depth as usize, "bounce", "bounces")
             ));
         }
@@ -342,14 +354,19 @@ impl RenderPlan<'_> {
         let lights = self.scene.lights.sampled_lights().len();
         (lights > 0).then(|| {
             let choice = match (lights, self.scene.source.settings.light_sampling) {
-                (1, _) => "drawn from at each surface",
-                (_, LightSampling::Uniform) => "one drawn at each surface, all alike",
-                (_, LightSampling::Power) => "one drawn at each surface, by power",
-                (_, LightSampling::Tree) => "one drawn at each surface, by a tree that knows where they shine",
+                (1, _) => "sampled at each hit",
+                (_, LightSampling::Uniform) => "one is sampled at each hit, with equal probability",
+                (_, LightSampling::Power) => "one is sampled at each hit, with probability proportional to its power",
+                (_, LightSampling::Tree) => "one is sampled at each hit, by a light tree",
             };
-            let environment =
-                if self.scene.lights.environment().is_some() { ", the image around the scene among them" } else { "" };
-            format!("{} with extent{environment}: {choice}", count(lights, "light", "lights"))
+            let environment = usize::from(self.scene.lights.environment().is_some());
+            let areas = count(lights - environment, "area light", "area lights");
+            let kinds = match (lights - environment, environment) {
+                (_, 0) => areas,
+                (0, _) => "environment light".to_owned(),
+                _ => format!("{areas} and the environment light"),
+            };
+            format!("{kinds}: {choice}")
         })
     }
 
@@ -357,10 +374,10 @@ impl RenderPlan<'_> {
         let bounces = count(settings.max_depth as usize, "bounce", "bounces");
         let what = match settings.transport {
             Transport::Full | Transport::NonCaustic => "paths",
-            Transport::Specular => "reflected and refracted paths",
+            Transport::Specular => "specular and glossy paths",
         };
         let roulette = if settings.max_depth > settings.rr_start_depth {
-            format!(", roulette after {}", settings.rr_start_depth)
+            format!(", Russian roulette after {}", count(settings.rr_start_depth as usize, "bounce", "bounces"))
         } else {
             String::new()
         };
@@ -376,13 +393,13 @@ impl RenderPlan<'_> {
         let transparent = self.scene.appearance.materials.iter().filter_map(|material| material.interior);
         let priorities: BTreeSet<i32> = transparent.map(|inside| inside.priority).collect();
         let (min, max) = (priorities.first()?, priorities.last()?);
-        let order = if min < max { format!("priorities {min} to {max}") } else { "all of one priority".to_owned() };
+        let order = if min < max { format!("priorities {min} to {max}") } else { "all of equal priority".to_owned() };
         let camera = match &self.frame.medium {
-            CameraMedium::Constant(interior) if interior.is_empty() => "the camera stands in air",
-            CameraMedium::Constant(_) => "the camera stands inside of one",
-            CameraMedium::PerRay(_) => "each camera ray looks which it starts in",
+            CameraMedium::Constant(interior) if interior.is_empty() => "the camera is outside of all",
+            CameraMedium::Constant(_) => "the camera is inside of a dielectric",
+            CameraMedium::PerRay(_) => "the medium of each camera ray is determined at its origin",
         };
-        Some(format!("transparent bodies within each other: {order}; {camera}"))
+        Some(format!("nested dielectrics: {order}; {camera}"))
     }
 
     fn left_out(&self, counts: &SceneCounts) -> Vec<LeftOut> {
@@ -393,45 +410,53 @@ impl RenderPlan<'_> {
         let linear = matches!(&self.scene.world, World::Spheres(_, AnyAccelerator::Linear(_)))
             || matches!(&self.scene.world, World::Instances(top, _) if matches!(top.structure, AnyAccelerator::Linear(_)));
         let geometry = [
-            (triangles == 0, "triangles", "there are none"),
+            (triangles == 0, "triangles", "the scene has none"),
             (
                 counts.placed + counts.mesh_instances + counts.group_instances == 0,
                 "transforms",
-                "all shapes stand in world space",
+                "all shapes are given in world space",
             ),
-            (counts.group_instances == 0, "instancing level", "no group is placed more than once"),
-            (counts.unbounded == 0, "list of unbounded objects", "everything has bounds"),
-            (linear, "tree over the objects", "all of them are asked in turn"),
-            (counts.shadowless == 0, "shadow switches", "every object casts shadows"),
+            (counts.group_instances == 0, "instances of groups", "no group has more than one instance"),
+            (counts.unbounded == 0, "list of unbounded objects", "all objects are bounded"),
+            (linear, "tree over the objects", "brute force tests all of them"),
+            (counts.shadowless == 0, "shadow flags of objects", "every object casts shadows"),
             (!self.frame.transparent, "alpha channel", "the background is part of the image"),
-            (!self.frame.has_motion, "time", "nothing moves while the shutter is open"),
-            (!self.frame.camera.has_lens(), "lens", "the camera is a pinhole, or looks along parallel rays"),
+            (!self.frame.has_motion, "motion blur", "nothing moves while the shutter is open"),
+            (!self.frame.camera.has_lens(), "lens", "the camera is a pinhole camera or orthographic"),
         ];
         let surface = [
-            (!n.textures && self.integrator_kind() != Integrator::Uv, "texture coordinates", "nothing looks at them"),
-            (n.textures && counts.plain > 0, "texture coordinates of some surfaces", "there are no textures on these"),
+            (
+                !n.textures && self.integrator_kind() != Integrator::Uv,
+                "texture coordinates",
+                "no material uses textures",
+            ),
+            (
+                n.textures && counts.plain > 0,
+                "texture coordinates of some surfaces",
+                "their materials have no textures",
+            ),
             (!n.shading_normals, "interpolated normals", "no mesh has vertex normals"),
         ];
         let shading = [
-            (!n.textures, "textures", "no surface uses one"),
-            (!n.ambient, "ambient light", "there is none, or no surface reflects it"),
-            (!n.emission, "emission", "no surface shines by itself"),
-            (!n.highlights, "highlights", if lit { "no surface has one" } else { "there are no lights" }),
+            (!n.textures, "textures", "no material has one"),
+            (!n.ambient, "ambient light", "the scene has none, or no material reflects it"),
+            (!n.emission, "emission", "no surface is emissive"),
+            (!n.highlights, "highlights", if lit { "no material has one" } else { "the scene has no lights" }),
             (!n.shadows, "shadow rays", "no light, or no object, casts shadows"),
-            (!n.reflection, "reflection", "no surface mirrors"),
-            (!n.refraction, "refraction", "no surface lets light through"),
-            (!n.refraction, "nested dielectrics", "no ray is ever inside of a body"),
-            (n.refraction && !n.fresnel, "Fresnel's equations", "transparent surfaces mix by constants"),
-            (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
-            (!n.reflection && !n.refraction, "ray tree", "nothing sends rays on"),
+            (!n.reflection, "reflection", "no material is reflective"),
+            (!n.refraction, "refraction", "no material is transmissive"),
+            (!n.refraction, "nested dielectrics", "no object is a dielectric"),
+            (n.refraction && !n.fresnel, "Fresnel equations", "the reflectance of transmissive materials is constant"),
+            (n.refraction && !n.absorption, "absorption", "all dielectrics are clear"),
+            (!n.reflection && !n.refraction, "ray tree", "no material spawns secondary rays"),
         ];
         let is_path = matches!(self.integrator, IntegratorState::Path(_));
         let of_paths = [
-            (!n.textures, "textures", "no surface uses one"),
-            (!n.emission, "emission", "no surface shines by itself"),
-            (self.scene.lights.sampled_lights().is_empty(), "lights with extent", "there are none to be drawn from"),
-            (!n.refraction, "nested dielectrics", "no ray is ever inside of a body"),
-            (n.refraction && !n.absorption, "absorption", "transparent bodies are clear"),
+            (!n.textures, "textures", "no material has one"),
+            (!n.emission, "emission", "no surface is emissive"),
+            (self.scene.lights.sampled_lights().is_empty(), "area and environment lights", "none can be sampled"),
+            (!n.refraction, "nested dielectrics", "no object is a dielectric"),
+            (n.refraction && !n.absorption, "absorption", "all dielectrics are clear"),
         ];
         let listed = geometry.into_iter().chain(surface).chain(shading.into_iter().filter(|_| whitted));
         let listed = listed.chain(of_paths.into_iter().filter(|_| is_path));
@@ -446,16 +471,15 @@ impl RenderPlan<'_> {
         let (alike, used) = self.scene.bsdfs.count();
         if alike > 0 {
             let materials = count(used, "material", "materials");
-            let reason = format!("{alike} of {materials} scatter light alike at every point");
-            let what =
-                if alike == used { "BSDFs made at each hit" } else { "BSDFs made at each hit, of some surfaces" };
+            let reason = format!("{alike} of {materials} are uniform: their BSDFs are cached");
+            let what = if alike == used { "BSDF construction at hits" } else { "BSDF construction at some hits" };
             left_out.push(LeftOut { what, reason });
         }
         left_out.extend(self.light_paths_left_out());
         if !self.integrator_kind().follows_light() {
             left_out.push(LeftOut {
                 what: "light and materials",
-                reason: format!("'{}' shows geometry alone", self.integrator_kind().name()),
+                reason: format!("'{}' shows geometry only", self.integrator_kind().name()),
             });
         }
         left_out
@@ -467,14 +491,14 @@ impl RenderPlan<'_> {
         }
         let of = |what, reason: &str| Some(LeftOut { what, reason: reason.to_owned() });
         let Some(sources) = &self.scene.light_sources else {
-            return of("light paths", "no lamp that can be drawn from shines on a sharp mirror or on glass");
+            return of("light paths", "no light that can be sampled illuminates a specular surface");
         };
         let is_sun = |light: &DeltaLight| light.kind.position().is_none() && light.casts_shadows;
         if sources.targets().is_everywhere() && self.scene.appearance.lights.iter().any(is_sun) {
-            return of("light paths of directional lights", "there is no end to what mirrors them");
+            return of("light paths of directional lights", "a specular surface is unbounded");
         }
         match self.scene.lights.environment() {
-            Some(_) => of("light paths of the environment", "its light is found by paths from the camera"),
+            Some(_) => of("light paths of the environment", "paths from the camera find its light"),
             None => None,
         }
     }

@@ -18,7 +18,7 @@ use crate::{
 /// Maximum samples of a pixel: more change an average over a pixel by less than most images show.
 pub const MAX_LAYER_SAMPLES: u32 = 16;
 
-/// Depth where nothing is hit, which is that of Blender.
+/// Depth of misses, as in Blender.
 pub const FAR_DEPTH: f32 = 1e10;
 
 /// Pixels are traced together until they have this many rays.
@@ -58,7 +58,7 @@ macro_rules! layers {
 }
 
 layers! {
-    /// Depth along the view axis in world units; [`FAR_DEPTH`] where nothing is hit.
+    /// Depth along the view axis in world units; [`FAR_DEPTH`] for a miss.
     Depth = "depth", ["Z"];
     /// Hit point in world space.
     Position = "position", ["X", "Y", "Z"];
@@ -74,11 +74,11 @@ layers! {
     Emission = "emission", ["R", "G", "B"];
     /// Texture coordinates of surfaces with textures. Those of others are zero, as plans leave them out.
     Uv = "uv", ["U", "V"];
-    /// Number of the object, from 1; 0 for none. Of the first sample that hits a surface, as are the other numbers.
+    /// Index of the object, plus 1; 0 for none. All indices are those of the first sample that hits a surface.
     ObjectId = "object_id", ["V"];
-    /// Number of the material in the scene, from 1; 0 for none.
+    /// Index of the material in the scene, plus 1; 0 for none.
     MaterialId = "material_id", ["V"];
-    /// Number of the instance of the top level, from 1; 0 for none.
+    /// Index of the instance of the top level, plus 1; 0 for none.
     InstanceId = "instance_id", ["V"];
     /// Share of the samples that hit a surface.
     Coverage = "coverage", ["V"];
@@ -93,7 +93,7 @@ pub struct LayerValues {
     pub channels: Vec<Vec<f32>>,
 }
 
-/// Samples of all pixels, and what their surfaces need.
+/// Samples of all pixels, and the data that their surfaces need.
 struct Sweep {
     spp: u32,
     sampler: PixelSampler,

@@ -158,7 +158,7 @@ impl Level {
 struct Flattener<'s> {
     scene: &'s Scene,
     accel_options: AccelOptions,
-    /// Allows hits by primitive index alone if all instances are single primitives.
+    /// Identifies hits by primitive index only, if all instances are single primitives.
     may_be_flat: bool,
     /// Time of the only position of all objects, if there is one.
     static_time: Option<f64>,
@@ -237,7 +237,7 @@ impl<'s> Flattener<'s> {
         }
     }
 
-    /// Numbers the primitives of all instances of a group consecutively: one number of a hit identifies both.
+    /// Assigns consecutive indices to the primitives of all instances of a group: one index of a hit identifies both.
     fn number(&self, instances: &mut [Instance]) -> Result<(), RenderError> {
         let mut next = 0u32;
         for instance in instances {

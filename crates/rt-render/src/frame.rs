@@ -76,7 +76,7 @@ pub(crate) struct Frame {
     /// Samples per pass of pixels without an edge, with adaptive sampling in object space.
     pub(crate) simple_pass_spp: Option<u32>,
     pub(crate) transparent: bool,
-    /// Radiance of camera rays that leave the scene, in place of the background.
+    /// Radiance of camera rays that hit nothing, instead of the background.
     pub(crate) backdrop: Option<Rgb>,
     /// Objects in view, if these are much fewer than all.
     pub(crate) visible: Option<VisibleSet>,

@@ -1,7 +1,7 @@
 //! Instances on two levels, with their acceleration structures.
 //!
 //! The top level holds instances in world space. An instance is a shape, a transformed mesh, or a group: an aggregate of
-//! instances in a space of its own, shared by all uses. Groups hold no groups, as flattening dissolves these.
+//! instances in a space of its own, shared by all uses. Groups do not contain groups, because flattening inlines these.
 
 use std::{borrow::Cow, sync::Arc};
 
@@ -132,7 +132,7 @@ impl Aggregate {
         Instances { instances: &self.instances, levels, is_flat: self.is_flat }
     }
 
-    /// Converts a hit within the group to a hit on the group instance, by the consecutive number of the primitive.
+    /// Converts a hit within the group to a hit on the group instance, by the consecutive index of the primitive.
     fn with_instance(&self, hit: Hit, instance: u32) -> Hit {
         let first = self.instances[hit.instance as usize].first_primitive;
         Hit { instance, primitive: first + hit.primitive, ..hit }
@@ -482,7 +482,7 @@ impl Primitives for Instances<'_> {
     }
 }
 
-/// True if an instance, or one in its group, has a material that meets the condition.
+/// True if an instance, or one in its group, has a material that satisfies the condition.
 pub(crate) fn uses_material(instance: &Instance, levels: &BottomLevel, is_wanted: &impl Fn(u32) -> bool) -> bool {
     match instance.geometry.static_geometry() {
         InstanceGeometry::Group(level, _) => {

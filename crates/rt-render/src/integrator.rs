@@ -8,7 +8,7 @@ use rt_shading::{AmbientOcclusion, AovIntegrator, Clamp, PathSettings, Transport
 pub(crate) enum IntegratorState {
     /// Whitted ray tracing.
     Whitted,
-    /// Path tracing: `path`, `caustics`, `direct` and `distributed`.
+    /// Path tracing: `path`, `path-caustics`, `direct` and `distributed`.
     Path(PathSettings),
     AmbientOcclusion(AmbientOcclusion),
     /// Geometry of the first hit.

@@ -3,7 +3,7 @@
 //! ```text
 //!   Scene ──compile──> RenderPlan ──render──> Image
 //!                          │
-//!                          └─ explain: what is used, what is left out, and why
+//!                          └─ explain: used and omitted features, with reasons
 //! ```
 //!
 //! **Owns** the plan ([`RenderPlan`]), the two-level world, the loop over tiles and samples, the film and the statistics. It is

@@ -63,7 +63,7 @@ impl MemoryPrediction {
             ("film", self.film),
             ("textures", self.textures),
             ("geometry", self.geometry),
-            ("structures", self.structures),
+            ("accelerators", self.structures),
             ("building", self.building),
         ]
     }
@@ -118,8 +118,8 @@ impl fmt::Display for MemoryPrediction {
         let Self { film, textures, geometry, structures, building } = *self;
         let [film, textures, geometry, structures, building] =
             [film, textures, geometry, structures, building].map(ByteSize);
-        write!(f, "film {film}, textures {textures}, geometry {geometry}, structures {structures}, ")?;
-        write!(f, "building these {building}: at most {}", ByteSize(self.peak()))
+        write!(f, "film {film}, textures {textures}, geometry {geometry}, accelerators {structures}, ")?;
+        write!(f, "building them {building}: peak {}", ByteSize(self.peak()))
     }
 }
 
@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(prediction.peak(), 13);
         assert_eq!(MemoryPrediction { film: 9, ..prediction }.peak(), 15);
         assert_eq!(MemoryPrediction { film: u64::MAX, ..prediction }.peak(), u64::MAX);
-        let expected = "film 5 B, textures 1 B, geometry 2 B, structures 3 B, building these 7 B: at most 13 B";
+        let expected = "film 5 B, textures 1 B, geometry 2 B, accelerators 3 B, building them 7 B: peak 13 B";
         assert_eq!(prediction.to_string(), expected);
     }
 

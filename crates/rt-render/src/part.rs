@@ -144,12 +144,12 @@ impl FilmTile {
 pub struct Part {
     pub(crate) layout: FilmLayout,
     pub(crate) share: Share,
-    /// Finished tiles by number.
+    /// Finished tiles by index.
     pub(crate) tiles: BTreeMap<u32, FilmTile>,
     pub(crate) statistics: Statistics,
     pub(crate) stopped: Stopped,
     pub(crate) unconverged: Option<u64>,
-    /// Numbers of the tiles in which a thread panicked.
+    /// Indices of the tiles in which a thread panicked.
     pub(crate) lost: Vec<u32>,
 }
 
@@ -199,16 +199,16 @@ pub(crate) fn decode_unchecked<'de, D: Deserializer<'de>>(deserializer: D) -> Re
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum JoinError {
     /// There are no parts.
-    #[error("there are no parts to join")]
+    #[error("no parts are given; give at least one")]
     Nothing,
     /// A number of the part is invalid, or its sum with the parts before it; with the index in the list.
     #[error("part number {}: {}", .0 + 1, .1)]
     Damaged(usize, ContentError),
     /// A part has another layout than the first; with its index in the list.
-    #[error("part number {} is of another size, or was made with other options", .0 + 1)]
+    #[error("part number {} is of another size, or was made with other options; render all parts with the same options", .0 + 1)]
     Foreign(usize),
     /// A part belongs to another number of shares than the first.
-    #[error("part number {} is one of {} shares, and the first is one of {}", .part + 1, .count, .expected)]
+    #[error("part number {} is one of {} parts, but the first is one of {}; join parts of one render", .part + 1, .count, .expected)]
     Shares {
         /// Index in the list.
         part: usize,
@@ -218,7 +218,7 @@ pub enum JoinError {
         expected: u32,
     },
     /// Two parts are the same share; with their indices in the list.
-    #[error("parts number {} and {} are the same share", .0 + 1, .1 + 1)]
+    #[error("parts number {} and {} are the same part; remove one of them", .0 + 1, .1 + 1)]
     Doubled(usize, usize),
     /// The part lacks tiles of its share: it was interrupted, or a thread panicked.
     #[error("part number {} lacks {} of its tiles; finish it with --resume, or render it again", .part + 1, .missing)]
@@ -233,13 +233,13 @@ pub enum JoinError {
     Missing(Vec<u32>, u32),
 }
 
-/// Lists missing shares, the first 20 by number.
+/// Lists missing shares, the first 20 by index.
 fn missing(shares: &[u32], count: u32) -> String {
     const NAMED: usize = 20;
     let named: Vec<_> = shares.iter().take(NAMED).map(|share| format!("{}/{count}", share + 1)).collect();
     let more = shares.len().saturating_sub(NAMED);
     let and = if more > 0 { format!(", and {more} more") } else { String::new() };
-    format!("{} of {count} parts missing: {}{and}", shares.len(), named.join(", "))
+    format!("{} of {count} parts are missing: {}{and}; render them", shares.len(), named.join(", "))
 }
 
 impl Part {
@@ -414,7 +414,7 @@ impl Part {
         }
     }
 
-    /// Copies the values of a tile into the image; does nothing for an empty list.
+    /// Copies the values of a tile into the image. An empty list changes no pixel.
     fn copy_tile<T: Copy>(&self, number: u32, values: &[T], image: &mut [T]) {
         let crop = self.layout.crop;
         for ([x, y], &value) in tile(crop, number as usize).pixels().zip(values) {

@@ -12,7 +12,7 @@ use crate::{
     tiles::{Tile, tile_count, tiles},
 };
 
-/// First pass number of the second stage of adaptive sampling, in seeds.
+/// First pass index of the second stage of adaptive sampling, in seeds.
 const SECOND_STAGE: u32 = 1 << 31;
 
 /// Film of a render pass by pass: all pixel accumulators, and the position in the sequence of passes.
@@ -29,7 +29,7 @@ pub(crate) struct PassState {
     pub(crate) seconds_per_sample: f64,
     /// Error of the image after the last pass.
     pub(crate) error: ErrorSums,
-    /// Numbers of the tiles in which a thread failed.
+    /// Indices of the tiles in which a thread panicked.
     pub(crate) lost: Vec<u32>,
 }
 
@@ -47,7 +47,7 @@ enum PassMode {
 /// Position in the sequence of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PassCursor {
-    /// Number of the current or next pass.
+    /// Index of the current or next pass.
     pub(crate) pass: u32,
     /// Samples of a pixel that took all previous passes.
     pub(crate) taken: u32,
@@ -152,7 +152,7 @@ pub(crate) enum RefineStage {
 }
 
 impl RefineStage {
-    /// Seed number of a pass.
+    /// Pass index that enters the seed.
     pub(crate) const fn seed_of(&self, pass: u32) -> u32 {
         match self {
             Self::Everywhere | Self::Decide(_) => pass,

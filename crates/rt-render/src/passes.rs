@@ -36,7 +36,7 @@ pub(crate) fn pass_seed(seed: u64, pass: u32) -> u64 {
 /// Samples of a tile in one work item.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassSpec<'a> {
-    /// Number of the first pass.
+    /// Index of the first pass.
     pub(crate) first: u32,
     /// Number of passes, at least 1.
     pub(crate) count: u32,

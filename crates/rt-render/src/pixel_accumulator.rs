@@ -43,7 +43,7 @@ impl PixelAccumulator {
     }
 }
 
-/// True for what a film can record: no NaN, nothing negative, nothing beyond the range of `f32`.
+/// True for radiance that a film can record: not NaN, not negative, and within the range of `f32`.
 fn is_radiance(rgb: Rgb) -> bool {
     rgb.to_array().iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c))
 }
@@ -62,7 +62,7 @@ struct FilterLobe {
 }
 
 impl FilterLobe {
-    /// Adds a sample; `None` shows nothing.
+    /// Adds a sample; `None` for one without coverage.
     #[inline]
     fn add(&mut self, radiance: Option<Rgb>, magnitude: f64) {
         self.count += 1.0;

@@ -14,8 +14,8 @@ pub struct PlanOptions {
     pub crop: Option<Crop>,
     /// Leave the background out and record coverage in an alpha channel.
     pub transparent: bool,
-    /// Radiance of camera rays that leave the scene, in place of its background. The background still lights the scene. Geometry
-    /// and cost integrators ignore it.
+    /// Radiance of camera rays that hit nothing, instead of its background. The background still lights the scene.
+    /// Geometry and cost integrators ignore it.
     pub backdrop: Option<Rgb>,
     /// Do not trim the plan. The image is bit-identical, as tests verify.
     pub full: bool,

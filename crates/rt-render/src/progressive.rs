@@ -35,7 +35,7 @@ pub(crate) struct Progressive<'p, O> {
     pub(crate) started: Instant,
     /// Time of earlier runs.
     pub(crate) spent: Duration,
-    /// Numbers of the tiles to render.
+    /// Indices of the tiles to render.
     pub(crate) tiles: Vec<usize>,
     pub(crate) state: PassState,
     /// Forecast of the total number of samples, with a target error.

@@ -1,7 +1,7 @@
 //! Render space: world space translated so that the scene is near the origin.
 //!
 //! Near 10⁶, neighbouring `f64` numbers are 10⁻¹⁰ apart. Intersection tests subtract coordinates first and do not lose accuracy.
-//! Stored hit points do lose accuracy, and so does everything computed from them, such as the origins of reflected rays.
+//! Stored hit points lose accuracy, and so do values computed from them, such as the origins of reflected rays.
 //!
 //! A scene that is small compared with its distance from the origin is therefore rendered relative to one of its points. The
 //! point has few digits, so that its subtraction is exact.

@@ -45,13 +45,13 @@ impl<'p> TileScheduler<'p> {
         self.pool.current_num_threads()
     }
 
-    /// Tiles of the plan, by number.
+    /// Tiles of the plan, by index.
     pub(crate) fn tiles(&self) -> &[Tile] {
         &self.tiles
     }
 
-    /// Renders tiles, by number, skipping those without sampled pixels. `finished` receives the results in any order, on this
-    /// thread, while other tiles are rendered.
+    /// Renders tiles, by index, skipping those without sampled pixels. `finished` receives the results in any order, on
+    /// this thread, while other tiles are rendered.
     pub(crate) fn render_tiles(
         &self,
         pass_spec: &PassSpec<'_>,

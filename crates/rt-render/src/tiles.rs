@@ -50,7 +50,7 @@ pub(crate) const fn tile_count(crop: Crop) -> usize {
     crop.width.div_ceil(SIDE) as usize * crop.height.div_ceil(SIDE) as usize
 }
 
-/// Number of a tile of a crop.
+/// Index of a tile of a crop.
 pub(crate) const fn tile_number(crop: Crop, tile: Tile) -> usize {
     ((tile.y - crop.y) / SIDE) as usize * crop.width.div_ceil(SIDE) as usize + ((tile.x - crop.x) / SIDE) as usize
 }

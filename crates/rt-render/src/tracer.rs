@@ -7,7 +7,7 @@ use rt_shading::{SurfaceHit, Tracer};
 
 use crate::{frustum_cull::PrimaryTarget, world::ShadedPrimitives};
 
-/// Probe of an accelerator that counts either everything or nothing. Ray counts are always kept, outside of the probe.
+/// Probe of an accelerator that counts all work or none. Ray counts are always kept, outside of the probe.
 pub(crate) trait StatsProbe: Probe + Default + Send {
     /// Counters of the probe, with the given ray counts.
     fn counters(&self, rays: RayCounts) -> Counters;

@@ -18,14 +18,14 @@ pub(crate) fn build_mesh(
         (repairs.bad_normals, "normals that are zero or not finite were replaced by those of a triangle"),
         (repairs.bad_uvs, "texture coordinates that are not finite were set to zero"),
         (repairs.bad_colors, "vertex colours that are negative or not finite were set to white"),
-        (repairs.bad_tangents, "tangents that are zero or not finite are passed over"),
+        (repairs.bad_tangents, "tangents that are zero or not finite were ignored"),
     ];
     let mut warn = |message| warnings.push(Warning { place: place.to_owned(), message });
     for (count, what) in counted.into_iter().filter(|(count, _)| *count > 0) {
         warn(format!("{count} {what} (of {total} triangles in all)"));
     }
     if mesh.data().triangles.is_empty() {
-        warn("no triangle is left; the mesh is left out".to_owned());
+        warn("no triangles are left; the mesh is left out".to_owned());
         return Ok(None);
     }
     Ok(Some(mesh))

@@ -21,7 +21,7 @@ pub struct Converted {
     pub notes: Vec<String>,
 }
 
-/// Text of a scene file that stands for `input`. The extension of `output`, `.ron` or `.json`, selects the format.
+/// Text of a scene file with the content of `input`. The extension of `output`, `.ron` or `.json`, selects the format.
 ///
 /// A model becomes a scene that refers to it, with camera, lights, film, settings and materials written out. It renders to the
 /// same image as the model. A scene is written anew in canonical form; comments are lost. References to files are rewritten for
@@ -61,7 +61,7 @@ fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<S
     let left = write_materials(&mut file, &scene);
     let mut notes = scene.notes;
     if !left.is_empty() {
-        notes.push(format!("{} in the model: scene files cannot describe what makes them up.", list(&left)));
+        notes.push(format!("{} in the model: scene files do not support all their properties.", list(&left)));
     }
     Ok((file, notes, scene.warnings))
 }

@@ -54,7 +54,7 @@ pub(crate) fn scene_for_model(
     };
     if let (Some(reason), None) = (reason, options.integrator) {
         file.settings.integrator = Some(format::Integrator::Path);
-        notes.push(format!("The integrator is `path`, as the model's {reason}."));
+        notes.push(format!("The integrator is `path`, because the model's {reason}."));
     }
     let is_sampled = match options.integrator {
         Some(integrator) => reason.is_some() && integrator.follows_light() && integrator.is_stochastic(),
@@ -74,7 +74,7 @@ pub(crate) fn scene_for_model(
     (file, notes)
 }
 
-/// True if the box around a model matters to what is chosen for it.
+/// True if the defaults of a model depend on its bounds.
 pub(crate) const fn needs_bounds(model: &Model, options: &LoadOptions) -> bool {
     options.ground || (model.is_photometric && !model.lights.is_empty())
 }
@@ -93,11 +93,13 @@ fn expose(file: &mut SceneFile, illuminance: f64, has_radiance: bool) -> String 
     file.film.tone = format::Tone::Aces;
     if !is_usable {
         let exposure = file.film.exposure;
-        return format!("The model's lights do not reach it; the exposure is {exposure}, with a filmic tone curve.");
+        return format!(
+            "The lights of the model do not illuminate it; the exposure is {exposure}, with a filmic tone curve."
+        );
     }
     let illuminance = rounded(illuminance, illuminance.max(1.0));
     format!(
-        "The model's lights give about {illuminance} lx; exposure {} and a filmic tone curve make that bright.",
+        "The model's lights give about {illuminance} lx; exposure {} and a filmic tone curve adapt the image to it.",
         file.film.exposure
     )
 }

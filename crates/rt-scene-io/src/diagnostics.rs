@@ -41,7 +41,7 @@ impl Diagnostics {
         }
     }
 
-    /// The warnings, or everything that is wrong.
+    /// The warnings, or all errors.
     pub(crate) fn finish(mut self) -> Result<Vec<Warning>, LoadError> {
         if self.not_shown > 0 {
             let kind = LoadErrorKind::More(self.not_shown);

@@ -20,7 +20,7 @@ pub fn read_environment(
     options: &LoadOptions,
 ) -> Result<EnvironmentLight, LoadErrorKind> {
     let Bitmap { width, height, pixels, .. } = read_texture(path, options)?;
-    let what = format_args!("the image {} around the scene", path.display());
+    let what = format_args!("the environment image {}", path.display());
     options.memory.keep(what, EnvironmentLight::memory_of(width as usize, height as usize) as u64)?;
     let radiance = pixels.iter().map(|pixel| Rgb::from(pixel.map(f64::from)) * scale).collect();
     let (sin, cos) = sincos(0.5 * rotation);

@@ -20,7 +20,7 @@ pub struct LoadError {
     diagnostics: Vec<Diagnostic>,
 }
 
-/// One thing that is wrong, and where.
+/// One error and its location.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}", SingleLine(format_args!("{file}{location}: {kind}")), excerpt.as_ref().map_or_else(String::new, |excerpt| format!("\n{excerpt}")))]
 pub struct Diagnostic {
@@ -57,13 +57,13 @@ pub enum LoadErrorKind {
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
     /// A folder, a pipe or a device.
-    #[error("is not a regular file")]
+    #[error("is not a regular file; give the path of a file")]
     NotAFile,
     /// A file without content.
-    #[error("is empty")]
+    #[error("is empty (0 bytes)")]
     Empty,
     /// More than a limit allows.
-    #[error("{what} is {value}, the limit is {limit}")]
+    #[error("{what} is {value}, above the limit of {limit}")]
     TooLarge {
         /// Name of the quantity, with its unit.
         what: &'static str,
@@ -79,7 +79,7 @@ pub enum LoadErrorKind {
     #[error("is text in {0}: save it as UTF-8")]
     OtherEncoding(&'static str),
     /// Bytes that are not text.
-    #[error("is not UTF-8 text: the byte at offset {0} is invalid")]
+    #[error("is not UTF-8 text: the byte at offset {0} is invalid; save it as UTF-8")]
     NotUtf8(usize),
     /// Unknown file extension, or a format that is not compiled in.
     #[error("has no known extension (known are {known}); rename it, or convert it with another program")]
@@ -95,7 +95,7 @@ pub enum LoadErrorKind {
         /// Reason for the refusal.
         rule: String,
     },
-    /// A reference to a file that is not there.
+    /// A reference to a missing file.
     #[error("`{reference}` does not exist (looked for {})", looked_for.display())]
     MissingReference {
         /// The reference as written.
@@ -116,7 +116,7 @@ pub enum LoadErrorKind {
         /// The words that exist.
         known: Vec<String>,
     },
-    /// Two things of the same name.
+    /// Two entries of the same name.
     #[error("there are two {kind}s named `{name}`; rename one of them")]
     Duplicate {
         /// "material", "camera", ...
@@ -136,7 +136,7 @@ pub enum LoadErrorKind {
     #[error("groups contain each other: {}; remove one of the instances", .0.join(" -> "))]
     Cycle(Vec<String>),
     /// Errors beyond the number that is shown.
-    #[error("{0} more errors; fix these first")]
+    #[error("{0} more errors are not listed; fix these first")]
     More(usize),
     /// Something valid that this program does not do.
     #[error("{0} is not supported")]

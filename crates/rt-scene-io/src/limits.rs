@@ -10,7 +10,7 @@ use bytesize::ByteSize;
 /// Value of a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
-    /// A number of things.
+    /// A count.
     Count(u64),
     /// Bytes.
     Bytes(u64),
@@ -80,7 +80,7 @@ limits! {
     PBRT_NODES: usize = 1 << 18, Count "shapes, with expanded instances" of ".pbrt";
     /// Attributes of instances need no bytes in the file, and each instance becomes a node.
     GLTF_INSTANCES: u64 = 1 << 21, Count "instances of EXT_mesh_gpu_instancing" of ".gltf, .glb";
-    /// An accessor without a buffer holds zeros, which cost nothing in the file.
+    /// An accessor without a buffer holds zeros, which take no bytes in the file.
     GLTF_ZEROS: usize = 1 << 22, Count "elements of an accessor without a buffer" of ".gltf, .glb";
     /// Compressed views expand, and several may share the same bytes.
     GLTF_DECODED_BYTES: u64 = 1 << 32, Bytes "size of all decoded views of a model" of ".gltf, .glb";
@@ -92,13 +92,13 @@ limits! {
     GLTF_MESH_BYTES: u64 = 1 << 32, Bytes "size of all meshes of a model" of ".gltf, .glb";
     /// Cutting a polygon into triangles takes time with the square of its corners.
     FACE_CORNERS: usize = rt_geometry::MeshData::MAX_CORNERS, Count "corners of a face" of "every mesh";
-    /// Crossings of edges are looked for between all pairs of them; larger faces are taken as they are.
+    /// All pairs of edges are tested for crossings; larger faces are not tested.
     CROSSING_CORNERS: usize = 512, Count "corners of a face tested for crossing edges" of ".obj";
     /// Smoothing across creases compares all pairs of faces around a corner; beyond, corners are smooth all around.
     CREASED_FACES: usize = 256, Count "faces at a vertex tested for creases" of ".obj";
     /// Textures are decoded to three numbers of 32 bits for each pixel.
     TEXTURE_PIXELS: u64 = 1 << 28, Count "pixels of a texture" of "every texture";
-    /// A header of some bytes can claim more than any memory holds.
+    /// A header of a few bytes can declare more than fits in memory.
     TEXTURE_BYTES: u64 = 1 << 30, Bytes "size of a decoded texture" of "every texture";
     /// Each image is within its limit, and there may be many.
     MODEL_TEXTURE_BYTES: u64 = 1 << 32, Bytes "size of all textures of a model" of ".gltf, .glb, .obj, .pbrt";
@@ -107,13 +107,13 @@ limits! {
     TEXTURE_EXPANSION: u64 = 4096, Count "decoded bytes per byte of a texture file" of "every texture but .png";
     /// The densest that the data of a PNG can be (Deutsch, RFC 1951: 258 bytes in two bits).
     PNG_EXPANSION: u64 = 1032, Count "decompressed bytes per byte of a texture file" of ".png";
-    /// A film of so many takes four gigabytes with coverage, and no screen or printer shows more.
+    /// A film of this size takes four gigabytes with coverage, and no screen or printer has more pixels.
     FILM_PIXELS: u64 = rt_image::Image::MAX_PIXELS, Count "pixels of the image" of "every scene and model";
     /// Numbers of samples have 32 bits.
     SAMPLES: u64 = 1 << 31, Count "samples per pixel" of ".ron, .json";
     /// Each pass has a fixed cost, and more passes do not improve the error estimate.
     PASSES: u64 = 1 << 16, Count "passes over the image" of ".ron, .json";
-    /// The light that remains after so many bounces is below the precision of an image.
+    /// The throughput after this number of bounces is below the precision of an image.
     RAY_DEPTH: u64 = 10_000, Count "bounces of a ray" of ".ron, .json";
     /// The filter reaches three times as far around each pixel.
     FILTER_SIGMA: f64 = 100.0, Quantity "width of a Gaussian filter in pixels" of ".ron, .json";

@@ -12,7 +12,7 @@ use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, load_model, read_text}
 
 /// Loads a scene (`.ron`, `.json`) or a bare model (`.obj`, `.gltf`, `.glb`, `.nff`, `.pbrt`, `.ply`, `.stl`).
 ///
-/// Fields that the file leaves open are filled in and listed in [`Scene::notes`]. These are a camera that sees everything, key
+/// Missing fields are filled in and listed in [`Scene::notes`]. These are a camera that shows the whole scene, key
 /// and fill light, and an exposure for the lights of a model. With `options.ground` there is a ground plane.
 ///
 /// # Errors

@@ -42,13 +42,13 @@ pub struct LoadOptions {
     pub root: Option<PathBuf>,
     /// Puts a ground plane under a bare model.
     pub ground: bool,
-    /// Width and height of the image in place of the file's. The default camera depends on their ratio.
+    /// Width and height of the image; override those of the file. The default camera depends on their ratio.
     pub size: Option<[u32; 2]>,
     /// Condition for adding studio lights.
     pub studio_lights: StudioLights,
-    /// Integrator of the caller, in place of the scene's. Other defaults depend on it.
+    /// Integrator of the caller; overrides that of the scene. Other defaults depend on it.
     pub integrator: Option<Integrator>,
-    /// Background of the caller, in place of the scene's. Studio lights and exposure depend on it.
+    /// Background of the caller; overrides that of the scene. Studio lights and exposure depend on it.
     pub background: Option<Rgb>,
     /// True if the caller adds an environment image. Studio lights, exposure and integrator depend on it.
     pub has_environment: bool,
@@ -57,7 +57,7 @@ pub struct LoadOptions {
     pub at_time: Option<f64>,
     /// Seconds between two frames of an animation; 1/24 by default. Camera shutters are open for a part of it.
     pub frame_time: Option<f64>,
-    /// Times at which all shutters open and close, from 0 to 1, in place of the scene's.
+    /// Times at which all shutters open and close, from 0 to 1; override those of the scene.
     pub shutter: Option<[f64; 2]>,
     /// Animation that poses a model: name, index, or `all`; by default the first. Used with [`at_time`](Self::at_time) only.
     pub animation: Option<String>,
@@ -112,7 +112,7 @@ impl AnimationEnd {
 pub struct ReferencedFiles(Arc<Mutex<BTreeSet<PathBuf>>>);
 
 impl ReferencedFiles {
-    /// The files met so far: canonical paths, sorted.
+    /// Files read so far: canonical paths, sorted.
     pub fn paths(&self) -> Vec<PathBuf> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).iter().cloned().collect()
     }

@@ -1,4 +1,4 @@
-//! Resolved scene: plain data without paths or names to look up.
+//! Resolved scene: plain data without unresolved paths or names.
 
 #[cfg(feature = "format")]
 use std::collections::BTreeSet;
@@ -45,12 +45,12 @@ macro_rules! names {
 }
 
 names! {
-    Integrator, 10: Whitted "whitted" Distributed "distributed" Path "path" Caustics "caustics" Direct "direct"
+    Integrator, 10: Whitted "whitted" Distributed "distributed" Path "path" Caustics "path-caustics" Direct "direct"
         AmbientOcclusion "ambient-occlusion" Normals "normals" Depth "depth" Uv "uv" Cost "cost"
 }
 names! {
-    Accel, 11: Auto "auto" Linear "linear" Grid "grid" Bvh "bvh" Wide "wide" Spheres "spheres" Cylinders "cylinders" Kd "kd"
-        Bsp "bsp" Bih "bih" BihLazy "bih-lazy"
+    Accel, 11: Auto "auto" Linear "linear" Grid "grid" Bvh "bvh" Wide "bvh8" Spheres "sphere-tree" Cylinders "cylinder-tree"
+        Kd "kd" Bsp "bsp" Bih "bih" BihLazy "bih-lazy"
 }
 
 /// Method by which light is computed.
@@ -66,6 +66,7 @@ pub enum Integrator {
     /// Path tracing: all light (Kajiya 1986).
     Path,
     /// Path tracing, with light tracing for caustics (Arvo 1986).
+    #[cfg_attr(feature = "format", serde(rename = "path_caustics", alias = "caustics"))]
     Caustics,
     /// Emission and direct light.
     Direct,
@@ -123,10 +124,13 @@ pub enum Accel {
     /// Binary bounding volume hierarchy.
     Bvh,
     /// Bounding volume hierarchy with eight children per node.
+    #[cfg_attr(feature = "format", serde(rename = "bvh8", alias = "wide"))]
     Wide,
     /// Tree of bounding spheres.
+    #[cfg_attr(feature = "format", serde(rename = "sphere_tree", alias = "spheres"))]
     Spheres,
     /// Tree of bounding cylinders.
+    #[cfg_attr(feature = "format", serde(rename = "cylinder_tree", alias = "cylinders"))]
     Cylinders,
     /// k-d tree.
     Kd,

@@ -51,14 +51,14 @@ fn split(data: &mut MeshData, vertex: u32, tangent: [f32; 4]) -> u32 {
     copy
 }
 
-/// Appends a copy of an element, if the list is there.
+/// Appends a copy of an element, if there is a list.
 fn again<T: Copy>(list: &mut Vec<T>, element: u32) {
     if let Some(&value) = list.get(element as usize) {
         list.push(value);
     }
 }
 
-/// A mesh as the algorithm looks at it: corner by corner.
+/// View of a mesh for the algorithm: corner by corner.
 struct Corners<'a> {
     data: &'a MeshData,
     uvs: &'a [[f32; 2]],

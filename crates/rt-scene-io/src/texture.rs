@@ -33,7 +33,7 @@ pub fn decode_numbers(bytes: &[u8]) -> Result<Bitmap, TextureError> {
 pub(crate) enum PixelEncoding {
     /// Colours: integers are encoded as sRGB.
     Colors,
-    /// Numbers as they are.
+    /// Numbers without conversion.
     Numbers,
 }
 
@@ -95,7 +95,7 @@ fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
 }
 
 impl OpenedImage<'_> {
-    /// Peak memory of decoding: the pixels as they are in the file, those of three channels, and the linear ones with alpha.
+    /// Peak memory of decoding: the pixels of the file, those of three channels, and the linear ones with alpha.
     fn peak_bytes(&self) -> u64 {
         let (width, height) = self.decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);

@@ -13,7 +13,7 @@ use rt_math::{Frame, Interval, Ray, Rgb, Sampler};
 /// model", 1998.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmbientOcclusion {
-    /// Surfaces farther away than this, in world units, hide nothing; infinite for all.
+    /// Maximum distance of occluders in world units; infinite for no limit.
     pub reach: f64,
 }
 

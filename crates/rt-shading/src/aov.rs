@@ -1,10 +1,10 @@
-//! Views of the first surface: to look at geometry rather than light.
+//! Views of the first surface: properties of its geometry.
 
 use crate::{Seen, SurfaceHit, Tracer};
 use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
-/// Shows a property of the first surface that a camera ray meets; black where there is none.
+/// Shows a property of the first surface that a camera ray hits; black for a miss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AovIntegrator {
     /// The shading normal in world space, as (n + 1) / 2.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// Radiance of rays that hit nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Background {
-    /// The same radiance everywhere.
+    /// Constant radiance.
     Constant(Rgb),
     /// Linear in the y component of the unit direction.
     Gradient {
@@ -56,7 +56,7 @@ pub struct Appearance {
 }
 
 impl Default for Appearance {
-    /// Nothing, in front of a black background.
+    /// No materials and lights, and a black background.
     fn default() -> Self {
         Self {
             materials: Vec::new(),

@@ -7,7 +7,7 @@ use rt_math::Rgb;
 /// A coefficient of a material, constant or textured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColorTexture {
-    /// The same colour everywhere.
+    /// Constant colour.
     Constant(Rgb),
     /// A texture, multiplied by a colour.
     Textured(TextureId, Rgb),

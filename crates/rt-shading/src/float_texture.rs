@@ -19,7 +19,7 @@ pub enum Channel {
 /// A parameter of a material, constant or textured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FloatTexture {
-    /// The same number everywhere.
+    /// Constant number.
     Constant(f64),
     /// A channel of a texture, multiplied by a factor.
     Textured {

@@ -57,8 +57,8 @@ pub struct LightTracingScene<'a> {
 /// ```
 ///
 /// [`Transport::NonCaustic`](crate::Transport::NonCaustic) omits exactly these paths: the sum of the two is all light. Camera paths
-/// find the light of environments and of emissive surfaces that are not sampled. They also find all light that the camera sees in
-/// a mirror or through glass. Caustics of delta lights are found here alone.
+/// find the light of environments and of emissive surfaces that are not sampled. They also find all light that reaches the camera
+/// by specular surfaces. Only light tracing finds caustics of delta lights.
 ///
 /// A contribution is the power of the path over the number of paths, times f and the camera's importance. The arguments of f are
 /// swapped against radiance. Interpolated normals need the correction (Veach 1997, 5.3.2)

@@ -132,7 +132,7 @@ impl MaterialModel {
 
     /// True if a lobe may be a delta distribution.
     ///
-    /// Rough dielectrics count: between media of nearly equal indices of refraction they hardly scatter.
+    /// Rough dielectrics count: between media of nearly equal indices of refraction they scatter almost no light.
     pub fn may_be_delta(&self) -> bool {
         match self {
             Self::Phong(phong) => phong.transmission.is_some() || !phong.mirror.is_zero(),

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Both densities are per unit solid angle. The weights of a direction sum to 1. Delta lights and specular lobes are found by
-//! one technique alone; their weight is 1.
+//! one technique only; their weight is 1.
 
 /// MIS weight by the power heuristic with exponent 2, of a direction sampled with density `pdf`; `other_pdf` is the density of
 /// the other technique.

@@ -32,7 +32,7 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Everything, needed or not.
+    /// All features, needed or not.
     pub const ALL: Self = Self {
         shadows: true,
         ambient: true,

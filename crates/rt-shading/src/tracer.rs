@@ -11,7 +11,7 @@ pub struct SurfaceHit {
     pub t: f64,
     /// The surface, in world space.
     pub interaction: SurfaceInteraction,
-    /// Number of the object that the surface belongs to, to tell bodies apart that a ray is inside of.
+    /// Index of the object that the surface belongs to; identifies the dielectrics that a ray is inside of.
     pub object: u32,
     /// Index into [`Appearance::materials`](crate::Appearance::materials).
     pub material: u32,
@@ -35,14 +35,14 @@ impl SurfaceHit {
 
 /// The world of an integrator: it answers ray queries and counts them.
 pub trait Tracer {
-    /// The first surface along the ray within `span`, with what is needed of it; `None` if there is none. The ray counts
+    /// Closest surface along the ray within `span`, with the needed data; `None` for a miss. The ray counts
     /// as one of its `kind`.
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit>;
 
     /// True if something that casts shadows lies on the ray within `span`.
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool;
 
-    /// [`closest`](Self::closest) for many rays of one kind: calls `met` with the place of each ray and what it met, in
+    /// [`closest`](Self::closest) for many rays of one kind: calls `met` with the index of each ray and its hit, in
     /// their order. Override it where many are faster together.
     fn closest_batch(
         &mut self,

@@ -13,7 +13,7 @@ use rt_math::{DVec3, Frame};
 /// the rounding of 1, so that the direction with the raised cosine is still a unit vector.
 const MIN_COSINE: f64 = 1e-8;
 
-/// A surface as the ray that met it sees it.
+/// Surface at a hit, relative to the ray.
 pub(crate) struct ViewedSurface<'s> {
     /// The surface, to start rays from. Its shading normal is the one that is shaded with.
     pub(crate) surface: &'s SurfaceInteraction,
@@ -21,9 +21,9 @@ pub(crate) struct ViewedSurface<'s> {
     pub(crate) is_inside: bool,
     /// Unit direction of the ray.
     pub(crate) direction: DVec3,
-    /// Unit shading normal, turned to the viewer's side of the surface.
+    /// Unit shading normal on the viewer's side of the surface.
     pub(crate) normal: DVec3,
-    /// Unit geometric normal, turned against the ray.
+    /// Unit geometric normal that faces the origin of the ray.
     geometric_normal: DVec3,
 }
 
@@ -68,13 +68,13 @@ impl<'s> ViewedSurface<'s> {
         (frame, wo)
     }
 
-    /// True if the direction leads to the side of the actual surface that light of this kind goes to.
+    /// True if the direction is on the side of the geometric surface that light of this kind leaves to.
     #[inline]
     pub(crate) fn is_on_side_of(&self, kind: Scattering, wi: DVec3) -> bool {
         wi.dot(self.side_of(kind)) > 0.0
     }
 
-    /// The direction in which a camera path goes on, where a BSDF has sampled `wi` (world space).
+    /// Direction of the next ray of a camera path, for a BSDF sample `wi` (world space).
     ///
     /// `None` if an interpolated normal has sent it to the wrong side of the actual surface. With `keeps_single`, the one
     /// direction of a specular BSDF is kept on its side, as [`mirrored`](Self::mirrored) and [`refracted`](Self::refracted) keep it.
@@ -86,7 +86,7 @@ impl<'s> ViewedSurface<'s> {
         (sample.is_delta && keeps_single).then(|| Self::kept_on_the_side_of(self.side_of(sample.kind), wi))
     }
 
-    /// Unit geometric normal of the side that light of this kind goes to.
+    /// Unit geometric normal of the side that light of this kind leaves to.
     #[inline(always)]
     fn side_of(&self, kind: Scattering) -> DVec3 {
         match kind {

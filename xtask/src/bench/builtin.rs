@@ -50,8 +50,7 @@ fn page(tables: &str, rays: u32, reps: u32, provenance: &str) -> String {
          Written by `cargo xtask bench --write --rays {rays} --reps {reps}` on {provenance}. Times vary with the machine and \
          its load: compare the ratios in brackets. Rays are traced on one thread and timed by its CPU clock; the accelerators \
          alternate. Trees are built on all threads and timed by wall clock. Each time is the minimum of all \
-         measurements. All accelerators give bit-identical results on every ray of a table. The columns `wide`, \
-         `spheres` and `cylinders` are `bvh8`, `sphere-tree` and `cylinder-tree` of `rt-cli`.\n\n\
+         measurements. All accelerators give bit-identical results on every ray of a table.\n\n\
          * `mound`: the report's heap of overlapping spheres of similar size.\n\
          * `balls`: spheres on spheres, after Haines, \"A Proposal for Standard Graphics Environments\", 1987.\n\
          * `rock`: a closed mesh of small triangles.\n\n\

@@ -12,7 +12,7 @@ pub(super) fn of(costs: &Costs) -> Vec<String> {
     claims.into_iter().filter_map(|claim| claim(costs)).collect()
 }
 
-const TREES: [&str; 8] = ["bvh", "wide", "spheres", "cylinders", "kd", "bsp", "bih", "bih-lazy"];
+const TREES: [&str; 8] = ["bvh", "bvh8", "sphere-tree", "cylinder-tree", "kd", "bsp", "bih", "bih-lazy"];
 
 impl Costs {
     /// An accelerator on the largest scene of a name.
@@ -149,7 +149,7 @@ fn fewest(costs: &Costs) -> Option<String> {
     let holds = nodes.iter().filter(|(_, structure)| *structure == "kd").count();
     Some(format!(
         "**The kd-tree visits the fewest nodes of all trees** (the lecture). Fewest nodes visited: {}. Fewest primitives \
-         tested: {}. The claim {}. A visit of a node of `wide` tests eight boxes, of `bvh` two boxes, and of `kd` one \
+         tested: {}. The claim {}. A visit of a node of `bvh8` tests eight boxes, of `bvh` two boxes, and of `kd` one \
          plane.",
         list(&nodes),
         list(&tests),
@@ -165,13 +165,13 @@ fn ratios(costs: &Costs, a: &str, b: &str, cost: fn(&Figure) -> f64) -> Option<S
 
 fn loose(costs: &Costs) -> Option<String> {
     let against = |structure| ratios(costs, structure, "bvh", Figure::work);
-    let pairs = [costs.pairs("spheres", "bvh"), costs.pairs("cylinders", "bvh")].concat();
+    let pairs = [costs.pairs("sphere-tree", "bvh"), costs.pairs("cylinder-tree", "bvh")].concat();
     let holds = pairs.iter().filter(|(volume, bvh)| volume.work() > bvh.work()).count();
     Some(format!(
-        "**Boxes fit better than spheres and cylinders** (the lecture). In `spheres` a ray takes {} times the nodes and \
-         tests of `bvh`, in `cylinders` {} times. Boxes need less work in {holds} of {} comparisons.",
-        against("spheres")?,
-        against("cylinders")?,
+        "**Boxes fit better than spheres and cylinders** (the lecture). In `sphere-tree` a ray takes {} times the nodes and \
+         tests of `bvh`, in `cylinder-tree` {} times. Boxes need less work in {holds} of {} comparisons.",
+        against("sphere-tree")?,
+        against("cylinder-tree")?,
         pairs.len()
     ))
 }

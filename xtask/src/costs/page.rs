@@ -24,8 +24,7 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display, provenanc
          Written by `{command}` on {provenance}. Nodes, tests and bytes are equal in every run and on every machine. Times \
          vary with the machine and its load: compare their ratios only. Rays are traced on one thread, trees are built \
          on all. All accelerators gave bit-identical results on every counted ray. Where rays are very \
-         expensive, fewer of them are traced. The columns `wide`, `spheres` and `cylinders` are `bvh8`, `sphere-tree` and \
-         `cylinder-tree` of `rt-cli`.\n\n\
+         expensive, fewer of them are traced.\n\n\
          * `mound`: the report's heap of overlapping spheres of similar size, in a half sphere.\n\
          * `balls`, `tree`, `gears`: after Haines, \"A Proposal for Standard Graphics Environments\", 1987. Spheres on \
            spheres; frusta and spheres that fork; gear wheels of thin triangles.\n\

@@ -86,6 +86,6 @@ fn fragment(name: &str, parts: &[u8], costs: &[u8]) -> String {
         )
     };
     let [parts, costs] =
-        [image(&format!("What {name} is made of"), parts), image(&format!("What a ray costs in {name}"), costs)];
+        [image(&format!("Cells or bounds of {name}"), parts), image(&format!("Cost per ray in {name}"), costs)];
     format!("<p>\n{parts}{costs}</p>\n")
 }

@@ -20,7 +20,7 @@ use crate::{error::TaskError, workspace::Workspace};
 
 /// Integrators and debug views, without the cost view, which depends on the accelerator.
 const INTEGRATORS: [&str; 9] =
-    ["whitted", "distributed", "path", "caustics", "direct", "ambient-occlusion", "normals", "depth", "uv"];
+    ["whitted", "distributed", "path", "path-caustics", "direct", "ambient-occlusion", "normals", "depth", "uv"];
 /// Integrators per scene without `--full`.
 const INTEGRATORS_AT_A_TIME: usize = 3;
 

@@ -79,7 +79,7 @@ pub(super) const BANNED: [Banned; 72] = [
     ("beside", "compared with, next to", Scope::Everywhere),
     ("mend", "fix", Scope::Everywhere),
     ("mends", "fixes", Scope::Everywhere),
-    ("mended", "fixed", Scope::Everywhere),
+    ("load-warning", "fixed", Scope::Everywhere),
     ("flaw", "error", Scope::Everywhere),
     ("flaws", "errors", Scope::Everywhere),
     ("complaint", "error, warning", Scope::Everywhere),

@@ -65,13 +65,13 @@ def render(
     ----------
     scene : str or path, Scene, TriangleMesh or Spheres
         A file: a scene in ``.ron`` or ``.json``, or a model in glTF, OBJ, PLY, STL, NFF or pbrt format. Or geometry, which
-        is gray, stands in studio light, and has its vertices rounded to single precision.
+        is gray, lit by studio lights, and has its vertices rounded to single precision.
     spp : int, optional
         Samples per pixel, by default those of the scene. With `time` or `target_error`, the largest number.
     size : tuple of int, optional
         Width and height.
     look_from, look_at : array_like, optional
-        Position of the camera and the point that it looks at, for geometry; by default where it sees everything.
+        Position of the camera and its target, for geometry; by default the whole object is shown.
     fov : float, optional
         Vertical opening angle of the camera in degrees, for geometry.
     seed : int, optional

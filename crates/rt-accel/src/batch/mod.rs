@@ -62,7 +62,7 @@ impl<'a> RayBatch<'a> {
         Ok(Self { origins, directions, t_min: Scalars::Same(0.0), t_max: Scalars::Same(f64::INFINITY), len })
     }
 
-    /// The same rays between these parameters, both inclusive.
+    /// These rays, limited to the parameters from `t_min` to `t_max`, both inclusive.
     ///
     /// # Errors
     ///
@@ -106,16 +106,16 @@ impl<'a> RayBatch<'a> {
 pub struct HitBatch<'a> {
     /// Ray parameters.
     pub t: &'a mut [f64],
-    /// Numbers of the primitives in their geometries.
+    /// Indices of the primitives in their geometries.
     pub primitive: &'a mut [u32],
-    /// Numbers of the instances, if wanted.
+    /// Indices of the instances, if requested.
     pub instance: Option<&'a mut [u32]>,
-    /// Barycentric weights of the second and third vertex, if wanted.
+    /// Barycentric weights of the second and third vertex, if requested.
     pub uv: Option<&'a mut [[f64; 2]]>,
 }
 
 impl HitBatch<'_> {
-    /// Number of a primitive and of an instance where nothing is hit: -1 in two's complement.
+    /// Index of the primitive and of the instance of a miss: -1 in two's complement.
     pub const MISS: u32 = u32::MAX;
 
     /// Checks that there is one entry for each ray.

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// One number for each ray, or the same for all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scalars<'a> {
-    /// The same for all rays.
+    /// One value for all rays.
     Same(f64),
     /// In single precision.
     F32(&'a [f32]),

@@ -39,7 +39,7 @@ impl Bih {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or the primitives exceed 32-bit indices.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
         let bounds = boxes.finite_union();

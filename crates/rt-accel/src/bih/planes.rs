@@ -2,12 +2,12 @@
 //!
 //! # Why the culling is conservative
 //!
-//! The left side of a node is everything below a plane, the right side everything above another one. The planes are
+//! The left side of a node is the half-space below a plane, the right side that above another one. The planes are
 //! faces of padded bounds. A side is a box that is infinite but for one face, and contains the padded bounds of all
 //! primitives in its subtree. A ray is clipped to the sides on its path one after the other, by the operations of
 //! [`Aabb::clip`], `fl(fl(b − o)·v)` and the far factor. These are monotone in `b`, and so are minimum and maximum.
 //! Hence for every finite ray, **bit for bit**: the remaining range contains that of [`Aabb::clip`] for all padded
-//! bounds below. `0 · ∞`, a ray within a plane, is NaN and no constraint, as it is there.
+//! bounds below. `0 · ∞`, a ray within a plane, is NaN and imposes no constraint, as in the slab test.
 
 use rt_math::{Aabb, FAR_FACTOR, SlabRay};
 

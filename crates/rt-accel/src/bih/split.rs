@@ -12,7 +12,7 @@ use crate::traversal::depth_allows_median_split;
 /// Maximum number of primitives in a leaf.
 pub(super) const MAX_LEAF: usize = 4;
 
-/// Maximum number of halvings of a cell that divide nothing.
+/// Maximum number of halvings of a cell that separate no primitives.
 const MOST_EMPTY_HALVES: u32 = 256;
 
 /// Reorders `items` and splits them, or returns `None` for a leaf. A pure function.

@@ -68,7 +68,7 @@ impl Bvh {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or the primitives exceed 32-bit indices.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         Self::build_with(primitives, SplitMethod::default())
     }

@@ -3,16 +3,16 @@
 //! # Why no primitive is lost
 //!
 //! A reference is the part of a primitive's box on one side of every plane that has cut it. Let a ray pass the padded
-//! bounds of a primitive, entering it at `e` as `intersect_primitive` sees it. Some reference is entered no later than
-//! `e`, by induction. The whole box is (see `node.rs`). If a plane cuts a reference that is, one of the two parts is.
-//! Take a direction in which the left part comes first. It is entered where the whole was, and left where the whole was
-//! left or at `leave(s)`, the crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it.
+//! bounds of a primitive, entering it at `e` in the sense of `intersect_primitive`. Some reference is entered no later
+//! than `e`, by induction. The whole box is (see `node.rs`). If a plane cuts a reference that is, one of the two parts
+//! is. Take a direction in which the left part comes first. It is entered where the whole was, and left where the whole
+//! was left or at `leave(s)`, the crossing of the plane, whichever is first. If `e ≤ leave(s)`, the ray passes it.
 //! Otherwise `e > leave(s) ≥ enter(s)`, so the right part is entered at `max(e, enter(s)) = e` and left where the whole
 //! was. Here `enter(s) ≤ leave(s)` because far planes are seen from an origin that is farther back, and moved outward
-//! on either side of `t` = 0. A ray along the plane meets no constraint in it, and passes at least the part that its
+//! on either side of `t` = 0. A ray along the plane is not constrained by it, and passes at least the part that its
 //! origin lies in.
 //!
-//! The parts of a primitive tile space: each has a [`SplitCell`], bounded by nothing but the planes that have cut it. So a
+//! The parts of a primitive tile space: each has a [`SplitCell`], bounded only by the planes that have cut it. So a
 //! point belongs to exactly one part, by which a search of space visits each primitive once.
 
 use core::sync::atomic::{AtomicUsize, Ordering};
@@ -35,8 +35,8 @@ const MOST_REPEATED: f64 = 0.5;
 const OVERLAP: f64 = 1e-5;
 
 /// Part of space of a reference, bounded by the planes that have cut its primitive. Half open: the lower planes belong
-/// to it. Relative to the centre of the tree. The extreme finite `f32` stand for missing planes, as not every
-/// serialisation format knows infinity.
+/// to it. Relative to the centre of the tree. The extreme finite `f32` represent missing planes, because not every
+/// serialisation format has infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SplitCell {

@@ -10,8 +10,9 @@ use super::spatial::SplitCell;
 use crate::{ValidationError, node_ref::NodeRef, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl Bvh {
-    /// Checks everything that is independent of the primitives. Each node has one parent, no leaf is too deep for the
-    /// traversal stack, and boxes contain their children. Leaves list each reference once, and all indices are valid.
+    /// Checks all invariants that do not depend on the primitives. Each node has one parent, no leaf is too deep for
+    /// the traversal stack, and boxes contain their children. Leaves list each reference once, and all indices are
+    /// valid.
     pub(super) fn check_shape(&self) -> Result<(), ValidationError> {
         let mut n_listed = 0;
         self.for_each_leaf(|leaf, _| {

@@ -42,7 +42,7 @@ impl UniformGrid {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if bounds are NaN, inverted or infinite, or 32 bits cannot number the primitives.
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or the primitives exceed 32-bit indices.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
         let count = boxes.bounded.len();
@@ -102,7 +102,7 @@ impl UniformGrid {
         self.axes.map(|axis| axis.cells)
     }
 
-    /// Checks everything that is independent of the primitives.
+    /// Checks all invariants that do not depend on the primitives.
     #[cfg(feature = "serde")]
     fn check_shape(&self) -> Result<(), ValidationError> {
         let cells = self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(u64::from(axis.cells)));

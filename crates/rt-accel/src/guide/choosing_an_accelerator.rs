@@ -14,9 +14,9 @@
 //! |---|---|---|
 //! | no idea | [`WideBvh`](crate::WideBvh) | eight boxes at a time, no bad scenes |
 //! | particles, atoms, a heap | [`UniformGrid`](crate::UniformGrid) | as fast as the best tree, a tenth of its build |
-//! | small things in a large world | [`WideBvh`](crate::WideBvh) | the grid takes 1700 times its work on *stadium* |
-//! | things that move a little | [`Bvh`](crate::Bvh) and [`Refit`](crate::Refit) | O(n), keeps the tree |
-//! | things that move at random | [`Bih`](crate::Bih) or [`UniformGrid`](crate::UniformGrid) | builds take a tenth to a fifth |
+//! | small objects in a large scene | [`WideBvh`](crate::WideBvh) | the grid takes 1700 times its work on *stadium* |
+//! | objects that move a little | [`Bvh`](crate::Bvh) and [`Refit`](crate::Refit) | O(n), keeps the tree |
+//! | objects that move at random | [`Bih`](crate::Bih) or [`UniformGrid`](crate::UniformGrid) | builds take a tenth to a fifth |
 //! | the inside of a building | [`Bvh`](crate::Bvh) or [`KdTree`](crate::KdTree) | measure both: parts of the latter never overlap |
 //! | little memory | [`Bih`](crate::Bih) | under 20 bytes per primitive |
 //! | a volume of your own | [`VolumeTree`](crate::VolumeTree) | one trait to implement |

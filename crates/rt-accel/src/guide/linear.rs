@@ -3,8 +3,8 @@
 //! **The idea** is that there is none. The right image is the reference of all others: the same cost for every ray.
 #![doc = include_str!("figures/linear.html")]
 //!
-//! **Build**: bounds are checked as in all accelerators, so that invalid input is rejected alike. Spheres are copied as
-//! four numbers of single precision each; nothing else is stored.
+//! **Build**: bounds are checked as in all accelerators, so that invalid input is rejected by all. Spheres are copied
+//! as four numbers of single precision each; no other data is stored.
 //!
 //! **Traversal**: primitive 0, 1, 2, ... The closest hit requires all tests; any-hit queries end at the first hit.
 //!
@@ -26,7 +26,7 @@
 //! # Eight rays at a time
 //!
 //! Batches test each of up to 16 primitives ([`SmallSet`](crate::wide::SmallSet)) with eight rays at a time. Lanes are
-//! `f64`, and operations are those of the exact kernel. There is nothing to prepare, and only grazing rays need another
+//! `f64`, and operations are those of the exact kernel. No data is prepared, and only grazing rays need another
 //! test. This applies to spheres and triangles with a [`BatchKernel`](crate::BatchKernel); other primitives are tested
 //! ray by ray, and accelerators among them with many rays at once.
 //!
@@ -39,7 +39,7 @@
 //!
 //! Any accelerator returns identical results if it
 //!
-//! 1. accepts hits by that rule alone,
+//! 1. accepts hits by that rule only,
 //! 2. culls a primitive only if the ray misses something that contains its padded bounds, in floating-point arithmetic,
 //! and
 //! 3. culls only what begins *strictly* after the closest hit so far, so that equal parameters are compared by index.

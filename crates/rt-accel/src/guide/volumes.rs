@@ -4,10 +4,10 @@
 //! have no orientation; cylinders are parallel to the x, y or z axis, with the smallest surface of the three.
 //!
 //! Spheres:
-#![doc = include_str!("figures/spheres.html")]
+#![doc = include_str!("figures/sphere-tree.html")]
 //!
 //! Cylinders:
-#![doc = include_str!("figures/cylinders.html")]
+#![doc = include_str!("figures/cylinder-tree.html")]
 //!
 //! In the left image, blue volumes are the two sides of the first split. Spheres extend far beyond flat contents, and
 //! overlap much. A row of objects fits into a horizontal cylinder, a heap into an upright one.

@@ -2,7 +2,7 @@
 //!
 //! **The idea**: processors compute eight numbers of single precision as fast as one. A node holds eight boxes, which
 //! one SIMD test intersects. The tree has a third of the depth, and a third of the waits for memory.
-#![doc = include_str!("figures/wide.html")]
+#![doc = include_str!("figures/bvh8.html")]
 //!
 //! In the left image, blue boxes are the children of the root. In the right image, a node counts once, although it has
 //! eight boxes.

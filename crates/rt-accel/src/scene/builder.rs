@@ -14,7 +14,7 @@ use super::refit_tree::RefitTree;
 use super::triangle_mesh::Vertices;
 use crate::wide::BuildParams;
 
-/// Number of a geometry within its [`SceneBuilder`].
+/// Index of a geometry within its [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct GeometryId(u32);
 
@@ -41,7 +41,7 @@ pub struct SceneBuilder<'a> {
     geometries: Vec<Option<Arc<Blas<'a>>>>,
     /// By number; `None` for free numbers.
     instances: Vec<Option<Instance>>,
-    /// Numbers of these.
+    /// Indices of these.
     free: BTreeSet<u32>,
     /// Meshes whose vertices have changed, so that the bounds of their instances are outdated.
     moved: BTreeSet<u32>,
@@ -75,8 +75,8 @@ impl<'a> SceneBuilder<'a> {
         Ok(GeometryId(id))
     }
 
-    /// Places a geometry as it is. Returns the number of the instance, as in [`Hit::instance`](crate::Hit::instance): the
-    /// lowest that is free.
+    /// Adds an instance of a geometry, without a transform. Returns the index of the instance, as in
+    /// [`Hit::instance`](crate::Hit::instance): the lowest that is free.
     ///
     /// # Errors
     ///
@@ -85,7 +85,8 @@ impl<'a> SceneBuilder<'a> {
         self.place_with(geometry, None)
     }
 
-    /// Places a geometry by a transform from its space to world space. Returns the number of the instance.
+    /// Adds an instance of a geometry, with a transform from its space to world space. Returns the index of the
+    /// instance.
     ///
     /// # Errors
     ///
@@ -143,7 +144,7 @@ impl<'a> SceneBuilder<'a> {
         Ok(())
     }
 
-    /// Removes an instance. The numbers of the others stay, and its own is free. Its geometry can be placed again.
+    /// Removes an instance. The indices of the others stay; its own is reused. Its geometry can have new instances.
     ///
     /// # Errors
     ///
@@ -156,8 +157,8 @@ impl<'a> SceneBuilder<'a> {
         Ok(())
     }
 
-    /// Removes a geometry that is not placed, and frees its memory unless a scene still has it. The numbers of the others
-    /// stay.
+    /// Removes a geometry without instances, and frees its memory unless a scene still uses it. The indices of the
+    /// others stay.
     ///
     /// # Errors
     ///

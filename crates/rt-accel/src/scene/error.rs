@@ -12,7 +12,7 @@ pub enum MeshError {
     VertexIndex {
         /// Index of the triangle.
         triangle: usize,
-        /// Its index of a vertex.
+        /// The invalid index of a vertex.
         index: u32,
         /// Number of vertices.
         n_vertices: usize,
@@ -22,7 +22,7 @@ pub enum MeshError {
         /// Index of the vertex.
         vertex: usize,
     },
-    /// More triangles than 32 bits can number.
+    /// More triangles than a 32-bit index can address.
     TooMany {
         /// Number of triangles.
         count: usize,
@@ -33,10 +33,10 @@ impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::VertexIndex { triangle, index, n_vertices } => {
-                write!(f, "triangle {triangle} refers to vertex {index}, but there are {n_vertices} vertices")
+                write!(f, "triangle {triangle}: vertex index {index} is out of range: there are {n_vertices} vertices")
             }
-            Self::NonFinite { vertex } => write!(f, "vertex {vertex} has a coordinate that is not finite"),
-            Self::TooMany { count } => write!(f, "{count} triangles, but at most 4294967295 can be numbered"),
+            Self::NonFinite { vertex } => write!(f, "vertex {vertex} has a NaN or infinite coordinate"),
+            Self::TooMany { count } => write!(f, "{count} triangles exceed the limit of 4294967295; split the mesh"),
         }
     }
 }
@@ -49,7 +49,7 @@ impl core::error::Error for MeshError {}
 pub enum SceneError {
     /// No accelerator can be built over a geometry.
     Geometry {
-        /// Number of the geometry, in the order in which they were added.
+        /// Index of the geometry, in the order of addition.
         geometry: u32,
         /// The reason; primitives are those of the geometry.
         source: BuildError,
@@ -58,34 +58,34 @@ pub enum SceneError {
     Instances(BuildError),
     /// An instance refers to a geometry of another builder.
     UnknownGeometry {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
     },
-    /// No instance has this number.
+    /// No instance has this index.
     UnknownInstance {
-        /// Number of the instance.
+        /// Index of the instance.
         instance: u32,
     },
     /// A transform would turn spheres into ellipsoids.
     NotUniform {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
     },
     /// A geometry without vertices was given new ones.
     NotAMesh {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
     },
     /// New vertices do not fit the triangles of a mesh.
     Vertices {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
         /// The reason.
         source: MeshError,
     },
-    /// A geometry cannot be removed while it is placed.
+    /// A geometry cannot be removed while it has instances.
     InUse {
-        /// Number of the geometry.
+        /// Index of the geometry.
         geometry: u32,
         /// The first of its instances.
         instance: u32,
@@ -97,17 +97,19 @@ impl fmt::Display for SceneError {
         match self {
             Self::Geometry { geometry, source } => write!(f, "geometry {geometry}: {source}"),
             Self::Instances(source) => write!(f, "instances: {source}"),
-            Self::UnknownGeometry { geometry } => write!(f, "geometry {geometry} is not in this scene"),
-            Self::UnknownInstance { instance } => write!(f, "instance {instance} is not in this scene"),
-            Self::NotAMesh { geometry } => write!(f, "geometry {geometry} has no vertices: it is a list of spheres"),
+            Self::UnknownGeometry { geometry } => write!(f, "geometry {geometry} does not exist in this scene"),
+            Self::UnknownInstance { instance } => write!(f, "instance {instance} does not exist in this scene"),
+            Self::NotAMesh { geometry } => {
+                write!(f, "geometry {geometry} has no vertices to replace: it is a list of spheres")
+            }
             Self::Vertices { geometry, source } => write!(f, "geometry {geometry}: {source}"),
             Self::InUse { geometry, instance } => {
-                write!(f, "geometry {geometry} is placed: remove instance {instance} first")
+                write!(f, "geometry {geometry} has instances: remove instance {instance} first")
             }
             Self::NotUniform { geometry } => {
                 write!(
                     f,
-                    "geometry {geometry}: spheres may be rotated, moved, and scaled by the same factor on all axes"
+                    "geometry {geometry}: the transform is not uniform; scale spheres by the same factor on all axes"
                 )
             }
         }

@@ -11,7 +11,7 @@ use super::geometry::Blas;
 /// A placed geometry.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
-    /// Number of the instance in hits; instances are sorted by it.
+    /// Index of the instance in hits; instances are sorted by it.
     pub(super) id: u32,
     /// Index of its geometry.
     pub(super) geometry: u32,
@@ -44,7 +44,7 @@ pub(super) struct Instances<'s, 'a> {
 }
 
 impl<'s, 'a> Instances<'s, 'a> {
-    /// All instances with their geometries, sorted by number.
+    /// All instances with their geometries, sorted by index.
     pub(super) fn iter(self) -> impl Iterator<Item = (&'s Instance, &'s Blas<'a>)> {
         (0..self.instances.len() as u32).filter_map(move |index| self.get(index))
     }

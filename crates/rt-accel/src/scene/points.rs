@@ -96,7 +96,8 @@ fn is_on_edge(hit: &Hit) -> bool {
     v.min(w).min(1.0 - v - w) <= EDGE_WEIGHT
 }
 
-/// Directions that are parallel to nothing in particular: a spiral of points on the sphere by the golden ratio.
+/// Directions that are unlikely to be parallel to an edge or face: a spiral of points on the sphere by the golden
+/// ratio.
 fn direction(attempt: u32) -> DVec3 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let fraction = (f64::from(attempt) + 0.5) * GOLDEN;

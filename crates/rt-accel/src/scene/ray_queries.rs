@@ -14,7 +14,7 @@ use crate::wide::BuildParams;
 
 /// Meshes and spheres that rays are traced against: two levels of [`WideBvh`](crate::WideBvh).
 ///
-/// In a [`Hit`], `primitive` is the number of the triangle or sphere in its geometry, and `instance` that of the placed
+/// In a [`Hit`], `primitive` is the index of the triangle or sphere in its geometry, and `instance` that of the placed
 /// geometry. Edges and vertices belong to all of their triangles. Of hits at equal `t`, the one with the lowest
 /// (instance, primitive) is the closest.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub struct Scene<'a> {
     pub(super) params: BuildParams,
     /// By [`GeometryId`](super::GeometryId); `None` for removed ones.
     pub(super) geometries: Vec<Option<Arc<Blas<'a>>>>,
-    /// Sorted by number.
+    /// Sorted by index.
     pub(super) instances: Vec<Instance>,
     /// Over the instances.
     pub(super) tree: RefitTree,

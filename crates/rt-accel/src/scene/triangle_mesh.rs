@@ -39,7 +39,7 @@ impl Vertices<'_> {
         }
     }
 
-    /// The same numbers in single precision, if it holds them all exactly.
+    /// Vertices in single precision, if it represents all of them exactly.
     fn narrowed(self) -> Self {
         let Self::F64(wide) = &self else { return self };
         let is_exact = |c: &f64| f64::from(*c as f32).to_bits() == c.to_bits();
@@ -84,9 +84,9 @@ vertices_from!(f64, F64);
 
 /// Triangles over shared vertices, borrowed or owned.
 ///
-/// Nothing is repaired: primitive `i` is triangle `i` of the caller. Triangles without area are kept and never hit.
-/// Vertices in double precision are used exactly. If single precision holds all of them, the mesh keeps them so, which
-/// is faster and gives the same hits.
+/// The mesh is not repaired: primitive `i` is triangle `i` of the caller. Triangles without area are kept and never
+/// hit. Vertices in double precision are used exactly. If single precision holds all of them, the mesh keeps them so,
+/// which is faster and gives the same hits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleMesh<'a> {
     vertices: Vertices<'a>,
@@ -140,7 +140,7 @@ impl<'a> TriangleMesh<'a> {
         })
     }
 
-    /// The same triangles over other vertices.
+    /// Mesh with the triangles of this one and other vertices.
     ///
     /// # Errors
     ///
@@ -149,7 +149,7 @@ impl<'a> TriangleMesh<'a> {
         Self::new(vertices, self.triangles.clone())
     }
 
-    /// A mesh that borrows nothing.
+    /// Mesh that owns its arrays.
     pub fn into_owned(self) -> TriangleMesh<'static> {
         TriangleMesh {
             vertices: match self.vertices {

@@ -1,4 +1,4 @@
-//! Splitting planes, and the proof that traversal along a ray misses nothing.
+//! Splitting planes, and the proof that traversal along a ray misses no hit.
 //!
 //! # Why no primitive is missed
 //!
@@ -6,7 +6,7 @@
 //! enters the primitive's padded bounds within the span. The traversal keeps an interval of the ray for every node that
 //! it visits. It **always visits a leaf that lists the primitive, with an interval that contains `E`**:
 //!
-//! * The interval of the root is that of the box around everything, which contains `E` as the slab test is monotone.
+//! * The interval of the root is that of the box around all primitives, which contains `E` as the slab test is monotone.
 //! * Let a cut split the interval `[a, b]` of a node into `[a, min(b, near_max)]` and `[max(a, far_min), b]`. If the
 //!   primitive lies on one side only, `E` is in the interval of that side. This is what [`SplitPlane::plane_hit`]
 //!   promises, and each kind of plane proves. Otherwise it lies on both sides. Then `E` is at or after `far_min` and in

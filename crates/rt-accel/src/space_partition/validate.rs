@@ -33,7 +33,7 @@ impl<C: SplitPlane> BspPartition<C> {
         Ok(())
     }
 
-    /// Checks everything that is independent of the primitives: traversals end, and all primitive indices are valid.
+    /// Checks all invariants that do not depend on the primitives: traversals end, and all primitive indices are valid.
     pub(crate) fn check(&self) -> Result<(), ValidationError> {
         check_order(&self.nodes, self.indices.len())?;
         for (number, node) in (0..).zip(&self.nodes) {

@@ -21,7 +21,7 @@ impl WideBvh {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if bounds are NaN, inverted or infinite, or if 28 bits cannot number the nodes and leaves.
+    /// [`BuildError`] if bounds are NaN, inverted or infinite, or if nodes and leaves exceed 28-bit indices.
     pub fn build<P: Primitives>(primitives: &P) -> Result<Self, BuildError> {
         Self::build_with(primitives, &BuildParams::default())
     }
@@ -53,7 +53,7 @@ impl WideBvh {
         })
     }
 
-    /// Replaces the instruction set, for tests and comparisons; builders select the best. The portable level stands in for
+    /// Replaces the instruction set, for tests and comparisons; builders select the best. The portable level replaces
     /// one that the processor does not support.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {

@@ -188,7 +188,7 @@ struct RayPool<'r, 'q, S: Simd, F, O> {
     next_ray: usize,
     /// Rays before this one are traced singly.
     packet_end: usize,
-    /// Rays before this one hit nothing but `entry_points`.
+    /// Rays before this one can hit only the subtrees of `entry_points`.
     bundle_end: usize,
     entry_points: EntryPoints,
     /// Occluder of the last packet or single ray. Interleaved rays test it but do not set it.

@@ -24,7 +24,7 @@ pub(super) fn is_coherent(rays: &[(Ray, Interval); PACKET]) -> bool {
     }
 }
 
-/// Tests coherence along the axis that `turned` puts last.
+/// Tests coherence along the last axis of `turned`.
 #[inline(always)]
 fn is_coherent_along(rays: &[(Ray, Interval); PACKET], turned: impl Fn(DVec3) -> [f64; 3]) -> bool {
     let [x, y, z] = turned(rays[0].0.direction);

@@ -19,7 +19,7 @@
 //!
 //! Far planes are the mirror image, with `s = fl32(−q·n + w)`. Boxes in front of the ray are left no earlier, and boxes
 //! behind it also have their padded bounds behind it. Rounding of `q` and of `w` is 2⁻²⁹ of `w`. Without a fused
-//! multiply-add `p·n` is rounded separately, and `w` has 2⁻²¹ in place of 2⁻²².
+//! multiply-add `p·n` is rounded separately, and `w` has 2⁻²¹ instead of 2⁻²².
 //!
 //! **Directions that are nearly zero on an axis.** `|v|` is limited to 2⁶⁰ times the minimum of the three, which is one
 //! over the maximum component `D` of the direction. This lowers times in front of the ray, so an entry is never too
@@ -53,7 +53,7 @@ pub(super) struct RayF32 {
     near: [Row; 3],
 }
 
-/// Sizes of trees and directions for which nothing over- or underflows.
+/// Sizes of trees and directions without overflow or underflow.
 pub(super) const RANGE: core::ops::RangeInclusive<f64> = 1.0 / (1 << 24) as f64..=(1 << 24) as f64;
 
 /// A ray in `f64`, with all axes side by side. The fourth lane is 0, or 1 where it divides.

@@ -17,7 +17,7 @@ const INSTANCE_BATCH: usize = 1024;
 
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
-/// Tests all in turn by rising index, with the results and [`Counters`](crate::Counters) of
+/// Tests all by ascending index, with the results and [`Counters`](crate::Counters) of
 /// [`brute_force`](crate::brute_force), bit for bit. Batches intersect [`BatchKernel::Sphere`] and
 /// [`BatchKernel::Triangle`] with eight rays at once. A [`BatchKernel::Instance`] traces many rays of the batch together,
 /// and counts the work of a batch.
@@ -54,7 +54,7 @@ impl SmallSet {
         Some(this)
     }
 
-    /// Replaces the instruction set, for tests and comparisons. The portable level stands in for one that the processor
+    /// Replaces the instruction set, for tests and comparisons. The portable level replaces one that the processor
     /// does not support.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {

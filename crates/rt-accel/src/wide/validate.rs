@@ -10,7 +10,7 @@ use crate::bvh::Aabb32;
 use crate::{ValidationError, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl WideBvh {
-    /// Validates everything that does not depend on the primitives. Every node has one parent, which precedes it; the
+    /// Checks all invariants that do not depend on the primitives. Every node has one parent, which precedes it; the
     /// depth fits the traversal stack; boxes contain those of their children. Leaves lie within the memory, and list
     /// each primitive once.
     pub(super) fn validate_shape(&self) -> Result<(), ValidationError> {

@@ -118,7 +118,7 @@ fn blue_noise_fills_every_elementary_interval_in_every_pair() {
     }
 }
 
-/// This is what makes the noise fine: what one pixel of a square misses, the others see.
+/// This is what makes the noise fine: parts that one pixel of a square misses are sampled by the others.
 #[test]
 fn blue_noise_pixels_share_out_the_unit_square() {
     for (log_spp, side) in [(0, 2), (0, 4), (0, 16), (2, 4), (3, 8), (4, 2)] {

@@ -11,7 +11,7 @@ use crate::stdin::{FORMATS, is_dash};
 /// Options of the program itself.
 const OWN: [&str; 5] = ["-h", "--help", "-V", "--version", "--limits"];
 
-/// Inserts `render` if a file stands in place of a command. The first argument is the program's name.
+/// Inserts `render` if the first argument is a file instead of a command. The first argument is the program's name.
 ///
 /// Words that may be mistyped commands are left to the parser, which suggests the nearest one.
 pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {

@@ -89,14 +89,14 @@ pub(crate) struct ImageArgs {
 
     /// Set the background: #RRGGBB, #RGB, linear GRAY or R,G,B, black, white, or transparent [default: as in the scene]
     ///
-    /// With --env, camera rays see this background, and the environment image lights the scene.
+    /// With --env, camera rays that hit nothing show this background, and the environment image lights the scene.
     #[arg(long, value_name = "COLOR", value_parser = values::background, help_heading = "Camera and scene")]
     pub(crate) background: Option<BackgroundChoice>,
 
     /// Light the scene with this environment image: .exr, .hdr, .png, .jpg, or -
     ///
-    /// The integrator becomes `path` unless another one is given. With --background, camera rays see that instead of the image;
-    /// mirrors and glass still show the image.
+    /// The integrator becomes `path` unless another one is given. With --background, camera rays that hit nothing show
+    /// that instead of the image; mirrors and glass still show the image.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Camera and scene")]
     pub(crate) env: Option<PathBuf>,
 }
@@ -116,7 +116,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) look_at: Option<DVec3>,
 
-    /// Set the up direction of a moved or turned camera [default: 0,1,0]
+    /// Set the up direction of a moved or rotated camera [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
 

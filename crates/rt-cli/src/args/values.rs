@@ -42,7 +42,7 @@ pub(crate) struct LayerList {
     pub(crate) samples: bool,
     /// Standard errors, which a render of one pass does not have.
     pub(crate) stderr: bool,
-    /// True if the standard errors were not named, but are wanted if there are any.
+    /// True if the standard errors are not listed, but written if available.
     pub(crate) is_all: bool,
 }
 
@@ -87,7 +87,7 @@ pub(crate) fn tone_of_name(name: &str) -> Option<ToneCurve> {
     TONE_CURVES.into_iter().find(|&tone| tone_name(tone) == name)
 }
 
-/// Names on the command line and their older spellings, which scene files have.
+/// Names and their older spellings.
 const RENAMED: [(&str, &str); 4] =
     [("bvh8", "wide"), ("sphere-tree", "spheres"), ("cylinder-tree", "cylinders"), ("path-caustics", "caustics")];
 
@@ -97,12 +97,11 @@ pub(super) fn named<T: Copy + Send + Sync + 'static>(
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
     let names = all.iter().map(move |&value| {
-        let shown = current_name(name(value));
-        PossibleValue::new(shown).aliases(RENAMED.iter().filter(|(new, _)| *new == shown).map(|(_, old)| *old))
+        let name = name(value);
+        PossibleValue::new(name).aliases(RENAMED.iter().filter(|(new, _)| *new == name).map(|(_, old)| *old))
     });
     PossibleValuesParser::new(names).try_map(move |typed| {
-        let is_typed = |value: &T| current_name(name(*value)) == current_name(&typed);
-        all.iter().copied().find(is_typed).ok_or("unknown name")
+        all.iter().copied().find(|&value| name(value) == current_name(&typed)).ok_or("unknown name")
     })
 }
 

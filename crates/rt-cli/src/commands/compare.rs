@@ -25,7 +25,9 @@ const SHOWN_ERRORS: f64 = 0.999;
 pub(super) fn run(args: &CompareArgs) -> Result<(), CliError> {
     let output = args.heat_map.file.as_ref().map(|file| {
         if is_dash(file) && args.json {
-            return Err(CliError::Usage("the heat map and the report cannot both go to standard output".to_owned()));
+            return Err(CliError::Usage(
+                "the heat map and the report cannot both go to standard output; name a file for one".to_owned(),
+            ));
         }
         if !image_file::is_developed(image_file::chosen_format(file, None)?) {
             return Err(CliError::Usage(format!("--heat-map {} must be .png or .jpg", file.display())));

@@ -15,8 +15,8 @@ pub(super) fn run(shell: Shell) -> Result<(), CliError> {
     if shell == Shell::Bash { print(fixed_for_bash(&script)) } else { print(script) }
 }
 
-/// Fixes the bash script: the generator mangles the hyphen of the program name inconsistently. Scene files in place of a command
-/// complete like `render`.
+/// Fixes the bash script: the generator mangles the hyphen of the program name inconsistently. Scene files instead of a
+/// command complete like `render`.
 fn fixed_for_bash(script: &str) -> String {
     let name = env!("CARGO_PKG_NAME").replace('-', "__");
     let mangled = env!("CARGO_PKG_NAME").replace('-', "__subcmd__");

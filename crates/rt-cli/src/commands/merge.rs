@@ -104,10 +104,18 @@ fn named(files: &[PathBuf], error: JoinError) -> CliError {
             )
         }
         JoinError::Shares { part, count, expected } => {
-            format!("{}: is one of {count} parts, and {} is one of {expected}", name(part), name(0))
+            format!(
+                "{}: is one of {count} parts, but {} is one of {expected}; merge parts of one render",
+                name(part),
+                name(0)
+            )
         }
-        JoinError::Doubled(one, other) => format!("{} and {} are the same part", name(one), name(other)),
-        JoinError::Unfinished { part, missing } => format!("{}: lacks {missing} of its tiles", name(part)),
+        JoinError::Doubled(one, other) => {
+            format!("{} and {} are the same part; remove one of them", name(one), name(other))
+        }
+        JoinError::Unfinished { part, missing } => {
+            format!("{}: lacks {missing} of its tiles; finish it with --resume", name(part))
+        }
         error => error.to_string(),
     })
 }

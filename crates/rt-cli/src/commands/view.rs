@@ -64,7 +64,9 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
 
     let named = &scene.cameras[options.camera];
     let controller = CameraController::new(named.settings, distance_to_target(&scene, &named.settings, &plan))
-        .ok_or_else(|| CliError::Usage(format!("camera '{}' has no direction to move in", named.name)))?;
+        .ok_or_else(|| {
+            CliError::Usage(format!("camera '{}' has no view direction; choose another --camera", named.name))
+        })?;
     let size = [scene.film.width, scene.film.height];
     let (mut integrator, spp) = (scene.settings.integrator, scene.settings.spp);
     let view = View { number: 0, camera: named.settings, size, integrator, max_spp: spp };

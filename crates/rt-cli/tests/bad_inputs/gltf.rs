@@ -42,7 +42,9 @@ pub(crate) fn node_cycle_or_two_parents() -> Vec<Input> {
 
 pub(crate) fn node_depth_50_000() -> Vec<Input> {
     let links: Vec<String> = (1..50_000).map(|child| format!(r#"{{"children": [{child}]}}"#)).collect();
-    vec![gltf(&format!(r#""nodes": [{}, {{}}]"#, links.join(","))).refused(&["m.gltf", "1025, the limit is 1024"])]
+    vec![
+        gltf(&format!(r#""nodes": [{}, {{}}]"#, links.join(","))).refused(&["m.gltf", "1025, above the limit of 1024"]),
+    ]
 }
 
 pub(crate) fn child_index_out_of_range() -> Vec<Input> {

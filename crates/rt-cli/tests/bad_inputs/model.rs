@@ -9,22 +9,25 @@ fn obj(rest: &str) -> Input {
 }
 
 pub(crate) fn face_index_zero() -> Vec<Input> {
-    vec![obj("f 0 1 2\n").refused(&["m.obj:5: the face names vertex 0, but 4 come before it (indices start at 1)"])]
+    vec![
+        obj("f 0 1 2\n")
+            .refused(&["m.obj:5: vertex 0 of the face is out of range: 4 come before it (indices start at 1)"]),
+    ]
 }
 
 pub(crate) fn face_index_beyond_count() -> Vec<Input> {
     vec![
-        obj("f 1 2 5\n").refused(&["m.obj:5: the face names vertex 5, but 4 come before it"]),
+        obj("f 1 2 5\n").refused(&["m.obj:5: vertex 5 of the face is out of range: 4 come before it"]),
         obj("f 1 2 5\nf 1 2 3\nf 1 2 6\n").refused(&["m.obj:5: ", "m.obj:7: "]),
     ]
 }
 
 pub(crate) fn negative_face_index_beyond_start() -> Vec<Input> {
-    vec![obj("f 1 2 -5\n").refused(&["m.obj:5: the face names vertex -5, but 4 come before it"])]
+    vec![obj("f 1 2 -5\n").refused(&["m.obj:5: vertex -5 of the face is out of range: 4 come before it"])]
 }
 
 pub(crate) fn face_index_overflow() -> Vec<Input> {
-    vec![obj("f 1 2 9223372036854775808\n").refused(&["m.obj:5: `9223372036854775808` is no index"])]
+    vec![obj("f 1 2 9223372036854775808\n").refused(&["m.obj:5: `9223372036854775808` is not an index"])]
 }
 
 pub(crate) fn face_with_two_vertices() -> Vec<Input> {
@@ -37,7 +40,7 @@ pub(crate) fn face_with_repeated_vertex() -> Vec<Input> {
 
 pub(crate) fn million_sided_polygon() -> Vec<Input> {
     let face = Content { head: format!("{SQUARE}f").into(), part: " 1 2 3 4".into(), times: 250_000, tail: Vec::new() };
-    vec![Input::long("m.obj", face).refused(&["m.obj:5: a face with 1000000 corners; at most 100000 are accepted"])]
+    vec![Input::long("m.obj", face).refused(&["m.obj:5: a face has 1000000 corners; it may have at most 100000"])]
 }
 
 pub(crate) fn bent_or_crossed_polygon() -> Vec<Input> {
@@ -61,7 +64,7 @@ pub(crate) fn zero_or_missing_normals() -> Vec<Input> {
 pub(crate) fn missing_material_library() -> Vec<Input> {
     vec![
         Input::file("m.obj", format!("mtllib none.mtl\n{SQUARE}usemtl red\nf 1 2 3\n"))
-            .shown(&["m.obj:1: the material library `none.mtl` does not exist; its materials become plain grey"]),
+            .shown(&["m.obj:1: the material library `none.mtl` does not exist; plain grey is used for its materials"]),
         obj("usemtl red\nf 1 2 3\n").shown(&["the material `red` is in no library"]),
     ]
 }

@@ -114,7 +114,7 @@ fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
     let render = |options: &str| place.run(&format!("render flight.ron -o out-#.pfm --fps 8 {options}"));
     let done = |run: &crate::program::Run| -> Vec<bool> {
         let frames = run.stdout.lines().filter(|line| line.starts_with("frame "));
-        frames.map(|line| line.ends_with("is there already")).collect()
+        frames.map(|line| line.ends_with("exists already")).collect()
     };
     assert_eq!(done(&render("--frames 1..2")), [false, false]);
     let first = place.read("out-1.pfm");
@@ -156,7 +156,7 @@ fn machines_share_frames_out() {
     }
     assert!(place.path("out-#.pfm.frames.2-of-3.json").exists());
     let run = place.succeed("render flight.ron -o out-#.pfm --frames 1..5 --shard 2/3 --resume");
-    assert_eq!(run.stdout, "frame 1 of 1..5 is there already\nframe 4 of 1..5 is there already\n");
+    assert_eq!(run.stdout, "frame 1 of 1..5 exists already\nframe 4 of 1..5 exists already\n");
     // Each frame is a whole image, so that it can be one that stops by its error; a single frame is one machine's as well.
     place.succeed("render flight.ron -o rule-#.pfm --frames 1..2 --quiet --shard 1/2 --target-error 50%");
     assert!(place.path("rule-1.pfm").exists() != place.path("rule-2.pfm").exists());

@@ -66,5 +66,5 @@ fn mirrors_show_the_image_and_not_the_backdrop() {
         film.pixels()[12 * 33 + 16]
     );
     let text = place.succeed("explain mirror.ron --env sky.exr --background white").stdout;
-    assert!(text.contains("a backdrop"), "{text}");
+    assert!(text.contains("\n  backdrop: "), "{text}");
 }

@@ -33,9 +33,9 @@ fn help_is_a_command_as_well() {
 fn a_plan_is_explained() {
     let place = Workplace::with_scene();
     let run = place.succeed("explain scene.ron --accel grid");
-    assert!(run.stdout.contains("plan for 'scene': whitted"), "{run:?}");
-    assert!(run.stdout.contains("structure: grid over"), "{run:?}");
-    assert!(run.stdout.contains("\nleft out\n  triangles: there are none\n"), "{run:?}");
+    assert!(run.stdout.contains("plan for 'scene': integrator whitted"), "{run:?}");
+    assert!(run.stdout.contains("accelerator: grid over"), "{run:?}");
+    assert!(run.stdout.contains("\nleft out\n  triangles: the scene has none\n"), "{run:?}");
     assert_eq!(place.files(), ["scene.ron"]);
 }
 

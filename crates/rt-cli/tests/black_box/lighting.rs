@@ -115,14 +115,14 @@ fn environment_images_replace_studio_lights() {
     place.write("sky.hdr", sky([128, 64, 32, 128]));
     for model in ["m.gltf", "m.obj"] {
         let run = place.succeed(&format!("explain {model} --env sky.hdr"));
-        assert!(run.stdout.contains("0 lights, 0 casting shadows"), "{model}: {run:?}");
+        assert!(run.stdout.contains("no delta lights"), "{model}: {run:?}");
     }
     let seen = mean(&place, "m.gltf --size 4x4 --spp 1024 --integrator path --env sky.hdr");
     assert!((seen.r - 0.5).abs() < 0.01 && (seen.b - 0.125).abs() < 0.01, "{seen:?}");
     let run = place.succeed("explain m.gltf --env sky.hdr --lights studio");
-    assert!(run.stdout.contains("2 lights, 1 casting shadows"), "{run:?}");
+    assert!(run.stdout.contains("2 delta lights, 1 with shadows"), "{run:?}");
     let run = place.succeed("explain m.gltf --lights none");
-    assert!(run.stdout.contains("0 lights, 0 casting shadows"), "{run:?}");
+    assert!(run.stdout.contains("no delta lights"), "{run:?}");
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn emissive_objects_and_backgrounds_are_lights_of_a_scene() {
     };
     let lights = |place: &Workplace, arguments: &str| {
         let run = place.succeed(&format!("explain scene.ron {arguments}"));
-        run.stdout.contains("2 lights, 1 casting shadows")
+        run.stdout.contains("2 delta lights, 1 with shadows")
     };
     place.write("scene.ron", scene("", ""));
     assert!(lights(&place, "") && !lights(&place, "--lights none"));
@@ -236,7 +236,7 @@ fn exposure_suits_the_lights() {
     let run = place.succeed("render m.gltf --size 8x8 --spp 1 --env sky.hdr -o out.png");
     assert!(notes(&run, "lx; exposure -0.0").len() == 1 || notes(&run, "lx; exposure 0 ").len() == 1, "{run:?}");
     let run = place.succeed("explain m.gltf");
-    assert!(run.stdout.contains("1 light, 1 casting shadows"), "nothing is added: {run:?}");
+    assert!(run.stdout.contains("1 delta light, 1 with shadows"), "nothing is added: {run:?}");
 }
 
 #[test]

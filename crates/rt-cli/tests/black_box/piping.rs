@@ -60,7 +60,7 @@ fn standard_input_that_is_no_scene_is_refused_with_advice() {
             SCENE,
             "render - --max-file-size 10",
             3,
-            "standard input: the file size in bytes (--max-file-size) is 11, the limit is 10",
+            "standard input: the file size in bytes (--max-file-size) is 11, above the limit of 10",
         ),
         (SCENE, "render scene.ron --input-format ron", 2, "--input-format requires standard input"),
         (SCENE, "render - --env -", 2, "cannot be both the scene and --env"),

@@ -63,10 +63,10 @@ fn what_is_missing_doubled_or_foreign_is_named() {
     let all = parts(&[1, 2, 3], 3);
     let two = parts(&[1, 3], 3);
     for (files, message) in [
-        (two.clone(), "1 of 3 parts missing: 2/3".to_owned()),
+        (two.clone(), "1 of 3 parts are missing: 2/3; render them".to_owned()),
         (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same part".to_owned()),
         (format!("{two} foreign.part"), "foreign.part: is of another image".to_owned()),
-        (format!("{two} half.part"), "half.part: is one of 2 parts, and scene.1-of-3.part is one of 3".to_owned()),
+        (format!("{two} half.part"), "half.part: is one of 2 parts, but scene.1-of-3.part is one of 3".to_owned()),
         (format!("{two} text.part"), "text.part: is not a part of an image".to_owned()),
         (format!("{two} damaged.part"), "damaged.part: is damaged".to_owned()),
         (format!("{two} nowhere.part"), "nowhere.part: cannot be read".to_owned()),
@@ -97,7 +97,7 @@ fn a_part_that_is_there_is_not_rendered_again() {
     let place = with_parts(2, "");
     let before = place.read("scene.1-of-2.part");
     let run = place.succeed(&format!("{RENDER} --shard 1/2 --resume"));
-    assert!(run.stdout.contains("scene.1-of-2.part is there already, and finished"), "{run:?}");
+    assert!(run.stdout.contains("scene.1-of-2.part exists and is finished"), "{run:?}");
     assert_eq!(place.read("scene.1-of-2.part"), before);
     place.fails(3, &format!("{RENDER} --shard 1/2 --resume --seed 3"), "scene.1-of-2.part: is of another image");
 }

@@ -32,7 +32,7 @@ fn the_file_has_this_shape() {
     }
     assert_eq!(stats["version"].take(), json!(env!("CARGO_PKG_VERSION")));
     assert!(stats["plan"]["used"].take().as_array().is_some_and(|used| used.contains(&json!("3 spheres"))));
-    assert_eq!(stats["plan"]["left_out"].take()["triangles"], json!("there are none"));
+    assert_eq!(stats["plan"]["left_out"].take()["triangles"], json!("the scene has none"));
     for part in ["plan", "rays", "shading", "seconds", "mega_rays_per_second"] {
         blank_numbers(&mut stats[part]);
     }

@@ -22,7 +22,7 @@ pub enum PolygonError {
     #[error(transparent)]
     Shape(#[from] ShapeError),
     /// An outline without area: collinear, or with loops that cancel. It has no plane.
-    #[error("the outline of the polygon has no area: its corners lie on a line, or its loops cancel")]
+    #[error("the outline of the polygon has no area: its corners lie on a line, or its loops cancel; move its corners")]
     NoArea,
     /// A corner off the plane of the outline.
     #[error(
@@ -38,13 +38,13 @@ pub enum PolygonError {
         diameter: f64,
     },
     /// A concave or self-crossing outline under [`InsideRule::Convex`](crate::InsideRule::Convex).
-    #[error("the polygon is not convex at corner {vertex}, counted from 0: choose another rule for it")]
+    #[error("the polygon is not convex at corner {vertex}, counted from 0: choose another `rule`")]
     NotConvex {
         /// The first corner where the outline turns the wrong way, or more than once around.
         vertex: usize,
     },
     /// Holes under [`InsideRule::Convex`](crate::InsideRule::Convex).
-    #[error("a convex polygon has no holes, but the number given is {0}: choose another rule for it")]
+    #[error("a convex polygon has {0} holes: remove them, or choose another `rule`")]
     ConvexWithHoles(usize),
 }
 

@@ -1,4 +1,4 @@
-//! The mean signed error, and how far noise alone may move it.
+//! The mean signed error and its standard error.
 
 use super::{ImagePair, mean_error::mean};
 

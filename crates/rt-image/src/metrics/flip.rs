@@ -35,7 +35,7 @@ pub struct Flip {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FlipError {
     /// The number of pixels per degree (the value) is not usable.
-    #[error("{0} pixels per degree; there must be between 1 and 1000")]
+    #[error("the resolution is {0} pixels per degree; it must lie between 1 and 1000")]
     PixelsPerDegree(f64),
 }
 
@@ -168,7 +168,7 @@ mod tests {
         assert!((near.mean() - 0.291_888_03).abs() < 5e-6, "{}", near.mean());
     }
 
-    /// The same, of radiance.
+    /// Reference values of HDR-FLIP.
     #[test]
     fn the_authors_program_agrees_on_high_dynamic_range() {
         let (test, reference) = (brightened(&disturbed_ramps()), brightened(&ramps()));

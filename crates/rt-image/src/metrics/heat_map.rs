@@ -32,7 +32,7 @@ impl ColourScale {
     /// The colour, in sRGB bytes, of pixels without an error: green, which neither scale has.
     pub const MISSING: [u8; 3] = [0, 255, 0];
 
-    /// The sRGB bytes of an error. A limit that is not positive shows the sign alone.
+    /// The sRGB bytes of an error. A limit that is not positive shows the sign only.
     pub fn colour(self, error: f64, limit: f64) -> [u8; 3] {
         if error.is_nan() {
             return Self::MISSING;

@@ -26,7 +26,7 @@ pub struct NonFinite {
 pub enum PairError {
     /// They differ in size (width and height in pixels).
     #[error(
-        "the images differ in size: {} by {} and {} by {} pixels",
+        "the images differ in size: {} by {} and {} by {} pixels; compare images of the same size",
         test[0], test[1], reference[0], reference[1]
     )]
     Size {
@@ -35,8 +35,8 @@ pub enum PairError {
         /// Size of the reference.
         reference: [u32; 2],
     },
-    /// They are empty, or every pixel is NaN or infinite in one of them.
-    #[error("there is no pixel that is finite in both images")]
+    /// The images are empty, or every pixel is NaN or infinite in one of them.
+    #[error("no pixel is finite in both images; metrics need at least one")]
     NothingFinite,
 }
 

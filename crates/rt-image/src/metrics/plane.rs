@@ -1,6 +1,6 @@
-//! Parts of images, and what a separable filter makes of them.
+//! Parts of images, and separable filters of them.
 //!
-//! A filter looks at the surroundings of each pixel. An image is therefore cut into tiles, each of which is filtered
+//! A filter reads the neighbours of each pixel. An image is therefore cut into tiles, each of which is filtered
 //! with a margin of its surroundings. So the memory does not grow with the image.
 
 use core::ops::Range;

@@ -145,7 +145,7 @@ impl<'s> Surveyor<'s, '_> {
         let InstanceTotals { count, bytes } = totals;
         self.largest.update(bytes, || format!("{count} objects of {name}"));
         self.survey.geometry = self.survey.geometry.saturating_add(bytes);
-        self.add_accel(count, || format!("the structure over {count} objects of {name}"));
+        self.add_accel(count, || format!("the accelerator over {count} objects of {name}"));
     }
 
     fn add_accel(&mut self, primitives: u64, what: impl FnOnce() -> String) {
@@ -202,7 +202,7 @@ impl<'s> Surveyor<'s, '_> {
             self.add_accel(triangles as u64, || {
                 let name =
                     if named.name.is_empty() { "without a name".to_owned() } else { format!("`{}`", named.name) };
-                format!("the structure over the {triangles} triangles of the mesh {name}")
+                format!("the accelerator over the {triangles} triangles of the mesh {name}")
             });
             if material.is_some_and(|material| !material.emission.is_zero()) {
                 self.survey.geometry = self.survey.geometry.saturating_add(EMITTER_BYTES * triangles as u64);

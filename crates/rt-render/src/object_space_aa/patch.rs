@@ -94,7 +94,7 @@ impl SurfacePatch {
         is_plain.then_some(material)
     }
 
-    /// True if the light, blocked by nothing, does not reach any point of the patch.
+    /// True if the light would reach no point of the patch, even without occluders.
     pub(super) fn turns_away_from(&self, light: &DeltaLight) -> bool {
         let position = light.kind.position();
         if let (Some(position), Some(cone)) = (position, light.kind.cone()) {

@@ -94,7 +94,7 @@ fn explanations_name_what_is_left_out() {
     let scene = everything();
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     let left_out: Vec<_> = plan.explain().left_out.iter().map(|left| left.what).collect();
-    assert_eq!(left_out, ["alpha channel", "time", "lens", "texture coordinates of some surfaces"]);
+    assert_eq!(left_out, ["alpha channel", "motion blur", "lens", "texture coordinates of some surfaces"]);
     let full = RenderPlan::compile(&scene, &PlanOptions { full: true, ..PlanOptions::default() });
     assert!(full.expect("the scene compiles").explain().left_out.is_empty());
 }

@@ -106,7 +106,7 @@ fn each_ray_starts_in_the_medium_of_its_lens_point() {
     let sphere = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);
     scene.nodes.push(SceneNode::new(sphere, MaterialId(3)));
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    assert!(plan.explain().to_string().contains("each camera ray looks which it starts in"));
+    assert!(plan.explain().to_string().contains("the medium of each camera ray is determined at its origin"));
     let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
     assert_eq!(render(&scene), full);
 }

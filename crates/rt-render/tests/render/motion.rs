@@ -76,7 +76,7 @@ fn a_minimal_shutter_interval_gives_the_static_image() {
     let still = render(&frozen(&scene, 0.375));
     scene.cameras[0].settings.shutter = [0.375, 0.375_f64.next_up()];
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    assert!(!plan.explain().left_out.iter().any(|left| left.what == "time"));
+    assert!(!plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
     let moving = render(&scene);
     let differs = |(a, b): &(&[f32; 3], &[f32; 3])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4);
     // A sample next to an edge may fall on the other side of it.
@@ -255,7 +255,7 @@ fn objects_that_cross_the_view_are_not_culled() {
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     let explanation = plan.explain();
     assert!(explanation.left_out.iter().any(|left| left.what == "objects, for camera rays"));
-    assert!(explanation.used.iter().any(|line| line.starts_with("200 objects that move,")));
+    assert!(explanation.used.iter().any(|line| line.starts_with("200 animated objects:")));
     let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
     assert_eq!(render(&scene), full);
 }
@@ -270,7 +270,7 @@ fn static_scenes_sample_no_time() {
     }
     scene.cameras[0].settings.moves_to = Some(scene.cameras[0].settings.world_from_camera);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    assert!(plan.explain().left_out.iter().any(|left| left.what == "time"));
+    assert!(plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
     assert_eq!(render(&scene), image);
 }
 
@@ -347,7 +347,7 @@ fn camera_motion_equals_inverse_world_motion() {
         node.moves_to = Some(step.inverse());
     }
     let plan = RenderPlan::compile(&moving_camera, &PlanOptions::default()).expect("the scene compiles");
-    assert!(plan.explain().used.iter().any(|line| line.starts_with("a camera that moves")));
+    assert!(plan.explain().used.iter().any(|line| line.starts_with("animated camera:")));
     let covered = |scene: &Scene| {
         let options = PlanOptions { transparent: true, ..PlanOptions::default() };
         render_with(scene, options, 0).alpha().expect("coverage").to_vec()
@@ -385,8 +385,11 @@ fn animated_lights_are_found_by_rays() {
         assert!(still > 0.01 && (moving / still - 1.0).abs() < 0.02, "{integrator:?}: {moving} {still}");
     }
     let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
-    assert!(plan.explain().used.iter().all(|line| !line.starts_with("lamps that move")), "whitted draws no lights");
+    assert!(
+        plan.explain().used.iter().all(|line| !line.starts_with("moving emitters")),
+        "whitted samples no area lights"
+    );
     moving.settings.integrator = Integrator::Path;
     let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
-    assert!(plan.explain().used.iter().any(|line| line.starts_with("lamps that move")));
+    assert!(plan.explain().used.iter().any(|line| line.starts_with("moving emitters")));
 }

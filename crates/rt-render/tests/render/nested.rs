@@ -183,10 +183,10 @@ fn explanations_say_what_nests() {
     };
     let mut scene = drink();
     let explained = used(&scene);
-    assert!(explained.contains("priorities 0 to 3; the camera stands in air"), "{explained}");
+    assert!(explained.contains("priorities 0 to 3; the camera is outside of all"), "{explained}");
     scene.cameras[0].medium = Some(MaterialId(1));
-    assert!(used(&scene).contains("the camera stands inside of one"));
-    assert!(!used(&spheres()).contains("transparent bodies"));
+    assert!(used(&scene).contains("the camera is inside of a dielectric"));
+    assert!(!used(&spheres()).contains("nested dielectrics"));
 }
 
 /// One texel of 4 × 2 is NaN; a floor shows the texture over the whole image of 61 × 43 pixels.

@@ -205,7 +205,7 @@ fn join_errors_name_the_part() {
     assert!(missing > 0);
     assert_eq!(Part::join(vec![c, a, unfinished]), Err(JoinError::Unfinished { part: 2, missing }));
     let message = JoinError::Missing(vec![0, 4], 8).to_string();
-    assert_eq!(message, "2 of 8 parts missing: 1/8, 5/8");
+    assert_eq!(message, "2 of 8 parts are missing: 1/8, 5/8; render them");
 }
 
 #[test]

@@ -81,7 +81,7 @@ pub struct CameraKey {
     /// Unit: units of the scene. Default: that of the camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look_from: Option<[f64; 3]>,
-    /// The point that it looks at.
+    /// Target point of the view.
     ///
     /// Unit: units of the scene. Default: that of the camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]

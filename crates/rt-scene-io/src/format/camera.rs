@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::default_values::is_zero;
 use super::{CameraAnimation, Step};
 
-/// A camera. `look_from` or `transform` places it; without both it is placed so that it sees everything.
+/// A camera. `look_from` or `transform` places it; without both it shows the whole scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -17,10 +17,10 @@ pub struct Camera {
     pub name: Option<String>,
     /// Position of the camera.
     ///
-    /// Unit: units of the scene. Default: where it sees everything. Example: `look_from: (0, 1, 5)`.
+    /// Unit: units of the scene. Default: a position that shows the whole scene. Example: `look_from: (0, 1, 5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_from: Option<[f64; 3]>,
-    /// The point that it looks at. Needs `look_from`.
+    /// Target point of the view. Needs `look_from`.
     ///
     /// Unit: units of the scene. Default: `(0, 0, 0)`. Example: `look_at: (0, 0.5, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,12 +30,13 @@ pub struct Camera {
     /// Unit: none. Default: `(0, 1, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// Instead of `look_from`: steps that place a camera at the origin that looks along −z.
+    /// Instead of `look_from`: transform of a camera at the origin that looks along −z, as steps.
     ///
     /// Example: `transform: [translate(0, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
-    /// Place of the camera at time 1, as steps like those of `transform`. `look_from` or `transform` is its place at time 0.
+    /// Transform of the camera at time 1, as steps like those of `transform`. `look_from` or `transform` applies at
+    /// time 0.
     ///
     /// Example: `motion: [translate(0.5, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -67,12 +68,12 @@ pub struct Camera {
     /// Unit: units of the scene. Default: perspective. Example: `orthographic: 4`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orthographic: Option<f64>,
-    /// Shift of the image as a part of its width and height: (0.5, 0) shows what lies half an image to the right.
+    /// Shift of the image as a part of its width and height: (0.5, 0) moves the view by half an image to the right.
     ///
     /// Unit: width and height of the image. Default: `(0, 0)`. Example: `lens_shift: (0.5, 0)`.
     #[serde(skip_serializing_if = "is_centred")]
     pub lens_shift: [f64; 2],
-    /// The lens, for what is out of focus to be blurred; all is sharp without.
+    /// Lens for depth of field. Without it the camera is a pinhole.
     ///
     /// Default: a pinhole. Example: `lens: (radius: 0.05)`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -113,8 +114,7 @@ pub struct Lens {
     /// Unit: units of the scene. Default: none; needed by `f_stop`. Example: `focal_length: 0.05`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focal_length: Option<f64>,
-    /// Depth of the plane in which all is sharp, along the view axis. Without it and `focus_at`, the plane goes through the
-    /// point that the camera looks at.
+    /// Focus distance along the view axis. Without it and `focus_at`, the target of the view is in focus.
     ///
     /// Unit: units of the scene. Default: distance of `look_at`. Example: `focus: 4.5`.
     #[serde(skip_serializing_if = "Option::is_none")]

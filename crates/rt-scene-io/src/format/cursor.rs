@@ -134,12 +134,12 @@ impl<'t> Cursor<'t> {
         Some(TextValue { range, path: path_of(&brackets) })
     }
 
-    /// The path to the value that stands here or would stand here.
+    /// The path to the value at the cursor, present or missing.
     pub(super) fn path(&self) -> Vec<Key<'t>> {
         path_of(&self.brackets)
     }
 
-    /// The path to what the innermost bracket holds together.
+    /// The path to the innermost list or struct around the cursor.
     pub(super) fn container(&self) -> Vec<Key<'t>> {
         let mut path = self.path();
         path.pop();

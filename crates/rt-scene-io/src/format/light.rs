@@ -243,7 +243,7 @@ pub enum Falloff {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Background {
-    /// The same radiance in all directions.
+    /// Constant radiance in all directions.
     Constant(Color),
     /// From one colour straight down to another straight up.
     Gradient {
@@ -267,7 +267,7 @@ pub enum Background {
         /// Unit: factor. Example: `scale: 0.5`.
         #[serde(default = "white")]
         scale: Color,
-        /// Turns it to the left, seen from inside, by so many degrees around the y axis.
+        /// Rotates it around the y axis, to the left as seen from inside. In degrees.
         ///
         /// Unit: degrees. Default: `0`. Example: `rotate: 90`.
         #[serde(default, skip_serializing_if = "is_zero")]

@@ -219,7 +219,7 @@ pub enum Material {
         #[serde(default = "gray::<100>")]
         transmittance: ColorTexture,
     },
-    /// An emitter that reflects nothing.
+    /// An emitter without reflection.
     Light {
         /// Radiance.
         ///
@@ -244,7 +244,7 @@ pub enum Material {
 pub enum NodeMaterial {
     /// Name of one of the scene's `materials`.
     Name(String),
-    /// A material that stands here: `diffuse(albedo: 0.8)`.
+    /// An inline material: `diffuse(albedo: 0.8)`.
     Inline(Box<Material>),
 }
 

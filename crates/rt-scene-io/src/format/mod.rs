@@ -1,8 +1,8 @@
 //! The scene file: types that mirror the text, with plain numbers and names.
 //!
-//! `.ron` and `.json` hold the same model. Everything has a default but the geometry, an unknown field is an error,
-//! angles are in degrees, +y is up, and cameras look along −z. [`resolve`](crate::resolve)
-//! defines what the numbers mean.
+//! `.ron` and `.json` have the same content. All fields except the geometry have defaults, an unknown field is an
+//! error, angles are in degrees, +y is up, and cameras look along −z. [`resolve`](crate::resolve) defines what the
+//! numbers mean.
 
 mod animation;
 mod camera;
@@ -45,7 +45,7 @@ pub use schema::json_schema;
 pub use settings::{Adaptive, LightSampling, Sampler, Settings};
 pub use transform::Step;
 
-/// A scene: what stands where, how it looks, who sees it, and how to render it.
+/// A scene: objects, materials, lights, cameras and render settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Scene", deny_unknown_fields)]
@@ -60,9 +60,9 @@ pub struct SceneFile {
     /// Default: stem of the file name. Example: `name: "still life"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The camera. Without one, or without a place, the camera is placed so that it sees everything.
+    /// The camera. Without a camera, or without its position, the whole scene is shown.
     ///
-    /// Default: placed so that it sees everything. Example: `camera: (look_from: (0, 1, 5))`.
+    /// Default: a camera that shows the whole scene. Example: `camera: (look_from: (0, 1, 5))`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// More cameras to choose from by name. Without `camera`, the first of these is the default.
@@ -112,7 +112,7 @@ pub struct SceneFile {
     /// Default: unknown. Example: `truth: (mean: 0.5)`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,
-    /// Deprecated spellings that the parser met.
+    /// Deprecated spellings in the file.
     #[serde(skip)]
     pub warnings: Vec<Warning>,
 }
@@ -134,13 +134,13 @@ pub struct Truth {
 }
 
 impl SceneFile {
-    /// All materials: those with a name, and those that stand at nodes.
+    /// All materials: named ones, and inline ones of nodes.
     pub(crate) fn materials(&self) -> impl Iterator<Item = &Material> {
         let nodes = self.groups.values().flatten().chain(&self.nodes);
         self.materials.values().chain(nodes.flat_map(Node::materials))
     }
 
-    /// A scene of these nodes, with everything else left open.
+    /// A scene of these nodes, with defaults for all other fields.
     pub fn of_nodes(nodes: Vec<Node>) -> Self {
         Self {
             schema: None,

@@ -21,8 +21,8 @@ pub struct Node {
     /// Example: `transform: [scale(2), translate(1, 0, 0)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub transform: Vec<Step>,
-    /// Place of the node at time 1, as steps like those of `transform`, which is its place at time 0. It turns by the shortest
-    /// arc, at most half a turn. It is blurred by its motion while the shutter is open.
+    /// Transform of the node at time 1, as steps like those of `transform`, which is its transform at time 0. It
+    /// rotates by the shortest arc, at most half a turn. It is blurred by its motion while the shutter is open.
     ///
     /// Example: `motion: [translate(0.5, 0, 0)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -33,18 +33,18 @@ pub struct Node {
     /// Default: at rest. Example: `animation: (keys: [(time: 0), (time: 1, transform: [translate(0, 2, 0)])])`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<NodeAnimation>,
-    /// A shape that stands here.
+    /// Shape of this node.
     ///
     /// Default: none. Example: `shape: sphere(radius: 0.5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
-    /// A model file (OBJ or glTF) that stands here, with its tree and materials but without its cameras and lights.
+    /// Model file (OBJ or glTF) of this node, with its tree and materials, without its cameras and lights.
     /// The path is relative to the folder of the scene file.
     ///
     /// Default: none. Example: `model: "chair.gltf"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
-    /// Name of a group that stands here.
+    /// Name of a group; this node is an instance of it.
     ///
     /// Default: none. Example: `instance: "pair"`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,7 +85,7 @@ impl Default for Node {
 }
 
 impl Node {
-    /// The materials that stand at this node and at all below it.
+    /// The inline materials of this node and of all nodes below.
     pub(crate) fn materials(&self) -> Vec<&Material> {
         let (mut found, mut waiting) = (Vec::new(), vec![self]);
         while let Some(node) = waiting.pop() {
@@ -140,7 +140,7 @@ pub enum Shape {
         #[serde(default = "up")]
         normal: [f64; 3],
     },
-    /// A cylinder that stands around the y axis.
+    /// A cylinder around the y axis.
     Cylinder {
         /// Its radius.
         ///
@@ -169,7 +169,7 @@ pub enum Shape {
         #[serde(default = "one")]
         radius: f64,
     },
-    /// Two cones without ends around the y axis that meet in the origin.
+    /// Two infinite cones around the y axis with their apexes in the origin.
     DoubleCone {
         /// Their radius at a distance of 1 from the origin.
         ///
@@ -177,7 +177,7 @@ pub enum Shape {
         #[serde(default = "one")]
         slope: f64,
     },
-    /// A cone around the y axis that stands on the plane y = 0.
+    /// A cone around the y axis with its base in the plane y = 0.
     Cone {
         /// Radius of its base.
         ///
@@ -193,7 +193,7 @@ pub enum Shape {
         #[serde(default = "yes")]
         caps: bool,
     },
-    /// A cone without its tip, around the y axis, that stands on the plane y = 0.
+    /// A truncated cone around the y axis with its base in the plane y = 0.
     Frustum {
         /// Radius of its lower end.
         ///

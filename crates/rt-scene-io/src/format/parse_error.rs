@@ -232,7 +232,7 @@ impl<'t> Explainer<'t> {
         ParseError::new(range.start, format!("{context} needs the field `{field}`"))
     }
 
-    /// A value of another type stands here, or has just been read.
+    /// A value of another type is here, or has just been read.
     fn other_type(&self, cursor: &Cursor<'t>, at: usize) -> ParseError {
         let Some(start) = next(self.text, at) else { return self.early_end() };
         // A name in braces without quotes.

@@ -411,7 +411,7 @@ fn elements(schema: &Value) -> Option<&Value> {
     schema.get("items").or_else(|| prefix(schema, 0))
 }
 
-/// True for a list of fixed length that holds numbers alone.
+/// True for a list of fixed length of numbers only.
 fn holds_numbers(schema: &Value) -> bool {
     let is_number = |inner: &Value| type_of(inner) == "number";
     match schema.get("prefixItems").and_then(Value::as_array) {

@@ -31,7 +31,7 @@ pub struct Settings {
     /// Default: the same for all pixels. Example: `adaptive: object_space(min_spp: 4)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
-    /// Bounces after the first hit: 0 for direct light alone.
+    /// Bounces after the first hit: 0 for direct light only.
     ///
     /// Unit: bounces.
     #[serde(alias = "depth")]
@@ -55,7 +55,7 @@ pub struct Settings {
     pub rr_start_depth: u64,
     /// Bound on each contribution of indirect light to a sample; brighter ones are scaled down to it.
     ///
-    /// It takes away fireflies and some light: the image is biased. For `path`, `distributed` and `caustics`.
+    /// It takes away fireflies and some light: the image is biased. For `path`, `distributed` and `path_caustics`.
     /// Unit: radiance. Default: no bound. Example: `clamp: 10`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f64>,

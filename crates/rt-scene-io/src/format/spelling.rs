@@ -22,13 +22,13 @@ pub(super) trait Spelled: Sized {
     /// Reads the spelling of the type itself, a choice such as `rgb(1, 0, 0)`.
     fn choice<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error>;
 
-    /// Value that a number stands for, if it stands for any.
+    /// Value of a number, if the type accepts one.
     fn from_number(number: f64) -> Option<Self>;
 
-    /// Value that three numbers stand for.
+    /// Value of three numbers.
     fn from_numbers(numbers: [f64; 3]) -> Option<Self>;
 
-    /// Value that a text in quotes stands for.
+    /// Value of a string.
     fn from_text(text: &str) -> Option<Self>;
 }
 

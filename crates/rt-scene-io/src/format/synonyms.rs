@@ -1,4 +1,4 @@
-//! Words of other programs for what the format calls otherwise.
+//! Terms of other programs, with those of the format.
 
 /// Meaning of an unknown word.
 pub(super) enum Meant {

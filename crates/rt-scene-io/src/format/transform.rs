@@ -13,7 +13,7 @@ pub enum Step {
     ///
     /// Example: `translate(1, 0, -2)`.
     Translate(f64, f64, f64),
-    /// Turns about an axis, counter-clockwise seen from its tip.
+    /// Rotates about an axis, counter-clockwise seen from its tip.
     Rotate {
         /// The axis, of any length but 0.
         ///
@@ -24,27 +24,27 @@ pub enum Step {
         /// Unit: degrees. Example: `degrees: 30`.
         degrees: f64,
     },
-    /// Turns about the x axis by degrees.
+    /// Rotates about the x axis by degrees.
     ///
     /// Example: `rotate_x(90)`.
     RotateX(f64),
-    /// Turns about the y axis by degrees.
+    /// Rotates about the y axis by degrees.
     ///
     /// Example: `rotate_y(45)`.
     RotateY(f64),
-    /// Turns about the z axis by degrees.
+    /// Rotates about the z axis by degrees.
     ///
     /// Example: `rotate_z(30)`.
     RotateZ(f64),
-    /// Turns about the x axis, then y, then z (which stay fixed), by degrees.
+    /// Rotates about the fixed axes x, then y, then z, by degrees.
     ///
     /// Example: `euler(30, 45, 0)`.
     Euler(f64, f64, f64),
-    /// Turns by the quaternion x, y, z, w.
+    /// Rotates by the quaternion x, y, z, w.
     ///
     /// Example: `quaternion(0, 0, 0, 1)`.
     Quaternion(f64, f64, f64, f64),
-    /// Scales in all directions alike.
+    /// Scales all axes by the same factor.
     ///
     /// Example: `scale(2)`.
     Scale(f64),
@@ -89,13 +89,13 @@ pub enum Step {
     ///
     /// Example: `matrix((1, 0, 0, 2), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))`.
     Matrix([f64; 4], [f64; 4], [f64; 4], [f64; 4]),
-    /// Puts an object that looks along −z at `from` and turns it towards `at`.
+    /// Moves the origin to `from` and rotates −z towards `at`.
     LookAt {
         /// Position of the object.
         ///
         /// Unit: units of the scene. Example: `from: (0, 1, 5)`.
         from: [f64; 3],
-        /// Point that the object looks at.
+        /// Point in the direction of −z.
         ///
         /// Unit: units of the scene. Example: `at: (0, 0.5, 0)`.
         at: [f64; 3],

@@ -112,7 +112,7 @@ impl<'a> Items<'a> {
             Some(bytes) => Ok(Self { bytes, stride, size, count }),
             None => {
                 let message = format!(
-                    "{count} elements of {size} bytes, {stride} apart from {offset} on, do not fit in its {} bytes",
+                    "{count} elements of {size} bytes with stride {stride} at offset {offset} exceed its {} bytes",
                     bytes.len()
                 );
                 Err(fail(LoadErrorKind::Syntax(message)))
@@ -146,7 +146,7 @@ fn number(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
     unit_integer(kind).filter(|_| normalized).map_or(value, |unit| normalised(value, unit))
 }
 
-/// The integer that stands for 1 where integers are normalised; `None` for numbers that are none.
+/// Maximum of a normalised integer, which represents 1; `None` for floating-point numbers.
 pub(super) const fn unit_integer(kind: DataType) -> Option<f32> {
     match kind {
         DataType::F32 => None,
@@ -223,7 +223,7 @@ mod tests {
         let expected = "m.glb: accessors[0]: 3 is a sparse index, but there are 3 elements";
         assert_eq!(indices(&bytes, views, &out), Err(expected.to_owned()));
         let bomb = sparse.replace("\"count\": 4", "\"count\": 4000000000");
-        let expected = "m.glb: accessors[0]: the count without a bufferView is 4000000000, the limit is 4194304";
+        let expected = "m.glb: accessors[0]: the count without a bufferView is 4000000000, above the limit of 4194304";
         assert_eq!(indices(&bytes, views, &bomb), Err(expected.to_owned()));
     }
 
@@ -241,7 +241,9 @@ mod tests {
         assert!(refused(&whole, r#""componentType": 5121, "count": 9"#).contains("do not fit in its 8 bytes"));
         assert!(refused(&whole, r#""componentType": 5125, "count": 4611686018427387905"#).contains("do not fit"));
         assert!(refused(&whole, &format!(r#"{fine}, "byteOffset": 18446744073709551615"#)).contains("do not fit"));
-        assert!(refused(&view(r#""byteLength": 9"#), fine).contains("9 bytes from 0 on leave the buffer 0 of 8 bytes"));
+        assert!(
+            refused(&view(r#""byteLength": 9"#), fine).contains("9 bytes at offset 0 exceed the buffer 0 of 8 bytes")
+        );
         let overflow = view(r#""byteOffset": 18446744073709551615, "byteLength": 8"#);
         assert!(refused(&overflow, fine).contains("leave the buffer"));
         assert!(refused(&whole, r#""componentType": 5126, "count": 2"#).contains("must be unsigned scalars"));

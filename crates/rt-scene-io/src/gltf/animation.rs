@@ -71,7 +71,7 @@ pub(super) fn poses(
         return Ok((opens, None));
     };
     if list.is_empty() {
-        warn("there is none to pose the model by; it rests as its nodes say");
+        warn("the file has no animation: the model is in its rest pose");
         return Ok((opens, None));
     }
     animate(&mut opens, list, opens_at, buffers, options)?;
@@ -101,7 +101,7 @@ fn animate(
             let Some(node) = channel.target.node else { continue };
             let Some(property) = Property::of(&channel.target.path) else { continue };
             let sampler = animation.samplers.get(channel.sampler).ok_or_else(|| {
-                let rule = format!("is no sampler; there are {}", animation.samplers.len());
+                let rule = format!("is not the index of a sampler; there are {}", animation.samplers.len());
                 LoadErrorKind::invalid(channel.sampler, rule).at(buffers.path(), format!("{place}.sampler"))
             })?;
             let curve = Curve::read(sampler, property, buffers, &place)?;

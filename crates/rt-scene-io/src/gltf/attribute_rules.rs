@@ -10,7 +10,7 @@ use gltf::json::{
 use super::draco;
 use crate::{LoadErrorKind, Warning};
 
-/// Checks all primitives of a document with valid references. Each error comes with its place.
+/// Checks all primitives of a document with valid references. Each error has its location.
 pub(super) fn check(root: &Root, warnings: &mut Vec<Warning>) -> Vec<(String, LoadErrorKind)> {
     let mut problems = Vec::new();
     for (m, mesh) in root.meshes.iter().enumerate() {

@@ -32,7 +32,7 @@ pub(super) struct Buffers<'a> {
     data: Vec<Option<Cow<'a, [u8]>>>,
     /// Content of compressed views, by index.
     decoded: HashMap<usize, Vec<u8>>,
-    /// The memory that they take, but for what lies in the file itself.
+    /// Reserved memory of the buffers that are not in the file itself.
     _reservations: Vec<Reservation>,
 }
 
@@ -90,12 +90,13 @@ impl<'a> Buffers<'a> {
         let end = view.offset().checked_add(view.length());
         end.and_then(|end| data.get(view.offset()..end)).ok_or_else(|| {
             let (offset, length) = (view.offset(), view.length());
-            let message = format!("{length} bytes from {offset} on leave the buffer {buffer} of {} bytes", data.len());
+            let message =
+                format!("{length} bytes at offset {offset} exceed the buffer {buffer} of {} bytes", data.len());
             fail(LoadErrorKind::Syntax(message))
         })
     }
 
-    /// Bytes of all buffers, and of what compressed views hold.
+    /// Bytes of all buffers, and of decoded views.
     pub(super) fn bytes(&self) -> u64 {
         let buffers: usize = self.data.iter().flatten().map(|data| data.len()).sum();
         let views: usize = self.decoded.values().map(Vec::len).sum();

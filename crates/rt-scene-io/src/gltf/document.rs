@@ -135,7 +135,7 @@ fn check_extensions(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
     });
     refuse(problems.collect(), path)?;
     for name in names("extensionsUsed").into_iter().filter(unknown) {
-        let message = format!("the optional extension {name} is not followed");
+        let message = format!("the optional extension {name} is not supported");
         warnings.push(Warning { place: "extensionsUsed".to_owned(), message });
     }
     Ok(())
@@ -152,7 +152,7 @@ fn check_primitives(value: &Value, path: &Path, warnings: &mut Vec<Warning>) -> 
             let targets = list(primitive, "targets").iter().filter_map(Value::as_object);
             let unknown = |name: &&String| !["POSITION", "NORMAL", "TANGENT"].contains(&name.as_str());
             if let Some(name) = targets.flat_map(|target| target.keys()).find(unknown) {
-                let message = format!("morph targets of {name} are not followed");
+                let message = format!("morph targets of {name} are not supported");
                 warnings.push(Warning { place: place.clone(), message });
             }
             let Some(position) = primitive.get("attributes").and_then(|all| all.get("POSITION")) else { continue };
@@ -277,7 +277,7 @@ mod tests {
         let mut warnings = Vec::new();
         parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("optional");
         assert_eq!(warnings.len(), 1);
-        assert_eq!(warnings[0].message, "the optional extension A is not followed");
+        assert_eq!(warnings[0].message, "the optional extension A is not supported");
     }
 
     #[test]
@@ -305,7 +305,7 @@ mod tests {
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOUR": 0}, "targets": [{"TEXCOORD_0": 0}]}]}]}"#;
         let mut warnings = Vec::new();
         parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("usable");
-        assert_eq!(warnings[0].message, "morph targets of TEXCOORD_0 are not followed");
+        assert_eq!(warnings[0].message, "morph targets of TEXCOORD_0 are not supported");
     }
 
     #[test]

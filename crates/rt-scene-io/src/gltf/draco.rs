@@ -47,7 +47,7 @@ impl DecodedPrimitive {
         Ok(Some(Self { mesh, ids }))
     }
 
-    /// The vertices of all triangles in turn.
+    /// Vertices of all triangles, one triangle after the other.
     pub(super) fn indices(&self) -> Vec<u32> {
         self.mesh.faces().iter().flatten().map(|PointIndex(vertex)| *vertex).collect()
     }
@@ -82,7 +82,7 @@ impl DecodedPrimitive {
     }
 }
 
-/// The integer that stands for 1 where integers are normalised.
+/// Maximum of a normalised integer, which represents 1.
 fn unit_integer_of(kind: DataType) -> Option<f32> {
     use gltf::accessor::DataType as Kind;
     match kind {

@@ -40,7 +40,9 @@ pub(super) fn placements(node: &Node<'_>, buffers: &Buffers<'_>) -> Result<Optio
     let counts =
         [&translations.as_ref().map(Vec::len), &rotations.as_ref().map(Vec::len), &scales.as_ref().map(Vec::len)];
     let mut counts = counts.into_iter().flatten();
-    let Some(&count) = counts.next() else { return Err(fail("has no attribute that places an instance".to_owned())) };
+    let Some(&count) = counts.next() else {
+        return Err(fail("has none of TRANSLATION, ROTATION and SCALE".to_owned()));
+    };
     if let Some(other) = counts.find(|other| **other != count) {
         return Err(fail(format!("the counts of its attributes differ: {count} and {other}")));
     }

@@ -34,7 +34,7 @@ impl Default for MaterialJson {
     }
 }
 
-/// A reference to a texture, with what the objects around it add.
+/// A reference to a texture, with the properties of its parent objects.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
@@ -85,7 +85,7 @@ pub(super) enum AlphaMode {
     Blend,
 }
 
-/// Makes a struct of the specification with the values that it gives to what is left out.
+/// Defines a struct of the specification, with its defaults for missing properties.
 macro_rules! objects {
     ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty = $default:expr,)* })*) => {
         $(
@@ -200,7 +200,7 @@ impl MaterialJson {
         serde_json::from_value(serde_json::to_value(material)?)
     }
 
-    /// All references to textures, to see which coordinates they are read at; that of the base colour comes first.
+    /// All references to textures, for their sets of coordinates; that of the base colour comes first.
     pub(super) fn textures(&self) -> impl Iterator<Item = &TextureInfo> {
         let (pbr, all) = (&self.pbr_metallic_roughness, &self.extensions);
         let gloss = all.specular_glossiness.as_ref();

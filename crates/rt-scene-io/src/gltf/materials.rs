@@ -64,7 +64,7 @@ impl<'a> MaterialReader<'a> {
             model,
         };
         if uses_other_sets {
-            reader.warn("its textures read more than two sets of coordinates; the others are read at the first");
+            reader.warn("its textures use more than two sets of texture coordinates; the first is used for the others");
         }
         let name = material.name().unwrap_or(if material.index().is_some() { "unnamed" } else { "default" });
         let named = reader.material(name, &description)?;
@@ -171,7 +171,7 @@ impl MaterialBuilder<'_, '_> {
             if ior == 0.0 || ior >= 1.0 {
                 layered.ior = ior;
             } else {
-                self.warn("its index of refraction is below 1; that of glass is used");
+                self.warn("its index of refraction is below 1; 1.5 is used");
             }
         }
         self.read_layers(description, &mut layered)?;
@@ -362,7 +362,7 @@ fn has_thickness(volume: &Volume) -> bool {
     volume.thickness_factor > 0.0
 }
 
-/// Medium of a solid. Black and metallic surfaces transmit nothing on average, and enclose none.
+/// Medium of a solid. Black and metallic surfaces transmit no light on average, and have no medium.
 fn interior(layered: &LayeredSurface, volume: Option<&Volume>) -> Option<InteriorMedium> {
     let volume = volume.filter(|volume| has_thickness(volume))?;
     let LayeredBase::MetallicRoughness { base_color, metallic, .. } = &layered.base else { return None };

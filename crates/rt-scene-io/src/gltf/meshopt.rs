@@ -60,7 +60,7 @@ pub(super) fn decode(object: &Value, buffers: &[Option<Cow<'_, [u8]>>]) -> Resul
     let end = view.byte_offset.checked_add(view.byte_length);
     let source = end.and_then(|end| data.get(view.byte_offset..end)).ok_or_else(|| {
         let (length, offset) = (view.byte_length, view.byte_offset);
-        syntax(format!("{length} bytes from {offset} on leave the buffer {} of {} bytes", view.buffer, data.len()))
+        syntax(format!("{length} bytes at offset {offset} exceed the buffer {} of {} bytes", view.buffer, data.len()))
     })?;
     let mode = MeshoptMode::from_name(&view.mode).map_err(|error| syntax(error.to_string()))?;
     let filter = view.filter.as_deref().map_or(Ok(MeshoptFilter::None), MeshoptFilter::from_name);
@@ -82,7 +82,7 @@ mod tests {
     use serde_json::json;
 
     /// Version 0 of the vertex codec with two elements of four bytes. All deltas of the first group are zero; the second
-    /// element differs from the first by one in its first byte. The first element stands at the end.
+    /// element differs from the first by one in its first byte. The first element is at the end.
     fn stream() -> Vec<u8> {
         // A group of 16 deltas of two bits: the mode of the group, then four bytes of pairs, first element highest.
         let first = [0b01, 0b0010_0000, 0, 0, 0];
@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(refused("buffer", json!(1)), "the buffer 1 has no data");
         assert_eq!(
             refused("byteOffset", json!(u64::MAX)),
-            format!("{} bytes from {} on leave the buffer 0 of {0} bytes", stream.len(), u64::MAX)
+            format!("{} bytes at offset {} exceed the buffer 0 of {0} bytes", stream.len(), u64::MAX)
         );
         assert!(refused("count", json!(1_000_000_000)).contains("cannot come from"));
         assert!(refused("count", json!(u64::MAX)).contains("cannot come from"));

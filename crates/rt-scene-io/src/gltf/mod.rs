@@ -68,13 +68,13 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadErro
         refuse_utf16(&bytes).at(path, "")?;
         // Last resort: the `gltf` crate may panic on documents that pass the checks.
         catch_unwind(AssertUnwindSafe(|| load_bytes(&bytes, path, options))).unwrap_or_else(|_| {
-            let message = "the document contradicts itself in a way that is not understood";
+            let message = "the document is inconsistent; check it with the glTF validator";
             Err(LoadErrorKind::Syntax(message.to_owned()).at(path, ""))
         })
     })
 }
 
-/// Bytes of memory that the document takes while it is read. Buffers and meshes are counted when they are met.
+/// Bytes of memory that the document takes while it is read, without buffers and meshes, which are counted later.
 fn peak_bytes(sample: &FileSample) -> u64 {
     let objects = |text: &[u8]| text.iter().filter(|&&byte| byte == b'{').count() as u64;
     let (json, objects) = match Container::json_bytes(sample.head()) {
@@ -114,8 +114,9 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
     node_tree::walk(&buffers, &poses, &mut model, |node, mesh, model| meshes.parts(node, mesh, model))?;
     if meshes.held > 0 {
         let held = meshes.held;
-        let message =
-            format!("{held} meshes that bones or morph targets move are not blurred: they are as the shutter opens");
+        let message = format!(
+            "{held} meshes with skins or morph targets have no motion blur: their pose at the start of the shutter is used"
+        );
         model.warn("animations", message);
     }
     if model.meshes.is_empty() {
@@ -236,7 +237,7 @@ impl Meshes<'_> {
                 data
             }
             PrimitiveContent::NoSurface => {
-                model.warnings.push(warning("points and lines have no surface; they are left out".to_owned()));
+                model.warnings.push(warning("points and lines are not supported; they are left out".to_owned()));
                 return Ok(None);
             }
         };

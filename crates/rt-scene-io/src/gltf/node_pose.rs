@@ -5,7 +5,7 @@ use rt_math::{DMat3, DQuat, DVec3, Transform, TransformError};
 
 use crate::LoadErrorKind;
 
-/// The map that a node's matrix, or its translation, rotation and scale stand for.
+/// Transform of a node, from its matrix or from its translation, rotation and scale.
 pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
     match matrix {
         Matrix::Matrix { matrix } => {
@@ -84,7 +84,7 @@ impl Pose {
     /// Changes a node. A matrix cannot be animated.
     pub(super) fn set(&mut self, node: usize, property: Property, value: &[f64]) -> Result<(), LoadErrorKind> {
         let count = self.nodes.len();
-        let rule = || format!("is no node; there are {count}");
+        let rule = || format!("is not the index of a node; there are {count}");
         let posed = self.nodes.get_mut(node).ok_or_else(|| LoadErrorKind::invalid(node, rule()))?;
         let value: Vec<f32> = value.iter().map(|x| *x as f32).collect();
         match (property, &mut posed.matrix) {

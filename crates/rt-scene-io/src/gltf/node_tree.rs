@@ -88,7 +88,7 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model:
     let parent_from_local = match transform(poses.opens.matrix(source.index())?) {
         Ok(transform) => transform,
         Err(error) => {
-            warn(source, &format!("{error}; it is left out, with all below"), model);
+            warn(source, &format!("{error}; it and its children are left out"), model);
             return None;
         }
     };
@@ -107,7 +107,7 @@ fn moves_to(source: &Source<'_>, poses: &Poses<'_>, start: &Transform, model: &m
     }
     let end = end.ok().filter(|end| AnimatedTransform::new(start, end).is_ok());
     if end.is_none() {
-        warn(source, "what it moves to while the shutter is open is unusable; it stands still", model);
+        warn(source, "its transform at the end of the shutter is invalid; it does not move", model);
     }
     end
 }
@@ -128,7 +128,7 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
         let free: Vec<usize> = (0..parents.len()).filter(|i| parents[*i].is_none()).collect();
         if free.is_empty() && !parents.is_empty() {
             return Err(
-                LoadErrorKind::Syntax("every node is below another: they form a cycle".to_owned()).at(path, "nodes")
+                LoadErrorKind::Syntax("every node has a parent: they form a cycle".to_owned()).at(path, "nodes")
             );
         }
         return Ok(free);
@@ -138,7 +138,7 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
     for node in scene.nodes() {
         if let Some(parent) = parents[node.index()] {
             let message =
-                format!("is a root of the scene, but also below the node {parent}; the nodes must form trees");
+                format!("is a root of the scene, but also a child of the node {parent}; the nodes must form trees");
             return Err(LoadErrorKind::Syntax(message).at(path, format!("nodes[{}]", node.index())));
         }
         if seen.insert(node.index()) {
@@ -173,7 +173,7 @@ fn place(
         return Err(reason.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME)));
     }
     if unusable > 0 {
-        warn(source, &format!("{unusable} of its instances have an unusable transform; they are left out"), model);
+        warn(source, &format!("{unusable} of its instances have an invalid transform; they are left out"), model);
     }
     for parent_from_local in placements {
         // Names of instances are dropped to save memory.
@@ -189,7 +189,7 @@ fn empty(source: &Source<'_>) -> SceneNode {
     SceneNode::empty(source.name().unwrap_or_default().to_owned(), Transform::IDENTITY)
 }
 
-/// One mesh stands at the node itself, several at children of it.
+/// One mesh becomes the content of the node, several become children of it.
 fn place_mesh(node: &mut SceneNode, parts: &[MeshPart]) {
     if let [(mesh, material)] = *parts {
         node.content = Some(Content::Mesh(mesh));
@@ -223,7 +223,7 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransform
     };
     let views = view(&world.opens).and_then(|opens| Ok((opens, view(&world.closes)?)));
     let (Some(projection), Ok((world_from_camera, closes))) = (projection, views) else {
-        warn(source, "its camera has no usable field of view or direction; it is left out", model);
+        warn(source, "the field of view or transform of its camera is invalid; the camera is left out", model);
         return;
     };
     let wanted = [json.name.as_deref(), source.name()].into_iter().flatten().find(|name| !name.is_empty());
@@ -231,7 +231,7 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransform
     let taken = |name: &str| model.cameras.iter().any(|camera| camera.name == name);
     let name = if taken(wanted) { format!("{wanted} (node {})", source.index()) } else { wanted.to_owned() };
     if taken(&name) {
-        warn(source, "its camera has the name of another one; it is left out", model);
+        warn(source, "its camera has the name of another camera; it is left out", model);
         return;
     }
     let moves_to = (world.closes != world.opens).then_some(closes);
@@ -261,7 +261,7 @@ fn place_light(source: &Source<'_>, document: &Document, world: &Transform, mode
     };
     let dark = [intensity.r, intensity.g, intensity.b].into_iter().any(|c| !(c.is_finite() && c >= 0.0));
     let Some(kind) = kind.filter(|_| position.is_finite() && !dark) else {
-        warn(source, "its light has no usable direction or intensity; it is left out", model);
+        warn(source, "the direction or intensity of its light is invalid; the light is left out", model);
         return;
     };
     let name = json.name.as_deref().or(source.name()).unwrap_or("light").to_owned();

@@ -35,7 +35,7 @@ pub(super) struct Deformation<'a> {
     pub(super) weights: &'a [f32],
     /// The joints that take it to the world, if it follows some.
     pub(super) joints: Option<Arc<[Affine]>>,
-    /// True if a node mirrors a skinned mesh: its triangles are turned around.
+    /// True if a node mirrors a skinned mesh: its triangles are reversed.
     pub(super) mirrored: bool,
 }
 
@@ -47,7 +47,8 @@ pub(super) enum PrimitiveContent {
     NoSurface,
 }
 
-/// Reads the arrays of a primitive, and morphs and bends them. Where tangents are wanted and the file has none, they are made.
+/// Reads the arrays of a primitive, and applies morph targets and skins. Missing tangents are generated if the material
+/// needs them.
 pub(super) fn read(
     primitive: &Primitive<'_>,
     required_attributes: &RequiredAttributes,
@@ -99,9 +100,8 @@ fn read_vertices(
         match attributes.vectors::<2>(&Semantic::TexCoords(set))? {
             // In the file v runs downwards.
             Some(uvs) => *slot = uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect(),
-            None => {
-                notes.push(format!("its texture needs TEXCOORD_{set}, which is missing: one point is used everywhere"))
-            }
+            None => notes
+                .push(format!("its texture needs TEXCOORD_{set}, which is missing: the texture is read at one point")),
         }
     }
     // Flat triangles have normals of their own, which the tangents of a file do not fit.
@@ -189,8 +189,7 @@ fn apply_skin(
         sets.push(Influences { joints, weights });
     }
     if sets.is_empty() {
-        notes
-            .push("its node has a skin, but it has no joints and weights; it stays where it is in the file".to_owned());
+        notes.push("its node has a skin, but it has no joints and weights; the skin is ignored".to_owned());
         return Ok(());
     }
     let count = skin::deform(data, &sets, joints).map_err(SkinError::Deform)?;
@@ -207,7 +206,7 @@ fn complete_tangents(data: &mut MeshData, along: usize, notes: &mut Vec<String>)
     }
     let uvs = if along == 0 { &data.uvs } else { &data.second_uvs };
     if uvs.is_empty() {
-        notes.push("without texture coordinates there are no tangents: its normal map is left out".to_owned());
+        notes.push("its normal map needs texture coordinates: it is left out".to_owned());
         return;
     }
     let uvs = uvs.clone();

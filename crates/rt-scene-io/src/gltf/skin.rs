@@ -7,7 +7,7 @@ use rt_math::{DMat3, DVec3};
 use super::{accessor::read_vectors, buffers::Buffers, node_pose::Affine};
 use crate::{LoadError, LoadErrorKind};
 
-/// Weights whose sum is farther than this from 1 are worth a warning: four of them rounded to bytes are within it.
+/// Weights whose sum is farther than this from 1 cause a warning: four of them rounded to bytes are within it.
 const MAX_DEVIATION: f64 = 1.0 / 64.0;
 
 /// The maps of the joints, from where the mesh was bound to the world.
@@ -21,7 +21,7 @@ pub(super) fn joints(
     for joint in skin.joints() {
         let world = worlds.get(joint.index()).copied().flatten();
         joints
-            .push(world.ok_or_else(|| fail(LoadErrorKind::invalid(joint.index(), "is a joint that is below itself")))?);
+            .push(world.ok_or_else(|| fail(LoadErrorKind::invalid(joint.index(), "is a joint and its own ancestor")))?);
     }
     let Some(accessor) = skin.inverse_bind_matrices() else { return Ok(joints) };
     let inverses = read_vectors::<16>(&accessor, buffers)?;
@@ -52,7 +52,7 @@ pub(super) fn deform(data: &mut MeshData, sets: &[Influences], joints: &[Affine]
         for set in sets {
             for (joint, weight) in set.joints[vertex].into_iter().zip(set.weights[vertex].map(f64::from)) {
                 if weight > 0.0 {
-                    let rule = || format!("is no joint of the skin; there are {} (vertex {vertex})", joints.len());
+                    let rule = || format!("is not the index of a joint; there are {} (vertex {vertex})", joints.len());
                     let map = joints.get(joint as usize).ok_or_else(|| LoadErrorKind::invalid(joint, rule()))?;
                     sum += weight;
                     blend.linear += map.linear * weight;
@@ -87,7 +87,7 @@ fn move_vertex(data: &mut MeshData, vertex: usize, map: &Affine) {
     }
 }
 
-/// The matrix that takes normals, up to a factor that has the sign of the determinant; it is there for flat maps, too.
+/// The matrix that takes normals, up to a factor with the sign of the determinant; defined for singular maps, too.
 fn cofactors(m: &DMat3) -> DMat3 {
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
@@ -153,6 +153,6 @@ mod tests {
     fn joints_that_are_not_there_are_refused() {
         let set = Influences { joints: vec![[7.0, 0.0, 0.0, 0.0]], weights: vec![[1.0, 0.0, 0.0, 0.0]] };
         let error = deform(&mut vertex(), &[set], &[Affine::IDENTITY]).expect_err("no joint 7").to_string();
-        assert_eq!(error, "7 is no joint of the skin; there are 1 (vertex 0)");
+        assert_eq!(error, "7 is not the index of a joint; there are 1 (vertex 0)");
     }
 }

@@ -162,7 +162,10 @@ fn lights_stand_where_their_nodes_are() {
 #[test]
 fn trees_with_cycles_or_two_parents_are_refused() {
     let own_child = refused(r#""nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}], "scene": 0"#);
-    assert!(own_child.starts_with("m.glb: nodes[0]: is a root of the scene, but also below the node 0"), "{own_child}");
+    assert!(
+        own_child.starts_with("m.glb: nodes[0]: is a root of the scene, but also a child of the node 0"),
+        "{own_child}"
+    );
     assert!(refused(r#""nodes": [{"children": [1]}, {"children": [0]}]"#).contains("they form a cycle"));
     let shared = refused(r#""nodes": [{"children": [2]}, {"children": [2]}, {}]"#);
     assert!(shared.starts_with("m.glb: nodes[2]: has two parents, 0 and 1"), "{shared}");
@@ -174,7 +177,7 @@ fn deep_trees_are_refused_and_less_deep_ones_walked() {
         let links: Vec<String> = (1..depth).map(|child| format!(r#"{{"children": [{child}]}}"#)).collect();
         format!(r#""nodes": [{}, {{"mesh": 0}}]"#, links.join(","))
     };
-    assert!(refused(&chain(50_000)).contains("the depth of the tree is 1025, the limit is 1024"));
+    assert!(refused(&chain(50_000)).contains("the depth of the tree is 1025, above the limit of 1024"));
     let mut node: &SceneNode = &load_nodes(&chain(1024)).nodes[0].clone();
     let mut depth = 1;
     while let [child] = node.children.as_slice() {
@@ -203,7 +206,7 @@ fn bad_arrays_are_refused() {
     assert!(refuse(mismatched).contains("attributes.NORMAL: accessors[2] must be VEC3"));
     let points =
         load_with(r#"{"attributes": {"POSITION": 0}, "mode": 0}"#, r#""nodes": [{"mesh": 0}]"#).expect("empty");
-    assert_eq!(points.warnings[0].message, "points and lines have no surface; they are left out");
+    assert_eq!(points.warnings[0].message, "points and lines are not supported; they are left out");
 }
 
 #[test]
@@ -329,7 +332,7 @@ fn variants_choose_the_material() {
     assert!(error.contains("unknown variant `knight`; did you mean `night`? Known are `day`, `night`"), "{error}");
     let beyond = rest.replace("\"material\": 1", "\"material\": 2");
     let error = Arrays::triangle().load(&beyond, &with("night")).expect_err("no material 2").to_string();
-    assert!(error.contains("2 is no material; there are 2"), "{error}");
+    assert!(error.contains("2 is not the index of a material; there are 2"), "{error}");
 }
 
 #[test]
@@ -357,9 +360,10 @@ fn nodes_are_posed_at_a_moment() {
         arrays.load(&rest.replace(from, to), &options).expect_err("a bad animation").to_string()
     };
     assert!(
-        refused(r#"{"node": 0, "path": "rot"#, r#"{"node": 1, "path": "rot"#).contains("1 is no node; there are 1")
+        refused(r#"{"node": 0, "path": "rot"#, r#"{"node": 1, "path": "rot"#)
+            .contains("1 is not the index of a node; there are 1")
     );
-    assert!(refused("\"sampler\": 1", "\"sampler\": 5").contains("5 is no sampler; there are 2"));
+    assert!(refused("\"sampler\": 1", "\"sampler\": 5").contains("5 is not the index of a sampler; there are 2"));
     assert!(refused("\"output\": 2", "\"output\": 3").contains("has 4 components, where 3 are needed"));
     assert!(refused("\"interpolation\": \"STEP\"", "\"interpolation\": \"CUBICSPLINE\"").contains("do not fit 2 keys"));
     assert!(
@@ -428,7 +432,8 @@ fn meshes_that_bones_or_weights_move_are_not_blurred_and_say_so() {
             {"sampler": 1, "target": {"node": 3, "path": "translation"}}],
             "samplers": [{"input": 2, "output": 3}, {"input": 2, "output": 6}]}]"#;
     let warnings = |options: &LoadOptions| arrays.load(rest, options).expect("a model").warnings;
-    let message = "2 meshes that bones or morph targets move are not blurred: they are as the shutter opens";
+    let message =
+        "2 meshes with skins or morph targets have no motion blur: their pose at the start of the shutter is used";
     assert_eq!(warnings(&open_at(1.0)).iter().map(|w| w.message.as_str()).collect::<Vec<_>>(), [message]);
     assert_eq!(warnings(&open_at(4.0)), []);
     let model = arrays.load(rest, &open_at(1.0)).expect("a model");
@@ -490,7 +495,7 @@ fn skins_follow_their_joints_and_not_their_node() {
     let error = arrays.load(&rest.replace("[1, 2]", "[1, 2, 3]"), &LoadOptions::default()).expect_err("three joints");
     assert!(error.to_string().contains("2 inverse bind matrices are too few for 3 joints"), "{error}");
     let error = arrays.load(&rest.replace("[1, 2]", "[1]"), &LoadOptions::default()).expect_err("one joint");
-    assert!(error.to_string().contains("1 is no joint of the skin; there are 1"), "{error}");
+    assert!(error.to_string().contains("1 is not the index of a joint; there are 1"), "{error}");
 }
 
 #[test]

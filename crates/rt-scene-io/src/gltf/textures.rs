@@ -94,7 +94,7 @@ impl<'a> GltfTextures<'a> {
         Ok(bitmap)
     }
 
-    /// Decodes an image. One that is not there is a warning; a damaged one is an error.
+    /// Decodes an image. A missing one is a warning; a damaged one is an error.
     fn decoded(&self, index: usize, pixels: PixelEncoding, model: &mut Model) -> Result<Option<Bitmap>, LoadError> {
         let path = self.buffers.path();
         let place = format!("images[{index}]");

@@ -64,6 +64,6 @@ pub(super) fn material<'a>(
         return Ok(primitive.material());
     };
     let count = document.materials().len();
-    let rule = || format!("is no material; there are {count}");
+    let rule = || format!("is not the index of a material; there are {count}");
     document.materials().nth(mapping.material).ok_or_else(|| fail(LoadErrorKind::invalid(mapping.material, rule())))
 }

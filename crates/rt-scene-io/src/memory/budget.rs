@@ -24,7 +24,7 @@ struct Account {
     entries: Mutex<AccountEntries>,
 }
 
-/// Reservations by number.
+/// Reservations by id.
 #[derive(Debug, Default)]
 struct AccountEntries {
     held: u64,
@@ -40,7 +40,7 @@ pub(crate) struct Reservation {
 }
 
 impl MemoryBudget {
-    /// A budget of so many bytes.
+    /// A budget of this number of bytes.
     pub fn of(bytes: u64) -> Self {
         Self(Some(Arc::new(Account { limit: bytes, entries: Mutex::default() })))
     }
@@ -50,7 +50,7 @@ impl MemoryBudget {
         self.0.as_ref().map(|account| account.limit)
     }
 
-    /// Bytes that are held now: of all that has been loaded, and of what is being read.
+    /// Bytes that are reserved now, by loaded data and by files being read.
     pub fn held(&self) -> u64 {
         self.0.as_ref().map_or(0, |account| account.entries().held)
     }
@@ -71,7 +71,7 @@ impl MemoryBudget {
         Ok(Reservation { account: Some((Arc::clone(account), number)) })
     }
 
-    /// Checks that so many bytes are left, without a reservation.
+    /// Checks that this number of bytes is left, without a reservation.
     pub(crate) fn check(&self, what: impl Display, bytes: u64) -> Result<(), LoadErrorKind> {
         self.reserve(what, bytes).map(drop)
     }

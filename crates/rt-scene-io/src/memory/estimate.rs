@@ -81,7 +81,7 @@ impl FileSample {
     }
 }
 
-/// Sets aside what a scene file takes at its peak: the text, and its nodes as they are written and as they are resolved.
+/// Reserves the peak memory of a scene file: the text, its parsed nodes and its resolved nodes.
 pub(crate) fn reserve_scene(path: &Path, options: &LoadOptions) -> Result<Reservation, LoadErrorKind> {
     let bytes = options.memory.limit().and_then(|_| FileSample::of(path, options)).map_or(0, |sample| {
         let [nodes, lists] = sample.over_lines(elements);
@@ -127,7 +127,7 @@ pub(crate) fn load_within_budget(
     Ok(model)
 }
 
-/// Bytes of a model's meshes and nodes; textures are counted as they are read.
+/// Bytes of the meshes and nodes of a model; textures are counted when they are read.
 fn memory(model: &Model) -> u64 {
     let meshes: usize = model.meshes.iter().map(|NamedMesh { mesh, .. }| mesh.memory()).sum();
     meshes as u64 + tree_bytes(&model.nodes)

@@ -29,7 +29,7 @@ pub(super) struct FaceList {
 }
 
 impl FaceList {
-    /// Reads what follows `p` or, with normals, `pp`.
+    /// Reads a `p` statement, or `pp` with normals.
     pub(super) fn read(
         &mut self,
         tokens: &mut Tokenizer<'_>,
@@ -208,7 +208,7 @@ mod tests {
         };
         assert_eq!(refused("2 0 0 0 1 1 1"), "2 is not a number of corners: a polygon has 3 or more");
         assert_eq!(refused("3.5"), "3.5 is not a number of corners: a polygon has 3 or more");
-        assert!(refused("4000000000 0 0 0").ends_with("is 4000000000, the limit is 100000"));
+        assert!(refused("4000000000 0 0 0").ends_with("is 4000000000, above the limit of 100000"));
         assert!(refused("99999 0 0 0 1").contains("the end of the file comes before a coordinate of a corner"));
     }
 }

@@ -28,7 +28,7 @@ pub(super) struct Fill {
 }
 
 impl Fill {
-    /// Reads what follows the keyword.
+    /// Reads the numbers after the keyword.
     pub(super) fn read(tokens: &mut Tokenizer<'_>) -> Result<Self, LineError> {
         let fill = Self {
             colour: tokens.color("a part of the fill colour")?,

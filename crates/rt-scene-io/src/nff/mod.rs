@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! v b l          view, background, lights   ──> camera, image size, background, classical lights
-//! f              fill colour                ──> a Phong material of what follows
+//! f              fill colour                ──> a Phong material of the objects that follow
 //! s c            sphere, cone or cylinder   ──> exact shapes
 //! p pp           polygon, patch             ──> polygons or a mesh, a mesh with normals
 //! ```
@@ -102,7 +102,7 @@ struct NffReader<'p> {
     /// One for each material of the model.
     surfaces: Vec<FillFaces>,
     known_fills: HashMap<[u64; 8], MaterialId>,
-    /// The material of what follows.
+    /// Material of the objects that follow.
     fill: Option<MaterialId>,
     /// Number of solids that show their inside only, and the line of the first.
     inside_out: (usize, usize),
@@ -197,7 +197,7 @@ impl<'p> NffReader<'p> {
         if let Some(id) = self.fill {
             return id;
         }
-        self.warn(line, "an object comes before the first fill colour; it becomes plain grey".to_owned());
+        self.warn(line, "an object comes before the first fill colour; plain grey is used".to_owned());
         let id = self.add_material(Material::new("no fill".to_owned(), Phong::default()), None);
         self.fill = Some(id);
         id
@@ -225,7 +225,7 @@ impl<'p> NffReader<'p> {
         self.model.background =
             Some(Background::Constant(Color::from_rgb(self.background.unwrap_or_default().to_array())));
         if let (count @ 1.., line) = self.inside_out {
-            let message = "spheres and cones of negative radius are seen from both sides, not from inside alone";
+            let message = "spheres and cones of negative radius are visible from both sides, not only from inside";
             self.warn(line, format!("{message} ({count} in the file, this is the first)"));
         }
         // A file that is wrong may have no objects only for that.

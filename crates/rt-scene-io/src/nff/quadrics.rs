@@ -15,7 +15,7 @@ pub(super) struct PlacedShape {
     pub(super) inside_out: bool,
 }
 
-/// Reads what follows `s`: centre and radius.
+/// Reads an `s` statement: centre and radius.
 pub(super) fn sphere(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShape, LineError> {
     let centre = DVec3::from(tokens.numbers("a coordinate of the centre")?);
     let radius = tokens.number("the radius of a sphere")?;
@@ -23,7 +23,7 @@ pub(super) fn sphere(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedSh
     Ok(PlacedShape { shape: Shape::Sphere(sphere), world_from_local: Transform::IDENTITY, inside_out: radius < 0.0 })
 }
 
-/// Reads what follows `c`: the middle and radius of the base, then those of the apex. There are no caps.
+/// Reads a `c` statement: centre and radius of the base, then those of the apex. There are no caps.
 pub(super) fn cone(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShape, LineError> {
     let base = DVec3::from(tokens.numbers("a coordinate of the base")?);
     let base_radius = tokens.number("the radius of the base")?;
@@ -58,7 +58,7 @@ pub(super) fn cone(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShap
     Ok(PlacedShape { shape, world_from_local, inside_out })
 }
 
-/// The side of a cylinder, cone or frustum that stands on the plane y = 0.
+/// The side of a cylinder, cone or frustum with its base in the plane y = 0.
 fn upright(bottom: f64, top: f64, height: f64) -> Result<Shape, ShapeError> {
     Ok(if bottom == top {
         Shape::Cylinder(Cylinder::new(bottom, 0.0, height, false)?)

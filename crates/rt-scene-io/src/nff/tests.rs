@@ -80,10 +80,10 @@ fn repairs_are_reported() {
     assert_eq!(
         warnings,
         [
-            "m.nff:1: an object comes before the first fill colour; it becomes plain grey",
+            "m.nff:1: an object comes before the first fill colour; plain grey is used",
             "m.nff: polygons of no fill: 1 triangles without area were dropped (of 1 triangles in all)",
-            "m.nff: polygons of no fill: no triangle is left; the mesh is left out",
-            "m.nff:1: spheres and cones of negative radius are seen from both sides, not from inside alone (2 in the file, this is the first)",
+            "m.nff: polygons of no fill: no triangles are left; the mesh is left out",
+            "m.nff:1: spheres and cones of negative radius are visible from both sides, not only from inside (2 in the file, this is the first)",
         ]
     );
     assert_eq!(model.nodes.len(), 3);
@@ -124,7 +124,7 @@ fn files_without_objects_are_refused() {
 fn after_twenty_problems_the_rest_is_counted() {
     let message = refused(&"s 0 0 0 0\n".repeat(500));
     assert_eq!(message.lines().count(), 21);
-    assert!(message.ends_with("480 more errors; fix these first"), "{message}");
+    assert!(message.ends_with("480 more errors are not listed; fix these first"), "{message}");
 }
 
 #[test]

@@ -28,7 +28,7 @@ struct ViewFields {
 }
 
 impl NffView {
-    /// Reads what follows `v` in `line`: the parts in any order.
+    /// Reads the parts of a `v` statement after `line`, in any order.
     pub(super) fn read(tokens: &mut Tokenizer<'_>, line: usize) -> Result<Self, LineError> {
         let mut parts = ViewFields::default();
         while let Some(Word { line, text }) = tokens.peek_word() {
@@ -38,7 +38,7 @@ impl NffView {
             tokens.take_word();
             match text {
                 "from" => parts.from = Some(tokens.numbers("a coordinate of the eye")?.into()),
-                "at" => parts.at = Some(tokens.numbers("a coordinate of what is looked at")?.into()),
+                "at" => parts.at = Some(tokens.numbers("a coordinate of `at`")?.into()),
                 "up" => parts.up = Some(tokens.numbers("a component of `up`")?.into()),
                 "angle" => parts.angle = Some(angle(tokens, line)?),
                 "hither" => drop(tokens.number("the distance of the hither plane")?),

@@ -35,7 +35,7 @@ pub(super) struct ObjDocument {
     pub(super) text: String,
     /// In order of their first face.
     pub(super) parts: Vec<ObjPart>,
-    /// Names of material libraries with their lines: what follows `mtllib`.
+    /// Arguments of `mtllib`, the names of material libraries, with their lines.
     pub(super) libraries: Vec<(usize, String)>,
     /// Skipped statements: their number, and the first line.
     pub(super) skipped: BTreeMap<String, (usize, usize)>,
@@ -145,7 +145,11 @@ impl StatementReader {
                 let smoothing = match line.arguments().next().unwrap_or("off") {
                     "off" | "0" => Smoothing::Off,
                     "on" => Smoothing::Group(1),
-                    group => Smoothing::Group(group.parse().map_err(|_| format!("`{group}` is no smoothing group"))?),
+                    group => Smoothing::Group(
+                        group
+                            .parse()
+                            .map_err(|_| format!("`{group}` is not a smoothing group; give a number or off"))?,
+                    ),
                 };
                 self.change(|state| state.smoothing = smoothing);
             }
@@ -221,7 +225,7 @@ impl StatementReader {
                 return Ok(());
             }
             3..=FACE_CORNERS => {}
-            n => return Err(format!("a face with {n} corners; at most {FACE_CORNERS} are accepted")),
+            n => return Err(format!("a face has {n} corners; it may have at most {FACE_CORNERS}")),
         }
         let attributes = [1, 2].map(|kind| self.corners.iter().all(|corner| corner[kind].is_some()));
         let part = self.part(attributes);
@@ -284,16 +288,18 @@ fn corner(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
     let mut corner = Corner { indices: [None; 3], dangling: false };
     for (kind, text) in word.split('/').enumerate() {
         let slot =
-            corner.indices.get_mut(kind).ok_or_else(|| format!("`{}` is no corner of a face", shortened(word)))?;
+            corner.indices.get_mut(kind).ok_or_else(|| format!("`{}` is not a corner of a face", shortened(word)))?;
         if text.is_empty() {
             continue;
         }
-        let index: i64 = text.parse().map_err(|_| format!("`{}` is no index", shortened(text)))?;
+        let index: i64 = text.parse().map_err(|_| format!("`{}` is not an index", shortened(text)))?;
         *slot = absolute(index, counts[kind]);
         match (kind, *slot) {
             (0, None) => {
                 let count = counts[0];
-                return Err(format!("the face names vertex {index}, but {count} come before it (indices start at 1)"));
+                return Err(format!(
+                    "vertex {index} of the face is out of range: {count} come before it (indices start at 1)"
+                ));
             }
             (_, None) => corner.dangling = true,
             _ => {}
@@ -301,7 +307,7 @@ fn corner(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
     }
     match corner.indices[0] {
         Some(_) => Ok(corner),
-        None => Err(format!("the corner `{}` names no vertex", shortened(word))),
+        None => Err(format!("the corner `{}` has no vertex index", shortened(word))),
     }
 }
 
@@ -335,14 +341,23 @@ mod tests {
 
     #[test]
     fn indices_out_of_range_are_refused_with_their_line() {
-        assert_eq!(refused("f 1 2 5"), "7: the face names vertex 5, but 4 come before it (indices start at 1)");
-        assert_eq!(refused("\nf 0 1 2"), "8: the face names vertex 0, but 4 come before it (indices start at 1)");
-        assert_eq!(refused("f 1 2 -5"), "7: the face names vertex -5, but 4 come before it (indices start at 1)");
+        assert_eq!(
+            refused("f 1 2 5"),
+            "7: vertex 5 of the face is out of range: 4 come before it (indices start at 1)"
+        );
+        assert_eq!(
+            refused("\nf 0 1 2"),
+            "8: vertex 0 of the face is out of range: 4 come before it (indices start at 1)"
+        );
+        assert_eq!(
+            refused("f 1 2 -5"),
+            "7: vertex -5 of the face is out of range: 4 come before it (indices start at 1)"
+        );
         let min = i64::MIN;
-        assert!(refused(&format!("f 1 2 {min}")).starts_with("7: the face names"));
-        assert_eq!(refused("f 1 2 9223372036854775808"), "7: `9223372036854775808` is no index");
-        assert_eq!(refused("f 1/1/1/1 2 3"), "7: `1/1/1/1` is no corner of a face");
-        assert_eq!(refused("f 1 2 /1"), "7: the corner `/1` names no vertex");
+        assert!(refused(&format!("f 1 2 {min}")).starts_with("7: vertex "));
+        assert_eq!(refused("f 1 2 9223372036854775808"), "7: `9223372036854775808` is not an index");
+        assert_eq!(refused("f 1/1/1/1 2 3"), "7: `1/1/1/1` is not a corner of a face");
+        assert_eq!(refused("f 1 2 /1"), "7: the corner `/1` has no vertex index");
     }
 
     #[test]
@@ -389,7 +404,7 @@ mod tests {
     fn short_vertices_and_huge_faces_are_refused() {
         assert_eq!(refused("v 1 2"), "7: `v` needs 3 numbers, but has 2");
         let huge = format!("f{}", " 1".repeat(FACE_CORNERS + 1));
-        assert_eq!(refused(&huge), "7: a face with 100001 corners; at most 100000 are accepted");
+        assert_eq!(refused(&huge), "7: a face has 100001 corners; it may have at most 100000");
         let found = ObjDocument::find_bad_numbers("v 1 2 3\n\nv 1,5 2 3", "v");
         let [LineError { line: 3, kind }] = &found[..] else { panic!("one line: {found:?}") };
         assert_eq!(kind.to_string(), "`1,5` is not a number");
@@ -399,7 +414,7 @@ mod tests {
     fn a_bad_vertex_does_not_make_the_faces_after_it_bad() {
         assert_eq!(
             refused("v 1 2\nf 1 2 5\nf 1 2 6\n"),
-            "7: `v` needs 3 numbers, but has 2\n9: the face names vertex 6, but 5 come before it (indices start at 1)"
+            "7: `v` needs 3 numbers, but has 2\n9: vertex 6 of the face is out of range: 5 come before it (indices start at 1)"
         );
     }
 }

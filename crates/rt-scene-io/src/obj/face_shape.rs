@@ -54,7 +54,9 @@ impl FaceShapes {
             )
         });
         let of_crossed = (crossed > 0).then(|| {
-            format!("{crossed} faces cross themselves: what they cover is open to interpretation; cut them into parts")
+            format!(
+                "{crossed} faces intersect themselves and may be filled unexpectedly; split them into simple polygons"
+            )
         });
         of_bent.into_iter().chain(of_crossed)
     }

@@ -44,7 +44,7 @@ fn tinted(texture: Option<TextureId>, model: &mut Model) -> TextureId {
 }
 
 impl<'a> MaterialLibrary<'a> {
-    /// Reads the libraries that `mtllib` statements name. One that is not there is a warning.
+    /// Reads the libraries that `mtllib` statements name. A missing one is a warning.
     pub(super) fn open(
         statements: &[(usize, String)],
         path: &'a Path,
@@ -83,7 +83,7 @@ impl<'a> MaterialLibrary<'a> {
         }
         for name in missing {
             self.incomplete = true;
-            let message = format!("the material library `{name}` does not exist; its materials become plain grey");
+            let message = format!("the material library `{name}` does not exist; plain grey is used for its materials");
             model.warn(format_args!("{}:{}", self.path.display(), line), message);
         }
         Ok(())
@@ -107,7 +107,8 @@ impl<'a> MaterialLibrary<'a> {
         let mut here = HashSet::new();
         for material in materials {
             if !here.insert(material.name.clone()) {
-                let message = format!("the material `{}` is there more than once: the first counts", material.name);
+                let message =
+                    format!("the material `{}` is defined twice: the first definition is used", material.name);
                 model.warn(file.display(), message);
             }
             self.known.entry(material.name.clone()).or_insert_with(|| (material, file.to_owned()));
@@ -159,7 +160,7 @@ impl<'a> MaterialLibrary<'a> {
         known.truncate(24);
         let known =
             if known.is_empty() { "there are none".to_owned() } else { format!("known are {}", known.join(", ")) };
-        let message = format!("the material `{name}` is in no library ({known}); it becomes plain grey");
+        let message = format!("the material `{name}` is not defined in a library ({known}); plain grey is used");
         Warning { place: self.path.display().to_string(), message }
     }
 
@@ -216,7 +217,7 @@ impl<'a> MaterialLibrary<'a> {
         let unknown = UNUSED.iter().chain(of_glass).copied().filter(present);
         for keyword in mtl.shininess_texture.iter().map(|_| "map_Ns").chain(unknown) {
             let place = format!("{}: material `{}`", file.display(), mtl.name);
-            model.warnings.push(Warning { place, message: format!("`{keyword}` is not followed") });
+            model.warnings.push(Warning { place, message: format!("`{keyword}` is not supported") });
         }
     }
 }

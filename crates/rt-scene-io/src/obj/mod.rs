@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. What a file
-//! leaves out is replaced, with a warning: a library or image that is not there, a name that no library holds.
+//! leaves out is replaced, with a warning: a missing library or image, a name that no library defines.
 
 mod bump_to_normal;
 mod document;
@@ -68,7 +68,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
 
     let mut model = Model::default();
     if let Some(line) = not_utf8 {
-        model.warn(format_args!("{}:{}", path.display(), line), "bytes that are not UTF-8 are replaced".to_owned());
+        model.warn(format_args!("{}:{}", path.display(), line), "bytes that are not UTF-8 were replaced".to_owned());
     }
     for (what, (count, line)) in &document.skipped {
         model.warn(
@@ -98,7 +98,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         let mut data = smoothing::add_normals(data, part.smoothing);
         if library.needs_tangents(part.material.as_deref()) {
             if data.uvs.is_empty() {
-                let message = "without texture coordinates there are no tangents: bumps and brushed metal are left out";
+                let message = "bump maps and anisotropy need texture coordinates: they are left out";
                 model.warn(&place, message);
             } else {
                 let uvs = data.uvs.clone();
@@ -156,7 +156,7 @@ fn mesh_data(mesh: &tobj::Mesh, shapes: &mut FaceShapes) -> Result<MeshData, Mes
 }
 
 /// The colours of vertices as light; none if all are white. The programs that write them (MeshLab, ZBrush, Blender) write
-/// colours as they are shown: sRGB.
+/// display colours: sRGB.
 fn linear_colours(shown: &[f32]) -> Vec<[f32; 4]> {
     if shown.iter().all(|&part| part == 1.0) {
         return Vec::new();
@@ -210,7 +210,7 @@ mod tests {
         assert_eq!(sizes, [1, 1, 2]);
         assert_eq!(
             messages(&model),
-            ["m.obj: the material `m` is in no library (there are none); it becomes plain grey"]
+            ["m.obj: the material `m` is not defined in a library (there are none); plain grey is used"]
         );
     }
 
@@ -311,7 +311,7 @@ mod tests {
         assert!(matches!(model.materials[1].to_phong().diffuse, ColorTexture::Textured(..)));
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-        assert_eq!(what[0], "the material library `none.mtl` does not exist; its materials become plain grey");
+        assert_eq!(what[0], "the material library `none.mtl` does not exist; plain grey is used for its materials");
         assert_eq!(what[1], "the image `missing.png` does not exist; the plain colour is used");
         assert_eq!(what.len(), 2);
     }
@@ -345,7 +345,7 @@ mod tests {
         assert_eq!(model.meshes[0].mesh.data().tangents[0], [1.0, 0.0, 0.0, 1.0]);
         assert!(model.meshes[1].mesh.data().tangents.is_empty());
         let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-        assert_eq!(what, ["`disp` is not followed", "`map_Pr` is not followed", "`Pc` is not followed"]);
+        assert_eq!(what, ["`disp` is not supported", "`map_Pr` is not supported", "`Pc` is not supported"]);
     }
 
     #[test]

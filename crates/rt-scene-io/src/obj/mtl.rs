@@ -38,14 +38,14 @@ pub(super) struct MtlFile {
 /// Maximum number of unknown keywords in warnings.
 const MAX_UNKNOWN: usize = 100;
 
-/// Keywords, in the case that `tobj` knows; the case in files varies.
+/// Keywords, in the case that `tobj` requires; the case in files varies.
 const KEYWORDS: [&str; 33] = [
     "newmtl", "Ka", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",
     "anisor", "map_Ka", "map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Bump", "bump", "map_Pr", "map_Pm",
     "map_Ps", "map_Pc", "norm", "disp", "decal",
 ];
 
-/// The materials of a file, and what was left out of it.
+/// The materials of a file, and its ignored statements.
 pub(super) fn parse(text: &str) -> MtlFile {
     let mut clean = String::new();
     let mut warnings = Vec::new();
@@ -107,12 +107,14 @@ fn statement(line: &Line<'_>) -> Result<String, String> {
             let word = line.arguments().next().unwrap_or_default();
             match word.parse::<u8>() {
                 Ok(model @ 0..=10) => Ok(format!("illum {model}")),
-                _ => Err(format!("`{word}` is no illumination model (they are numbered from 0 to 10)")),
+                _ => Err(format!("`{word}` is not an illumination model; give a number from 0 to 10")),
             }
         }
         "newmtl" if rest.is_empty() => Err("`newmtl` needs a name, and so do the statements that follow it".to_owned()),
         _ if rest.is_empty() => Err(format!("`{word}` needs a name")),
-        _ if is_map(keyword) && TextureMap::parse(rest).is_none() => Err(format!("`{word} {rest}` names no image")),
+        _ if is_map(keyword) && TextureMap::parse(rest).is_none() => {
+            Err(format!("`{word} {rest}` has no file name of an image"))
+        }
         _ => Ok(format!("{keyword} {rest}")),
     }
 }
@@ -166,8 +168,10 @@ mod tests {
     #[test]
     fn maps_that_name_no_image_were_left_out_without_a_word() {
         let MtlFile { warnings, .. } = parse("newmtl a\nmap_Kd -s 2 2\nbump -bm 1\n");
-        let expected =
-            [(2, "`map_Kd -s 2 2` names no image".to_owned()), (3, "`bump -bm 1` names no image".to_owned())];
+        let expected = [
+            (2, "`map_Kd -s 2 2` has no file name of an image".to_owned()),
+            (3, "`bump -bm 1` has no file name of an image".to_owned()),
+        ];
         assert_eq!(warnings, expected);
     }
 

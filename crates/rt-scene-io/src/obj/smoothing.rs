@@ -10,7 +10,8 @@ use crate::limits;
 /// Smoothness of a surface in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Smoothing {
-    /// Not specified. Edges are smoothed below an angle of 41°, so that curved models look smooth and boxes keep their edges.
+    /// Not specified. Edges are smoothed below an angle of 41°, so that curved models are smooth and boxes keep their
+    /// edges.
     Unspecified,
     /// `s off` or `s 0`: flat faces.
     Off,

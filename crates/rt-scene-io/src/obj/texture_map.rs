@@ -63,7 +63,7 @@ impl TextureMap {
         (!map.file.is_empty()).then_some(map)
     }
 
-    /// Follows the option that the text begins with; what comes after it, or `None` if it begins with something else.
+    /// Parses the option at the beginning of the text, and returns the rest; `None` without an option.
     fn option<'t>(&mut self, text: &'t str) -> Option<&'t str> {
         let (word, mut rest) = first_word(text);
         let (name, arguments, harmless) = OPTIONS.iter().find(|(name, ..)| word == *name)?;

@@ -42,7 +42,7 @@ impl<'a> ObjTextures<'a> {
         Self { options, known: HashMap::new(), bytes: 0 }
     }
 
-    /// The texture of a map in the library `file`. An image that is not there is a warning; a damaged one is an error.
+    /// The texture of a map in the library `file`. A missing image is a warning; a damaged one is an error.
     pub(super) fn texture(
         &mut self,
         map: &TextureMap,
@@ -62,7 +62,7 @@ impl<'a> ObjTextures<'a> {
         let instead = match meaning {
             PixelMeaning::Colors => "the plain colour is used",
             PixelMeaning::Numbers => "the plain number is used",
-            PixelMeaning::Alpha(_) => "the surface is whole",
+            PixelMeaning::Alpha(_) => "the surface is opaque",
             PixelMeaning::NormalMap => "the surface is smooth",
         };
         // Absolute paths are those of another machine.

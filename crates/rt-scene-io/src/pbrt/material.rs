@@ -65,7 +65,7 @@ pub(super) fn read(
         "mix" => return reader.mix(find, warnings),
         "interface" | "none" | "" => return Ok(None),
         other if UNSUPPORTED.contains(&other) => {
-            warnings.push(format!("the material \"{other}\" is not supported: grey is in its place"));
+            warnings.push(format!("the material \"{other}\" is not supported: grey is used"));
             let albedo = ColorTexture::Constant(Rgb::gray(0.5));
             made(MaterialModel::Diffuse { albedo, roughness: 0.0 })
         }

@@ -194,7 +194,7 @@ impl Parameters {
         unused.map(|p| (p.line, p.name.as_str())).collect()
     }
 
-    /// These parameters as attributes, and each of them to see later whether it was of use.
+    /// These parameters as attributes; each records whether it was used.
     pub(super) fn into_attributes(mut self) -> (Self, Vec<Parameter>) {
         for parameter in &mut self.list {
             parameter.is_attribute = true;
@@ -203,7 +203,7 @@ impl Parameters {
         (self, list)
     }
 
-    /// All numbers of a parameter of one of the types; empty if it is not there.
+    /// All numbers of a parameter of one of the types; empty if it is missing.
     pub(super) fn numbers(&self, name: &str, types: &[&str]) -> Result<&[f64], LineError> {
         let Some(parameter) = self.get(name) else { return Ok(&[]) };
         match &parameter.values {
@@ -288,7 +288,7 @@ impl Parameters {
     }
 }
 
-/// Checks that there are not so many parameters that looking for one among them takes long.
+/// Limits the number of parameters, so that finding one takes a short time.
 fn check_count(line: usize, count: usize) -> Result<(), LineError> {
     if count <= limits::PARAMETERS {
         return Ok(());
@@ -363,6 +363,6 @@ mod tests {
     #[test]
     fn parameters_are_counted() {
         let text: String = (0..300).map(|i| format!("\"float p{i}\" 1 ")).collect();
-        assert_eq!(read(&text).unwrap_err(), "1: the number of parameters is 257, the limit is 256");
+        assert_eq!(read(&text).unwrap_err(), "1: the number of parameters is 257, above the limit of 256");
     }
 }

@@ -56,7 +56,7 @@ const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransf
 /// Targets of attributes.
 const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
 
-/// A surface by its index, the bits of what it emits from one side or both, and how much of it is there.
+/// Key of a surface: its index, the bits of its emission and emission sides, and its alpha.
 type MaterialKey = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
 
 /// State of the reader.
@@ -75,7 +75,7 @@ pub(super) struct PbrtReader<'f> {
     pub(super) state: GraphicsState,
     /// States saved by `AttributeBegin` and `ObjectBegin`, and their lines.
     pub(super) saved: Vec<(GraphicsState, usize, bool)>,
-    /// All attributes: the file, what they are for, and the parameter.
+    /// All attributes: the file, their target, and the parameter.
     pub(super) attributes: Vec<(PathBuf, String, Parameter)>,
     /// True while transforms apply to the end of a motion, which is not supported.
     pub(super) at_end_time: bool,
@@ -134,7 +134,7 @@ impl<'f> PbrtReader<'f> {
         }
     }
 
-    /// Reads all directives of a text; what is wrong is reported.
+    /// Reads all directives of a text, and reports errors.
     pub(super) fn read(&mut self, text: &str) {
         let mut tokens = Tokenizer::new(text);
         while self.error_count < PBRT_ERRORS {
@@ -165,7 +165,7 @@ impl<'f> PbrtReader<'f> {
         self.report.add([error.in_file(&self.path)]);
     }
 
-    /// Warns once of what comes many times.
+    /// Adds a warning, or counts a repeated one.
     pub(super) fn warn(&mut self, line: usize, message: String) {
         if let Some((_, count)) = self.warned.get_mut(&message) {
             *count += 1;
@@ -257,7 +257,7 @@ impl<'f> PbrtReader<'f> {
 
     fn set_matrix(&mut self, matrix: Transform, line: usize) {
         if self.at_end_time {
-            self.warn(line, "motion is not supported: objects stay at their start".to_owned());
+            self.warn(line, "motion is not supported: objects keep their transform at the start".to_owned());
         } else {
             self.state.matrix = matrix;
         }

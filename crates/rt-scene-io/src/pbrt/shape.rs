@@ -20,10 +20,10 @@ use crate::{LoadError, LoadErrorKind, resolve_path};
 const KINDS: [&str; 8] =
     ["sphere", "disk", "cylinder", "trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve"];
 
-/// Something that stands in the scene.
+/// Object of the scene.
 #[derive(Debug)]
 pub(super) enum PbrtShape {
-    /// A shape, and how it stands in the space of the file.
+    /// A shape, and its transform to the space of the file.
     Exact(Shape, Transform),
     /// A mesh.
     Mesh(MeshData),

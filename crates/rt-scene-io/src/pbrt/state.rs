@@ -1,4 +1,4 @@
-//! The graphics state: what holds for the shapes that follow.
+//! The graphics state: attributes of the shapes that follow.
 
 use std::collections::HashMap;
 

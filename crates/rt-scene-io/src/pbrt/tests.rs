@@ -258,8 +258,8 @@ fn what_is_not_supported_is_listed_with_its_line() {
     for (directive, message) in [
         ("Shape \"curve\" \"point3 P\" [0 0 0 1 1 1 2 2 2 3 3 3]", "the shape \"curve\" is not supported"),
         ("Shape \"sphere\" \"float zmin\" 0", "the sphere is whole, without regard"),
-        ("Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" cuts meshes alone: the sphere is whole"),
-        ("Material \"hair\"", "the material \"hair\" is not supported: grey is in its place"),
+        ("Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" is supported for meshes only: the sphere is opaque"),
+        ("Material \"hair\"", "the material \"hair\" is not supported: grey is used"),
         (
             "Material \"diffuse\" \"texture displacement\" \"n\"",
             "the parameter \"displacement\" of Material is not supported",
@@ -387,11 +387,12 @@ fn instances_are_counted_before_they_are_unfolded() {
     let error =
         load(&format!("WorldBegin\nObjectBegin \"a\"\n{shapes}ObjectEnd\n{instances}")).unwrap_err().to_string();
     assert!(
-        error.contains("the number of shapes, instances unfolded, is 262") && error.contains("the limit is 262144"),
+        error.contains("the number of shapes, with expanded instances, is 262")
+            && error.contains("above the limit of 262144"),
         "{error}"
     );
     let scopes = load(&world(&"AttributeBegin\n".repeat(2000))).unwrap_err().to_string();
-    assert!(scopes.starts_with("m.pbrt:1026: the depth of scopes is 1025, the limit is 1024"), "{scopes}");
+    assert!(scopes.starts_with("m.pbrt:1026: the depth of scopes is 1025, above the limit of 1024"), "{scopes}");
 }
 
 /// Each message lists all names, of which there may be many.
@@ -400,7 +401,7 @@ fn files_of_nothing_but_mistakes_end_early() {
     let names: String = (0..5000).map(|i| format!("MakeNamedMaterial \"m{i}\"\n")).collect();
     let mistakes = "NamedMaterial \"none\"\n".repeat(20_000);
     let error = load(&world(&(names + &mistakes))).unwrap_err();
-    assert!(error.to_string().ends_with("m.pbrt: 980 more errors; fix these first"), "{error}");
+    assert!(error.to_string().ends_with("m.pbrt: 980 more errors are not listed; fix these first"), "{error}");
 }
 
 #[test]

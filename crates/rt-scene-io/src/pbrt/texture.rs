@@ -31,7 +31,7 @@ pub(super) struct PbrtTextures {
 }
 
 impl PbrtTextures {
-    /// Adds the texture `name`; what is lost of it comes back.
+    /// Adds the texture `name`; returns warnings about unsupported parts.
     pub(super) fn define(
         &mut self,
         name: String,
@@ -49,7 +49,7 @@ impl PbrtTextures {
                     (below, ColorTexture::Constant(rgb)) => times(below, rgb),
                     (ColorTexture::Constant(rgb), textured) => times(textured, rgb),
                     (below, _) => {
-                        warnings.push("one image times another is not shown: the first stays".to_owned());
+                        warnings.push("the product of two images is not supported: the first image is used".to_owned());
                         below
                     }
                 }
@@ -57,7 +57,7 @@ impl PbrtTextures {
             "checkerboard" => self.checkerboard(parameters, &mut warnings)?,
             "imagemap" => self.image(parameters, files, &mut warnings)?,
             other if UNSUPPORTED.contains(&other) => {
-                warnings.push(format!("the texture \"{other}\" is not supported: grey is in its place"));
+                warnings.push(format!("the texture \"{other}\" is not supported: grey is used"));
                 ColorTexture::Constant(Rgb::gray(0.5))
             }
             other => {
@@ -107,7 +107,7 @@ impl PbrtTextures {
         match self.coefficient(parameters, name, Rgb::gray(default), warnings)? {
             ColorTexture::Constant(rgb) => Ok(rgb.g),
             ColorTexture::Textured(..) => {
-                warnings.push(format!("the texture of \"{name}\" is not followed: it is {default} everywhere"));
+                warnings.push(format!("the texture of \"{name}\" is not supported: {default} is used"));
                 Ok(default)
             }
         }
@@ -124,7 +124,7 @@ impl PbrtTextures {
             };
         let (even, odd) = (square("tex1", 1.0)?, square("tex2", 0.0)?);
         if parameters.float("dimension", 2.0)? != 2.0 {
-            warnings.push("the checkerboard in space became one on the surface".to_owned());
+            warnings.push("checkerboards in space are not supported: one on the surface is used".to_owned());
         }
         self.mapped(parameters, Texture::Checker { even, odd, size: 1.0 }, warnings)
     }
@@ -149,7 +149,7 @@ impl PbrtTextures {
         };
         if let Some(encoding) = parameters.word("encoding", "string")?.filter(|encoding| *encoding != "sRGB") {
             warnings
-                .push(format!("the encoding \"{encoding}\" is not followed: images of whole numbers are read as sRGB"));
+                .push(format!("the encoding \"{encoding}\" is not supported: images of 8 or 16 bits are read as sRGB"));
         }
         let smooth = parameters.word("filter", "string")? != Some("point");
         let scale = parameters.not_negative("scale", 1.0)?;
@@ -214,7 +214,7 @@ impl PbrtTextures {
             ColorTexture::Textured(id, rgb) => match self.alpha_of(id, parameters.line, files)? {
                 Some(alpha) => (Some(alpha), rgb.g),
                 None => {
-                    warnings.push("its \"alpha\" is no image, and is not followed: the shape is whole".to_owned());
+                    warnings.push("\"alpha\" must be an image: the shape is opaque".to_owned());
                     return Ok(Alpha::OPAQUE);
                 }
             },

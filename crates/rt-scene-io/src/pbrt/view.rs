@@ -56,7 +56,7 @@ impl PbrtCamera {
         if view.is_some_and(|view| view.camera_from_world.flips_handedness()) { Transform::IDENTITY } else { mirror() }
     }
 
-    /// The camera of an image of so many pixels.
+    /// The camera of an image of this size in pixels.
     pub(super) fn camera(&self, [width, height]: [u32; 2]) -> NamedCamera {
         let (width, height) = (f64::from(width), f64::from(height));
         let projection = match self.lens {
@@ -98,7 +98,7 @@ pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], LineError> {
     let shown = || format!("{width} x {height}");
     let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
     if !whole(width) || !whole(height) {
-        let rule = "is no resolution: give two whole numbers of pixels from 1 up";
+        let rule = "is not a resolution: give two whole numbers of pixels from 1 up";
         return Err(LineError::new(parameters.line, shown(), rule));
     }
     if width * height > Image::MAX_PIXELS as f64 {

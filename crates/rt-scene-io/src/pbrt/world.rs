@@ -31,7 +31,7 @@ impl PbrtReader<'_> {
             return Err(LineError::new(
                 line,
                 format_args!("`{word}`"),
-                "stands within an object: objects hold shapes alone",
+                "is inside an object: objects may contain shapes only",
             ));
         }
         if word == "ObjectBegin" {
@@ -54,7 +54,7 @@ impl PbrtReader<'_> {
         self.unfolded += 1 + node.children.len();
         if self.unfolded > limits::PBRT_NODES {
             let (what, value, limit) =
-                ("the number of shapes, instances unfolded,", self.unfolded as u64, limits::PBRT_NODES as u64);
+                ("the number of shapes, with expanded instances,", self.unfolded as u64, limits::PBRT_NODES as u64);
             return Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) });
         }
         match &mut self.object {
@@ -158,11 +158,11 @@ impl PbrtReader<'_> {
         let name = format!("line {line}");
         let mut alpha = self.textures.alpha(&parameters, self.files, &mut warnings)?;
         if matches!(solid, PbrtShape::Exact(..)) && alpha != Alpha::OPAQUE {
-            warnings.push(format!("\"alpha\" cuts meshes alone: the {kind} is whole"));
+            warnings.push(format!("\"alpha\" is supported for meshes only: the {kind} is opaque"));
             alpha = Alpha::OPAQUE;
         }
         if self.surface().is_some_and(|surface| surface.normal_map.is_some()) && !lay_tangents(&mut solid) {
-            warnings.push("without texture coordinates it has no tangents: its normal map is left out".to_owned());
+            warnings.push("its normal map needs texture coordinates: it is left out".to_owned());
         }
         let (content, place) = match solid {
             PbrtShape::Exact(shape, place) => (Content::Shape(shape), self.state.matrix.compose(&place)),

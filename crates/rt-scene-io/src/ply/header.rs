@@ -62,7 +62,7 @@ pub(super) fn has(header: &PlyHeader, columns: Range<usize>) -> bool {
     COLUMNS[columns].iter().all(has)
 }
 
-/// The number that stands for all of a colour in the first of these columns; `None` where it is a fraction already.
+/// Maximum value of a colour in the first of these columns; `None` for fractions.
 pub(super) fn whole(header: &PlyHeader, columns: Range<usize>) -> Option<f32> {
     let names = COLUMNS.get(columns)?.first()?;
     let property = header.get_element("vertex")?.properties.iter().find(|p| names.contains(&p.name.as_str()))?;

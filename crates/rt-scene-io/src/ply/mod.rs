@@ -57,7 +57,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     let surplus = surplus(&bytes, rest, header.format);
     let PlyContent { vertices, corners } = content;
     if corners.is_empty() {
-        let what = "is a cloud of points, without faces, which";
+        let what = "a point cloud without faces";
         return Err(LoadErrorKind::Unsupported(what.to_owned()).at(path, ""));
     }
     let mut model = Model::default();
@@ -112,7 +112,7 @@ fn read(bytes: &mut &[u8]) -> Result<PlyContent, DeserializeError> {
     Ok(content)
 }
 
-/// A sentence about what follows the rows that the header promises, if anything does. `rest` is what has not been read.
+/// Warning about content after the rows that the header declares; `None` without any. `rest` is the unread content.
 fn surplus(bytes: &[u8], rest: &[u8], format: PlyFormat) -> Option<String> {
     // The last byte is not the file's.
     let rest = &rest[..rest.len().saturating_sub(1)];

@@ -47,7 +47,7 @@ pub(super) const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 #[derive(Debug, Default)]
 pub(super) struct PlyVertices {
     pub(super) rows: Vec<[f32; PLACED]>,
-    /// The other columns, as they stand in the file; empty if it has none of them.
+    /// The other columns, in the order of the file; empty without any.
     pub(super) colors: Vec<[f32; 4]>,
 }
 

@@ -14,7 +14,7 @@ use crate::diagnostics::Diagnostics;
 use crate::format;
 use crate::{LoadErrorKind, MaterialId, NamedCamera};
 
-/// All cameras, the default one first, checked to be able to expose this film. `media` are those that they stand in.
+/// All cameras, the default one first, validated for this film. `media` are the media around them.
 pub(super) fn cameras(
     report: &mut Diagnostics,
     listed: &[(String, format::Camera)],

@@ -61,7 +61,7 @@ impl EffectiveFields {
         (file.film, file.lights, file.background) = (self.film, self.lights, self.background);
     }
 
-    /// Chooses what the scene leaves open; returns one sentence per choice. `bounds` encloses the objects.
+    /// Fills in missing settings; returns one sentence per choice. `bounds` encloses the objects.
     pub(super) fn fill(&mut self, bounds: &Aabb, lighting: SceneLighting, options: &LoadOptions) -> Vec<String> {
         let mut notes = Vec::new();
         let bounds =
@@ -162,7 +162,7 @@ fn default_background() -> Background {
     Background::Gradient { bottom: Color::Gray(0.15), top: Color::Rgb(0.24, 0.26, 0.29) }
 }
 
-/// Eye and target of a camera that sees the whole box, in short numbers.
+/// Eye and target of a camera that shows the whole box, as rounded numbers.
 fn framed(camera: &Camera, bounds: &Aabb, aspect: f64) -> (DVec3, DVec3) {
     let back = VIEW.normalize();
     let right = DVec3::Y.cross(back).normalize();

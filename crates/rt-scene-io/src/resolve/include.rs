@@ -16,7 +16,7 @@ impl Objects<'_> {
             self.models.trees.insert(reference.to_owned(), tree);
         }
         let tree = self.models.trees.get(reference)?.as_ref()?;
-        let memory = self.options.memory.keep(format_args!("{reference} in all its places"), tree_bytes(tree));
+        let memory = self.options.memory.keep(format_args!("{reference} in all its instances"), tree_bytes(tree));
         self.report.check(format_args!("{path}.model"), memory)?;
         let mut nodes = tree.clone();
         if let Some(material) = own {

@@ -68,6 +68,8 @@ fn focus(
     };
     let depth = -world_from_camera.inverse_point(report.check(&at, vector(point))?).z;
     let [x, y, z] = point;
-    let refused = || LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), "does not lie in front of the camera");
+    let refused = || {
+        LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), "is not in front of the camera: move it, or the camera")
+    };
     report.check(at, positive(depth).map_err(|_| refused()))
 }

@@ -29,7 +29,7 @@ pub(super) struct Materials<'a> {
     definitions: &'a IndexMap<String, format::Material>,
     pub(super) list: Vec<Material>,
     ids: HashMap<&'a str, MaterialId>,
-    /// Those that stand at nodes, by their path in the document.
+    /// Inline materials of nodes, by their path in the document.
     at_nodes: HashMap<String, MaterialId>,
     default: Option<MaterialId>,
 }
@@ -39,7 +39,7 @@ impl<'a> Materials<'a> {
         Self { definitions, list: Vec::new(), ids: HashMap::new(), at_nodes: HashMap::new(), default: None }
     }
 
-    /// The material of a node, as [`id`](Self::id) gives it. One that stands at the node is made once for all below.
+    /// The material of a node, as from [`id`](Self::id). An inline material is resolved once for all nodes below.
     pub(super) fn of(
         &mut self,
         assigned: Option<&Assigned<'a>>,

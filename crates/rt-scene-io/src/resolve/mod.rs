@@ -1,4 +1,4 @@
-//! From the types of the file to the scene: names become ids, degrees radians, references files, and everything is
+//! From the types of the file to the scene: names become ids, degrees radians, references files, and all values are
 //! checked.
 
 mod animation;
@@ -38,10 +38,10 @@ use models::Models;
 use node::Objects;
 use shutter::{is_animated, key_times};
 
-/// Resolves a scene that was read from `source` (or would stand there: files are looked up relative to it).
+/// Resolves a scene that was read from `source`. References to files are relative to it.
 ///
 /// # Errors
-/// Everything that is wrong with the scene and the files that it refers to, each with its path in the document.
+/// All errors of the scene and of the files that it refers to, each with its path in the document.
 pub fn resolve(file: &SceneFile, source: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     resolve_with(file, source, options, None).map(|(scene, _)| scene)
 }
@@ -107,8 +107,8 @@ pub(crate) fn resolve_with(
     Ok((scene, fields))
 }
 
-/// The box around a scene without a time. A camera that is put where it sees everything does not shake then, from one frame of
-/// an animation to the next.
+/// Bounds of a scene over all times. So the default camera, which shows the whole scene, does not shake from one frame
+/// of an animation to the next.
 fn bounds_at_rest(
     file: &SceneFile,
     cameras: &[(String, format::Camera)],

@@ -18,7 +18,7 @@ use crate::diagnostics::Diagnostics;
 use crate::format::{self, SceneFile};
 use crate::{Content, Group, GroupId, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedMesh, SceneNode, limits};
 
-/// The objects of a scene as far as they are resolved, and what else they need.
+/// Resolved objects of a scene so far, and their materials, meshes and groups.
 pub(super) struct Objects<'a> {
     pub(super) file: &'a SceneFile,
     pub(super) report: Diagnostics,

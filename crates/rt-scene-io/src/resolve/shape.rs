@@ -90,7 +90,7 @@ fn checked_mesh(
     }
     // Repairs are for model files; in a scene file, such values are errors.
     if let Some(bad) = data.positions.iter().flat_map(|p| p.to_array()).find(|c| !c.is_finite()) {
-        return Err(LoadErrorKind::invalid(bad, "is not a finite number"));
+        return Err(LoadErrorKind::invalid(bad, "must be a finite number"));
     }
     Ok(build_mesh(data, place, warnings)?)
 }

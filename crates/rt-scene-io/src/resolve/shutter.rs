@@ -27,7 +27,7 @@ pub(super) struct ShutterInterval {
     /// Start and end, in seconds.
     times: [f64; 2],
     /// Interval in parts of a frame; `None` if the scene is not animated or no camera has a shutter. Motions then take all of
-    /// their time, and animations stand still.
+    /// their time, and animations are frozen.
     part: Option<[f64; 2]>,
 }
 

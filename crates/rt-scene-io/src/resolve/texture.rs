@@ -11,7 +11,7 @@ use super::value::{colour, positive};
 use crate::format;
 use crate::{LoadErrorKind, LoadOptions, read_texture, resolve_path};
 
-/// The textures of a scene, and where to look for more.
+/// Textures of a scene, and the loader of image files.
 pub(super) struct Textures<'a> {
     source: &'a Path,
     pub(super) options: &'a LoadOptions,

@@ -9,7 +9,7 @@ use crate::LoadErrorKind;
 use crate::diagnostics::Diagnostics;
 use crate::format::Step;
 
-/// The `transform` of what stands at a path.
+/// The `transform` at a path.
 pub(super) fn transform(report: &mut Diagnostics, path: impl Display, steps: &[Step]) -> Option<Transform> {
     product(report, format_args!("{path}.transform"), steps)
 }

@@ -34,7 +34,7 @@ impl<'a> AsciiReader<'a> {
         Self { bytes, next: 0, start: 0, head: &[] }
     }
 
-    /// The number of the line that was read last, counted from 1.
+    /// Line that was read last, from 1.
     pub(super) fn line(&self) -> usize {
         let read = &self.bytes[..self.next];
         let ends = read.iter().filter(|byte| **byte == b'\n').count();

@@ -75,7 +75,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     Ok(model)
 }
 
-/// The size of a binary file by the number of facets that stands in it.
+/// Size of a binary file in bytes, from its number of facets.
 fn promised_size(bytes: &[u8]) -> Option<u64> {
     let count = bytes.get(COMMENT..HEADER)?.try_into().ok()?;
     Some(HEADER as u64 + FACET * u64::from(u32::from_le_bytes(count)))

@@ -25,7 +25,7 @@ impl Line<'_> {
 }
 
 /// The text of a file. A byte order mark is dropped, line ends of all systems become `\n`, and bytes that are not UTF-8
-/// become U+FFFD. The second value is the number of the first line with such bytes.
+/// become U+FFFD. The second value is the first line with such bytes, from 1.
 pub(crate) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let bad = std::str::from_utf8(bytes).err().map(|error| {

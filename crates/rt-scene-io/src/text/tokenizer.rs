@@ -125,7 +125,7 @@ impl<'a> Tokenizer<'a> {
         number(line, &kind, what)
     }
 
-    /// Consumes `N` numbers, which may stand in brackets.
+    /// Consumes `N` numbers, optionally in brackets.
     pub(crate) fn numbers<const N: usize>(&mut self, what: &str) -> Result<[f64; N], LineError> {
         let bracketed = self.peek() == Some(&TokenKind::Open);
         if bracketed {

@@ -31,8 +31,8 @@
 //! factor (n(wo) / n(wi))² (Veach 1997, 5.2). Light tracing uses the adjoint: `eval(wi, wo)` and
 //! [`Bsdf::sample_importance`].
 //!
-//! **Sides.** Opaque models reflect on both sides alike. Directions in the plane of the surface (cosines up to 10⁻¹⁰⁰),
-//! and directions that are not finite, are absorbed.
+//! **Sides.** Opaque models reflect in the same way on both sides. Directions in the plane of the surface (cosines up
+//! to 10⁻¹⁰⁰), and directions that are not finite, are absorbed.
 //!
 //! | model | f | source |
 //! |---|---|---|

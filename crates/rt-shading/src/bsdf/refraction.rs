@@ -6,7 +6,7 @@ use rt_math::{DVec3, Rgb};
 
 /// Refraction by Snell's law with the same transmittance at all angles, without total internal reflection (Whitted 1980).
 ///
-/// Radiance is not scaled by eta²: a light source inside of a dielectric looks as bright as outside.
+/// Radiance is not scaled by eta²: a light source is as bright inside of a dielectric as outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refraction {
     /// Index of refraction below the surface divided by that above, positive and finite; otherwise all light is absorbed.

@@ -301,8 +301,8 @@ impl DeltaLight {
         }
     }
 
-    /// Power: the integral of the intensity over all directions. Directional light enters a scene within a ball of
-    /// `scene_radius`.
+    /// Power: the integral of the intensity over all directions. Directional light enters a bounding sphere of
+    /// radius `scene_radius`.
     pub(super) fn power(&self, scene_radius: f64) -> Rgb {
         let measure = match self.kind {
             DeltaLightKind::Point { .. } => 2.0 * TAU,

@@ -40,7 +40,7 @@ pub struct LightLiSample {
 /// Sample of one of many lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
-    /// Sample, with its density among the directions to this light alone.
+    /// Sample, with its density among the directions to this light only.
     pub sample: LightLiSample,
     /// Density of the direction, the choice of the light included.
     pub pdf: f64,

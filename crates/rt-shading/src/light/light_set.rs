@@ -72,7 +72,8 @@ impl Default for LightSet {
 impl LightSet {
     /// Set of these lights, in their order but for delta lights, which move behind the others.
     ///
-    /// `scene_radius` (world units) determines the power of environment lights. Rays that hit nothing meet the first of them.
+    /// `scene_radius` (world units) determines the power of environment lights. Rays that miss the scene hit the first
+    /// of them.
     pub fn new(mut lights: Vec<Light>, sampling: LightSampling, scene_radius: f64) -> Self {
         lights.sort_by_key(Light::is_delta);
         let n_sampled = lights.partition_point(|light| !light.is_delta());

@@ -21,14 +21,14 @@
 //! All quantities are in world space. Directions lead from the receiver to the light. [`Light::sample_li`] returns `None` if
 //! no light arrives: behind a one-sided light, in the plane of a flat one, at NaN. Then [`Light::pdf_li`] is 0 as well.
 //! Otherwise `pdf_li` is the density of `sample_li`, so that MIS can weight the two techniques (Veach, Guibas 1995).
-//! A ray that has hit the light knows the [`LightPoint`]; [`Light::pdf_li_at`] needs no second intersection.
+//! A hit on the light has the [`LightPoint`]; [`Light::pdf_li_at`] needs no second intersection.
 //!
 //! [`LightSet`] samples one of many lights by [`PowerLightSampler`] or [`LightTree`].
 //!
 //! The irradiance of some lights has a closed form: [`polygon_irradiance`], [`sphere_irradiance`], [`disk_irradiance`].
 //!
 //! **A new kind of light** is a file of this folder and a variant of [`Light`] below. A new delta light is a variant of
-//! [`DeltaLightKind`] in `delta.rs` alone.
+//! [`DeltaLightKind`] only, in `delta.rs`.
 //!
 //! ```
 //! use rt_math::{DVec3, Rgb};
@@ -213,7 +213,7 @@ impl Light {
         LightLeSample::of_surface(&at, emission, side, area, extent)
     }
 
-    /// Power (pbrt: Φ). Light from infinitely far away counts as far as it enters a scene within a ball of `scene_radius`;
+    /// Power (pbrt: Φ). Light from infinitely far away counts if it enters a bounding sphere of radius `scene_radius`;
     /// other lights ignore it.
     pub fn power(&self, scene_radius: f64) -> Rgb {
         match self {

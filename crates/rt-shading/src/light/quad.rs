@@ -17,7 +17,7 @@ const FAR: f64 = 2.0;
 /// Parallelogram between a corner and two edges. On its front side the edges turn counter-clockwise.
 ///
 /// A rectangle is sampled uniformly by solid angle (Ureña, Fajardo, King, "An Area-Preserving Parametrization for Spherical
-/// Rectangles", 2013). The estimate of its irradiance thus varies with the receiver's cosine alone.
+/// Rectangles", 2013). The estimate of its irradiance thus varies only with the receiver's cosine.
 ///
 /// Sampling is by area if the edges are not perpendicular, or if the light subtends less than 2⁻¹⁴ sr. So it is, too, if the plane
 /// is more than twice the diagonal away: there, solid angle reduces variance little.

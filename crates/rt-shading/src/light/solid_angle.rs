@@ -5,7 +5,7 @@ use rt_math::transcendental::{atan2, sincos};
 use std::f64::consts::TAU;
 
 /// Solid angle below which flat lights are sampled by area. The solid angle is the excess of the angles of the projection on the
-/// unit sphere. Below this limit fewer than eleven digits of it remain, and variance hardly differs.
+/// unit sphere. Below this limit fewer than eleven digits of it remain, and variance is almost the same.
 pub(super) const MIN_SPHERICAL: f64 = 1.0 / (1u64 << 14) as f64;
 
 /// Solid angle, at most 2π, of a flat figure that is a fan of triangles around its first corner. Each triangle has (Van Oosterom
@@ -16,8 +16,8 @@ pub(super) const MIN_SPHERICAL: f64 = 1.0 / (1u64 << 14) as f64;
 /// ```
 ///
 /// with corners relative to the receiver. The triple product is `height · area2`: the distance of the plane times twice the
-/// area of the triangle, so that nothing cancels far away. Half angles are added as those of complex numbers. 0 for a figure
-/// that is edge-on; NaN for a point on a corner.
+/// area of the triangle, so that far away no digits cancel. Half angles are added as those of complex numbers. 0 for a
+/// figure that is edge-on; NaN for a point on a corner.
 pub(super) fn of_fan<const N: usize>(corners: [DVec3; N], height: f64, area2: f64) -> f64 {
     let lengths = corners.map(DVec3::length);
     let (hub, hub_length, triple) = (corners[0], lengths[0], height.abs() * area2);

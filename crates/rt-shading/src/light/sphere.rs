@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 ///   sin²θ = r²/d²     1 − cos θ = sin²θ / (1 + cos θ)     Ω = 2π (1 − cos θ)
 /// ```
 ///
-/// Nothing cancels: far away, `1 − cos θ` is no difference of two numbers near 1; near the surface, `cos²θ` is
+/// No cancellation: far away, `1 − cos θ` is not a difference of two numbers near 1; near the surface, `cos²θ` is
 /// `(d − r)(d + r)/d²`. From inside, sampling is uniform over all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereLight {

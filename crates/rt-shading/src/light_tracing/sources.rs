@@ -22,8 +22,8 @@ use rt_math::{Aabb, Frame, Interval, Ray, Rgb, Sampler};
 /// Light without falloff is traced as if it had one. At the first non-specular surface the square of the path length compensates
 /// for it: a flat mirror does not weaken the light.
 ///
-/// Lights that cast no shadows shine through everything, so that mirrors and glass do not affect them. They and the environment
-/// start no paths.
+/// Lights that cast no shadows pass through all surfaces, so that mirrors and glass do not affect them. They and the
+/// environment start no paths.
 #[derive(Clone, Debug)]
 pub struct LightSources {
     sampler: PowerLightSampler,

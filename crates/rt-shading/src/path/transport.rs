@@ -7,7 +7,7 @@ pub enum Transport {
     Full,
     /// All light but that of [`LightTracingIntegrator`](crate::LightTracingIntegrator): caustics of sampled lights.
     NonCaustic,
-    /// Specular and glossy transport; diffuse surfaces have direct and ambient light alone ("Distributed Ray Tracing", Cook,
-    /// Porter, Carpenter 1984).
+    /// Specular and glossy transport; diffuse surfaces have direct and ambient light only ("Distributed Ray Tracing",
+    /// Cook, Porter, Carpenter 1984).
     Specular,
 }

@@ -5,7 +5,7 @@ use glam::Vec3A;
 use super::collapse::{CollapsePlan, Costs};
 use crate::bvh::Aabb32;
 
-/// Costs are kept for nodes of at least this many references.
+/// Minimum number of references of a node whose costs are stored.
 const LARGE: usize = 32;
 
 /// A node of the binary tree, in 32 bytes.

@@ -53,7 +53,7 @@ impl BuildConfig {
         (pays && follows && self.max_leaf > 1).then(|| a.merge(&both))
     }
 
-    /// Costs of a leaf, if a split of the range would hardly reduce them.
+    /// Cost of a leaf, if a split of the range would not reduce it enough.
     pub(super) fn leaf(&self, references: &[PrimRef], area: f32) -> Option<Costs> {
         if references.len() > self.leaf_policy.few {
             return None;

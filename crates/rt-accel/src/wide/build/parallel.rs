@@ -16,7 +16,7 @@ const TASK: usize = 4096;
 pub(super) struct SubtreeSet {
     pub(super) trees: Vec<BinaryTree>,
     pub(super) links: Vec<SubtreeRef>,
-    /// Root of the whole.
+    /// Root of the joined tree.
     pub(super) top: SubtreeRef,
 }
 

@@ -64,7 +64,7 @@ impl WideBuilder<'_> {
         join(top, below)
     }
 
-    /// A node with one leaf of everything as its only child.
+    /// A node with one leaf of all references as its only child.
     fn single_leaf(&self, root: NodeId) -> Chunk {
         let mut part = Chunk { depth: 1, ..Chunk::default() };
         let mut node = WideNode::EMPTY;

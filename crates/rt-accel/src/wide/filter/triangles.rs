@@ -49,7 +49,7 @@
 //! **Tiny triangles.** Products of edges may lose digits below 2⁻¹²⁶. An example is a triangle of 10⁻¹⁵ at the origin
 //! of its coordinates with a ray that starts nearby. `m` includes 2⁻⁸⁰ more, which dwarfs that.
 //!
-//! **Huge triangles.** Nothing leaves the range of `f32`: rays and trees that might are not filtered
+//! **Huge triangles.** No value leaves the range of `f32`: rays and trees that might are not filtered
 //! ([`RANGE`](crate::wide::ray::RANGE), [`FARTHEST`](crate::wide::ray::FARTHEST)).
 //!
 //! **Other primitives** have NaN vertices: they are neither certainly missed nor certainly hit.

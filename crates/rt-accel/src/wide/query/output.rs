@@ -4,7 +4,7 @@ use rt_geometry::Hit;
 
 /// Result of a query for one ray.
 pub(crate) trait Output: Copy + Default {
-    /// True if any hit ends the query; otherwise the closest is wanted.
+    /// True if any hit ends the query; false to find the closest.
     const ANY_HIT: bool;
 
     /// Output of an any-hit query that ends with a hit.

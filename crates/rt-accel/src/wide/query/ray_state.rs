@@ -94,7 +94,7 @@ impl<O: Output> RayState<O> {
         }
     }
 
-    /// Tests the primitives without bounds; breaks if nothing else matters.
+    /// Tests the primitives without bounds; breaks if the query is complete.
     pub(in crate::wide) fn test_unbounded(
         &mut self,
         tree: &WideBvh,
@@ -133,7 +133,7 @@ impl<O: Output> RayState<O> {
         }
     }
 
-    /// Records a certain hit between two bounds: nothing after the far one can be closest. False if there is no room.
+    /// Records a certain hit between two bounds: no hit after the far one can be closest. False if the list is full.
     #[inline(always)]
     fn record_certain(&mut self, slot: PrimSlot, [t_near, t_far]: [f32; 2]) -> bool {
         if t_near > self.t_max {
@@ -155,7 +155,7 @@ impl<O: Output> RayState<O> {
         has_capacity
     }
 
-    /// Intersects the primitives of a leaf; breaks if nothing else matters.
+    /// Intersects the primitives of a leaf; breaks if the query is complete.
     ///
     /// # Safety
     ///
@@ -233,7 +233,7 @@ impl<O: Output> RayState<O> {
         self.span
     }
 
-    /// Boxes entered after this cannot matter; negative if nothing matters.
+    /// Boxes entered after this are pruned; negative if all are.
     #[inline(always)]
     pub(in crate::wide) const fn t_max(&self) -> f32 {
         self.t_max

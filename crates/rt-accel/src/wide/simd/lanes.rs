@@ -83,7 +83,8 @@ pub(in crate::wide) trait Simd: Copy {
     fn yzx(self, a: Self::F64x4) -> Self::F64x4;
     /// The first three numbers in the order 2, 0, 1.
     fn zxy(self, a: Self::F64x4) -> Self::F64x4;
-    /// Axis of the maximum of the first three; [`WatertightRay`](rt_geometry::WatertightRay) breaks ties alike.
+    /// Axis of the maximum of the first three; [`WatertightRay`](rt_geometry::WatertightRay) breaks ties in the same
+    /// way.
     fn max_axis(self, a: Self::F64x4) -> usize;
     /// Rotates the first three cyclically until this axis is the last.
     fn rotate_axis_last(self, a: Self::F64x4, axis: usize) -> Self::F64x4;

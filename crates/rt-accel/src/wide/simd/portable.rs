@@ -6,7 +6,7 @@ use glam::Vec4;
 
 use super::lanes::{Simd, WithSimd};
 
-/// Proof of what every processor has.
+/// Proof of instructions that every processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::wide) struct Portable;
 

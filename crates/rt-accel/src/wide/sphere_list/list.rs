@@ -17,7 +17,7 @@ const MIN_SPHERES: u32 = SmallSet::CAPACITY as u32 + 1;
 /// Blocks that are filtered before any of their spheres is tested exactly.
 const GROUP: usize = 32;
 
-/// Numbers of a sphere in a block.
+/// `f32` values per sphere in a block.
 fn numbers(position: DVec3, radius: f64) -> [f32; 4] {
     [position.x as f32, position.y as f32, position.z as f32, inflated_r2(radius)]
 }

@@ -47,7 +47,7 @@ pub(super) fn inflated_r2(radius: f64) -> f32 {
 
 /// A projected ray, with its error bounds.
 pub(super) struct ProjectedRay {
-    /// Two directions perpendicular to the ray, and its own.
+    /// Two directions perpendicular to the ray, and that of the ray.
     axes: [[f32; 3]; 3],
     /// Projection of the ray.
     point: [f32; 2],

@@ -42,7 +42,7 @@ pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>,
     }
     let count = args.vary.iter().try_fold(1usize, |count, vary| count.checked_mul(vary.values.len()));
     if count.is_none_or(|count| count > MAX_METHODS) {
-        return Err(CliError::Usage(format!("--vary has more than {MAX_METHODS} combinations")));
+        return Err(CliError::Usage(format!("--vary has more than {MAX_METHODS} combinations; vary fewer values")));
     }
     combinations(&args.vary).iter().map(|choices| Method::new(args, input, choices)).collect()
 }

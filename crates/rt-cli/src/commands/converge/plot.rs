@@ -17,7 +17,7 @@ const SIZE: (u32, u32) = (1100, 720);
 
 const FONT: &str = "DejaVu Sans";
 
-/// Palette for all kinds of color vision (Okabe and Ito 2008), without yellow, which is hard to see on white.
+/// Palette for all kinds of color vision (Okabe and Ito 2008), without yellow, which has little contrast on white.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

@@ -97,7 +97,7 @@ impl Repetitions {
     }
 
     /// The slope of the logarithm of the root of `squares` against log `x`, by least squares. `None` if there are fewer than
-    /// two different `x` or two repetitions, or if a logarithm is taken of what is not positive.
+    /// two different `x` or two repetitions, or a logarithm of a number that is not positive.
     pub(super) fn slope(self, x: &[f64], squares: &[Vec<f64>]) -> Option<Interval> {
         let x: Vec<f64> = x.iter().map(|&x| log(x)).collect();
         let of_roots = |squares: &[f64]| slope(&x, &squares.iter().map(|&y| 0.5 * log(y)).collect::<Vec<_>>());

@@ -47,7 +47,7 @@ pub(super) fn each(
         // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
         if log.has(frame, &identity, &args.input.scene)? && results(&args).all(Path::exists) {
-            say(frame, " is there already".to_owned())?;
+            say(frame, " exists already".to_owned())?;
             continue;
         }
         say(frame, at(frame))?;
@@ -107,7 +107,7 @@ fn of_frame(args: &RenderArgs, frame: u32) -> RenderArgs {
     }
 }
 
-/// Refuses output names without a place for the frame number.
+/// Refuses output names without `####` for the frame number.
 fn refuse_shared_files(args: &RenderArgs) -> Result<(), CliError> {
     let output = output(args);
     let others = [args.run.stats.as_deref(), args.checkpoint.checkpoint.as_deref(), Some(output.as_path())];

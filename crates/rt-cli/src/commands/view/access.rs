@@ -8,7 +8,7 @@ use super::http::{Request, Status};
 /// Bytes of a token.
 const TOKEN_BYTES: usize = 16;
 
-/// Rules that a request has to meet.
+/// Rules that a request has to satisfy.
 #[derive(Debug)]
 pub(super) struct Access {
     /// Hexadecimal digits.
@@ -58,7 +58,7 @@ impl Access {
     }
 }
 
-/// Compares in a time that depends on the lengths alone.
+/// Compares in a time that depends on the lengths only.
 fn is_equal(a: &[u8], b: &[u8]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |difference, (a, b)| difference | (a ^ b)) == 0
 }

@@ -64,7 +64,7 @@ impl CameraController {
         &self.pose
     }
 
-    /// Moves the camera. A command that leads to no pose changes nothing.
+    /// Moves the camera. A command without a valid pose has no effect.
     pub(super) fn apply(&mut self, command: &CameraCommand) {
         let pose = self.pose;
         let moved = match *command {
@@ -97,7 +97,7 @@ impl CameraController {
         self.pose
     }
 
-    /// Makes the camera stand still in this pose.
+    /// Makes the camera static in this pose.
     fn place(&mut self, pose: Pose) {
         if let Some(world_from_camera) = pose.world_from_camera() {
             self.pose = pose;

@@ -8,7 +8,7 @@ use rt_scene_io::format::{self, Step};
 
 use super::pose::Pose;
 
-/// Field `camera` of a scene file for a camera that stands still in this pose. Reading it gives a bit-identical camera, except for
+/// Field `camera` of a scene file for a static camera in this pose. Reading it gives a bit-identical camera, except for
 /// angles without an exact number of degrees.
 pub(super) fn camera_text(pose: &Pose, settings: &CameraSettings, medium: Option<&str>) -> String {
     let mut camera = format::Camera {

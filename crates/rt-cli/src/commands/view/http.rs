@@ -23,8 +23,8 @@ const ARRIVAL: Duration = Duration::from_secs(5);
 /// Longest wait for a client to close a connection.
 const LINGER: Duration = Duration::from_secs(1);
 
-/// Headers of every response. Scripts, styles and images come from this server alone, no other page may embed or read what it
-/// sends, and nothing is kept on disk.
+/// Headers of every response. Scripts, styles and images come from this server only, no other page may embed or read
+/// its responses, and browsers store none on disk.
 const HEADERS: &str = "\
 Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; \
 base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\

@@ -76,7 +76,7 @@ impl Pose {
         Self { eye, ..self }.or_stay(self)
     }
 
-    /// Turns the view about the eye, by angles in radians to the right and up, as far as the poles.
+    /// Rotates the view about the eye, by angles in radians to the right and up, as far as the poles.
     pub(super) fn turn(self, right: f64, up: f64) -> Self {
         let target = self.eye + self.turned(self.target - self.eye, -right, up);
         Self { target, ..self }.or_stay(self)
@@ -100,12 +100,12 @@ impl Pose {
         Self { eye, ..self }.or_stay(self)
     }
 
-    /// Turns to a point, which becomes the target.
+    /// Rotates the view towards a point, which becomes the target.
     pub(super) fn look_at(self, target: DVec3) -> Self {
         Self { target, ..self }.or_stay(self)
     }
 
-    /// An arm turned about `up`, then by `pitch` towards it, as far as the poles.
+    /// An arm rotated about `up`, then by `pitch` towards it, as far as the poles.
     fn turned(&self, arm: DVec3, yaw: f64, pitch: f64) -> DVec3 {
         let Some(up) = self.up.try_normalize() else { return arm };
         let Ok(about_up) = Transform::rotate(up, yaw) else { return arm };

@@ -61,7 +61,7 @@ impl Renderer<'_> {
         let needed = MemoryPrediction { film, ..*predicted }.peak();
         match self.memory {
             Some(most) if needed > most => Err(format!(
-                "an image of {width}x{height} needs {} of memory, and --memory allows {}",
+                "an image of {width}x{height} needs {} of memory, above the limit of {} (--memory)",
                 ByteSize(needed),
                 ByteSize(most)
             )),
@@ -134,7 +134,7 @@ fn answer(plan: &RenderPlan<'_>, view: u64, picks: Vec<Pick>) {
     }
 }
 
-/// The film with squares in place of pixels, cut to a size.
+/// The film enlarged to squares of pixels, and cropped to a size.
 fn enlarged(coarse: &Image, side: u32, [width, height]: [u32; 2]) -> Image {
     let mut film = Image::new(width, height, coarse.alpha().is_some());
     let places = (0..height).flat_map(|y| (0..width).map(move |x| ((y / side) * coarse.width() + x / side) as usize));
@@ -152,7 +152,7 @@ struct Canvas<'a> {
     plan: &'a RenderPlan<'a>,
     shared: &'a SharedState,
     film: Image,
-    /// Everything but the film.
+    /// Data other than the film.
     image: ViewImage,
     /// Passes whose error is known.
     pass: u32,

@@ -34,7 +34,7 @@ pub(super) struct Session {
     pub(super) shared: SharedState,
     /// Name of the scene.
     pub(super) name: String,
-    /// Name of the medium that the camera stands in.
+    /// Name of the medium around the camera.
     pub(super) medium: Option<String>,
     pub(super) size: [u32; 2],
     pub(super) spp: u32,
@@ -148,7 +148,7 @@ impl Session {
         let integrator = state.view.integrator;
         let (film, development) = (state.image.film.clone(), *state.development(integrator));
         drop(state);
-        let film = film.ok_or_else(|| Response::refusal(Status::NOT_FOUND, "there is no image so far"))?;
+        let film = film.ok_or_else(|| Response::refusal(Status::NOT_FOUND, "no image is rendered yet"))?;
         let bytes = encoded(&film, &development, format)?;
         let stem = self.name.replace(|c: char| !c.is_ascii_alphanumeric() && !"-_.".contains(c), "_");
         let extension = format.extensions().first().copied().unwrap_or_default();
@@ -160,23 +160,23 @@ impl Session {
         let mut view = state.view;
         if let Some(name) = &update.integrator {
             let known = Integrator::ALL.into_iter().find(|integrator| integrator.name() == name);
-            view.integrator = known.ok_or_else(|| bad("there is no such integrator"))?;
+            view.integrator = known.ok_or_else(|| bad("unknown integrator"))?;
         }
         view.max_spp = update.spp.unwrap_or(view.max_spp);
         if view.max_spp == 0 {
-            return Err(bad("an image has at least 1 sample per pixel"));
+            return Err(bad("the number of samples per pixel must be at least 1"));
         }
         if let Some([width, height]) = update.size.filter(|size| *size != self.size) {
             FilmSettings { width, height, ..FilmSettings::default() }.validate().map_err(bad)?;
             if u64::from(width) * u64::from(height) > MAX_PIXELS {
-                return Err(bad(format!("an image for a page has at most {MAX_PIXELS} pixels")));
+                return Err(bad(format!("the image may have at most {MAX_PIXELS} pixels")));
             }
         }
         view.size = update.size.unwrap_or(view.size);
         let mut development = *state.development(view.integrator);
         development.exposure = update.exposure.unwrap_or(development.exposure);
         if let Some(name) = &update.tone {
-            development.tone = tone_of_name(name).ok_or_else(|| bad("there is no such tone curve"))?;
+            development.tone = tone_of_name(name).ok_or_else(|| bad("unknown tone curve"))?;
         }
         development.validate().map_err(bad)?;
         if core::mem::replace(state.development(view.integrator), development) != development {

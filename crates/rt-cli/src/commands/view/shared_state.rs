@@ -58,12 +58,12 @@ pub(super) struct ViewImage {
     pub(super) spp: u32,
     pub(super) mega_rays_per_second: f64,
     pub(super) seconds: f64,
-    /// True if nothing better follows.
+    /// True if no better image follows.
     pub(super) is_finished: bool,
     pub(super) errors: Vec<ErrorPoint>,
 }
 
-/// Everything that is shared. `developments` are those of light and of views of geometry or cost.
+/// State shared by the threads. `developments` are those of light and of views of geometry or cost.
 #[derive(Debug)]
 pub(super) struct State {
     pub(super) view: View,
@@ -80,7 +80,7 @@ pub(super) struct State {
     last_request: Option<Instant>,
 }
 
-/// Pixel to be picked, and the channel for the number of the view and what the pixel shows there.
+/// Pixel to be picked, and the channel for the id of the view and the picked object.
 pub(super) type Pick = ([u32; 2], Sender<(u64, Option<PickResult>)>);
 
 /// Next work of the renderer.
@@ -153,7 +153,7 @@ impl SharedState {
         self.changed.notify_all();
     }
 
-    /// Renders anew if the view is another one after the change. Pages see that with the next image.
+    /// Restarts the render if the change affects the view. Pages receive the new state with the next image.
     pub(super) fn change_view<T>(&self, change: impl FnOnce(&mut State) -> T) -> T {
         let mut state = self.lock();
         let before = state.view;
@@ -179,7 +179,7 @@ impl SharedState {
         if state.is_pending { Vec::new() } else { core::mem::take(&mut state.picks) }
     }
 
-    /// Waits until pages see a later version, or for the given time.
+    /// Waits until a later version is published, or for the given time.
     pub(super) fn wait_for_version(&self, version: u64, time: Duration) -> MutexGuard<'_, State> {
         let deadline = Instant::now() + time;
         let mut state = self.lock();
@@ -189,7 +189,7 @@ impl SharedState {
         state
     }
 
-    /// Waits for work with a plan for this integrator. Nothing is rendered while no page is open.
+    /// Waits for work with a plan for this integrator. No image is rendered while no page is open.
     pub(super) fn next_task(&self, integrator: Integrator) -> Task {
         let mut state = self.lock();
         loop {
@@ -230,7 +230,7 @@ impl SharedState {
         !state.is_pending
     }
 
-    /// Changes what pages see.
+    /// Changes the published state.
     pub(super) fn show(&self, change: impl FnOnce(&mut State)) {
         let mut state = self.lock();
         change(&mut state);

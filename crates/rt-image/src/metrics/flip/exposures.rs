@@ -1,4 +1,4 @@
-//! The exposures at which a viewer may look at an image of high dynamic range.
+//! Exposures at which HDR-FLIP compares images of high dynamic range.
 
 use rt_math::{Rgb, transcendental::log2};
 
@@ -6,7 +6,7 @@ use crate::Image;
 
 /// Displayed light at which a pixel counts as about to be too bright.
 const BRIGHT: f64 = 0.85;
-/// Luminance of nothing, where a logarithm needs one.
+/// Luminance that replaces 0 in logarithms.
 const DARKEST: f64 = f32::EPSILON as f64;
 
 /// Exposures in steps of at most one stop. The first displays the brightest pixel of the reference at 0.85, the last

@@ -1,4 +1,4 @@
-//! The filters of ꟻLIP: how the eye blurs colours, and what it takes for edges and points.
+//! Filters of ꟻLIP: contrast sensitivity of the eye, edge and point detectors.
 
 use core::f64::consts::PI;
 
@@ -52,7 +52,7 @@ impl Kernels {
         }
     }
 
-    /// Pixels on each side that a filter looks at.
+    /// Radius of a filter in pixels.
     pub(super) const fn radius(&self) -> u32 {
         self.radius
     }
@@ -76,7 +76,7 @@ impl Kernels {
     }
 }
 
-/// Filters across and down for a sum of Gaussians with these weights, which leaves flat planes as they are.
+/// Filters across and down for a sum of Gaussians with these weights, which keeps constant planes.
 fn blur(terms: Vec<(f64, Vec<f64>)>) -> Vec<[Vec<f64>; 2]> {
     let sum: f64 = terms.iter().map(|(weight, gaussian)| weight * squared(gaussian.iter().sum())).sum();
     let filters = terms.into_iter().map(|(weight, gaussian)| {
