@@ -15,6 +15,8 @@
 //! [`LightTracingIntegrator`], [`AovIntegrator`]).
 //! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`Tracer`].
 //!
+//! **Read first** `reference.rs`: [`ReferencePathTracer`] is a path integrator for one path at a time, as in textbooks.
+//!
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
 //! use rt_math::{DVec3, Interval, Ray, Rgb};
@@ -74,6 +76,7 @@ pub mod optics;
 mod path;
 mod phong;
 mod ray_queues;
+mod reference;
 mod russian_roulette;
 mod surface_features;
 mod texture;
@@ -104,6 +107,7 @@ pub use needs::Needs;
 pub use normal_map::NormalMap;
 pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use phong::{Highlight, Phong, Transmission};
+pub use reference::ReferencePathTracer;
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use tracer::{Seen, SurfaceHit, Tracer};
 pub use viewed_surface::is_inside;

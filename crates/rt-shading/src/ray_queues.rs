@@ -56,9 +56,9 @@ impl<P> RayQueues<P> {
     /// Adds a ray emitted by a light, or scattered by a surface.
     #[inline(always)]
     pub(crate) fn push(&mut self, sample: Option<&BsdfSample>, ray: Ray, span: Interval, path: P) {
-        let queue = match sample {
-            Some(BsdfSample { kind: Scattering::Transmission, .. }) => &mut self.refracted,
-            Some(BsdfSample { is_diffuse: false, .. }) => &mut self.reflected,
+        let queue = match kind_of(sample) {
+            RayKind::Refraction => &mut self.refracted,
+            RayKind::Reflection => &mut self.reflected,
             _ => &mut self.diffuse,
         };
         queue.push(ray, span, path);
@@ -72,5 +72,15 @@ impl<P> RayQueues<P> {
         for queue in [&mut self.reflected, &mut self.refracted, &mut self.diffuse] {
             queue.clear();
         }
+    }
+}
+
+/// Kind of a ray that a light has emitted, or that a surface has scattered.
+#[inline(always)]
+pub(crate) fn kind_of(sample: Option<&BsdfSample>) -> RayKind {
+    match sample {
+        Some(BsdfSample { kind: Scattering::Transmission, .. }) => RayKind::Refraction,
+        Some(BsdfSample { is_diffuse: false, .. }) => RayKind::Reflection,
+        _ => RayKind::Diffuse,
     }
 }

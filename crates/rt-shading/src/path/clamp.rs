@@ -30,7 +30,7 @@ impl Clamp {
 
     /// True if contributions of paths that this many surfaces have scattered are bounded.
     #[inline(always)]
-    pub(super) fn holds_after(self, scattered: u32) -> bool {
+    pub(crate) fn holds_after(self, scattered: u32) -> bool {
         self.is_set() && scattered >= 2
     }
 
@@ -41,7 +41,7 @@ impl Clamp {
 
     /// Contribution within the bound. Non-finite contributions are unchanged.
     #[inline(never)]
-    pub(super) fn bounded(self, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
+    pub(crate) fn bounded(self, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
         let largest = contribution.max_component();
         if !(largest > self.most && largest < f64::INFINITY) {
             return contribution;

@@ -1,9 +1,10 @@
 mod bent_normals;
+mod reference;
 
 use super::*;
 use crate::{
     Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
-    MaterialModel, Phong, SurfaceHit, Transmission,
+    MaterialModel, Phong, ReferencePathTracer, SurfaceHit, Transmission,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, QuadLight},
 };
 use core::f64::consts::PI;
@@ -85,18 +86,11 @@ impl Scene {
 
     /// The mean over so many paths from a ray, and its standard error.
     fn estimate(&mut self, settings: PathSettings, ray: Ray, paths: u32) -> (f64, f64) {
-        let needs = Needs::of(&self.appearance, |_| true);
-        let mut tracer = PathTracer::new(settings, needs);
-        let samplers: Vec<_> = (0..paths).map(|key| Independent { key: u64::from(key), dimension: 0 }).collect();
-        let rays = vec![(ray, Interval::FORWARD); paths as usize];
-        let mut seen = vec![Seen::NOTHING; paths as usize];
         let lights = self.light_set();
         let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
-        tracer.radiance_of(&mut self.shapes, lighting, &rays, &samplers, &mut seen);
-        let n = f64::from(paths);
-        let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
-        let spread = seen.iter().map(|seen| (seen.radiance.g - mean) * (seen.radiance.g - mean)).sum::<f64>();
-        (mean, (spread / (n * (n - 1.0))).sqrt())
+        let rays = vec![ray; paths as usize];
+        let (seen, _) = trace(&mut self.shapes, lighting, settings, &InteriorList::default(), &rays);
+        mean_and_error(&seen)
     }
 
     fn assert_shows(&mut self, settings: PathSettings, ray: Ray, truth: f64) {
@@ -104,6 +98,47 @@ impl Scene {
         let z = (mean - truth) / error.max(1e-9 * truth);
         assert!(z.abs() < 5.0, "{mean} ± {error} is not {truth}: z = {z}");
     }
+}
+
+/// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference.
+fn trace(
+    world: &mut impl Tracer,
+    lighting: Lighting<'_>,
+    settings: PathSettings,
+    surroundings: &InteriorList,
+    rays: &[Ray],
+) -> (Vec<Seen>, ShadingCounts) {
+    let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
+    let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
+    let mut seen = vec![Seen::NOTHING; rays.len()];
+    let mut wave = PathTracer::new(settings, Needs::of(lighting.appearance, |_| true));
+    wave.set_surroundings(surroundings);
+    wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
+    let counts = wave.take_counts();
+    if settings.transport != Transport::Specular {
+        let surroundings = surroundings.clone();
+        let mut reference = ReferencePathTracer { settings, lighting, surroundings, counts: ShadingCounts::default() };
+        for (at, (ray, sampler)) in rays.iter().zip(&samplers).enumerate() {
+            let expected = reference.li(world, ray, &mut sampler.clone());
+            assert_eq!(bits(&seen[at]), bits(&expected), "path {at} of {settings:?}: {:?}, {expected:?}", seen[at]);
+        }
+        let of_media_and_clamp =
+            |counts: &ShadingCounts| [counts.passages, counts.interior_overflows, counts.clamped, counts.clamped_units];
+        assert_eq!(of_media_and_clamp(&counts), of_media_and_clamp(&reference.counts), "{settings:?}");
+    }
+    (seen, counts)
+}
+
+fn bits(seen: &Seen) -> ([u64; 3], bool) {
+    (seen.radiance.to_array().map(f64::to_bits), seen.hit)
+}
+
+/// Mean of the green channel, and its standard error.
+fn mean_and_error(seen: &[Seen]) -> (f64, f64) {
+    let n = seen.len() as f64;
+    let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
+    let spread = seen.iter().map(|seen| (seen.radiance.g - mean) * (seen.radiance.g - mean)).sum::<f64>();
+    (mean, (spread / (n * (n - 1.0))).sqrt())
 }
 
 const fn paths(max_depth: u32) -> PathSettings {

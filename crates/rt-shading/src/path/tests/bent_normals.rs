@@ -44,18 +44,11 @@ fn towards_wall(wo: DVec3) -> Ray {
 /// Mean and standard error of the green channel at a point of a wall, seen from the unit direction `wo`.
 fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, count: u32) -> (f64, f64) {
     let mut world = Tilted { shapes: Shapes(scene.shapes.0.clone()), normal };
-    let mut tracer = PathTracer::new(settings, Needs::of(&scene.appearance, |_| true));
-    let samplers: Vec<_> = (0..count).map(|key| Independent { key: u64::from(key), dimension: 0 }).collect();
-    let rays = vec![(towards_wall(wo), Interval::FORWARD); count as usize];
-    let mut seen = vec![Seen::NOTHING; count as usize];
-    let bsdfs = BsdfCache::default();
     let lights = scene.light_set();
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
-    tracer.radiance_of(&mut world, lighting, &rays, &samplers, &mut seen);
-    let n = f64::from(count);
-    let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
-    let spread = seen.iter().map(|seen| (seen.radiance.g - mean) * (seen.radiance.g - mean)).sum::<f64>();
-    (mean, (spread / (n * (n - 1.0))).sqrt())
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
+    let rays = vec![towards_wall(wo); count as usize];
+    let (seen, _) = trace(&mut world, lighting, settings, &InteriorList::default(), &rays);
+    mean_and_error(&seen)
 }
 
 fn whitted(scene: &Scene, normal: DVec3, wo: DVec3) -> f64 {

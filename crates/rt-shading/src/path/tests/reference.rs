@@ -1,0 +1,175 @@
+//! The wave and the reference integrator return the same bits, for scenes with all features and all settings.
+//!
+//! `trace` compares every path of all other tests of path tracing, too.
+
+use super::*;
+use crate::{
+    Channel, FloatTexture, LayeredBase, LayeredSurface, Texture, TextureId, bsdf::ComplexIor, light::SphereLight,
+};
+use rt_math::DQuat;
+
+/// Settings that end and weigh paths differently.
+fn all_settings() -> impl Iterator<Item = PathSettings> {
+    let depths = [(0, 0), (1, 0), (3, 1), (12, 0), (12, 20)];
+    let transports = [Transport::Full, Transport::NonCaustic];
+    let clamps = [Clamp::NONE, Clamp::new(0.05).expect("positive")];
+    depths.into_iter().flat_map(move |(max_depth, rr_start_depth)| {
+        transports
+            .into_iter()
+            .flat_map(move |transport| clamps.map(|clamp| PathSettings { max_depth, rr_start_depth, transport, clamp }))
+    })
+}
+
+fn solid(model: MaterialModel, interior: InteriorMedium) -> Material {
+    Material { interior: Some(interior), ..emissive(model, 0.0) }
+}
+
+fn ball(center: [f64; 3], radius: f64) -> Shape {
+    Shape::Sphere(Sphere::new(center.into(), radius).expect("a sphere"))
+}
+
+fn lamp(kind: DeltaLightKind, casts_shadows: bool, units: LightUnits) -> DeltaLight {
+    DeltaLight { name: String::new(), kind, intensity: Rgb::new(0.9, 0.6, 0.3), units, casts_shadows }
+}
+
+/// Surfaces of all kinds above a checkered floor, two area lights, an image around the scene, and delta lights.
+fn exhibition() -> Scene {
+    let emission = Emission::new(Rgb::new(7.0, 5.0, 3.0), EmissionSides::Both).expect("an emission");
+    let pixels = [0.0, 0.1, 3.0, 0.4, 0.2, 0.0, 0.3, 0.7].map(|value| Rgb::new(value, value * value, 0.2));
+    let sky = EnvironmentLight::new(4, 2, pixels.to_vec(), DQuat::IDENTITY).expect("a sky");
+    let (corner, edges) = (DVec3::new(-0.7, 4.0, -0.7), [DVec3::X * 1.4, DVec3::Z * 1.4]);
+    let quad = QuadLight::new(corner, edges, emission).expect("a light");
+    let outline = vec![corner, corner + edges[0], corner + edges[0] + edges[1], corner + edges[1]];
+    let square = Polygon::new(outline, Vec::new(), rt_geometry::InsideRule::Convex).expect("a square");
+    let bulb = SphereLight::new(DVec3::new(-2.5, 1.5, 1.0), 0.2, emission).expect("a light");
+    let lights = vec![Light::Quad(quad), Light::Sphere(bulb), Light::Environment(sky.clone())];
+
+    let clear = || MaterialModel::Dielectric { roughness: 0.0, transmittance: gray(1.0) };
+    let rough = MaterialModel::Dielectric { roughness: 0.3, transmittance: gray(0.9) };
+    let absorbing = |ior, priority| InteriorMedium { ior, priority, absorption: Rgb::new(0.1, 0.3, 0.6) };
+    let base = LayeredBase::MetallicRoughness {
+        base_color: gray(0.6),
+        metallic: FloatTexture::Constant(0.3),
+        roughness: FloatTexture::Constant(0.4),
+    };
+    let coated = LayeredSurface {
+        clearcoat: FloatTexture::Constant(0.7),
+        clearcoat_roughness: FloatTexture::textured(&[], TextureId(0), Channel::Red, 0.5),
+        ..LayeredSurface::new(base.clone())
+    };
+    let dispersive = LayeredSurface {
+        transmission: FloatTexture::Constant(1.0),
+        is_thin: false,
+        dispersion: 0.5,
+        ..LayeredSurface::new(base)
+    };
+    let floor = MaterialModel::Diffuse { albedo: ColorTexture::Textured(TextureId(0), Rgb::WHITE), roughness: 0.2 };
+    let radiance = ColorTexture::Constant(emission.radiance());
+    let materials = vec![
+        emissive(floor, 0.0),
+        Material { emission: radiance, ..emissive(MaterialModel::Black, 0.0) },
+        solid(clear(), absorbing(1.5, 1)),
+        solid(clear(), absorbing(1.33, 0)),
+        solid(clear(), InteriorMedium::clear(1.0)),
+        solid(rough, InteriorMedium::clear(1.5)),
+        emissive(MaterialModel::Mirror { reflectance: gray(0.9) }, 0.0),
+        emissive(MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness: 0.2 }, 0.0),
+        emissive(MaterialModel::ThinGlass { ior: 1.5, transmittance: gray(0.8) }, 0.0),
+        emissive(MaterialModel::Layered(coated.into()), 0.02),
+        solid(MaterialModel::Layered(dispersive.into()), InteriorMedium::clear(1.5)),
+        Material::new(String::new(), Phong { specular: gray(0.3), mirror: gray(0.2), ..Phong::default() }),
+    ];
+    let mut scene = Scene::new(materials, lights)
+        .with(super::floor(), 0, None)
+        .with(Shape::Polygon(square.into()), 1, Some(0))
+        .with(ball([-2.5, 1.5, 1.0], 0.2), 1, Some(1));
+    // Glass, water that overlaps it, and a bubble of air in both.
+    for (center, radius, material) in [
+        ([0.0, 0.8, 0.0], 0.7, 2),
+        ([0.5, 0.8, 0.0], 0.6, 3),
+        ([0.2, 0.9, 0.1], 0.3, 4),
+        ([1.9, 0.6, 0.3], 0.5, 5),
+        ([-1.3, 0.6, -0.6], 0.5, 6),
+        ([-1.1, 0.4, 1.0], 0.4, 7),
+        ([1.2, 0.35, 1.3], 0.3, 9),
+        ([0.1, 0.4, 1.6], 0.4, 10),
+        ([2.6, 0.5, -0.9], 0.5, 11),
+        // A solid of air around all.
+        ([0.0, 0.5, 0.0], 3.6, 4),
+    ] {
+        scene = scene.with(ball(center, radius), material, None);
+    }
+    let pane = Plane::new(DVec3::new(0.0, 0.0, -2.5), DVec3::new(0.1, 0.0, 1.0)).expect("a plane");
+    scene = scene.with(Shape::Plane(pane), 8, None);
+    scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];
+    scene.appearance.background = Background::Environment(sky.into());
+    let position = DVec3::new(2.0, 3.5, 2.0);
+    let point = |falloff| DeltaLightKind::Point { position, falloff, shadow_near: 0.1 };
+    scene.appearance.lights = vec![
+        lamp(point(Falloff::InverseSquare), true, LightUnits::Physical),
+        lamp(point(Falloff::None), false, LightUnits::Classical),
+        lamp(DeltaLightKind::Directional { direction: DVec3::new(0.6, -0.8, 0.0) }, true, LightUnits::Classical),
+    ];
+    scene
+}
+
+/// Rays through the exhibition, with directions of other lengths than 1.
+fn views(count: u64) -> Vec<Ray> {
+    let number = |index, dimension| random::unit(random::hash(&[41, index, dimension]));
+    let ray = |index| {
+        let target =
+            DVec3::new(6.0 * number(index, 0) - 3.0, 2.5 * number(index, 1) - 0.3, 4.0 * number(index, 2) - 2.0);
+        let origin = DVec3::new(4.0 * number(index, 3) - 2.0, 1.5, 6.0);
+        Ray { time: number(index, 4), ..Ray::new(origin, (target - origin) * (0.2 + number(index, 5))) }
+    };
+    (0..count).map(ray).collect()
+}
+
+#[test]
+fn every_path_has_the_bits_of_the_reference() {
+    let mut scene = exhibition();
+    let lights = scene.light_set();
+    let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
+    assert!(bsdfs.count().0 > 4, "{:?}", bsdfs.count());
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+    let water = InteriorList::filled_with(3);
+    for settings in all_settings() {
+        for surroundings in [&InteriorList::default(), &water] {
+            let (seen, counts) = trace(&mut scene.shapes, lighting, settings, surroundings, &views(3000));
+            // The scene has what is compared. In water, the ball of air hides what is inside from many rays.
+            let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
+            let (least_lit, least_passages) = if surroundings.is_empty() { (1500, 1000) } else { (150, 0) };
+            assert!(lit > least_lit && counts.passages >= least_passages, "{lit} of 3000, {settings:?}: {counts:?}");
+            let may_clamp = settings.clamp != Clamp::NONE && settings.max_depth > 0;
+            assert_eq!(counts.clamped > 100, may_clamp, "{settings:?}: {counts:?}");
+        }
+    }
+}
+
+/// Null interfaces: more than a ray may pass without a bounce, and more solids within each other than a list holds.
+#[test]
+fn a_path_through_many_null_interfaces_has_the_bits_of_the_reference() {
+    let air = solid(MaterialModel::Dielectric { roughness: 0.0, transmittance: gray(1.0) }, InteriorMedium::clear(1.0));
+    let mut scene = Scene::new(vec![air, emissive(diffuse(0.5), 0.3)], Vec::new());
+    scene.appearance.background = Background::Constant(Rgb::WHITE);
+    for z in 0..1100 {
+        let plane = Plane::new(DVec3::NEG_Z * f64::from(z), DVec3::Z).expect("a plane");
+        scene = scene.with(Shape::Plane(plane), 0, None);
+    }
+    let lights = scene.light_set();
+    let bsdfs = BsdfCache::default();
+    for (max_depth, is_behind_seen) in [(0, false), (75, false), (76, true), (200, true)] {
+        let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+        let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
+        let (seen, counts) = trace(&mut scene.shapes, lighting, paths(max_depth), &InteriorList::default(), &[ray]);
+        assert_eq!(!seen[0].radiance.is_black(), is_behind_seen, "{max_depth}: {seen:?}");
+        assert!(counts.interior_overflows > 900, "{counts:?}");
+    }
+    // A surface among them, from which the path goes back.
+    let wall = Plane::new(DVec3::NEG_Z * 550.5, DVec3::Z).expect("a plane");
+    let mut scene = scene.with(Shape::Plane(wall), 1, None);
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+    let rays = vec![Ray::new(DVec3::Z, DVec3::new(0.0, 0.3, -1.0)); 20];
+    let (seen, _) = trace(&mut scene.shapes, lighting, paths(1), &InteriorList::default(), &rays);
+    assert!(seen.iter().any(|seen| seen.radiance.g > 0.31), "{seen:?}");
+}

@@ -1,0 +1,259 @@
+//! Reference path integrator: the first file to read.
+//!
+//! [`ReferencePathTracer::li`] follows one path from vertex to vertex, in scalar `f64`. It is written for reading, in the order of
+//! `PathIntegrator::Li` of pbrt (Pharr, Jakob, Humphreys, PBR 4th ed., 13.4). The steps of each vertex:
+//!
+//! ```text
+//!   camera ────● x₁ ─ ─ ─ ─ □ light      1. find the closest surface x; on a miss add the environment, and end
+//!               ╲                        2. add the emission of x, with its MIS weight
+//!                ● x₂ ─ ─ ─ □            3. sample lights, and add those that x sees, with the other MIS weight
+//!                 ╲                      4. sample the next direction by the BSDF
+//!                  ● x₃                  5. end the path by Russian roulette
+//! ```
+//!
+//! [`PathTracer`](crate::PathTracer) takes the same steps for many paths at a time. Both return the same bits for every path, as tests
+//! verify. This file evaluates every feature ([`Needs::ALL`]) and computes each BSDF at the hit. It thus also verifies that features
+//! left out of a plan, and cached BSDFs, change no bit.
+//!
+//! Read next: `mis.rs` (weights), `bsdf/mod.rs` (BSDFs), `light/light_set.rs` (lights), `vertex.rs`, `hit_context.rs` (sides and
+//! media of a surface), and then the waves: `path.rs`, `path/scatter.rs`.
+
+use crate::{
+    InteriorList, Lighting, Needs, PathSettings, Seen, ShadingCounts, Tracer, Transport,
+    bsdf::Scattering,
+    hit_context::HitContext,
+    medium::Medium,
+    medium_tracker::MediumTracker,
+    mis::power_heuristic,
+    ray_queues::kind_of,
+    russian_roulette::russian_roulette,
+    vertex::{Vertex, bsdf_at},
+    viewed_surface::ViewedSurface,
+};
+use rt_geometry::{RayKind, SurfaceInteraction};
+use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
+
+/// Path integrator for one path at a time, as reference for [`PathTracer`](crate::PathTracer): slower, with the same bits.
+///
+/// It implements [`Transport::Full`] and [`Transport::NonCaustic`]. [`Transport::Specular`], of distribution ray tracing, is rendered as
+/// `Full`.
+#[derive(Clone, Debug)]
+pub struct ReferencePathTracer<'a> {
+    /// Depth, Russian roulette and clamping.
+    pub settings: PathSettings,
+    /// Materials and lights. The cache of BSDFs is ignored.
+    pub lighting: Lighting<'a>,
+    /// Media around the camera; `default()` for air.
+    pub surroundings: InteriorList,
+    /// Null interfaces, ignored dielectrics and clamped light of all paths so far. Other counts stay as they are.
+    pub counts: ShadingCounts,
+}
+
+/// State of a path between two vertices.
+struct PathState {
+    /// Radiance so far.
+    seen: Seen,
+    /// Throughput (β): factor of further radiance.
+    throughput: Rgb,
+    /// Accumulated η² of refraction, which Russian roulette excludes from the throughput (pbrt's `etaScale`).
+    eta_scale: f64,
+    /// Surfaces that have scattered the path.
+    bounces: u32,
+    /// True until the first of these surfaces has sampled a non-delta lobe.
+    starts_specular: bool,
+    /// Media that the path is inside of.
+    media: MediumTracker,
+    /// Previous vertex; `None` for the camera and for delta lobes, whose directions light sampling cannot find.
+    prev: Option<LightSampleContext>,
+}
+
+/// Previous vertex, for the density with which light sampling would have found the direction that its BSDF has sampled.
+struct LightSampleContext {
+    point: DVec3,
+    /// Normal for the sampling of lights; `None` if the surface transmits light.
+    normal: Option<DVec3>,
+    /// Density of the direction by the BSDF, in 1/sr.
+    bsdf_pdf: f64,
+}
+
+impl ReferencePathTracer<'_> {
+    /// Estimates the radiance along a camera ray, whose direction need not be of unit length. Non-finite scenes give non-finite radiance.
+    pub fn li(&mut self, world: &mut impl Tracer, ray: &Ray, sampler: &mut impl Sampler) -> Seen {
+        let Lighting { appearance, lights, .. } = self.lighting;
+        let PathSettings { max_depth, rr_start_depth, transport, .. } = self.settings;
+        let materials = &appearance.materials;
+        let mut path = PathState::new(&self.surroundings);
+        let (mut ray, mut span, mut kind) = (*ray, Interval::FORWARD, RayKind::Primary);
+        loop {
+            // Find the closest surface. On a miss, add the radiance of the environment.
+            let Some(mut hit) = world.closest(&ray, span, kind, Needs::ALL.surface()) else {
+                let direction = ray.direction;
+                let weight = path.mis_weight(|from| lights.pdf_li_environment(from.point, from.normal, direction));
+                let radiance = path.throughput * weight * appearance.background.radiance(direction);
+                self.add(radiance, path.bounces, &mut path);
+                return path.seen;
+            };
+            let Some(context) = HitContext::new(&Needs::ALL, materials, &ray, &hit) else {
+                path.seen.hit = true;
+                return path.seen;
+            };
+            let HitContext { material, direction, length, is_inside, .. } = context;
+
+            // Pass a null interface: the same ray goes on behind it.
+            let interface = context.interface(&mut path.media.interior, materials, &hit);
+            let interface = interface.as_ref();
+            if !context.is_visible(interface) {
+                let is_dimmed =
+                    path.media.skip_interface(interface, &hit, length, &mut path.throughput, &mut self.counts);
+                path.seen.hit |= is_dimmed;
+                if path.media.null_limit_exceeded() {
+                    if path.bounces >= max_depth {
+                        return path.seen;
+                    }
+                    path.bounces += 1;
+                }
+                (span, kind) = (hit.span_after(&ray), RayKind::Refraction);
+                continue;
+            }
+            path.seen.hit = true;
+
+            // Apply the absorption of the medium before the surface.
+            path.media.absorb(materials, interface, hit.t, length, &mut path.throughput);
+
+            // Add the emission of the surface. That of caustics may be left to light tracing.
+            let emitted = material.emitted_radiance(&appearance.textures, &hit.interaction, is_inside);
+            let is_caustic = hit.light.is_some() && !path.starts_specular && path.prev.is_none();
+            let is_omitted = is_caustic && transport == Transport::NonCaustic;
+            if !emitted.is_black() && !is_omitted {
+                let SurfaceInteraction { point, geometric_normal, .. } = hit.interaction;
+                let light_pdf = |from: &LightSampleContext, light| {
+                    lights.pdf_li(from.point, from.normal, light, point, geometric_normal)
+                };
+                let weight = path.mis_weight(|from| hit.light.map_or(0.0, |light| light_pdf(from, light)));
+                self.add(path.throughput * emitted * weight, path.bounces, &mut path);
+            }
+            if path.bounces > max_depth {
+                return path.seen;
+            }
+
+            // Sample lights.
+            let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
+            let bsdf = bsdf_at(appearance, material, &view, interface);
+            let vertex = Vertex::new(view, &bsdf, ray.time);
+            let media = path.media.media(materials, interface);
+            self.sample_direct_lighting(world, &vertex, media, sampler, &mut path);
+
+            // Sample the next direction by the BSDF.
+            let [u, v] = sampler.next_2d();
+            let component = if bsdf.uses_component_sample() { sampler.next_1d() } else { 0.0 };
+            let Some(sample) = bsdf.sample(vertex.wo, [component, u, v]) else { return path.seen };
+            let Some(wi) = vertex.continued(&sample, path.starts_specular) else { return path.seen };
+            path.throughput *= sample.weight();
+            path.eta_scale *= sample.eta * sample.eta;
+            path.starts_specular = if path.bounces == 0 { sample.is_delta } else { path.starts_specular };
+            path.bounces += 1;
+            let (point, normal) = (vertex.view.surface.point, vertex.normal);
+            path.prev = (!sample.is_delta).then_some(LightSampleContext { point, normal, bsdf_pdf: sample.pdf });
+            if path.throughput.is_black() {
+                return path.seen;
+            }
+
+            // Russian roulette: end most paths of little throughput, and raise that of the others.
+            let is_old = path.bounces > rr_start_depth;
+            if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, sampler) {
+                return path.seen;
+            }
+            path.media.scatter(interface, sample.kind);
+            let next = vertex.view.surface.spawn_ray(wi, ray.time);
+            (ray, span, kind) = (next, Interval::SPAWNED, kind_of(Some(&sample)));
+        }
+    }
+
+    /// Next-event estimation: adds the light of all delta lights, and of one area or environment light.
+    fn sample_direct_lighting(
+        &mut self,
+        world: &mut impl Tracer,
+        vertex: &Vertex<'_>,
+        media: [Medium; 2],
+        sampler: &mut impl Sampler,
+        path: &mut PathState,
+    ) {
+        if vertex.bsdf.is_delta() {
+            return;
+        }
+        let lights = self.lighting.lights;
+        let (surface, time) = (vertex.view.surface, vertex.time);
+        let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
+        // Light from infinity is not attenuated: the end of the medium there is unknown.
+        let transmittance = |direction: DVec3, distance: f64| match media {
+            _ if distance.is_infinite() => Rgb::WHITE,
+            [near, _] if vertex.view.is_on_side_of(Scattering::Reflection, direction) => near.transmittance(distance),
+            [_, far] => far.transmittance(distance),
+        };
+
+        // Add all delta lights. BSDF samples cannot hit them: their MIS weight is 1. Those without shadows come first, as the
+        // order of a sum determines its last bit.
+        for casts_shadows in [false, true] {
+            for light in lights.delta_lights().filter(|light| light.casts_shadows == casts_shadows) {
+                let Some(lit) = light.sample_li(surface.point) else { continue };
+                let scattered = vertex.eval(lit.direction);
+                let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
+                let (shadow_ray, span) = light.shadow_ray(&shadow_rays, &lit, time);
+                if radiance.is_black() {
+                    continue;
+                } else if !casts_shadows {
+                    self.add(radiance, path.bounces + 1, path);
+                } else if !world.occluded(&shadow_ray, span) {
+                    self.add(radiance * transmittance(lit.direction, lit.distance), path.bounces + 1, path);
+                }
+            }
+        }
+
+        // Add one area or environment light, with its MIS weight.
+        let n_sampled = lights.sampled_lights().len();
+        if n_sampled == 0 {
+            return;
+        }
+        let u = sampler.next_2d();
+        let choice = if n_sampled > 1 { sampler.next_1d() } else { 0.0 };
+        let Some(light) = lights.sample_li(surface.point, vertex.normal, choice, u) else { return };
+        let wi = light.sample.direction;
+        let Some(local) = vertex.local(wi) else { return };
+        let (f, bsdf_pdf) = vertex.bsdf.eval_with_pdf(vertex.wo, local);
+        if f.is_black() {
+            return;
+        }
+        let scattered = f * power_heuristic(light.pdf, bsdf_pdf) * local.z.abs();
+        let radiance = path.throughput * scattered * light.sample.radiance / light.pdf;
+        let (shadow_ray, span) = match light.sample.shadow_target() {
+            Some(target) => (shadow_rays.to(target, time), Interval::SEGMENT),
+            None => (shadow_rays.towards(wi, time), Interval::SPAWNED),
+        };
+        if !world.occluded(&shadow_ray, span) {
+            self.add(radiance * transmittance(wi, light.sample.distance), path.bounces + 1, path);
+        }
+    }
+
+    /// Adds radiance that this many surfaces have scattered, clamped if it is indirect.
+    fn add(&mut self, radiance: Rgb, scattered: u32, path: &mut PathState) {
+        let clamp = self.settings.clamp;
+        let is_bounded = clamp.holds_after(scattered);
+        path.seen.radiance += if is_bounded { clamp.bounded(radiance, &mut self.counts) } else { radiance };
+    }
+}
+
+impl PathState {
+    /// Path that starts at the camera, in these media.
+    fn new(surroundings: &InteriorList) -> Self {
+        let mut media = MediumTracker::default();
+        media.interior.clone_from(surroundings);
+        let (seen, throughput) = (Seen::NOTHING, Rgb::WHITE);
+        Self { seen, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
+    }
+
+    /// MIS weight of light that the direction of the BSDF has found, given the density of the same direction by light sampling: 0 if
+    /// light sampling cannot find this light.
+    fn mis_weight(&self, light_pdf: impl FnOnce(&LightSampleContext) -> f64) -> f64 {
+        self.prev.as_ref().map_or(1.0, |from| power_heuristic(from.bsdf_pdf, light_pdf(from)))
+    }
+}
