@@ -1,11 +1,15 @@
 //! Meshes and spheres.
 
-use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use rt_accel::{DVec3, Sphere, Spheres, TriangleMesh, Vertices};
 
 use crate::arrays::{Rows, RowsView};
+
+/// Points that a thread interpolates at a time.
+const POINTS_PER_TASK: usize = 4096;
 
 /// Checked triangles.
 #[pyclass(name = "Mesh", frozen)]
@@ -38,6 +42,32 @@ impl PyMesh {
             Vertices::F32(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
             Vertices::F64(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
         }
+    }
+
+    /// Writes points of triangles, interpolated between their vertices, into the rows of `points`. Barycentric coordinates are the
+    /// weights of the second and third vertex, two for each triangle.
+    fn interpolate(
+        &self,
+        py: Python<'_>,
+        triangles: PyReadonlyArray1<'_, i64>,
+        uv: PyReadonlyArray2<'_, f64>,
+        mut points: PyReadwriteArray2<'_, f64>,
+    ) -> PyResult<()> {
+        let (triangles, mesh) = (triangles.as_slice()?, &self.0);
+        let (uv, points) = (uv.as_slice()?.as_chunks().0, points.as_slice_mut()?.as_chunks_mut().0);
+        if (uv.len(), points.len()) != (triangles.len(), triangles.len()) {
+            let message =
+                format!("{} coordinates and {} points for {} triangles", uv.len(), points.len(), triangles.len());
+            return Err(PyValueError::new_err(message));
+        }
+        let write = |((triangle, [u, v]), point): ((&i64, &[f64; 2]), &mut [f64; 3])| {
+            let corners = u32::try_from(*triangle).ok().and_then(|index| mesh.triangle(index)).ok_or(*triangle)?;
+            *point = ((1.0 - (u + v)) * corners[0] + *u * corners[1] + *v * corners[2]).to_array();
+            Ok(())
+        };
+        let items = triangles.par_iter().zip(uv).zip(points).with_min_len(POINTS_PER_TASK);
+        let written: Result<(), i64> = py.detach(|| items.map(write).collect());
+        written.map_err(|triangle| PyValueError::new_err(format!("there is no triangle {triangle}")))
     }
 
     /// Indices of vertices, three for each triangle: a copy.

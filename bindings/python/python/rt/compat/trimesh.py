@@ -28,9 +28,6 @@ _SAME_LOCATION = 1e-8
 #: intermediate results take tens of megabytes.
 _RAYS_PER_SLICE = 1 << 19
 
-#: Hits whose locations are interpolated at a time, so that intermediate results fit into the cache.
-_HITS_PER_SLICE = 1 << 13
-
 
 def _slices(n, size):
     return (slice(first, min(first + size, n)) for first in range(0, n, size))
@@ -111,13 +108,14 @@ class RayMeshIntersector:
         origins, directions = self._rays(ray_origins, ray_directions)
         if not multiple_hits:
             return self._closest(origins, directions, return_locations)
-        hits = self._tree().all_hits(origins, directions)
+        tree = self._tree()
+        hits = tree.all_hits(origins, directions)
         index_ray, index_tri = hits.ray, hits.primitive.astype(np.int64)
         keep = np.ones(len(index_ray), dtype=bool)
         locations = None
         if return_locations:
             locations = np.empty((len(index_tri), 3))
-            self._interpolate(index_tri, hits.uv, locations)
+            tree._geometry.interpolate(index_tri, hits.uv, locations)
             step = np.abs(np.diff(locations, axis=0)).max(axis=1)
             keep[1:] = (np.diff(index_ray) != 0) | (step > _SAME_LOCATION)
         if max_hits is not None:
@@ -141,7 +139,8 @@ class RayMeshIntersector:
             index_tri[hits] = closest.primitive[found]
             np.add(found, rays.start, out=index_ray[hits])
             if return_locations:
-                self._interpolate(index_tri[hits], closest.uv[found], locations[hits])
+                # Interpolated between vertices: exact to rounding, however far away the ray starts.
+                tree._geometry.interpolate(index_tri[hits], closest.uv[found], locations[hits])
             n = hits.stop
         # In place: the memory that was never written is given back without a copy.
         index_tri.resize(n, refcheck=False)
@@ -150,14 +149,6 @@ class RayMeshIntersector:
             return index_tri, index_ray
         locations.resize((n, 3), refcheck=False)
         return index_tri, index_ray, locations
-
-    def _interpolate(self, index_tri, uv, locations):
-        """Writes points of triangles, interpolated between vertices: exact to rounding, however far away the ray starts."""
-        vertices, faces = np.asarray(self.mesh.vertices, dtype=np.float64), np.asarray(self.mesh.faces)
-        for hits in _slices(len(index_tri), _HITS_PER_SLICE):
-            corners = vertices[faces[index_tri[hits]]]
-            weights = np.column_stack((1.0 - uv[hits].sum(axis=1), uv[hits]))
-            np.einsum("ij,ijk->ik", weights, corners, out=locations[hits])
 
     def intersects_location(
         self, ray_origins: ArrayLike, ray_directions: ArrayLike, **options: Any
