@@ -1,20 +1,30 @@
 //! Meshes and spheres.
 
-use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
+use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rayon::prelude::*;
-use rt_accel::{DVec3, Sphere, Spheres, TriangleMesh, Vertices};
+use rt_accel::{DVec3, MeshError, Sphere, Spheres, TriangleMesh, Vertices};
 
 use crate::arrays::{Rows, RowsView};
 
-/// Points that a thread interpolates at a time.
-const POINTS_PER_TASK: usize = 4096;
-
 /// Checked triangles.
 #[pyclass(name = "Mesh", frozen)]
-#[derive(Clone)]
-pub(crate) struct PyMesh(pub(crate) TriangleMesh<'static>);
+pub(crate) struct PyMesh {
+    pub(crate) mesh: TriangleMesh<'static>,
+    /// Of all vertices, without sign; 0 if there are none.
+    pub(crate) largest_coordinate: f64,
+}
+
+impl PyMesh {
+    fn checked(mesh: Result<TriangleMesh<'static>, MeshError>) -> PyResult<Self> {
+        let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let largest_coordinate = match mesh.vertices() {
+            Vertices::F32(vertices) => vertices.as_flattened().iter().fold(0.0_f32, |max, c| max.max(c.abs())).into(),
+            Vertices::F64(vertices) => vertices.as_flattened().iter().fold(0.0, |max, c| c.abs().max(max)),
+        };
+        Ok(Self { mesh, largest_coordinate })
+    }
+}
 
 #[pymethods]
 impl PyMesh {
@@ -26,53 +36,25 @@ impl PyMesh {
             return Err(PyValueError::new_err(format!("faces must have three columns, not {}", faces.ncols())));
         }
         let triangles: Vec<[u32; 3]> = faces.rows().into_iter().map(|face| [face[0], face[1], face[2]]).collect();
-        let mesh = TriangleMesh::new(vertices_of(&rows), triangles);
-        mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
+        Self::checked(TriangleMesh::new(vertices_of(&rows), triangles))
     }
 
     /// The same triangles over other vertices.
     fn with_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let mesh = self.0.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?));
-        mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
+        Self::checked(self.mesh.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?)))
     }
 
     /// Coordinates of the vertices, three for each: a copy in the precision that the mesh keeps.
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        match self.0.vertices() {
+        match self.mesh.vertices() {
             Vertices::F32(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
             Vertices::F64(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
         }
     }
 
-    /// Writes points of triangles, interpolated between their vertices, into the rows of `points`. Barycentric coordinates are the
-    /// weights of the second and third vertex, two for each triangle.
-    fn interpolate(
-        &self,
-        py: Python<'_>,
-        triangles: PyReadonlyArray1<'_, i64>,
-        uv: PyReadonlyArray2<'_, f64>,
-        mut points: PyReadwriteArray2<'_, f64>,
-    ) -> PyResult<()> {
-        let (triangles, mesh) = (triangles.as_slice()?, &self.0);
-        let (uv, points) = (uv.as_slice()?.as_chunks().0, points.as_slice_mut()?.as_chunks_mut().0);
-        if (uv.len(), points.len()) != (triangles.len(), triangles.len()) {
-            let message =
-                format!("{} coordinates and {} points for {} triangles", uv.len(), points.len(), triangles.len());
-            return Err(PyValueError::new_err(message));
-        }
-        let write = |((triangle, [u, v]), point): ((&i64, &[f64; 2]), &mut [f64; 3])| {
-            let corners = u32::try_from(*triangle).ok().and_then(|index| mesh.triangle(index)).ok_or(*triangle)?;
-            *point = ((1.0 - (u + v)) * corners[0] + *u * corners[1] + *v * corners[2]).to_array();
-            Ok(())
-        };
-        let items = triangles.par_iter().zip(uv).zip(points).with_min_len(POINTS_PER_TASK);
-        let written: Result<(), i64> = py.detach(|| items.map(write).collect());
-        written.map_err(|triangle| PyValueError::new_err(format!("there is no triangle {triangle}")))
-    }
-
     /// Indices of vertices, three for each triangle: a copy.
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.0.triangles().as_flattened().to_vec().into_pyarray(py)
+        self.mesh.triangles().as_flattened().to_vec().into_pyarray(py)
     }
 }
 
