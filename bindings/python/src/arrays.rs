@@ -3,13 +3,16 @@
 //! Contiguous arrays of either precision are read in place. Other arrays are gathered, a slice of rays at a time, so that
 //! little memory is needed beyond that of the caller.
 
+use core::ops::Range;
+
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, ndarray::ArrayView2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use rt_accel::{Scalars, Vectors};
 
-/// Rays that are gathered at a time.
-pub(crate) const RAYS_PER_SLICE: usize = 1 << 17;
+/// Numbers that are checked at a time.
+const NUMBERS_PER_CHECK: usize = 4096;
 
 /// Vectors in the rows of an array with three columns.
 pub(crate) enum Rows<'py> {
@@ -86,17 +89,12 @@ impl RowsView<'_> {
         }
     }
 
-    /// Index of the first row with a number that is NaN or infinite.
-    pub(crate) fn first_non_finite(&self) -> Option<usize> {
-        fn position<T: Copy>(rows: &ArrayView2<'_, T>, is_finite: impl Fn(T) -> bool) -> Option<usize> {
-            if let Some(numbers) = rows.as_slice() {
-                return numbers.iter().position(|number| !is_finite(*number)).map(|i| i / 3);
-            }
-            rows.rows().into_iter().position(|row| !row.iter().all(|number| is_finite(*number)))
-        }
+    /// Index of the first row with a number that is NaN or infinite, of `n` from `first` on. A single row serves all.
+    pub(crate) fn first_non_finite(&self, first: usize, n: usize, is_parallel: bool) -> Option<usize> {
+        let (first, n) = if self.len() == 1 { (0, 1) } else { (first, n) };
         match self {
-            Self::F32(rows) => position(rows, f32::is_finite),
-            Self::F64(rows) => position(rows, f64::is_finite),
+            Self::F32(rows) => first_bad(rows, first..first + n, is_parallel, f32::is_finite),
+            Self::F64(rows) => first_bad(rows, first..first + n, is_parallel, f64::is_finite),
         }
     }
 
@@ -122,6 +120,28 @@ impl RowsView<'_> {
             }
         }
     }
+}
+
+/// Index of the first row of `range` with a number that is not good.
+fn first_bad<T: Copy + Sync>(
+    rows: &ArrayView2<'_, T>,
+    range: Range<usize>,
+    is_parallel: bool,
+    is_good: impl Fn(T) -> bool + Sync,
+) -> Option<usize> {
+    let Some(numbers) = rows.as_slice().and_then(|numbers| numbers.get(3 * range.start..3 * range.end)) else {
+        return range.into_iter().find(|row| !rows.row(*row).iter().all(|number| is_good(*number)));
+    };
+    // Without a branch for each number: the compiler uses vector instructions.
+    let has_bad = |chunk: &[T]| !chunk.iter().fold(true, |good, number| good & is_good(*number));
+    let chunk = if is_parallel {
+        numbers.par_chunks(NUMBERS_PER_CHECK).position_first(has_bad)
+    } else {
+        numbers.chunks(NUMBERS_PER_CHECK).position(has_bad)
+    }?;
+    let first = chunk * NUMBERS_PER_CHECK;
+    let bad = numbers.get(first..)?.iter().position(|number| !is_good(*number))?;
+    Some(range.start + (first + bad) / 3)
 }
 
 /// Ray parameters: one for all rays, or one for each.

@@ -3,14 +3,28 @@
 use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rt_accel::{DVec3, Sphere, Spheres, TriangleMesh, Vertices};
+use rt_accel::{DVec3, MeshError, Sphere, Spheres, TriangleMesh, Vertices};
 
 use crate::arrays::{Rows, RowsView};
 
 /// Checked triangles.
 #[pyclass(name = "Mesh", frozen)]
-#[derive(Clone)]
-pub(crate) struct PyMesh(pub(crate) TriangleMesh<'static>);
+pub(crate) struct PyMesh {
+    pub(crate) mesh: TriangleMesh<'static>,
+    /// Of all vertices, without sign; 0 if there are none.
+    pub(crate) largest_coordinate: f64,
+}
+
+impl PyMesh {
+    fn checked(mesh: Result<TriangleMesh<'static>, MeshError>) -> PyResult<Self> {
+        let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let largest_coordinate = match mesh.vertices() {
+            Vertices::F32(vertices) => vertices.as_flattened().iter().fold(0.0_f32, |max, c| max.max(c.abs())).into(),
+            Vertices::F64(vertices) => vertices.as_flattened().iter().fold(0.0, |max, c| c.abs().max(max)),
+        };
+        Ok(Self { mesh, largest_coordinate })
+    }
+}
 
 #[pymethods]
 impl PyMesh {
@@ -22,19 +36,17 @@ impl PyMesh {
             return Err(PyValueError::new_err(format!("faces must have three columns, not {}", faces.ncols())));
         }
         let triangles: Vec<[u32; 3]> = faces.rows().into_iter().map(|face| [face[0], face[1], face[2]]).collect();
-        let mesh = TriangleMesh::new(vertices_of(&rows), triangles);
-        mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
+        Self::checked(TriangleMesh::new(vertices_of(&rows), triangles))
     }
 
     /// Mesh with the triangles of this one and other vertices.
     fn with_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let mesh = self.0.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?));
-        mesh.map(Self).map_err(|error| PyValueError::new_err(error.to_string()))
+        Self::checked(self.mesh.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?)))
     }
 
     /// Coordinates of the vertices, three for each: a copy in the precision that the mesh keeps.
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        match self.0.vertices() {
+        match self.mesh.vertices() {
             Vertices::F32(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
             Vertices::F64(vertices) => vertices.as_flattened().to_vec().into_pyarray(py).into_any(),
         }
@@ -42,7 +54,7 @@ impl PyMesh {
 
     /// Indices of vertices, three for each triangle: a copy.
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.0.triangles().as_flattened().to_vec().into_pyarray(py)
+        self.mesh.triangles().as_flattened().to_vec().into_pyarray(py)
     }
 }
 

@@ -1,15 +1,20 @@
 //! Extension module `rt._rt`: rays and images for numpy arrays. Users import the package `rt`, which wraps it.
 //!
-//! `arrays` turns numpy arrays into batches, `geometry` holds meshes and spheres, `scene` the queries, `render` images.
+//! `arrays` turns numpy arrays into batches, and `rays` traces them slice by slice. `geometry` holds meshes and spheres, `scene`
+//! the queries, `crossings` those of trimesh, `render` images.
 
 mod arrays;
+mod crossings;
 mod geometry;
+mod rays;
 mod render;
 mod scene;
 
 /// Exact rays on triangle meshes, and images.
 #[pyo3::pymodule]
 mod _rt {
+    #[pymodule_export]
+    use crate::crossings::{crossings, first_triangles};
     #[pymodule_export]
     use crate::geometry::{PyMesh, PySpheres};
     #[pymodule_export]

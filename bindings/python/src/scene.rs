@@ -1,13 +1,13 @@
 //! Queries of a scene.
 
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use rt_accel::{BuildParams, DVec3, GeometryId, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform};
+use rt_accel::{BuildParams, DVec3, GeometryId, HitBatch, HitLists, Scene, SceneBuilder, Transform};
 
-use crate::arrays::{Gathered, Parameters, ParametersView, RAYS_PER_SLICE, Rows, RowsView};
+use crate::arrays::{Rows, RowsView};
 use crate::geometry::{PyMesh, PySpheres};
+use crate::rays::{Rays, Refused, on_threads, value_error};
 
 /// Points that a thread takes at a time.
 const POINTS_PER_TASK: usize = 64;
@@ -15,7 +15,7 @@ const POINTS_PER_TASK: usize = 64;
 /// Meshes and spheres with their trees.
 #[pyclass(name = "Scene", frozen)]
 pub(crate) struct PyScene {
-    scene: Scene<'static>,
+    pub(crate) scene: Scene<'static>,
     /// In the order in which they were added.
     geometries: Vec<GeometryId>,
 }
@@ -32,7 +32,7 @@ fn add_all(
 ) -> PyResult<()> {
     for geometry in geometries {
         let id = if let Ok(mesh) = geometry.cast::<PyMesh>() {
-            let mesh = mesh.get().0.clone();
+            let mesh = mesh.get().mesh.clone();
             py.detach(|| builder.add(mesh))
         } else {
             let spheres = geometry.cast::<PySpheres>()?.get().0.clone();
@@ -65,106 +65,13 @@ fn geometry_of(ids: &[GeometryId], geometry: usize) -> PyResult<GeometryId> {
     ids.get(geometry).copied().ok_or_else(|| value_error(format!("there is no geometry {geometry}")))
 }
 
-fn value_error(error: impl ToString) -> PyErr {
-    PyValueError::new_err(error.to_string())
-}
-
-/// Rays of a call.
-struct Rays<'py> {
-    origins: Rows<'py>,
-    directions: Rows<'py>,
-    t_min: Parameters<'py>,
-    t_max: Parameters<'py>,
-}
-
-/// Rays of a call as views.
-struct RaysView<'a> {
-    origins: RowsView<'a>,
-    directions: RowsView<'a>,
-    t_min: ParametersView<'a>,
-    t_max: ParametersView<'a>,
-    len: usize,
-}
-
-impl<'py> Rays<'py> {
-    fn extract([origins, directions, t_min, t_max]: [&Bound<'py, PyAny>; 4]) -> PyResult<Self> {
-        Ok(Self {
-            origins: Rows::extract("origins", origins)?,
-            directions: Rows::extract("directions", directions)?,
-            t_min: Parameters::extract("t_min", t_min)?,
-            t_max: Parameters::extract("t_max", t_max)?,
-        })
-    }
-
-    fn view(&self) -> PyResult<RaysView<'_>> {
-        let len = match (self.origins.len(), self.directions.len()) {
-            (1, n) | (n, 1) => n,
-            (n, m) if n == m => n,
-            (n, m) => return Err(value_error(format!("there are {n} origins for {m} directions"))),
-        };
-        let (origins, directions) = (self.origins.view(), self.directions.view());
-        Ok(RaysView { origins, directions, t_min: self.t_min.view()?, t_max: self.t_max.view()?, len })
-    }
-}
-
-/// Why a batch of rays cannot be traced, as text, since Python objects need the lock of the interpreter.
-type Refused = String;
-
-impl RaysView<'_> {
-    fn check(&self) -> Result<(), Refused> {
-        for (what, rows) in [("origins", self.origins), ("directions", self.directions)] {
-            if let Some(row) = rows.first_non_finite() {
-                return Err(format!("row {row} of {what} holds a number that is not finite"));
-            }
-        }
-        Ok(())
-    }
-
-    /// Calls `trace` with all rays at once if they can be read in place, or else slice by slice, and with the index of the
-    /// first ray.
-    fn for_each_slice(
-        &self,
-        mut trace: impl FnMut(usize, &RayBatch<'_>) -> Result<(), Refused>,
-    ) -> Result<(), Refused> {
-        self.check()?;
-        let in_place = self.origins.is_contiguous() && self.directions.is_contiguous();
-        let step = if in_place { self.len.max(1) } else { RAYS_PER_SLICE };
-        let (mut origins, mut directions) = (Gathered::default(), Gathered::default());
-        for first in (0..self.len).step_by(step) {
-            let n = step.min(self.len - first);
-            let vectors =
-                self.origins.vectors(first, n, &mut origins).zip(self.directions.vectors(first, n, &mut directions));
-            let limits = self.t_min.scalars(first, n).zip(self.t_max.scalars(first, n));
-            let Some(((origins, directions), (t_min, t_max))) = vectors.zip(limits) else {
-                return Err(format!("t_min and t_max must be numbers, or arrays of {} numbers", self.len));
-            };
-            let rays = RayBatch::new(origins, directions).and_then(|rays| rays.with_t_range(t_min, t_max));
-            trace(first, &rays.map_err(|error| error.to_string())?)?;
-        }
-        Ok(())
-    }
-}
-
-/// Calls `work` on the given number of threads: all processors for 0. Its argument is true if there are several.
-fn on_threads<T: Send>(threads: usize, work: impl FnOnce(bool) -> T + Send) -> Result<T, Refused> {
-    match threads {
-        0 => Ok(work(rayon::current_num_threads() > 1)),
-        1 => Ok(work(false)),
-        _ => {
-            let pool =
-                rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
-            Ok(pool.install(|| work(true)))
-        }
-    }
-}
-
 /// `work` for each point, on the given number of threads.
 fn for_each_point<T: Send>(
     points: RowsView<'_>,
     threads: usize,
     work: impl Fn(DVec3) -> T + Send + Sync,
 ) -> Result<Vec<T>, Refused> {
-    if let Some(row) = points.first_non_finite() {
+    if let Some(row) = points.first_non_finite(0, points.len(), false) {
         return Err(format!("row {row} of points holds a number that is not finite"));
     }
     let at = |i: usize| match points {
@@ -178,6 +85,28 @@ fn for_each_point<T: Send>(
             (0..points.len()).map(|i| work(at(i))).collect()
         }
     })
+}
+
+/// All hits of many rays as a structure of arrays.
+#[derive(Default)]
+struct HitArrays {
+    offsets: Vec<i64>,
+    t: Vec<f64>,
+    primitive: Vec<u32>,
+    instance: Vec<u32>,
+    uv: Vec<[f64; 2]>,
+}
+
+impl HitArrays {
+    /// Appends the hits of more rays.
+    fn extend(&mut self, lists: &HitLists) {
+        let first = self.t.len();
+        self.offsets.extend(lists.offsets.iter().skip(1).map(|offset| (first + offset) as i64));
+        self.t.extend(lists.hits.iter().map(|hit| hit.t));
+        self.primitive.extend(lists.hits.iter().map(|hit| hit.primitive));
+        self.instance.extend(lists.hits.iter().map(|hit| hit.instance));
+        self.uv.extend(lists.hits.iter().map(|hit| hit.uv));
+    }
 }
 
 type Closest<'py> =
@@ -232,7 +161,7 @@ impl PyScene {
     ) -> PyResult<(Self, Vec<u32>)> {
         let (mut builder, mut ids) = (self.scene.to_builder(), self.geometries.clone());
         for (geometry, mesh) in vertices {
-            let (id, vertices) = (geometry_of(&ids, geometry)?, mesh.get().0.vertices().clone());
+            let (id, vertices) = (geometry_of(&ids, geometry)?, mesh.get().mesh.vertices().clone());
             py.detach(|| builder.set_vertices(id, vertices)).map_err(value_error)?;
         }
         for (instance, matrix) in transforms {
@@ -282,7 +211,7 @@ impl PyScene {
             let (t, primitive) = (t.as_slice_mut()?, primitive.as_slice_mut()?);
             let (instance, uv) = (instance.as_slice_mut()?, uv.as_slice_mut()?.as_chunks_mut().0);
             let work = |is_parallel| {
-                view.for_each_slice(|first, rays| {
+                view.for_each_slice(is_parallel, |first, rays| {
                     let range = first..first + rays.len();
                     let mut hits = HitBatch {
                         t: &mut t[range.clone()],
@@ -319,7 +248,7 @@ impl PyScene {
             let mut occluded = occluded.readwrite();
             let occluded = occluded.as_slice_mut()?;
             let work = |is_parallel| {
-                view.for_each_slice(|first, rays| {
+                view.for_each_slice(is_parallel, |first, rays| {
                     let occluded = &mut occluded[first..first + rays.len()];
                     let traced = if is_parallel {
                         self.scene.par_occluded_batch(rays, occluded)
@@ -350,7 +279,7 @@ impl PyScene {
             let mut counts = counts.readwrite();
             let counts = counts.as_slice_mut()?;
             let work = |is_parallel| {
-                view.for_each_slice(|first, rays| {
+                view.for_each_slice(is_parallel, |first, rays| {
                     let counts = &mut counts[first..first + rays.len()];
                     let traced = if is_parallel {
                         self.scene.par_count_hits_batch(rays, counts)
@@ -378,25 +307,25 @@ impl PyScene {
         let rays = Rays::extract([origins, directions, t_min, t_max])?;
         let view = rays.view()?;
         let work = |is_parallel| {
-            let mut all = HitLists { offsets: vec![0], hits: Vec::new() };
-            view.for_each_slice(|_, rays| {
+            // Room for all offsets, of which only what is written takes memory. Lists of hits grow.
+            let mut all = HitArrays { offsets: Vec::with_capacity(view.len + 1), ..HitArrays::default() };
+            all.offsets.push(0);
+            view.for_each_small_slice(is_parallel, |_, rays| {
                 let lists =
                     if is_parallel { self.scene.par_all_hits_batch(rays) } else { self.scene.all_hits_batch(rays) };
-                let first = all.hits.len();
-                all.offsets.extend(lists.offsets.iter().skip(1).map(|offset| first + offset));
-                all.hits.extend(lists.hits);
+                all.extend(&lists);
                 Ok(())
             })?;
             Ok(all)
         };
-        let lists = py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
-        let hits = &lists.hits;
+        let HitArrays { offsets, t, primitive, instance, uv } =
+            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
         Ok((
-            lists.offsets.iter().map(|offset| *offset as i64).collect::<Vec<_>>().into_pyarray(py),
-            hits.iter().map(|hit| hit.t).collect::<Vec<_>>().into_pyarray(py),
-            hits.iter().map(|hit| hit.primitive).collect::<Vec<_>>().into_pyarray(py),
-            hits.iter().map(|hit| hit.instance).collect::<Vec<_>>().into_pyarray(py),
-            hits.iter().flat_map(|hit| hit.uv).collect::<Vec<_>>().into_pyarray(py),
+            offsets.into_pyarray(py),
+            t.into_pyarray(py),
+            primitive.into_pyarray(py),
+            instance.into_pyarray(py),
+            uv.into_flattened().into_pyarray(py),
         ))
     }
 

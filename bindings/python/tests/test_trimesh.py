@@ -1,6 +1,7 @@
 """The interface of trimesh, where trimesh is installed."""
 
 import copy
+import inspect
 import pickle
 
 import numpy as np
@@ -9,7 +10,6 @@ import pytest
 trimesh = pytest.importorskip("trimesh")
 
 import rt  # noqa: E402
-import rt.compat.trimesh as compat  # noqa: E402
 from rt.compat.trimesh import RayMeshIntersector  # noqa: E402
 
 
@@ -25,9 +25,39 @@ def test_a_ray_through_a_vertex_has_one_location():
     locations, index_ray, index_tri = mesh.ray.intersects_location(origins, mesh.vertices)
     assert (np.bincount(index_ray) == 1).all()
     np.testing.assert_array_equal(locations, mesh.vertices[index_ray])
-    index_tri, index_ray = mesh.ray.intersects_id(origins, mesh.vertices)
-    touching = [(mesh.faces == i).any(axis=1).sum() for i in range(8)]
-    np.testing.assert_array_equal(np.bincount(index_ray), touching)
+    lowest = [np.flatnonzero((mesh.faces == i).any(axis=1))[0] for i in range(8)]
+    np.testing.assert_array_equal(index_tri, lowest)
+    for array, same in zip(mesh.ray.intersects_id(origins, mesh.vertices), (index_tri, index_ray), strict=True):
+        np.testing.assert_array_equal(array, same)
+
+
+@pytest.mark.parametrize("scale", [1e-30, 1e-9, 1e-4, 1.0, 1e4, 1e8, 1e30])
+def test_hits_at_an_edge_count_once_at_every_scale(scale):
+    mesh = trimesh.creation.box().subdivide().subdivide()
+    mesh.apply_scale(scale)
+    mesh.ray = RayMeshIntersector(mesh)
+    generator = np.random.default_rng(5)
+    a, b = (mesh.vertices[mesh.edges_unique[:, k]] for k in range(2))
+    weights = generator.random((len(a), 1))
+    origins = np.concatenate([mesh.vertices, a + weights * (b - a)])
+    # Both from the surface inwards and from far outside, along an axis and slanted.
+    for start in [origins, origins * 1000]:
+        directions = scale * generator.normal(scale=0.01, size=start.shape) - start
+        for towards in [directions, -start]:
+            index_ray = mesh.ray.intersects_id(start, towards)[1]
+            np.testing.assert_array_equal(np.bincount(index_ray, minlength=len(start)), 2)
+            assert len(mesh.ray.intersects_location(start, towards)[0]) == 2 * len(start)
+
+
+def test_sheets_close_to_each_other_are_different_locations():
+    square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    heights = np.repeat([0.0, 1e-10, 2e-10], 4)
+    vertices = np.tile(square, (3, 1)) + heights[:, None] * [0, 0, 1.0]
+    faces = np.concatenate([np.array([[0, 1, 2], [0, 2, 3]]) + 4 * i for i in range(3)])
+    ray = RayMeshIntersector(trimesh.Trimesh(vertices, faces, process=False))
+    locations, index_ray, index_tri = ray.intersects_location([[0.5, 0.5, 1]], [[0, 0, -1]])
+    assert locations[:, 2].tolist() == [2e-10, 1e-10, 0]
+    assert index_tri.tolist() == [4, 2, 0] and index_ray.tolist() == [0, 0, 0]
 
 
 def test_rays_through_a_grid_hit_the_bottom_and_the_top():
@@ -106,28 +136,141 @@ def test_it_agrees_with_the_intersector_of_trimesh():
     np.testing.assert_allclose(ours[0], theirs[0][order], atol=1e-9)
 
 
-def test_slices_of_rays_give_the_results_of_all(monkeypatch):
+@pytest.mark.parametrize("order", ["C", "F"])
+@pytest.mark.parametrize("threads", [1, 3, None])
+def test_slices_of_rays_give_the_results_of_all(threads, order):
     mesh = trimesh.creation.icosphere(subdivisions=2)
     generator = np.random.default_rng(3)
-    origins = (3 * generator.normal(size=(101, 3))).astype(np.float32)
-    directions = (0.7 * generator.normal(size=(101, 3)) - origins).astype(np.float32)
+    # Rays of several slices on one thread, and a part of one.
+    n = 3 * (1 << 16) + 11
+    origins = (3 * generator.normal(size=(n, 3))).astype(np.float32)
+    directions = (0.7 * generator.normal(size=(n, 3)) - origins).astype(np.float32)
     hits = rt.TriangleMesh(mesh.vertices, mesh.faces).closest(origins, directions)
-    assert 20 < hits.hit.sum() < 80
-    for rays_per_slice, hits_per_slice in [(1 << 19, 1 << 13), (101, 50), (10, 3), (1, 1)]:
-        monkeypatch.setattr(compat, "_RAYS_PER_SLICE", rays_per_slice)
-        monkeypatch.setattr(compat, "_HITS_PER_SLICE", hits_per_slice)
-        ours = RayMeshIntersector(mesh)
-        first = ours.intersects_first(origins, directions)
-        np.testing.assert_array_equal(first, hits.primitive)
-        locations, index_ray, index_tri = ours.intersects_location(origins, directions, multiple_hits=False)
-        np.testing.assert_array_equal(index_ray, np.flatnonzero(hits.hit))
-        np.testing.assert_array_equal(index_tri, first[hits.hit])
-        expected = origins[index_ray].astype(float) + hits.t[index_ray, None] * directions[index_ray].astype(float)
-        np.testing.assert_allclose(locations, expected, atol=1e-14)
-        assert [array.dtype for array in (first, index_ray, index_tri)] == [np.int64] * 3
-        without = ours.intersects_id(origins, directions, multiple_hits=False)
-        for array, same in zip(without, (index_tri, index_ray), strict=True):
-            np.testing.assert_array_equal(array, same)
+    assert 0.2 < hits.hit.mean() < 0.8
+    # Read in place, or gathered.
+    origins, directions = np.asarray(origins, order=order), np.asarray(directions, order=order)
+    ours = RayMeshIntersector(mesh, threads=threads)
+    first = ours.intersects_first(origins, directions)
+    np.testing.assert_array_equal(first, hits.primitive)
+    locations, index_ray, index_tri = ours.intersects_location(origins, directions, multiple_hits=False)
+    np.testing.assert_array_equal(index_ray, np.flatnonzero(hits.hit))
+    np.testing.assert_array_equal(index_tri, first[hits.hit])
+    expected = origins[index_ray].astype(float) + hits.t[index_ray, None] * directions[index_ray].astype(float)
+    np.testing.assert_allclose(locations, expected, atol=1e-13)
+    assert [array.dtype for array in (first, index_ray, index_tri)] == [np.int64] * 3
+    without = ours.intersects_id(origins, directions, multiple_hits=False)
+    for array, same in zip(without, (index_tri, index_ray), strict=True):
+        np.testing.assert_array_equal(array, same)
+    # No ray hits an edge, so that all hits count.
+    hits = rt.TriangleMesh(mesh.vertices, mesh.faces).all_hits(origins, directions)
+    locations, index_ray, index_tri = ours.intersects_location(origins, directions)
+    np.testing.assert_array_equal(index_ray, hits.ray)
+    np.testing.assert_array_equal(index_tri, hits.primitive)
+    expected = origins[index_ray].astype(float) + hits.t[:, None] * directions[index_ray].astype(float)
+    np.testing.assert_allclose(locations, expected, atol=1e-13)
+    at_most_one = ours.intersects_id(origins, directions, max_hits=1)
+    for array, same in zip(at_most_one, without, strict=True):
+        np.testing.assert_array_equal(array, same)
+
+
+@pytest.mark.parametrize("row", [0, 70_000, 199_999])
+@pytest.mark.parametrize("threads", [1, None])
+def test_the_row_of_an_invalid_number_is_named(row, threads):
+    ray = RayMeshIntersector(trimesh.creation.box(), threads=threads)
+    origins, directions = np.zeros((200_000, 3)), np.ones((200_000, 3))
+    directions[row, 1] = np.nan
+    for query in [ray.intersects_id, ray.intersects_location, ray.intersects_first, ray.intersects_any]:
+        with pytest.raises(ValueError, match=f"row {row} of directions"):
+            query(origins, directions)
+
+
+def their_intersectors():
+    modules = [trimesh.ray.ray_triangle, *([trimesh.ray.ray_pyembree] if trimesh.ray.has_embree else [])]
+    return [module.RayMeshIntersector for module in modules]
+
+
+@pytest.mark.parametrize("theirs", their_intersectors())
+def test_methods_take_the_arguments_of_trimesh(theirs):
+    methods = [name for name in dir(theirs) if not name.startswith("_")]
+    assert {"intersects_id", "intersects_location", "intersects_first", "intersects_any", "contains_points"} <= set(methods)
+    for name in ["__init__", *methods]:
+        expected = inspect.signature(getattr(theirs, name)).parameters
+        found = inspect.signature(getattr(RayMeshIntersector, name)).parameters
+        for parameter in expected.values():
+            # Some of their methods are wrapped, which hides the arguments.
+            if parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):
+                continue
+            assert parameter.name in found, f"{name} takes {parameter.name}"
+            if name != "intersects_id" and parameter.name != "geometry":
+                assert list(found).index(parameter.name) == list(expected).index(parameter.name)
+
+
+@pytest.mark.parametrize("theirs", their_intersectors())
+def test_results_have_the_types_of_trimesh(theirs):
+    if theirs is trimesh.ray.ray_triangle.RayMeshIntersector:
+        pytest.importorskip("rtree")
+    mesh = trimesh.creation.icosphere(subdivisions=2)
+    ours, theirs = RayMeshIntersector(mesh), theirs(mesh)
+    generator = np.random.default_rng(11)
+    hits = generator.normal(size=(40, 3)) * 2, generator.normal(size=(40, 3))
+    misses = np.full((3, 3), 9.0), np.full((3, 3), 1.0)
+    for rays in [hits, misses, [array.tolist() for array in hits], [array.astype(np.float32) for array in hits]]:
+        for multiple_hits in [True, False]:
+            id_options = {"multiple_hits": multiple_hits, "return_locations": True}
+            locations = [each.intersects_location(*rays, multiple_hits=multiple_hits) for each in (ours, theirs)]
+            pairs = [
+                locations,
+                (ours.intersects_id(*rays, **id_options), theirs.intersects_id(*rays, **id_options)),
+                (ours.intersects_id(*rays), theirs.intersects_id(*rays)),
+                ((ours.intersects_first(*rays),), (theirs.intersects_first(*rays),)),
+                ((ours.intersects_any(*rays),), (theirs.intersects_any(*rays),)),
+            ]
+            for found, expected in pairs:
+                assert len(found) == len(expected)
+                for array, other in zip(found, expected, strict=True):
+                    assert array.dtype.kind == other.dtype.kind and len(array) == len(other)
+                    assert array.ndim == other.ndim or len(array) == 0
+
+
+def test_queries_of_trimesh_give_the_same_with_it():
+    pytest.importorskip("rtree")
+    pytest.importorskip("scipy")
+    mesh = trimesh.creation.annulus(r_min=0.5, r_max=1.0, height=2.0)
+    theirs, ours = mesh.copy(), mesh.copy()
+    theirs.ray, ours.ray = trimesh.ray.ray_triangle.RayMeshIntersector(theirs), RayMeshIntersector(ours)
+    generator = np.random.default_rng(13)
+    points = generator.uniform(-1.2, 1.2, size=(100, 3))
+    on_surface, faces = trimesh.sample.sample_surface(mesh, 50, seed=1)
+    inwards = -mesh.face_normals[faces]
+    queries = [
+        lambda mesh: mesh.contains(points),
+        lambda mesh: trimesh.proximity.signed_distance(mesh, points),
+        lambda mesh: mesh.nearest.signed_distance(points),
+        lambda mesh: trimesh.proximity.longest_ray(mesh, on_surface + 1e-6 * inwards, inwards),
+        lambda mesh: trimesh.proximity.thickness(mesh, on_surface, exterior=False, method="ray"),
+        lambda mesh: trimesh.proximity.thickness(mesh, on_surface, exterior=True, method="ray"),
+        lambda mesh: trimesh.ray.ray_util.contains_points(mesh.ray, points),
+        lambda mesh: sorted(trimesh.voxel.creation.voxelize(mesh, 0.17, method="ray").points.round(9).tolist()),
+    ]
+    for query in queries:
+        np.testing.assert_allclose(query(ours), query(theirs), atol=1e-9)
+
+
+def test_a_mesh_with_it_can_be_copied_and_pickled():
+    mesh = box()
+    twin = pickle.loads(pickle.dumps(mesh))
+    assert isinstance(twin.ray, RayMeshIntersector) and twin.ray.mesh is twin
+    twin.apply_translation([10, 0, 0])
+    assert not twin.ray.intersects_any([[0, 0, 5]], [[0, 0, -1]]).any()
+    for twin in [mesh.copy(), copy.copy(mesh), copy.deepcopy(mesh)]:
+        assert twin.contains([[0, 0, 0]]).all()
+
+
+def test_meshes_without_faces_have_no_hits():
+    ray = RayMeshIntersector(geometry=trimesh.Trimesh(np.zeros((3, 3)), np.empty((0, 3), dtype=int), process=False))
+    rays = [[0, 0, 5]], [[0, 0, -1]]
+    assert [len(array) for array in ray.intersects_location(*rays)] == [0, 0, 0]
+    assert ray.intersects_first(*rays).tolist() == [-1] and not ray.intersects_any(*rays).any()
 
 
 def test_wrong_shapes_are_refused():

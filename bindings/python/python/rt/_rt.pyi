@@ -56,6 +56,19 @@ class Scene:
     def contains(self, points: NDArray[Any], threads: int) -> NDArray[np.bool_]: ...
     def signed_distance(self, points: NDArray[Any], threads: int) -> NDArray[np.float64]: ...
 
+def first_triangles(
+    scene: Scene, origins: NDArray[Any], directions: NDArray[Any], threads: int
+) -> NDArray[np.int64]: ...
+def crossings(
+    scene: Scene,
+    mesh: Mesh,
+    origins: NDArray[Any],
+    directions: NDArray[Any],
+    max_hits: int,
+    with_points: bool,
+    threads: int,
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]: ...
+
 class Rendering:
     def pixels(self) -> NDArray[np.float32]: ...
     @property

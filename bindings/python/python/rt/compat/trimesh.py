@@ -20,20 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import rt
+from rt import _arrays, _rt
 
-#: Two hits of a ray are one location if they are closer than this.
-_SAME_LOCATION = 1e-8
-
-#: Rays that are traced at a time where there is one hit for each at most. More than all threads need, and few enough that
-#: intermediate results take tens of megabytes.
-_RAYS_PER_SLICE = 1 << 19
-
-#: Hits whose locations are interpolated at a time, so that intermediate results fit into the cache.
-_HITS_PER_SLICE = 1 << 13
-
-
-def _slices(n, size):
-    return (slice(first, min(first + size, n)) for first in range(0, n, size))
+#: More than any mesh has.
+_NO_LIMIT = 2**63 - 1
 
 
 def _floats(values):
@@ -45,18 +35,27 @@ def _floats(values):
 class RayMeshIntersector:
     """Rays at a mesh of trimesh.
 
-    Hits are exact: none is lost at an edge or a vertex, and all of them are found, in order along the ray. The tree is
-    built at the first query, and again after the mesh has changed.
+    It has the methods of both intersectors of trimesh, with the same arguments and results. Hits are exact: none is lost at
+    an edge or a vertex, and all of them are found. Those of one ray are in order along it, and hits at one location, as at an
+    edge, count once. The tree is built at the first query, and again after the mesh has changed.
 
     Parameters
     ----------
     mesh : trimesh.Trimesh
-    options
-        Ignored; trimesh's own intersectors take some.
+        One intersector of trimesh names it `geometry`, which is accepted as well.
+    scale_to_box : bool
+        Ignored: meshes of any size are traced exactly.
+    threads : int, optional
+        Number of threads, by default all processors.
     """
 
-    def __init__(self, mesh, **options):
-        self.mesh = mesh
+    def __init__(self, mesh=None, scale_to_box: bool = True, *, geometry=None, threads: int | None = None):
+        self.mesh = geometry if mesh is None else mesh
+        if self.mesh is None:
+            raise TypeError("a RayMeshIntersector takes a mesh")
+        self._scale_to_box = scale_to_box
+        self._threads = threads
+        self._thread_count = _arrays.thread_count(threads)
         self._lock = threading.Lock()
         self._built = None
 
@@ -85,82 +84,41 @@ class RayMeshIntersector:
         max_hits: int | None = None,
         **options: Any,
     ) -> tuple[np.ndarray, ...]:
-        """Triangles that rays hit.
+        """Triangles that rays hit. Hits of a ray at one location, as at an edge, count once.
 
         Parameters
         ----------
         ray_origins, ray_directions : array_like, shape (n, 3)
         return_locations : bool
-            Return locations as well. Hits of a ray at one location then count once, as at an edge.
+            Return locations as well.
         multiple_hits : bool
             All hits, or the closest of each ray.
         max_hits : int, optional
-            Largest number of hits of a ray.
+            Largest number of hits of a ray; by default all.
         options
             Ignored.
 
         Returns
         -------
         index_tri : ndarray of int64, shape (m,)
-            Rows of ``mesh.faces``.
+            Rows of ``mesh.faces``; the lowest one of those that share the location.
         index_ray : ndarray of int64, shape (m,)
             Rows of the rays, in rising order; hits of one ray are in order along it.
         locations : ndarray of float64, shape (m, 3)
             Only with `return_locations`.
         """
         origins, directions = self._rays(ray_origins, ray_directions)
-        if not multiple_hits:
-            return self._closest(origins, directions, return_locations)
-        hits = self._tree().all_hits(origins, directions)
-        index_ray, index_tri = hits.ray, hits.primitive.astype(np.int64)
-        keep = np.ones(len(index_ray), dtype=bool)
-        locations = None
-        if return_locations:
-            locations = np.empty((len(index_tri), 3))
-            self._interpolate(index_tri, hits.uv, locations)
-            step = np.abs(np.diff(locations, axis=0)).max(axis=1)
-            keep[1:] = (np.diff(index_ray) != 0) | (step > _SAME_LOCATION)
-        if max_hits is not None:
-            kept_before = np.cumsum(keep) - keep
-            first = np.searchsorted(index_ray, index_ray)
-            keep &= kept_before - kept_before[first] < max_hits
-        if return_locations:
-            return index_tri[keep], index_ray[keep], locations[keep]
-        return index_tri[keep], index_ray[keep]
-
-    def _closest(self, origins, directions, return_locations):
-        """Results of `intersects_id` for the closest hits, without much memory beyond them."""
+        limit = (_NO_LIMIT if max_hits is None else max(int(max_hits), 0)) if multiple_hits else 1
         tree = self._tree()
-        n = 0
-        index_tri, index_ray = np.empty(len(origins), dtype=np.int64), np.empty(len(origins), dtype=np.int64)
-        locations = np.empty((len(origins) if return_locations else 0, 3))
-        for rays in _slices(len(origins), _RAYS_PER_SLICE):
-            closest = tree.closest(origins[rays], directions[rays])
-            found = np.flatnonzero(closest.hit)
-            hits = slice(n, n + len(found))
-            index_tri[hits] = closest.primitive[found]
-            np.add(found, rays.start, out=index_ray[hits])
-            if return_locations:
-                self._interpolate(index_tri[hits], closest.uv[found], locations[hits])
-            n = hits.stop
-        # In place: the memory that was never written is given back without a copy.
-        index_tri.resize(n, refcheck=False)
-        index_ray.resize(n, refcheck=False)
-        if not return_locations:
-            return index_tri, index_ray
-        locations.resize((n, 3), refcheck=False)
-        return index_tri, index_ray, locations
-
-    def _interpolate(self, index_tri, uv, locations):
-        """Writes points of triangles, interpolated between vertices: exact to rounding, however far away the ray starts."""
-        vertices, faces = np.asarray(self.mesh.vertices, dtype=np.float64), np.asarray(self.mesh.faces)
-        for hits in _slices(len(index_tri), _HITS_PER_SLICE):
-            corners = vertices[faces[index_tri[hits]]]
-            weights = np.column_stack((1.0 - uv[hits].sum(axis=1), uv[hits]))
-            np.einsum("ij,ijk->ik", weights, corners, out=locations[hits])
+        index_tri, index_ray, locations = _rt.crossings(
+            tree._core(), tree._geometry, origins, directions, limit, bool(return_locations), self._thread_count
+        )
+        if return_locations:
+            return index_tri, index_ray, locations.reshape(-1, 3)
+        return index_tri, index_ray
 
     def intersects_location(
-        self, ray_origins: ArrayLike, ray_directions: ArrayLike, **options: Any
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True, **options: Any
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Locations at which rays hit the mesh. Hits of a ray at one location count once.
 
@@ -169,10 +127,11 @@ class RayMeshIntersector:
         Returns
         -------
         locations : ndarray of float64, shape (m, 3)
+            Interpolated between vertices: exact to rounding, however far away the ray starts.
         index_ray : ndarray of int64, shape (m,)
         index_tri : ndarray of int64, shape (m,)
         """
-        options["return_locations"] = True
+        options |= {"multiple_hits": multiple_hits, "return_locations": True}
         index_tri, index_ray, locations = self.intersects_id(ray_origins, ray_directions, **options)
         return locations, index_ray, index_tri
 
@@ -185,11 +144,7 @@ class RayMeshIntersector:
             Rows of ``mesh.faces``, -1 for rays that hit nothing.
         """
         origins, directions = self._rays(ray_origins, ray_directions)
-        tree = self._tree()
-        first = np.empty(len(origins), dtype=np.int64)
-        for rays in _slices(len(origins), _RAYS_PER_SLICE):
-            first[rays] = tree.closest(origins[rays], directions[rays]).primitive
-        return first
+        return _rt.first_triangles(self._tree()._core(), origins, directions, self._thread_count)
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **options: Any) -> np.ndarray:
         """True for each ray that hits the mesh.
@@ -199,7 +154,7 @@ class RayMeshIntersector:
         ndarray of bool, shape (n,)
         """
         origins, directions = self._rays(ray_origins, ray_directions)
-        return self._tree().any_hit(origins, directions)
+        return self._tree().any_hit(origins, directions, threads=self._threads)
 
     def contains_points(self, points: ArrayLike) -> np.ndarray:
         """True for each point inside the closed mesh or on its surface.
@@ -217,16 +172,16 @@ class RayMeshIntersector:
             return np.zeros(0, dtype=bool)
         if points.ndim != 2 or points.shape[1] != 3:
             raise ValueError(f"points must have the shape (n, 3), not {points.shape}")
-        return self._tree().contains(points)
+        return self._tree().contains(points, threads=self._threads)
 
     def __getstate__(self):
-        return {"mesh": self.mesh}
+        return {"mesh": self.mesh, "scale_to_box": self._scale_to_box, "threads": self._threads}
 
     def __setstate__(self, state):
-        self.__init__(state["mesh"])
+        self.__init__(**state)
 
     def __copy__(self):
-        return RayMeshIntersector(self.mesh)
+        return type(self)(**self.__getstate__())
 
     def __deepcopy__(self, memo):
-        return RayMeshIntersector(self.mesh)
+        return self.__copy__()
