@@ -257,7 +257,7 @@ pub(crate) fn no_camera_and_no_lights() -> Vec<Input> {
     vec![Input::node("shape: sphere()").shown(&["note: The camera has no place", "note: There are no lights"])]
 }
 
-/// Notations of other programs. `rt-scene-io/tests/friendly.rs` has all of them.
+/// Notations of other programs. `rt-scene-io/tests/scene_io/friendly.rs` has all of them.
 pub(crate) fn first_mistakes() -> Vec<Input> {
     let camera = |fields: &str| with(&format!("camera: ({fields})"));
     let json = |text: &str| Input::file("scene.json", text);
