@@ -257,7 +257,7 @@ pub(crate) fn no_camera_and_no_lights() -> Vec<Input> {
     vec![Input::node("shape: sphere()").shown(&["note: The camera has no position", "note: The scene has no lights"])]
 }
 
-/// Notations of other programs, one in each format. `rt-scene-io/tests/friendly.rs` has all of them.
+/// Notations of other programs, one in each format. `rt-scene-io/tests/scene_io/friendly.rs` has all of them.
 pub(crate) fn first_mistakes() -> Vec<Input> {
     vec![
         with("camera: (position: (0, 1, 5))")

@@ -1,4 +1,4 @@
-//! Known values, areas and rejected input. `tests/shared_edges.rs` tests shared edges of polygons.
+//! Known values, areas and rejected input. `tests/geometry/shared_edges.rs` tests shared edges of polygons.
 
 use super::*;
 use crate::Triangle;

@@ -1,0 +1,192 @@
+//! Batches of rays through sets with instances.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rt_accel::wide::SmallSet;
+use rt_accel::{
+    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, NoProbe, Primitives, Probe, Ray, WideBvh,
+    brute_force,
+};
+
+use super::{bundles, key, levels, with_odd_ones};
+use crate::soup::draw::Draw;
+use crate::soup::{Solid, Soup};
+
+/// A set with instances, with primitives that cast no shadow, and with hits that carry instance ids.
+struct Yard<'t, T> {
+    things: Vec<Thing<'t, T>>,
+    /// Single-ray queries of instances.
+    n_single: AtomicU32,
+}
+
+struct Thing<'t, T> {
+    soup: &'t Soup,
+    /// Accelerator of an instance; without one, the only solid of the soup.
+    structure: Option<&'t T>,
+    blocks: bool,
+}
+
+impl<T: Accelerator> Primitives for Yard<'_, T> {
+    fn len(&self) -> usize {
+        self.things.len()
+    }
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        let bounds = self.things[index as usize].soup.0.iter().map(Solid::bounds);
+        bounds.reduce(|all, one| Some(all?.union(one?))).flatten()
+    }
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.intersect_with_stats(index, ray, span, &mut NoProbe)
+    }
+    fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
+        self.occludes_with_stats(index, ray, span, &mut NoProbe)
+    }
+    fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
+        let Thing { soup, structure, .. } = self.things[index as usize];
+        let hit = match structure {
+            Some(structure) => {
+                self.n_single.fetch_add(1, Ordering::Relaxed);
+                structure.closest(soup, ray, span, probe)
+            }
+            None => soup.intersect(0, ray, span),
+        };
+        hit.map(|hit| Hit { instance: index, ..hit })
+    }
+    fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+        let Thing { soup, structure, blocks } = self.things[index as usize];
+        blocks
+            && match structure {
+                Some(structure) => {
+                    self.n_single.fetch_add(1, Ordering::Relaxed);
+                    structure.occluded(soup, ray, span, probe)
+                }
+                None => soup.occludes(0, ray, span),
+            }
+    }
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        let Thing { soup, structure, .. } = self.things[index as usize];
+        if structure.is_some() { BatchKernel::Instance } else { soup.batch_kernel(0) }
+    }
+    fn hit_ids(&self, index: u32) -> [u32; 2] {
+        [index, 0]
+    }
+    fn blocks(&self, index: u32) -> bool {
+        self.things[index as usize].blocks
+    }
+    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+        let Thing { soup, structure, .. } = self.things[index as usize];
+        structure.unwrap().closest_batch(soup, rays, hits, probe);
+        hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
+    }
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+        let Thing { soup, structure, blocks } = self.things[index as usize];
+        if blocks {
+            structure.unwrap().occluded_batch(soup, rays, blocked, probe);
+        } else {
+            blocked.fill(false);
+        }
+    }
+}
+
+/// Compares small sets and trees that contain instances with brute force.
+fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool) {
+    let draw = &mut Draw::new(seed);
+    let mut n_hits = 0;
+    for round in 0..40 {
+        let scale = draw.pick(&[1.0, 1e-3, 1e12]);
+        let offset = DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]);
+        let pool = Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect::<Vec<_>>();
+        let soups: Vec<Soup> = (0..1 + draw.below(SmallSet::CAPACITY))
+            .map(|_| {
+                let n = draw.pick(&[1, 1, 30]);
+                Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded().scaled(scale).moved(offset)
+            })
+            .collect();
+        let structures: Vec<T> = soups.iter().map(build).collect();
+        let things = soups
+            .iter()
+            .zip(&structures)
+            .map(|(soup, structure)| Thing {
+                soup,
+                structure: (soup.0.len() > 1 || draw.one_in(8)).then_some(structure),
+                blocks: !draw.one_in(4),
+            })
+            .collect();
+        let yard = Yard { things, n_single: AtomicU32::new(0) };
+        let everything = Soup(soups.iter().flat_map(|soup| soup.0.clone()).collect());
+        let rays = with_odd_ones(bundles(&everything, 600, draw), draw);
+        for level in levels() {
+            let small_set = SmallSet::new(0..yard.len() as u32).unwrap().with_level(level);
+            let wide = WideBvh::build(&yard).unwrap().with_level(level);
+            let [mut counted, mut expected] = [Counters::default(); 2];
+            for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
+                let (hits, blocked) = trace_batch!(small_set, &yard, rays, &mut counted);
+                let (wide_hits, wide_blocked) = trace_batch!(wide, &yard, rays, &mut Counters::default());
+                for (i, (ray, span)) in rays.iter().enumerate() {
+                    let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
+                    let hit = brute_force::closest(&yard, ray, *span, &mut expected);
+                    assert_eq!([key(hits[i]), key(wide_hits[i])], [key(hit); 2], "{name}");
+                    let is_blocked = brute_force::occluded(&yard, ray, *span, &mut expected);
+                    assert_eq!([blocked[i], wide_blocked[i]], [is_blocked; 2], "{name}");
+                    n_hits += usize::from(hit.is_some());
+                }
+            }
+            assert!(!counts || counted.total() == expected.total(), "round {round}: {counted:?} {expected:?}");
+        }
+    }
+    assert!(n_hits > 5000, "{n_hits} hits");
+}
+
+/// Bit-identical results; equal counters where the instances' accelerator counts batches as single rays.
+#[test]
+fn batches_through_instances_equal_single_queries() {
+    let seed = Draw::run_seed();
+    println!("batches: seed {seed}");
+    compare_yards(seed, |soup| Bvh::build(soup).unwrap(), true);
+    compare_yards(seed, |soup| WideBvh::build(soup).unwrap(), false);
+}
+
+/// Results do not depend on batches of instances, so this test counts single-ray queries.
+#[test]
+fn packets_enter_instances_together() {
+    let draw = &mut Draw::new(3);
+    let place = |i: usize| DVec3::new((i % 4) as f64, 0.0, (i / 4) as f64) * 2.5;
+    let soups: Vec<Soup> = (0..12).map(|i| Soup::facets(draw).moved(place(i))).collect();
+    let structures: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
+    let thing = |(soup, structure)| Thing { soup, structure: Some(structure), blocks: true };
+    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_single: AtomicU32::new(0) };
+    // Groups of sixteen neighbouring rays, as those of a pixel, and five more at the end.
+    let eye = DVec3::new(3.7, 9.0, -6.0);
+    let rays: Vec<_> = (0..16 * 400 + 5)
+        .map(|i: u64| {
+            let at = |k: u64| rt_math::random::unit(rt_math::random::hash(&[5, i / 16, k]));
+            let neighbour = DVec3::new((i % 4) as f64, 0.0, (i / 4 % 4) as f64) * 1e-3;
+            (Ray::new(eye, DVec3::new(8.0 * at(0), 0.0, 6.0 * at(1)) + neighbour - eye), Interval::FORWARD)
+        })
+        .collect();
+    for level in levels() {
+        let tree = WideBvh::build(&yard).unwrap().with_level(level);
+        let small_set = SmallSet::new(0..12).unwrap().with_level(level);
+        // A batch of four is a packet of four.
+        for (wide, together) in [(true, rays.len()), (true, 4), (false, rays.len())] {
+            yard.n_single.store(0, Ordering::Relaxed);
+            let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+            for rays in rays.chunks(together) {
+                let counters = &mut Counters::default();
+                let (h, b) = if wide {
+                    trace_batch!(tree, &yard, rays, counters)
+                } else {
+                    trace_batch!(small_set, &yard, rays, counters)
+                };
+                hits.extend(h);
+                blocked.extend(b);
+            }
+            let n_single = yard.n_single.load(Ordering::Relaxed);
+            for (i, (ray, span)) in rays.iter().enumerate() {
+                let hit = brute_force::closest(&yard, ray, *span, &mut NoProbe);
+                assert_eq!((key(hits[i]), blocked[i]), (key(hit), hit.is_some()));
+            }
+            let n_hits = hits.iter().flatten().count();
+            assert!(n_hits > 2000 && (n_single as usize) < rays.len() / 4, "{n_hits} hits, {n_single} single queries");
+        }
+    }
+}

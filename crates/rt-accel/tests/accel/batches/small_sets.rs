@@ -1,0 +1,192 @@
+//! Batches of rays through small sets.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rt_accel::wide::SmallSet;
+use rt_accel::{
+    Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray,
+    SphereKernel, brute_force,
+};
+use rt_math::Vec3;
+
+use super::{bundles, key, levels, with_odd_ones};
+use crate::soup::draw::Draw;
+use crate::soup::{Solid, Soup};
+
+/// Bit-identical results, and equal counters.
+#[test]
+fn small_sets_equal_brute_force() {
+    let seed = Draw::run_seed();
+    println!("batches: seed {seed}");
+    let draw = &mut Draw::new(seed);
+    let mut n_hits = 0;
+    for round in 0..60 {
+        let n = 1 + draw.below(SmallSet::CAPACITY);
+        let pool = match round % 4 {
+            0 => Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect(),
+            1 => Soup::facets(draw).0,
+            2 => Soup::spheres(n as u64, draw).0,
+            _ => Soup::marbles(draw).0.into_iter().chain(Soup::facets(draw).0).collect(),
+        };
+        let soup = Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded();
+        let scale = draw.pick(&[1.0, 1e-3, 1e12, 1e-30]);
+        let mut soup = soup.scaled(scale).moved(DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 1e4]));
+        // Two that coincide, and one without bounds.
+        if n > 2 {
+            soup.0[n - 1] = soup.0[0];
+            soup.0[1] = draw.pick(&[soup.0[1], Solid::Ground { height: -0.4 * scale }]);
+        }
+        let chosen: Vec<u32> = (0..n as u32).filter(|_| draw.one_in(2)).collect();
+        let smaller = Soup(chosen.iter().map(|&index| soup.0[index as usize]).collect());
+        let rays = with_odd_ones(bundles(&soup, 1000, draw), draw);
+        for level in levels() {
+            let all = SmallSet::new(0..n as u32).unwrap().with_level(level);
+            let some = SmallSet::new(chosen.iter().rev().copied()).unwrap().with_level(level);
+            let linear = Linear::build(&soup).unwrap().with_level(level);
+            let mut counted = [Counters::default(); 3];
+            let (mut expected, mut expected_of_some) = (Counters::default(), Counters::default());
+            let mut first = 0;
+            while first < rays.len() {
+                let len = draw.pick(&[1, 3, 5, 8, 13, 64, 300]).min(rays.len() - first);
+                let rays = &rays[first..first + len];
+                let (of_all, blocked) = trace_batch!(all, &soup, rays, &mut counted[0]);
+                let (of_linear, blocked_by_linear) = trace_batch!(linear, &soup, rays, &mut counted[1]);
+                let (of_some, blocked_by_some) = trace_batch!(some, &soup, rays, &mut counted[2]);
+                for (i, (ray, span)) in rays.iter().enumerate() {
+                    let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
+                    let hit = brute_force::closest(&soup, ray, *span, &mut expected);
+                    assert_eq!(key(of_all[i]), key(hit), "{name}");
+                    assert_eq!(key(of_linear[i]), key(hit), "{name}");
+                    let is_blocked = brute_force::occluded(&soup, ray, *span, &mut expected);
+                    assert_eq!((blocked[i], blocked_by_linear[i]), (is_blocked, is_blocked), "{name}");
+                    let hit_on_some = brute_force::closest(&smaller, ray, *span, &mut expected_of_some);
+                    let is_blocked_by_some = brute_force::occluded(&smaller, ray, *span, &mut expected_of_some);
+                    assert_eq!(blocked_by_some[i], is_blocked_by_some, "{name}");
+                    let renamed = hit_on_some.map(|hit| Hit { primitive: chosen[hit.primitive as usize], ..hit });
+                    assert_eq!(key(of_some[i]), key(renamed), "{name}");
+                    n_hits += usize::from(hit.is_some());
+                }
+                first += len;
+            }
+            let expected = [expected, expected, expected_of_some].map(|counters| counters.total());
+            assert_eq!(counted.map(|counters| counters.total()), expected, "round {round}");
+        }
+    }
+    assert!(n_hits > 10_000, "{n_hits} hits");
+    assert!(SmallSet::new(0..=SmallSet::CAPACITY as u32).is_none());
+}
+
+#[test]
+fn surplus_rays_and_outputs_stay_unchanged() {
+    let soup = Soup::spheres(5, &mut Draw::new(3)).rounded();
+    let rays = bundles(&soup, 20, &mut Draw::new(4));
+    let small_set = SmallSet::new(0..5).unwrap();
+    for n in 0..20 {
+        let mut hits = vec![None; n];
+        small_set.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        let mut more = vec![None; 30];
+        small_set.closest_batch(&soup, &rays[..n], &mut more, &mut NoProbe);
+        for (i, (ray, span)) in rays.iter().enumerate().take(n) {
+            let expected = key(small_set.closest(&soup, ray, *span, &mut NoProbe));
+            assert_eq!((key(hits[i]), key(more[i])), (expected, expected));
+        }
+        assert!(more[n..].iter().all(Option::is_none));
+    }
+}
+
+/// Plain arithmetic hits the sliver far outside its padded bounds, and a neighbour starts next to its plane. The side test
+/// of the first ray once depended on the second.
+#[test]
+fn hits_on_a_sliver_do_not_depend_on_neighbouring_rays() {
+    let vertices = [
+        [2.6940758228302, 3.7117247581481934, -0.0024276815820485353],
+        [2.6944515705108643, 3.994624376296997, -0.0027274370659142733],
+        [2.69555401802063, -1.656948447227478, -0.003933731932193041],
+    ];
+    let soup = Soup(vec![Solid::Facet(vertices.map(|vertex| DVec3::from(vertex).as_vec3()))]);
+    let sliver = Ray::new(
+        DVec3::new(2.694509517098264, 2.528108834411083, -0.0028498073984306017),
+        DVec3::new(2.2761795169135013e-5, 0.00013634008051077728, -1.901559655846305e-5),
+    );
+    let neighbour =
+        Ray::new(DVec3::new(2.694728059667251, 2.121473740525947, -0.0030527670320567414), DVec3::new(-0.5, 1.0, -0.6));
+    for level in levels() {
+        let small_set = SmallSet::new([0]).unwrap().with_level(level);
+        let rays: Vec<_> = (0..8).map(|i| (if i == 3 { sliver } else { neighbour }, Interval::FORWARD)).collect();
+        let mut hits = vec![None; 8];
+        small_set.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+        for (i, (ray, span)) in rays.iter().enumerate() {
+            assert_eq!(key(hits[i]), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "ray {i}");
+        }
+        assert!(hits[3].is_some());
+    }
+}
+
+/// Counts scalar tests.
+struct Counting<'a>(&'a Soup, AtomicU32);
+
+impl Primitives for Counting<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.0.bounds(index)
+    }
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.intersect(index, ray, span)
+    }
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        self.0.geometry(index)
+    }
+}
+
+/// Results do not depend on SIMD lanes, so this test counts scalar tests.
+#[test]
+fn few_rays_need_the_scalar_test() {
+    let draw = &mut Draw::new(11);
+    // An oblique floor, and two spheres above it.
+    let corner = |x: f32, z: f32| Vec3::new(x, 0.1 * x - 0.05 * z, z);
+    let floor = [
+        [corner(-5.0, -5.0), corner(5.0, -5.0), corner(5.0, 5.0)],
+        // Turned the other way.
+        [corner(5.0, 5.0), corner(-5.0, -5.0), corner(-5.0, 5.0)],
+    ];
+    let sphere = |x: f64| SphereKernel { centre: DVec3::new(x, 1.5, 0.2), radius: 0.9 };
+    let (one, other) = (sphere(-1.0), sphere(1.0));
+    let soup = Soup(vec![Solid::Facet(floor[0]), Solid::Round(one), Solid::Facet(floor[1]), Solid::Round(other)]);
+    let up = DVec3::new(-0.1, 1.0, 0.05).normalize();
+    // From the eye, the floor, the spheres, and from inside them.
+    let mut rays: Vec<(Ray, Interval)> = Vec::new();
+    for _ in 0..400 {
+        let eye = DVec3::new(0.3, 4.0, 6.0);
+        rays.push((Ray::new(eye, DVec3::new(0.0, 0.5, 0.0) + draw.point() * 4.0 - eye), Interval::FORWARD));
+    }
+    for _ in 0..400 {
+        let (x, z) = (draw.between(-4.0, 4.0), draw.between(-4.0, 4.0));
+        let up = up * draw.pick(&[1.0, -1.0]);
+        let origin = DVec3::new(x, 0.1 * x - 0.05 * z, z) + up * 1e-6;
+        rays.push((Ray::new(origin, up + draw.point() * 0.5), Interval::SPAWNED));
+    }
+    for _ in 0..400 {
+        let normal = draw.point().normalize();
+        let origin = one.centre + normal * (one.radius * (1.0 + 1e-14));
+        rays.push((Ray::new(origin, normal + draw.point() * 0.5), Interval::SPAWNED));
+    }
+    for _ in 0..400 {
+        rays.push((Ray::new(other.centre + draw.point() * 0.4, draw.point()), Interval::SPAWNED));
+    }
+    for level in levels() {
+        let small_set = SmallSet::new(0..4).unwrap().with_level(level);
+        let counting = Counting(&soup, AtomicU32::new(0));
+        let mut hits = vec![None; rays.len()];
+        small_set.closest_batch(&counting, &rays, &mut hits, &mut NoProbe);
+        small_set.occluded_batch(&counting, &rays, &mut vec![false; rays.len()], &mut NoProbe);
+        for (hit, (ray, span)) in hits.iter().zip(&rays) {
+            assert_eq!(key(*hit), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "{ray:?} {span:?}");
+        }
+        let n_hits = hits.iter().flatten().count();
+        let n_single = counting.1.load(Ordering::Relaxed);
+        assert!(n_hits > 700 && n_single < 16, "{n_hits} hits, {n_single} of {} scalar tests", 8 * rays.len());
+    }
+}

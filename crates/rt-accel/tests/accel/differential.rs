@@ -1,0 +1,297 @@
+//! Every accelerator gives the bits of brute force, on rays that look for the seams.
+
+use crate::soup::draw::Draw;
+use crate::soup::rays::{Query, adversarial};
+use crate::soup::{Solid, Soup};
+use rt_accel::{
+    Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih, Linear,
+    NoProbe, Primitives, Ray, SphereTree, SplitMethod, UniformGrid, WideBvh, brute_force,
+    wide::{BuildParams, Quality, SimdLevel},
+};
+
+/// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
+fn n_rays() -> usize {
+    std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
+}
+
+/// Counts of a comparison.
+struct Outcome {
+    n_hits: usize,
+    /// Part of all primitives that were tested: 1 if nothing was culled, and the comparison says nothing.
+    tested: f64,
+    /// Nodes visited per ray.
+    nodes: f64,
+}
+
+fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
+    let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
+    let mut draw = Draw::new(seed);
+    let mut n_hits = 0;
+    let mut counters = Counters::default();
+    for i in 0..n_rays() {
+        let query @ Query { ray, span } = adversarial(soup, &world, &mut draw);
+        let expected = brute_force::closest(soup, &ray, span, &mut NoProbe);
+        let found = structure.closest(soup, &ray, span, &mut counters);
+        let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
+        assert_eq!(key(found), key(expected), "{name}, seed {seed}, ray {i}: {query:?}");
+        let blocked = structure.occluded(soup, &ray, span, &mut NoProbe);
+        assert_eq!(blocked, expected.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
+        let is_blocked = brute_force::occluded(soup, &ray, span, &mut NoProbe);
+        assert_eq!(is_blocked, expected.is_some(), "ray {i}: {query:?}");
+        n_hits += usize::from(expected.is_some());
+    }
+    let tested = counters.total().tests as f64 / (n_rays() * soup.len()) as f64;
+    Outcome { n_hits, tested, nodes: counters.total().nodes as f64 / n_rays() as f64 }
+}
+
+/// Mixed solids at several distances from the origin and of several sizes, with and without an unbounded one.
+fn scenes(seed: u64) -> Vec<(String, Soup)> {
+    let mut draw = Draw::new(seed);
+    let direction = DVec3::new(1.0, -0.7, 0.3);
+    let mut scenes = Vec::new();
+    for offset in [0.0, 1e3, 1e5, 1e7] {
+        scenes.push((format!("offset {offset:e}"), Soup::mixed(&mut draw).moved(direction * offset)));
+    }
+    scenes.push(("scale 1e-4".into(), Soup::mixed(&mut draw).scaled(1e-4)));
+    scenes.push(("scale 1e-4, offset 1e3".into(), Soup::mixed(&mut draw).scaled(1e-4).moved(direction * 1e3)));
+    scenes.push(("scale 1e30".into(), Soup::mixed(&mut draw).scaled(1e30)));
+    let mut with_ground = Soup::mixed(&mut draw);
+    with_ground.0.insert(17, Solid::Ground { height: -0.4 });
+    with_ground.0.push(Solid::Ground { height: -0.4 });
+    scenes.push(("unbounded".into(), with_ground));
+    scenes
+}
+
+fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
+    let seed = Draw::run_seed();
+    println!("{name}: seed {seed}");
+    let mut total = 0;
+    for (i, (scene, soup)) in scenes(seed).iter().enumerate() {
+        let Outcome { n_hits, tested, .. } = compare(&format!("{name}, {scene}"), &build(soup), soup, seed + i as u64);
+        println!("{name}, {scene}: {} rays, {n_hits} hits, {tested:.3} of primitives tested, 0 differences", n_rays());
+        assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
+        assert!(tested < most_tested, "{scene}: {tested} of all primitives were tested");
+        total += n_rays();
+    }
+    println!("{name}: {total} rays");
+}
+
+#[test]
+fn bvh_equals_brute_force() {
+    compare_all("bvh", 0.1, |soup| Bvh::build(soup).unwrap());
+}
+
+#[test]
+fn bvhs_of_other_methods_equal_brute_force() {
+    compare_all("bvh by medians", 0.2, |soup| Bvh::build_with(soup, SplitMethod::Median).unwrap());
+    compare_all("bvh with spatial splits", 0.1, |soup| Bvh::build_with(soup, SplitMethod::Spatial).unwrap());
+}
+
+/// Long thin solids that cross each other: planes cut through nearly all of them.
+#[test]
+fn spatial_splits_of_crossing_sticks_equal_brute_force() {
+    for (i, offset) in [0.0, 1e7].into_iter().enumerate() {
+        let mut sticks = Soup::sticks(300, &mut Draw::new(41));
+        sticks.0.extend(Soup::spheres(300, &mut Draw::new(40)).0);
+        let sticks = sticks.moved(DVec3::splat(offset));
+        let bvh = Bvh::build_with(&sticks, SplitMethod::Spatial).unwrap();
+        assert_eq!(bvh.validate(&sticks), Ok(()));
+        let [all, whole] = [bvh.build_stats().references, sticks.len()];
+        assert!(all > whole + whole / 4, "{all} references to {whole} sticks: hardly any is cut");
+        let outcome = compare("sticks", &bvh, &sticks, 42 + i as u64);
+        let by_area = compare("sticks", &Bvh::build(&sticks).unwrap(), &sticks, 42 + i as u64);
+        assert!(outcome.nodes < by_area.nodes, "{} and {} nodes", outcome.nodes, by_area.nodes);
+    }
+}
+
+#[test]
+fn bvh_over_one_primitive_equals_brute_force() {
+    for count in 1..=3 {
+        let soup = Soup(Soup::mixed(&mut Draw::new(3)).0.into_iter().take(count).collect());
+        assert_eq!(soup.len(), count);
+        compare("bvh", &Bvh::build(&soup).unwrap(), &soup, 5);
+    }
+}
+
+#[test]
+fn bvh_is_valid() {
+    for (scene, soup) in scenes(Draw::run_seed()) {
+        assert_eq!(Bvh::build(&soup).unwrap().validate(&soup), Ok(()), "{scene}");
+    }
+}
+
+/// Each kind of leaf, near and far, large and small, by all instructions that the processor has.
+#[test]
+fn wide_equals_brute_force_with_all_leaves_and_instructions() {
+    let seed = Draw::run_seed();
+    println!("wide: seed {seed}");
+    type Kind = (&'static str, fn(&mut Draw) -> Soup);
+    let kinds: [Kind; 7] = [
+        ("facets", Soup::facets),
+        ("triangles", Soup::triangles),
+        ("facets and others", |draw| Soup::facets(draw).with_others(draw)),
+        ("triangles and others", |draw| Soup::triangles(draw).with_others(draw)),
+        ("spheres", |draw| Soup::spheres(300, draw)),
+        ("marbles", Soup::marbles),
+        ("mixed", Soup::mixed),
+    ];
+    let n_levels = SimdLevel::ALL.iter().filter(|level| level.is_available()).count();
+    for (i, &level) in SimdLevel::ALL.iter().filter(|level| level.is_available()).enumerate() {
+        for (name, soup) in kinds {
+            for (j, (scale, offset)) in
+                [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e12, 0.0)].iter().enumerate()
+            {
+                let draw = &mut Draw::new(seed);
+                let soup = soup(draw).scaled(*scale).moved(DVec3::new(1.0, -0.7, 0.3) * *offset);
+                let wide = WideBvh::build(&soup).unwrap().with_level(level);
+                assert_eq!((wide.level(), wide.validate(&soup)), (level, Ok(())));
+                let name = format!("{} {name}, scale {scale:e}, offset {offset:e}", level.name());
+                let outcome = compare(&name, &wide, &soup, seed + (5 * i + j) as u64);
+                assert!(outcome.n_hits > n_rays() / 10, "{name}: {} hits", outcome.n_hits);
+                assert!(outcome.tested < 0.15, "{name}: {} of all primitives were tested", outcome.tested);
+            }
+        }
+    }
+    assert!(n_levels >= 1);
+}
+
+/// Many near one place, or few; one of another size than the rest; some within others.
+fn heaps(draw: &mut Draw) -> Vec<(&'static str, Soup)> {
+    let mut uneven = Soup::spheres(60, draw);
+    uneven.0.push(Solid::Sphere { centre: DVec3::NEG_Y * 1001.0, radius: 1000.0 });
+    uneven.0.push(Solid::Sphere { centre: DVec3::ZERO, radius: 1e-7 });
+    uneven.0.push(Solid::Sphere { centre: DVec3::ZERO, radius: 1.5 });
+    let mut with_ground = Soup::spheres(20, draw);
+    with_ground.0.insert(3, Solid::Ground { height: -0.3 });
+    vec![
+        ("one", Soup::spheres(1, draw)),
+        ("three", Soup::spheres(3, draw)),
+        ("sixteen", Soup::spheres(16, draw)),
+        ("seventeen", Soup::spheres(17, draw)),
+        ("many", Soup::spheres(600, draw)),
+        ("uneven", uneven),
+        ("with ground", with_ground),
+        ("mixed", Soup(Soup::mixed(draw).0.into_iter().take(40).collect())),
+    ]
+}
+
+/// Not only the answers are those of brute force, but also what is counted on the way.
+#[test]
+fn linear_equals_brute_force_to_the_last_test() {
+    let seed = Draw::run_seed();
+    println!("linear: seed {seed}");
+    let (mut n_hits, mut n_tested) = (0, 0);
+    for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+        for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e-3, 1e5), (1e12, 0.0), (1e-50, 0.0)]
+        {
+            let mut draw = Draw::new(seed);
+            for (name, soup) in heaps(&mut draw) {
+                let soup = soup.scaled(scale).moved(DVec3::new(1.0, -0.7, 0.3) * offset);
+                let linear = Linear::build(&soup).unwrap().with_level(level);
+                assert_eq!(linear.validate(&soup), Ok(()), "{name}");
+                let bounds = soup.0.iter().filter_map(Solid::bounds);
+                let world = Aabb::from_points(bounds.flat_map(|bounds| [bounds.min, bounds.max]));
+                for i in 0..n_rays() / 10 {
+                    let query @ Query { ray, span } = adversarial(&soup, &world, &mut draw);
+                    let [mut expected, mut counted] = [Counters::default(); 2];
+                    let hit = brute_force::closest(&soup, &ray, span, &mut expected);
+                    let found = linear.closest(&soup, &ray, span, &mut counted);
+                    let blocked = brute_force::occluded(&soup, &ray, span, &mut expected);
+                    let found_blocked = linear.occluded(&soup, &ray, span, &mut counted);
+                    let name = format!("{} {name}, scale {scale:e}, offset {offset:e}, ray {i}", level.name());
+                    assert_eq!((found, found_blocked), (hit, blocked), "{name}: {query:?}");
+                    assert_eq!(counted.total(), expected.total(), "{name}: {query:?}");
+                    n_hits += usize::from(blocked);
+                    n_tested += 1;
+                }
+            }
+        }
+    }
+    println!("linear: {n_tested} rays, {n_hits} hits, 0 differences");
+    assert!(n_hits > n_tested / 4);
+}
+
+#[test]
+fn lists_of_spheres_answer_useless_rays_and_spans_as_brute_force_does() {
+    let soup = Soup::spheres(50, &mut Draw::new(3));
+    let numbers = [0.0, -0.0, 0.5, -1.0, 1e-320, 1e-30, 1e30, 1e300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+        let linear = Linear::build(&soup).unwrap().with_level(level);
+        let mut draw = Draw::new(4);
+        for _ in 0..n_rays() {
+            let mut vector = || DVec3::new(draw.pick(&numbers), draw.pick(&numbers), draw.pick(&numbers));
+            let ray = Ray::new(vector(), vector());
+            let span = Interval { min: draw.pick(&numbers), max: draw.pick(&numbers) };
+            let found = linear.closest(&soup, &ray, span, &mut NoProbe);
+            let bits = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.primitive));
+            assert_eq!(bits(found), bits(brute_force::closest(&soup, &ray, span, &mut NoProbe)), "{ray:?} {span:?}");
+            let expected = brute_force::occluded(&soup, &ray, span, &mut NoProbe);
+            assert_eq!(linear.occluded(&soup, &ray, span, &mut NoProbe), expected, "{ray:?} {span:?}");
+        }
+    }
+}
+
+#[test]
+fn wide_of_every_quality_equals_brute_force() {
+    for quality in [Quality::Low, Quality::Medium, Quality::High] {
+        let build = |soup: &Soup| {
+            let wide = WideBvh::build_with(soup, &BuildParams { quality, ..BuildParams::default() }).unwrap();
+            assert_eq!(wide.validate(soup), Ok(()));
+            wide
+        };
+        compare_all(&format!("wide, {quality:?}"), 0.1, build);
+    }
+}
+
+#[test]
+fn kd_equals_brute_force() {
+    compare_all("kd", 0.1, |soup| KdTree::build(soup).unwrap());
+}
+
+#[test]
+fn bsp_equals_brute_force() {
+    compare_all("bsp", 0.1, |soup| BspTree::build(soup).unwrap());
+}
+
+#[test]
+fn spheres_equal_brute_force() {
+    compare_all("spheres", 0.1, |soup| SphereTree::build(soup).unwrap());
+}
+
+#[test]
+fn cylinders_equal_brute_force() {
+    compare_all("cylinders", 0.1, |soup| CylinderTree::build(soup).unwrap());
+}
+
+#[test]
+fn bih_equals_brute_force() {
+    compare_all("bih", 0.1, |soup| Bih::build(soup).unwrap());
+}
+
+#[test]
+fn lazy_bih_equals_brute_force() {
+    compare_all("lazy bih", 0.1, |soup| LazyBih::build(soup).unwrap());
+}
+
+#[test]
+fn grid_equals_brute_force() {
+    compare_all("grid", 0.2, |soup| UniformGrid::build(soup).unwrap());
+}
+
+#[test]
+fn fine_and_lopsided_grids_equal_brute_force() {
+    for resolution in [[64, 64, 64], [2, 0, 100]] {
+        compare_all(&format!("grid {resolution:?}"), 5.0, |soup| {
+            UniformGrid::with_resolution(soup, resolution).unwrap()
+        });
+    }
+}
+
+#[test]
+fn grid_is_valid() {
+    for (scene, soup) in scenes(Draw::run_seed()) {
+        let grid = UniformGrid::build(&soup).unwrap();
+        assert_eq!(grid.validate(&soup), Ok(()), "{scene}");
+        assert!(grid.resolution().iter().all(|&n| n > 3), "{scene}: {:?}", grid.resolution());
+    }
+}

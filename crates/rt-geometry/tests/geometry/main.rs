@@ -1,0 +1,5 @@
+//! Tests of spawned rays and of shared edges, in one program.
+
+mod shared_edges;
+mod spawned_rays;
+mod watertight_triangles;

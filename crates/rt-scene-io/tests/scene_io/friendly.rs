@@ -1,0 +1,290 @@
+//! Scene files as people write them, and what is said about the first mistakes that they make.
+
+use std::path::Path;
+
+use rt_math::Rgb;
+use rt_scene_io::format::{SceneFile, parse_json, parse_ron};
+use rt_scene_io::{LoadError, LoadOptions, Scene, resolve};
+use rt_shading::{Background, ColorTexture, MaterialModel, Texture};
+
+fn resolved(file: Result<SceneFile, LoadError>, text: &str) -> Scene {
+    let file = file.unwrap_or_else(|error| panic!("{text}\n{error}"));
+    resolve(&file, Path::new("scene.ron"), &LoadOptions::default()).unwrap_or_else(|error| panic!("{text}\n{error}"))
+}
+
+fn ron(text: &str) -> Scene {
+    resolved(parse_ron(text, Path::new("scene.ron")), text)
+}
+
+fn json(text: &str) -> Scene {
+    resolved(parse_json(text, Path::new("scene.json")), text)
+}
+
+fn albedo(scene: &Scene) -> ColorTexture {
+    match scene.appearance.materials[0].model {
+        MaterialModel::Diffuse { albedo, .. } => albedo,
+        ref other => panic!("{other:?}"),
+    }
+}
+
+/// The albedo that this text stands for.
+fn albedo_in_ron(text: &str) -> ColorTexture {
+    let materials = format!("materials: {{\"m\": diffuse(albedo: {text})}}");
+    albedo(&ron(&format!("({materials}, nodes: [(shape: sphere(), material: \"m\")])")))
+}
+
+fn albedo_in_json(text: &str) -> ColorTexture {
+    let materials = format!("\"materials\": {{\"m\": {{\"diffuse\": {{\"albedo\": {text}}}}}}}");
+    albedo(&json(&format!("{{{materials}, \"nodes\": [{{\"shape\": {{\"sphere\": {{}}}}, \"material\": \"m\"}}]}}")))
+}
+
+#[test]
+fn colours_are_written_as_people_write_them() {
+    let red = ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0));
+    for text in
+        ["(1, 0, 0)", "( 1.0 ,0,\n0, )", "[1, 0, 0]", "\"#ff0000\"", "\"#F00\"", "rgb(1, 0, 0)", "hex(\"#ff0000\")"]
+    {
+        assert_eq!(albedo_in_ron(text), red, "{text}");
+    }
+    for text in ["[1, 0, 0]", "\"#ff0000\"", "\"#f00\"", "{\"rgb\": [1, 0, 0]}", "{\"hex\": \"#ff0000\"}"] {
+        assert_eq!(albedo_in_json(text), red, "{text}");
+    }
+    let gray = ColorTexture::Constant(Rgb::gray(0.25));
+    for text in ["0.25", " +.25 /* a quarter */", "25e-2 // a quarter\n", "gray(0.25)", "grey(0.25)"] {
+        assert_eq!(albedo_in_ron(text), gray, "{text}");
+    }
+    assert_eq!(albedo_in_ron("1"), ColorTexture::Constant(Rgb::WHITE));
+    assert_eq!((albedo_in_json("0.25"), albedo_in_json("{\"gray\": 0.25}")), (gray, gray));
+    assert_eq!(albedo_in_json("1"), ColorTexture::Constant(Rgb::WHITE));
+}
+
+#[test]
+fn hex_digits_are_display_colours() {
+    let ColorTexture::Constant(middle) = albedo_in_ron("\"#808080\"") else { panic!("a colour") };
+    assert!((middle.g - 0.215_860_5).abs() < 1e-7, "{middle:?}");
+    assert_eq!(albedo_in_ron("\"#4a8\""), albedo_in_ron("\"#44aa88\""));
+}
+
+#[test]
+fn colours_in_textures_lights_and_backgrounds_are_colours_too() {
+    let scene = ron("(
+        lights: [point(position: (0, 1, 0), intensity: \"#fff\"), ambient((0.5, 0.25, 0)), ambient(0.5), ambient(gray(0.5))],
+        background: constant((0, 0, 1)),
+        materials: {\"m\": diffuse(albedo: checker(even: 1, odd: \"#f00\"))},
+        nodes: [(shape: sphere(), material: \"m\")],
+    )");
+    let checker = Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(1.0, 0.0, 0.0), size: 1.0 };
+    assert!(matches!(albedo(&scene), ColorTexture::Textured(_, Rgb::WHITE)));
+    assert_eq!(scene.appearance.textures, [checker]);
+    assert_eq!(scene.appearance.lights[0].intensity, Rgb::WHITE);
+    assert_eq!(scene.appearance.ambient, Rgb::new(1.5, 1.25, 1.0));
+    assert!(matches!(scene.appearance.background, Background::Constant(blue) if blue == Rgb::new(0.0, 0.0, 1.0)));
+    let scene = json(
+        r##"{"lights": [{"ambient": [1, 0, 0]}, {"ambient": 0.5}], "background": {"gradient": {"bottom": 0, "top": "#00f"}},
+             "nodes": [{"shape": {"sphere": {}}}]}"##,
+    );
+    assert_eq!(scene.appearance.ambient, Rgb::new(1.5, 0.5, 0.5));
+    let gradient = Background::Gradient { bottom: Rgb::BLACK, top: Rgb::new(0.0, 0.0, 1.0) };
+    assert_eq!(format!("{:?}", scene.appearance.background), format!("{gradient:?}"));
+}
+
+#[test]
+fn old_names_of_accelerators_and_integrators_are_read() {
+    let settings = |integrator: &str, accel: &str| {
+        let text = format!("(settings: (integrator: {integrator}, accel: {accel}), nodes: [(shape: sphere())])");
+        let scene = ron(&text);
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        (scene.settings.integrator.name(), scene.settings.accel.name())
+    };
+    for (old, new, name) in [
+        ("wide", "bvh8", "bvh8"),
+        ("spheres", "sphere_tree", "sphere-tree"),
+        ("cylinders", "cylinder_tree", "cylinder-tree"),
+    ] {
+        assert_eq!(settings("path", old), ("path", name));
+        assert_eq!(settings("path", new), ("path", name));
+    }
+    assert_eq!(settings("caustics", "auto"), ("path-caustics", "auto"));
+    assert_eq!(settings("path_caustics", "auto"), ("path-caustics", "auto"));
+}
+
+#[test]
+fn a_schema_may_be_named_in_json() {
+    json(r#"{"$schema": "scene.schema.json", "nodes": [{"shape": {"sphere": {}}}]}"#);
+}
+
+#[test]
+fn a_material_may_stand_at_a_node() {
+    let scene = ron("(nodes: [
+        (shape: sphere(), material: diffuse(albedo: 0.8)),
+        (material: diffuse(albedo: (1, 0, 0)), children: [(shape: sphere()), (shape: sphere())]),
+    ])");
+    let albedo_of = |index: u32| match scene.appearance.materials[index as usize].model {
+        MaterialModel::Diffuse { albedo, .. } => albedo,
+        ref other => panic!("{other:?}"),
+    };
+    assert_eq!(albedo_of(scene.nodes[0].material.0), ColorTexture::Constant(Rgb::gray(0.8)));
+    let children = &scene.nodes[1].children;
+    assert_eq!(albedo_of(children[0].material.0), ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
+    assert_eq!(children[0].material, children[1].material, "one material, and not one for each child");
+    assert_eq!(scene.appearance.materials.len(), 2);
+    let scene = json(r#"{"nodes": [{"shape": {"sphere": {}}, "material": {"diffuse": {"albedo": 0.8}}}]}"#);
+    assert_eq!(albedo(&scene), ColorTexture::Constant(Rgb::gray(0.8)));
+    assert_eq!(scene.settings.integrator, rt_scene_io::Integrator::Path, "as for materials with a name");
+}
+
+#[test]
+fn a_scene_with_materials_at_nodes_is_written_and_read_again() {
+    let text =
+        "(nodes: [(shape: sphere(), material: metallic_roughness(base_color: \"#ff8000\", emission: (1, 2, 3)))])";
+    let file = parse_ron(text, Path::new("scene.ron")).unwrap();
+    assert_eq!(parse_ron(&file.to_ron(), Path::new("scene.ron")).unwrap(), file, "{}", file.to_ron());
+    assert_eq!(parse_json(&file.to_json(), Path::new("scene.json")).unwrap(), file, "{}", file.to_json());
+}
+
+#[test]
+fn one_missing_texture_of_a_material_at_a_node_is_one_error() {
+    let text = "(nodes: [(material: diffuse(albedo: image(file: \"none.png\")), children: [(shape: sphere()), (shape: sphere())])])";
+    let file = parse_ron(text, Path::new("scene.ron")).unwrap();
+    let error = resolve(&file, Path::new("scene.ron"), &LoadOptions::default()).unwrap_err();
+    assert_eq!(error.diagnostics().len(), 1, "{error}");
+    assert!(error.to_string().starts_with("scene.ron: nodes[0].material.albedo: `none.png`"), "{error}");
+}
+
+/// Error of a scene.
+fn said(name: &str, text: &str) -> String {
+    let path = Path::new(name);
+    let parsed = if name.ends_with("json") { parse_json(text, path) } else { parse_ron(text, path) };
+    match parsed {
+        Err(error) => error.to_string(),
+        Ok(file) => resolve(&file, path, &LoadOptions::default()).expect_err(text).to_string(),
+    }
+}
+
+/// The first mistakes of newcomers to the format, found by making them. Each has the words that must be said.
+const MISTAKES: &[(&str, &str, &str)] = &[
+    (
+        "scene.ron",
+        "(camera: (position: (0, 1, 5)), nodes: [])",
+        "unknown field `position` in camera; did you mean `look_from`?",
+    ),
+    ("scene.ron", "(camera: (eye: (0, 1, 5)), nodes: [])", "did you mean `look_from`?"),
+    ("scene.ron", "(camera: (look_from: (0, 1, 5), target: (0, 0, 0)), nodes: [])", "did you mean `look_at`?"),
+    ("scene.json", r#"{"camera": {"origin": [0, 1, 5]}, "nodes": []}"#, "did you mean `look_from`?"),
+    ("scene.ron", "(camera: (look_from: [0, 1, 5]), nodes: [])", "expected (x, y, z) for `look_from`, found [0, 1, 5]"),
+    ("scene.ron", "(camera: (look_from: (0, 1)), nodes: [])", "expected (x, y, z) for `look_from`, found (0, 1)"),
+    ("scene.ron", "(camera: (look_from: 5), nodes: [])", "expected (x, y, z) for `look_from`, found 5"),
+    ("scene.ron", "(camera: (fov: \"40\"), nodes: [])", "expected a number for `fov`, found \"40\""),
+    ("scene.ron", "(nodes: [(shape: cube(size: 1))])", "unknown choice `cube` for `shape`; did you mean `box`?"),
+    ("scene.ron", "(nodes: [(shape: \"sphere\")])", "write `sphere` without quotes"),
+    ("scene.ron", "(nodes: [(shape: sphere)])", "needs parentheses: `sphere()`"),
+    ("scene.ron", "(nodes: [(shape: sphere(position: (0, 1, 0)))])", "did you mean `center`?"),
+    ("scene.ron", "(nodes: [(shape: sphere(), translate: (0, 1, 0))])", "write `transform: [translate(x, y, z)]`"),
+    (
+        "scene.ron",
+        "(nodes: [(shape: sphere(), transform: translate(0, 1, 0))])",
+        "expected a list of steps in brackets for `transform`",
+    ),
+    ("scene.ron", "(nodes: [(shape: sphere(), color: (1, 0, 0))])", "write `material: diffuse(albedo: ...)`"),
+    ("scene.ron", "(materials: {\"red\": diffuse(albedo: \"red\")}, nodes: [])", "expected a colour"),
+    ("scene.ron", "(materials: {\"red\": diffuse(albedo: (1, 0))}, nodes: [])", "(r, g, b)"),
+    ("scene.ron", "(materials: {\"red\": diffuse(albedo: \"#ff000080\")}, nodes: [])", "has an alpha component"),
+    ("scene.ron", "(materials: {red: diffuse(albedo: 1)}, nodes: [])", "put the name in quotes: \"red\""),
+    ("scene.ron", "(materials: [diffuse(albedo: 1)], nodes: [])", "expected names and values in braces"),
+    ("scene.ron", "(materials: {\"m\": lambert(color: 1)}, nodes: [])", "did you mean `diffuse`?"),
+    ("scene.ron", "(materials: {\"m\": diffuse(emissive: 1)}, nodes: [])", "did you mean `emission`?"),
+    ("scene.ron", "(materials: {\"m\": metal(metal: gold, alpha: 0.1)}, nodes: [])", "did you mean `roughness`?"),
+    ("scene.ron", "(nodes: [(shape: sphere(), material: red)])", "put the name of a material in quotes: \"red\""),
+    ("scene.ron", "(lights: [point(intensity: 1)], nodes: [])", "`point` needs the field `position`"),
+    ("scene.ron", "(lights: [sun(direction: (0, -1, 0))], nodes: [])", "did you mean `directional`?"),
+    ("scene.ron", "(lights: point(position: (0, 1, 0)), nodes: [])", "expected a list in brackets for `lights`"),
+    ("scene.ron", "(film: (width: 640, height: 480), nodes: [])", "write `size: (width, height)`"),
+    ("scene.ron", "(settings: (samples: 64), nodes: [])", "did you mean `spp`?"),
+    ("scene.ron", "(objects: [])", "did you mean `nodes`?"),
+    ("scene.ron", "(camera: (look_from: (0, 1, 5) look_at: (0, 0, 0)), nodes: [])", "expected a comma"),
+    ("scene.ron", "(nodes: [(shape: sphere()])", "`)` is missing"),
+    ("scene.ron", "(camera = (fov: 40), nodes: [])", "expected `:` after the name of a field"),
+    ("scene.ron", "{nodes: []}", "expected a scene, which begins with `(`"),
+    ("scene.json", r#"{"nodes": [{"shape": "sphere"}]}"#, "{\"sphere\": {}}"),
+    (
+        "scene.json",
+        r#"{"camera": {"look_from": "0 1 5"}, "nodes": []}"#,
+        "expected [x, y, z] for `look_from`, found \"0 1 5\"",
+    ),
+    (
+        "scene.json",
+        r#"{"camera": {"look_from": [0, 1]}, "nodes": []}"#,
+        "expected [x, y, z] for `look_from`, found [0, 1]",
+    ),
+    ("scene.json", r#"{"materials": {"m": {"diffuse": {"albedo": true}}}, "nodes": []}"#, "expected a colour"),
+    ("scene.json", r#"{"materials": {"m": {"diffuse": {"albedo": [1, 0]}}}, "nodes": []}"#, "[r, g, b]"),
+    ("scene.json", r#"{"nodes": [{"shape": {"sphere": {}}, "material": 3}]}"#, "expected a material"),
+    ("scene.json", r#"{"nodes": [],}"#, "comma"),
+];
+
+/// Words of Rust and of the libraries behind the parser.
+const FOREIGN: [&str; 19] = [
+    "serde",
+    "enum",
+    "struct",
+    "untagged",
+    "variant",
+    "f64",
+    "u64",
+    "tuple",
+    "identifier",
+    "Option",
+    "Some",
+    "newtype",
+    "sequence",
+    "SceneFile",
+    "RawValue",
+    "deserial",
+    "float",
+    "integer",
+    "type:",
+];
+
+#[test]
+fn the_first_mistakes_are_explained_in_words_of_the_format() {
+    let mut faults = Vec::new();
+    for (name, text, words) in MISTAKES {
+        let said = said(name, text);
+        let first = said.lines().next().unwrap_or_default();
+        let foreign = FOREIGN.iter().find(|word| first.contains(*word));
+        if !first.contains(words) || foreign.is_some() {
+            faults.push(format!(
+                "{text}\n    expected: {words}; foreign: {foreign:?}\n    {}",
+                said.replace('\n', "\n    ")
+            ));
+        }
+    }
+    assert!(faults.is_empty(), "{} of {}\n{}", faults.len(), MISTAKES.len(), faults.join("\n"));
+}
+
+#[test]
+fn the_line_is_shown_with_a_caret() {
+    let said = said("scene.ron", "(\n    camera: (fov: \"40\"),\n    nodes: [],\n)");
+    let expected = "scene.ron:2:19: expected a number for `fov`, found \"40\"\n    2 |     camera: (fov: \"40\"),\n      |                   ^";
+    assert_eq!(said, expected);
+}
+
+#[test]
+fn of_a_long_line_the_part_around_the_mistake_is_shown() {
+    let numbers = "(0, 0, 0), ".repeat(10_000);
+    let said = said("scene.ron", &format!("(nodes: [(shape: strip([{numbers}(0, \"a\", 0)]))])"));
+    assert!(said.len() < 500, "{} bytes", said.len());
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines.len(), 3, "{said}");
+    let caret = lines[2].chars().position(|c| c == '^').unwrap();
+    assert_eq!(lines[1].chars().skip(caret).take(3).collect::<String>(), "\"a\"", "{said}");
+}
+
+#[test]
+fn orders_for_terminals_in_the_line_are_written_out() {
+    let said = said("scene.ron", "(\tname: \"\u{1b}[2J\", fov: 40, nodes: [])");
+    assert!(!said.contains('\u{1b}') && !said.contains('\t'), "{said:?}");
+    let lines: Vec<&str> = said.lines().collect();
+    let caret = lines[2].chars().position(|c| c == '^').unwrap();
+    assert!(lines[1].chars().skip(caret).collect::<String>().starts_with("fov"), "{said}");
+}

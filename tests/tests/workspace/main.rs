@@ -1,0 +1,6 @@
+//! Tests that need most crates of the workspace, in one program.
+
+mod determinism;
+mod explain;
+mod scene_health;
+mod skipping;
