@@ -99,10 +99,10 @@ fn how_lines_are_laid_out_hid_what_they_hold() {
 
 #[test]
 fn the_image_was_held_twice_when_its_tiles_were_joined() {
-    const PIXELS: u64 = 2000 * 1500;
+    const PIXELS: u64 = 1200 * 1000;
     let place = Workplace::with_scene();
     let small = peak(&place, "render scene.ron --size 8x8 --spp 1 -o a.png");
-    let large = peak(&place, "render scene.ron --size 2000x1500 --spp 1 -o a.png");
+    let large = peak(&place, "render scene.ron --size 1200x1000 --spp 1 -o a.png");
     // 12 bytes are the image, and 3 the bytes of the file; twice the image would be 24.
     let each = large.saturating_sub(small) as f64 / PIXELS as f64;
     assert!(each < 20.0, "{each} bytes for a pixel");
@@ -175,10 +175,10 @@ fn images_to_compare_or_develop_are_refused_by_their_header() {
 
 #[test]
 fn images_take_no_more_than_predicted() {
-    const PIXELS: u64 = 2000 * 1500;
+    const PIXELS: u64 = 1200 * 1000;
     let place = Workplace::with_scene();
     for name in ["a.exr", "b.exr", "a.png", "a.pfm"] {
-        place.succeed(&format!("render scene.ron --size 2000x1500 --spp 1 -o {name}"));
+        place.succeed(&format!("render scene.ron --size 1200x1000 --spp 1 -o {name}"));
     }
     // What a command takes whose memory suffices just so, with what the program takes for nothing.
     let at_rest = peak(&place, "--version");
