@@ -25,6 +25,7 @@ mod panels;
 mod physics;
 mod report;
 mod same_image;
+mod shape_tracer;
 mod suite;
 mod table1_counts;
 mod trial_table;

@@ -1,21 +1,16 @@
 //! The length of source files: one idea per file.
 
-use crate::{error::TaskError, files, workspace::Workspace};
-
 const LONG: usize = 400;
 const TOO_LONG: usize = 700;
 
-pub(super) fn check(workspace: &Workspace) -> Result<Vec<String>, TaskError> {
-    let mut breaches = Vec::new();
-    for path in workspace.files("", ".rs")? {
-        let source = files::read(&path)?;
-        let lines = source.lines().count();
-        let line = format!("{}: {lines} lines", workspace.relative(&path));
-        if lines > TOO_LONG {
-            breaches.push(format!("{line}, the limit is {TOO_LONG}"));
-        } else if lines > LONG {
-            println!("warning: source files: {line}");
+/// Breach of a file that is too long; a warning for a long one.
+pub(super) fn breaches(path: &str, source: &str) -> Vec<String> {
+    match source.lines().count() {
+        lines if !path.ends_with(".rs") || lines <= LONG => Vec::new(),
+        lines if lines > TOO_LONG => vec![format!("{path}: {lines} lines, the limit is {TOO_LONG}")],
+        lines => {
+            println!("warning: source files: {path}: {lines} lines");
+            Vec::new()
         }
     }
-    Ok(breaches)
 }

@@ -1,31 +1,19 @@
 //! Text that ties the project to one machine: absolute paths, and other places to fetch crates from.
 
-use std::fs;
-
-use crate::{error::TaskError, workspace::Workspace};
-
 /// Folders at the start of absolute paths.
 const MACHINE_FOLDERS: [&str; 6] = ["work", "home", "tmp", "root", "mnt", "Users"];
 
 /// Settings that replace the public registry.
 const REGISTRIES: [&str; 4] = ["sparse+http", "[source.", "[registries", "replace-with"];
 
-pub(super) fn check(workspace: &Workspace) -> Result<Vec<String>, TaskError> {
-    let mut breaches = Vec::new();
-    for path in workspace.files("", "")? {
-        let bytes = fs::read(&path).map_err(TaskError::file(&path))?;
-        let Ok(text) = String::from_utf8(bytes) else { continue };
-        // This file contains the words that it searches for.
-        if path.ends_with("tidy/tracked_text.rs") {
-            continue;
-        }
-        for (number, line) in text.lines().enumerate() {
-            if let Some(what) = tied(line) {
-                breaches.push(format!("{}:{}: {what}", workspace.relative(&path), number + 1));
-            }
-        }
+/// Breaches in a text file.
+pub(super) fn breaches(path: &str, text: &str) -> Vec<String> {
+    // This file contains the words that it searches for.
+    if path.ends_with("tidy/tracked_text.rs") {
+        return Vec::new();
     }
-    Ok(breaches)
+    let lines = text.lines().enumerate();
+    lines.filter_map(|(number, line)| Some(format!("{path}:{}: {}", number + 1, tied(line)?))).collect()
 }
 
 /// Part of a line that is specific to one machine.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{RayOptions, files, trace::Query};
+use super::{files, options::RayOptions, trace::Query};
 use crate::{error::TaskError, workspace::sorted_entries};
 
 /// The absolute tolerance of scenes that have no file of it.
@@ -67,7 +67,7 @@ mod tests {
             touch(name, "");
         }
         touch("a.eps", "0.25\n");
-        let options = |args: &[&str]| super::super::parsed(folder.path(), args);
+        let options = |args: &[&str]| super::super::options::parsed(folder.path(), args);
         let jobs = jobs(&options(&[])).unwrap();
         let names: Vec<(&str, f32, usize)> =
             jobs.iter().map(|job| (job.scene.as_str(), job.tolerance, job.sets.len())).collect();

@@ -7,10 +7,10 @@ use rt_accel::{Accelerator, AcceleratorKind, AnyAccelerator};
 use rt_geometry::TriangleMesh;
 
 use super::{
-    RayOptions,
     files::{self, HitRecord, RayRecord},
     jobs::{Job, RayFile},
     mismatch::Mismatches,
+    options::RayOptions,
     table::{BuildResult, RayResult, RayResults, TreeShape},
     trace::{Method, trace},
 };

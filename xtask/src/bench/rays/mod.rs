@@ -2,56 +2,19 @@
 //!
 //! The timed part starts with the ray in the format of the file and ends with a hit in that format.
 
-use std::path::PathBuf;
-
-use clap::builder::TypedValueParser;
-use rt_accel::{AcceleratorKind, wide::Quality};
-
-use super::common::{accelerator, print, quality};
+use super::common::print;
 use crate::error::TaskError;
 
 mod files;
 mod jobs;
 mod measure;
 mod mismatch;
+mod options;
 mod table;
 mod trace;
 
+pub(super) use options::RayOptions;
 use table::RayResults;
-
-/// Options of `bench rays`.
-#[derive(Debug, clap::Args)]
-pub(super) struct RayOptions {
-    /// Measure all SCENE.mesh with SCENE.KIND.rays in this directory, against SCENE.KIND.ref if it exists.
-    #[arg(long, value_name = "DIR")]
-    folder: PathBuf,
-    /// Measure only these scenes.
-    #[arg(long, value_delimiter = ',')]
-    scene: Vec<String>,
-    /// Measure these accelerators.
-    #[arg(long, value_delimiter = ',', default_value = "bvh", value_parser = accelerator())]
-    accel: Vec<AcceleratorKind>,
-    /// Choose the build quality of the wide BVH.
-    #[arg(long, default_value = "medium", value_parser = quality())]
-    quality: Quality,
-    /// Trace batches of this many rays instead of single rays.
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "4096", value_name = "RAYS",
-          value_parser = positive())]
-    batch: Option<usize>,
-    /// Set the number of threads for building and tracing.
-    #[arg(long, default_value_t = 1, value_parser = positive())]
-    threads: usize,
-    /// Measure each value this often, after a pass that is checked and not timed.
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
-    reps: u32,
-    /// Count the rays whose hit is not bit-identical to that of this accelerator, traced as single rays.
-    #[arg(long, value_name = "ACCEL", value_parser = accelerator())]
-    same_as: Option<AcceleratorKind>,
-}
-
-fn positive() -> impl TypedValueParser<Value = usize> {
-    clap::value_parser!(u32).range(1..).map(|number| number as usize)
-}
 
 /// Measures and prints.
 pub(super) fn run(options: &RayOptions) -> Result<(), TaskError> {
@@ -68,20 +31,11 @@ fn figures(options: &RayOptions) -> Result<RayResults, TaskError> {
     Ok(figures)
 }
 
-/// Parses options for a folder.
-#[cfg(test)]
-fn parsed(folder: &std::path::Path, args: &[&str]) -> RayOptions {
-    use clap::{Args, FromArgMatches};
-    let command = RayOptions::augment_args(clap::Command::new("rays").no_binary_name(true));
-    let all = [&["--folder", folder.to_str().unwrap()], args].concat();
-    RayOptions::from_arg_matches(&command.get_matches_from(all)).unwrap()
-}
-
 #[cfg(test)]
 mod tests {
     use std::{fs, path::Path};
 
-    use super::{mismatch::Mismatches, *};
+    use super::{mismatch::Mismatches, options::parsed, *};
 
     fn write(folder: &Path, name: &str, words: &[u32]) {
         fs::write(folder.join(name), words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>()).unwrap();

@@ -3,15 +3,17 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use rt_camera::{PixelSampler, SamplerKind};
-use rt_geometry::{InsideRule, InteractionFlags, Plane, Polygon, RayKind, Shape};
+use rt_geometry::{InsideRule, Plane, Polygon, Shape};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
     Appearance, BsdfCache, Clamp, ColorTexture, Lighting, Material, Needs, PathSettings, PathTracer, Phong, Seen,
-    SurfaceHit, Tracer, Transport,
-    light::{EmissionSides, LightId, LightSampling, LightSet},
+    Transport,
+    light::{EmissionSides, LightSampling, LightSet},
 };
+use rt_tests::ShapeSet;
 
 use super::{
+    super::shape_tracer::ShapeTracer,
     Fallible,
     area_light::{ALBEDO, AreaLight},
     closed_form,
@@ -94,28 +96,11 @@ pub(super) fn shifted(is_wrong: bool, seed: u64) -> Fallible<f64> {
 }
 
 /// The ground, and the light over it.
-struct TwoShapes([Shape; 2]);
-
-impl TwoShapes {
-    fn new() -> Fallible<Self> {
-        let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]].map(|[x, y]| DVec3::new(x, y, 1.0));
-        let square = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex)?;
-        Ok(Self([Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Z)?), Shape::Polygon(Arc::new(square))]))
-    }
-}
-
-impl Tracer for TwoShapes {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        let hits = (0..2).filter_map(|index| Some((index, self.0[index].intersect(ray, span)?)));
-        let (index, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
-        let interaction = self.0[index].surface(ray, &hit, needs);
-        let light = (index == 1).then_some(LightId { index: 0, triangle: None });
-        Some(SurfaceHit { t: hit.t, interaction, object: index as u32, material: index as u32, light })
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.0.iter().any(|shape| shape.intersect(ray, span).is_some())
-    }
+fn two_shapes() -> Fallible<ShapeTracer> {
+    let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]].map(|[x, y]| DVec3::new(x, y, 1.0));
+    let square = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex)?;
+    let shapes = [Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Z)?), Shape::Polygon(Arc::new(square))];
+    Ok(ShapeTracer { set: ShapeSet::of_shapes(shapes), light: Some(1), rays: Vec::new() })
 }
 
 fn appearance() -> Appearance {
@@ -128,7 +113,7 @@ fn appearance() -> Appearance {
 
 /// Mean irradiance by the path tracer, with a sampler made of the correct one.
 fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream) -> S) -> Fallible<f64> {
-    let mut world = TwoShapes::new()?;
+    let mut world = two_shapes()?;
     let appearance = appearance();
     let lights = LightSet::new(vec![area_light().light()?], LightSampling::Tree, 1.0);
     let settings = PathSettings { max_depth: 2, rr_start_depth: 3, transport: Transport::Full, clamp: Clamp::NONE };

@@ -1,19 +1,17 @@
 //! Reflection and refraction.
 
-use rt_geometry::{
-    Cuboid, Hit, InteractionFlags, NoProbe, Plane, Primitives, RayKind, Shape, Sphere, intersect_primitive,
-};
+use rt_geometry::{Cuboid, Plane, Shape, Sphere};
 use rt_math::{
-    DVec3, Interval, Ray, Rgb, SlabRay,
+    DVec3, Ray, Rgb,
     transcendental::{asin, atan, cos, sin, sincos, tan},
 };
 use rt_shading::{
-    Appearance, Background, ColorTexture, Highlight, InteriorMedium, Material, Needs, Phong, ShadingCounts, SurfaceHit,
-    Tracer, Transmission, Whitted, optics,
+    Appearance, Background, ColorTexture, Highlight, InteriorMedium, Material, Needs, Phong, ShadingCounts,
+    Transmission, Whitted, optics,
 };
 use rt_tests::{Draw, ShapeSet};
 
-use super::{Case, CaseResult, Checks, Conditions, Tolerance, cases};
+use super::{super::shape_tracer::ShapeTracer, Case, CaseResult, Checks, Conditions, Tolerance, cases};
 
 cases! {
     "S49", "a sphere of glass as dense as air", "the image without it", "bits", null_glass;
@@ -55,29 +53,6 @@ fn mirror() -> Material {
     Material::new(String::new(), Phong { mirror: WHITE, ..BARE })
 }
 
-/// Shapes, each with the material of its index, and all traced rays.
-struct World {
-    set: ShapeSet,
-    rays: Vec<Ray>,
-}
-
-impl Tracer for World {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        self.rays.push(*ray);
-        let slab = SlabRay::new(ray);
-        let hits =
-            (0..self.set.len() as u32).filter_map(|i| intersect_primitive(&self.set, i, &slab, span, &mut NoProbe));
-        let hit: Hit = hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })?;
-        let interaction = self.set.surface(ray, &hit, needs)?;
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material: hit.primitive, light: None })
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        let slab = SlabRay::new(ray);
-        (0..self.set.len() as u32).any(|i| intersect_primitive(&self.set, i, &slab, span, &mut NoProbe).is_some())
-    }
-}
-
 /// Radiance along a ray, and the rays that were traced for it.
 struct Look {
     radiance: Rgb,
@@ -89,7 +64,7 @@ fn look(shapes: &[(Shape, Material)], background: Background, depth: u32, ray: &
     let materials = shapes.iter().map(|(_, material)| material.clone()).collect();
     let appearance = Appearance { materials, background, ..Appearance::default() };
     let set = ShapeSet::of_shapes(shapes.iter().map(|(shape, _)| shape.clone()));
-    let mut world = World { set, rays: Vec::new() };
+    let mut world = ShapeTracer { set, ..ShapeTracer::default() };
     let mut whitted = Whitted::new(depth, 0.0, Needs::of(&appearance, |_| true));
     let radiance = whitted.radiance(&mut world, &appearance, ray).radiance;
     Look { radiance, rays: world.rays, counts: whitted.counts() }
