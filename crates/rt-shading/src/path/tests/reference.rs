@@ -24,11 +24,11 @@ fn solid(model: MaterialModel, interior: InteriorMedium) -> Material {
     Material { interior: Some(interior), ..emissive(model, 0.0) }
 }
 
-fn ball(center: [f64; 3], radius: f64) -> Shape {
+fn sphere_at(center: [f64; 3], radius: f64) -> Shape {
     Shape::Sphere(Sphere::new(center.into(), radius).expect("a sphere"))
 }
 
-fn lamp(kind: DeltaLightKind, casts_shadows: bool, units: LightUnits) -> DeltaLight {
+fn delta_light(kind: DeltaLightKind, casts_shadows: bool, units: LightUnits) -> DeltaLight {
     DeltaLight { name: String::new(), kind, intensity: Rgb::new(0.9, 0.6, 0.3), units, casts_shadows }
 }
 
@@ -82,7 +82,7 @@ fn exhibition() -> Scene {
     let mut scene = Scene::new(materials, lights)
         .with(super::floor(), 0, None)
         .with(Shape::Polygon(square.into()), 1, Some(0))
-        .with(ball([-2.5, 1.5, 1.0], 0.2), 1, Some(1));
+        .with(sphere_at([-2.5, 1.5, 1.0], 0.2), 1, Some(1));
     // Glass, water that overlaps it, and a bubble of air in both.
     for (center, radius, material) in [
         ([0.0, 0.8, 0.0], 0.7, 2),
@@ -97,18 +97,18 @@ fn exhibition() -> Scene {
         // A solid of air around all.
         ([0.0, 0.5, 0.0], 3.6, 4),
     ] {
-        scene = scene.with(ball(center, radius), material, None);
+        scene = scene.with(sphere_at(center, radius), material, None);
     }
-    let pane = Plane::new(DVec3::new(0.0, 0.0, -2.5), DVec3::new(0.1, 0.0, 1.0)).expect("a plane");
-    scene = scene.with(Shape::Plane(pane), 8, None);
+    let thin_glass = Plane::new(DVec3::new(0.0, 0.0, -2.5), DVec3::new(0.1, 0.0, 1.0)).expect("a plane");
+    scene = scene.with(Shape::Plane(thin_glass), 8, None);
     scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];
     scene.appearance.background = Background::Environment(sky.into());
     let position = DVec3::new(2.0, 3.5, 2.0);
     let point = |falloff| DeltaLightKind::Point { position, falloff, shadow_near: 0.1 };
     scene.appearance.lights = vec![
-        lamp(point(Falloff::InverseSquare), true, LightUnits::Physical),
-        lamp(point(Falloff::None), false, LightUnits::Classical),
-        lamp(DeltaLightKind::Directional { direction: DVec3::new(0.6, -0.8, 0.0) }, true, LightUnits::Classical),
+        delta_light(point(Falloff::InverseSquare), true, LightUnits::Physical),
+        delta_light(point(Falloff::None), false, LightUnits::Classical),
+        delta_light(DeltaLightKind::Directional { direction: DVec3::new(0.6, -0.8, 0.0) }, true, LightUnits::Classical),
     ];
     scene
 }
@@ -136,10 +136,10 @@ fn every_path_has_the_bits_of_the_reference() {
     for settings in all_settings() {
         for surroundings in [&InteriorList::default(), &water] {
             let (seen, counts) = trace(&mut scene.shapes, lighting, settings, surroundings, &views(3000));
-            // The scene has what is compared. In water, the ball of air hides what is inside from many rays.
+            // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
-            let (least_lit, least_passages) = if surroundings.is_empty() { (1500, 1000) } else { (150, 0) };
-            assert!(lit > least_lit && counts.passages >= least_passages, "{lit} of 3000, {settings:?}: {counts:?}");
+            let (min_lit, min_passages) = if surroundings.is_empty() { (1500, 1000) } else { (150, 0) };
+            assert!(lit > min_lit && counts.passages >= min_passages, "{lit} of 3000, {settings:?}: {counts:?}");
             let may_clamp = settings.clamp != Clamp::NONE && settings.max_depth > 0;
             assert_eq!(counts.clamped > 100, may_clamp, "{settings:?}: {counts:?}");
         }
