@@ -68,7 +68,9 @@ impl<'s> CompiledScene<'s> {
         let used = used_materials(source, &top, &levels, medium);
         let used_features = features(source, &top, &levels, &used);
         let world = if options.full { World::Instances(top, levels) } else { World::specialise(top, levels) };
-        let bsdfs = if integrator.samples_area_lights() && !options.full {
+        // The reference leaves out no feature of shading, so that a comparison with `path` tests what `path` leaves out.
+        let trims_shading = !options.full && integrator != Integrator::PathReference;
+        let bsdfs = if integrator.samples_area_lights() && trims_shading {
             BsdfCache::new(&appearance, |material| used[material])
         } else {
             BsdfCache::default()
@@ -87,7 +89,7 @@ impl<'s> CompiledScene<'s> {
             lights,
             bsdfs,
             light_sources,
-            features: if options.full { Needs::ALL } else { used_features },
+            features: if trims_shading { used_features } else { Needs::ALL },
             has_emission: used_features.emission,
             has_specular: used_features.reflection || used_features.refraction,
         })

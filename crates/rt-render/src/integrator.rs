@@ -8,7 +8,7 @@ use rt_shading::{AmbientOcclusion, AovIntegrator, Clamp, PathSettings, Transport
 pub(crate) enum IntegratorState {
     /// Whitted ray tracing.
     Whitted,
-    /// Path tracing: `path`, `path-caustics`, `direct` and `distributed`.
+    /// Path tracing: `path`, `path-reference`, `path-caustics`, `direct` and `distributed`.
     Path(PathSettings),
     AmbientOcclusion(AmbientOcclusion),
     /// Geometry of the first hit.
@@ -27,7 +27,7 @@ impl IntegratorState {
         match settings.integrator {
             Integrator::Whitted => Self::Whitted,
             Integrator::Distributed => path(settings.depth, Transport::Specular),
-            Integrator::Path => path(settings.depth, Transport::Full),
+            Integrator::Path | Integrator::PathReference => path(settings.depth, Transport::Full),
             Integrator::Caustics => path(settings.depth, Transport::NonCaustic),
             Integrator::Direct => path(0, Transport::Full),
             Integrator::AmbientOcclusion => {

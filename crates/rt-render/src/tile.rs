@@ -5,7 +5,9 @@ use rt_camera::SampleStream;
 use rt_geometry::{Counters, Hit, NoProbe};
 use rt_math::Ray;
 use rt_scene_io::Integrator;
-use rt_shading::{Background, InteriorList, Lighting, OcclusionWave, PathTracer, Seen, Whitted};
+use rt_shading::{
+    Background, InteriorList, Lighting, OcclusionWave, PathTracer, ReferencePathTracer, Seen, ShadingCounts, Whitted,
+};
 
 use crate::{
     Crop, RenderPlan,
@@ -93,6 +95,31 @@ impl RenderPlan<'_> {
                     whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
                 })
             }
+            (IntegratorState::Path(settings), medium) if self.integrator_kind() == Integrator::PathReference => {
+                let mut reference = ReferencePathTracer {
+                    settings: *settings,
+                    lighting,
+                    surroundings: InteriorList::default(),
+                    counts: ShadingCounts::default(),
+                };
+                let mut result = self.sample_tile(job, camera, |batch, seen| {
+                    for (((ray, _), sampler), seen) in batch.rays.iter().zip(batch.samplers).zip(seen) {
+                        let surroundings = &mut reference.surroundings;
+                        match medium {
+                            CameraMedium::Constant(interior) => surroundings.clone_from(interior),
+                            CameraMedium::PerRay(bounds) => surroundings.find_enclosing_media_within(
+                                *bounds,
+                                &mut tracer,
+                                &self.scene.appearance.materials,
+                                ray,
+                            ),
+                        }
+                        *seen = reference.li(&mut tracer, ray, &mut sampler.clone());
+                    }
+                });
+                result.shading = reference.counts;
+                result
+            }
             (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
                 paths.set_surroundings(interior);
                 self.sample_tile(job, camera, |batch, seen| {
@@ -133,7 +160,7 @@ impl RenderPlan<'_> {
         };
         result.counters = tracer.probe.counters(tracer.rays);
         result.primary_rays_skipped = tracer.skipped;
-        result.shading = whitted.take_counts();
+        result.shading += whitted.take_counts();
         result.shading += paths.take_counts();
         *hits = tracer.into_buffer();
         result

@@ -45,8 +45,8 @@ macro_rules! names {
 }
 
 names! {
-    Integrator, 10: Whitted "whitted" Distributed "distributed" Path "path" Caustics "path-caustics" Direct "direct"
-        AmbientOcclusion "ambient-occlusion" Normals "normals" Depth "depth" Uv "uv" Cost "cost"
+    Integrator, 11: Whitted "whitted" Distributed "distributed" Path "path" Caustics "path-caustics"
+        PathReference "path-reference" Direct "direct" AmbientOcclusion "ambient-occlusion" Normals "normals" Depth "depth" Uv "uv" Cost "cost"
 }
 names! {
     Accel, 11: Auto "auto" Linear "linear" Grid "grid" Bvh "bvh" Wide "bvh8" Spheres "sphere-tree" Cylinders "cylinder-tree"
@@ -68,6 +68,8 @@ pub enum Integrator {
     /// Path tracing, with light tracing for caustics (Arvo 1986).
     #[cfg_attr(feature = "format", serde(rename = "path_caustics", alias = "caustics"))]
     Caustics,
+    /// The image of `path`, computed one path at a time by the code to read first; slower.
+    PathReference,
     /// Emission and direct light.
     Direct,
     /// Share of the sky that is visible from each point.
@@ -88,23 +90,28 @@ impl Integrator {
     pub const fn is_stochastic(self) -> bool {
         match self {
             Self::Whitted | Self::Normals | Self::Depth | Self::Uv | Self::Cost => false,
-            Self::Distributed | Self::Path | Self::Caustics | Self::Direct | Self::AmbientOcclusion => true,
+            Self::Distributed
+            | Self::Path
+            | Self::Caustics
+            | Self::PathReference
+            | Self::Direct
+            | Self::AmbientOcclusion => true,
         }
     }
 
     /// True if it shows light, and not a view of the geometry.
     pub const fn follows_light(self) -> bool {
-        matches!(self, Self::Whitted | Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
+        matches!(self, Self::Whitted) || self.samples_area_lights()
     }
 
     /// True if diffuse surfaces take light from the background.
     pub const fn gathers_background(self) -> bool {
-        matches!(self, Self::Path | Self::Caustics | Self::Direct)
+        matches!(self, Self::Path | Self::Caustics | Self::PathReference | Self::Direct)
     }
 
     /// True if it samples area lights.
     pub const fn samples_area_lights(self) -> bool {
-        matches!(self, Self::Distributed | Self::Path | Self::Caustics | Self::Direct)
+        matches!(self, Self::Distributed) || self.gathers_background()
     }
 }
 

@@ -251,8 +251,9 @@ impl PathState {
         Self { seen, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
     }
 
-    /// MIS weight of light that the direction of the BSDF has found, given the density of the same direction by light sampling: 0 if
-    /// light sampling cannot find this light.
+    /// MIS weight of light that the ray in the direction of the BSDF sample has found.
+    ///
+    /// `light_pdf` is the density of this direction by light sampling; 0 if light sampling cannot find the light.
     fn mis_weight(&self, light_pdf: impl FnOnce(&LightSampleContext) -> f64) -> f64 {
         self.prev.as_ref().map_or(1.0, |from| power_heuristic(from.bsdf_pdf, light_pdf(from)))
     }
