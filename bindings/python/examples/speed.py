@@ -1,6 +1,6 @@
 """Rays per second on one thread, and memory, beside trimesh with embreex on the same arrays: a table in Markdown.
 
-    python speed.py [--rays 1e7] [--mesh dragon_vrip.ply]
+    python speed.py [--rays 1e7] [--mesh dragon_vrip.ply] [--rust target/release/examples/batches]
 
 Primary rays from a grid; diffuse rays, distributed by the cosine, from the points that primary rays hit, in their order; random rays
 across the mesh. The mesh is a bumpy sphere of 871,200 triangles, or read by trimesh and brought to the size of the sphere. Each program
@@ -9,15 +9,20 @@ peak during a call.
 """
 
 import argparse
+import datetime
 import importlib.metadata
 import importlib.util
 import json
 import os
+import platform
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from statistics import median
+from typing import NamedTuple
 
 import numpy as np
 
@@ -99,26 +104,46 @@ def of_trimesh(module, query, **options):
     return prepare
 
 
-OURS, THEIRS = "rt.compat.trimesh", "trimesh.ray.ray_pyembree"
+class Program(NamedTuple):
+    """A program and the packages that it needs. `prepare` takes a mesh and returns a function of origins and directions."""
+
+    name: str
+    packages: tuple
+    prepare: Callable
+
+
+OURS, THEIRS = ("trimesh",), ("trimesh", "embreex")
+OUR_RAYS, THEIR_RAYS = "rt.compat.trimesh", "trimesh.ray.ray_pyembree"
+FIRST_HIT = {"multiple_hits": False}
+
+PROGRAMS = [
+    Program("rt closest", (), of_rt("closest")),
+    Program("rt any_hit", (), of_rt("any_hit")),
+    Program("rt intersects_first", OURS, of_trimesh(OUR_RAYS, "intersects_first")),
+    Program("rt intersects_location, first hits", OURS, of_trimesh(OUR_RAYS, "intersects_location", **FIRST_HIT)),
+    Program("rt intersects_location, all hits", OURS, of_trimesh(OUR_RAYS, "intersects_location")),
+    Program("embreex intersects_first", THEIRS, of_trimesh(THEIR_RAYS, "intersects_first")),
+    Program("embreex intersects_location, first hits", THEIRS, of_trimesh(THEIR_RAYS, "intersects_location", **FIRST_HIT)),
+    Program("embreex intersects_location, all hits", THEIRS, of_trimesh(THEIR_RAYS, "intersects_location")),
+]
+
+#: Queries of the example `batches` of rt-accel, by their names in the table.
+RUST_QUERIES = {"Rust closest_batch": "closest", "Rust occluded_batch": "occluded"}
+
+#: Around the table in the guide.
+MARKS = "<!-- speed -->", "<!-- end of speed -->"
 
 #: Calls in each process, of which the fastest counts: the first one may pay for memory that the system has to find.
 CALLS = 2
 
-#: By name: functions of a mesh that return a function of origins and directions.
-PROGRAMS = {
-    "rt closest": of_rt("closest"),
-    "rt any_hit": of_rt("any_hit"),
-    "rt intersects_first": of_trimesh(OURS, "intersects_first"),
-    "rt intersects_location": of_trimesh(OURS, "intersects_location", multiple_hits=False),
-    "embreex intersects_first": of_trimesh(THEIRS, "intersects_first"),
-    "embreex intersects_location": of_trimesh(THEIRS, "intersects_location", multiple_hits=False),
-}
-
 #: Programs with comparable results, whose ratio is stated.
 RATIOS = [
+    ("rt closest", "Rust closest_batch"),
+    ("rt any_hit", "Rust occluded_batch"),
     ("rt intersects_first", "embreex intersects_first"),
-    ("rt intersects_location", "embreex intersects_location"),
-    ("rt closest", "embreex intersects_location"),
+    ("rt intersects_location, first hits", "embreex intersects_location, first hits"),
+    ("rt intersects_location, all hits", "embreex intersects_location, all hits"),
+    ("rt closest", "embreex intersects_location, first hits"),
 ]
 
 
@@ -137,9 +162,10 @@ def reset_peak():
     return True
 
 
-def measure(program, folder, kinds):
-    """Seconds, bytes beyond inputs and outputs, and hits of one program for each kind of rays."""
-    trace = PROGRAMS[program](np.load(folder / "vertices.npy"), np.load(folder / "faces.npy"))
+def measure(name, folder, kinds):
+    """Seconds, and bytes beyond inputs and outputs, of one program for each kind of rays."""
+    prepare = next(program.prepare for program in PROGRAMS if program.name == name)
+    trace = prepare(np.load(folder / "vertices.npy"), np.load(folder / "faces.npy"))
     found = {}
     for kind in kinds:
         origins, directions = np.load(folder / f"{kind}.origins.npy"), np.load(folder / f"{kind}.directions.npy")
@@ -162,8 +188,12 @@ def measure_call(trace, origins, directions):
     return seconds, max(memory("VmHWM") - before - outputs, 0) if can_measure else None
 
 
-def run_alone(program, folder, kinds):
-    command = [sys.executable, __file__, "--measure", program, "--folder", str(folder), "--kinds", *kinds]
+def run_alone(name, rust, folder, kinds):
+    """Results of one program by kind of rays, measured in a process of its own."""
+    if name in RUST_QUERIES:
+        command = [rust, RUST_QUERIES[name], str(folder), *kinds]
+    else:
+        command = [sys.executable, __file__, "--measure", name, "--folder", str(folder), "--kinds", *kinds]
     environment = {**os.environ, "RAYON_NUM_THREADS": "1"}
     return json.loads(subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True).stdout)
 
@@ -174,50 +204,92 @@ def main():
     parser.add_argument("--detail", type=int, default=660, help="squares along each side of the bumpy sphere")
     parser.add_argument("--mesh", type=Path, help="file of a mesh instead of the bumpy sphere; needs trimesh")
     parser.add_argument("--runs", type=int, default=3, help="runs of each program, by turns")
-    parser.add_argument("--measure", choices=PROGRAMS, help=argparse.SUPPRESS)
+    parser.add_argument("--rust", metavar="PROGRAM", help="example `batches` of rt-accel, to measure as well")
+    parser.add_argument("--write", action="store_true", help="write the table into docs/PYTHON.md of the repository")
+    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the arrays in this folder")
+    parser.add_argument("--measure", choices=[program.name for program in PROGRAMS], help=argparse.SUPPRESS)
     parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--kinds", nargs="*", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.measure:
         print(json.dumps(measure(options.measure, options.folder, options.kinds)))
         return
-    programs, versions = [], [f"rt {importlib.metadata.version('rt-rays')}"]
-    for start, packages in [("rt closest", []), ("rt any", []), ("rt inter", ["trimesh"]), ("embreex", ["trimesh", "embreex"])]:
-        if all(importlib.util.find_spec(package) for package in packages):
-            programs += [name for name in PROGRAMS if name.startswith(start)]
-            versions += [f"{package} {importlib.metadata.version(package)}" for package in packages[-1:]]
-        else:
-            print(f"left out, as {packages[-1]} is not installed: {start}*")
-    with tempfile.TemporaryDirectory() as name:
-        folder, kinds = Path(name), []
-        vertices, faces = load_mesh(options)
+    installed, names = {}, list(RUST_QUERIES) if options.rust else []
+    for program in PROGRAMS:
+        missing = [package for package in program.packages if importlib.util.find_spec(package) is None]
+        if missing:
+            print(f"left out, as {', '.join(missing)} is not installed: {program.name}")
+            continue
+        names.append(program.name)
+        installed |= {package: importlib.metadata.version(package) for package in program.packages}
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = options.keep or Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        kinds, vertices, faces = [], *load_mesh(options)
         np.save(folder / "vertices.npy", vertices)
-        np.save(folder / "faces.npy", faces)
+        np.save(folder / "faces.npy", faces.astype(np.uint32))
         for kind, origins, directions in rays(vertices, faces, int(options.rays**0.5)):
             kinds.append(kind)
             np.save(folder / f"{kind}.origins.npy", origins)
             np.save(folder / f"{kind}.directions.npy", directions)
             n_rays = len(origins)
         del origins, directions
-        runs = [{program: run_alone(program, folder, kinds) for program in programs} for _ in range(options.runs)]
-    report(runs, programs, kinds, n_rays, f"{len(faces):,} triangles, {n_rays:,} rays of each kind, {', '.join(versions)}")
+        runs = [{name: run_alone(name, options.rust, folder, kinds) for name in names} for _ in range(options.runs)]
+    versions = [f"{package} {version}" for package, version in {"rt": importlib.metadata.version("rt-rays"), **installed}.items()]
+    title = f"{len(faces):,} triangles, {n_rays:,} rays of each kind, {', '.join(versions)}, Python {platform.python_version()}"
+    table = report(runs, names, kinds, n_rays, title)
+    print(table)
+    if options.write:
+        write(table, options)
 
 
-def report(runs, programs, kinds, n_rays, title):
-    rates = {
-        program: [sorted(n_rays / run[program][kind]["seconds"] / 1e6 for run in runs) for kind in kinds] for program in programs
-    }
-    print(f"Millions of rays per second on one thread, best (least) of {len(runs)} runs, and MB beyond inputs and outputs: {title}\n")
-    print("| | " + " | ".join(kinds) + " | memory |\n|---|" + "--:|" * (len(kinds) + 1))
-    for program in programs:
-        cells = [f"{of_kind[-1]:.2f} ({of_kind[0]:.2f})" for of_kind in rates[program]]
-        peaks = [run[program][kind]["beyond"] for run in runs for kind in kinds]
+def report(runs, names, kinds, n_rays, title):
+    """The table in Markdown."""
+    rates = {name: [sorted(n_rays / run[name][kind]["seconds"] / 1e6 for run in runs) for kind in kinds] for name in names}
+    lines = [
+        f"{title}. Millions of rays per second on one thread, best (least) of {len(runs)} runs. Memory is in MB beyond inputs and",
+        "outputs. Ratios are medians of those within a run.",
+        "",
+        f"| | {' | '.join(kinds)} | memory |",
+        "|---|" + "--:|" * (len(kinds) + 1),
+    ]
+    for name in names:
+        cells = [f"{of_kind[-1]:.2f} ({of_kind[0]:.2f})" for of_kind in rates[name]]
+        peaks = [run[name][kind].get("beyond") for run in runs for kind in kinds]
         cells.append("–" if None in peaks else f"{max(peaks) / 1e6:.0f}")
-        print(f"| {program} | " + " | ".join(cells) + " |")
+        lines.append(f"| {name} | {' | '.join(cells)} |")
     for ours, theirs in RATIOS:
-        if theirs in rates:
-            ratios = [f"{a[-1] / b[-1]:.2f}" for a, b in zip(rates[ours], rates[theirs])]
-            print(f"| {ours} / {theirs} | " + " | ".join(ratios) + " | |")
+        if ours in rates and theirs in rates:
+            ratios = [median(run[theirs][kind]["seconds"] / run[ours][kind]["seconds"] for run in runs) for kind in kinds]
+            lines.append(f"| {ours} / {theirs} | {' | '.join(f'{ratio:.2f}' for ratio in ratios)} | |")
+    return "\n".join(lines) + "\n"
+
+
+def processor():
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    flags = next((line.split() for line in lines if line.startswith("flags")), [])
+    simd = next((name for flag, name in [("avx512f", "AVX-512"), ("avx2", "AVX2")] if flag in flags), "no AVX2")
+    return f"{names[0]} with {simd}" if names else platform.processor() or platform.machine()
+
+
+def write(table, options):
+    """Replaces the part of the guide between the two marks."""
+    repository = Path(__file__).resolve().parents[3]
+    page = repository / "docs" / "PYTHON.md"
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=repository, stdout=subprocess.PIPE, text=True, check=True
+    ).stdout.strip()
+    command = f"python bindings/python/examples/speed.py --rays {options.rays:.0e}".replace("e+0", "e")
+    command += f" --runs {options.runs}"
+    command += f" --mesh {options.mesh.name}" if options.mesh else ""
+    command += " --rust batches" if options.rust else ""
+    text = f"Written by `{command} --write` on {processor()}, at commit `{commit}` ({datetime.date.today()}):\n\n{table}"
+    before, _, rest = page.read_text().partition(MARKS[0])
+    _, _, after = rest.partition(MARKS[1])
+    if not after:
+        sys.exit(f"{page} lacks the marks {MARKS[0]} and {MARKS[1]}")
+    page.write_text(f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{after}")
 
 
 if __name__ == "__main__":

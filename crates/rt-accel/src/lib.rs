@@ -1,17 +1,9 @@
 //! # rt-accel: chapter 6, acceleration structures
 //!
-//! ```text
-//!     closest(ray) = min over all primitives of (t, instance, primitive)      always the same bits
-//!
-//!     Linear                 UniformGrid               Bvh
-//!     ● ● ● ● ● ● ●          ┌──┬──┬──┬──┐             ┌─────────┐┌──────┐
-//!     each in turn           │  │● │  │  │             │┌───┐┌──┐││┌────┐│
-//!                       ray ─┼──┼─▶│● │● │             ││● ●││ ●││││● ● ││
-//!                            └──┴──┴──┴──┘             └┴───┴┴──┴┘└┴────┴┘
-//! ```
+//! Closest hits, any hits, all hits and nearest points of triangle meshes, spheres and your own primitives, exact in `f64`.
 //!
 //! ```
-//! use rt_accel::{DVec3, Interval, Ray, Scene, TriangleMesh};
+//! use rt_accel::{DVec3, Interval, Ray, Scene, TriangleMesh}; // after `cargo add rt-accel --path crates/rt-accel`
 //!
 //! let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! let scene = Scene::new(TriangleMesh::new(&vertices, &[[0, 1, 2]])?)?;
@@ -21,32 +13,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! * A [`Scene`] holds meshes and spheres, also placed by transforms ([`SceneBuilder`]). It finds the closest hit, any hit and all
-//!   hits of a ray or of a [`RayBatch`], nearest points, and inside or outside.
-//! * [`UserGeometry`] takes boxes and a closure, and [`Primitives`] is the interface for primitives of your own. An
-//!   [`Accelerator`] over them holds indices and boxes; every query borrows the primitives.
+//! A [`Scene`] traces single rays and [`RayBatch`]es; [`SceneBuilder`] places its meshes and spheres by transforms.
+//! [`UserGeometry`] takes boxes and a closure, [`Primitives`] is a trait for your own, and these structures hold them:
 //!
-//! | accelerator | build time, relative to `Bvh` | bytes per primitive | choose it for |
-//! |---|---|---|---|
-//! | [`WideBvh`] | 1 or less | about 60 | many rays: eight boxes per node (Wald et al. 2008) |
-//! | [`Bvh`] | 1 | 25 to 45 | half the memory (binned SAH, Wald 2007) |
-//! | [`Linear`] | checks and copies | 16 for spheres, 0 for others | up to about ten primitives |
-//! | [`UniformGrid`] | 0.1 to 0.25 | 30 to 100 | evenly distributed primitives (Amanatides and Woo 1987) |
-//! | [`KdTree`] | 2 to 8 | 45 to 100 | little overlap, seen from within (Wald and Havran 2006) |
-//! | [`BspTree`] | 4 to 40 | 110 to 210 | walls at odd angles (Ize, Wald and Parker 2008) |
-//! | [`Bih`], [`LazyBih`] | 0.1 to 0.2, or on demand | under 20, 40 to 60 | constant change (Wächter and Keller 2006) |
-//! | [`SphereTree`], [`CylinderTree`] | 1, 2 | 15 to 85 | comparing bounding volumes |
+//! | accelerator | choose it for | paper |
+//! |---|---|---|
+//! | [`WideBvh`] | many rays: eight boxes per node | Wald, Benthin and Boulos 2008 |
+//! | [`Bvh`] | half the memory | Wald 2007 |
+//! | [`Linear`] | up to about ten primitives | |
+//! | [`UniformGrid`] | evenly distributed primitives | Amanatides and Woo 1987 |
+//! | [`KdTree`] | little overlap, seen from within | Wald and Havran 2006 |
+//! | [`BspTree`] | walls at odd angles | Ize, Wald and Parker 2008 |
+//! | [`Bih`], [`LazyBih`] | constant change | Wächter and Keller 2006 |
+//! | [`SphereTree`], [`CylinderTree`] | comparing bounding volumes | |
 //!
-//! Ranges are for 10³ to 10⁵ primitives; `docs/COSTS.md` of the repository lists all measurements. The [`guide`] explains each
-//! accelerator with images and papers.
+//! **All return the results of [`brute_force`], bit for bit**, ties included. Edges are decided exactly (Woop, Benthin and Wald
+//! 2013, in `f64`), and culled primitives provably cannot win. The [`guide`] explains each with images, proofs and costs.
 //!
-//! **All return the results of [`brute_force`], bit for bit**, ties included, for every ray. Edges are decided exactly (Woop,
-//! Benthin and Wald 2013, in `f64`), hits are accepted through [`rt_geometry::intersect_primitive`] alone, and culled primitives
-//! provably cannot win. The proofs are in the source files.
-//!
-//! **Owns** accelerators, their builders and queries, and ready-made scenes of meshes and spheres. **Does not own** the shapes and their kernels, which are in `rt-geometry`. No query allocates, locks or fails, except that
-//! [`LazyBih`] allocates and locks where it splits a node, and lists of all hits grow. Features: `parallel` (default) builds
-//! trees and traces batches on all threads; `large-pages` (default) requests pages of 2 MiB from Linux; `serde`; `all-simd`.
+//! **Owns** accelerators, their builders and queries, and scenes of meshes and spheres. **Does not own** the shapes and their
+//! kernels, which are in `rt-geometry`. Features: `parallel` (default) builds and traces on all threads; `large-pages` (default)
+//! requests pages of 2 MiB from Linux; `serde`; `all-simd`. Queries neither fail, allocate nor lock, except that [`LazyBih`]
+//! does both where it splits a node, and lists of all hits grow.
 
 #![deny(unsafe_code)]
 

@@ -3,7 +3,9 @@
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
 
-use rt_geometry::{Hit, Primitives, Probe, intersect_primitive, occludes_primitive, padded_bounds};
+use rt_geometry::{
+    Hit, PrimitiveGeometry as Geometry, Primitives, Probe, intersect_primitive, occludes_primitive, padded_bounds,
+};
 use rt_math::{Interval, Ray, SlabRay};
 
 /// Query along a ray. An [`Accelerator`](crate::Accelerator) passes it primitives to test; the query reports how much
@@ -140,7 +142,9 @@ fn for_each_hit<P: Primitives, S: Probe>(
     let mut in_a_row = 0;
     while let Some(hit) = intersect_primitive(primitives, index, ray, span, probe) {
         in_a_row = if hit.t == span.min { in_a_row + 1 } else { 0 };
-        if visit(hit).is_break() || in_a_row == MOST_IN_A_ROW {
+        // A ray hits a triangle once.
+        let is_only_one = || matches!(primitives.geometry(index), Geometry::Triangle(_) | Geometry::ExactTriangle(_));
+        if visit(hit).is_break() || in_a_row == MOST_IN_A_ROW || is_only_one() {
             return;
         }
         span.min = hit.t.next_up();

@@ -14,6 +14,7 @@ use super::simd::{DetectedSimd, SimdLevel};
 use super::single_ray::SingleContext;
 use super::tree_query::TreeQuery;
 use super::{WideBvh, sah};
+use crate::ray_query::AllHits;
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
 
 impl WideBvh {
@@ -134,6 +135,26 @@ impl Accelerator for WideBvh {
         probe: &mut S,
     ) {
         self.trace_batch(primitives, rays, occluded, probe);
+    }
+
+    fn all_hits<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        hits: &mut Vec<Hit>,
+        probe: &mut S,
+    ) {
+        let mut query = AllHits::new(ray, span, hits);
+        let _ = query.test_leaf(primitives, &self.unbounded, probe);
+        let mut stats = TraversalStats::default();
+        let mut visit = |index: u32| _ = query.test_primitive(primitives, index, probe);
+        if self.visit_all_candidates(ray, span, &mut visit, &mut stats) {
+            stats.add_to(probe);
+        } else {
+            let _ = self.walk_bounded(primitives, &mut query, probe);
+        }
+        query.finish();
     }
 
     fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(

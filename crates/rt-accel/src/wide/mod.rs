@@ -10,7 +10,7 @@
 //! * `scalar`: traversal in `f64`, outside the range of the filters
 //! * `filter`: conservative tests of leaves; `entry_points`: culling of ray bundles
 //! * `query`: closest-hit and any-hit queries, and exact tests of the caller's primitives
-//! * `single_ray`, `packet`, `batch`: traversal; `tree_query`: its entry points
+//! * `single_ray`, `packet`, `batch`: traversal; `tree_query`: its entry points; `all_candidates`: traversal for all hits
 //! * `small_set`, `sphere_list`: primitives without a tree
 //! * `build`: binned SAH, reinsertion, and collapse of a binary tree into wide nodes; `sah`
 //! * `accelerator`, `refit`, `validate`: the interface
@@ -20,6 +20,7 @@
 #![allow(unsafe_code, reason = "instructions chosen at run time, and unchecked loads of validated data")]
 
 mod accelerator;
+mod all_candidates;
 mod batch;
 mod build;
 mod coherence;

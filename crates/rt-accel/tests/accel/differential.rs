@@ -26,6 +26,8 @@ struct Outcome {
 fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
     let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
     let mut draw = Draw::new(seed);
+    let linear = Linear::build(soup).unwrap();
+    let (mut all, mut all_expected, mut n_several) = (Vec::new(), Vec::new(), 0);
     let mut n_hits = 0;
     let mut counters = Counters::default();
     for i in 0..n_rays() {
@@ -39,7 +41,15 @@ fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) ->
         let is_blocked = brute_force::occluded(soup, &ray, span, &mut NoProbe);
         assert_eq!(is_blocked, expected.is_some(), "ray {i}: {query:?}");
         n_hits += usize::from(expected.is_some());
+        if i % 8 == 0 {
+            structure.all_hits(soup, &ray, span, &mut all, &mut NoProbe);
+            linear.all_hits(soup, &ray, span, &mut all_expected, &mut NoProbe);
+            let keys = |hits: &[Hit]| hits.iter().map(|hit| key(Some(*hit))).collect::<Vec<_>>();
+            assert_eq!(keys(&all), keys(&all_expected), "{name}, seed {seed}, ray {i}: {query:?}");
+            n_several += usize::from(all.len() > 1);
+        }
     }
+    assert!(n_several > n_rays() / 400, "{name}: {n_several} rays with several hits");
     let tested = counters.total().tests as f64 / (n_rays() * soup.len()) as f64;
     Outcome { n_hits, tested, nodes: counters.total().nodes as f64 / n_rays() as f64 }
 }
