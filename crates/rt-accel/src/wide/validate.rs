@@ -4,8 +4,9 @@ use glam::Vec3A;
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::WideBvh;
-use super::leaf::{LeafWriter, MAX_LEAF};
+use super::leaf::{LeafKind, LeafWriter, MAX_LEAF};
 use super::node::Child;
+use super::triangle_list::TriangleList;
 use crate::bvh::Aabb32;
 use crate::{ValidationError, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
@@ -21,6 +22,13 @@ impl WideBvh {
         let count = u64::from(self.bounded) + self.unbounded.len() as u64;
         if count > u64::from(u32::MAX) {
             return Err(ValidationError::Count { built: self.bounded, given: self.unbounded.len() });
+        }
+        // Batches take the leaves of a tree with a list for exact triangles.
+        let is_list_whole = |list: &TriangleList| {
+            self.unbounded.is_empty() && self.leaves.kind == LeafKind::Watertight && list.is_whole(count as usize)
+        };
+        if !self.list.as_ref().is_none_or(is_list_whole) {
+            return Err(ValidationError::Node { node: 0 });
         }
         let mut is_listed = vec![false; self.bounded as usize + self.unbounded.len()];
         let mut list = |primitive: u32| match is_listed.get_mut(primitive as usize) {
@@ -55,7 +63,9 @@ impl WideBvh {
                 return Err(ValidationError::Outside { primitive });
             }
             Ok(())
-        })
+        })?;
+        let list = TriangleList::of(primitives, self.leaves.kind, self.centre, self.size);
+        if self.list == list { Ok(()) } else { Err(ValidationError::Outside { primitive: 0 }) }
     }
 
     /// Visits all leaves with their boxes, and validates the nodes.
