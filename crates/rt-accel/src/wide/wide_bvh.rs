@@ -7,7 +7,7 @@ use rt_math::DVec3;
 use super::leaf::{CacheLine, Leaves};
 use super::node::{Child, WideNode};
 use super::simd::{DetectedSimd, SimdLevel};
-use super::triangle_list::TriangleList;
+use super::triangle_list::{MAX_TRIANGLES, TriangleList};
 
 /// Bounding volume hierarchy with eight children per node: the fastest accelerator for all kinds of primitives.
 ///
@@ -39,6 +39,10 @@ pub struct WideBvh {
 }
 
 impl WideBvh {
+    /// Most primitives of a tree of triangles that keeps a list of them, some 200 bytes each: batches test incoherent rays with all
+    /// of them.
+    pub const LIST_CAPACITY: usize = MAX_TRIANGLES;
+
     /// Instruction set of traversal.
     pub const fn level(&self) -> SimdLevel {
         self.level.level()
