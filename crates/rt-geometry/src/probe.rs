@@ -36,6 +36,9 @@ impl RayKind {
 
 /// Receiver of statistics. The default methods discard them.
 pub trait Probe {
+    /// False if nodes, tests and hits do not matter, so that accelerators may take ways that do not count them.
+    const COUNTS_WORK: bool = true;
+
     /// Starts a ray of this kind; the calls that follow belong to it.
     #[inline]
     fn ray(&mut self, _kind: RayKind) {}
@@ -62,6 +65,8 @@ pub trait Probe {
 pub struct NoProbe;
 
 impl Probe for NoProbe {
+    const COUNTS_WORK: bool = false;
+
     #[inline]
     fn work(&mut self, _: u64, _: u64, _: u64) {}
 }
@@ -74,6 +79,8 @@ pub struct RayCounts {
 }
 
 impl Probe for RayCounts {
+    const COUNTS_WORK: bool = false;
+
     #[inline]
     fn ray(&mut self, kind: RayKind) {
         self.rays[kind as usize] += 1;

@@ -28,6 +28,11 @@
 //! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)) is tested with more than two rays of a packet together.
 //! Put coherent rays next to each other.
 //!
+//! **Small trees**: in a tree of at most 64 triangles, incoherent rays of a batch are tested with all of them, eight rays at
+//! a time. The filter leaves three candidates for each ray. The triangle that a ray starts on is skipped if the ray
+//! certainly leaves it. The nearest of the others is intersected exactly, for eight rays and triangles together. Few rays
+//! are left for the nodes. Queries that count their work do not take this way.
+//!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier
 //! than any padded bounds in it. Tests of triangles and spheres have margins for all rounding. The proofs are at the
 //! top of the files. The closest hit is selected as in brute force, so that AVX-512, AVX2 and the portable instructions

@@ -13,6 +13,7 @@ use super::query::{PrimitiveTester, Tester, TraversalStats};
 use super::simd::{DetectedSimd, SimdLevel};
 use super::single_ray::SingleContext;
 use super::tree_query::TreeQuery;
+use super::triangle_list::TriangleList;
 use super::{WideBvh, sah};
 use crate::ray_query::AllHits;
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
@@ -44,6 +45,7 @@ impl WideBvh {
             leaves: Leaves::new(&LeafWriter { primitives, centre, kind }, &tree.listings),
             n_leaves: tree.listings.iter().map(|listing| listing.sizes.len()).sum(),
             nodes: tree.nodes,
+            list: TriangleList::of(primitives, kind, centre, size),
             root: Child::node(0),
             centre,
             size,
@@ -94,7 +96,8 @@ impl WideBvh {
         let n = rays.len().min(outputs.len());
         let (Some(rays), Some(outputs)) = (rays.get(..n), outputs.get_mut(..n)) else { return };
         let mut tester = Tester { primitives, probe };
-        let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default() };
+        let mut context =
+            BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work: S::COUNTS_WORK };
         O::trace_batch(self, &mut context, rays, outputs);
         context.stats.add_to(tester.probe);
     }

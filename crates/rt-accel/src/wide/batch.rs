@@ -49,6 +49,8 @@ pub(super) struct BatchTraversal<'q, 'j, O, F> {
 pub(crate) struct BatchContext<'j, O> {
     pub(super) tester: &'j mut dyn PrimitiveTester<O>,
     pub(super) stats: TraversalStats,
+    /// True if the caller uses the statistics.
+    pub(super) counts_work: bool,
 }
 
 impl<O: Output, F: LeafTest> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTraversal<'_, '_, O, F> {
@@ -86,7 +88,7 @@ impl<O: Output, F: LeafTest> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTra
             pool.visit_leaves();
             pool.retire(n_free);
         }
-        self.context.stats = pool.stats;
+        self.context.stats += pool.stats;
     }
 }
 

@@ -3,14 +3,15 @@
 //! From the lowest layer to the highest:
 //!
 //! * `simd`: eight numbers at a time on any processor; `f64x8`: one number of eight rays
-//! * `node`, `leaf`, `wide_bvh`: the tree; `stack`, `huge_pages`: memory
+//! * `node`, `leaf`, `triangle_list`, `wide_bvh`: the tree; `stack`, `huge_pages`: memory
 //! * `ray`, `ray_f64`, `ray_soa`, `ray_packet`, `packet_slabs`, `t_range`: rays prepared for filters, with the proofs
 //! * `coherence`, `frustum`: bundles of rays
 //! * `exact_triangle`, `packet_triangles`, `packet_spheres`: exact tests in SIMD lanes
 //! * `scalar`: traversal in `f64`, outside the range of the filters
 //! * `filter`: conservative tests of leaves; `entry_points`: culling of ray bundles
 //! * `query`: closest-hit and any-hit queries, and exact tests of the caller's primitives
-//! * `single_ray`, `packet`, `batch`: traversal; `tree_query`: its entry points; `all_candidates`: traversal for all hits
+//! * `single_ray`, `packet`, `batch`: traversal; `list_filter`, `list_traversal`: rays of any directions in small trees;
+//!   `tree_query`: its entry points; `all_candidates`: traversal for all hits
 //! * `small_set`, `sphere_list`: primitives without a tree
 //! * `build`: binned SAH, reinsertion, and collapse of a binary tree into wide nodes; `sah`
 //! * `accelerator`, `refit`, `validate`: the interface
@@ -31,6 +32,8 @@ mod filter;
 mod frustum;
 mod huge_pages;
 mod leaf;
+mod list_filter;
+mod list_traversal;
 mod node;
 mod packet;
 mod packet_slabs;
@@ -52,6 +55,7 @@ mod sphere_list;
 mod stack;
 mod t_range;
 mod tree_query;
+mod triangle_list;
 mod validate;
 mod wide_bvh;
 

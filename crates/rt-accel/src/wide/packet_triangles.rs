@@ -14,7 +14,7 @@ use rt_geometry::WatertightRay;
 use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
 use rt_math::{BOUNDS_PADDING, DVec3};
 
-use super::f64x8::{F64x8, sub3};
+use super::f64x8::{F64x8, max_abs, sub3};
 use super::ray_soa::{INNER_PAD, PacketHit, RaySoa8};
 use super::simd::Simd;
 
@@ -47,10 +47,15 @@ impl<S: Simd> Shear<S> {
 
     #[inline(always)]
     fn in_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
+        self.lanes_in_ray_space(simd, rays, &F64x8::splat3(simd, corner))
+    }
+
+    #[inline(always)]
+    fn lanes_in_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: &[F64x8<S>; 3]) -> RaySpaceVertex<S> {
         let [x, y, z] = self.axes;
-        let x = F64x8::splat(simd, corner[x]).sub(simd, rays.origin[x]);
-        let y = F64x8::splat(simd, corner[y]).sub(simd, rays.origin[y]);
-        let z = F64x8::splat(simd, corner[z]).sub(simd, rays.origin[z]);
+        let x = corner[x].sub(simd, rays.origin[x]);
+        let y = corner[y].sub(simd, rays.origin[y]);
+        let z = corner[z].sub(simd, rays.origin[z]);
         RaySpaceVertex {
             x: x.sub(simd, self.x.mul(simd, z)),
             y: y.sub(simd, self.y.mul(simd, z)),
@@ -92,35 +97,98 @@ pub(super) fn intersect<S: Simd>(
     let a = shear.in_ray_space(simd, rays, vertices[0]);
     let b = shear.in_ray_space(simd, rays, vertices[1]);
     let c = shear.in_ray_space(simd, rays, vertices[2]);
-    let ((u, u_is_certain), (v, v_is_certain), (w, w_is_certain)) =
-        (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
-    let has_certain_signs = u_is_certain & v_is_certain & w_is_certain;
-    let zero = F64x8::splat(simd, 0.0);
-    let has_negative = u.lt(simd, zero) | v.lt(simd, zero) | w.lt(simd, zero);
-    let has_positive = zero.lt(simd, u) | zero.lt(simd, v) | zero.lt(simd, w);
-    let possible = mask & !(has_certain_signs & has_negative & has_positive);
+    let triangle = RaySpaceTriangle::new(simd, a, b, c);
+    let possible = mask & !triangle.missed;
     if possible == 0 {
         return None;
     }
-    let [t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
-    let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
-    // NaN is uncertain.
-    let is_certain = depths.mul(simd, F64x8::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
-    let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, F64x8::splat(simd, f64::MAX));
-    let [enter, leave] = inner_box(simd, vertices, rays);
-    let in_box = enter.le(simd, t) & t.le(simd, leave);
-    let resolved = possible & has_certain_signs & is_certain;
-    let mut uncertain = possible & !resolved | resolved & within & !in_box;
-    let next_to_the_plane = has_certain_signs & !is_certain;
-    if uncertain & next_to_the_plane != 0 {
-        uncertain &= !(next_to_the_plane & origin_beyond_plane(simd, vertices, rays, scale, determinant));
+    let in_box = inner_box(simd, vertices, rays);
+    let (mut hits, is_certain, determinant) = triangle.intersect(simd, rays, possible, in_box);
+    let next_to_the_plane = triangle.has_certain_signs & !is_certain;
+    if hits.uncertain & next_to_the_plane != 0 {
+        hits.uncertain &= !(next_to_the_plane & origin_beyond_plane(simd, vertices, rays, scale, determinant));
     }
-    Some(PacketHit {
-        hit: resolved & within & in_box,
-        uncertain,
-        t,
-        uv: [v.div(simd, determinant), w.div(simd, determinant)],
-    })
+    Some(hits)
+}
+
+/// Intersects each ray with a triangle of its own within its span. All must be in the safe range, and
+/// [turned](RaySoa8::turned), like the vertices. Results of other rays are meaningless.
+#[inline(always)]
+pub(super) fn intersect_each<S: Simd>(simd: S, vertices: &[[F64x8<S>; 3]; 3], rays: &RaySoa8<S>) -> PacketHit<S> {
+    let shear = Shear::new(simd, [0, 1, 2], rays);
+    let [a, b, c] = vertices;
+    let triangle = RaySpaceTriangle::new(
+        simd,
+        shear.lanes_in_ray_space(simd, rays, a),
+        shear.lanes_in_ray_space(simd, rays, b),
+        shear.lanes_in_ray_space(simd, rays, c),
+    );
+    let low = [
+        a[0].min(simd, b[0]).min(simd, c[0]),
+        a[1].min(simd, b[1]).min(simd, c[1]),
+        a[2].min(simd, b[2]).min(simd, c[2]),
+    ];
+    let high = [
+        a[0].max(simd, b[0]).max(simd, c[0]),
+        a[1].max(simd, b[1]).max(simd, c[1]),
+        a[2].max(simd, b[2]).max(simd, c[2]),
+    ];
+    let reach = max_abs(simd, low).max(simd, max_abs(simd, high));
+    let in_box = rays.cross_box(simd, low, high, reach.mul(simd, F64x8::splat(simd, INNER_PAD)));
+    triangle.intersect(simd, rays, 0xff & !triangle.missed, in_box).0
+}
+
+/// A triangle in the space of the rays.
+struct RaySpaceTriangle<S: Simd> {
+    vertices: [RaySpaceVertex<S>; 3],
+    /// Twice the areas between the ray and the edges opposite of the vertices.
+    areas: [F64x8<S>; 3],
+    /// A bit for each ray for which the signs of all areas are certain.
+    has_certain_signs: u32,
+    /// A bit for each ray that certainly passes outside.
+    missed: u32,
+}
+
+impl<S: Simd> RaySpaceTriangle<S> {
+    #[inline(always)]
+    fn new(simd: S, a: RaySpaceVertex<S>, b: RaySpaceVertex<S>, c: RaySpaceVertex<S>) -> Self {
+        let ((u, u_is_certain), (v, v_is_certain), (w, w_is_certain)) =
+            (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
+        let has_certain_signs = u_is_certain & v_is_certain & w_is_certain;
+        let zero = F64x8::splat(simd, 0.0);
+        let has_negative = u.lt(simd, zero) | v.lt(simd, zero) | w.lt(simd, zero);
+        let has_positive = zero.lt(simd, u) | zero.lt(simd, v) | zero.lt(simd, w);
+        let missed = has_certain_signs & has_negative & has_positive;
+        Self { vertices: [a, b, c], areas: [u, v, w], has_certain_signs, missed }
+    }
+
+    /// Hits of some rays within their spans and boxes, a bit for each ray with a certain side of the plane, and the sum
+    /// of the areas.
+    #[inline(always)]
+    fn intersect(
+        &self,
+        simd: S,
+        rays: &RaySoa8<S>,
+        possible: u32,
+        [enter, leave]: [F64x8<S>; 2],
+    ) -> (PacketHit<S>, u32, F64x8<S>) {
+        let [a, b, c] = &self.vertices;
+        let [_, v, w] = self.areas;
+        let [t, determinant] = crossing(simd, [a, b, c], self.areas);
+        let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
+        // NaN is uncertain.
+        let is_certain = depths.mul(simd, F64x8::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
+        let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, F64x8::splat(simd, f64::MAX));
+        let in_box = enter.le(simd, t) & t.le(simd, leave);
+        let resolved = possible & self.has_certain_signs & is_certain;
+        let hits = PacketHit {
+            hit: resolved & within & in_box,
+            uncertain: possible & !resolved | resolved & within & !in_box,
+            t,
+            uv: [v.div(simd, determinant), w.div(simd, determinant)],
+        };
+        (hits, is_certain, determinant)
+    }
 }
 
 /// `t` and barycentric coordinates of coherent rays that certainly hit: the operations of

@@ -68,6 +68,24 @@ impl<S: Simd> RaySoa8<S> {
         [along_x, along_y, 0xff & !(along_x | along_y)]
     }
 
+    /// By ray: the coordinates turned so that the direction is largest along the last, as in the space of
+    /// [`WatertightRay`](rt_geometry::WatertightRay). Also a bit for each ray along x, and one for each other along y.
+    #[inline(always)]
+    pub(super) fn turned(&self, simd: S) -> (Self, u32, u32) {
+        let [x, y, z] = [self.direction[0].abs(simd), self.direction[1].abs(simd), self.direction[2].abs(simd)];
+        // Negative where x, or y, is largest.
+        let (by_x, by_y) = (y.max(simd, z).sub(simd, x), z.sub(simd, y));
+        let turned = Self {
+            origin: turn(simd, self.origin, by_x, by_y),
+            direction: turn(simd, self.direction, by_x, by_y),
+            inverse: turn(simd, self.inverse, by_x, by_y),
+            min: self.min,
+            max: self.max,
+        };
+        let along_x = by_x.signs(simd);
+        (turned, along_x, by_y.signs(simd) & !along_x)
+    }
+
     /// A bit for each ray that starts at 0 or later, and whose squared length is far from the limits of `f64`.
     #[inline(always)]
     pub(super) fn in_safe_range(&self, simd: S) -> u32 {
@@ -77,6 +95,16 @@ impl<S: Simd> RaySoa8<S> {
             & F64x8::splat(simd, 1e-100).le(simd, squared)
             & squared.lt(simd, F64x8::splat(simd, 1e100))
     }
+}
+
+/// Cyclic order of the coordinates: y, z, x where `by_x` is negative, otherwise z, x, y where `by_y` is negative.
+#[inline(always)]
+fn turn<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3], by_x: F64x8<S>, by_y: F64x8<S>) -> [F64x8<S>; 3] {
+    [
+        by_x.select_by_sign(simd, by_y.select_by_sign(simd, x, z), y),
+        by_x.select_by_sign(simd, by_y.select_by_sign(simd, y, x), z),
+        by_x.select_by_sign(simd, by_y.select_by_sign(simd, z, y), x),
+    ]
 }
 
 /// Result of intersecting eight rays with one primitive, or with one each.

@@ -5,6 +5,7 @@ use rt_geometry::Primitives;
 use super::build::PrimStats;
 use super::leaf::{LeafKind, LeafWriter};
 use super::node::{Child, WideNode};
+use super::triangle_list::TriangleList;
 use super::{BuildParams, WideBvh};
 use crate::{BuildError, Refit, bvh::Aabb32, prim_bounds::validate_lists};
 
@@ -40,6 +41,7 @@ impl WideBvh {
             }
             self.nodes[number] = node;
         }
+        self.list = TriangleList::of(primitives, kind, centre, size);
         Ok(true)
     }
 

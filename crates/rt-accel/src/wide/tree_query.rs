@@ -7,10 +7,14 @@ use rt_math::{Interval, Ray};
 
 use super::WideBvh;
 use super::batch::{BatchContext, BatchTraversal};
+use super::coherence::is_coherent;
+use super::f64x8::PACKET;
 use super::filter::{BoxTest, LeafTest, SphereTest, TriangleTest};
 use super::leaf::LeafKind;
+use super::list_traversal::{LIST_BATCH, ListTraversal};
 use super::query::{Output, TraversalStats};
 use super::single_ray::{SingleContext, SingleTraversal};
+use super::triangle_list::TriangleList;
 
 /// Queries of a tree.
 pub(super) trait TreeQuery: Output {
@@ -47,6 +51,12 @@ macro_rules! entry_points {
             rays: &[(Ray, Interval)],
             outputs: &mut [Self],
         ) {
+            if let Some(list) = &tree.list
+                && !context.counts_work
+                && trace_small(tree, list, context, rays, outputs)
+            {
+                return;
+            }
             match tree.leaves.kind {
                 LeafKind::Watertight => trace_batch::<Self, TriangleTest<true>>(tree, context, rays, outputs),
                 LeafKind::Triangles => trace_batch::<Self, TriangleTest<false>>(tree, context, rays, outputs),
@@ -76,11 +86,60 @@ fn trace_batch<O: Output, F: LeafTest>(
     for ((ray, span), output) in rays.iter().zip(outputs) {
         let mut single = SingleContext { tester: &mut *context.tester, stats: TraversalStats::default(), output };
         trace_ray::<O, F>(tree, &mut single, ray, *span);
-        let TraversalStats { nodes, tests, hits } = single.stats;
-        context.stats.nodes += nodes;
-        context.stats.tests += tests;
-        context.stats.hits += hits;
+        context.stats += single.stats;
     }
+}
+
+/// Traces a batch through a small tree: coherent packets through its nodes, all other rays through its list. False, without a
+/// result, if kernels for batches are not compiled for this level.
+#[inline(always)]
+fn trace_small<O: TreeQuery>(
+    tree: &WideBvh,
+    list: &TriangleList,
+    context: &mut BatchContext<'_, O>,
+    rays: &[(Ray, Interval)],
+    outputs: &mut [O],
+) -> bool {
+    let mut rest = (rays, outputs);
+    while !rest.0.is_empty() {
+        let (n, is_coherent) = leading_packets(rest.0);
+        let ((rays, later), (outputs, later_outputs)) = (rest.0.split_at(n), rest.1.split_at_mut(n));
+        rest = (later, later_outputs);
+        if is_coherent {
+            trace_batch::<O, TriangleTest<true>>(tree, context, rays, outputs);
+            continue;
+        }
+        let mut open = 0;
+        let traversal = ListTraversal { tree, list, context: &mut *context, open: &mut open };
+        if !tree.level.dispatch_packets(traversal, rays, &mut *outputs) {
+            return false;
+        }
+        while open != 0 {
+            let at = open.trailing_zeros() as usize;
+            open &= open - 1;
+            if let (Some((ray, span)), Some(output)) = (rays.get(at), outputs.get_mut(at)) {
+                let stats = TraversalStats::default();
+                let mut single = SingleContext { tester: &mut *context.tester, stats, output };
+                O::trace(tree, &mut single, ray, *span);
+                context.stats += single.stats;
+            }
+        }
+    }
+    true
+}
+
+/// Number of leading rays in packets that are all coherent, or at most [`LIST_BATCH`] in packets that are not, and true if
+/// they are.
+#[inline(always)]
+fn leading_packets(rays: &[(Ray, Interval)]) -> (usize, bool) {
+    let is_packet_coherent = |rays: &[(Ray, Interval)]| rays.first_chunk().is_some_and(is_coherent);
+    let is_coherent = is_packet_coherent(rays);
+    let most = if is_coherent { rays.len() } else { rays.len().min(LIST_BATCH) };
+    let mut n = PACKET.min(most);
+    while n < most && is_packet_coherent(&rays[n..]) == is_coherent {
+        n = most.min(n + PACKET);
+    }
+    (n, is_coherent)
 }
 
 impl TreeQuery for Option<Hit> {

@@ -4,8 +4,9 @@ use glam::Vec3A;
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::WideBvh;
-use super::leaf::{LeafWriter, MAX_LEAF};
+use super::leaf::{LeafKind, LeafWriter, MAX_LEAF};
 use super::node::Child;
+use super::triangle_list::TriangleList;
 use crate::bvh::Aabb32;
 use crate::{ValidationError, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
@@ -21,6 +22,13 @@ impl WideBvh {
         let count = u64::from(self.bounded) + self.unbounded.len() as u64;
         if count > u64::from(u32::MAX) {
             return Err(ValidationError::Count { built: self.bounded, given: self.unbounded.len() });
+        }
+        // Batches take the leaves of a tree with a list for exact triangles.
+        let is_list_whole = |list: &TriangleList| {
+            self.unbounded.is_empty() && self.leaves.kind == LeafKind::Watertight && list.is_whole(count as usize)
+        };
+        if !self.list.as_ref().is_none_or(is_list_whole) {
+            return Err(ValidationError::Node { node: 0 });
         }
         let mut is_listed = vec![false; self.bounded as usize + self.unbounded.len()];
         let mut list = |primitive: u32| match is_listed.get_mut(primitive as usize) {
@@ -55,7 +63,9 @@ impl WideBvh {
                 return Err(ValidationError::Outside { primitive });
             }
             Ok(())
-        })
+        })?;
+        let list = TriangleList::of(primitives, self.leaves.kind, self.centre, self.size);
+        if self.list == list { Ok(()) } else { Err(ValidationError::Outside { primitive: 0 }) }
     }
 
     /// Visits all leaves with their boxes, and validates the nodes.
@@ -109,8 +119,8 @@ crate::checked_serde::impl_checked_serde!(WideBvh, WideBvh::validate_shape);
 
 #[cfg(test)]
 mod tests {
-    use rt_geometry::{Hit, Primitives};
-    use rt_math::{Aabb, DVec3, Interval, Ray};
+    use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
+    use rt_math::{Aabb, DVec3, Interval, Ray, Vec3};
 
     use super::*;
 
@@ -160,5 +170,51 @@ mod tests {
             (damaged.nodes[0].planes[0][lane], damaged.nodes[0].planes[1][lane]) = (low, high);
             assert_eq!(damaged.validate_shape(), Err(ValidationError::Node { node: 0 }), "{low} to {high}");
         }
+    }
+
+    /// Parallel triangles.
+    struct Facets(u32);
+
+    impl Facets {
+        fn vertices(index: u32) -> [Vec3; 3] {
+            [Vec3::ZERO, Vec3::X, Vec3::Y].map(|vertex| vertex + Vec3::Z * index as f32)
+        }
+    }
+
+    impl Primitives for Facets {
+        fn len(&self) -> usize {
+            self.0 as usize
+        }
+
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            Some(Aabb::from_points(Self::vertices(index).map(|vertex| vertex.as_dvec3())))
+        }
+
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+
+        fn geometry(&self, index: u32) -> PrimitiveGeometry {
+            PrimitiveGeometry::ExactTriangle(Self::vertices(index))
+        }
+    }
+
+    /// Batches would read leaves of another kind, or test primitives that do not exist.
+    #[test]
+    fn lists_that_do_not_fit_the_tree_are_refused() {
+        let tree = WideBvh::build(&Facets(5)).expect("five triangles");
+        assert!(tree.list.is_some() && tree.validate_primitives(&Facets(5)).is_ok());
+        let of = |count: u32| WideBvh::build(&Facets(count)).expect("triangles").list;
+        assert_eq!(of(65), None);
+
+        let more = WideBvh { list: of(6), ..tree.clone() };
+        assert_eq!(more.validate_shape(), Err(ValidationError::Node { node: 0 }));
+        let boxes = WideBvh { list: of(3), ..WideBvh::build(&Row(3)).expect("three boxes") };
+        assert_eq!(boxes.validate_shape(), Err(ValidationError::Node { node: 0 }));
+        let fewer = WideBvh { list: of(4), ..tree.clone() };
+        assert_eq!(fewer.validate_shape(), Ok(()));
+        assert_eq!(fewer.validate_primitives(&Facets(5)), Err(ValidationError::Outside { primitive: 0 }));
+        let none = WideBvh { list: None, ..tree };
+        assert_eq!(none.validate_primitives(&Facets(5)), Err(ValidationError::Outside { primitive: 0 }));
     }
 }

@@ -7,6 +7,7 @@ use rt_math::DVec3;
 use super::leaf::{CacheLine, Leaves};
 use super::node::{Child, WideNode};
 use super::simd::{DetectedSimd, SimdLevel};
+use super::triangle_list::{MAX_TRIANGLES, TriangleList};
 
 /// Bounding volume hierarchy with eight children per node: the fastest accelerator for all kinds of primitives.
 ///
@@ -27,6 +28,8 @@ pub struct WideBvh {
     /// Maximum coordinate relative to the centre.
     pub(super) size: f64,
     pub(super) unbounded: Vec<u32>,
+    /// All primitives of a small tree, for batches.
+    pub(super) list: Option<TriangleList>,
     /// Number of bounded primitives.
     pub(super) bounded: u32,
     pub(super) n_leaves: usize,
@@ -36,6 +39,10 @@ pub struct WideBvh {
 }
 
 impl WideBvh {
+    /// Most primitives of a tree of triangles that keeps a list of them, some 200 bytes each: batches test incoherent rays with all
+    /// of them.
+    pub const LIST_CAPACITY: usize = MAX_TRIANGLES;
+
     /// Instruction set of traversal.
     pub const fn level(&self) -> SimdLevel {
         self.level.level()
@@ -47,6 +54,7 @@ impl WideBvh {
             + self.nodes.capacity() * size_of::<WideNode>()
             + self.leaves.memory()
             + self.unbounded.capacity() * size_of::<u32>()
+            + self.list.as_ref().map_or(0, TriangleList::memory)
     }
 
     /// # Safety

@@ -37,9 +37,10 @@ impl LargestItem {
 /// Bytes of an accelerator: the finished one, and temporary memory of its construction. Measured on meshes of half a million
 /// triangles, rounded up.
 fn accel_bytes(accel_options: AccelOptions, primitives: u64) -> [u64; 2] {
-    use rt_accel::AcceleratorKind as Kind;
+    use rt_accel::{AcceleratorKind as Kind, WideBvh};
     let [finished, temporary] = match choose(accel_options.accel, primitives <= MAX_LINEAR as u64) {
         Kind::Linear => [16, 0],
+        Kind::Wide if primitives <= WideBvh::LIST_CAPACITY as u64 => [246, 100],
         Kind::Wide => [46, 100],
         Kind::Bvh => [40, 140],
         Kind::Grid => [44, 56],

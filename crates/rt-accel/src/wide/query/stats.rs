@@ -1,5 +1,7 @@
 //! Counters of traversal.
 
+use core::ops::AddAssign;
+
 use rt_geometry::Probe;
 
 /// Counters that are not yet added to the caller's statistics.
@@ -14,5 +16,14 @@ impl TraversalStats {
     #[inline(always)]
     pub(in crate::wide) fn add_to<S: Probe>(self, probe: &mut S) {
         probe.work(self.nodes, self.tests, self.hits);
+    }
+}
+
+impl AddAssign for TraversalStats {
+    #[inline(always)]
+    fn add_assign(&mut self, Self { nodes, tests, hits }: Self) {
+        self.nodes += nodes;
+        self.tests += tests;
+        self.hits += hits;
     }
 }

@@ -41,6 +41,10 @@ pub(in crate::wide) trait Simd: Copy {
     fn eq_bits(self, a: Self::F32x8, b: Self::F32x8) -> u32;
     /// `a` where the mask has a bit, otherwise `b`.
     fn select(self, mask: u32, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    /// `positive` where `by` is positive or 0, `negative` where it is negative, and either where it is −0.
+    fn select_by_sign_f32(self, by: Self::F32x8, positive: Self::F32x8, negative: Self::F32x8) -> Self::F32x8;
+    /// Replaces the bits of `mask` by those of `bits`, which has no others.
+    fn replace_bits(self, a: Self::F32x8, mask: u32, bits: u32) -> Self::F32x8;
     /// `enter` where it is at most `leave`, otherwise infinity.
     fn or_inf(self, enter: Self::F32x8, leave: Self::F32x8) -> Self::F32x8;
     fn reduce_min(self, a: Self::F32x8) -> f32;

@@ -71,6 +71,9 @@ impl Simd for Portable {
         fn neg_mul_add(a: F32x8, b: F32x8, c: F32x8) -> F32x8 { both(c, both(a, b, |a, b| a * b), |a, b| a - b) }
         fn le(a: F32x8, b: F32x8) -> u32 { a[0].cmple(b[0]).bitmask() | a[1].cmple(b[1]).bitmask() << 4 }
         fn lt(a: F32x8, b: F32x8) -> u32 { a[0].cmplt(b[0]).bitmask() | a[1].cmplt(b[1]).bitmask() << 4 }
+        fn select_by_sign_f32([a, b]: F32x8, [c, d]: F32x8, [e, f]: F32x8) -> F32x8 {
+            [Vec4::select(a.cmplt(Vec4::ZERO), e, c), Vec4::select(b.cmplt(Vec4::ZERO), f, d)]
+        }
         fn or_inf([a, b]: F32x8, [c, d]: F32x8) -> F32x8 {
             [Vec4::select(a.cmple(c), a, Vec4::INFINITY), Vec4::select(b.cmple(d), b, Vec4::INFINITY)]
         }
@@ -117,6 +120,15 @@ impl Simd for Portable {
     fn insert(self, a: F32x8, lane: usize, by: f32) -> F32x8 {
         let mut numbers = self.to_array(a);
         numbers[lane & 7] = by;
+        self.load(&numbers)
+    }
+
+    #[inline(always)]
+    fn replace_bits(self, a: F32x8, mask: u32, bits: u32) -> F32x8 {
+        let mut numbers = self.to_array(a);
+        for number in &mut numbers {
+            *number = f32::from_bits(number.to_bits() & !mask | bits);
+        }
         self.load(&numbers)
     }
 

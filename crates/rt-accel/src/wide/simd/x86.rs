@@ -88,6 +88,13 @@ macro_rules! common_methods {
                 let equal = _mm256_cmpeq_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b));
                 _mm256_movemask_ps(_mm256_castsi256_ps(equal)) as u32
             }
+            fn select_by_sign_f32(by: __m256, positive: __m256, negative: __m256) -> __m256 {
+                _mm256_blendv_ps(positive, negative, by)
+            }
+            fn replace_bits(a: __m256, mask: u32, bits: u32) -> __m256 {
+                let kept = _mm256_andnot_ps(_mm256_castsi256_ps(_mm256_set1_epi32(mask as i32)), a);
+                _mm256_or_ps(kept, _mm256_castsi256_ps(_mm256_set1_epi32(bits as i32)))
+            }
             fn or_inf(enter: __m256, leave: __m256) -> __m256 {
                 let is_hit = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
                 _mm256_blendv_ps(_mm256_set1_ps(f32::INFINITY), enter, is_hit)

@@ -18,6 +18,7 @@ macro_rules! trace_batch {
 
 mod instances;
 mod small_sets;
+mod small_trees;
 mod trees;
 
 /// Rays in bundles of 1 to 20, or of 100 and more: neighbours of one ray, with the same origin or nearby ones.

@@ -1,0 +1,297 @@
+//! Batches of rays through a list.
+//!
+//! The filter leaves for each ray the three triangles that it may hit first. Most rays start on one of them and leave it. The
+//! first of the others is intersected exactly, eight rays with a triangle each. That is the result if all others are
+//! certainly hit later. The few remaining rays stay open, for a traversal of the tree.
+
+use rt_geometry::Hit;
+use rt_math::float::UNIT_ROUNDOFF;
+use rt_math::{Interval, Ray};
+
+use super::WideBvh;
+use super::batch::BatchContext;
+use super::f64x8::{F64x8, PACKET};
+use super::list_filter::FilterRays;
+use super::packet::SWITCH_THRESHOLD;
+use super::packet_triangles::intersect_each;
+use super::query::Output;
+use super::ray_soa::{PacketHit, RaySoa8, pad_to_packet};
+use super::simd::{Simd, WithSimd, take_lane};
+use super::triangle_list::{ListTriangle, MAX_TRIANGLES, NORMAL_ERROR, TriangleList};
+
+/// Last bits of a key: the number of a triangle. The others are those of a lower bound of `t`.
+const NUMBER: u32 = MAX_TRIANGLES as u32 - 1;
+
+/// Error bound of heights per product of normal and vertex: a difference, a product, two sums, and the normal.
+const HEIGHT_ERROR: f64 = 4.0 * UNIT_ROUNDOFF + NORMAL_ERROR;
+
+/// Moves the planes of boxes apart by a little more than the roundings of [`Aabb::clip`](rt_math::Aabb::clip).
+const BOX_SLACK: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Most rays of a traversal.
+pub(super) const LIST_BATCH: usize = 64;
+
+/// Traces at most [`LIST_BATCH`] rays through the list of a tree.
+pub(super) struct ListTraversal<'q, 'j, O> {
+    pub(super) tree: &'q WideBvh,
+    pub(super) list: &'q TriangleList,
+    pub(super) context: &'q mut BatchContext<'j, O>,
+    /// Receives a bit for each ray without a result.
+    pub(super) open: &'q mut u64,
+}
+
+impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for ListTraversal<'_, '_, O> {
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+        *self.open = 0;
+        let mut first = 0;
+        for (rays, outputs) in rays.chunks(PACKET).zip(outputs.chunks_mut(PACKET)) {
+            let all = (1 << rays.len()) - 1;
+            let open = if let Ok(rays) = rays.try_into() {
+                self.trace(simd, rays, outputs)
+            } else if rays.len() <= SWITCH_THRESHOLD as usize {
+                all
+            } else {
+                self.trace(simd, &pad_to_packet(rays), outputs)
+            };
+            *self.open |= u64::from(open & all) << (first & 63);
+            first += PACKET;
+        }
+    }
+}
+
+/// The three first triangles of each ray by their keys, infinite for none.
+struct Candidates<S: Simd> {
+    keys: [S::F32x8; 3],
+    /// A bit for each ray that certainly hits a triangle.
+    certain: u32,
+}
+
+/// Lower bound of `t` in a key.
+#[inline(always)]
+fn t_min<S: Simd>(simd: S, key: S::F32x8) -> S::F32x8 {
+    simd.replace_bits(key, NUMBER, 0)
+}
+
+/// Triangles of keys, the first for a key of none.
+#[inline(always)]
+fn triangles<S: Simd>(simd: S, list: &[ListTriangle], keys: S::F32x8) -> Option<[&ListTriangle; PACKET]> {
+    let first = list.first()?;
+    let keys = simd.to_array(keys);
+    let mut triangles = [first; PACKET];
+    for (triangle, key) in triangles.iter_mut().zip(keys) {
+        *triangle = list.get((key.to_bits() & NUMBER) as usize).unwrap_or(first);
+    }
+    Some(triangles)
+}
+
+/// Builds a number of eight rays from eight triangles. Not by loops over arrays, which would be cleared first.
+macro_rules! by_triangle {
+    ($simd:expr, $triangles:expr, |$triangle:ident| $number:expr) => {{
+        let [a, b, c, d, e, f, g, h] = $triangles;
+        macro_rules! number {
+            ($of:expr) => {{
+                let $triangle = $of;
+                $number
+            }};
+        }
+        F64x8::new(
+            $simd,
+            [number!(a), number!(b), number!(c), number!(d), number!(e), number!(f), number!(g), number!(h)],
+        )
+    }};
+}
+
+/// A bit for each ray that certainly leaves the plane of its triangle, so that the exact test misses.
+///
+/// The sign of the height is that of a sum with an error bound. The kernel computes `t` with the same sign: next to the plane from
+/// the exact side of the origin, and elsewhere by itself. Its determinant has the sign of the slope, and its `t` is that of depths
+/// weighted by areas. Their relative error is less than [`WatertightRay::ORIGIN_SIDE_BOUND`](rt_geometry::WatertightRay) for
+/// slopes of at least [`min_slope`](super::triangle_list::ListTriangle).
+#[inline(always)]
+fn leaving<S: Simd>(simd: S, triangles: &[&ListTriangle; PACKET], rays: &RaySoa8<S>, fastest: F64x8<S>) -> u32 {
+    let normal = [
+        by_triangle!(simd, *triangles, |triangle| triangle.plane.normal[0]),
+        by_triangle!(simd, *triangles, |triangle| triangle.plane.normal[1]),
+        by_triangle!(simd, *triangles, |triangle| triangle.plane.normal[2]),
+    ];
+    let x = by_triangle!(simd, *triangles, |triangle| triangle.plane.vertex[0]).sub(simd, rays.origin[0]);
+    let y = by_triangle!(simd, *triangles, |triangle| triangle.plane.vertex[1]).sub(simd, rays.origin[1]);
+    let z = by_triangle!(simd, *triangles, |triangle| triangle.plane.vertex[2]).sub(simd, rays.origin[2]);
+    let min_slope = by_triangle!(simd, *triangles, |triangle| triangle.plane.min_slope[0]);
+    let per_distance = by_triangle!(simd, *triangles, |triangle| triangle.plane.min_slope[1]);
+
+    let (of_x, of_y, of_z) = (normal[0].mul(simd, x), normal[1].mul(simd, y), normal[2].mul(simd, z));
+    let height = of_x.add(simd, of_y).add(simd, of_z);
+    let size = of_x.abs(simd).add(simd, of_y.abs(simd)).add(simd, of_z.abs(simd));
+    let error = size.mul(simd, F64x8::splat(simd, HEIGHT_ERROR)).add(simd, F64x8::splat(simd, f64::MIN_POSITIVE));
+    let [dx, dy, dz] = rays.direction;
+    let slope = normal[0].mul(simd, dx).add(simd, normal[1].mul(simd, dy)).add(simd, normal[2].mul(simd, dz));
+    let distance = x.abs(simd).add(simd, y.abs(simd)).add(simd, z.abs(simd));
+    let min_slope = min_slope.add(simd, per_distance.mul(simd, distance)).mul(simd, fastest);
+    error.lt(simd, height.abs(simd)) & min_slope.lt(simd, slope.abs(simd)) & (height.signs(simd) ^ slope.signs(simd))
+}
+
+/// Intersects each ray with its triangle.
+#[inline(always)]
+fn intersect_candidates<S: Simd>(simd: S, triangles: &[&ListTriangle; PACKET], rays: &RaySoa8<S>) -> PacketHit<S> {
+    let (rays, along_x, along_y) = rays.turned(simd);
+    let [a, b, c, d, e, f, g, h] = *triangles;
+    // Number of the first coordinate by lane: y along x, z along y, and x along z.
+    macro_rules! first {
+        ($lane:literal) => {
+            (along_x >> $lane & 1 | along_y >> $lane << 1 & 2) as usize
+        };
+    }
+    macro_rules! corner {
+        ($at:literal) => {
+            F64x8 {
+                low: simd.to_f64([
+                    a.corners[first!(0) + $at],
+                    b.corners[first!(1) + $at],
+                    c.corners[first!(2) + $at],
+                    d.corners[first!(3) + $at],
+                ]),
+                high: simd.to_f64([
+                    e.corners[first!(4) + $at],
+                    f.corners[first!(5) + $at],
+                    g.corners[first!(6) + $at],
+                    h.corners[first!(7) + $at],
+                ]),
+            }
+        };
+    }
+    let vertices = [
+        [corner!(0), corner!(1), corner!(2)],
+        [corner!(6), corner!(7), corner!(8)],
+        [corner!(12), corner!(13), corner!(14)],
+    ];
+    intersect_each(simd, &vertices, &rays)
+}
+
+impl<O: Output> ListTraversal<'_, '_, O> {
+    /// Tests all triangles of the list.
+    #[inline(always)]
+    fn filter<S: Simd>(&self, simd: S, rays: &FilterRays<S>) -> Candidates<S> {
+        let none = simd.splat(f32::INFINITY);
+        let [mut first, mut second, mut third] = [none; 3];
+        let mut certain = simd.splat(-1.0);
+        for (number, triangle) in self.list.filters.iter().enumerate() {
+            let hits = rays.test(simd, triangle);
+            let key = simd.replace_bits(hits.t_min, NUMBER, number as u32);
+            let key = simd.select_by_sign_f32(hits.possible, key, none);
+            let other = simd.max(first, key);
+            first = simd.min(first, key);
+            if O::ANY_HIT {
+                certain = simd.max(certain, hits.certain);
+                second = simd.min(second, other);
+            } else {
+                let last = simd.max(second, other);
+                second = simd.min(second, other);
+                third = simd.min(third, last);
+            }
+        }
+        let certain = if O::ANY_HIT { simd.lt(simd.splat(0.0), certain) } else { 0 };
+        Candidates { keys: [first, second, third], certain }
+    }
+
+    /// Traces as many of eight rays as there are outputs; returns a bit for each without a result.
+    #[inline(always)]
+    fn trace<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], outputs: &mut [O]) -> u32 {
+        let n = outputs.len().min(PACKET);
+        let all = (1 << n) - 1;
+        let soa = RaySoa8::new(simd, rays);
+        let filter_rays = FilterRays::new(simd, &soa, self.tree.centre, self.tree.size);
+        let proven = filter_rays.proven & all;
+        if proven == 0 {
+            return all;
+        }
+        let Candidates { keys: [first, second, third], certain } = self.filter(simd, &filter_rays);
+        let mut active = proven & !certain;
+        let none = simd.splat(f32::INFINITY);
+
+        // Skip the triangles that rays start on and leave.
+        let (mut candidate, mut next) = (first, second);
+        let starts_at = active & simd.le(t_min(simd, first), filter_rays.min[1]);
+        if starts_at != 0
+            && let Some(of_rays) = triangles(simd, &self.list.triangles, first)
+        {
+            let leaving = starts_at & leaving(simd, &of_rays, &soa, filter_rays.fastest);
+            candidate = simd.select(leaving, second, first);
+            // Any-hit queries do not know the third.
+            let after = if O::ANY_HIT { simd.splat(0.0) } else { third };
+            next = simd.select(leaving, after, second);
+        }
+
+        let mut hits = None;
+        let (mut hit, mut open) = (0, 0);
+        let possible = active & simd.lt(candidate, none);
+        if possible != 0
+            && let Some(of_rays) = triangles(simd, &self.list.triangles, candidate)
+        {
+            let PacketHit { hit: is_hit, uncertain, t, uv } = intersect_candidates(simd, &of_rays, &soa);
+            let t_max = t.mul(simd, filter_rays.fastest).round_up(simd);
+            let is_first = simd.lt(t_max, t_min(simd, next));
+            let is_last = simd.le(none, next);
+            hit = possible & is_hit & if O::ANY_HIT { 0xff } else { is_first };
+            let missed = possible & !is_hit & !uncertain & is_last;
+            open = possible & !(hit | missed);
+            hits = Some((of_rays, t.to_array(simd), uv[0].to_array(simd), uv[1].to_array(simd)));
+        }
+        open |= all & !proven;
+        active &= !open;
+
+        if O::ANY_HIT {
+            let occluded = certain | hit;
+            for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
+                *output = if occluded >> lane & 1 != 0 { O::HIT } else { O::default() };
+            }
+            active &= !occluded;
+        } else {
+            for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
+                *output = match &hits {
+                    Some((of_rays, t, v, w)) if hit >> lane & 1 != 0 => {
+                        let primitive = of_rays[lane].index;
+                        O::from_hit(Some(Hit { t: t[lane], instance: 0, primitive, uv: [v[lane], w[lane]] }))
+                    }
+                    _ => O::default(),
+                };
+            }
+        }
+        self.test_others(simd, rays, &soa, outputs, active);
+        open
+    }
+
+    /// Tests the primitives that are no triangles with the rays of a mask.
+    #[inline(always)]
+    fn test_others<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &[(Ray, Interval); PACKET],
+        soa: &RaySoa8<S>,
+        outputs: &mut [O],
+        mask: u32,
+    ) {
+        for other in &self.list.others {
+            if mask == 0 || O::ANY_HIT && !other.casts_shadow {
+                continue;
+            }
+            let (low, high) = (F64x8::splat3(simd, other.bounds.min), F64x8::splat3(simd, other.bounds.max));
+            let zero = F64x8::splat(simd, 0.0);
+            let [enter, leave] = soa.cross_box(simd, low, high, zero);
+            let enter = enter.mul(simd, F64x8::splat(simd, 1.0 - BOX_SLACK));
+            let leave = leave.mul(simd, F64x8::splat(simd, 1.0 + BOX_SLACK));
+            // Planes that a ray lies in are no constraint.
+            let [x, y, z] = soa.direction;
+            let along_planes = x.abs(simd).le(simd, zero) | y.abs(simd).le(simd, zero) | z.abs(simd).le(simd, zero);
+            let mut possible = mask & (along_planes | enter.max(simd, soa.min).le(simd, leave));
+            while possible != 0 {
+                let lane = take_lane(&mut possible);
+                let (ray, span) = &rays[lane];
+                let Some(output) = outputs.get_mut(lane).filter(|output| !output.is_final()) else { continue };
+                let span = Interval { max: output.t_max(span.max), ..*span };
+                output.merge(self.context.tester.test(other.index, ray, span));
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The triangles of a small tree as a list, for batches of rays of any directions.
+
+mod entry;
+mod list;
+
+pub(super) use entry::{FilterTriangle, ListTriangle, NORMAL_ERROR};
+pub(super) use list::{MAX_TRIANGLES, TriangleList};
