@@ -1,28 +1,51 @@
-//! Earlier spellings of fields, which are still read, each with a warning that names the present one.
+//! Earlier spellings of fields and choices, which are still read, each with a warning that names the present one.
 
 use super::cursor::{Cursor, Key};
 use crate::Warning;
 use crate::excerpt::Position;
 
-/// An earlier spelling of a field.
+/// An earlier spelling of a field, or of a choice for a field.
 struct Deprecated {
     /// Fields or choices that have the field.
     parents: &'static [&'static str],
+    /// Field of the choice; `None` if the spelling is that of a field.
+    choice_of: Option<&'static str>,
     old: &'static str,
     new: &'static str,
 }
 
-const DEPRECATED: [Deprecated; 5] = [
-    Deprecated { parents: &["quad", "disk", "light", "phong"], old: "shines", new: "emission_sides" },
-    Deprecated { parents: &["point"], old: "lamp_radius", new: "shadow_near" },
-    Deprecated { parents: &["settings"], old: "depth", new: "max_depth" },
-    Deprecated { parents: &["settings"], old: "roulette_from", new: "rr_start_depth" },
-    Deprecated { parents: &["object_space"], old: "least", new: "min_spp" },
+const DEPRECATED: [Deprecated; 9] = [
+    field(&["quad", "disk", "light", "phong"], "shines", "emission_sides"),
+    field(&["point"], "lamp_radius", "shadow_near"),
+    field(&["settings"], "depth", "max_depth"),
+    field(&["settings"], "roulette_from", "rr_start_depth"),
+    field(&["object_space"], "least", "min_spp"),
+    choice("integrator", "caustics", "path_caustics"),
+    choice("accel", "wide", "bvh8"),
+    choice("accel", "spheres", "sphere_tree"),
+    choice("accel", "cylinders", "cylinder_tree"),
 ];
 
-/// Present spelling of a deprecated one; `None` for all other words.
+const fn field(parents: &'static [&'static str], old: &'static str, new: &'static str) -> Deprecated {
+    Deprecated { parents, choice_of: None, old, new }
+}
+
+/// Spelling of a choice for a field of `settings`.
+const fn choice(field: &'static str, old: &'static str, new: &'static str) -> Deprecated {
+    Deprecated { parents: &["settings"], choice_of: Some(field), old, new }
+}
+
+/// Present spelling of a deprecated field; `None` for all other words.
 pub(super) fn present_spelling(old: &str) -> Option<&'static str> {
-    DEPRECATED.iter().find(|spelling| spelling.old == old).map(|spelling| spelling.new)
+    DEPRECATED.iter().find(|spelling| spelling.choice_of.is_none() && spelling.old == old).map(|spelling| spelling.new)
+}
+
+/// Word after the colon that follows the key at this byte, and its byte; empty for a value that is not a word.
+fn choice_after(text: &str, key: usize) -> (usize, &str) {
+    let start = text[key..].find(':').map_or(text.len(), |colon| key + colon + 1);
+    let value = text[start..].trim_start_matches(|c: char| c.is_whitespace() || c == '"');
+    let end = value.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(value.len());
+    (text.len() - value.len(), &value[..end])
 }
 
 /// One warning per deprecated spelling in the sound text of a scene. `file` is named in them.
@@ -32,8 +55,15 @@ pub(super) fn warnings(text: &str, file: &str) -> Vec<Warning> {
         return Vec::new();
     }
     Cursor::walk(text, text.len(), |cursor, name, at| {
-        for (spelling, found) in DEPRECATED.iter().zip(&mut found).filter(|(spelling, _)| spelling.old == name) {
-            if matches!(cursor.container().last(), Some(Key::Name(parent)) if spelling.parents.contains(parent)) {
+        for (spelling, found) in DEPRECATED.iter().zip(&mut found) {
+            let (at, word) = match spelling.choice_of {
+                None => (at, name),
+                Some(field) if field == name => choice_after(text, at),
+                Some(_) => continue,
+            };
+            if word == spelling.old
+                && matches!(cursor.container().last(), Some(Key::Name(parent)) if spelling.parents.contains(parent))
+            {
                 let (_, count) = found.get_or_insert((at, 0));
                 *count += 1;
             }
@@ -89,6 +119,27 @@ mod tests {
         );
         assert!(new.warnings.is_empty(), "{:?}", new.warnings);
         assert_eq!(SceneFile { warnings: Vec::new(), ..old }, new);
+    }
+
+    #[test]
+    fn deprecated_choices_are_read_with_a_warning_each() {
+        for (field, old, new, column) in [
+            ("integrator", "caustics", "path_caustics", 36),
+            ("accel", "wide", "bvh8", 31),
+            ("accel", "spheres", "sphere_tree", 31),
+            ("accel", "cylinders", "cylinder_tree", 31),
+        ] {
+            let ron = |choice: &str| format!("(nodes: [], settings: ({field}: {choice}))");
+            let parsed = |text: &str| parse_ron(text, Path::new("s.ron")).expect("a scene");
+            let (read, present) = (parsed(&ron(old)), parsed(&ron(new)));
+            let messages: Vec<String> = read.warnings.iter().map(ToString::to_string).collect();
+            let place = format!("s.ron:1:{column}");
+            assert_eq!(messages, [format!("{place}: the spelling `{old}` is deprecated: write `{new}`")]);
+            assert!(present.warnings.is_empty());
+            assert_eq!(SceneFile { warnings: Vec::new(), ..read }, present);
+            let json = format!(r#"{{"nodes": [], "settings": {{"{field}" : "{old}"}}}}"#);
+            assert_eq!(parse_json(&json, Path::new("s.json")).expect("a scene").warnings.len(), 1);
+        }
     }
 
     #[test]
