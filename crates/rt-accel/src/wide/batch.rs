@@ -66,7 +66,7 @@ impl<O: Output, F: LeafTest> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTra
             next_ray: 0,
             packet_end: 0,
             bundle_end: 0,
-            entry_points: EntryPoints::NONE,
+            entry_points: EntryPoints::new(),
             occluder: None,
             packet_stack: PacketStack::new(),
             stack: StackStorage::new(),

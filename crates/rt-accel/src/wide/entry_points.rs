@@ -1,5 +1,8 @@
 //! Subtrees that a bundle of rays may hit.
 
+use core::mem::MaybeUninit;
+use core::slice;
+
 use super::WideBvh;
 use super::filter::LeafTest;
 use super::frustum::BundleFrustum;
@@ -24,18 +27,22 @@ pub(super) struct EntryPoint {
 
 /// Disjoint subtrees that rays of a bundle may hit, from the nearest to the farthest.
 pub(super) struct EntryPoints {
-    subtrees: [EntryPoint; CAPACITY],
+    /// Only the first `len` are written: most batches have no bundle, and clearing all takes longer than a node.
+    subtrees: [MaybeUninit<EntryPoint>; CAPACITY],
     len: usize,
 }
 
 impl EntryPoints {
-    pub(super) const NONE: Self = {
-        let none = EntryPoint { child: Child::NONE, node: 0, lane: 0, mask: 0, t_near: 0.0 };
-        Self { subtrees: [none; CAPACITY], len: 0 }
-    };
+    /// No subtrees.
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { subtrees: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
+    }
 
+    #[inline(always)]
     pub(super) fn subtrees(&self) -> &[EntryPoint] {
-        self.subtrees.get(..self.len).unwrap_or(&[])
+        // SAFETY: the first `len` entries are within the array, and written.
+        unsafe { slice::from_raw_parts(self.subtrees.as_ptr().cast(), self.len) }
     }
 
     /// Finds the subtrees that the frustum hits, as deep as the capacity allows. Returns the number of nodes visited.
@@ -56,10 +63,10 @@ impl EntryPoints {
             self.expand::<S, F>(simd, tree, frustum, child);
             n_nodes += 1;
         }
-        let len = self.len;
-        if let Some(subtrees) = self.subtrees.get_mut(..len) {
-            subtrees.sort_unstable_by(|a, b| a.t_near.total_cmp(&b.t_near));
-        }
+        // SAFETY: the first `len` entries are within the array, and written.
+        let subtrees: &mut [EntryPoint] =
+            unsafe { slice::from_raw_parts_mut(self.subtrees.as_mut_ptr().cast(), self.len) };
+        subtrees.sort_unstable_by(|a, b| a.t_near.total_cmp(&b.t_near));
         n_nodes
     }
 
@@ -83,7 +90,7 @@ impl EntryPoints {
                 && let Some(subtree) = self.subtrees.get_mut(self.len)
             {
                 let (node, lane, mask) = (parent.number() as u32, lane as u8, mask as u8);
-                *subtree = EntryPoint { child, node, lane, mask, t_near: enters[lane as usize] };
+                subtree.write(EntryPoint { child, node, lane, mask, t_near: enters[lane as usize] });
                 self.len += 1;
             }
         }
