@@ -67,7 +67,7 @@ pub enum Integrator {
     Path,
     /// Path tracing, with light tracing for caustics (Arvo 1986).
     Caustics,
-    /// The image of `path`, computed one path at a time by the code to read first; slower.
+    /// The image of `path`, computed one path at a time by the code to read first.
     PathReference,
     /// Emission and direct light.
     Direct,
