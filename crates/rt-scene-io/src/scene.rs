@@ -68,7 +68,7 @@ pub enum Integrator {
     /// Path tracing, with light tracing for caustics (Arvo 1986).
     #[cfg_attr(feature = "format", serde(rename = "path_caustics", alias = "caustics"))]
     Caustics,
-    /// The image of `path`, computed one path at a time by the code to read first; slower.
+    /// The image of `path`, computed one path at a time by the code to read first.
     PathReference,
     /// Emission and direct light.
     Direct,

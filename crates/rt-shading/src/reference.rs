@@ -33,7 +33,7 @@ use crate::{
 use rt_geometry::{RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
-/// Path integrator for one path at a time, as reference for [`PathTracer`](crate::PathTracer): slower, with the same bits.
+/// Path integrator for one path at a time: reference for [`PathTracer`](crate::PathTracer), without batches of rays, with the same bits.
 ///
 /// It implements [`Transport::Full`] and [`Transport::NonCaustic`]. [`Transport::Specular`], of distribution ray tracing, is rendered as
 /// `Full`.
