@@ -18,7 +18,7 @@ fn a_scene_that_cannot_be_rendered_says_why() {
     node.material = rt_scene_io::MaterialId(99);
     scene.nodes = vec![node];
     let finding = only(&scene, Kind::CannotRender);
-    assert!(finding.message.contains("material number 99"), "{finding:?}");
+    assert!(finding.message.contains("material index 99"), "{finding:?}");
 }
 
 #[test]

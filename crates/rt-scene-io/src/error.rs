@@ -311,7 +311,7 @@ mod tests {
         assert_eq!(error.to_string(), "a/b.ron: nodes[2].shape: -1 is not a positive radius");
         let error = LoadErrorKind::Syntax("expected `)`".to_owned()).at(Path::new("b.ron"), Location::Position(3, 7));
         assert_eq!(error.to_string(), "b.ron:3:7: expected `)`");
-        assert_eq!(LoadErrorKind::Empty.at(Path::new("b.ron"), "").to_string(), "b.ron: is empty");
+        assert_eq!(LoadErrorKind::Empty.at(Path::new("b.ron"), "").to_string(), "b.ron: is empty (0 bytes)");
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub(crate) fn missing_material_library() -> Vec<Input> {
     vec![
         Input::file("m.obj", format!("mtllib none.mtl\n{SQUARE}usemtl red\nf 1 2 3\n"))
             .shown(&["m.obj:1: the material library `none.mtl` does not exist; plain grey is used for its materials"]),
-        obj("usemtl red\nf 1 2 3\n").shown(&["the material `red` is in no library"]),
+        obj("usemtl red\nf 1 2 3\n").shown(&["the material `red` is not defined in a library"]),
     ]
 }
 

@@ -119,12 +119,12 @@ pub struct Lens {
     /// Unit: units of the scene. Default: distance of `look_at`. Example: `focus: 4.5`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focus: Option<f64>,
-    /// Instead of `focus`: a point of that plane.
+    /// Instead of `focus`: a point in the plane of focus.
     ///
     /// Unit: units of the scene. Default: `look_at`. Example: `focus_at: (0, 1, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focus_at: Option<[f64; 3]>,
-    /// Number of corners of the aperture, at least 3; it is round without.
+    /// Number of corners of the aperture, at least 3. Omit it for a round aperture.
     ///
     /// Unit: corners. Default: round. Example: `blades: 6`.
     #[serde(skip_serializing_if = "Option::is_none")]

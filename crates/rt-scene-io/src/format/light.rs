@@ -267,7 +267,7 @@ pub enum Background {
         /// Unit: factor. Example: `scale: 0.5`.
         #[serde(default = "white")]
         scale: Color,
-        /// Rotates it around the y axis, to the left as seen from inside. In degrees.
+        /// Rotates it around the y axis, to the left as seen from inside.
         ///
         /// Unit: degrees. Default: `0`. Example: `rotate: 90`.
         #[serde(default, skip_serializing_if = "is_zero")]

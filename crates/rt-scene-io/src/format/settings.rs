@@ -136,6 +136,6 @@ pub enum Sampler {
     Sobol,
     /// Halton points, scrambled, in any number.
     Halton,
-    /// Sobol' points shared out among neighbouring pixels, for few samples.
+    /// Sobol' points distributed among neighbouring pixels, for few samples.
     BlueNoise,
 }

@@ -303,7 +303,7 @@ fn instances_of_a_node_share_its_mesh() {
     let [first, second] = model.nodes[0].children.as_slice() else { panic!("two instances") };
     assert!([first, second].iter().all(|node| node.content == Some(Content::Mesh(MeshId(0)))));
     assert_eq!(second.parent_from_local.point(DVec3::ONE), DVec3::new(7.0, 2.0, 2.0));
-    assert!(model.warnings[0].message.starts_with("1 of its instances have an unusable transform"));
+    assert!(model.warnings[0].message.starts_with("1 of its instances have an invalid transform"));
     let refused = |attributes: &str| {
         let rest = rest.replace(r#""TRANSLATION": 1, "SCALE": 2"#, attributes);
         arrays.load(&rest, &LoadOptions::default()).expect_err("bad instances").to_string()

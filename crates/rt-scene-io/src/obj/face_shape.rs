@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn a_pentagram_crosses_itself() {
         let star = [[0., 3., 0.], [2., -3., 0.], [-3., 1., 0.], [3., 1., 0.], [-2., -3., 0.]];
-        assert!(messages(&star)[0].starts_with("1 faces cross themselves"));
+        assert!(messages(&star)[0].starts_with("1 faces intersect themselves"));
     }
 
     #[test]

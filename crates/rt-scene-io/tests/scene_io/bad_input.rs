@@ -227,7 +227,7 @@ fn file_error(name: &str, content: &[u8]) -> String {
 
 #[test]
 fn files_that_are_no_scenes() {
-    assert_eq!(file_error("a.ron", b""), "/a.ron: is empty");
+    assert_eq!(file_error("a.ron", b""), "/a.ron: is empty (0 bytes)");
     assert_eq!(
         file_error("a.ron", b"(nodes: \xff[])"),
         "/a.ron: is not UTF-8 text: the byte at offset 8 is invalid; save it as UTF-8"
