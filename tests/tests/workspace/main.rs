@@ -2,5 +2,6 @@
 
 mod determinism;
 mod explain;
+mod path_reference;
 mod scene_health;
 mod skipping;
