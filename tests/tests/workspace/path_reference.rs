@@ -5,20 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{Integrator, LoadOptions, RenderSettings, Scene};
-
-/// Files of these extensions in a folder and all folders in it.
-fn files(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
-    let entries = std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
-    paths.sort();
-    for path in paths {
-        if path.is_dir() {
-            files(&path, extensions, found);
-        } else if path.extension().is_some_and(|extension| extensions.iter().any(|known| extension == *known)) {
-            found.push(path);
-        }
-    }
-}
+use rt_tests::files_below;
 
 /// Scene at a small size, with the lights that the integrator gets by default.
 fn load(path: &Path, integrator: Integrator) -> Scene {
@@ -71,16 +58,14 @@ fn repository() -> PathBuf {
 
 #[test]
 fn scene_files_have_the_bits_of_the_reference() {
-    let mut paths = Vec::new();
-    files(&repository().join("scenes"), &["ron", "nff", "pbrt", "obj", "gltf"], &mut paths);
+    let paths = files_below(&repository().join("scenes"), &["ron", "nff", "pbrt", "obj", "gltf"]);
     let (count, varied) = compare(&paths);
     assert!(count >= 30 && varied == 2 * count, "{varied} images of {count} files show something");
 }
 
 #[test]
 fn golden_scenes_have_the_bits_of_the_reference() {
-    let mut paths = Vec::new();
-    files(&repository().join("tests/golden"), &["ron"], &mut paths);
+    let paths = files_below(&repository().join("tests/golden"), &["ron"]);
     let (count, varied) = compare(&paths);
     assert!(count >= 75 && varied >= 2 * count - 10, "{varied} images of {count} files show something");
 }
