@@ -121,25 +121,25 @@ impl RenderPlan<'_> {
                 result
             }
             (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
-                paths.set_surroundings(interior);
+                paths.set_surroundings(core::slice::from_ref(interior));
                 self.sample_tile(job, camera, |batch, seen| {
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
             (IntegratorState::Path(_), CameraMedium::PerRay(bounds)) => {
-                let mut interior = InteriorList::default();
+                let mut surroundings = Vec::new();
                 self.sample_tile(job, camera, |batch, seen| {
-                    for (i, ray) in batch.rays.iter().enumerate() {
+                    surroundings.resize_with(batch.rays.len(), InteriorList::default);
+                    for ((ray, _), interior) in batch.rays.iter().zip(&mut surroundings) {
                         interior.find_enclosing_media_within(
                             *bounds,
                             &mut tracer,
                             &self.scene.appearance.materials,
-                            &ray.0,
+                            ray,
                         );
-                        paths.set_surroundings(&interior);
-                        let (rays, samplers) = (&batch.rays[i..=i], &batch.samplers[i..=i]);
-                        paths.radiance_of(&mut tracer, lighting, rays, samplers, &mut seen[i..=i]);
                     }
+                    paths.set_surroundings(&surroundings);
+                    paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
             (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {

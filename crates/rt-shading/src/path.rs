@@ -48,8 +48,8 @@ pub struct PathSettings {
 pub struct PathTracer<S> {
     settings: PathSettings,
     needs: Needs,
-    /// Media around the camera.
-    surroundings: InteriorList,
+    /// Media around the camera: one list for all paths, or one for each.
+    surroundings: Vec<InteriorList>,
     paths: Vec<Path<S>>,
     /// Rays of the current wave.
     ray_queues: RayQueues<u32>,
@@ -77,7 +77,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         Self {
             settings,
             needs,
-            surroundings: InteriorList::default(),
+            surroundings: Vec::new(),
             paths: Vec::new(),
             ray_queues: RayQueues::default(),
             next: RayQueues::default(),
@@ -87,9 +87,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
     }
 
-    /// Sets the media around the camera; air by default.
-    pub fn set_surroundings(&mut self, surroundings: &InteriorList) {
-        self.surroundings.clone_from(surroundings);
+    /// Sets the media around the camera: one list for all paths, or one for each path of the next wave. Without a list, all
+    /// paths start in air.
+    pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
+        self.surroundings.truncate(surroundings.len());
+        for (own, given) in self.surroundings.iter_mut().zip(surroundings) {
+            own.clone_from(given);
+        }
+        self.surroundings.extend_from_slice(&surroundings[self.surroundings.len()..]);
     }
 
     /// Work done since the counts were last taken.
@@ -160,8 +165,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
             self.paths.push(Path::new(sampler.clone()));
         }
         if self.needs.refraction {
-            for path in &mut self.paths {
-                path.medium_tracker.interior.clone_from(&self.surroundings);
+            for (path, surroundings) in self.paths.iter_mut().zip(self.surroundings.iter().cycle()) {
+                path.medium_tracker.interior.clone_from(surroundings);
             }
         }
     }

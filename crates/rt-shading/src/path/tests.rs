@@ -89,7 +89,7 @@ impl Scene {
         let lights = self.light_set();
         let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
         let rays = vec![ray; paths as usize];
-        let (seen, _) = trace(&mut self.shapes, lighting, settings, &InteriorList::default(), &rays);
+        let (seen, _) = trace(&mut self.shapes, lighting, settings, &[InteriorList::default()], &rays);
         mean_and_error(&seen)
     }
 
@@ -101,11 +101,12 @@ impl Scene {
 }
 
 /// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference.
+/// There is one list of surroundings for all rays, or one for each.
 fn trace(
     world: &mut impl Tracer,
     lighting: Lighting<'_>,
     settings: PathSettings,
-    surroundings: &InteriorList,
+    surroundings: &[InteriorList],
     rays: &[Ray],
 ) -> (Vec<Seen>, ShadingCounts) {
     let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
@@ -116,9 +117,10 @@ fn trace(
     wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
     let counts = wave.take_counts();
     if settings.transport != Transport::Specular {
-        let surroundings = surroundings.clone();
-        let mut reference = ReferencePathTracer { settings, lighting, surroundings, counts: ShadingCounts::default() };
+        let (air, none) = (InteriorList::default(), ShadingCounts::default());
+        let mut reference = ReferencePathTracer { settings, lighting, surroundings: air, counts: none };
         for (at, (ray, sampler)) in rays.iter().zip(&samplers).enumerate() {
+            reference.surroundings.clone_from(&surroundings[at % surroundings.len()]);
             let expected = reference.li(world, ray, &mut sampler.clone());
             assert_eq!(bits(&seen[at]), bits(&expected), "path {at} of {settings:?}: {:?}, {expected:?}", seen[at]);
         }

@@ -6,6 +6,7 @@ use super::*;
 use crate::{
     Channel, FloatTexture, LayeredBase, LayeredSurface, Texture, TextureId, bsdf::ComplexIor, light::SphereLight,
 };
+use core::slice::from_ref;
 use rt_geometry::SurfaceInteraction;
 use rt_math::DQuat;
 
@@ -151,13 +152,14 @@ fn every_path_has_the_bits_of_the_reference() {
     let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
     assert!(bsdfs.count().0 > 4, "{:?}", bsdfs.count());
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
-    let water = InteriorList::filled_with(3);
+    let (air, water) = (InteriorList::default(), InteriorList::filled_with(3));
+    let mixed: Vec<_> = (0..3000).map(|at| if at % 2 == 0 { air.clone() } else { water.clone() }).collect();
     for settings in all_settings() {
-        for surroundings in [&InteriorList::default(), &water] {
+        for surroundings in [from_ref(&air), from_ref(&water), &mixed] {
             let (seen, counts) = trace(&mut world, lighting, settings, surroundings, &views(3000));
             // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
-            let (min_lit, min_passages) = if surroundings.is_empty() { (1500, 1000) } else { (150, 0) };
+            let (min_lit, min_passages) = if surroundings == from_ref(&air) { (1500, 1000) } else { (150, 0) };
             assert!(lit > min_lit && counts.passages >= min_passages, "{lit} of 3000, {settings:?}: {counts:?}");
             let may_clamp = settings.clamp != Clamp::NONE && settings.max_depth > 0;
             assert_eq!(counts.clamped > 100, may_clamp, "{settings:?}: {counts:?}");
@@ -180,7 +182,7 @@ fn a_path_through_many_null_interfaces_has_the_bits_of_the_reference() {
     for (max_depth, is_behind_seen) in [(0, false), (75, false), (76, true), (200, true)] {
         let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
         let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        let (seen, counts) = trace(&mut scene.shapes, lighting, paths(max_depth), &InteriorList::default(), &[ray]);
+        let (seen, counts) = trace(&mut scene.shapes, lighting, paths(max_depth), &[InteriorList::default()], &[ray]);
         assert_eq!(!seen[0].radiance.is_black(), is_behind_seen, "{max_depth}: {seen:?}");
         assert!(counts.interior_overflows > 900, "{counts:?}");
     }
@@ -189,6 +191,6 @@ fn a_path_through_many_null_interfaces_has_the_bits_of_the_reference() {
     let mut scene = scene.with(Shape::Plane(wall), 1, None);
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     let rays = vec![Ray::new(DVec3::Z, DVec3::new(0.0, 0.3, -1.0)); 20];
-    let (seen, _) = trace(&mut scene.shapes, lighting, paths(1), &InteriorList::default(), &rays);
+    let (seen, _) = trace(&mut scene.shapes, lighting, paths(1), &[InteriorList::default()], &rays);
     assert!(seen.iter().any(|seen| seen.radiance.g > 0.31), "{seen:?}");
 }
