@@ -168,7 +168,10 @@ impl Sampler for SampleStream {
         let dimension = self.dimension;
         self.dimension += 2;
         match pattern {
-            SamplerKind::Sobol => [0, 1].map(|axis| self.sobol.coordinate(self.key, self.index, dimension + axis)),
+            SamplerKind::Sobol => {
+                let coordinate = |dimension| self.sobol.coordinate(self.key, self.index, dimension);
+                [coordinate(dimension), coordinate(dimension + 1)]
+            }
             SamplerKind::Halton => [dimension, dimension + 1]
                 .map(|dimension| halton::coordinate(dimension_key(self.key, dimension), self.index, spp, dimension)),
             SamplerKind::BlueNoise => self.curve_index().point(dimension_key(self.key, dimension)),

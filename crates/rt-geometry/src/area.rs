@@ -15,7 +15,7 @@ const SLIVER: f64 = 1e-3;
 pub(crate) fn area_vector(vertices: [DVec3; 3]) -> DVec3 {
     let [a, b, c] = vertices;
     let (ab, bc, ca) = (b - a, c - b, a - c);
-    let [ab_squared, bc_squared, ca_squared] = [ab, bc, ca].map(DVec3::length_squared);
+    let (ab_squared, bc_squared, ca_squared) = (ab.length_squared(), bc.length_squared(), ca.length_squared());
     let (e, f) = if ab_squared >= bc_squared && ab_squared >= ca_squared {
         (bc, ca)
     } else if bc_squared >= ca_squared {

@@ -104,7 +104,8 @@ impl TriangleMesh {
         weights: [f64; 3],
         direction: DVec3,
     ) -> Option<Smooth> {
-        let normals = triangle.map(|i| self.data.normals[i as usize].as_dvec3());
+        let normal = |i: u32| self.data.normals[i as usize].as_dvec3();
+        let normals = [normal(triangle[0]), normal(triangle[1]), normal(triangle[2])];
         let sum = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
         let normal = sum.try_normalize()?;
         // Vertex normals of a file may point to the back.
@@ -168,8 +169,13 @@ fn interpolated<const N: usize>(values: &[[f32; N]], triangle: [u32; 3], weights
     if values.is_empty() {
         return None;
     }
-    let corners = triangle.map(|i| values[i as usize].map(f64::from));
-    Some(core::array::from_fn(|k| corners[0][k] * weights[0] + corners[1][k] * weights[1] + corners[2][k] * weights[2]))
+    let corner = |i: usize| &values[triangle[i] as usize];
+    let (a, b, c) = (corner(0), corner(1), corner(2));
+    let mut mean = [0.0; N];
+    for (k, mean) in mean.iter_mut().enumerate() {
+        *mean = f64::from(a[k]) * weights[0] + f64::from(b[k]) * weights[1] + f64::from(c[k]) * weights[2];
+    }
+    Some(mean)
 }
 
 impl Primitives for TriangleMesh {

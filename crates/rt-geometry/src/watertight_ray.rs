@@ -78,10 +78,10 @@ impl WatertightRay {
     #[cold]
     #[inline(never)]
     fn exact_origin_side(&self, vertices: [DVec3; 3], t: f64, determinant: f64) -> f64 {
-        let [a, b, c, o] =
-            [vertices[0], vertices[1], vertices[2], self.origin].map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+        let coordinates = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
+        let (a, b, c) = (coordinates(vertices[0]), coordinates(vertices[1]), coordinates(vertices[2]));
         // Exact: the sign of the volume between the plane and the origin (Shewchuk 1997).
-        let side = -orient3d(a, b, c, o) * self.scale_z.signum() * determinant.signum();
+        let side = -orient3d(a, b, c, coordinates(self.origin)) * self.scale_z.signum() * determinant.signum();
         if side == 0.0 {
             0.0
         } else if side > 0.0 {

@@ -2,7 +2,7 @@
 
 use rt_geometry::{Hit, WatertightRay, intersect_triangle};
 use rt_math::float::SIGN_ERROR_BOUND;
-use rt_math::{BOUNDS_PADDING, FAR_FACTOR, Interval, Ray, SlabRay};
+use rt_math::{BOUNDS_PADDING, DVec3, FAR_FACTOR, Interval, Ray, SlabRay};
 
 use super::leaf::{Lane, LeafView, coordinates, corner};
 use super::ray::{RayF64x4, max_lane};
@@ -83,8 +83,8 @@ impl<'a> LeafTriangle<'a> {
     #[cold]
     #[inline(never)]
     fn intersect_scalar(self, ray: &Ray, span: Interval) -> Option<Hit> {
-        let vertices =
-            [self.corner::<0>(), self.corner::<1>(), self.corner::<2>()].map(|corner| corner.map(f64::from).into());
+        let position = |[x, y, z]: [f32; 3]| DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+        let vertices = [position(self.corner::<0>()), position(self.corner::<1>()), position(self.corner::<2>())];
         let slab_ray = SlabRay::new(ray);
         intersect_triangle(vertices, self.index, &slab_ray, &WatertightRay::with_inverse(ray, slab_ray.inverse), span)
     }

@@ -278,7 +278,7 @@ impl<O: Output> Batch<'_, O> {
                     possible & hits.uncertain
                 }
                 BatchKernel::Triangle(vertices) => {
-                    let vertices = vertices.map(|vertex| vertex.as_dvec3());
+                    let vertices = [vertices[0].as_dvec3(), vertices[1].as_dvec3(), vertices[2].as_dvec3()];
                     let mut uncertain = 0;
                     for (axis, rays) in by_axis.iter().enumerate() {
                         let mask = active & rays;

@@ -57,8 +57,8 @@ impl LayerAlbedo {
     /// E of facets with other Fresnel terms: f0 times the first number plus f90 times the second.
     pub(super) fn directional_by_fresnel(&self, cos: f64) -> Split {
         let (column, fraction) = place(cos, COSINES);
-        let [below, above] = self.rows.map(|row| between(row.albedo[column], row.albedo[column + 1], fraction));
-        between(below, above, self.fraction)
+        let at = |row: usize| between(self.rows[row].albedo[column], self.rows[row].albedo[column + 1], fraction);
+        between(at(0), at(1), self.fraction)
     }
 
     /// Ē in the parts of [`LayerAlbedo::directional_by_fresnel`].
@@ -88,7 +88,7 @@ fn entry(index: usize, count: usize) -> f64 {
 }
 
 fn between(a: Split, b: Split, fraction: f64) -> Split {
-    [0, 1].map(|part| a[part] + (b[part] - a[part]) * fraction)
+    [a[0] + (b[0] - a[0]) * fraction, a[1] + (b[1] - a[1]) * fraction]
 }
 
 impl Row {

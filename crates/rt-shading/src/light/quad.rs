@@ -176,13 +176,15 @@ impl QuadLight {
     /// the paper. Here x is computed without the cosine c, whose 1 − c² cancels at grazing angles.
     fn spherical_point(&self, point: DVec3, height: f64, solid_angle: f64, u: [f64; 2]) -> DVec3 {
         let (offset, h) = (self.corner - point, height.abs());
-        let [x0, y0] = self.axes.map(|axis| offset.dot(axis));
+        let (x0, y0) = (offset.dot(self.axes[0]), offset.dot(self.axes[1]));
         let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
-        let [r, r0, r1] = [x0, y0, y1].map(|c| (c * c + h * h).sqrt());
+        let (r, r0, r1) = ((x0 * x0 + h * h).sqrt(), (y0 * y0 + h * h).sqrt(), (y1 * y1 + h * h).sqrt());
         let (b0, b1, n3) = (-y0 / r0, y1 / r1, -x0 / r);
         // The angle that the first number adds to is k = 2π − g₂ − g₃, with inner angles g whose cosines are known.
-        let [g2, g3] = [-b1 * n3, -n3 * b0].map(|cos| (((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), cos));
-        let (sin_k, cos_k) = (-g2.0 * g3.1 - g2.1 * g3.0, g2.1 * g3.1 - g2.0 * g3.0);
+        let (cos_2, cos_3) = (-b1 * n3, -n3 * b0);
+        let sin_2 = ((1.0 - cos_2) * (1.0 + cos_2)).max(0.0).sqrt();
+        let sin_3 = ((1.0 - cos_3) * (1.0 + cos_3)).max(0.0).sqrt();
+        let (sin_k, cos_k) = (-sin_2 * cos_3 - cos_2 * sin_3, cos_2 * cos_3 - sin_2 * sin_3);
         let (sin, cos) = sincos(u[0] * solid_angle);
         let (sin, cos) = (sin * cos_k + cos * sin_k, cos * cos_k - sin * sin_k);
         let f = (cos * b0 - b1) / sin;
@@ -190,7 +192,7 @@ impl QuadLight {
         let x = f.signum() * h / ((f - c0) * (f + c0)).max(0.0).sqrt();
         let x = x.max(x0).min(x1);
         let d = (x * x + h * h).sqrt();
-        let [h0, h1] = [y0, y1].map(|y| y / (d * d + y * y).sqrt());
+        let (h0, h1) = (y0 / (d * d + y0 * y0).sqrt(), y1 / (d * d + y1 * y1).sqrt());
         let hv = h0 + u[1] * (h1 - h0);
         let y = (hv * d / ((1.0 - hv) * (1.0 + hv)).sqrt()).max(y0).min(y1);
         self.corner + self.axes[0] * (x - x0) + self.axes[1] * (y - y0)

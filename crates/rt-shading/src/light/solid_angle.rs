@@ -19,15 +19,16 @@ pub(super) const MIN_SPHERICAL: f64 = 1.0 / (1u64 << 14) as f64;
 /// area of the triangle, so that far away no digits cancel. Half angles are added as those of complex numbers. 0 for a
 /// figure that is edge-on; NaN for a point on a corner.
 pub(super) fn of_fan<const N: usize>(corners: [DVec3; N], height: f64, area2: f64) -> f64 {
-    let lengths = corners.map(DVec3::length);
-    let (hub, hub_length, triple) = (corners[0], lengths[0], height.abs() * area2);
+    let (hub, hub_length, triple) = (corners[0], corners[0].length(), height.abs() * area2);
+    let (mut b, mut b_length) = (corners[1], corners[1].length());
     let (mut re, mut im) = (1.0, 0.0);
-    for i in 1..N - 1 {
-        let ([b, c], [b_length, c_length]) = ([corners[i], corners[i + 1]], [lengths[i], lengths[i + 1]]);
+    for &c in &corners[2..] {
+        let c_length = c.length();
         let product = hub_length * b_length * c_length;
         let rest = product + hub.dot(b) * c_length + b.dot(c) * hub_length + c.dot(hub) * b_length;
         let (cos, sin) = (rest / product, triple / product);
         (re, im) = (re * cos - im * sin, re * sin + im * cos);
+        (b, b_length) = (c, c_length);
     }
     2.0 * atan2(im, re)
 }
