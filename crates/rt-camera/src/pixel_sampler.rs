@@ -39,9 +39,14 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// use rt_camera::{PixelSampler, SamplerKind};
 /// use rt_math::Sampler;
 ///
-/// let pattern = SamplerKind::Jittered; let sampler = PixelSampler::new(pattern, pattern.round_up(5), 42);
-/// assert_eq!(sampler.spp(), 9); let mut sample = sampler.sample([10, 20], 3); let in_pixel = sample.next_2d(); let
-/// on_light = sample.next_2d(); assert_ne!(in_pixel, on_light); // Samples do not depend on each other.
+/// let pattern = SamplerKind::Jittered;
+/// let sampler = PixelSampler::new(pattern, pattern.round_up(5), 42);
+/// assert_eq!(sampler.spp(), 9);
+/// let mut sample = sampler.sample([10, 20], 3);
+/// let in_pixel = sample.next_2d();
+/// let on_light = sample.next_2d();
+/// assert_ne!(in_pixel, on_light);
+/// // Samples do not depend on each other.
 /// assert_eq!(sampler.sample([10, 20], 3).next_2d(), in_pixel);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -39,9 +39,9 @@
 //! let surface = egg.surface(&ray, &hit, InteractionFlags::ALL);
 //! assert_eq!((hit.t, surface.point, surface.geometric_normal), (3.0, DVec3::new(0.0, 0.0, -3.0), DVec3::Z));
 //!
-//! // A mirrored ray starts just off the surface and does not hit it again. let mirrored =
-//! surface.spawn_ray(DVec3::new(0.0, 1e-3, 1.0), ray.time); assert_eq!(egg.intersect(&mirrored, Interval::FORWARD),
-//! None);
+//! // A mirrored ray starts just off the surface and does not hit it again.
+//! let mirrored = surface.spawn_ray(DVec3::new(0.0, 1e-3, 1.0), ray.time);
+//! assert_eq!(egg.intersect(&mirrored, Interval::FORWARD), None);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

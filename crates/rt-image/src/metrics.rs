@@ -3,7 +3,7 @@
 //! ```text
 //!      e = x − r                      x: the image under test, r: the reference
 //!      bias = Ē e   MAE = Ē |e|   MSE = Ē e²   relMSE = Ē e² / (r² + 0.01)   RMSE = √MSE      Ē: mean over pixels
-//!      PSNR = −10 log₁₀ Ē (s(x) − s(r))²   SSIM, ꟻLIP: perceived s(x) and s(r)          s: as displayed
+//!      PSNR = −10 log₁₀ Ē (s(x) − s(r))²   SSIM, ꟻLIP: s(x) and s(r) as perceived          s: as displayed
 //! ```
 //!
 //! | metric | computed from | of equal images |

@@ -107,7 +107,7 @@ fn singular_products_of_transforms_are_refused() {
 
 #[test]
 fn unusable_settings_are_refused() {
-    assert!(message(|scene| scene.settings.spp = 0).contains("1 sample"));
+    assert!(message(|scene| scene.settings.spp = 0).contains("at least 1"));
     assert!(message(|scene| scene.film.width = 0).contains("film"));
     assert!(message(|scene| scene.cameras.clear()).contains("camera"));
     let flat = Projection::Orthographic { height: 0.0 };

@@ -309,7 +309,7 @@ fn instances_of_a_node_share_its_mesh() {
         arrays.load(&rest, &LoadOptions::default()).expect_err("bad instances").to_string()
     };
     assert!(refused(r#""TRANSLATION": 7"#).contains("there is no accessor 7"));
-    assert!(refused(r#""_OTHER": 1"#).contains("no attribute that places"));
+    assert!(refused(r#""_OTHER": 1"#).contains("has none of TRANSLATION, ROTATION and SCALE"));
     let shorter = arrays.accessors[2].replace("\"count\": 3", "\"count\": 2");
     let accessors = vec![arrays.accessors[0].clone(), arrays.accessors[1].clone(), shorter];
     let arrays = Arrays { bytes: arrays.bytes.clone(), views: arrays.views.clone(), accessors };
