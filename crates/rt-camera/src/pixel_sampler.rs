@@ -174,7 +174,7 @@ impl Sampler for SampleStream {
         self.dimension += 2;
         match pattern {
             SamplerKind::Sobol => {
-                let coordinate = |dimension| self.sobol.coordinate(self.key, self.index, dimension);
+                let mut coordinate = |dimension| self.sobol.coordinate(self.key, self.index, dimension);
                 [coordinate(dimension), coordinate(dimension + 1)]
             }
             SamplerKind::Halton => [dimension, dimension + 1]
