@@ -28,8 +28,8 @@
 //! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)) is tested with more than two rays of a packet together.
 //! Put coherent rays next to each other.
 //!
-//! **Small trees**: in a tree of at most 64 triangles, incoherent rays of a batch are tested with all of them, eight rays at
-//! a time. The filter leaves three candidates for each ray. The triangle that a ray starts on is skipped if the ray
+//! **Small trees** have at most 64 triangles. Incoherent rays of a batch are tested with all of them, eight rays at a time.
+//! The filter leaves three candidates for each ray. The triangle that a ray starts on is skipped if the ray
 //! certainly leaves it. The nearest of the others is intersected exactly, for eight rays and triangles together. Few rays
 //! are left for the nodes. Queries that count their work do not take this way.
 //!

@@ -137,15 +137,15 @@ impl<S: Simd> FilterRays<S> {
         let p = [simd.mul_add(t, d[0], o[0]), simd.mul_add(t, d[1], o[1]), simd.mul_add(t, d[2], o[2])];
         let (second, third) = (affine(simd, triangle.second, p), affine(simd, triangle.third, p));
         let first = simd.sub(simd.sub(simd.splat(1.0), second), third);
-        let least = simd.min(simd.min(second, third), first);
+        let min_weight = simd.min(simd.min(second, third), first);
         let margin = simd.mul(simd.mul(self.reach, simd.splat(triangle.margin)), steepness);
 
         let in_span = simd.min(simd.sub(far, self.min[0]), simd.sub(self.max[1], near));
         let surely_in_span = simd.min(simd.sub(near, self.min[1]), simd.sub(self.max[0], far));
         FilterHits {
             t_min: simd.max(near, simd.splat(0.0)),
-            possible: simd.min(simd.add(least, margin), in_span),
-            certain: simd.min(simd.sub(least, margin), surely_in_span),
+            possible: simd.min(simd.add(min_weight, margin), in_span),
+            certain: simd.min(simd.sub(min_weight, margin), surely_in_span),
         }
     }
 }

@@ -32,7 +32,7 @@ const BOX_SLACK: f64 = 1.0 / (1u64 << 40) as f64;
 pub(super) const LIST_BATCH: usize = 64;
 
 /// Traces at most [`LIST_BATCH`] rays through the list of a tree.
-pub(super) struct ListTraversal<'q, 'j, O> {
+pub(super) struct TriangleListTraversal<'q, 'j, O> {
     pub(super) tree: &'q WideBvh,
     pub(super) list: &'q TriangleList,
     pub(super) context: &'q mut BatchContext<'j, O>,
@@ -40,7 +40,7 @@ pub(super) struct ListTraversal<'q, 'j, O> {
     pub(super) open: &'q mut u64,
 }
 
-impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for ListTraversal<'_, '_, O> {
+impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for TriangleListTraversal<'_, '_, O> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
         *self.open = 0;
@@ -61,7 +61,7 @@ impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for ListTraversal<'_, '_,
 }
 
 /// The three first triangles of each ray by their keys, infinite for none.
-struct Candidates<S: Simd> {
+struct NearestTriangles<S: Simd> {
     keys: [S::F32x8; 3],
     /// A bit for each ray that certainly hits a triangle.
     certain: u32,
@@ -169,10 +169,10 @@ fn intersect_candidates<S: Simd>(simd: S, triangles: &[&ListTriangle; PACKET], r
     intersect_each(simd, &vertices, &rays)
 }
 
-impl<O: Output> ListTraversal<'_, '_, O> {
+impl<O: Output> TriangleListTraversal<'_, '_, O> {
     /// Tests all triangles of the list.
     #[inline(always)]
-    fn filter<S: Simd>(&self, simd: S, rays: &FilterRays<S>) -> Candidates<S> {
+    fn filter<S: Simd>(&self, simd: S, rays: &FilterRays<S>) -> NearestTriangles<S> {
         let none = simd.splat(f32::INFINITY);
         let [mut first, mut second, mut third] = [none; 3];
         let mut certain = simd.splat(-1.0);
@@ -192,7 +192,7 @@ impl<O: Output> ListTraversal<'_, '_, O> {
             }
         }
         let certain = if O::ANY_HIT { simd.lt(simd.splat(0.0), certain) } else { 0 };
-        Candidates { keys: [first, second, third], certain }
+        NearestTriangles { keys: [first, second, third], certain }
     }
 
     /// Traces as many of eight rays as there are outputs; returns a bit for each without a result.
@@ -206,7 +206,7 @@ impl<O: Output> ListTraversal<'_, '_, O> {
         if proven == 0 {
             return all;
         }
-        let Candidates { keys: [first, second, third], certain } = self.filter(simd, &filter_rays);
+        let NearestTriangles { keys: [first, second, third], certain } = self.filter(simd, &filter_rays);
         let mut active = proven & !certain;
         let none = simd.splat(f32::INFINITY);
 

@@ -162,8 +162,7 @@ impl<S: Simd> RaySpaceTriangle<S> {
         Self { vertices: [a, b, c], areas: [u, v, w], has_certain_signs, missed }
     }
 
-    /// Hits of some rays within their spans and boxes, a bit for each ray with a certain side of the plane, and the sum
-    /// of the areas.
+    /// Hits within spans and boxes, a bit for each ray with a certain side of the plane, and the sum of the areas.
     #[inline(always)]
     fn intersect(
         &self,

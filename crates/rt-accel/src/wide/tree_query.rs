@@ -11,7 +11,7 @@ use super::coherence::is_coherent;
 use super::f64x8::PACKET;
 use super::filter::{BoxTest, LeafTest, SphereTest, TriangleTest};
 use super::leaf::LeafKind;
-use super::list_traversal::{LIST_BATCH, ListTraversal};
+use super::list_traversal::{LIST_BATCH, TriangleListTraversal};
 use super::query::{Output, TraversalStats};
 use super::single_ray::{SingleContext, SingleTraversal};
 use super::triangle_list::TriangleList;
@@ -110,7 +110,7 @@ fn trace_small<O: TreeQuery>(
             continue;
         }
         let mut open = 0;
-        let traversal = ListTraversal { tree, list, context: &mut *context, open: &mut open };
+        let traversal = TriangleListTraversal { tree, list, context: &mut *context, open: &mut open };
         if !tree.level.dispatch_packets(traversal, rays, &mut *outputs) {
             return false;
         }

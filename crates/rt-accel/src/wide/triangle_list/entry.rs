@@ -7,8 +7,8 @@ use rt_math::{Aabb, DVec3};
 /// Error of weights per rounding of coordinates; see [`list_filter`](crate::wide::list_filter).
 const EDGE_MARGIN: f64 = 96.0 / (1 << 24) as f64;
 
-/// Maximum length of the gradients of barycentric coordinates, in reciprocal sizes of the tree: no height of a triangle is
-/// less than 2⁻¹² of the size.
+/// Maximum length of the gradients of barycentric coordinates, in reciprocal sizes of the tree. No height of a triangle is
+/// thus less than 2⁻¹² of the size.
 const MAX_GRADIENT: f64 = (1 << 12) as f64;
 
 /// Maximum ratio of the length of an edge to the height above it.
@@ -38,8 +38,8 @@ pub(in crate::wide) struct ExactPlane {
     pub(in crate::wide) normal: [f64; 3],
     /// First vertex.
     pub(in crate::wide) vertex: [f64; 3],
-    /// For a direction of maximum component 1, minimum product with the normal at which the signs of `t` and of the
-    /// determinant are certain: of the triangle itself, and per distance of the first vertex.
+    /// Minimum product with the normal at which the signs of `t` and of the determinant are certain, for a direction of
+    /// maximum component 1. One part is that of the triangle itself, the other is per distance of the first vertex.
     pub(in crate::wide) min_slope: [f64; 2],
 }
 
@@ -47,7 +47,7 @@ pub(in crate::wide) struct ExactPlane {
 /// differences.
 pub(in crate::wide) const NORMAL_ERROR: f64 = 2.5 * UNIT_ROUNDOFF;
 
-/// Numbers of the three vertices of a triangle, x, y, z, x, y and z of each: any three in a row are those that
+/// Coordinates x, y, z, x, y and z of each vertex. Any three in a row are those that
 /// [`WatertightRay`](rt_geometry::WatertightRay) uses for one of the axes.
 pub(in crate::wide) type Corners = [f32; 18];
 

@@ -19,7 +19,7 @@ const MAX_OTHERS: usize = 4;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::wide) struct TriangleList {
     pub(in crate::wide) filters: Vec<FilterTriangle>,
-    /// As many as there are filters.
+    /// Exact data, one for each filter.
     pub(in crate::wide) triangles: Vec<ListTriangle>,
     pub(in crate::wide) others: Vec<ListOther>,
 }

@@ -61,7 +61,7 @@ fn spawned(soup: &Soup, rays: &[(Ray, Interval)], draw: &mut Draw) -> Vec<(Ray, 
 }
 
 /// Triangles of two boxes in a room, in arbitrary positions.
-fn room(draw: &mut Draw) -> Soup {
+fn boxes_in_a_box(draw: &mut Draw) -> Soup {
     let mut solids = Vec::new();
     for size in [DVec3::ONE, DVec3::new(0.3, 0.6, 0.3), DVec3::new(0.3, 0.3, 0.25)] {
         let at = if solids.is_empty() { DVec3::ZERO } else { draw.point() * 0.5 };
@@ -91,7 +91,7 @@ fn batches_through_few_triangles_equal_brute_force() {
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
     for round in 0..60 {
-        let mut soup = if round % 2 == 0 { room(draw) } else { Soup::facets(draw) };
+        let mut soup = if round % 2 == 0 { boxes_in_a_box(draw) } else { Soup::facets(draw) };
         let n = draw.pick(&[1, 2, 9, 16, 31, 40, 64, 70]).min(soup.0.len());
         let first = if round % 2 == 0 { 0 } else { draw.below(soup.0.len() - n + 1) };
         soup.0 = soup.0[first..first + n].to_vec();
@@ -131,7 +131,7 @@ fn batches_through_few_triangles_equal_brute_force() {
 #[test]
 fn few_rays_need_the_nodes_of_a_small_tree() {
     let draw = &mut Draw::new(11);
-    let soup = room(draw);
+    let soup = boxes_in_a_box(draw);
     let mut rays = Vec::new();
     for _ in 0..2000 {
         let Solid::Facet([a, b, c]) = draw.pick(&soup.0) else { continue };
