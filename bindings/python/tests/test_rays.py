@@ -130,7 +130,7 @@ def test_results_are_arrays_of_the_documented_types():
         (lambda m: m.closest([0, 0, 0], [1, 0, 0], threads=0), "threads must be"),
         (lambda m: m.contains([[0, 0, 0], [np.nan, 0, 0]]), "row 1 of points"),
         (lambda m: rt.TriangleMesh([[0, 0, 0]], [[0, 0, 1]]), "triangle 0: vertex index 1 is out of range"),
-        (lambda m: rt.TriangleMesh([[0, 0, 0], [0, np.inf, 0]], [[0, 1, 0]]), "vertex 1 has a coordinate"),
+        (lambda m: rt.TriangleMesh([[0, 0, 0], [0, np.inf, 0]], [[0, 1, 0]]), "vertex 1 has a NaN or infinite coordinate"),
         (lambda m: rt.TriangleMesh([[0, 0, 0]], [[0, 0, -1]]), "row 0 of faces"),
         (lambda m: rt.TriangleMesh([[0, 0, 0]], [[0.0, 0.0, 0.0]]), "faces must be integers"),
         (lambda m: rt.TriangleMesh([[0, 0, 0]], [[0, 0]]), "faces must have the shape"),

@@ -92,7 +92,7 @@ def test_refused_changes_leave_the_scene_as_it_is():
         scene.update(vertices={0: np.where(np.arange(8)[:, None] == 2, np.nan, np.zeros((8, 3)))})
     with pytest.raises(ValueError, match=r"object 0: a transform has the shape \(4, 4\), not \(3, 3\)"):
         scene.update(transforms={0: np.eye(3)})
-    with pytest.raises(ValueError, match="instance 1: geometry 1: spheres may be rotated"):
+    with pytest.raises(ValueError, match="instance 1: geometry 1: the transform is not uniform"):
         scene.update(transforms={1: np.diag([1.0, 2.0, 1.0, 1.0])})
     with pytest.raises(TypeError, match="object 0 is a str"):
         scene.update(insert=["sphere"])
