@@ -245,16 +245,17 @@ def main():
 
 def report(runs, names, kinds, n_rays, title):
     """The table in Markdown."""
+    of_runs = f"best (least) of {len(runs)} runs" if len(runs) > 1 else "one run"
     rates = {name: [sorted(n_rays / run[name][kind]["seconds"] / 1e6 for run in runs) for kind in kinds] for name in names}
     lines = [
-        f"{title}. Millions of rays per second on one thread, best (least) of {len(runs)} runs. Memory is in MB beyond inputs and",
+        f"{title}. Millions of rays per second on one thread, {of_runs}. Memory is in MB beyond inputs and",
         "outputs. Ratios are medians of those within a run.",
         "",
         f"| | {' | '.join(kinds)} | memory |",
         "|---|" + "--:|" * (len(kinds) + 1),
     ]
     for name in names:
-        cells = [f"{of_kind[-1]:.2f} ({of_kind[0]:.2f})" for of_kind in rates[name]]
+        cells = [f"{of_kind[-1]:.2f}" + (f" ({of_kind[0]:.2f})" if len(runs) > 1 else "") for of_kind in rates[name]]
         peaks = [run[name][kind].get("beyond") for run in runs for kind in kinds]
         cells.append("–" if None in peaks else f"{max(peaks) / 1e6:.0f}")
         lines.append(f"| {name} | {' | '.join(cells)} |")

@@ -11,7 +11,7 @@ use crate::arrays::{Rows, RowsView};
 #[pyclass(name = "Mesh", frozen)]
 pub(crate) struct PyMesh {
     pub(crate) mesh: TriangleMesh<'static>,
-    /// Of all vertices, without sign; 0 if there are none.
+    /// Maximum magnitude of the coordinates of all vertices; 0 without vertices.
     pub(crate) largest_coordinate: f64,
 }
 

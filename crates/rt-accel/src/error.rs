@@ -88,6 +88,8 @@ pub enum ValidationError {
         /// Depth of the leaf; the root has depth 0.
         depth: u32,
     },
+    /// The list of triangles of a small tree does not match the tree or the primitives.
+    List,
 }
 
 impl fmt::Display for ValidationError {
@@ -102,6 +104,7 @@ impl fmt::Display for ValidationError {
                 write!(f, "node {node} exceeds the bounds of its parent, or has an index out of range")
             }
             Self::Depth { depth } => write!(f, "a leaf at depth {depth} overflows the traversal stack"),
+            Self::List => f.write_str("the list of triangles does not match the tree; build it again"),
         }
     }
 }

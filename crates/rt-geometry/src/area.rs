@@ -1,7 +1,7 @@
 //! Area vectors of triangles and polygons, zero exactly for those without area.
 
 use rt_math::DVec3;
-use rt_math::float::two_product;
+use rt_math::float::{two_product, two_sum};
 
 /// Sine of the smallest angle below which a triangle counts as a sliver. A plain cross product would keep fewer than
 /// twelve digits of its normal.
@@ -78,13 +78,6 @@ fn exact_sum(terms: impl Iterator<Item = f64>) -> f64 {
         parts[count] = carry;
     }
     parts.iter().sum()
-}
-
-/// The rounded sum and its exact error (Knuth).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let b_part = sum - a;
-    (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Curved side of cylinders, cones and frusta.
 
 use crate::SurfaceInteraction;
-use rt_math::float::{difference_of_products, gamma, power_of_two_scale, two_product};
+use rt_math::float::{difference_of_products, gamma, power_of_two_scale, two_product, two_sum};
 use rt_math::transcendental::atan2;
 use rt_math::{DVec3, Interval, Ray};
 use std::f64::consts::TAU;
@@ -128,12 +128,4 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
         error += product_error + sum_error;
     }
     sum + error
-}
-
-/// `a + b` as the unevaluated sum of the rounded sum and its exact error (Knuth).
-#[inline]
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let from_b = sum - a;
-    (sum, (a - (sum - from_b)) + (b - from_b))
 }

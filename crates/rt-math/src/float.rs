@@ -23,6 +23,16 @@ pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low)
 }
 
+/// `a + b` as the unevaluated sum of the rounded sum and its exact error.
+///
+/// Knuth, "The Art of Computer Programming", volume 2, 4.2.2, theorem B. Exact while nothing overflows.
+#[inline]
+pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let from_b = sum - a;
+    (sum, (a - (sum - from_b)) + (b - from_b))
+}
+
 /// Halves of 26 bits that add up to `a`.
 #[inline]
 fn split(a: f64) -> (f64, f64) {
@@ -109,6 +119,15 @@ mod tests {
         fn two_product_is_a_fused_multiply_add(a in -1e100..1e100f64, b in -1e100..1e100f64) {
             let (product, error) = two_product(a, b);
             prop_assert_eq!(error, a.mul_add(b, -product));
+        }
+
+        /// Sums of 64-bit integers, which `i128` checks.
+        #[test]
+        fn two_sum_loses_nothing(a in any::<i64>(), b in any::<i64>(), shift in 0u32..60) {
+            let (a, b) = (a as f64, (b >> shift) as f64);
+            let (sum, error) = two_sum(a, b);
+            prop_assert_eq!(sum, a + b);
+            prop_assert_eq!(sum as i128 + error as i128, a as i128 + b as i128);
         }
 
         /// 26-bit integers have exact 52-bit products, which `i128` checks.

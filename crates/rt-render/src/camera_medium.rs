@@ -4,7 +4,7 @@ use rt_camera::{Camera, Projection};
 use rt_geometry::NoProbe;
 use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
-use rt_shading::{InteriorList, Material};
+use rt_shading::{InteriorList, Material, Tracer};
 
 use crate::{frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, world::World};
 
@@ -46,6 +46,14 @@ impl CameraMedium {
             return Self::PerRay(bounds);
         }
         Self::Constant(find_enclosing(scene, world, &Ray::new(pinhole, PROBE_DIRECTION)))
+    }
+
+    /// Sets `interior` to the dielectrics around the origin of a camera ray.
+    pub(crate) fn find(&self, world: &mut impl Tracer, materials: &[Material], ray: &Ray, interior: &mut InteriorList) {
+        match self {
+            Self::Constant(all) => interior.clone_from(all),
+            Self::PerRay(bounds) => interior.find_enclosing_media_within(*bounds, world, materials, ray),
+        }
     }
 }
 

@@ -86,6 +86,7 @@ impl RenderPlan<'_> {
         let ThreadState { whitted, paths, occlusion, camera, hits } = worker;
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
+        let materials = &self.scene.appearance.materials;
         let mut tracer =
             SceneTracer::new(world, structure, primary_target, S::default()).with_buffer(core::mem::take(hits));
         let mut result = match (&self.integrator, &self.frame.medium) {
@@ -104,16 +105,7 @@ impl RenderPlan<'_> {
                 };
                 let mut result = self.sample_tile(job, camera, |batch, seen| {
                     for (((ray, _), sampler), seen) in batch.rays.iter().zip(batch.samplers).zip(seen) {
-                        let surroundings = &mut reference.surroundings;
-                        match medium {
-                            CameraMedium::Constant(interior) => surroundings.clone_from(interior),
-                            CameraMedium::PerRay(bounds) => surroundings.find_enclosing_media_within(
-                                *bounds,
-                                &mut tracer,
-                                &self.scene.appearance.materials,
-                                ray,
-                            ),
-                        }
+                        medium.find(&mut tracer, materials, ray, &mut reference.surroundings);
                         *seen = reference.li(&mut tracer, ray, &mut sampler.clone());
                     }
                 });
@@ -126,17 +118,12 @@ impl RenderPlan<'_> {
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
-            (IntegratorState::Path(_), CameraMedium::PerRay(bounds)) => {
+            (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
                 let mut surroundings = Vec::new();
                 self.sample_tile(job, camera, |batch, seen| {
                     surroundings.resize_with(batch.rays.len(), InteriorList::default);
                     for ((ray, _), interior) in batch.rays.iter().zip(&mut surroundings) {
-                        interior.find_enclosing_media_within(
-                            *bounds,
-                            &mut tracer,
-                            &self.scene.appearance.materials,
-                            ray,
-                        );
+                        medium.find(&mut tracer, materials, ray, interior);
                     }
                     paths.set_surroundings(&surroundings);
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
@@ -145,10 +132,10 @@ impl RenderPlan<'_> {
             (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
                 occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
             }),
-            (IntegratorState::Whitted, CameraMedium::PerRay(bounds)) => {
+            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => {
                 let mut interior = InteriorList::default();
                 self.sample_per_ray(job, camera, |ray| {
-                    interior.find_enclosing_media_within(*bounds, &mut tracer, &self.scene.appearance.materials, ray);
+                    medium.find(&mut tracer, materials, ray, &mut interior);
                     whitted.set_surroundings(&interior);
                     whitted.radiance(&mut tracer, &self.scene.appearance, ray)
                 })

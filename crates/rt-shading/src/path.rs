@@ -90,11 +90,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// Sets the media around the camera: one list for all paths, or one for each path of the next wave. Without a list, all
     /// paths start in air.
     pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
-        self.surroundings.truncate(surroundings.len());
-        for (own, given) in self.surroundings.iter_mut().zip(surroundings) {
-            own.clone_from(given);
-        }
-        self.surroundings.extend_from_slice(&surroundings[self.surroundings.len()..]);
+        surroundings.clone_into(&mut self.surroundings);
     }
 
     /// Work done since the counts were last taken.

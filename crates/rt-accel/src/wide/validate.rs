@@ -28,7 +28,7 @@ impl WideBvh {
             self.unbounded.is_empty() && self.leaves.kind == LeafKind::Watertight && list.is_whole(count as usize)
         };
         if !self.list.as_ref().is_none_or(is_list_whole) {
-            return Err(ValidationError::Node { node: 0 });
+            return Err(ValidationError::List);
         }
         let mut is_listed = vec![false; self.bounded as usize + self.unbounded.len()];
         let mut list = |primitive: u32| match is_listed.get_mut(primitive as usize) {
@@ -65,7 +65,7 @@ impl WideBvh {
             Ok(())
         })?;
         let list = TriangleList::of(primitives, self.leaves.kind, self.centre, self.size);
-        if self.list == list { Ok(()) } else { Err(ValidationError::Outside { primitive: 0 }) }
+        if self.list == list { Ok(()) } else { Err(ValidationError::List) }
     }
 
     /// Visits all leaves with their boxes, and validates the nodes.
@@ -208,13 +208,13 @@ mod tests {
         assert_eq!(of(65), None);
 
         let more = WideBvh { list: of(6), ..tree.clone() };
-        assert_eq!(more.validate_shape(), Err(ValidationError::Node { node: 0 }));
+        assert_eq!(more.validate_shape(), Err(ValidationError::List));
         let boxes = WideBvh { list: of(3), ..WideBvh::build(&Row(3)).expect("three boxes") };
-        assert_eq!(boxes.validate_shape(), Err(ValidationError::Node { node: 0 }));
+        assert_eq!(boxes.validate_shape(), Err(ValidationError::List));
         let fewer = WideBvh { list: of(4), ..tree.clone() };
         assert_eq!(fewer.validate_shape(), Ok(()));
-        assert_eq!(fewer.validate_primitives(&Facets(5)), Err(ValidationError::Outside { primitive: 0 }));
+        assert_eq!(fewer.validate_primitives(&Facets(5)), Err(ValidationError::List));
         let none = WideBvh { list: None, ..tree };
-        assert_eq!(none.validate_primitives(&Facets(5)), Err(ValidationError::Outside { primitive: 0 }));
+        assert_eq!(none.validate_primitives(&Facets(5)), Err(ValidationError::List));
     }
 }

@@ -1,7 +1,7 @@
 //! Copies of one primitive in a list.
 
 use glam::Vec3;
-use rt_math::float::{UNIT_ROUNDOFF, cross, two_product};
+use rt_math::float::{UNIT_ROUNDOFF, cross, two_product, two_sum};
 use rt_math::{Aabb, DVec3};
 
 /// Error of weights per rounding of coordinates; see [`list_filter`](crate::wide::list_filter).
@@ -68,13 +68,6 @@ pub(in crate::wide) struct ListOther {
     pub(in crate::wide) bounds: Aabb,
     pub(in crate::wide) index: u32,
     pub(in crate::wide) casts_shadow: bool,
-}
-
-/// Rounded sum, and its error (Knuth 1969).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let of_b = sum - a;
-    (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
 /// `b − a`; `None` if a coordinate is rounded or has more than 50 bits.
