@@ -14,7 +14,7 @@
 //!
 //! **Does not own** shapes and their intersection (rt-geometry), accelerators, lights or cameras.
 //!
-//! All numbers are `f64`. Functions whose last bit differs between platforms come from [`transcendental`].
+//! All numbers are `f64`, or lanes of them in computations that are generic over [`Real`]. Functions whose last bit differs between platforms come from [`transcendental`].
 //!
 //! ```
 //! use rt_math::{DVec3, Ray, Transform};
@@ -42,11 +42,13 @@ mod keyframed_transform;
 mod keyframes;
 pub mod random;
 mod ray;
+mod real;
 mod rgb;
 mod sampler;
 pub mod stats;
 pub mod transcendental;
 mod transform;
+mod vector3;
 
 pub use aabb::{Aabb, BOUNDS_PADDING, FAR_FACTOR, SlabRay};
 pub use animated_transform::{AnimatedTransform, AnimatedTransformError};
@@ -56,8 +58,10 @@ pub use interval::Interval;
 pub use keyframed_transform::{KeyframedTransform, KeyframedTransformError};
 pub use keyframes::{Interpolation, Keyframes, KeyframesError};
 pub use ray::Ray;
+pub use real::{Mask, Real};
 pub use rgb::Rgb;
 pub use sampler::Sampler;
 pub use transform::{Transform, TransformError};
+pub use vector3::Vector3;
 
 pub use glam::{DMat3, DQuat, DVec2, DVec3, Vec2, Vec3};

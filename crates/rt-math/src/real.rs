@@ -1,0 +1,185 @@
+//! Numbers of computations that are written once, for one number or for several in SIMD lanes.
+
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// A real number, or several in SIMD lanes, each of which is computed with by itself.
+///
+/// All operations are exact or correctly rounded, as IEEE 754 specifies. A computation thus gives the same bits for one `f64` as for
+/// `f64` lanes of any width. Comparisons with NaN are false.
+///
+/// ```
+/// use rt_math::Real;
+///
+/// fn length<R: Real>([x, y]: [R; 2]) -> R {
+///     (x * x + y * y).sqrt()
+/// }
+/// assert_eq!(length([3.0, 4.0]), 5.0);
+/// ```
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// Result of a comparison: one truth value per lane.
+    type Mask: Mask;
+
+    /// The number `x` in all lanes.
+    fn splat(self, x: f64) -> Self;
+
+    /// Square root, correctly rounded; NaN below 0.
+    fn sqrt(self) -> Self;
+
+    /// Absolute value.
+    fn abs(self) -> Self;
+
+    /// Largest integer that is not greater.
+    fn floor(self) -> Self;
+
+    /// Absolute value of `self` with the sign of `sign`, also for zeros.
+    fn copysign(self, sign: Self) -> Self;
+
+    /// `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+
+    /// `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
+
+    /// `self == other`; true for zeros of different signs.
+    fn eq(self, other: Self) -> Self::Mask;
+
+    /// `a` where the mask is true, `b` elsewhere.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+
+    /// A function of each lane by itself.
+    fn map(self, f: impl Fn(f64) -> f64) -> Self;
+
+    /// `self > other`.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+
+    /// `self >= other`.
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+
+    /// The greater number; `self` if they are equal, and if one is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(self.lt(other), other, self)
+    }
+
+    /// The smaller number; `self` if they are equal, and if one is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(other.lt(self), other, self)
+    }
+
+    /// Quotient of 1 and the number.
+    #[inline(always)]
+    fn recip(self) -> Self {
+        self.splat(1.0) / self
+    }
+}
+
+/// Truth values of lanes.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// True if any lane is.
+    fn any(self) -> bool;
+
+    /// True if all lanes are.
+    #[inline(always)]
+    fn all(self) -> bool {
+        !(!self).any()
+    }
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+}
+
+impl Real for f64 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(self, x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::abs(self)
+    }
+
+    #[inline(always)]
+    fn floor(self) -> Self {
+        Self::floor(self)
+    }
+
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        Self::copysign(self, sign)
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self <= other
+    }
+
+    #[inline(always)]
+    fn eq(self, other: Self) -> bool {
+        self == other
+    }
+
+    #[inline(always)]
+    fn select(mask: bool, a: Self, b: Self) -> Self {
+        if mask { a } else { b }
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        f(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comparisons_with_nan_are_false_and_keep_self() {
+        let nan = f64::NAN;
+        assert!(
+            !(Real::lt(nan, 1.0) | Real::le(nan, 1.0) | Real::gt(nan, 1.0) | Real::ge(nan, 1.0) | Real::eq(nan, nan))
+        );
+        assert_eq!((Real::max(1.0, nan), Real::min(1.0, nan)), (1.0, 1.0));
+        assert!(Real::max(nan, 1.0).is_nan() && Real::min(nan, 1.0).is_nan());
+    }
+
+    #[test]
+    fn zeros_are_equal() {
+        assert_eq!(Real::max(-0.0, 0.0).to_bits(), (-0.0f64).to_bits());
+        assert_eq!(Real::min(0.0, -0.0).to_bits(), 0.0f64.to_bits());
+    }
+}

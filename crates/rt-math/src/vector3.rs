@@ -1,0 +1,131 @@
+//! Vectors of three numbers, each of which may be several in SIMD lanes.
+
+use crate::Real;
+use core::ops::{Add, Mul, Neg, Sub};
+use glam::DVec3;
+
+/// Vector of three [`Real`] numbers. For one `f64` it has the same bits as [`DVec3`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vector3<R> {
+    /// First coordinate.
+    pub x: R,
+    /// Second coordinate.
+    pub y: R,
+    /// Third coordinate.
+    pub z: R,
+}
+
+impl<R> Vector3<R> {
+    /// Vector of these coordinates.
+    #[inline(always)]
+    pub const fn new(x: R, y: R, z: R) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<R: Real> Vector3<R> {
+    /// The vector `v` in all lanes; `like` is any number with as many lanes.
+    #[inline(always)]
+    pub fn splat(like: R, v: DVec3) -> Self {
+        Self::new(like.splat(v.x), like.splat(v.y), like.splat(v.z))
+    }
+
+    /// Scalar product.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> R {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// Squared length.
+    #[inline(always)]
+    pub fn length_squared(self) -> R {
+        self.dot(self)
+    }
+
+    /// Length.
+    #[inline(always)]
+    pub fn length(self) -> R {
+        self.length_squared().sqrt()
+    }
+
+    /// Absolute values of the coordinates.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self::new(self.x.abs(), self.y.abs(), self.z.abs())
+    }
+
+    /// `a` where the mask is true, `b` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: R::Mask, a: Self, b: Self) -> Self {
+        Self::new(R::select(mask, a.x, b.x), R::select(mask, a.y, b.y), R::select(mask, a.z, b.z))
+    }
+}
+
+impl<R: Real> Add for Vector3<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::new(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+}
+
+impl<R: Real> Sub for Vector3<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+}
+
+impl<R: Real> Neg for Vector3<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.y, -self.z)
+    }
+}
+
+impl<R: Real> Mul<R> for Vector3<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, factor: R) -> Self {
+        Self::new(self.x * factor, self.y * factor, self.z * factor)
+    }
+}
+
+impl From<DVec3> for Vector3<f64> {
+    #[inline(always)]
+    fn from(v: DVec3) -> Self {
+        Self::new(v.x, v.y, v.z)
+    }
+}
+
+impl From<Vector3<f64>> for DVec3 {
+    #[inline(always)]
+    fn from(v: Vector3<f64>) -> Self {
+        Self::new(v.x, v.y, v.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{hash, unit};
+
+    #[test]
+    fn operations_have_the_bits_of_dvec3() {
+        for i in 0..1000 {
+            let coordinate = |at: u64| (unit(hash(&[5, i, at])) - 0.5) * f64::from(1u32 << (i % 30));
+            let [a, b] = [0, 3].map(|at| DVec3::new(coordinate(at), coordinate(at + 1), coordinate(at + 2)));
+            let [v, w] = [a, b].map(Vector3::from);
+            assert_eq!(v.dot(w).to_bits(), a.dot(b).to_bits());
+            assert_eq!(v.length().to_bits(), a.length().to_bits());
+            assert_eq!(DVec3::from(v + w * 0.3 - -v.abs()), a + b * 0.3 - -a.abs());
+            assert_eq!(DVec3::from(Vector3::select(v.x.lt(w.x), v, w)), if a.x < b.x { a } else { b });
+        }
+    }
+}
