@@ -59,6 +59,9 @@ pub trait Real:
     /// A function of each lane by itself.
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
 
+    /// A function of each lane of two numbers.
+    fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+
     /// `self > other`.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
@@ -160,6 +163,11 @@ impl Real for f64 {
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         f(self)
+    }
+
+    #[inline(always)]
+    fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        f(self, other)
     }
 }
 
