@@ -36,6 +36,12 @@ impl<R: Real> Vector3<R> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// Product of each coordinate with that of the other vector, as of a colour with a filter.
+    #[inline(always)]
+    pub fn scaled_by(self, other: Self) -> Self {
+        Self::new(self.x * other.x, self.y * other.y, self.z * other.z)
+    }
+
     /// Squared length.
     #[inline(always)]
     pub fn length_squared(self) -> R {
@@ -142,6 +148,7 @@ mod tests {
             assert_eq!(v.dot(w).to_bits(), a.dot(b).to_bits());
             assert_eq!(v.length().to_bits(), a.length().to_bits());
             assert_eq!(DVec3::from(v / w.z + w * 0.3 - -v.abs()), a / b.z + b * 0.3 - -a.abs());
+            assert_eq!(DVec3::from(v.scaled_by(w)), a * b);
             assert_eq!(DVec3::from(Vector3::select(v.x.lt(w.x), v, w)), if a.x < b.x { a } else { b });
         }
     }

@@ -1,10 +1,10 @@
 //! Four `f64` in SIMD lanes, behind types of our own. No other file uses `fearless_simd`.
 //!
-//! Code in lanes is generic over [`Real`]. All of it is `#[inline(always)]`, up to the call of [`LaneLevel`] that encloses a whole stage, so
-//! that it is compiled for the instruction set of the level.
+//! Code in lanes is generic over [`Real`]. All of it is `#[inline(always)]`, up to the `vectorize` that encloses a whole stage, so that it
+//! is compiled for the instruction set. `map` and `from_fn` of arrays are not: their closures would be compiled without it.
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
-use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, mask64x4};
+use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, i64x4, mask64x4};
 use rt_math::{Mask, Real, Vector3, transcendental};
 
 /// Number of lanes.
@@ -35,7 +35,21 @@ impl LaneLevel {
 pub(crate) struct Lanes<S: Simd>(f64x4<S>);
 
 /// Four truth values in registers.
-pub(crate) struct LaneMask<S: Simd>(mask64x4<S>);
+///
+/// All bits of a lane are equal. Vectors of integers combine faster than masks in builds with debug assertions.
+pub(crate) struct LaneMask<S: Simd>(i64x4<S>);
+
+impl<S: Simd> LaneMask<S> {
+    #[inline(always)]
+    fn new(mask: mask64x4<S>) -> Self {
+        Self(mask.to_vector())
+    }
+
+    #[inline(always)]
+    fn mask(self) -> mask64x4<S> {
+        mask64x4::from_vector(self.0)
+    }
+}
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
@@ -46,14 +60,6 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(crate) fn load(simd: S, lane: &Lane) -> Self {
         Self(f64x4::simd_from(simd, *lane))
-    }
-
-    #[inline(always)]
-    pub(crate) fn load_each<const N: usize>(simd: S, lanes: &[Lane; N]) -> [Self; N] {
-        core::array::from_fn(
-            #[inline(always)]
-            |i| Self::load(simd, &lanes[i]),
-        )
     }
 
     #[inline(always)]
@@ -76,7 +82,7 @@ impl<S: Simd> LaneMask<S> {
     /// Bit `i` is the value of lane `i`.
     #[inline(always)]
     pub(crate) fn bits(self) -> u8 {
-        self.0.to_bitmask() as u8
+        self.mask().to_bitmask() as u8
     }
 }
 
@@ -157,12 +163,12 @@ impl<S: Simd> Not for LaneMask<S> {
 impl<S: Simd> Mask for LaneMask<S> {
     #[inline(always)]
     fn any(self) -> bool {
-        self.0.any_true()
+        self.mask().any_true()
     }
 
     #[inline(always)]
     fn all(self) -> bool {
-        self.0.all_true()
+        self.mask().all_true()
     }
 }
 
@@ -196,22 +202,22 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn lt(self, other: Self) -> LaneMask<S> {
-        LaneMask(self.0.simd_lt(other.0))
+        LaneMask::new(self.0.simd_lt(other.0))
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> LaneMask<S> {
-        LaneMask(self.0.simd_le(other.0))
+        LaneMask::new(self.0.simd_le(other.0))
     }
 
     #[inline(always)]
     fn eq(self, other: Self) -> LaneMask<S> {
-        LaneMask(self.0.simd_eq(other.0))
+        LaneMask::new(self.0.simd_eq(other.0))
     }
 
     #[inline(always)]
     fn select(mask: LaneMask<S>, a: Self, b: Self) -> Self {
-        Self(mask.0.select(a.0, b.0))
+        Self(mask.mask().select(a.0, b.0))
     }
 
     #[inline(always)]

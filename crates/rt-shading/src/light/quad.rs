@@ -81,7 +81,7 @@ impl QuadLight {
     /// Solid angle, given the offset to the corner.
     #[inline(always)]
     fn solid_angle_of<R: Real>(&self, a: Vector3<R>) -> R {
-        let [edge, other] = self.edges.map(|edge| Vector3::splat(a.x, edge));
+        let [edge, other] = splat_both(a.x, self.edges);
         let [b, d] = [a + edge, a + other];
         let (c, height) = (b + other, a.dot(Vector3::splat(a.x, self.normal)));
         solid_angle::of_fan([a, b, c, d], height, self.area)
@@ -115,7 +115,7 @@ impl QuadLight {
         let rounding = normal.abs().dot(corner.abs() + point.abs()) * gamma(16);
         let is_lit = self.emission.emits(height) & !height.abs().le(rounding);
         let (is_spherical, solid_angle) = self.angle_to_sample(offset, height);
-        let [edge, other] = self.edges.map(|edge| Vector3::splat(u[0], edge));
+        let [edge, other] = splat_both(u[0], self.edges);
         let (mut on_light, mut pdf) = (corner + edge * u[0] + other * u[1], solid_angle.recip());
         if !is_spherical.all() {
             let by_area = by_solid_angle(1.0 / self.area, on_light - point, height);
@@ -211,7 +211,7 @@ impl QuadLight {
     #[inline(always)]
     fn spherical_point<R: Real>(&self, offset: Vector3<R>, height: R, solid_angle: R, u: [R; 2]) -> Vector3<R> {
         let (zero, one) = (height.splat(0.0), height.splat(1.0));
-        let [x_axis, y_axis] = self.axes.map(|axis| Vector3::splat(height, axis));
+        let [x_axis, y_axis] = splat_both(height, self.axes);
         let h = height.abs();
         let (x0, y0) = (offset.dot(x_axis), offset.dot(y_axis));
         let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
@@ -234,6 +234,12 @@ impl QuadLight {
         let y = y0.max(hv * d / ((one - hv) * (one + hv)).sqrt()).min(y1);
         Vector3::splat(height, self.corner) + x_axis * (x - x0) + y_axis * (y - y0)
     }
+}
+
+/// Two vectors in all lanes.
+#[inline(always)]
+fn splat_both<R: Real>(like: R, [a, b]: [DVec3; 2]) -> [Vector3<R>; 2] {
+    [Vector3::splat(like, a), Vector3::splat(like, b)]
 }
 
 /// Unit vector along an edge, whose square may underflow; zero for an edge of length zero.

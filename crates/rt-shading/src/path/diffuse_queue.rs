@@ -50,8 +50,8 @@ struct Block {
     direction: Vector3<Lane>,
     /// −1 where the surface is seen from behind, 1 elsewhere.
     side: Lane,
-    albedo: [Lane; 3],
-    throughput: [Lane; 3],
+    albedo: Vector3<Lane>,
+    throughput: Vector3<Lane>,
     eta_scale: Lane,
     /// Numbers for the choice of a light, a direction to it, and the next direction of the path.
     u_light_choice: Lane,
@@ -71,7 +71,7 @@ struct LightBlock {
     target: Vector3<Lane>,
     /// 1 for a light at infinity, 0 elsewhere.
     is_infinite: Lane,
-    radiance: [Lane; 3],
+    radiance: Vector3<Lane>,
     /// Density per unit solid angle; 0 where no light reaches the vertex.
     pdf: Lane,
 }
@@ -90,10 +90,10 @@ struct ScatteredBlock {
     shadow_origin: Vector3<Lane>,
     shadow_direction: Vector3<Lane>,
     /// Contributions of unoccluded light.
-    direct: [Lane; 3],
+    direct: Vector3<Lane>,
     next_origin: Vector3<Lane>,
     next_direction: Vector3<Lane>,
-    throughput: [Lane; 3],
+    throughput: Vector3<Lane>,
     pdf: Lane,
 }
 
@@ -268,12 +268,13 @@ fn sample_quad<S: Simd>(simd: S, blocks: &mut [Block], quad: &QuadLight) {
             let zero = Lanes::splat(simd, 0.0);
             for block in blocks {
                 let point = Lanes::load_vector(simd, &block.point);
-                let sampled = quad.sample_li_lanes(point, Lanes::load_each(simd, &block.u_light));
+                let [u, v] = &block.u_light;
+                let sampled = quad.sample_li_lanes(point, [Lanes::load(simd, u), Lanes::load(simd, v)]);
                 block.light = LightBlock {
                     direction: Lanes::store_vector(sampled.direction),
                     target: Lanes::store_vector(sampled.target),
                     is_infinite: [0.0; LANES],
-                    radiance: [[r; LANES], [g; LANES], [b; LANES]],
+                    radiance: Vector3::new([r; LANES], [g; LANES], [b; LANES]),
                     pdf: Real::select(sampled.is_lit, sampled.pdf, zero).store(),
                 };
             }
@@ -300,11 +301,8 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     let (geometric, shading) =
         (Lanes::load_vector(simd, &block.geometric_normal), Lanes::load_vector(simd, &block.shading_normal));
     let (point, error) = (Lanes::load_vector(simd, &block.point), Lanes::load_vector(simd, &block.point_error));
-    let throughput = Lanes::load_each(simd, &block.throughput);
-    let albedo_over_pi = Lanes::load_each(simd, &block.albedo).map(
-        #[inline(always)]
-        |albedo| albedo * FRAC_1_PI,
-    );
+    let throughput = Lanes::load_vector(simd, &block.throughput);
+    let albedo_over_pi = Lanes::load_vector(simd, &block.albedo) * Lanes::splat(simd, FRAC_1_PI);
     let side = Lanes::load(simd, &block.side);
     let is_behind = side.lt(zero);
 
@@ -327,18 +325,11 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     let sides_agree = (is_up & is_geometrically_up) | (!is_up & !is_geometrically_up);
     let weight =
         if follows_diffuse { power_heuristic(light_pdf, cos_above * FRAC_1_PI) } else { Lanes::splat(simd, 1.0) };
-    let reflected = albedo_over_pi.map(
-        #[inline(always)]
-        |f| f * weight * cos.abs(),
-    );
-    let [r, g, b] = reflected;
-    let is_black = r.eq(zero) & g.eq(zero) & b.eq(zero);
+    let reflected = albedo_over_pi * weight * cos.abs();
+    let is_black = is_zero(reflected);
     let lit = light_pdf.gt(zero) & sides_agree & cos_above.gt(horizon) & !is_black;
-    let radiance = Lanes::load_each(simd, &light.radiance);
-    let direct: [_; 3] = core::array::from_fn(
-        #[inline(always)]
-        |i| throughput[i] * reflected[i] * radiance[i] / light_pdf,
-    );
+    let radiance = Lanes::load_vector(simd, &light.radiance);
+    let direct = throughput.scaled_by(reflected).scaled_by(radiance) / light_pdf;
 
     // Shadow ray. Those to the far side are rare, and start elsewhere.
     let shadow_point = Lanes::load_vector(simd, &block.shadow_point);
@@ -355,10 +346,7 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
         lit: lit.bits(),
         shadow_origin: Lanes::store_vector(shadow_origin),
         shadow_direction: Lanes::store_vector(shadow_direction),
-        direct: direct.map(
-            #[inline(always)]
-            |x| x.store(),
-        ),
+        direct: Lanes::store_vector(direct),
         ..ScatteredBlock::default()
     };
     if !follows_diffuse {
@@ -366,41 +354,31 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     }
 
     // Next direction.
-    let local = cosine_hemisphere_lanes(Lanes::load_each(simd, &block.u_bsdf));
+    let [u, v] = &block.u_bsdf;
+    let local = cosine_hemisphere_lanes([Lanes::load(simd, u), Lanes::load(simd, v)]);
     let pdf = local.z * FRAC_1_PI;
     let height = Real::select(is_above, local.z, -local.z);
     let next = tangent * local.x + bitangent * local.y + shading * height;
     let continued = local.z.gt(horizon) & next.dot(towards_viewer).gt(zero);
     let scale = local.z / pdf;
-    let after: [_; 3] = core::array::from_fn(
-        #[inline(always)]
-        |i| throughput[i] * (albedo_over_pi[i] * scale),
-    );
+    let after = throughput.scaled_by(albedo_over_pi * scale);
     let outwards = Vector3::select(next.dot(geometric).lt(zero), -geometric, geometric);
     let (next_origin, is_offset) = offset_point(point, error, geometric, outwards);
-    valid = valid & (!continued | (is_offset & Vector3::new(after[0], after[1], after[2]).is_finite()));
+    valid = valid & (!continued | (is_offset & after.is_finite()));
 
     // Russian roulette.
     let u_roulette = Lanes::load(simd, &block.u_roulette);
-    let max = after[0].max(after[1]).max(after[2]);
+    let max = after.x.max(after.y).max(after.z);
     let survival = (max * Lanes::load(simd, &block.eta_scale)).min(zero + MAX_SURVIVAL);
     let plays = u_roulette.ge(zero);
-    let [r, g, b] = after;
-    let is_black = r.eq(zero) & g.eq(zero) & b.eq(zero);
-    let alive = continued & !is_black & (!plays | u_roulette.lt(survival));
-    let after = after.map(
-        #[inline(always)]
-        |x| Real::select(plays, x / survival, x),
-    );
+    let alive = continued & !is_zero(after) & (!plays | u_roulette.lt(survival));
+    let after = Vector3::select(plays, after / survival, after);
     scattered.valid = valid.bits();
     scattered.continued = continued.bits();
     scattered.alive = alive.bits();
     scattered.next_origin = Lanes::store_vector(next_origin);
     scattered.next_direction = Lanes::store_vector(next);
-    scattered.throughput = after.map(
-        #[inline(always)]
-        |x| x.store(),
-    );
+    scattered.throughput = Lanes::store_vector(after);
     scattered.pdf = pdf.store();
     scattered
 }
@@ -416,11 +394,18 @@ fn set(lanes: &mut Vector3<Lane>, lane: usize, v: DVec3) {
 }
 
 #[inline(always)]
-fn get_rgb([r, g, b]: &[Lane; 3], lane: usize) -> Rgb {
-    Rgb::new(r[lane], g[lane], b[lane])
+fn get_rgb(lanes: &Vector3<Lane>, lane: usize) -> Rgb {
+    get(lanes, lane).to_array().into()
 }
 
 #[inline(always)]
-fn set_rgb([r, g, b]: &mut [Lane; 3], lane: usize, rgb: Rgb) {
-    (r[lane], g[lane], b[lane]) = (rgb.r, rgb.g, rgb.b);
+fn set_rgb(lanes: &mut Vector3<Lane>, lane: usize, rgb: Rgb) {
+    set(lanes, lane, rgb.to_array().into());
+}
+
+/// True where all coordinates are zero.
+#[inline(always)]
+fn is_zero<R: Real>(v: Vector3<R>) -> R::Mask {
+    let zero = v.x.splat(0.0);
+    v.x.eq(zero) & v.y.eq(zero) & v.z.eq(zero)
 }
