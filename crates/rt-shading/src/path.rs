@@ -53,7 +53,9 @@ pub struct PathTracer<S> {
     needs: Needs,
     /// Media around the camera: one list for all paths, or one for each.
     surroundings: Vec<InteriorList>,
-    paths: Vec<Path<S>>,
+    paths: Vec<Path>,
+    /// Samplers of the paths.
+    samplers: Vec<S>,
     /// Rays of the current wave.
     ray_queues: RayQueues<u32>,
     next: RayQueues<u32>,
@@ -88,6 +90,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             needs,
             surroundings: Vec::new(),
             paths: Vec::new(),
+            samplers: Vec::new(),
             ray_queues: RayQueues::default(),
             next: RayQueues::default(),
             shadows: ShadowRayQueue::default(),
@@ -174,14 +177,11 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Starts a path for each sampler.
     fn start(&mut self, samplers: &[S]) {
+        samplers.clone_into(&mut self.samplers);
         // Lists of bodies keep their memory from wave to wave.
         self.paths.truncate(samplers.len());
-        for (path, sampler) in self.paths.iter_mut().zip(samplers) {
-            path.reset(sampler.clone());
-        }
-        for sampler in &samplers[self.paths.len()..] {
-            self.paths.push(Path::new(sampler.clone()));
-        }
+        self.paths.iter_mut().for_each(Path::reset);
+        self.paths.resize_with(samplers.len(), Path::default);
         if self.needs.refraction {
             for (path, surroundings) in self.paths.iter_mut().zip(self.surroundings.iter().cycle()) {
                 path.medium_tracker.interior.clone_from(surroundings);

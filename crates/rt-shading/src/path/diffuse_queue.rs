@@ -1,13 +1,13 @@
 //! Queue of path vertices on Lambertian surfaces, which are shaded in lanes.
 //!
 //! ```text
-//!   hits ─▶ push ─▶ sample lights ─▶ shade ─▶ shadow rays, next rays
+//!   hits ─▶ push ─▶ draw samples ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
 //! ```
 //!
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
 //! [`Lambert`](crate::bsdf::Lambert) for one path. Lanes in which a rare case occurs are marked, and shaded one by one.
 
-use super::{PathSettings, Transport, wave::Path};
+use super::{PathSettings, wave::Path};
 use crate::{
     bsdf::{HORIZON, cosine_hemisphere_lanes},
     lanes::{LANES, Lane, LaneLevel, Lanes},
@@ -24,18 +24,30 @@ use rt_math::{DVec3, Real, Rgb, Sampler, Vector3, tangents};
 /// Vertices with their light samples and samples of the next direction.
 #[derive(Clone, Debug)]
 pub(super) struct DiffuseQueue<S> {
-    vertices: Vec<QueuedVertex<S>>,
+    vertices: Vec<QueuedVertex>,
     blocks: Vec<Block>,
+    /// Samplers of the paths before they were used here.
+    before: Vec<S>,
+    draws: Draws,
+}
+
+/// Buffers for samples that are drawn together.
+#[derive(Clone, Debug, Default)]
+struct Draws {
+    /// Path of each vertex.
+    paths: Vec<u32>,
+    pairs: Vec<[f64; 2]>,
+    numbers: Vec<f64>,
+    /// Vertices at which Russian roulette is played.
+    roulette: Vec<u32>,
 }
 
 /// Parts of a vertex that are not computed with in lanes.
-#[derive(Clone, Debug)]
-pub(super) struct QueuedVertex<S> {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QueuedVertex {
     /// Index of the path.
     pub(super) path: u32,
     pub(super) time: f64,
-    /// Sampler of the path before it was used here.
-    pub(super) sampler: S,
 }
 
 /// Four vertices: inputs, light samples and results.
@@ -123,7 +135,7 @@ pub(super) struct NextRay {
 
 impl<S> Default for DiffuseQueue<S> {
     fn default() -> Self {
-        Self { vertices: Vec::new(), blocks: Vec::new() }
+        Self { vertices: Vec::new(), blocks: Vec::new(), before: Vec::new(), draws: Draws::default() }
     }
 }
 
@@ -132,7 +144,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         self.vertices.is_empty()
     }
 
-    pub(super) fn vertices(&self) -> &[QueuedVertex<S>] {
+    pub(super) fn vertices(&self) -> &[QueuedVertex] {
         &self.vertices
     }
 
@@ -140,21 +152,21 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         self.vertices.clear();
     }
 
-    /// Appends a vertex of a path, and draws its samples, for one of `n_lights`. The shading normal of the surface must face the viewer.
+    /// Appends a vertex of a path. The shading normal of the surface must face the viewer.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
-        (id, path): (u32, &mut Path<S>),
+        (id, path): (u32, &Path),
         view: &ViewedSurface<'_>,
         albedo: Rgb,
         time: f64,
-        (settings, n_lights): (&PathSettings, usize),
+        settings: &PathSettings,
     ) {
         let (at, lane) = (self.vertices.len() / LANES, self.vertices.len() % LANES);
         if at == self.blocks.len() {
             self.blocks.push(Block::default());
         }
-        self.vertices.push(QueuedVertex { path: id, time, sampler: path.sampler.clone() });
+        self.vertices.push(QueuedVertex { path: id, time });
         let (block, surface) = (&mut self.blocks[at], view.surface);
         set(&mut block.point, lane, surface.point);
         set(&mut block.point_error, lane, surface.point_error);
@@ -166,17 +178,51 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         set_rgb(&mut block.albedo, lane, albedo);
         set_rgb(&mut block.throughput, lane, path.throughput);
         block.eta_scale[lane] = path.eta_scale;
-        let sampler = &mut path.sampler;
+        let plays_roulette = path.bounces + 1 > settings.rr_start_depth;
+        block.u_roulette[lane] = if plays_roulette { 0.0 } else { -1.0 };
+    }
+
+    /// Draws the samples of all vertices, for one of `n_lights` and, if paths follow diffuse surfaces, for the next direction.
+    pub(super) fn draw(&mut self, samplers: &mut [S], n_lights: usize, follows_diffuse: bool) {
+        let Self { vertices, blocks, before, draws } = self;
+        let Draws { paths, pairs, numbers, roulette } = draws;
+        paths.clear();
+        paths.extend(vertices.iter().map(|vertex| vertex.path));
+        before.clear();
+        before.extend(paths.iter().map(|&path| samplers[path as usize].clone()));
+        pairs.resize(paths.len(), [0.0; 2]);
+        numbers.resize(paths.len(), 0.0);
         if n_lights > 0 {
-            [block.u_light[0][lane], block.u_light[1][lane]] = sampler.next_2d();
-            block.u_light_choice[lane] = if n_lights > 1 { sampler.next_1d() } else { 0.0 };
+            S::next_2d_batch(samplers, paths, pairs);
+            each_pair(blocks, pairs, |block| &mut block.u_light);
         }
-        if settings.transport == Transport::Specular {
+        if n_lights > 1 {
+            S::next_1d_batch(samplers, paths, numbers);
+            for (at, &number) in numbers.iter().enumerate() {
+                blocks[at / LANES].u_light_choice[at % LANES] = number;
+            }
+        }
+        if !follows_diffuse {
             return;
         }
-        [block.u_bsdf[0][lane], block.u_bsdf[1][lane]] = sampler.next_2d();
-        let plays_roulette = path.bounces + 1 > settings.rr_start_depth;
-        block.u_roulette[lane] = if plays_roulette { sampler.next_1d() } else { -1.0 };
+        S::next_2d_batch(samplers, paths, pairs);
+        each_pair(blocks, pairs, |block| &mut block.u_bsdf);
+        roulette.clear();
+        roulette.extend((0..paths.len() as u32).filter(|&at| {
+            let at = at as usize;
+            blocks[at / LANES].u_roulette[at % LANES] >= 0.0
+        }));
+        paths.clear();
+        paths.extend(roulette.iter().map(|&at| vertices[at as usize].path));
+        S::next_1d_batch(samplers, paths, numbers);
+        for (&at, &number) in roulette.iter().zip(&*numbers) {
+            blocks[at as usize / LANES].u_roulette[at as usize % LANES] = number;
+        }
+    }
+
+    /// Sampler of the path of a vertex before it was used here.
+    pub(super) fn sampler_before(&self, at: usize) -> S {
+        self.before[at].clone()
     }
 
     /// Samples lights, and the next direction of each path if it `follows_diffuse` surfaces.
@@ -236,6 +282,16 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
             ..SurfaceInteraction::flat(point, error, get(&block.geometric_normal, lane), [0.0; 2])
         };
         (surface, (get(&block.direction, lane), block.side[lane] < 0.0), get_rgb(&block.albedo, lane))
+    }
+}
+
+/// Stores pairs of numbers in the lanes of a field.
+fn each_pair(blocks: &mut [Block], pairs: &[[f64; 2]], field: impl Fn(&mut Block) -> &mut [Lane; 2]) {
+    for (block, pairs) in blocks.iter_mut().zip(pairs.chunks(LANES)) {
+        let [u, v] = field(block);
+        for (lane, pair) in pairs.iter().enumerate() {
+            [u[lane], v[lane]] = *pair;
+        }
     }
 }
 

@@ -84,8 +84,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             && albedo.is_finite()
             && view.surface.shading_normal == shading_normal
         {
-            let settings = (&self.settings, lighting.lights.sampled_lights().len());
-            return self.diffuse.push((id, path), &view, albedo, ray.time, settings);
+            return self.diffuse.push((id, path), &view, albedo, ray.time, &self.settings);
         }
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
@@ -110,13 +109,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let Some(level) = self.wave_lanes.filter(|_| !self.diffuse.is_empty()) else { return };
         let mut queue = core::mem::take(&mut self.diffuse);
         let follows_diffuse = self.settings.transport != Transport::Specular;
-        queue.shade(level, lighting.lights, follows_diffuse);
         let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
+        queue.draw(&mut self.samplers, n_lights, follows_diffuse);
+        queue.shade(level, lighting.lights, follows_diffuse);
         for (at, queued) in queue.vertices().iter().enumerate() {
             let id = queued.path;
             let path = &mut self.paths[id as usize];
             let Some(scattered) = queue.scattered(at) else {
-                path.sampler = queued.sampler.clone();
+                self.samplers[id as usize] = queue.sampler_before(at);
                 let (mut surface, (direction, is_inside), albedo) = queue.surface(at);
                 let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), Lambert { albedo }.into());
                 let vertex = Vertex::new(view, &bsdf, queued.time);
@@ -219,8 +219,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if n_sampled == 0 {
             return;
         }
-        let u = path.sampler.next_2d();
-        let choice = if n_sampled > 1 { path.sampler.next_1d() } else { 0.0 };
+        let sampler = &mut self.samplers[id as usize];
+        let u = sampler.next_2d();
+        let choice = if n_sampled > 1 { sampler.next_1d() } else { 0.0 };
         let Some(light) = lighting.lights.sample_li(surface.point, vertex.normal, choice, u) else {
             self.counts.shadow_rays_skipped += 1;
             return;
@@ -243,8 +244,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
     fn sample_bsdf(&mut self, id: u32, vertex: &Vertex<'_>, interface: Option<&MediumInterface>) {
         let path = &mut self.paths[id as usize];
         let Some(bsdf) = vertex.sampled_lobes() else { return };
-        let [u, v] = path.sampler.next_2d();
-        let lobe = if bsdf.uses_component_sample() { path.sampler.next_1d() } else { 0.0 };
+        let sampler = &mut self.samplers[id as usize];
+        let [u, v] = sampler.next_2d();
+        let lobe = if bsdf.uses_component_sample() { sampler.next_1d() } else { 0.0 };
         let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
         // Light paths do not find the reverse of a direction that was kept on its side. So only purely specular paths from the
         // camera take it: `NonCaustic` and light tracing must sum to all light.
@@ -268,7 +270,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         }
         let is_old = path.bounces > self.settings.rr_start_depth;
-        if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, &mut path.sampler) {
+        if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, sampler) {
             return;
         }
         path.medium_tracker.scatter(interface, sample.kind);
@@ -284,7 +286,7 @@ fn within(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCount
 }
 
 /// MIS weight of the emission of a surface that a BSDF sample has hit.
-fn mis_weight_area<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
+fn mis_weight_area(lighting: Lighting<'_>, path: &Path, hit: &SurfaceHit) -> f64 {
     let (Some(light), Some(pdf)) = (hit.light, path.prev.pdf) else { return 1.0 };
     let PrevVertex { point, normal, .. } = path.prev;
     let surface = &hit.interaction;
@@ -293,7 +295,7 @@ fn mis_weight_area<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) 
 }
 
 /// MIS weight of the environment that a BSDF sample has hit.
-fn mis_weight_env<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
+fn mis_weight_env(lighting: Lighting<'_>, path: &Path, direction: DVec3) -> f64 {
     let (Some(_), Some(pdf)) = (lighting.lights.environment(), path.prev.pdf) else { return 1.0 };
     power_heuristic(pdf, lighting.lights.pdf_li_environment(path.prev.point, path.prev.normal, direction))
 }
