@@ -1,6 +1,6 @@
 //! Exponential functions, logarithms and powers.
 
-use super::parts::{INTEGER_SHIFT, SIGN, fast_two_sum, high_16, high_26, or_else, polynomial, round};
+use super::parts::{INTEGER_SHIFT, SIGN, fast_two_sum, high_16, high_26, is_between, or_else, polynomial, round};
 use crate::{Mask, Real};
 use core::f64::consts::{LN_2, LOG2_E};
 
@@ -71,16 +71,13 @@ pub fn exp<R: Real>(x: R) -> R {
     }
     #[inline(always)]
     fn lanes<R: Real>(x: R) -> R {
-        let power = |x: R, scale: fn(R, R) -> R| {
-            let n = round(x * LOG2_E);
-            scale(exp_of_sum(x - n * LN_2_PARTS[0], -(n * LN_2_PARTS[1])), n)
-        };
         if x.abs().le(x.splat(700.0)).all() {
-            power(x, scale_normal)
-        } else {
-            // Outside of these limits the result is 0 or infinite.
-            power(x.max(x.splat(-750.0)).min(x.splat(750.0)), scale)
+            let (mantissa, n) = exp_unscaled(x);
+            return mantissa * power_of_two(n);
         }
+        // Outside of these limits the result is 0 or infinite.
+        let (mantissa, n) = exp_unscaled(x.max(x.splat(-750.0)).min(x.splat(750.0)));
+        scale(mantissa, n)
     }
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
@@ -108,12 +105,13 @@ pub fn log<R: Real>(x: R) -> R {
     }
     #[inline(always)]
     fn lanes<R: Real>(x: R) -> R {
-        let inside = || {
-            let Logarithm { exponent, f, half_square, rest } = Logarithm::new(x);
-            let (sum, error) = fast_two_sum(exponent * LN_2_PARTS[0], f);
-            sum + ((rest + (error + exponent * LN_2_PARTS[1])) - half_square)
-        };
-        or_else(is_normal(x), inside, || x.map(libm::log))
+        or_else(
+            is_normal(x),
+            #[inline(always)]
+            || Logarithm::new(x).natural(),
+            #[inline(always)]
+            || x.map(libm::log),
+        )
     }
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
@@ -127,15 +125,13 @@ pub fn log2<R: Real>(x: R) -> R {
     }
     #[inline(always)]
     fn lanes<R: Real>(x: R) -> R {
-        let inside = || {
-            // Multiply by 1 / ln 2. The product of the high parts is exact.
-            let Logarithm { exponent, f, half_square, rest } = Logarithm::new(x);
-            let high = high_26(f - (half_square - rest));
-            let low = ((f - high) - half_square) + rest;
-            let (sum, error) = fast_two_sum(exponent, high * LOG2_E_SHORT[0]);
-            sum + (error + (high * LOG2_E_SHORT[1] + low * LOG2_E))
-        };
-        or_else(is_normal(x), inside, || x.map(libm::log2))
+        or_else(
+            is_normal(x),
+            #[inline(always)]
+            || Logarithm::new(x).binary(),
+            #[inline(always)]
+            || x.map(libm::log2),
+        )
     }
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
@@ -151,22 +147,31 @@ pub fn pow<R: Real>(x: R, y: R) -> R {
     }
     #[inline(always)]
     fn lanes<R: Real>(x: R, y: R) -> R {
-        let splat = |number| x.splat(number);
-        let is_zero = x.eq(splat(0.0)) & splat(1.0).copysign(x).gt(splat(0.0)) & y.gt(splat(0.0));
-        let is_inside = (is_normal(x) & y.abs().le(splat(LARGEST_EXPONENT))) | is_zero;
-
-        let inside = || {
-            // Multiply the logarithm by y. The product of the high parts is exact.
-            let (sum, rest) = log2_as_sum(x);
-            let log_high = high_26(sum + rest);
-            let log_low = (sum - log_high) + rest;
-            let y_high = high_26(y);
-            let power = exp2_of_sum(y_high * log_high, y * log_low + (y - y_high) * log_high);
-            R::select(is_zero, splat(0.0), power)
-        };
-        or_else(is_inside, inside, || x.map2(y, libm::pow))
+        let (zero, one) = (x.splat(0.0), x.splat(1.0));
+        // Powers of +0 with a positive exponent are 0.
+        let is_zero = R::select(x.eq(zero), y.min(one.copysign(x)), zero).gt(zero);
+        let base = R::select(is_zero, one, x);
+        let is_inside = R::select(is_normal(base), y.abs(), x.splat(f64::INFINITY)).le(x.splat(LARGEST_EXPONENT));
+        or_else(
+            is_inside,
+            #[inline(always)]
+            || R::select(is_zero, zero, pow_normal(base, y)),
+            #[inline(always)]
+            || x.map2(y, libm::pow),
+        )
     }
     if R::IS_SCALAR { x.map2(y, scalar) } else { lanes(x, y) }
+}
+
+/// Power of a positive normal number, for exponents up to [`LARGEST_EXPONENT`].
+#[inline(always)]
+fn pow_normal<R: Real>(x: R, y: R) -> R {
+    // Multiply the logarithm by y. The product of the high parts is exact.
+    let (sum, rest) = log2_as_sum(x);
+    let log_high = high_26(sum + rest);
+    let log_low = (sum - log_high) + rest;
+    let y_high = high_26(y);
+    exp2_of_sum(y_high * log_high, y * log_low + (y - y_high) * log_high)
 }
 
 /// Logarithm as a sum: `exponent` ln 2 + f − `half_square` + `rest`.
@@ -192,12 +197,29 @@ impl<R: Real> Logarithm<R> {
         let half_square = f * f * 0.5;
         Self { exponent, f, half_square, rest: s * (half_square + z * polynomial(z, LOGARITHM)) }
     }
+
+    /// Sum of the terms.
+    #[inline(always)]
+    fn natural(self) -> R {
+        let (sum, error) = fast_two_sum(self.exponent * LN_2_PARTS[0], self.f);
+        sum + ((self.rest + (error + self.exponent * LN_2_PARTS[1])) - self.half_square)
+    }
+
+    /// Logarithm to base 2.
+    #[inline(always)]
+    fn binary(self) -> R {
+        // Multiply by 1 / ln 2. The product of the high parts is exact.
+        let high = high_26(self.f - (self.half_square - self.rest));
+        let low = ((self.f - high) - self.half_square) + self.rest;
+        let (sum, error) = fast_two_sum(self.exponent, high * LOG2_E_SHORT[0]);
+        sum + (error + (high * LOG2_E_SHORT[1] + low * LOG2_E))
+    }
 }
 
 /// True for positive normal numbers.
 #[inline(always)]
 fn is_normal<R: Real>(x: R) -> R::Mask {
-    x.ge(x.splat(f64::MIN_POSITIVE)) & x.le(x.splat(f64::MAX))
+    is_between(x, f64::MIN_POSITIVE, f64::MAX)
 }
 
 /// Numbers m from √½ to √2 and n such that a positive normal `x` is m · 2ⁿ.
@@ -219,12 +241,6 @@ fn scale<R: Real>(x: R, n: R) -> R {
     x * power_of_two(half) * power_of_two(n - half)
 }
 
-/// `x · 2ⁿ` for integers from −1022 to 1023.
-#[inline(always)]
-fn scale_normal<R: Real>(x: R, n: R) -> R {
-    x * power_of_two(n)
-}
-
 /// 2ⁿ for integers from −1022 to 1023.
 #[inline(always)]
 fn power_of_two<R: Real>(n: R) -> R {
@@ -239,25 +255,36 @@ fn exp_of_sum<R: Real>(a: R, b: R) -> R {
     sum + (error + (b + r * r * polynomial(r, EXPONENTIAL)))
 }
 
+/// Numbers m from √½ to √2 and n such that exp x is m · 2ⁿ.
+#[inline(always)]
+fn exp_unscaled<R: Real>(x: R) -> (R, R) {
+    let n = round(x * LOG2_E);
+    (exp_of_sum(x - n * LN_2_PARTS[0], -(n * LN_2_PARTS[1])), n)
+}
+
 /// 2 to the power of a + b, where b has at most 2⁻²⁵ of the size of a. Sizes beyond 1100 give 0 or infinity.
 #[inline(always)]
 fn exp2_of_sum<R: Real>(a: R, b: R) -> R {
+    if a.abs().le(a.splat(1000.0)).all() {
+        let (mantissa, n) = exp2_unscaled(a, b);
+        return mantissa * power_of_two(n);
+    }
+    let b = R::select(a.abs().gt(a.splat(1100.0)), a.splat(0.0), b);
+    let (mantissa, n) = exp2_unscaled(a.max(a.splat(-1100.0)).min(a.splat(1100.0)), b);
+    scale(mantissa, n)
+}
+
+/// Numbers m from √½ to √2 and n such that 2 to the power of a + b is m · 2ⁿ.
+#[inline(always)]
+fn exp2_unscaled<R: Real>(a: R, b: R) -> (R, R) {
     /// 1.5 · 2²⁵: numbers near it are multiples of 2⁻²⁷.
     const SHIFT: f64 = 50_331_648.0;
-    let power = |a: R, b: R, scale: fn(R, R) -> R| {
-        // Multiply the fraction by ln 2. The product of the high parts is exact.
-        let n = round(a + b);
-        let fraction = a - n;
-        let high = ((fraction + b) + SHIFT) - SHIFT;
-        let low = (fraction - high) + b;
-        scale(exp_of_sum(high * LN_2_SHORT[0], high * LN_2_SHORT[1] + low * LN_2), n)
-    };
-    if a.abs().le(a.splat(1000.0)).all() {
-        power(a, b, scale_normal)
-    } else {
-        let b = R::select(a.abs().gt(a.splat(1100.0)), a.splat(0.0), b);
-        power(a.max(a.splat(-1100.0)).min(a.splat(1100.0)), b, scale)
-    }
+    // Multiply the fraction by ln 2. The product of the high parts is exact.
+    let n = round(a + b);
+    let fraction = a - n;
+    let high = ((fraction + b) + SHIFT) - SHIFT;
+    let low = (fraction - high) + b;
+    (exp_of_sum(high * LN_2_SHORT[0], high * LN_2_SHORT[1] + low * LN_2), n)
 }
 
 /// log₂ of a positive normal number as a sum, with a relative error of some 2⁻⁶⁷; the second number is smaller by 2⁻¹⁵.
@@ -265,13 +292,17 @@ fn exp2_of_sum<R: Real>(a: R, b: R) -> R {
 fn log2_as_sum<R: Real>(x: R) -> (R, R) {
     /// 1.5 · 2¹⁹: numbers near it are multiples of 2⁻³³.
     const SHIFT: f64 = 786_432.0;
-    let splat = |number| x.splat(number);
 
     // x = 2ⁿ · m, and m lies near the centre c.
     let (m, n) = split_exponent(x);
-    let [low, high] = [m.lt(splat(MEANS[0])), m.gt(splat(MEANS[1]))].map(|is| R::select(is, splat(1.0), splat(0.0)));
-    let choose = |i: usize| low * CENTRES[0][i] + high * CENTRES[1][i];
-    let (c, log_c, log_c_low) = (choose(0) + 1.0, choose(1), choose(2));
+    let (zero, one) = (x.splat(0.0), x.splat(1.0));
+    let low = R::select(m.lt(x.splat(MEANS[0])), one, zero);
+    let high = R::select(m.gt(x.splat(MEANS[1])), one, zero);
+    let [c, log_c, log_c_low] = [
+        low * CENTRES[0][0] + high * CENTRES[1][0] + 1.0,
+        low * CENTRES[0][1] + high * CENTRES[1][1],
+        low * CENTRES[0][2] + high * CENTRES[1][2],
+    ];
 
     // log₂(m / c) = C₁ s + C₃ s³ + ... with s = (m − c) / (m + c), here as a number of 16 bits and a rest.
     let difference = m - c;

@@ -1,6 +1,6 @@
 //! Inverse functions of sine, cosine and tangent.
 
-use super::parts::{fast_two_sum, high_26, or_else, polynomial};
+use super::parts::{fast_two_sum, high_26, is_between, or_else, polynomial};
 use crate::{Mask, Real};
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -68,8 +68,15 @@ pub fn atan<R: Real>(x: R) -> R {
             let z = x * x;
             return (x + x * (z * polynomial(z, ARCTANGENT))).copysign(x);
         }
-        let is_inside = (size.ge(x.splat(SIZES[0])) & size.le(x.splat(SIZES[1]))) | size.eq(x.splat(0.0));
-        or_else(is_inside, || angle(x.splat(1.0), x), || x.map(libm::atan))
+        let size = R::select(size.eq(x.splat(0.0)), x.splat(1.0), size);
+        let is_inside = is_between(size, SIZES[0], SIZES[1]);
+        or_else(
+            is_inside,
+            #[inline(always)]
+            || angle(x.splat(1.0), x),
+            #[inline(always)]
+            || x.map(libm::atan),
+        )
     }
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
@@ -85,32 +92,42 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
     }
     #[inline(always)]
     fn lanes<R: Real>(y: R, x: R) -> R {
-        let (size_x, size_y) = (x.abs(), y.abs());
-        let (smaller, greater) = (size_x.min(size_y), size_x.max(size_y));
-        let is_inside = greater.le(x.splat(SIZES[1]))
-            & greater.ge(x.splat(SIZES[0]))
-            & (smaller.ge(x.splat(SIZES[0])) | smaller.eq(x.splat(0.0)))
-            & size_y.eq(size_y);
-        or_else(is_inside, || angle(x, y), || y.map2(x, libm::atan2))
+        let (smaller, greater) = sorted_sizes(x, y);
+        let least = R::select(smaller.eq(x.splat(0.0)), greater, smaller);
+        let is_inside = R::select(least.ge(x.splat(SIZES[0])), greater, x.splat(f64::INFINITY)).le(x.splat(SIZES[1]));
+        or_else(
+            is_inside,
+            #[inline(always)]
+            || angle(x, y),
+            #[inline(always)]
+            || y.map2(x, libm::atan2),
+        )
     }
     if R::IS_SCALAR { y.map2(x, scalar) } else { lanes(y, x) }
+}
+
+/// The smaller and the greater absolute value; at least one is NaN if one of the arguments is.
+#[inline(always)]
+fn sorted_sizes<R: Real>(x: R, y: R) -> (R, R) {
+    let (size_x, size_y) = (x.abs(), y.abs());
+    let is_steep = size_y.gt(size_x);
+    (R::select(is_steep, size_x, size_y), R::select(is_steep, size_y, size_x))
 }
 
 /// [`atan2`] for coordinates that are 0 or within [`SIZES`], not both 0.
 #[inline(always)]
 fn angle<R: Real>(x: R, y: R) -> R {
-    let splat = |number| x.splat(number);
+    let (zero, one) = (x.splat(0.0), x.splat(1.0));
     let (size_x, size_y) = (x.abs(), y.abs());
 
     // The angle is `eighths` π/4 + `sign` atan(smaller / greater), with a ratio of at most 1.
     let is_steep = size_y.gt(size_x);
-    let smaller = R::select(is_steep, size_x, size_y);
-    let greater = R::select(is_steep, size_y, size_x);
-    let eighths = R::select(is_steep, splat(2.0), R::select(x.lt(splat(0.0)), splat(4.0), splat(0.0)));
-    let sign = splat(1.0).copysign(size_x - size_y) * splat(1.0).copysign(x);
+    let (smaller, greater) = sorted_sizes(x, y);
+    let eighths = R::select(is_steep, x.splat(2.0), R::select(x.lt(zero), x.splat(4.0), zero));
+    let sign = one.copysign(size_x - size_y) * one.copysign(x);
 
     // Above tan(π/8), atan(n / d) = π/4 + atan((n − d) / (n + d)), with the rounding errors of n − d and n + d.
-    let far = R::select(smaller.gt(greater * TAN_PI_8), splat(1.0), splat(0.0));
+    let far = R::select(smaller.gt(greater * TAN_PI_8), one, zero);
     let (to_subtract, to_add) = (greater * far, smaller * far);
     let numerator = smaller - to_subtract;
     let numerator_low = smaller - (numerator + to_subtract);
@@ -182,18 +199,18 @@ impl<R: Real> Arcsine<R> {
     /// Sum for a number that is not negative; NaN above 1.
     #[inline(always)]
     fn new(a: R) -> Self {
-        let splat = |number| a.splat(number);
+        let (zero, one) = (a.splat(0.0), a.splat(1.0));
         // 1 − a is exact in the upper half. The root has a remainder; the added number prevents 0 / 0.
-        let half_complement = (splat(1.0) - a) * 0.5;
+        let half_complement = (one - a) * 0.5;
         let root = half_complement.sqrt();
         let root_high = high_26(root);
         let root_low = (half_complement - root_high * root_high) / ((root + root_high) + f64::MIN_POSITIVE);
 
-        let is_big = a.gt(splat(0.5));
+        let is_big = a.gt(a.splat(0.5));
         let z = R::select(is_big, half_complement, a * a);
         let s = R::select(is_big, root * 2.0, a);
         let high = R::select(is_big, root_high * 2.0, a);
-        let s_low = R::select(is_big, root_low * 2.0, splat(0.0));
-        Self { big: R::select(is_big, splat(1.0), splat(0.0)), high, low: s_low + s * (z * polynomial(z, ARCSINE)) }
+        let s_low = R::select(is_big, root_low * 2.0, zero);
+        Self { big: R::select(is_big, one, zero), high, low: s_low + s * (z * polynomial(z, ARCSINE)) }
     }
 }

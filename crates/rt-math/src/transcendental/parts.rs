@@ -50,20 +50,29 @@ pub(super) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
 /// Even and odd powers are summed by themselves, so that two chains of operations run side by side.
 #[inline(always)]
 pub(super) fn polynomial<R: Real, const N: usize>(x: R, coefficients: [f64; N]) -> R {
-    let square = x * x;
-    let chain = |first: usize| {
+    #[inline(always)]
+    fn every_second<R: Real, const N: usize>(square: R, coefficients: [f64; N], first: usize) -> R {
         let mut degree = N - 1 - (N - 1 - first) % 2;
-        let mut sum = x.splat(coefficients[degree]);
+        let mut sum = square.splat(coefficients[degree]);
         while degree > first {
             degree -= 2;
             sum = sum * square + coefficients[degree];
         }
         sum
-    };
-    chain(0) + x * chain(1)
+    }
+    let square = x * x;
+    every_second(square, coefficients, 0) + x * every_second(square, coefficients, 1)
+}
+
+/// True from `low` to `high`; false for NaN.
+#[inline(always)]
+pub(super) fn is_between<R: Real>(x: R, low: f64, high: f64) -> R::Mask {
+    x.max(x.splat(low)).min(x.splat(high)).eq(x)
 }
 
 /// `inside` where the mask is true, and a function of single numbers elsewhere, which is called only if needed.
+///
+/// Callers always inline their closures. A closure by itself is compiled without the instruction set of the lanes.
 #[inline(always)]
 pub(super) fn or_else<R: Real>(is_inside: R::Mask, inside: impl FnOnce() -> R, outside: impl FnOnce() -> R) -> R {
     if R::IS_SCALAR {

@@ -49,13 +49,13 @@ pub fn sin<R: Real>(x: R) -> R {
     }
     #[inline(always)]
     fn lanes<R: Real>(x: R) -> R {
-        let inside = || {
-            let reduced = Reduced::new(x);
-            let quadrant = reduced.quadrant(0.0);
-            let size = choose(is_odd::<R>(quadrant), || reduced.cos_r(), || reduced.sin_r());
-            flip_sign(size, quadrant ^ x.to_bits())
-        };
-        or_else(is_inside(x), inside, || x.map(libm::sin))
+        or_else(
+            is_inside(x),
+            #[inline(always)]
+            || Reduced::new(x).sin(x),
+            #[inline(always)]
+            || x.map(libm::sin),
+        )
     }
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
@@ -69,14 +69,13 @@ pub fn cos<R: Real>(x: R) -> R {
     }
     #[inline(always)]
     fn lanes<R: Real>(x: R) -> R {
-        // The sine one quadrant further.
-        let inside = || {
-            let reduced = Reduced::new(x);
-            let quadrant = reduced.quadrant(1.0);
-            let size = choose(is_odd::<R>(quadrant), || reduced.cos_r(), || reduced.sin_r());
-            flip_sign(size, quadrant)
-        };
-        or_else(is_inside(x), inside, || x.map(libm::cos))
+        or_else(
+            is_inside(x),
+            #[inline(always)]
+            || Reduced::new(x).cos(),
+            #[inline(always)]
+            || x.map(libm::cos),
+        )
     }
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
@@ -90,7 +89,22 @@ pub fn sincos<R: Real>(x: R) -> (R, R) {
     let is_odd = is_odd::<R>(quadrant);
     let sine = flip_sign(R::select(is_odd, cos_r, sin_r), quadrant ^ x.to_bits());
     let cosine = flip_sign(R::select(is_odd, sin_r, cos_r), reduced.quadrant(1.0));
-    (or_else(is_inside(x), || sine, || x.map(libm::sin)), or_else(is_inside(x), || cosine, || x.map(libm::cos)))
+    (
+        or_else(
+            is_inside(x),
+            #[inline(always)]
+            || sine,
+            #[inline(always)]
+            || x.map(libm::sin),
+        ),
+        or_else(
+            is_inside(x),
+            #[inline(always)]
+            || cosine,
+            #[inline(always)]
+            || x.map(libm::cos),
+        ),
+    )
 }
 
 /// True for arguments up to [`LARGEST`].
@@ -133,6 +147,34 @@ impl<R: Real> Reduced<R> {
         let near = difference + rest;
         let near_low = (difference - near) + rest;
         Self { shifted, r: R::select(is_far, r, near), r_low: R::select(is_far, r_low, near_low) }
+    }
+
+    /// Sine of x.
+    #[inline(always)]
+    fn sin(&self, x: R) -> R {
+        let quadrant = self.quadrant(0.0);
+        let value = choose(
+            is_odd::<R>(quadrant),
+            #[inline(always)]
+            || self.cos_r(),
+            #[inline(always)]
+            || self.sin_r(),
+        );
+        flip_sign(value, quadrant ^ x.to_bits())
+    }
+
+    /// Cosine of x: the sine one quadrant further.
+    #[inline(always)]
+    fn cos(&self) -> R {
+        let quadrant = self.quadrant(1.0);
+        let value = choose(
+            is_odd::<R>(quadrant),
+            #[inline(always)]
+            || self.cos_r(),
+            #[inline(always)]
+            || self.sin_r(),
+        );
+        flip_sign(value, quadrant)
     }
 
     /// n + `offset` modulo 4 in the two highest bits: the sign of the sine, and whether the quadrant is odd.
