@@ -14,7 +14,8 @@
 //!
 //! **Does not own** shapes and their intersection (rt-geometry), accelerators, lights or cameras.
 //!
-//! All numbers are `f64`, or lanes of them in computations that are generic over [`Real`]. Functions whose last bit differs between platforms come from [`transcendental`].
+//! All numbers are `f64`, or lanes of them in computations that are generic over [`Real`]. Functions whose last bit differs between
+//! platforms come from [`transcendental`].
 //!
 //! ```
 //! use rt_math::{DVec3, Ray, Transform};

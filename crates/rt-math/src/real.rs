@@ -1,6 +1,6 @@
 //! Numbers of computations that are written once, for one number or for several in SIMD lanes.
 
-use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
 /// A real number, or several in SIMD lanes, each of which is computed with by itself.
 ///
@@ -28,6 +28,17 @@ pub trait Real:
 {
     /// Result of a comparison: one truth value per lane.
     type Mask: Mask;
+
+    /// Representation of the number, as an unsigned integer of 64 bits per lane. Additions must not overflow.
+    type Bits: Copy
+        + Add<u64, Output = Self::Bits>
+        + BitAnd<u64, Output = Self::Bits>
+        + BitXor<Output = Self::Bits>
+        + Shl<u32, Output = Self::Bits>
+        + Shr<u32, Output = Self::Bits>;
+
+    /// True for a type that holds one number. Large functions are then called instead of inlined.
+    const IS_SCALAR: bool = false;
 
     /// The number `x` in all lanes.
     fn splat(self, x: f64) -> Self;
@@ -61,6 +72,12 @@ pub trait Real:
 
     /// A function of each lane of two numbers.
     fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+
+    /// Representation in the format binary64 of IEEE 754.
+    fn to_bits(self) -> Self::Bits;
+
+    /// Number of this representation.
+    fn from_bits(bits: Self::Bits) -> Self;
 
     /// `self > other`.
     #[inline(always)]
@@ -114,6 +131,9 @@ impl Mask for bool {
 
 impl Real for f64 {
     type Mask = bool;
+    type Bits = u64;
+
+    const IS_SCALAR: bool = true;
 
     #[inline(always)]
     fn splat(self, x: f64) -> Self {
@@ -157,7 +177,7 @@ impl Real for f64 {
 
     #[inline(always)]
     fn select(mask: bool, a: Self, b: Self) -> Self {
-        if mask { a } else { b }
+        core::hint::select_unpredictable(mask, a, b)
     }
 
     #[inline(always)]
@@ -168,6 +188,16 @@ impl Real for f64 {
     #[inline(always)]
     fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         f(self, other)
+    }
+
+    #[inline(always)]
+    fn to_bits(self) -> u64 {
+        Self::to_bits(self)
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: u64) -> Self {
+        Self::from_bits(bits)
     }
 }
 

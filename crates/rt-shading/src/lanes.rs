@@ -3,9 +3,11 @@
 //! Code in lanes is generic over [`Real`]. All of it is `#[inline(always)]`, up to the `vectorize` that encloses a whole stage, so that it
 //! is compiled for the instruction set. `map` and `from_fn` of arrays are not: their closures would be compiled without it.
 
-use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
-use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, i64x4, mask64x4};
-use rt_math::{Mask, Real, Vector3, transcendental};
+use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
+use fearless_simd::{
+    ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, i64x4, mask64x4, u64x4,
+};
+use rt_math::{Mask, Real, Vector3};
 
 /// Number of lanes.
 pub(crate) const LANES: usize = 4;
@@ -50,6 +52,9 @@ impl<S: Simd> LaneMask<S> {
         mask64x4::from_vector(self.0)
     }
 }
+
+/// Bits of four numbers in registers.
+pub(crate) struct LaneBits<S: Simd>(u64x4<S>);
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
@@ -104,6 +109,15 @@ impl<S: Simd> Clone for LaneMask<S> {
 
 impl<S: Simd> Copy for LaneMask<S> {}
 
+impl<S: Simd> Clone for LaneBits<S> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: Simd> Copy for LaneBits<S> {}
+
 /// Implements a binary operator of a wrapper by that of its content.
 macro_rules! binary {
     ($type:ident, $trait:ident, $function:ident) => {
@@ -120,12 +134,12 @@ macro_rules! binary {
 
 /// Implements an operator with the same number in all lanes.
 macro_rules! with_number {
-    ($trait:ident, $function:ident) => {
-        impl<S: Simd> $trait<f64> for Lanes<S> {
+    ($type:ident, $trait:ident, $function:ident, $number:ident) => {
+        impl<S: Simd> $trait<$number> for $type<S> {
             type Output = Self;
 
             #[inline(always)]
-            fn $function(self, other: f64) -> Self {
+            fn $function(self, other: $number) -> Self {
                 Self(self.0.$function(other))
             }
         }
@@ -136,11 +150,16 @@ binary!(Lanes, Add, add);
 binary!(Lanes, Sub, sub);
 binary!(Lanes, Mul, mul);
 binary!(Lanes, Div, div);
-with_number!(Add, add);
-with_number!(Sub, sub);
-with_number!(Mul, mul);
+with_number!(Lanes, Add, add, f64);
+with_number!(Lanes, Sub, sub, f64);
+with_number!(Lanes, Mul, mul, f64);
 binary!(LaneMask, BitAnd, bitand);
 binary!(LaneMask, BitOr, bitor);
+binary!(LaneBits, BitXor, bitxor);
+with_number!(LaneBits, Add, add, u64);
+with_number!(LaneBits, BitAnd, bitand, u64);
+with_number!(LaneBits, Shl, shl, u32);
+with_number!(LaneBits, Shr, shr, u32);
 
 impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
@@ -174,6 +193,7 @@ impl<S: Simd> Mask for LaneMask<S> {
 
 impl<S: Simd> Real for Lanes<S> {
     type Mask = LaneMask<S>;
+    type Bits = LaneBits<S>;
 
     #[inline(always)]
     fn splat(self, x: f64) -> Self {
@@ -231,10 +251,96 @@ impl<S: Simd> Real for Lanes<S> {
         let ([a, b, c, d], [e, g, h, i]) = (self.store(), other.store());
         Self::load(self.0.token(), &[f(a, e), f(b, g), f(c, h), f(d, i)])
     }
+
+    #[inline(always)]
+    fn to_bits(self) -> LaneBits<S> {
+        LaneBits(self.0.to_bits())
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: LaneBits<S>) -> Self {
+        Self(f64x4::from_bits(bits.0))
+    }
 }
 
-/// Sine and cosine of an angle in radians.
-#[inline(always)]
-pub(crate) fn sincos_lanes<R: Real>(angle: R) -> (R, R) {
-    (angle.map(transcendental::sin), angle.map(transcendental::cos))
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use rt_math::{
+        random::hash,
+        transcendental::{acos, asin, atan2, cos, exp, exp2, log, log2, pow, sin, sincos},
+    };
+
+    /// Numbers of all sizes and signs, and special ones.
+    fn numbers() -> impl Iterator<Item = f64> {
+        let special = [0.0, -0.0, 1.0, -1.0, 0.5, 1e-320, f64::MAX, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+        let usual = (0..2000).map(|i| (hash(&[3, i]) >> 11) as f64 / 1e15 - 4.5);
+        let any = (0..2000).map(|i| f64::from_bits(hash(&[4, i])));
+        special.into_iter().chain(usual).chain(any)
+    }
+
+    fn assert_lanes_equal_scalars<S: Simd>(
+        simd: S,
+        name: &str,
+        in_lanes: impl Fn(Lanes<S>, Lanes<S>) -> Lanes<S>,
+        by_itself: impl Fn(f64, f64) -> f64,
+    ) {
+        let all: Vec<f64> = numbers().collect();
+        for (at, a) in all.chunks_exact(LANES).enumerate() {
+            let a: Lane = a.try_into().expect("four numbers");
+            let b: Lane = core::array::from_fn(|lane| all[(at * 97 + lane * 31) % all.len()]);
+            let found = in_lanes(Lanes::load(simd, &a), Lanes::load(simd, &b)).store();
+            for lane in 0..LANES {
+                let (x, y) = (a[lane], b[lane]);
+                let expected = by_itself(x, y);
+                let is_equal =
+                    found[lane].to_bits() == expected.to_bits() || (found[lane].is_nan() && expected.is_nan());
+                assert!(is_equal, "{name} of {x:e}, {y:e}: {} in lanes, {expected} by itself", found[lane]);
+            }
+        }
+    }
+
+    /// Asserts that a generic computation has the same bits in lanes and by itself.
+    macro_rules! assert_same {
+        ($simd:expr, $($name:literal: |$a:ident, $b:ident| $body:expr;)*) => {$({
+            fn compute<R: Real>($a: R, $b: R) -> R {
+                $body
+            }
+            assert_lanes_equal_scalars($simd, $name, |a, b| compute(a, b), |a, b| compute(a, b));
+        })*};
+    }
+
+    #[test]
+    #[allow(unused_variables, reason = "some functions have one argument")]
+    fn computations_in_lanes_have_the_bits_of_those_by_themselves() {
+        let Some(LaneLevel::Avx2(simd)) = LaneLevel::detect() else {
+            println!("skipped: this processor lacks AVX2");
+            return;
+        };
+        assert_same! { simd,
+            "sum": |a, b| a + b * 0.5 - (a - 0.25);
+            "product": |a, b| a * b;
+            "quotient": |a, b| a / b;
+            "square root": |a, b| a.sqrt();
+            "absolute value": |a, b| -(a.abs());
+            "floor": |a, b| a.floor();
+            "sign": |a, b| a.copysign(b);
+            "maximum": |a, b| a.max(b);
+            "minimum": |a, b| a.min(b);
+            "selection": |a, b| R::select((a.lt(b) & !a.eq(b)) | b.ge(a.splat(1.0)), a, b.recip());
+            "function of lanes": |a, b| a.map(|x| x * 3.0).map2(b, |x, y| x - y);
+            "bits": |a, b| R::from_bits(a.to_bits() ^ (b.to_bits() >> 3));
+            "sin": |a, b| sin(a);
+            "cos": |a, b| cos(a);
+            "sincos": |a, b| { let (sin, cos) = sincos(a); sin + cos * 2.0 };
+            "atan2": |a, b| atan2(a, b);
+            "acos": |a, b| acos(a);
+            "asin": |a, b| asin(a);
+            "exp": |a, b| exp(a);
+            "exp2": |a, b| exp2(a);
+            "log": |a, b| log(a);
+            "log2": |a, b| log2(a);
+            "pow": |a, b| pow(a, b);
+        }
+    }
 }

@@ -4,9 +4,8 @@ use super::{
     BsdfSample, Scattering,
     side::{Side, same_side},
 };
-use crate::lanes::sincos_lanes;
 use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
-use rt_math::{DVec3, Real, Rgb, Vector3};
+use rt_math::{DVec3, Real, Rgb, Vector3, transcendental};
 
 /// Lambertian reflection: f = albedo / π (Lambert 1760).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +67,7 @@ pub(crate) fn cosine_hemisphere_lanes<R: Real>([u, v]: [R; 2]) -> Vector3<R> {
     let radius = R::select(is_steep, x, y);
     let slope = R::select(is_steep, y, x) / radius * FRAC_PI_4;
     let angle = R::select(is_steep, slope, u.splat(FRAC_PI_2) - slope);
-    let (sin, cos) = sincos_lanes(angle);
+    let (sin, cos) = transcendental::sincos(angle);
     let height = ((one - radius) * (one + radius)).sqrt();
     let is_centre = x.eq(zero) & y.eq(zero);
     let at = |x: R| R::select(is_centre, zero, x);

@@ -3,10 +3,9 @@
 use super::light_sample::{LightDirections, by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
-use crate::lanes::sincos_lanes;
 use rt_geometry::ShapeError;
 use rt_math::float::gamma;
-use rt_math::{Aabb, DVec3, Mask, Real, Rgb, Vector3};
+use rt_math::{Aabb, DVec3, Mask, Real, Rgb, Vector3, transcendental};
 
 /// Greatest deviation from a right angle of a rectangle, in radians.
 const RIGHT_ANGLE: f64 = 1e-12;
@@ -222,7 +221,7 @@ impl QuadLight {
         let sin_2 = zero.max((one - cos_2) * (one + cos_2)).sqrt();
         let sin_3 = zero.max((one - cos_3) * (one + cos_3)).sqrt();
         let (sin_k, cos_k) = (-sin_2 * cos_3 - cos_2 * sin_3, cos_2 * cos_3 - sin_2 * sin_3);
-        let (sin, cos) = sincos_lanes(u[0] * solid_angle);
+        let (sin, cos) = transcendental::sincos(u[0] * solid_angle);
         let (sin, cos) = (sin * cos_k + cos * sin_k, cos * cos_k - sin * sin_k);
         let f = (cos * b0 - b1) / sin;
         let c0 = h / r0;

@@ -31,7 +31,7 @@ pub(super) fn of_fan<R: Real, const N: usize>(corners: [Vector3<R>; N], height: 
         (re, im) = (re * cos - im * sin, re * sin + im * cos);
         (b, b_length) = (c, c_length);
     }
-    im.map2(re, atan2) * 2.0
+    atan2(im, re) * 2.0
 }
 
 /// Maps `u` of the unit square to a unit direction, uniform over a spherical triangle of the given solid angle. Corners are

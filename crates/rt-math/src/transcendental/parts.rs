@@ -1,0 +1,95 @@
+//! Common parts: rounding to integers, splitting of numbers, and polynomials.
+
+use crate::{Mask, Real};
+
+/// 1.5 · 2⁵². Numbers near it are integers, whose low bits are those of the difference.
+pub(super) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
+
+/// Sign bit.
+pub(super) const SIGN: u64 = 1 << 63;
+
+/// Nearest integer, the even one of two; for absolute values up to 2⁵¹.
+#[inline(always)]
+pub(super) fn round<R: Real>(x: R) -> R {
+    (x + INTEGER_SHIFT) - INTEGER_SHIFT
+}
+
+/// `x` rounded to 26 significant bits (Veltkamp's splitting, Dekker 1971).
+#[inline(always)]
+pub(super) fn high_26<R: Real>(x: R) -> R {
+    const FACTOR: f64 = ((1u64 << 27) + 1) as f64;
+    let c = x * FACTOR;
+    c - (c - x)
+}
+
+/// `x` rounded to 16 significant bits.
+#[inline(always)]
+pub(super) fn high_16<R: Real>(x: R) -> R {
+    const FACTOR: f64 = ((1u64 << 37) + 1) as f64;
+    let c = x * FACTOR;
+    c - (c - x)
+}
+
+/// `a + b` as the rounded sum and its exact error, if |a| ≥ |b| or a = 0 (Dekker 1971).
+#[inline(always)]
+pub(super) fn fast_two_sum<R: Real>(a: R, b: R) -> (R, R) {
+    let sum = a + b;
+    (sum, (a - sum) + b)
+}
+
+/// `a + b` as the rounded sum and its exact error (Knuth, as [`crate::float::two_sum`]).
+#[inline(always)]
+pub(super) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
+    let sum = a + b;
+    let from_b = sum - a;
+    (sum, (a - (sum - from_b)) + (b - from_b))
+}
+
+/// Polynomial with the given coefficients, the constant one first.
+///
+/// Even and odd powers are summed by themselves, so that two chains of operations run side by side.
+#[inline(always)]
+pub(super) fn polynomial<R: Real, const N: usize>(x: R, coefficients: [f64; N]) -> R {
+    #[inline(always)]
+    fn every_second<R: Real, const N: usize>(square: R, coefficients: [f64; N], first: usize) -> R {
+        let mut degree = N - 1 - (N - 1 - first) % 2;
+        let mut sum = square.splat(coefficients[degree]);
+        while degree > first {
+            degree -= 2;
+            sum = sum * square + coefficients[degree];
+        }
+        sum
+    }
+    let square = x * x;
+    every_second(square, coefficients, 0) + x * every_second(square, coefficients, 1)
+}
+
+/// True from `low` to `high`; false for NaN.
+#[inline(always)]
+pub(super) fn is_between<R: Real>(x: R, low: f64, high: f64) -> R::Mask {
+    x.max(x.splat(low)).min(x.splat(high)).eq(x)
+}
+
+/// `inside` where the mask is true, and a function of single numbers elsewhere, which is called only if needed.
+///
+/// Callers always inline their closures. A closure by itself is compiled without the instruction set of the lanes.
+#[inline(always)]
+pub(super) fn or_else<R: Real>(is_inside: R::Mask, inside: impl FnOnce() -> R, outside: impl FnOnce() -> R) -> R {
+    if R::IS_SCALAR {
+        return if is_inside.all() { inside() } else { outside() };
+    }
+    let value = inside();
+    if is_inside.all() { value } else { R::select(is_inside, value, outside()) }
+}
+
+/// [`Real::select`] of two values, only one of which is computed if there is one number.
+#[inline(always)]
+pub(super) fn choose<R: Real>(mask: R::Mask, a: impl FnOnce() -> R, b: impl FnOnce() -> R) -> R {
+    if !R::IS_SCALAR {
+        R::select(mask, a(), b())
+    } else if mask.any() {
+        a()
+    } else {
+        b()
+    }
+}
