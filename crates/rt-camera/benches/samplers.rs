@@ -1,4 +1,6 @@
-//! Pairs of coordinates of 256 paths, drawn one by one and together, for each pattern.
+//! Pairs of coordinates of 256 paths, drawn one by one and together, for each pattern. Reported as pairs per second.
+//!
+//! `cargo bench --profile dev -p rt-camera` runs all; a filter such as `-- sobol` runs some.
 
 #![allow(missing_docs, reason = "criterion's macros generate public functions")]
 

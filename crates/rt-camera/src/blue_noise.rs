@@ -79,9 +79,9 @@ const fn interleaved(number: u32) -> u64 {
     (bits | bits << 1) & 0x5555_5555
 }
 
-/// The second coordinate of the Sobol' sequence as a fraction of 2⁶⁴; the first is the index with its bits reversed. The columns of
-/// its matrix are rows of Pascal's triangle modulo 2 (Sobol' 1967), so that a bit is the parity of the bits of the index whose
-/// number has all binary digits of its own.
+/// The second coordinate of the Sobol' sequence as a fraction of 2⁶⁴; the first is the index with its bits reversed. The rows of
+/// its matrix are columns of Pascal's triangle modulo 2 (Sobol' 1967). Bit k is the parity of those bits of the index whose number
+/// has all binary digits of k.
 #[inline(always)]
 const fn second_inverse(index: u64) -> u64 {
     let sums = index ^ (index >> 1 & 0x5555_5555_5555_5555);

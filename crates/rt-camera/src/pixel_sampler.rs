@@ -102,19 +102,14 @@ impl PixelSampler {
             return positions.fill([0.5; 2]);
         }
         let mut replication = self.replication(pixel, first);
-        vectorize(
-            #[inline(always)]
-            || {
-                let mut samples = SampleLanes::<LANES> { pixels: [pixel; LANES], ..SampleLanes::EMPTY };
-                for positions in positions.chunks_mut(LANES) {
-                    for lane in 0..positions.len() {
-                        (samples.keys[lane], samples.indices[lane]) = (replication.key, replication.index);
-                        replication.advance();
-                    }
-                    positions.copy_from_slice(&Coordinates::draw(&self.pattern, &samples)[..positions.len()]);
-                }
-            },
-        );
+        let mut samples = SampleLanes::<LANES> { pixels: [pixel; LANES], ..SampleLanes::EMPTY };
+        for positions in positions.chunks_mut(LANES) {
+            for lane in 0..positions.len() {
+                (samples.keys[lane], samples.indices[lane]) = (replication.key, replication.index);
+                replication.advance();
+            }
+            positions.copy_from_slice(&draw_lanes(&self.pattern, &samples)[..positions.len()]);
+        }
     }
 
     /// The replication of the whole pattern that a sample of a pixel belongs to, at the sample.
@@ -227,46 +222,49 @@ impl SampleStream {
 
 /// Batch of draws, by the rules of [`Sampler::next_1d_batch`]. Samples of one pattern that follow each other share lanes.
 fn draw_batch<C: Coordinates>(samplers: &mut [SampleStream], which: &[u32], values: &mut [C]) {
+    let mut samples = SampleLanes::<LANES>::EMPTY;
+    let mut pattern = Pattern::new(SamplerKind::Centre, 1);
+    let draws = which.len().min(values.len());
+    let (mut which, mut values) = (&which[..draws], &mut values[..draws]);
+    while !which.is_empty() {
+        let mut count = 0;
+        for &index in which {
+            let Some(sampler) = samplers.get_mut(index as usize) else { break };
+            if count == 0 {
+                pattern = sampler.pattern;
+            } else if count == LANES || sampler.pattern != pattern {
+                break;
+            }
+            samples.keys[count] = sampler.key;
+            samples.indices[count] = sampler.index;
+            samples.pixels[count] = sampler.pixel;
+            samples.dimensions[count] = sampler.advance::<C>();
+            count += 1;
+        }
+        let group;
+        (group, values) = core::mem::take(&mut values).split_at_mut(count);
+        if count < MIN_LANES {
+            for (lane, value) in group.iter_mut().enumerate() {
+                *value = draw_one(&pattern, &samples.lane(lane));
+            }
+        } else {
+            group.copy_from_slice(&draw_lanes(&pattern, &samples)[..count]);
+        }
+        if count == 0 {
+            // Keep the value of a sampler that does not exist.
+            (_, values) = core::mem::take(&mut values).split_at_mut(1);
+            count = 1;
+        }
+        which = &which[count..];
+    }
+}
+
+/// Coordinates of samples side by side.
+fn draw_lanes<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<LANES>) -> [C; LANES] {
     vectorize(
         #[inline(always)]
-        || {
-            let mut samples = SampleLanes::<LANES>::EMPTY;
-            let mut pattern = Pattern::new(SamplerKind::Centre, 1);
-            let draws = which.len().min(values.len());
-            let (mut which, mut values) = (&which[..draws], &mut values[..draws]);
-            while !which.is_empty() {
-                let mut count = 0;
-                for &index in which {
-                    let Some(sampler) = samplers.get_mut(index as usize) else { break };
-                    if count == 0 {
-                        pattern = sampler.pattern;
-                    } else if count == LANES || sampler.pattern != pattern {
-                        break;
-                    }
-                    samples.keys[count] = sampler.key;
-                    samples.indices[count] = sampler.index;
-                    samples.pixels[count] = sampler.pixel;
-                    samples.dimensions[count] = sampler.advance::<C>();
-                    count += 1;
-                }
-                let group;
-                (group, values) = core::mem::take(&mut values).split_at_mut(count);
-                if count < MIN_LANES {
-                    for (lane, value) in group.iter_mut().enumerate() {
-                        *value = draw_one(&pattern, &samples.lane(lane));
-                    }
-                } else {
-                    group.copy_from_slice(&C::draw(&pattern, &samples)[..count]);
-                }
-                if count == 0 {
-                    // Keep the value of a sampler that does not exist.
-                    (_, values) = core::mem::take(&mut values).split_at_mut(1);
-                    count = 1;
-                }
-                which = &which[count..];
-            }
-        },
-    );
+        || C::draw(pattern, samples),
+    )
 }
 
 /// Coordinates of one sample.

@@ -143,9 +143,9 @@ impl Pattern {
             permute_lanes(rows, side, lanes(|lane| keys[lane] ^ mix(u64::from(columns[lane]).wrapping_add(1))));
         let sub_rows =
             permute_lanes(columns, side, lanes(|lane| !keys[lane] ^ mix(u64::from(rows[lane]).wrapping_add(1))));
+        let fine = |cell: u32, within: u32| cell.wrapping_mul(side).wrapping_add(within);
         lanes(|lane| {
-            let [column, row] = [(columns[lane], sub_columns[lane]), (rows[lane], sub_rows[lane])]
-                .map(|(cell, within)| cell.wrapping_mul(side).wrapping_add(within));
+            let (column, row) = (fine(columns[lane], sub_columns[lane]), fine(rows[lane], sub_rows[lane]));
             [in_stratum(column, spp, x[lane]), in_stratum(row, spp, y[lane])]
         })
     }

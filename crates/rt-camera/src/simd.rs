@@ -31,7 +31,7 @@ pub(crate) fn vectorize<R>(function: impl FnOnce() -> R) -> R {
 
 /// The value of each of `N` lanes.
 ///
-/// A loop is turned into vector instructions also where assertions are compiled in, unlike `core::array::from_fn`.
+/// The loop becomes vector instructions also in the dev profile, which calls the closure of `core::array::from_fn` for each element.
 #[inline(always)]
 pub(crate) fn lanes<T: Copy + Default, const N: usize>(value: impl Fn(usize) -> T) -> [T; N] {
     let mut values = [T::default(); N];

@@ -5,7 +5,7 @@
 //!                          (the order of points)                                   (a set of points)
 //! ```
 //!
-//! Bits stay reversed in between: the hash of Laine and Karras (2011) carries from low to high bits, so each bit of its result
+//! Bits stay reversed in between. The hash of Laine and Karras (2011) carries from low to high bits: each bit of its result
 //! depends on the lower bits alone. On reversed numbers, this is the nested scramble of Owen (1995) in base 2. Burley, "Practical
 //! Hash-based Owen Scrambling", JCGT 9(4), 2020, sections 3 and 4.
 
@@ -92,8 +92,8 @@ const fn pair(seed: u32, index: u32, last: bool) -> [u32; 2] {
     [owen_scrambled(x, hash(seed ^ key_x)).reverse_bits(), owen_scrambled(y, hash(seed ^ key_y)).reverse_bits()]
 }
 
-/// Reversed bits of the second coordinate. Its polynomial is x + 1, and its matrix is Pascal's triangle modulo 2: bit k of the
-/// result is the parity of the bits whose number has all binary digits of k.
+/// Reversed bits of the second coordinate. Its polynomial is x + 1, and its matrix is Pascal's triangle modulo 2. Bit k of the
+/// result is the parity of those bits of the index whose number has all binary digits of k.
 #[inline(always)]
 const fn pascal(index: u32) -> u32 {
     let sums = index ^ (index >> 1 & 0x5555);
