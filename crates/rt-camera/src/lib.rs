@@ -72,6 +72,8 @@ mod lens;
 mod mitchell;
 mod pattern;
 mod pixel_sampler;
+mod sample_lanes;
+mod simd;
 mod sobol;
 mod view_volume;
 

@@ -1,7 +1,7 @@
 //! Full geometry of a hit, computed once, for the closest one.
 
 use rt_math::float::gamma;
-use rt_math::{DMat3, DVec3, Ray, Transform, Vec3};
+use rt_math::{DMat3, DVec3, Ray, Real, Transform, Vec3, Vector3};
 
 /// Parts of a [`SurfaceInteraction`] to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,8 +109,7 @@ impl SurfaceInteraction {
     }
 
     /// Ray that leaves the surface in `direction`. Its origin is moved along the geometric normal, to the side of the
-    /// direction, by the error bound of the hit point. So rounding cannot make it hit the same surface again. Pharr,
-    /// Jakob, Humphreys, PBR 4th ed., section 6.8.6.
+    /// direction, by the error bound of the hit point. So rounding cannot make it hit the same surface again.
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6.
     #[inline(always)]
@@ -186,27 +185,46 @@ impl ShadowRays<'_> {
     }
 }
 
+/// Point moved along a unit normal by its error bound, and rounded away from the surface, as by [`SurfaceInteraction::spawn_ray`].
+/// `outwards` is the normal or its opposite. Where the mask is false, the result is not valid: a coordinate is not finite or tiny.
+#[inline(always)]
+pub fn offset_point<R: Real>(
+    point: Vector3<R>,
+    point_error: Vector3<R>,
+    normal: Vector3<R>,
+    outwards: Vector3<R>,
+) -> (Vector3<R>, R::Mask) {
+    add_steps(point + outwards * normal.abs().dot(point_error), outwards)
+}
+
 /// Moves each component to the next number in the direction of `side`, unless that is 0. Compensates the rounding of a
 /// sum.
+#[inline(always)]
+fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
+    if let (next, true) = add_steps(point.into(), side.into()) {
+        return next.into();
+    }
+    let next = |x: f64, side: f64| if side > 0.0 { x.next_up() } else { x.next_down() };
+    let next = DVec3::new(next(point.x, side.x), next(point.y, side.y), next(point.z, side.z));
+    DVec3::select(side.cmpeq(DVec3::ZERO), point, next)
+}
+
+/// Adds a step to each component in the direction of `side`, unless that is 0. The mask is false where a component is not finite, or so
+/// small that steps may underflow.
 ///
-/// The increment is more than half the distance to the larger neighbour and at most slightly more than all of it. So
+/// The step is more than half the distance to the larger neighbour and at most slightly more than all of it. So
 /// the sum is rounded to that neighbour. The same holds for the smaller neighbour, also across a power of two. Source:
 /// Rump, Zimmermann, Boldo and Melquiond, "Computing Predecessor and Successor in Rounding to Nearest", BIT 49, 2009,
 /// algorithm 1.
 #[inline(always)]
-fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
-    /// Steps of numbers below this one may underflow.
-    const MIN_STEP: f64 = 1e-280;
+fn add_steps<R: Real>(point: Vector3<R>, side: Vector3<R>) -> (Vector3<R>, R::Mask) {
+    const MIN_SIZE: f64 = 1e-280;
     const STEP: f64 = f64::EPSILON / 2.0 * (1.0 + f64::EPSILON);
-    let sizes = point.abs();
-    if sizes.cmpge(DVec3::splat(MIN_STEP)).all() && sizes.is_finite() {
-        let steps = DVec3::select(side.cmpeq(DVec3::ZERO), DVec3::ZERO, sizes * STEP);
-        point + steps.copysign(side)
-    } else {
-        let next = |x: f64, side: f64| if side > 0.0 { x.next_up() } else { x.next_down() };
-        let next = DVec3::new(next(point.x, side.x), next(point.y, side.y), next(point.z, side.z));
-        DVec3::select(side.cmpeq(DVec3::ZERO), point, next)
-    }
+    let zero = point.x.splat(0.0);
+    let next = |x: R, side: R| x + R::select(side.eq(zero), zero, x.abs() * STEP).copysign(side);
+    let moved = Vector3::new(next(point.x, side.x), next(point.y, side.y), next(point.z, side.z));
+    let (sizes, min) = (point.abs(), point.x.splat(MIN_SIZE));
+    (moved, sizes.x.ge(min) & sizes.y.ge(min) & sizes.z.ge(min) & point.is_finite())
 }
 
 /// Distance of a point from its origin after mapping to the source and back, as a length in the target space. The two

@@ -93,7 +93,7 @@ pub use error::ShapeError;
 pub use frustum::Frustum;
 pub use hit::{Hit, ShapeHit};
 pub use infinite_cylinder::InfiniteCylinder;
-pub use interaction::{InteractionFlags, ShadowRays, SurfaceInteraction, VertexAttributes};
+pub use interaction::{InteractionFlags, ShadowRays, SurfaceInteraction, VertexAttributes, offset_point};
 pub use intersect::{
     intersect_primitive, intersect_primitive_batch, intersect_primitive_uncounted, intersect_triangle,
     occludes_primitive, occludes_primitive_batch, occludes_primitive_uncounted, padded_bounds,

@@ -71,12 +71,24 @@ impl TriangleMesh {
     /// Surface at a hit of this mesh with this ray; `None` for an invalid primitive index.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceInteraction> {
+        self.surface_with_normal(ray, hit, needs, None)
+    }
+
+    /// Version of [`surface`](Self::surface) for a triangle whose [`unit_normal`](Self::unit_normal) is known.
+    #[inline(always)]
+    pub fn surface_with_normal(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        needs: InteractionFlags,
+        unit_normal_if_known: Option<DVec3>,
+    ) -> Option<SurfaceInteraction> {
         let triangle = *self.data.triangles.get(hit.primitive as usize)?;
         let corners = self.corners(triangle);
         let weights = weights(hit.uv);
         let (point, point_error) = point_at(corners, weights);
         let uv = if needs.uv { interpolated(&self.data.uvs, triangle, weights).unwrap_or_default() } else { [0.0; 2] };
-        let geometric_normal = unit_normal(corners);
+        let geometric_normal = unit_normal_if_known.unwrap_or_else(|| unit_normal(corners));
         let mut detail = if needs.detail { self.detail(triangle, weights) } else { VertexAttributes::NONE };
         let (mut shading_normal, mut shadow_point) = (geometric_normal, point);
         if needs.shading_normal
@@ -89,6 +101,11 @@ impl TriangleMesh {
         }
         // Last, so that it is constructed in place and not moved.
         Some(SurfaceInteraction { point, point_error, shadow_point, geometric_normal, shading_normal, uv, detail })
+    }
+
+    /// Unit normal of a triangle; any unit vector for one without area. `None` for an invalid index.
+    pub fn unit_normal(&self, triangle: u32) -> Option<DVec3> {
+        self.data.triangles.get(triangle as usize).map(|&triangle| unit_normal(self.corners(triangle)))
     }
 
     /// Interpolated normal and lifted point. The point is the mean of the projections of the hit point on the tangent

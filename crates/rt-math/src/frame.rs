@@ -1,5 +1,6 @@
 //! Orthonormal frames.
 
+use crate::{Real, Vector3};
 use glam::DVec3;
 
 /// A right-handed orthonormal basis `(x, y, z)`, usually with `z` along a surface normal.
@@ -14,24 +15,11 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Larger than rounding errors of a component that is 0, also far from the origin, and smaller than intended
-    /// slopes.
-    const TURN: f64 = 1.0 / (1 << 20) as f64;
-
-    /// Frame with this unit vector as `z`, without a branch on its direction. The tangents change continuously with
-    /// `z`, except at `z.z` = −2⁻²⁰. The jump is not at 0, so that rounding does not flip the tangents of upright
-    /// walls.
-    ///
-    /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, with the jump at 0.
+    /// Frame with this unit vector as `z`; see [`tangents`].
+    #[inline]
     pub fn from_z(z: DVec3) -> Self {
-        let sign = 1.0f64.copysign(z.z + Self::TURN);
-        let a = -1.0 / (sign + z.z);
-        let b = z.x * z.y * a;
-        Self {
-            x: DVec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
-            y: DVec3::new(b, sign + z.y * z.y * a, -z.y),
-            z,
-        }
+        let [x, y] = tangents(Vector3::from(z)).map(DVec3::from);
+        Self { x, y, z }
     }
 
     /// Coordinates in the frame of a vector given outside it.
@@ -43,6 +31,22 @@ impl Frame {
     pub fn from_local(&self, v: DVec3) -> DVec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
+}
+
+/// Larger than rounding errors of a component that is 0, also far from the origin, and smaller than intended slopes.
+const TURN: f64 = 1.0 / (1 << 20) as f64;
+
+/// Two unit vectors that form a right-handed frame with the unit vector `z`, without a branch on its direction. They change
+/// continuously with `z`, except at `z.z` = −2⁻²⁰. The jump is not at 0, so that rounding does not flip the tangents of upright walls.
+///
+/// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, with the jump at 0.
+#[inline(always)]
+pub fn tangents<R: Real>(z: Vector3<R>) -> [Vector3<R>; 2] {
+    let one = z.z.splat(1.0);
+    let sign = one.copysign(z.z + TURN);
+    let a = -one / (sign + z.z);
+    let b = z.x * z.y * a;
+    [Vector3::new(one + sign * z.x * z.x * a, sign * b, -sign * z.x), Vector3::new(b, sign + z.y * z.y * a, -z.y)]
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ mod vector3;
 pub use aabb::{Aabb, BOUNDS_PADDING, FAR_FACTOR, SlabRay};
 pub use animated_transform::{AnimatedTransform, AnimatedTransformError};
 pub use animated_transform_chain::AnimatedTransformChain;
-pub use frame::Frame;
+pub use frame::{Frame, tangents};
 pub use interval::Interval;
 pub use keyframed_transform::{KeyframedTransform, KeyframedTransformError};
 pub use keyframes::{Interpolation, Keyframes, KeyframesError};

@@ -24,93 +24,65 @@ pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
-/// Position of `index` under a pseudo-random permutation of `0..length` chosen by `seed`; 0 for an empty range. For more
-/// than one index of the same permutation, prepare a [`Permutation`].
-pub fn permute(index: u32, length: u32, seed: u64) -> u32 {
-    Permutation::new(length, seed).position(index)
-}
-
-/// A pseudo-random permutation of `0..length` (after Kensler 2013).
+/// Position of `index` under a pseudo-random permutation of `0..length` chosen by `seed`; 0 for an empty range. Indices beyond
+/// the range wrap around.
 ///
-/// A bijection of the next power of two is iterated until the result is in the range (cycle walking, Black and
+/// A bijection of the next power of two is iterated until the result is in the range (Kensler 2013; cycle walking, Black and
 /// Rogaway). Then the range is rotated. The rotation makes all positions of an index equally likely.
-#[derive(Clone, Copy, Debug)]
-pub struct Permutation {
-    length: u32,
-    mask: u32,
-    /// Half of the bits of a position.
-    half: u32,
-    rotation: u32,
-    key: u64,
+pub fn permute(index: u32, length: u32, seed: u64) -> u32 {
+    permute_lanes([index], length, [seed])[0]
 }
 
-impl Permutation {
-    /// Permutation of `0..length` for this `seed`.
-    #[inline]
-    pub fn new(length: u32, seed: u64) -> Self {
-        let bits = if length <= 1 { 1 } else { (length - 1).ilog2() + 1 };
-        let key = mix(seed);
-        let rotation = (((key >> 32) * u64::from(length)) >> 32) as u32;
-        Self { length, mask: u32::MAX >> (32 - bits), half: (bits / 2).max(1), rotation, key }
+/// SIMD version of [`permute`]: positions of `N` indices, each under the permutation of its own seed.
+#[inline(always)]
+pub fn permute_lanes<const N: usize>(indices: [u32; N], length: u32, seeds: [u64; N]) -> [u32; N] {
+    if length <= 1 {
+        return [0; N];
     }
-
-    /// Position of `index`; 0 in an empty range. Indices beyond the range wrap around.
-    #[inline]
-    pub fn position(&self, index: u32) -> u32 {
-        if self.length <= 1 {
-            return 0;
-        }
-        let mut value = [if index < self.length { index } else { index % self.length }];
-        self.scramble(&mut value);
-        self.cycle_walk(value[0])
+    let bits = (length - 1).ilog2() + 1;
+    let mask = u32::MAX >> (32 - bits);
+    let half = (bits / 2).max(1);
+    let (mut low, mut high, mut values) = ([0; N], [0; N], [0; N]);
+    for lane in 0..N {
+        let key = mix(seeds[lane]);
+        (low[lane], high[lane]) = (key as u32, (key >> 32) as u32);
     }
-
-    /// Positions of consecutive indices from `first` on: each [`position`](Self::position).
-    #[inline]
-    pub fn positions(&self, first: u32, positions: &mut [u32]) {
-        const SIDE_BY_SIDE: usize = 16;
-        if self.length <= 1 {
-            return positions.fill(0);
-        }
-        let mut index = first % self.length;
-        for positions in positions.chunks_mut(SIDE_BY_SIDE) {
-            let mut values = [0; SIDE_BY_SIDE];
-            for value in &mut values[..positions.len()] {
-                *value = index;
-                index = if index + 1 < self.length { index + 1 } else { 0 };
-            }
-            self.scramble(&mut values);
-            for (position, value) in positions.iter_mut().zip(values) {
-                *position = self.cycle_walk(value);
-            }
+    for lane in 0..N {
+        values[lane] = if indices[lane] < length { indices[lane] } else { indices[lane] % length };
+    }
+    scramble(&mut values, &low, &high, mask, half);
+    // Without powers of two, which are always in the range.
+    while mask >= length && values.iter().fold(false, |beyond, &value| beyond | (value >= length)) {
+        let mut further = values;
+        scramble(&mut further, &low, &high, mask, half);
+        for lane in 0..N {
+            values[lane] = if values[lane] < length { values[lane] } else { further[lane] };
         }
     }
+    for lane in 0..N {
+        let rotation = (u64::from(high[lane]).wrapping_mul(u64::from(length)) >> 32) as u32;
+        let to_the_end = length.wrapping_sub(rotation);
+        let start = if values[lane] < to_the_end { 0 } else { length };
+        values[lane] = values[lane].wrapping_add(rotation).wrapping_sub(start);
+    }
+    values
+}
 
-    /// Bijection of the numbers below the next power of two.
-    #[inline(always)]
-    fn scramble<const N: usize>(&self, values: &mut [u32; N]) {
+/// Bijection of the numbers up to `mask`, which is a power of two less one, for the halves of a key per lane.
+#[inline(always)]
+fn scramble<const N: usize>(values: &mut [u32; N], low: &[u32; N], high: &[u32; N], mask: u32, half: u32) {
+    for lane in 0..N {
+        let mut value = values[lane];
+        let key = u64::from(high[lane]) << 32 | u64::from(low[lane]);
         // Xor, odd multiplication and xor-shift are bijections. Multiplication carries changes to higher bits and
         // the shift to lower ones; the shortest ranges need all eight rounds.
         for round in 0..8u32 {
-            let key = self.key.rotate_left(8 * round);
-            let shift = if round % 2 == 0 { self.half } else { 1 };
-            for value in values.iter_mut() {
-                *value ^= key as u32 & self.mask;
-                *value = value.wrapping_mul((key >> 32) as u32 | 1) & self.mask;
-                *value ^= *value >> shift;
-            }
+            let key = key.rotate_left(8 * round);
+            value ^= key as u32 & mask;
+            value = value.wrapping_mul((key >> 32) as u32 | 1) & mask;
+            value ^= value >> if round % 2 == 0 { half } else { 1 };
         }
-    }
-
-    /// Cycle walking: repeats the bijection until the number is in the range.
-    #[inline(always)]
-    fn cycle_walk(&self, value: u32) -> u32 {
-        let mut value = [value];
-        while value[0] >= self.length {
-            self.scramble(&mut value);
-        }
-        let to_the_end = self.length - self.rotation;
-        if value[0] < to_the_end { value[0] + self.rotation } else { value[0] - to_the_end }
+        values[lane] = value;
     }
 }
 
@@ -147,14 +119,14 @@ mod tests {
     }
 
     #[test]
-    fn positions_side_by_side_are_those_one_by_one() {
-        for length in [0, 1, 2, 3, 7, 16, 100, 257] {
-            for first in [0, 1, 5, length, length + 3] {
-                let permutation = Permutation::new(length, u64::from(length) * 31 + 1);
-                let mut positions = [0; 40];
-                permutation.positions(first, &mut positions);
-                let one_by_one: Vec<_> = (first..first + 40).map(|index| permutation.position(index)).collect();
-                assert_eq!(positions[..], one_by_one[..], "length {length} from {first}");
+    fn lanes_hold_the_positions_of_their_own_permutations() {
+        for length in [0, 1, 2, 3, 7, 16, 100, 257, u32::MAX] {
+            for seed in 0..20u64 {
+                // Permutations of two seeds, and indices around the end of the range.
+                let seeds: [u64; 13] = core::array::from_fn(|lane| seed + lane as u64 / 5);
+                let indices: [u32; 13] = core::array::from_fn(|lane| length.wrapping_sub(6).wrapping_add(lane as u32));
+                let one_by_one = core::array::from_fn(|lane| permute(indices[lane], length, seeds[lane]));
+                assert_eq!(permute_lanes(indices, length, seeds), one_by_one, "length {length}, seed {seed}");
             }
         }
     }

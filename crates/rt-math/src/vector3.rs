@@ -1,11 +1,11 @@
 //! Vectors of three numbers, each of which may be several in SIMD lanes.
 
 use crate::Real;
-use core::ops::{Add, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::DVec3;
 
 /// Vector of three [`Real`] numbers. For one `f64` it has the same bits as [`DVec3`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vector3<R> {
     /// First coordinate.
     pub x: R,
@@ -36,6 +36,12 @@ impl<R: Real> Vector3<R> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// Product of each coordinate with that of the other vector, as of a colour with a filter.
+    #[inline(always)]
+    pub fn scaled_by(self, other: Self) -> Self {
+        Self::new(self.x * other.x, self.y * other.y, self.z * other.z)
+    }
+
     /// Squared length.
     #[inline(always)]
     pub fn length_squared(self) -> R {
@@ -46,6 +52,14 @@ impl<R: Real> Vector3<R> {
     #[inline(always)]
     pub fn length(self) -> R {
         self.length_squared().sqrt()
+    }
+
+    /// True if no coordinate is NaN or infinite.
+    #[inline(always)]
+    pub fn is_finite(self) -> R::Mask {
+        let max = self.x.splat(f64::MAX);
+        let Self { x, y, z } = self.abs();
+        x.le(max) & y.le(max) & z.le(max)
     }
 
     /// Absolute values of the coordinates.
@@ -97,6 +111,15 @@ impl<R: Real> Mul<R> for Vector3<R> {
     }
 }
 
+impl<R: Real> Div<R> for Vector3<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, divisor: R) -> Self {
+        Self::new(self.x / divisor, self.y / divisor, self.z / divisor)
+    }
+}
+
 impl From<DVec3> for Vector3<f64> {
     #[inline(always)]
     fn from(v: DVec3) -> Self {
@@ -124,7 +147,8 @@ mod tests {
             let [v, w] = [a, b].map(Vector3::from);
             assert_eq!(v.dot(w).to_bits(), a.dot(b).to_bits());
             assert_eq!(v.length().to_bits(), a.length().to_bits());
-            assert_eq!(DVec3::from(v + w * 0.3 - -v.abs()), a + b * 0.3 - -a.abs());
+            assert_eq!(DVec3::from(v / w.z + w * 0.3 - -v.abs()), a / b.z + b * 0.3 - -a.abs());
+            assert_eq!(DVec3::from(v.scaled_by(w)), a * b);
             assert_eq!(DVec3::from(Vector3::select(v.x.lt(w.x), v, w)), if a.x < b.x { a } else { b });
         }
     }

@@ -107,7 +107,7 @@ fn light_of(scene: &Scene, instance: &Instance, outer: &Transform, levels: &Bott
             let inner = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
             light_of_mesh(&levels.meshes[*level as usize].mesh, &outer.compose(&inner), emission)
         }
-        InstanceGeometry::Triangle(mesh, _) => light_of_mesh(mesh, outer, emission),
+        InstanceGeometry::Triangle(mesh, ..) => light_of_mesh(mesh, outer, emission),
         InstanceGeometry::Group(..) | InstanceGeometry::Animated(_) => None,
     }
 }

@@ -136,7 +136,7 @@ fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool])
         casts_shadow |= instance.casts_shadow;
         let mesh = match instance.geometry.static_geometry() {
             InstanceGeometry::Mesh(level, _) => &levels.meshes[*level as usize].mesh,
-            InstanceGeometry::Triangle(mesh, _) => mesh,
+            InstanceGeometry::Triangle(mesh, ..) => mesh,
             _ => continue,
         };
         shading_normals |= !mesh.data().normals.is_empty();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rt_accel::BuildError;
 use rt_geometry::{Primitives, Shape, TransformedShape};
-use rt_math::{Aabb, AnimatedTransformChain, Transform};
+use rt_math::{Aabb, AnimatedTransformChain, DVec3, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Scene, SceneNode};
 use rt_shading::{Alpha, Material, Texture};
 
@@ -370,7 +370,8 @@ impl<'s> Flattener<'s> {
         {
             let triangle = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);
-                self.instance(node, here, InstanceGeometry::Triangle(Arc::clone(&named.mesh), index), bounds)
+                let normal = named.mesh.unit_normal(index).unwrap_or(DVec3::Z);
+                self.instance(node, here, InstanceGeometry::Triangle(Arc::clone(&named.mesh), index, normal), bounds)
             };
             return (0..count as u32).map(triangle).collect();
         }

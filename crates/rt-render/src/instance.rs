@@ -10,7 +10,7 @@ use rt_geometry::{
     BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, SurfaceInteraction,
     TransformedShape, TriangleMesh,
 };
-use rt_math::{Aabb, AnimatedTransformChain, Interval, Ray, Transform};
+use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
 use rt_shading::{NormalMap, SurfaceHit, Texture, light::LightId};
 
 use crate::mesh_blas::MeshBlas;
@@ -60,13 +60,13 @@ impl Instance {
     #[inline]
     fn triangle_surface(
         &self,
-        mesh: &TriangleMesh,
-        triangle: u32,
+        (mesh, triangle, unit_normal): (&TriangleMesh, u32, Option<DVec3>),
         ray: &Ray,
         hit: &Hit,
         needs: InteractionFlags,
     ) -> Option<SurfaceHit> {
-        let surface = mesh.surface(ray, &Hit { primitive: triangle, ..*hit }, self.needs(needs))?;
+        let hit = &Hit { primitive: triangle, ..*hit };
+        let surface = mesh.surface_with_normal(ray, hit, self.needs(needs), unit_normal)?;
         Some(self.surface_hit(hit.t, surface, Some(triangle)))
     }
 
@@ -84,8 +84,8 @@ pub(crate) enum InstanceGeometry {
     TransformedShape(Box<TransformedShape>),
     /// Index of a [`MeshBlas`]; no transform means the identity.
     Mesh(u32, Option<Box<Transform>>),
-    /// Inlined triangle of a small mesh without transform and normal map.
-    Triangle(Arc<TriangleMesh>, u32),
+    /// Inlined triangle of a small mesh without transform and normal map, with its unit normal.
+    Triangle(Arc<TriangleMesh>, u32, DVec3),
     /// Index of an [`Aggregate`].
     Group(u32, Option<Box<Transform>>),
     Animated(Box<Animated>),
@@ -200,9 +200,12 @@ impl Instances<'_> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
         // The common kinds come first, so that their results are constructed in place.
         match &instance.geometry {
-            InstanceGeometry::Triangle(mesh, triangle) => instance.triangle_surface(mesh, *triangle, ray, hit, needs),
+            InstanceGeometry::Triangle(mesh, triangle, normal) => {
+                instance.triangle_surface((mesh, *triangle, Some(*normal)), ray, hit, needs)
+            }
             InstanceGeometry::Mesh(level, None) if instance.normal_map.is_none() => {
-                instance.triangle_surface(&self.levels.meshes[*level as usize].mesh, hit.primitive, ray, hit, needs)
+                let mesh = &self.levels.meshes[*level as usize].mesh;
+                instance.triangle_surface((mesh, hit.primitive, None), ray, hit, needs)
             }
             InstanceGeometry::Shape(shape) => Some(instance.shape_surface(shape, ray, hit, needs)),
             geometry => self.surface_of(instance, geometry, ray, hit, needs),
@@ -235,8 +238,8 @@ impl Instances<'_> {
                 }
                 instance.surface_hit(hit.t, to_world(surface, transform.as_deref()), Some(hit.primitive))
             }
-            InstanceGeometry::Triangle(mesh, triangle) => {
-                instance.triangle_surface(mesh, *triangle, ray, hit, needs)?
+            InstanceGeometry::Triangle(mesh, triangle, normal) => {
+                instance.triangle_surface((mesh, *triangle, Some(*normal)), ray, hit, needs)?
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
@@ -281,7 +284,7 @@ impl Instances<'_> {
                 let hit = level.closest(&self.levels.textures, &ray, span, probe)?;
                 Some(Hit { instance: index, ..hit })
             }
-            InstanceGeometry::Triangle(mesh, triangle) => {
+            InstanceGeometry::Triangle(mesh, triangle, _) => {
                 let hit = mesh.intersect(*triangle, ray, span)?;
                 Some(self.hit_of(index, hit.t, hit.uv))
             }
@@ -318,7 +321,7 @@ impl Instances<'_> {
                 let level = &self.levels.meshes[*level as usize];
                 level.occluded(&self.levels.textures, &to_local(ray, transform.as_deref()), span, probe)
             }
-            InstanceGeometry::Triangle(mesh, triangle) => mesh.intersect(*triangle, ray, span).is_some(),
+            InstanceGeometry::Triangle(mesh, triangle, _) => mesh.intersect(*triangle, ray, span).is_some(),
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
@@ -430,7 +433,7 @@ impl Primitives for Instances<'_> {
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match &self.instances[index as usize].geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
-            InstanceGeometry::Triangle(mesh, triangle) => mesh.batch_kernel(*triangle),
+            InstanceGeometry::Triangle(mesh, triangle, _) => mesh.batch_kernel(*triangle),
             geometry if geometry.is_structure() => BatchKernel::Instance,
             _ => BatchKernel::Single,
         }
@@ -473,8 +476,8 @@ impl Primitives for Instances<'_> {
             }
             InstanceGeometry::Shape(Shape::Cuboid(axis_box)) => PrimitiveGeometry::Box(axis_box.bounds()),
             InstanceGeometry::Shape(Shape::Triangle(triangle)) => PrimitiveGeometry::Triangle(triangle.vertices()),
-            InstanceGeometry::Triangle(mesh, triangle) if self.is_flat => mesh.geometry(*triangle),
-            InstanceGeometry::Triangle(mesh, triangle) => {
+            InstanceGeometry::Triangle(mesh, triangle, _) if self.is_flat => mesh.geometry(*triangle),
+            InstanceGeometry::Triangle(mesh, triangle, _) => {
                 mesh.vertices(*triangle).map_or(PrimitiveGeometry::Opaque, PrimitiveGeometry::Triangle)
             }
             _ => PrimitiveGeometry::Opaque,

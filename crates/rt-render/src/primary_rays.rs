@@ -14,10 +14,26 @@ use crate::{
 /// Camera rays per batch: enough for batch traversal, with data that fits the cache of a core.
 const BATCH_SIZE: usize = 256;
 
+/// Indices of all samplers of a batch, for draws.
+const ALL: [u32; BATCH_SIZE] = {
+    let mut all = [0; BATCH_SIZE];
+    let mut index = 0;
+    while index < BATCH_SIZE {
+        all[index] = index as u32;
+        index += 1;
+    }
+    all
+};
+
 /// Camera rays of a batch with their radiance.
 #[derive(Debug, Default)]
 pub(crate) struct PrimaryRayBatch {
+    /// Positions in the pixel of the samples that are generated.
     positions: Vec<[f64; 2]>,
+    /// Points on the lens of these samples, in the unit square.
+    on_lens: Vec<[f64; 2]>,
+    /// Times of these samples, as parts of the open shutter.
+    times: Vec<f64>,
     rays: Vec<(Ray, Interval)>,
     /// Filter weight of each sample.
     weights: Vec<f64>,
@@ -124,30 +140,33 @@ impl RenderPlan<'_> {
         batch: &mut PrimaryRayBatch,
     ) {
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
-        let PrimaryRayBatch { positions, rays, weights, samplers, .. } = batch;
-        let mut push = |ray: Ray, weight: f64| {
-            rays.push((ray, Interval::FORWARD));
-            weights.push(weight);
-        };
-        let has_lens = self.frame.camera.has_lens();
-        if !has_lens && !self.frame.has_motion && !self.integrator.uses_samplers() {
-            positions.resize(count, [0.0; 2]);
+        let PrimaryRayBatch { positions, on_lens, times, rays, weights, samplers, .. } = batch;
+        positions.resize(count, [0.0; 2]);
+        on_lens.resize(count, [0.5; 2]);
+        times.resize(count, 0.0);
+        let (has_lens, has_motion) = (self.frame.camera.has_lens(), self.frame.has_motion);
+        if has_lens || has_motion || self.integrator.uses_samplers() {
+            let start = samplers.len();
+            samplers.extend(sampler.samples([x, y], first).take(count));
+            let samples = &mut samplers[start..];
+            Sampler::next_2d_batch(samples, &ALL, positions);
+            if has_lens {
+                Sampler::next_2d_batch(samples, &ALL, on_lens);
+            }
+            if has_motion {
+                Sampler::next_1d_batch(samples, &ALL, times);
+            }
+        } else {
             sampler.positions([x, y], first, positions);
-            for &position in &*positions {
-                let (offset, weight) = self.frame.filter.sample(position);
-                push(self.frame.camera.ray(corner + offset, 0.0), weight);
-            }
-            return;
         }
-        for index in (first..).take(count) {
-            let mut sample = sampler.sample([x, y], index);
-            let (offset, weight) = self.frame.filter.sample(sample.next_2d());
-            let on_lens = if has_lens { sample.next_2d() } else { [0.5; 2] };
-            let time = self.frame.sample_time(&mut sample);
-            push(self.frame.camera.generate_ray(corner + offset, on_lens, time), weight);
-            if self.integrator.uses_samplers() {
-                samplers.push(sample);
-            }
+        if !self.integrator.uses_samplers() {
+            samplers.clear();
+        }
+        for ((&position, &on_lens), &time) in positions.iter().zip(&*on_lens).zip(&*times) {
+            let (offset, weight) = self.frame.filter.sample(position);
+            let time = if has_motion { self.frame.camera.shutter_time(time) } else { 0.0 };
+            rays.push((self.frame.camera.generate_ray(corner + offset, on_lens, time), Interval::FORWARD));
+            weights.push(weight);
         }
     }
 }

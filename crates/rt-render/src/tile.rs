@@ -1,6 +1,9 @@
 //! Rendering of a tile.
 
-use rt_accel::{AnyAccelerator, wide::SmallSet};
+use rt_accel::{
+    AnyAccelerator,
+    wide::{SimdLevel, SmallSet},
+};
 use rt_camera::SampleStream;
 use rt_geometry::{Counters, Hit, NoProbe};
 use rt_math::Ray;
@@ -36,9 +39,11 @@ pub(crate) struct ThreadState {
 impl ThreadState {
     pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
         let settings = &plan.scene.source.settings;
+        let mut paths = PathTracer::new(plan.integrator.path_settings(), plan.scene.features);
+        paths.set_lanes(plan.scene.accel.simd != Some(SimdLevel::Portable));
         Self {
             whitted: Whitted::new(settings.depth, settings.min_contribution, plan.scene.features),
-            paths: PathTracer::new(plan.integrator.path_settings(), plan.scene.features),
+            paths,
             occlusion: OcclusionWave::default(),
             camera: PrimaryRayBatch::default(),
             hits: Vec::new(),

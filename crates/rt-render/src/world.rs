@@ -170,7 +170,7 @@ impl HasForm for Instances<'_> {
         match &self.instances[index as usize].geometry {
             InstanceGeometry::Shape(shape) => PrimitiveForm::of(shape),
             InstanceGeometry::TransformedShape(placed) => PrimitiveForm::of_placed(placed),
-            InstanceGeometry::Triangle(mesh, _) if mesh.data().normals.is_empty() => PrimitiveForm::Flat,
+            InstanceGeometry::Triangle(mesh, ..) if mesh.data().normals.is_empty() => PrimitiveForm::Flat,
             InstanceGeometry::Triangle(..)
             | InstanceGeometry::Mesh(..)
             | InstanceGeometry::Group(..)

@@ -62,6 +62,7 @@ mod eval_context;
 mod float_texture;
 mod hit_context;
 mod interior_list;
+mod lanes;
 mod layered_surface;
 pub mod light;
 mod light_tracing;

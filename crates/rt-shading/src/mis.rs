@@ -8,12 +8,15 @@
 //! Both densities are per unit solid angle. The weights of a direction sum to 1. Delta lights and specular lobes are found by
 //! one technique only; their weight is 1.
 
+use rt_math::Real;
+
 /// MIS weight by the power heuristic with exponent 2, of a direction sampled with density `pdf`; `other_pdf` is the density of
 /// the other technique.
-pub(crate) fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
+#[inline(always)]
+pub(crate) fn power_heuristic<R: Real>(pdf: R, other_pdf: R) -> R {
     // The quotient does not overflow where squares do.
     let ratio = other_pdf / pdf;
-    1.0 / (1.0 + ratio * ratio)
+    (ratio * ratio + 1.0).recip()
 }
 
 #[cfg(test)]

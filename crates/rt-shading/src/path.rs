@@ -1,14 +1,17 @@
 //! Path tracing in waves, with next-event estimation and MIS.
 
 mod clamp;
+mod diffuse_queue;
 mod scatter;
 pub(crate) mod transport;
 mod wave;
 
 use crate::{
-    Appearance, BsdfCache, InteriorList, Needs, Seen, ShadingCounts, Tracer, light::LightSet, ray_queues::RayQueues,
+    Appearance, BsdfCache, InteriorList, Needs, Seen, ShadingCounts, Tracer, lanes::LaneLevel, light::LightSet,
+    ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
+use diffuse_queue::DiffuseQueue;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
 pub use transport::Transport;
@@ -50,11 +53,19 @@ pub struct PathTracer<S> {
     needs: Needs,
     /// Media around the camera: one list for all paths, or one for each.
     surroundings: Vec<InteriorList>,
-    paths: Vec<Path<S>>,
+    paths: Vec<Path>,
+    /// Samplers of the paths.
+    samplers: Vec<S>,
     /// Rays of the current wave.
     ray_queues: RayQueues<u32>,
     next: RayQueues<u32>,
     shadows: ShadowRayQueue,
+    /// Vertices that are shaded in lanes.
+    diffuse: DiffuseQueue<S>,
+    /// Instruction set of lanes; `None` to shade all vertices one by one.
+    lanes: Option<LaneLevel>,
+    /// Lanes of this wave; `None` if it needs what they lack.
+    wave_lanes: Option<LaneLevel>,
     /// True if the emission of the next surface or the background may contribute.
     scene_emits: bool,
     counts: ShadingCounts,
@@ -79,12 +90,21 @@ impl<S: Sampler + Clone> PathTracer<S> {
             needs,
             surroundings: Vec::new(),
             paths: Vec::new(),
+            samplers: Vec::new(),
             ray_queues: RayQueues::default(),
             next: RayQueues::default(),
             shadows: ShadowRayQueue::default(),
+            diffuse: DiffuseQueue::default(),
+            lanes: LaneLevel::detect(),
+            wave_lanes: None,
             scene_emits: false,
             counts: ShadingCounts::default(),
         }
+    }
+
+    /// Shades in SIMD lanes or not, where the processor has them. The result is bit-identical.
+    pub fn set_lanes(&mut self, in_lanes: bool) {
+        self.lanes = LaneLevel::detect().filter(|_| in_lanes);
     }
 
     /// Sets the media around the camera: one list for all paths, or one for each path of the next wave. Without a list, all
@@ -112,6 +132,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let seen = &mut seen[..count];
         seen.fill(Seen::NOTHING);
         self.scene_emits = self.needs.emission || !lighting.appearance.background.is_black();
+        self.wave_lanes = self.lanes.filter(|_| {
+            let has_delta_lights = lighting.lights.sampled_lights().len() < lighting.lights.lights().len();
+            !self.needs.absorption && !has_delta_lights
+        });
         self.start(&samplers[..count]);
         self.trace(world, lighting, RayKind::Primary, &rays[..count], |at| at as u32, seen);
         self.end_wave(world, seen);
@@ -139,6 +163,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let id = path(at);
             self.shade_hit(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);
         });
+        self.shade_diffuse(lighting, seen);
     }
 
     /// Traces the shadow rays of a wave, and starts the next wave.
@@ -152,14 +177,11 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Starts a path for each sampler.
     fn start(&mut self, samplers: &[S]) {
+        samplers.clone_into(&mut self.samplers);
         // Lists of bodies keep their memory from wave to wave.
         self.paths.truncate(samplers.len());
-        for (path, sampler) in self.paths.iter_mut().zip(samplers) {
-            path.reset(sampler.clone());
-        }
-        for sampler in &samplers[self.paths.len()..] {
-            self.paths.push(Path::new(sampler.clone()));
-        }
+        self.paths.iter_mut().for_each(Path::reset);
+        self.paths.resize_with(samplers.len(), Path::default);
         if self.needs.refraction {
             for (path, surroundings) in self.paths.iter_mut().zip(self.surroundings.iter().cycle()) {
                 path.medium_tracker.interior.clone_from(surroundings);

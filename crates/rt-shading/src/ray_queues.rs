@@ -35,7 +35,7 @@ impl<P> RayQueue<P> {
 pub(crate) struct RayQueues<P> {
     pub(crate) reflected: RayQueue<P>,
     pub(crate) refracted: RayQueue<P>,
-    diffuse: RayQueue<P>,
+    pub(crate) diffuse: RayQueue<P>,
 }
 
 impl<P> Default for RayQueues<P> {

@@ -4,7 +4,7 @@ use rt_math::{Rgb, Sampler};
 
 /// Maximum survival probability, so that every path ends. Among surfaces of albedo ρ the throughput has a finite variance only if ρ²
 /// is less than this.
-const MAX_SURVIVAL: f64 = 0.999;
+pub(crate) const MAX_SURVIVAL: f64 = 0.999;
 
 /// Russian roulette (Arvo, Kirk 1990): returns true if the path survives, and divides its throughput by the probability. `eta_scale`
 /// converts radiance in a medium to radiance in air.

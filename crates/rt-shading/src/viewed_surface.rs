@@ -11,7 +11,7 @@ use rt_math::{DVec3, Frame};
 ///
 /// A bent normal is perpendicular to the view up to rounding, of which the sign is noise. The square of this cosine is below
 /// the rounding of 1, so that the direction with the raised cosine is still a unit vector.
-const MIN_COSINE: f64 = 1e-8;
+pub(crate) const MIN_COSINE: f64 = 1e-8;
 
 /// Surface at a hit, relative to the ray.
 pub(crate) struct ViewedSurface<'s> {

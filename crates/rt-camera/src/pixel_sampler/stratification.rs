@@ -1,6 +1,10 @@
 //! Tests of where the samples of one pixel fall.
 
 use super::*;
+use crate::{
+    sample_lanes::{BELOW_ONE, in_stratum},
+    sobol,
+};
 use proptest::prelude::*;
 
 const STRATIFIED: [SamplerKind; 4] =
@@ -198,7 +202,7 @@ fn samples_beyond_the_pattern_start_a_new_one() {
         assert_even(&round(16).collect::<Vec<_>>(), 4, 4, pattern.name());
         assert!(round(0).zip(round(16)).all(|(a, b)| a != b));
     }
-    let block = 1 << SobolSet::INDEX_BITS;
+    let block = 1 << sobol::INDEX_BITS;
     let sampler = PixelSampler::new(SamplerKind::Sobol, 2 * block, 0);
     let second: Vec<_> = (block..block + 256).map(|index| sampler.sample([1, 1], index).next_2d()).collect();
     assert_even(&second, 16, 16, "sobol");

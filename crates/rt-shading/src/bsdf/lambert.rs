@@ -5,7 +5,7 @@ use super::{
     side::{Side, same_side},
 };
 use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
-use rt_math::{DVec3, Rgb, transcendental};
+use rt_math::{DVec3, Real, Rgb, Vector3, transcendental::sincos};
 
 /// Lambertian reflection: f = albedo / π (Lambert 1760).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,16 +51,25 @@ pub(super) fn cosine_pdf(w: DVec3) -> f64 {
     w.z * FRAC_1_PI
 }
 
-/// Cosine-weighted direction above the surface: a point of the unit disk, projected to the hemisphere (Malley 1988). The
-/// concentric map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
+/// Cosine-weighted direction above the surface.
 #[inline]
 pub(crate) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
-    let [x, y] = u.map(|u| 2.0 * u - 1.0);
-    if x == 0.0 && y == 0.0 {
-        return DVec3::Z;
-    }
-    let (radius, angle) =
-        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
-    let (sin, cos) = transcendental::sincos(angle);
-    DVec3::new(radius * cos, radius * sin, ((1.0 - radius) * (1.0 + radius)).sqrt())
+    cosine_hemisphere_lanes(u).into()
+}
+
+/// Cosine-weighted directions above the surface, in one number or in lanes: points of the unit disk, projected to the hemisphere (Malley
+/// 1988). The concentric map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
+#[inline(always)]
+pub(crate) fn cosine_hemisphere_lanes<R: Real>([u, v]: [R; 2]) -> Vector3<R> {
+    let (zero, one) = (u.splat(0.0), u.splat(1.0));
+    let (x, y) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
+    let is_steep = y.abs().lt(x.abs());
+    let radius = R::select(is_steep, x, y);
+    let slope = R::select(is_steep, y, x) / radius * FRAC_PI_4;
+    let angle = R::select(is_steep, slope, u.splat(FRAC_PI_2) - slope);
+    let (sin, cos) = sincos(angle);
+    let height = ((one - radius) * (one + radius)).sqrt();
+    let is_centre = x.eq(zero) & y.eq(zero);
+    let at = |x: R| R::select(is_centre, zero, x);
+    Vector3::new(at(radius * cos), at(radius * sin), height)
 }

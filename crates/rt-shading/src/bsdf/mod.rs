@@ -75,7 +75,7 @@ pub use dielectric::Dielectric;
 pub use dispersive_dielectric::DispersiveDielectric;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
-pub(crate) use lambert::cosine_hemisphere;
+pub(crate) use lambert::{cosine_hemisphere, cosine_hemisphere_lanes};
 pub use layered::Layered;
 pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
@@ -85,6 +85,7 @@ pub use phong_lobe::PhongLobe;
 pub use refraction::Refraction;
 pub use sample::{BsdfSample, Scattering};
 pub use sheen::Sheen;
+pub(crate) use side::HORIZON;
 pub use thin_glass::ThinGlass;
 
 use rt_math::{DVec3, Rgb};

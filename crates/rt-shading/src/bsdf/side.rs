@@ -3,7 +3,7 @@
 use rt_math::DVec3;
 
 /// Smaller cosines count as 0: their products would underflow.
-const HORIZON: f64 = 1e-100;
+pub(crate) const HORIZON: f64 = 1e-100;
 
 /// True for a finite direction that is not in the plane of the surface.
 #[inline]

@@ -4,7 +4,7 @@ use super::light_sample::{by_solid_angle, density};
 use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::{Cylinder, InteractionFlags, Shape, TransformedShape};
 use rt_math::transcendental::{acos, atan2, sincos};
-use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Rgb, Transform};
+use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Rgb, Transform, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// Cylinder with or without caps, sampled uniformly by its visible area.
@@ -151,7 +151,7 @@ impl CylinderLight {
             return 0.0;
         }
         let area: f64 = self.areas(visible).iter().sum();
-        density(by_solid_angle(1.0 / area, offset, along_normal))
+        density(by_solid_angle(1.0 / area, Vector3::from(offset), along_normal))
     }
 
     /// Point by two numbers. The first selects the part, and its remainder the angle.

@@ -3,7 +3,7 @@
 use super::light_sample::{by_solid_angle, density};
 use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_math::transcendental::sincos;
-use rt_math::{Aabb, DVec3, Frame, Rgb};
+use rt_math::{Aabb, DVec3, Frame, Rgb, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// Disk or ring, sampled uniformly by area.
@@ -80,7 +80,7 @@ impl DiskLight {
         if self.emission.emitted(height).is_black() {
             return 0.0;
         }
-        density(by_solid_angle(1.0 / self.area, on_light - point, height))
+        density(by_solid_angle(1.0 / self.area, Vector3::from(on_light - point), height))
     }
 
     /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.

@@ -1,7 +1,7 @@
 //! Emission of area lights.
 
 use super::light_error::{LightError, check_radiance};
-use rt_math::Rgb;
+use rt_math::{Real, Rgb};
 use std::f64::consts::PI;
 
 /// Sides of a surface that emit.
@@ -44,11 +44,17 @@ impl Emission {
     /// Negative is towards the front. Black behind a one-sided light, exactly edge-on, and for NaN.
     #[inline]
     pub fn emitted(&self, along_normal: f64) -> Rgb {
-        let emits = match self.sides {
-            EmissionSides::Front => along_normal < 0.0,
-            EmissionSides::Both => along_normal != 0.0 && !along_normal.is_nan(),
-        };
-        if emits { self.radiance } else { Rgb::BLACK }
+        if self.emits(along_normal) { self.radiance } else { Rgb::BLACK }
+    }
+
+    /// True where a side emits, in one number or in lanes; see [`emitted`](Self::emitted).
+    #[inline(always)]
+    pub(crate) fn emits<R: Real>(&self, along_normal: R) -> R::Mask {
+        let zero = along_normal.splat(0.0);
+        match self.sides {
+            EmissionSides::Front => along_normal.lt(zero),
+            EmissionSides::Both => along_normal.lt(zero) | zero.lt(along_normal),
+        }
     }
 
     /// Power of a surface of the given area: π · A · L for each emissive side.

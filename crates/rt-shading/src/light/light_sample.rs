@@ -3,7 +3,7 @@
 use super::emission::{Emission, EmissionSides};
 use rt_geometry::SurfaceInteraction;
 use rt_math::float::gamma;
-use rt_math::{DVec3, Rgb};
+use rt_math::{DVec3, Real, Rgb, Vector3};
 
 /// Point on an area light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +46,39 @@ pub struct LightSample {
     pub pdf: f64,
 }
 
+/// Samples of directions to a light, in one number or in lanes; see [`LightLiSample`].
+#[derive(Clone, Copy)]
+pub(crate) struct LightDirections<R: Real> {
+    /// False where the light does not reach the point. All other fields are then not valid.
+    pub(crate) is_lit: R::Mask,
+    /// Unit vectors towards the light, world space.
+    pub(crate) direction: Vector3<R>,
+    /// Ends of shadow rays, as by [`LightLiSample::shadow_target`].
+    pub(crate) target: Vector3<R>,
+    /// Densities of the directions per unit solid angle.
+    pub(crate) pdf: R,
+}
+
+impl<R: Real> LightDirections<R> {
+    /// Directions from `from` to points of a flat light with this unit normal, as by [`LightLiSample::of_surface`].
+    #[inline(always)]
+    pub(super) fn of_flat(
+        (is_lit, on_light, pdf): (R::Mask, Vector3<R>, R),
+        from: Vector3<R>,
+        normal: DVec3,
+        extent: f64,
+    ) -> Self {
+        let offset = on_light - from;
+        let distance = offset.length();
+        let direction = offset / distance;
+        let (zero, max) = (pdf.splat(0.0), pdf.splat(f64::MAX));
+        let is_finite = direction.is_finite() & distance.le(max) & pdf.le(max);
+        let normal = Vector3::splat(pdf, normal);
+        let target = end_of_shadow_ray(on_light, normal, point_error_of(on_light, extent), direction);
+        Self { is_lit: is_lit & is_finite & pdf.gt(zero), direction, target, pdf }
+    }
+}
+
 /// Point on an area light from which light tracing starts a path.
 ///
 /// The power through a small area and solid angle is `radiance · cos θ · dA · dω`, θ from the normal of `surface`.
@@ -76,9 +109,8 @@ impl LightLiSample {
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6, at the other end of the ray.
     pub fn shadow_target(&self) -> Option<DVec3> {
-        let off = self.normal * self.normal.abs().dot(self.point_error);
-        let side = if self.direction.dot(self.normal) < 0.0 { off } else { -off };
-        self.point.map(|point| point + side)
+        let (normal, error) = (self.normal.into(), self.point_error.into());
+        self.point.map(|point| end_of_shadow_ray(point.into(), normal, error, self.direction.into()).into())
     }
 }
 
@@ -95,9 +127,28 @@ impl LightLeSample {
     }
 }
 
+/// Point on a light with this unit normal, offset by its error bound to the side that is visible along `direction`.
+#[inline(always)]
+fn end_of_shadow_ray<R: Real>(
+    point: Vector3<R>,
+    normal: Vector3<R>,
+    point_error: Vector3<R>,
+    direction: Vector3<R>,
+) -> Vector3<R> {
+    let off = normal * normal.abs().dot(point_error);
+    point + Vector3::select(direction.dot(normal).lt(point.x.splat(0.0)), off, -off)
+}
+
 /// Bound on the rounding error of a point on a light of the size `extent`, per axis.
 fn point_error(at: &LightPoint, extent: f64) -> DVec3 {
-    (at.point.abs() + DVec3::splat(extent)) * gamma(16)
+    point_error_of(at.point.into(), extent).into()
+}
+
+/// Version of [`point_error`] for lanes.
+#[inline(always)]
+fn point_error_of<R: Real>(point: Vector3<R>, extent: f64) -> Vector3<R> {
+    let Vector3 { x, y, z } = point.abs();
+    Vector3::new((x + extent) * gamma(16), (y + extent) * gamma(16), (z + extent) * gamma(16))
 }
 
 /// True for a valid divisor: a positive and finite density.
@@ -115,10 +166,10 @@ pub(super) fn density(pdf: f64) -> f64 {
 /// Converts a density per unit area to one per unit solid angle: `by_area · d² / |cos θ|`, θ between the normal and `offset`.
 ///
 /// `offset` leads to the sampled point, `height` is the distance of the tangent plane.
-#[inline]
-pub(super) fn by_solid_angle(by_area: f64, offset: DVec3, height: f64) -> f64 {
+#[inline(always)]
+pub(super) fn by_solid_angle<R: Real>(by_area: f64, offset: Vector3<R>, height: R) -> R {
     let squared = offset.length_squared();
-    by_area * squared * squared.sqrt() / height.abs()
+    squared * by_area * squared.sqrt() / height.abs()
 }
 
 #[cfg(test)]

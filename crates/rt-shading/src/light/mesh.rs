@@ -5,7 +5,7 @@ use super::piecewise_constant::{accumulate, find, probability};
 use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::{ShapeError, Triangle, WatertightRay};
-use rt_math::{Aabb, DVec3, Interval, Ray, Rgb};
+use rt_math::{Aabb, DVec3, Interval, Ray, Rgb, Vector3};
 
 /// Set of triangles. One of them is sampled in proportion to its area, then a direction uniformly by solid angle (Arvo 1995).
 /// A triangle that subtends less than 2⁻¹⁴ sr is sampled by area.
@@ -153,7 +153,7 @@ impl Face {
     }
 
     fn solid_angle(&self, point: DVec3, height: f64) -> f64 {
-        solid_angle::of_fan(self.vertices.map(|vertex| vertex - point), height, 2.0 * self.area)
+        solid_angle::of_fan(self.vertices.map(|vertex| Vector3::from(vertex - point)), height, 2.0 * self.area)
     }
 
     fn sample(&self, point: DVec3, height: f64, u: [f64; 2]) -> DVec3 {
@@ -180,7 +180,7 @@ impl Face {
         if solid_angle >= MIN_SPHERICAL {
             return 1.0 / solid_angle;
         }
-        by_solid_angle(1.0 / self.area, on_light - point, height)
+        by_solid_angle(1.0 / self.area, Vector3::from(on_light - point), height)
     }
 }
 

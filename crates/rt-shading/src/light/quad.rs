@@ -1,12 +1,11 @@
 //! Rectangle and parallelogram lights.
 
-use super::light_sample::{by_solid_angle, density};
+use super::light_sample::{LightDirections, by_solid_angle, density};
 use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::ShapeError;
 use rt_math::float::gamma;
-use rt_math::transcendental::sincos;
-use rt_math::{Aabb, DVec3, Rgb};
+use rt_math::{Aabb, DVec3, Mask, Real, Rgb, Vector3, transcendental::sincos};
 
 /// Greatest deviation from a right angle of a rectangle, in radians.
 const RIGHT_ANGLE: f64 = 1e-12;
@@ -75,30 +74,62 @@ impl QuadLight {
     /// For a rectangle of sides 2a and 2b seen from the distance d above its middle it is
     /// `4 asin(ab / √((a² + d²)(b² + d²)))`.
     pub fn solid_angle(&self, point: DVec3) -> f64 {
-        let a = self.corner - point;
-        let [b, d] = [a + self.edges[0], a + self.edges[1]];
-        let (c, height) = (b + self.edges[1], a.dot(self.normal));
+        self.solid_angle_of(Vector3::from(self.corner - point))
+    }
+
+    /// Solid angle, given the offset to the corner.
+    #[inline(always)]
+    fn solid_angle_of<R: Real>(&self, a: Vector3<R>) -> R {
+        let [edge, other] = splat_both(a.x, self.edges);
+        let [b, d] = [a + edge, a + other];
+        let (c, height) = (b + other, a.dot(Vector3::splat(a.x, self.normal)));
         solid_angle::of_fan([a, b, c, d], height, self.area)
     }
 
     /// Samples a direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
-        let height = (self.corner - point).dot(self.normal);
-        let radiance = self.emission.emitted(height);
-        // Rounding must not put a point of the light itself on the emissive side.
-        let rounding = self.normal.abs().dot(self.corner.abs() + point.abs()) * gamma(16);
-        if radiance.is_black() || height.abs() <= rounding {
+        let (is_lit, on_light, pdf) = self.sample_point(point.into(), u);
+        if !is_lit || self.emission.radiance().is_black() {
             return None;
         }
-        let (on_light, pdf) = match self.angle_to_sample(point, height) {
-            Some(solid_angle) => (self.spherical_point(point, height, solid_angle, u), 1.0 / solid_angle),
-            None => {
-                let on_light = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
-                (on_light, by_solid_angle(1.0 / self.area, on_light - point, height))
-            }
-        };
-        let at = LightPoint { point: on_light, normal: self.normal, triangle: 0 };
-        LightLiSample::of_surface(point, &at, self.lengths[0] + self.lengths[1], radiance, pdf)
+        let at = LightPoint { point: on_light.into(), normal: self.normal, triangle: 0 };
+        LightLiSample::of_surface(point, &at, self.extent(), self.emission.radiance(), pdf)
+    }
+
+    /// Version of [`sample_li`](Self::sample_li) for lanes. The radiance is that of the [`emission`](Self::emission).
+    #[inline(always)]
+    pub(crate) fn sample_li_lanes<R: Real>(&self, point: Vector3<R>, u: [R; 2]) -> LightDirections<R> {
+        LightDirections::of_flat(self.sample_point(point, u), point, self.normal, self.extent())
+    }
+
+    /// Samples points on the light, in one number or in lanes. The mask is false where `point` is behind a one-sided light or in its
+    /// plane; the point and its density, per unit solid angle, are then not valid.
+    #[inline(always)]
+    fn sample_point<R: Real>(&self, point: Vector3<R>, u: [R; 2]) -> (R::Mask, Vector3<R>, R) {
+        let corner = Vector3::splat(u[0], self.corner);
+        let normal = Vector3::splat(u[0], self.normal);
+        let offset = corner - point;
+        let height = offset.dot(normal);
+        // Rounding must not put a point of the light itself on the emissive side.
+        let rounding = normal.abs().dot(corner.abs() + point.abs()) * gamma(16);
+        let is_lit = self.emission.emits(height) & !height.abs().le(rounding);
+        let (is_spherical, solid_angle) = self.angle_to_sample(offset, height);
+        let [edge, other] = splat_both(u[0], self.edges);
+        let (mut on_light, mut pdf) = (corner + edge * u[0] + other * u[1], solid_angle.recip());
+        if !is_spherical.all() {
+            let by_area = by_solid_angle(1.0 / self.area, on_light - point, height);
+            pdf = R::select(is_spherical, pdf, by_area);
+        }
+        if is_spherical.any() {
+            let spherical = self.spherical_point(offset, height, solid_angle, u);
+            on_light = Vector3::select(is_spherical, spherical, on_light);
+        }
+        (is_lit, on_light, pdf)
+    }
+
+    /// Bound on the size, for error bounds of points.
+    fn extent(&self) -> f64 {
+        self.lengths[0] + self.lengths[1]
     }
 
     /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the direction from `point` to a point on
@@ -108,9 +139,9 @@ impl QuadLight {
         if self.emission.emitted(height).is_black() {
             return 0.0;
         }
-        match self.angle_to_sample(point, height) {
-            Some(solid_angle) => density(1.0 / solid_angle),
-            None => density(by_solid_angle(1.0 / self.area, on_light - point, height)),
+        match self.angle_to_sample(Vector3::from(self.corner - point), height) {
+            (true, solid_angle) => density(1.0 / solid_angle),
+            (false, _) => density(by_solid_angle(1.0 / self.area, Vector3::from(on_light - point), height)),
         }
     }
 
@@ -158,15 +189,17 @@ impl QuadLight {
         LightBounds::of_flat(around, self.normal, &self.emission, self.area)
     }
 
-    /// Solid angle from a point at `height` above the plane; `None` if the light is sampled by area.
-    #[inline]
-    fn angle_to_sample(&self, point: DVec3, height: f64) -> Option<f64> {
+    /// Solid angle from a point at `height` above the plane, given the offset to the corner. The mask is false where the light is sampled
+    /// by area.
+    #[inline(always)]
+    fn angle_to_sample<R: Real>(&self, offset: Vector3<R>, height: R) -> (R::Mask, R) {
         let [a, b] = self.lengths;
-        if !self.is_rectangle || height * height > FAR * FAR * (a * a + b * b) {
-            return None;
+        let is_near = !height.splat(FAR * FAR * (a * a + b * b)).lt(height * height);
+        if !self.is_rectangle || !is_near.any() {
+            return (height.lt(height), height);
         }
-        let solid_angle = self.solid_angle(point);
-        (solid_angle >= MIN_SPHERICAL).then_some(solid_angle)
+        let solid_angle = self.solid_angle_of(offset);
+        (is_near & solid_angle.ge(height.splat(MIN_SPHERICAL)), solid_angle)
     }
 
     /// Maps `u` of the unit square to the spherical rectangle, and returns the point on the light.
@@ -174,29 +207,38 @@ impl QuadLight {
     /// Coordinates are along the edges, with the plane at z = −h. The first number selects a part of the solid angle, bounded by
     /// a great circle through x = const. The second selects a part of the arc between the other two edges. Names are those of
     /// the paper. Here x is computed without the cosine c, whose 1 − c² cancels at grazing angles.
-    fn spherical_point(&self, point: DVec3, height: f64, solid_angle: f64, u: [f64; 2]) -> DVec3 {
-        let (offset, h) = (self.corner - point, height.abs());
-        let (x0, y0) = (offset.dot(self.axes[0]), offset.dot(self.axes[1]));
+    #[inline(always)]
+    fn spherical_point<R: Real>(&self, offset: Vector3<R>, height: R, solid_angle: R, u: [R; 2]) -> Vector3<R> {
+        let (zero, one) = (height.splat(0.0), height.splat(1.0));
+        let [x_axis, y_axis] = splat_both(height, self.axes);
+        let h = height.abs();
+        let (x0, y0) = (offset.dot(x_axis), offset.dot(y_axis));
         let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
         let (r, r0, r1) = ((x0 * x0 + h * h).sqrt(), (y0 * y0 + h * h).sqrt(), (y1 * y1 + h * h).sqrt());
         let (b0, b1, n3) = (-y0 / r0, y1 / r1, -x0 / r);
         // The angle that the first number adds to is k = 2π − g₂ − g₃, with inner angles g whose cosines are known.
         let (cos_2, cos_3) = (-b1 * n3, -n3 * b0);
-        let sin_2 = ((1.0 - cos_2) * (1.0 + cos_2)).max(0.0).sqrt();
-        let sin_3 = ((1.0 - cos_3) * (1.0 + cos_3)).max(0.0).sqrt();
+        let sin_2 = zero.max((one - cos_2) * (one + cos_2)).sqrt();
+        let sin_3 = zero.max((one - cos_3) * (one + cos_3)).sqrt();
         let (sin_k, cos_k) = (-sin_2 * cos_3 - cos_2 * sin_3, cos_2 * cos_3 - sin_2 * sin_3);
         let (sin, cos) = sincos(u[0] * solid_angle);
         let (sin, cos) = (sin * cos_k + cos * sin_k, cos * cos_k - sin * sin_k);
         let f = (cos * b0 - b1) / sin;
         let c0 = h / r0;
-        let x = f.signum() * h / ((f - c0) * (f + c0)).max(0.0).sqrt();
-        let x = x.max(x0).min(x1);
+        let x = one.copysign(f) * h / zero.max((f - c0) * (f + c0)).sqrt();
+        let x = x0.max(x).min(x1);
         let d = (x * x + h * h).sqrt();
         let (h0, h1) = (y0 / (d * d + y0 * y0).sqrt(), y1 / (d * d + y1 * y1).sqrt());
         let hv = h0 + u[1] * (h1 - h0);
-        let y = (hv * d / ((1.0 - hv) * (1.0 + hv)).sqrt()).max(y0).min(y1);
-        self.corner + self.axes[0] * (x - x0) + self.axes[1] * (y - y0)
+        let y = y0.max(hv * d / ((one - hv) * (one + hv)).sqrt()).min(y1);
+        Vector3::splat(height, self.corner) + x_axis * (x - x0) + y_axis * (y - y0)
     }
+}
+
+/// Two vectors in all lanes.
+#[inline(always)]
+fn splat_both<R: Real>(like: R, [a, b]: [DVec3; 2]) -> [Vector3<R>; 2] {
+    [Vector3::splat(like, a), Vector3::splat(like, b)]
 }
 
 /// Unit vector along an edge, whose square may underflow; zero for an edge of length zero.

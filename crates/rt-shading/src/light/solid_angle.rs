@@ -1,7 +1,7 @@
 //! Solid angles of triangles, accurate near and far, and uniform directions within them.
 
-use rt_math::DVec3;
 use rt_math::transcendental::{atan2, sincos};
+use rt_math::{DVec3, Real, Vector3};
 use std::f64::consts::TAU;
 
 /// Solid angle below which flat lights are sampled by area. The solid angle is the excess of the angles of the projection on the
@@ -18,10 +18,11 @@ pub(super) const MIN_SPHERICAL: f64 = 1.0 / (1u64 << 14) as f64;
 /// with corners relative to the receiver. The triple product is `height · area2`: the distance of the plane times twice the
 /// area of the triangle, so that far away no digits cancel. Half angles are added as those of complex numbers. 0 for a
 /// figure that is edge-on; NaN for a point on a corner.
-pub(super) fn of_fan<const N: usize>(corners: [DVec3; N], height: f64, area2: f64) -> f64 {
+#[inline(always)]
+pub(super) fn of_fan<R: Real, const N: usize>(corners: [Vector3<R>; N], height: R, area2: f64) -> R {
     let (hub, hub_length, triple) = (corners[0], corners[0].length(), height.abs() * area2);
     let (mut b, mut b_length) = (corners[1], corners[1].length());
-    let (mut re, mut im) = (1.0, 0.0);
+    let (mut re, mut im) = (height.splat(1.0), height.splat(0.0));
     for &c in &corners[2..] {
         let c_length = c.length();
         let product = hub_length * b_length * c_length;
@@ -30,7 +31,7 @@ pub(super) fn of_fan<const N: usize>(corners: [DVec3; N], height: f64, area2: f6
         (re, im) = (re * cos - im * sin, re * sin + im * cos);
         (b, b_length) = (c, c_length);
     }
-    2.0 * atan2(im, re)
+    im.map2(re, atan2) * 2.0
 }
 
 /// Maps `u` of the unit square to a unit direction, uniform over a spherical triangle of the given solid angle. Corners are

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Seen, ShadingCounts, SurfaceHit,
-    bsdf::Scattering,
+    bsdf::{Bsdf, Bxdf, Lambert, Scattering},
     bsdf_cache::CachedBsdf,
     hit_context::HitContext,
     interior_list::MediumInterface,
@@ -62,25 +62,96 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if path.emission_only {
             return;
         }
+        let shading_normal = hit.interaction.shading_normal;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let mut made = None;
         let CachedBsdf { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
             let bsdf = bsdf_at(lighting.appearance, material, &view, interface);
             made.insert(CachedBsdf::new(bsdf, transport == Transport::Specular))
         });
-        let vertex = Vertex::new(view, bsdf, ray.time);
         let only_reflects = transport == Transport::Specular;
-        let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
         // Ambient light stands for the background where the diffuse part is neither followed to it nor lit by samples of it.
         let gathers_background = !lighting.appearance.background.is_black()
-            && (vertex.bsdf.is_diffuse_below_layer() || lighting.lights.environment().is_some());
+            && (bsdf.is_diffuse_below_layer() || lighting.lights.environment().is_some());
         if only_reflects && self.needs.ambient && !gathers_background {
-            let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, vertex.view.surface);
+            let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, view.surface);
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
-        self.sample_direct_lighting(lighting, id, &vertex, interface, seen);
-        self.sample_bsdf(id, &vertex, interface);
+        if self.wave_lanes.is_some()
+            && let Bsdf::Single(Bxdf::Lambert(Lambert { albedo })) = *bsdf
+            && interface.is_none()
+            && albedo.is_finite()
+            && view.surface.shading_normal == shading_normal
+        {
+            return self.diffuse.push((id, path), &view, albedo, ray.time, &self.settings);
+        }
+        let vertex = Vertex::new(view, bsdf, ray.time);
+        let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
+        self.scatter(lighting, id, &vertex, interface, seen);
+    }
+
+    /// Samples direct light and the next direction of the path.
+    fn scatter(
+        &mut self,
+        lighting: Lighting<'_>,
+        id: u32,
+        vertex: &Vertex<'_>,
+        interface: Option<&MediumInterface>,
+        seen: &mut Seen,
+    ) {
+        self.sample_direct_lighting(lighting, id, vertex, interface, seen);
+        self.sample_bsdf(id, vertex, interface);
+    }
+
+    /// Shades the vertices on Lambertian surfaces that a wave has found.
+    pub(super) fn shade_diffuse(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
+        let Some(level) = self.wave_lanes.filter(|_| !self.diffuse.is_empty()) else { return };
+        let mut queue = core::mem::take(&mut self.diffuse);
+        let follows_diffuse = self.settings.transport != Transport::Specular;
+        let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
+        queue.draw(&mut self.samplers, n_lights, follows_diffuse);
+        queue.shade(level, lighting.lights, follows_diffuse);
+        for (at, queued) in queue.vertices().iter().enumerate() {
+            let id = queued.path;
+            let path = &mut self.paths[id as usize];
+            let Some(scattered) = queue.scattered(at) else {
+                self.samplers[id as usize] = queue.sampler_before(at);
+                let (mut surface, (direction, is_inside), albedo) = queue.surface(at);
+                let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), Lambert { albedo }.into());
+                let vertex = Vertex::new(view, &bsdf, queued.time);
+                let vertex = if follows_diffuse { vertex } else { vertex.with_sampled_lobes(None) };
+                self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
+                continue;
+            };
+            if let Some((origin, direction, radiance)) = scattered.direct {
+                let span = if scattered.is_light_infinite { Interval::SPAWNED } else { Interval::SEGMENT };
+                let ray = Ray { origin, direction, time: queued.time };
+                self.shadows.push((ray, span), id, radiance, clamp.holds_after(path.bounces + 1));
+            } else {
+                self.counts.shadow_rays_skipped += u64::from(n_lights > 0);
+            }
+            let Some(next) = scattered.next else { continue };
+            let ends = path.bounces >= self.settings.max_depth;
+            if ends && !self.scene_emits {
+                self.counts.depth_limited += 1;
+                continue;
+            }
+            if !next.is_alive {
+                continue;
+            }
+            let (point, normal) = queue.point_and_normal(at);
+            path.throughput = next.throughput;
+            path.first_bounce_nonspecular |= path.bounces == 0;
+            path.bounces += 1;
+            path.emission_only = ends;
+            path.prev = PrevVertex { point, normal: Some(normal), pdf: Some(next.pdf) };
+            path.medium_tracker.scatter(None, Scattering::Reflection);
+            let ray = Ray { origin: next.origin, direction: next.direction, time: queued.time };
+            self.next.diffuse.push(ray, Interval::SPAWNED, id);
+        }
+        queue.clear();
+        self.diffuse = queue;
     }
 
     /// Continues the same ray behind a null interface.
@@ -148,8 +219,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if n_sampled == 0 {
             return;
         }
-        let u = path.sampler.next_2d();
-        let choice = if n_sampled > 1 { path.sampler.next_1d() } else { 0.0 };
+        let sampler = &mut self.samplers[id as usize];
+        let u = sampler.next_2d();
+        let choice = if n_sampled > 1 { sampler.next_1d() } else { 0.0 };
         let Some(light) = lighting.lights.sample_li(surface.point, vertex.normal, choice, u) else {
             self.counts.shadow_rays_skipped += 1;
             return;
@@ -172,8 +244,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
     fn sample_bsdf(&mut self, id: u32, vertex: &Vertex<'_>, interface: Option<&MediumInterface>) {
         let path = &mut self.paths[id as usize];
         let Some(bsdf) = vertex.sampled_lobes() else { return };
-        let [u, v] = path.sampler.next_2d();
-        let lobe = if bsdf.uses_component_sample() { path.sampler.next_1d() } else { 0.0 };
+        let sampler = &mut self.samplers[id as usize];
+        let [u, v] = sampler.next_2d();
+        let lobe = if bsdf.uses_component_sample() { sampler.next_1d() } else { 0.0 };
         let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
         // Light paths do not find the reverse of a direction that was kept on its side. So only purely specular paths from the
         // camera take it: `NonCaustic` and light tracing must sum to all light.
@@ -197,7 +270,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         }
         let is_old = path.bounces > self.settings.rr_start_depth;
-        if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, &mut path.sampler) {
+        if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, sampler) {
             return;
         }
         path.medium_tracker.scatter(interface, sample.kind);
@@ -213,7 +286,7 @@ fn within(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCount
 }
 
 /// MIS weight of the emission of a surface that a BSDF sample has hit.
-fn mis_weight_area<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) -> f64 {
+fn mis_weight_area(lighting: Lighting<'_>, path: &Path, hit: &SurfaceHit) -> f64 {
     let (Some(light), Some(pdf)) = (hit.light, path.prev.pdf) else { return 1.0 };
     let PrevVertex { point, normal, .. } = path.prev;
     let surface = &hit.interaction;
@@ -222,7 +295,7 @@ fn mis_weight_area<S>(lighting: Lighting<'_>, path: &Path<S>, hit: &SurfaceHit) 
 }
 
 /// MIS weight of the environment that a BSDF sample has hit.
-fn mis_weight_env<S>(lighting: Lighting<'_>, path: &Path<S>, direction: DVec3) -> f64 {
+fn mis_weight_env(lighting: Lighting<'_>, path: &Path, direction: DVec3) -> f64 {
     let (Some(_), Some(pdf)) = (lighting.lights.environment(), path.prev.pdf) else { return 1.0 };
     power_heuristic(pdf, lighting.lights.pdf_li_environment(path.prev.point, path.prev.normal, direction))
 }

@@ -100,7 +100,8 @@ impl Scene {
     }
 }
 
-/// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference.
+/// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference, in
+/// SIMD lanes and without.
 /// There is one list of surroundings for all rays, or one for each.
 fn trace(
     world: &mut impl Tracer,
@@ -111,11 +112,18 @@ fn trace(
 ) -> (Vec<Seen>, ShadingCounts) {
     let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
     let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
-    let mut seen = vec![Seen::NOTHING; rays.len()];
-    let mut wave = PathTracer::new(settings, Needs::of(lighting.appearance, |_| true));
-    wave.set_surroundings(surroundings);
-    wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
-    let counts = wave.take_counts();
+    let [(seen, counts), (of_scalars, counts_of_scalars)] = [true, false].map(|in_lanes| {
+        let mut seen = vec![Seen::NOTHING; rays.len()];
+        let mut wave = PathTracer::new(settings, Needs::of(lighting.appearance, |_| true));
+        wave.set_lanes(in_lanes);
+        wave.set_surroundings(surroundings);
+        wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
+        (seen, wave.take_counts())
+    });
+    assert_eq!(counts, counts_of_scalars, "{settings:?}");
+    for (at, (in_lanes, by_itself)) in seen.iter().zip(&of_scalars).enumerate() {
+        assert_eq!(bits(in_lanes), bits(by_itself), "path {at} of {settings:?}: {in_lanes:?}, {by_itself:?}");
+    }
     if settings.transport != Transport::Specular {
         let (air, none) = (InteriorList::default(), ShadingCounts::default());
         let mut reference = ReferencePathTracer { settings, lighting, surroundings: air, counts: none };

@@ -15,8 +15,7 @@ pub(super) struct PrevVertex {
 
 /// State of a path.
 #[derive(Clone, Debug)]
-pub(super) struct Path<S> {
-    pub(super) sampler: S,
+pub(super) struct Path {
     pub(super) medium_tracker: MediumTracker,
     /// Throughput (β): weight of radiance in the pixel.
     pub(super) throughput: Rgb,
@@ -33,10 +32,9 @@ pub(super) struct Path<S> {
 
 const CAMERA_VERTEX: PrevVertex = PrevVertex { point: DVec3::ZERO, normal: None, pdf: None };
 
-impl<S> Path<S> {
-    pub(super) fn new(sampler: S) -> Self {
+impl Default for Path {
+    fn default() -> Self {
         Self {
-            sampler,
             medium_tracker: MediumTracker::default(),
             throughput: Rgb::WHITE,
             eta_scale: 1.0,
@@ -46,12 +44,14 @@ impl<S> Path<S> {
             emission_only: false,
         }
     }
+}
 
+impl Path {
     /// Restarts the path and keeps its memory.
-    pub(super) fn reset(&mut self, sampler: S) {
+    pub(super) fn reset(&mut self) {
         let mut medium_tracker = core::mem::take(&mut self.medium_tracker);
         medium_tracker.reset();
-        *self = Self { medium_tracker, ..Self::new(sampler) };
+        *self = Self { medium_tracker, ..Self::default() };
     }
 
     /// True if [`LightTracingIntegrator`](crate::LightTracingIntegrator) computes the emission of this hit. It belongs to a sampled

@@ -1,0 +1,42 @@
+//! Computations in SIMD lanes, and the choice of the instruction set at run time.
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::sync::LazyLock;
+
+    use fearless_simd::{Avx2, Level, Simd};
+
+    static AVX2: LazyLock<Option<Avx2>> = LazyLock::new(|| Level::new().as_avx2());
+
+    #[inline(always)]
+    pub(super) fn vectorize<R>(function: impl FnOnce() -> R) -> R {
+        match *AVX2 {
+            Some(avx2) => avx2.vectorize(function),
+            None => function(),
+        }
+    }
+}
+
+/// Calls a function, in a version compiled for AVX2 if the processor has it. Only what is inlined into `function` is compiled so,
+/// hence everything that it calls must be `#[inline(always)]`.
+///
+/// The results are the same: all instruction sets compute integers exactly, and correctly rounded numbers.
+#[inline(always)]
+pub(crate) fn vectorize<R>(function: impl FnOnce() -> R) -> R {
+    #[cfg(target_arch = "x86_64")]
+    return x86::vectorize(function);
+    #[cfg(not(target_arch = "x86_64"))]
+    function()
+}
+
+/// The value of each of `N` lanes.
+///
+/// A loop is turned into vector instructions also where assertions are compiled in, unlike `core::array::from_fn`.
+#[inline(always)]
+pub(crate) fn lanes<T: Copy + Default, const N: usize>(value: impl Fn(usize) -> T) -> [T; N] {
+    let mut values = [T::default(); N];
+    for (lane, slot) in values.iter_mut().enumerate() {
+        *slot = value(lane);
+    }
+    values
+}
