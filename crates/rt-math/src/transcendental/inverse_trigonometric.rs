@@ -93,8 +93,8 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
     #[inline(always)]
     fn lanes<R: Real>(y: R, x: R) -> R {
         let (smaller, greater) = sorted_sizes(x, y);
-        let least = R::select(smaller.eq(x.splat(0.0)), greater, smaller);
-        let is_inside = R::select(least.ge(x.splat(SIZES[0])), greater, x.splat(f64::INFINITY)).le(x.splat(SIZES[1]));
+        let nonzero = R::select(smaller.eq(x.splat(0.0)), greater, smaller);
+        let is_inside = R::select(nonzero.ge(x.splat(SIZES[0])), greater, x.splat(f64::INFINITY)).le(x.splat(SIZES[1]));
         or_else(
             is_inside,
             #[inline(always)]

@@ -80,7 +80,7 @@ pub fn cos<R: Real>(x: R) -> R {
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
 
-/// Sine and cosine, with the bits of [`sin`] and [`cos`].
+/// Sine and cosine, bit-identical to [`sin`] and [`cos`].
 #[inline(always)]
 pub fn sincos<R: Real>(x: R) -> (R, R) {
     let reduced = Reduced::new(x);
