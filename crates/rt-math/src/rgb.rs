@@ -23,21 +23,25 @@ impl Rgb {
     pub const WHITE: Self = Self::gray(1.0);
 
     /// A colour from its components.
+    #[inline]
     pub const fn new(r: f64, g: f64, b: f64) -> Self {
         Self { r, g, b }
     }
 
     /// Gray: `value` in all components.
+    #[inline]
     pub const fn gray(value: f64) -> Self {
         Self::new(value, value, value)
     }
 
     /// The components in order.
+    #[inline]
     pub const fn to_array(self) -> [f64; 3] {
         [self.r, self.g, self.b]
     }
 
     /// Applies `f` to each component.
+    #[inline]
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self::new(f(self.r), f(self.g), f(self.b))
     }
@@ -48,16 +52,19 @@ impl Rgb {
     }
 
     /// Maximum component.
+    #[inline]
     pub fn max_component(self) -> f64 {
         self.r.max(self.g).max(self.b)
     }
 
     /// True if all components are zero.
+    #[inline]
     pub fn is_black(self) -> bool {
         self == Self::BLACK
     }
 
     /// True if no component is NaN or infinite.
+    #[inline]
     pub fn is_finite(self) -> bool {
         self.r.is_finite() && self.g.is_finite() && self.b.is_finite()
     }
@@ -69,6 +76,7 @@ impl Rgb {
 }
 
 impl From<[f64; 3]> for Rgb {
+    #[inline]
     fn from([r, g, b]: [f64; 3]) -> Self {
         Self::new(r, g, b)
     }
@@ -83,6 +91,7 @@ impl Add for Rgb {
 }
 
 impl AddAssign for Rgb {
+    #[inline]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
@@ -106,6 +115,7 @@ impl Mul for Rgb {
 }
 
 impl MulAssign for Rgb {
+    #[inline]
     fn mul_assign(&mut self, o: Self) {
         *self = *self * o;
     }
