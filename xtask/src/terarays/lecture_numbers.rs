@@ -1,6 +1,6 @@
 //! Numbers that the lecture gives for its Cornell box.
 
-use rt_math::random::Permutation;
+use rt_math::random::permute;
 use serde::{Deserialize, Serialize};
 
 /// Width and height of its image in pixels.
@@ -37,7 +37,7 @@ impl Tile {
     /// image. `None` after the last.
     pub(super) fn nth(index: usize) -> Option<Self> {
         let index = u32::try_from(index).ok().filter(|&index| index < TILES)?;
-        let place = Permutation::new(TILES, SEED).position(index);
+        let place = permute(index, TILES, SEED);
         Some(Self { x: SIDE * (place % (SIZE / SIDE)), y: SIDE * (place / (SIZE / SIDE)) })
     }
 
