@@ -102,8 +102,9 @@ impl QuadLight {
         LightDirections::of_flat(self.sample_point(point, u), point, self.normal, self.extent())
     }
 
-    /// Samples points on the light, in one number or in lanes. The mask is false where `point` is behind a one-sided light or in its
-    /// plane; the point and its density, per unit solid angle, are then not valid.
+    /// Samples points on the light, with densities per unit solid angle, in one number or in lanes.
+    ///
+    /// The mask is false where `point` is behind a one-sided light or in its plane. All other results are then not valid.
     #[inline(always)]
     fn sample_point<R: Real>(&self, point: Vector3<R>, u: [R; 2]) -> (R::Mask, Vector3<R>, R) {
         let corner = Vector3::splat(u[0], self.corner);

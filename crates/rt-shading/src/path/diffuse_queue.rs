@@ -7,7 +7,7 @@
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
 //! [`Lambert`](crate::bsdf::Lambert) for one path. Lanes in which a rare case occurs are marked, and shaded one by one.
 
-use super::{PathSettings, wave::Path};
+use super::wave::Path;
 use crate::{
     bsdf::{HORIZON, cosine_hemisphere_lanes},
     lanes::{LANES, Lane, LaneLevel, Lanes},
@@ -152,7 +152,8 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         self.vertices.clear();
     }
 
-    /// Appends a vertex of a path. The shading normal of the surface must face the viewer.
+    /// Appends a vertex of a path. The shading normal of the surface must face the viewer. Russian roulette is played after
+    /// `rr_start_depth` bounces.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -160,7 +161,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         view: &ViewedSurface<'_>,
         albedo: Rgb,
         time: f64,
-        settings: &PathSettings,
+        rr_start_depth: u32,
     ) {
         let (at, lane) = (self.vertices.len() / LANES, self.vertices.len() % LANES);
         if at == self.blocks.len() {
@@ -178,7 +179,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         set_rgb(&mut block.albedo, lane, albedo);
         set_rgb(&mut block.throughput, lane, path.throughput);
         block.eta_scale[lane] = path.eta_scale;
-        let plays_roulette = path.bounces + 1 > settings.rr_start_depth;
+        let plays_roulette = path.bounces + 1 > rr_start_depth;
         block.u_roulette[lane] = if plays_roulette { 0.0 } else { -1.0 };
     }
 
@@ -366,8 +367,8 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     let mut valid = direction.is_finite() & shading.is_finite();
     let [tangent, bitangent] = tangents(shading);
     let cos_view = (-direction).dot(shading);
-    let least = side * MIN_COSINE;
-    let is_above = Real::select((cos_view * side).lt(zero + MIN_COSINE), least, cos_view).gt(zero);
+    let min = side * MIN_COSINE;
+    let is_above = Real::select((cos_view * side).lt(zero + MIN_COSINE), min, cos_view).gt(zero);
     let towards_viewer = Vector3::select(is_behind, -geometric, geometric);
 
     // Light that the sampled light sends to the viewer, with its MIS weight.

@@ -84,7 +84,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             && albedo.is_finite()
             && view.surface.shading_normal == shading_normal
         {
-            return self.diffuse.push((id, path), &view, albedo, ray.time, &self.settings);
+            return self.diffuse.push((id, path), &view, albedo, ray.time, self.settings.rr_start_depth);
         }
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
