@@ -44,6 +44,11 @@ impl MediumTracker {
         absorb(light, medium.absorption, (t - self.medium_start) * length);
     }
 
+    /// True if the current medium absorbs.
+    pub(crate) fn absorbs(&self, materials: &[Material]) -> bool {
+        !self.interior.medium(materials).absorption.is_black()
+    }
+
     /// Media on the near and the far side of a surface.
     pub(crate) fn media(&self, materials: &[Material], interface: Option<&MediumInterface>) -> [Medium; 2] {
         let around = || [self.interior.medium(materials); 2];

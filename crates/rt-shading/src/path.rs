@@ -132,10 +132,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let seen = &mut seen[..count];
         seen.fill(Seen::NOTHING);
         self.scene_emits = self.needs.emission || !lighting.appearance.background.is_black();
-        self.wave_lanes = self.lanes.filter(|_| {
-            let has_delta_lights = lighting.lights.sampled_lights().len() < lighting.lights.lights().len();
-            !self.needs.absorption && !has_delta_lights
-        });
+        let has_delta_lights = lighting.lights.sampled_lights().len() < lighting.lights.lights().len();
+        self.wave_lanes = self.lanes.filter(|_| !has_delta_lights);
         self.start(&samplers[..count]);
         self.trace(world, lighting, RayKind::Primary, &rays[..count], |at| at as u32, seen);
         self.end_wave(world, seen);

@@ -81,6 +81,7 @@ pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
+pub(crate) use oren_nayar::oren_nayar_lanes;
 pub use phong_lobe::PhongLobe;
 pub use refraction::Refraction;
 pub use sample::{BsdfSample, Scattering};
@@ -205,6 +206,15 @@ impl Bsdf {
             Self::Single(lobe) => lobe.is_delta(),
             Self::Mix(mix) => mix.lobes().iter().all(|(_, lobe)| lobe.is_delta()),
             Self::Layered(layered) => layered.is_delta(),
+        }
+    }
+
+    /// The only lobe, if it is diffuse.
+    pub(crate) fn as_diffuse(&self) -> Option<OrenNayar> {
+        match self {
+            Self::Single(Bxdf::Lambert(lambert)) => Some(OrenNayar { albedo: lambert.albedo, roughness: 0.0 }),
+            Self::Single(Bxdf::OrenNayar(oren_nayar)) => Some(*oren_nayar),
+            _ => None,
         }
     }
 

@@ -6,7 +6,7 @@ use super::{
     side::{Side, same_side},
 };
 use core::f64::consts::{FRAC_1_PI, PI};
-use rt_math::{DVec3, Rgb, transcendental};
+use rt_math::{DVec3, Real, Rgb, Vector3, transcendental};
 
 /// The energy-preserving Oren–Nayar model of a rough diffuse surface.
 ///
@@ -64,25 +64,45 @@ impl OrenNayar {
 
     /// f for two directions above the surface.
     fn value(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let roughness = if self.roughness > 0.0 { self.roughness.min(1.0) } else { 0.0 };
-        let s = wo.x * wi.x + wo.y * wi.y;
-        let s_over_t = if s > 0.0 { s / wo.z.max(wi.z) } else { s };
-        let a = 1.0 / (1.0 + C1 * roughness);
-        let single = a * (1.0 + roughness * s_over_t);
-        let multiple = a * roughness * (C1 - groove(wo.z)) * (C1 - groove(wi.z)) / (C1 - C2);
-        let mean = a * (1.0 + C2 * roughness);
-        self.albedo.map(|albedo| {
-            let again = albedo * albedo * mean / (1.0 - albedo * (1.0 - mean));
-            (albedo * single + again * multiple) * FRAC_1_PI
-        })
+        let albedo = Vector3::from(DVec3::from(self.albedo.to_array()));
+        let value = oren_nayar_lanes(albedo, self.clamped_roughness(), wo.into(), wi.into());
+        DVec3::from(value).to_array().into()
+    }
+
+    /// Roughness in \[0, 1\].
+    pub(crate) fn clamped_roughness(&self) -> f64 {
+        if self.roughness > 0.0 { self.roughness.min(1.0) } else { 0.0 }
     }
 }
 
+/// f of [`OrenNayar`] for directions above the surface, in one number or in lanes. Roughness 0 has the bits of [`Lambert`].
+#[inline(always)]
+pub(crate) fn oren_nayar_lanes<R: Real>(
+    albedo: Vector3<R>,
+    roughness: R,
+    wo: Vector3<R>,
+    wi: Vector3<R>,
+) -> Vector3<R> {
+    let (one, c1) = (roughness.splat(1.0), roughness.splat(C1));
+    let s = wo.x * wi.x + wo.y * wi.y;
+    let s_over_t = R::select(s.gt(s.splat(0.0)), s / wo.z.max(wi.z), s);
+    let a = (roughness * C1 + 1.0).recip();
+    let single = a * (roughness * s_over_t + 1.0);
+    let multiple = a * roughness * (c1 - groove(wo.z)) * (c1 - groove(wi.z)) / one.splat(C1 - C2);
+    let mean = a * (roughness * C2 + 1.0);
+    let again = albedo.scaled_by(albedo) * mean;
+    let rest = Vector3::new(one, one, one) - albedo * (one - mean);
+    let again = Vector3::new(again.x / rest.x, again.y / rest.y, again.z / rest.z);
+    (albedo * single + again * multiple) * one.splat(FRAC_1_PI)
+}
+
 /// g(θ) = (sin θ · (θ − sin θ cos θ) + ⅔ · tan θ · (1 − sin³ θ) − ⅔ · sin θ) / π, with the tangent cancelled.
-fn groove(cos: f64) -> f64 {
-    let cos = cos.min(1.0);
-    let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
+#[inline(always)]
+fn groove<R: Real>(cos: R) -> R {
+    let one = cos.splat(1.0);
+    let cos = cos.min(one);
+    let sin = ((one - cos) * (one + cos)).sqrt();
     let angle = transcendental::atan2(sin, cos);
-    let tangent_term = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
-    (sin * (angle - sin * cos) + 2.0 / 3.0 * (tangent_term - sin)) * FRAC_1_PI
+    let tangent_term = sin * cos * (sin + 1.0 + sin * sin) / (sin + 1.0);
+    (sin * (angle - sin * cos) + (tangent_term - sin) * (2.0 / 3.0)) * FRAC_1_PI
 }

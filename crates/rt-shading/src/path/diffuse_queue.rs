@@ -1,15 +1,14 @@
-//! Queue of path vertices on Lambertian surfaces, which are shaded in lanes.
+//! Queue of path vertices on diffuse surfaces, which are shaded in lanes.
 //!
 //! ```text
 //!   hits ─▶ push ─▶ draw samples ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
 //! ```
 //!
-//! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
-//! [`Lambert`](crate::bsdf::Lambert) for one path. Lanes in which a rare case occurs are marked, and shaded one by one.
+//! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and [`OrenNayar`] for one path. Lanes in which a rare case occurs are marked, and shaded one by one.
 
 use super::wave::Path;
 use crate::{
-    bsdf::{HORIZON, cosine_hemisphere_lanes},
+    bsdf::{HORIZON, OrenNayar, cosine_hemisphere_lanes, oren_nayar_lanes},
     lanes::{LANES, Lane, LaneLevel, Lanes},
     light::{Light, LightSet, QuadLight},
     mis::power_heuristic,
@@ -19,7 +18,7 @@ use crate::{
 use core::f64::consts::FRAC_1_PI;
 use fearless_simd::Simd;
 use rt_geometry::{SurfaceInteraction, offset_point};
-use rt_math::{DVec3, Real, Rgb, Sampler, Vector3, tangents};
+use rt_math::{DVec3, Mask, Real, Rgb, Sampler, Vector3, tangents};
 
 /// Vertices with their light samples and samples of the next direction.
 #[derive(Clone, Debug)]
@@ -63,6 +62,8 @@ struct Block {
     /// −1 where the surface is seen from behind, 1 elsewhere.
     side: Lane,
     albedo: Vector3<Lane>,
+    /// Roughness in [0, 1], 0 for Lambert's law.
+    roughness: Lane,
     throughput: Vector3<Lane>,
     eta_scale: Lane,
     /// Numbers for the choice of a light, a direction to it, and the next direction of the path.
@@ -159,7 +160,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         &mut self,
         (id, path): (u32, &Path),
         view: &ViewedSurface<'_>,
-        albedo: Rgb,
+        diffuse: &OrenNayar,
         time: f64,
         rr_start_depth: u32,
     ) {
@@ -176,7 +177,8 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         set(&mut block.shading_normal, lane, surface.shading_normal);
         set(&mut block.direction, lane, view.direction);
         block.side[lane] = if view.is_inside { -1.0 } else { 1.0 };
-        set_rgb(&mut block.albedo, lane, albedo);
+        set_rgb(&mut block.albedo, lane, diffuse.albedo);
+        block.roughness[lane] = diffuse.clamped_roughness();
         set_rgb(&mut block.throughput, lane, path.throughput);
         block.eta_scale[lane] = path.eta_scale;
         let plays_roulette = path.bounces + 1 > rr_start_depth;
@@ -273,8 +275,8 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         (get(&block.point, lane), get(&block.shading_normal, lane) * block.side[lane])
     }
 
-    /// Surface of a vertex, the direction from which it is seen, whether from behind, and its albedo.
-    pub(super) fn surface(&self, at: usize) -> (SurfaceInteraction, (DVec3, bool), Rgb) {
+    /// Surface of a vertex, the direction from which it is seen, whether from behind, and its BSDF.
+    pub(super) fn surface(&self, at: usize) -> (SurfaceInteraction, (DVec3, bool), OrenNayar) {
         let (block, lane) = (&self.blocks[at / LANES], at % LANES);
         let (point, error) = (get(&block.point, lane), get(&block.point_error, lane));
         let surface = SurfaceInteraction {
@@ -282,7 +284,8 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
             shading_normal: get(&block.shading_normal, lane),
             ..SurfaceInteraction::flat(point, error, get(&block.geometric_normal, lane), [0.0; 2])
         };
-        (surface, (get(&block.direction, lane), block.side[lane] < 0.0), get_rgb(&block.albedo, lane))
+        let diffuse = OrenNayar { albedo: get_rgb(&block.albedo, lane), roughness: block.roughness[lane] };
+        (surface, (get(&block.direction, lane), block.side[lane] < 0.0), diffuse)
     }
 }
 
@@ -359,7 +362,8 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
         (Lanes::load_vector(simd, &block.geometric_normal), Lanes::load_vector(simd, &block.shading_normal));
     let (point, error) = (Lanes::load_vector(simd, &block.point), Lanes::load_vector(simd, &block.point_error));
     let throughput = Lanes::load_vector(simd, &block.throughput);
-    let albedo_over_pi = Lanes::load_vector(simd, &block.albedo) * Lanes::splat(simd, FRAC_1_PI);
+    let albedo = Lanes::load_vector(simd, &block.albedo);
+    let roughness = Lanes::load(simd, &block.roughness);
     let side = Lanes::load(simd, &block.side);
     let is_behind = side.lt(zero);
 
@@ -368,7 +372,9 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     let [tangent, bitangent] = tangents(shading);
     let cos_view = (-direction).dot(shading);
     let min = side * MIN_COSINE;
-    let is_above = Real::select((cos_view * side).lt(zero + MIN_COSINE), min, cos_view).gt(zero);
+    let cos_view = Real::select((cos_view * side).lt(zero + MIN_COSINE), min, cos_view);
+    let is_above = cos_view.gt(zero);
+    let wo = Vector3::new((-direction).dot(tangent), (-direction).dot(bitangent), cos_view.abs());
     let towards_viewer = Vector3::select(is_behind, -geometric, geometric);
 
     // Light that the sampled light sends to the viewer, with its MIS weight.
@@ -382,7 +388,8 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     let sides_agree = (is_up & is_geometrically_up) | (!is_up & !is_geometrically_up);
     let weight =
         if follows_diffuse { power_heuristic(light_pdf, cos_above * FRAC_1_PI) } else { Lanes::splat(simd, 1.0) };
-    let reflected = albedo_over_pi * weight * cos.abs();
+    let local = Vector3::new(wi.dot(tangent), wi.dot(bitangent), cos_above);
+    let reflected = diffuse_value(albedo, roughness, wo, local) * weight * cos.abs();
     let is_black = is_zero(reflected);
     let lit = light_pdf.gt(zero) & sides_agree & cos_above.gt(horizon) & !is_black;
     let radiance = Lanes::load_vector(simd, &light.radiance);
@@ -418,7 +425,7 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     let next = tangent * local.x + bitangent * local.y + shading * height;
     let continued = local.z.gt(horizon) & next.dot(towards_viewer).gt(zero);
     let scale = local.z / pdf;
-    let after = throughput.scaled_by(albedo_over_pi * scale);
+    let after = throughput.scaled_by(diffuse_value(albedo, roughness, wo, local) * scale);
     let outwards = Vector3::select(next.dot(geometric).lt(zero), -geometric, geometric);
     let (next_origin, is_offset) = offset_point(point, error, geometric, outwards);
     valid = valid & (!continued | (is_offset & after.is_finite()));
@@ -438,6 +445,16 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     scattered.throughput = Lanes::store_vector(after);
     scattered.pdf = pdf.store();
     scattered
+}
+
+/// f for directions above the surface. Blocks without roughness skip what is then 0.
+#[inline(always)]
+fn diffuse_value<R: Real>(albedo: Vector3<R>, roughness: R, wo: Vector3<R>, wi: Vector3<R>) -> Vector3<R> {
+    if roughness.gt(roughness.splat(0.0)).any() {
+        oren_nayar_lanes(albedo, roughness, wo, wi)
+    } else {
+        albedo * roughness.splat(FRAC_1_PI)
+    }
 }
 
 #[inline(always)]

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Seen, ShadingCounts, SurfaceHit,
-    bsdf::{Bsdf, Bxdf, Lambert, Scattering},
+    bsdf::Scattering,
     bsdf_cache::CachedBsdf,
     hit_context::HitContext,
     interior_list::MediumInterface,
@@ -79,12 +79,13 @@ impl<S: Sampler + Clone> PathTracer<S> {
             seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
         if self.wave_lanes.is_some()
-            && let Bsdf::Single(Bxdf::Lambert(Lambert { albedo })) = *bsdf
+            && let Some(diffuse) = bsdf.as_diffuse()
             && interface.is_none()
-            && albedo.is_finite()
+            && diffuse.albedo.is_finite()
             && view.surface.shading_normal == shading_normal
+            && !(self.needs.absorption && path.medium_tracker.absorbs(materials))
         {
-            return self.diffuse.push((id, path), &view, albedo, ray.time, self.settings.rr_start_depth);
+            return self.diffuse.push((id, path), &view, &diffuse, ray.time, self.settings.rr_start_depth);
         }
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
@@ -104,7 +105,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         self.sample_bsdf(id, vertex, interface);
     }
 
-    /// Shades the vertices on Lambertian surfaces that a wave has found.
+    /// Shades the vertices on diffuse surfaces that a wave has found.
     pub(super) fn shade_diffuse(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
         let Some(level) = self.wave_lanes.filter(|_| !self.diffuse.is_empty()) else { return };
         let mut queue = core::mem::take(&mut self.diffuse);
@@ -117,8 +118,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let path = &mut self.paths[id as usize];
             let Some(scattered) = queue.scattered(at) else {
                 self.samplers[id as usize] = queue.sampler_before(at);
-                let (mut surface, (direction, is_inside), albedo) = queue.surface(at);
-                let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), Lambert { albedo }.into());
+                let (mut surface, (direction, is_inside), diffuse) = queue.surface(at);
+                let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), diffuse.into());
                 let vertex = Vertex::new(view, &bsdf, queued.time);
                 let vertex = if follows_diffuse { vertex } else { vertex.with_sampled_lobes(None) };
                 self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
