@@ -1,12 +1,12 @@
-//! Four `f64` in SIMD lanes, behind types of our own. No other file uses `fearless_simd`.
+//! Four `f64` in SIMD lanes, behind types of our own. No other file of the crate uses `fearless_simd`.
 //!
 //! Code in lanes is generic over [`Real`]. All of it is `#[inline(always)]`, up to the `vectorize` that encloses a whole stage, so that it
 //! is compiled for the instruction set. `map` and `from_fn` of arrays are not: their closures would be compiled without it.
+#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
-use fearless_simd::{
-    ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, i64x4, mask64x4, u64x4,
-};
+pub(crate) use fearless_simd::Simd;
+use fearless_simd::{ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, i64x4, mask64x4, u64x4};
 use rt_math::{Mask, Real, Vector3};
 
 /// Number of lanes.

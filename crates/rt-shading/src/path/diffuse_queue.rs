@@ -4,19 +4,20 @@
 //!   hits ─▶ push ─▶ draw samples ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
 //! ```
 //!
-//! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and [`OrenNayar`] for one path. Lanes in which a rare case occurs are marked, and shaded one by one.
+//! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and [`OrenNayar`] for one path.
+//! Lanes in which a rare case occurs are marked, and shaded one by one.
+#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use super::wave::Path;
 use crate::{
     bsdf::{HORIZON, OrenNayar, cosine_hemisphere_lanes, oren_nayar_lanes},
-    lanes::{LANES, Lane, LaneLevel, Lanes},
+    lanes::{LANES, Lane, LaneLevel, Lanes, Simd},
     light::{Light, LightSet, QuadLight},
     mis::power_heuristic,
     russian_roulette::MAX_SURVIVAL,
     viewed_surface::{MIN_COSINE, ViewedSurface},
 };
 use core::f64::consts::FRAC_1_PI;
-use fearless_simd::Simd;
 use rt_geometry::{SurfaceInteraction, offset_point};
 use rt_math::{DVec3, Mask, Real, Rgb, Sampler, Vector3, tangents};
 
@@ -233,7 +234,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         let blocks = &mut self.blocks[..self.vertices.len().div_ceil(LANES)];
         match lights.sampled_lights() {
             [] => blocks.iter_mut().for_each(|block| block.light.pdf = [0.0; LANES]),
-            [Light::Quad(quad)] => match level {
+            [Light::Quad(quad)] if !quad.emission().radiance().is_black() => match level {
                 #[cfg(target_arch = "x86_64")]
                 LaneLevel::Avx2(simd) => sample_quad(simd, blocks, quad),
             },

@@ -197,6 +197,22 @@ fn direct_light_of_a_square_is_lamberts() {
     under_square(Material::new(String::new(), classical), paths(0));
 }
 
+/// In lanes, a black light once got shadow rays.
+#[test]
+fn a_black_light_gets_no_shadow_rays() {
+    let emission = Emission::new(Rgb::BLACK, EmissionSides::Both).expect("black");
+    let light = QuadLight::new(DVec3::new(-0.5, 2.0, -0.5), [DVec3::X, DVec3::Z], emission).expect("a light");
+    let material = Material::new(String::new(), diffuse(0.8));
+    let mut scene = Scene::new(vec![material], vec![Light::Quad(light)]).with(floor(), 0, None);
+    let lights = scene.light_set();
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
+    let rays = [0.1, 0.2, 0.3].map(|x| Ray::new(DVec3::new(x, 1.0, 0.3), DVec3::new(0.1, -1.0, 0.2)));
+    let settings = PathSettings { max_depth: 2, rr_start_depth: 9, transport: Transport::Full, clamp: Clamp::NONE };
+    let (seen, counts) = trace(&mut scene.shapes, lighting, settings, &[InteriorList::default()], &rays);
+    assert!(seen.iter().all(|seen| seen.radiance.is_black()));
+    assert_eq!(counts.shadow_rays_skipped, 3);
+}
+
 #[test]
 fn a_closed_emissive_enclosure_sums_all_bounces() {
     for albedo in [0.5, 0.8] {
