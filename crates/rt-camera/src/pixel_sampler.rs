@@ -14,7 +14,7 @@ use crate::{
 /// Samples that are computed side by side.
 const LANES: usize = 16;
 
-/// Draws from which on a group of lanes takes less time than one by one.
+/// Smallest group that is drawn in lanes; fewer are faster one by one.
 const MIN_LANES: usize = 4;
 
 /// Makes the samples of every pixel of an image.
@@ -118,7 +118,7 @@ impl PixelSampler {
         let pixel_key = hash(&[self.seed, u64::from(sharing[0]) << 32 | u64::from(sharing[1])]);
         let number = index / self.pattern.period();
         let index = index % self.pattern.period();
-        Replication { pattern: self.pattern, pixel, pixel_key, number, key: round_key(pixel_key, number), index }
+        Replication { pattern: self.pattern, pixel, pixel_key, number, key: replication_key(pixel_key, number), index }
     }
 }
 
@@ -146,14 +146,14 @@ impl Replication {
         self.index += 1;
         if self.index == self.pattern.period() {
             self.number = self.number.wrapping_add(1);
-            (self.key, self.index) = (round_key(self.pixel_key, self.number), 0);
+            (self.key, self.index) = (replication_key(self.pixel_key, self.number), 0);
         }
     }
 }
 
 /// Each replication of the pattern has its own random bits.
 #[inline(always)]
-fn round_key(pixel_key: u64, number: u32) -> u64 {
+fn replication_key(pixel_key: u64, number: u32) -> u64 {
     mix(pixel_key ^ u64::from(number))
 }
 
@@ -179,7 +179,7 @@ pub struct SampleStream {
     pixel: [u32; 2],
     /// Position in the pattern, below its period.
     index: u32,
-    /// Hash of seed, round, and the pixel or the block of pixels.
+    /// Hash of seed, replication, and the pixel or the block of pixels.
     key: u64,
     /// The next dimension to draw.
     dimension: u32,

@@ -22,7 +22,7 @@ pub(crate) struct Pattern {
 /// Samples of one pattern, and the dimension that each of them draws.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleLanes<const N: usize> {
-    /// Hash of seed, round, and the pixel or the block of pixels.
+    /// Hash of seed, replication, and the pixel or the block of pixels.
     pub(crate) keys: [u64; N],
     /// Position in the pattern, below `spp`; for Sobol' points, below 2^[`sobol::INDEX_BITS`].
     pub(crate) indices: [u32; N],
@@ -152,7 +152,7 @@ impl Pattern {
 }
 
 impl<const N: usize> SampleLanes<N> {
-    /// Without samples.
+    /// No samples: all lanes are zero.
     pub(crate) const EMPTY: Self = Self { keys: [0; N], indices: [0; N], dimensions: [0; N], pixels: [[0; 2]; N] };
 
     /// One of the samples.
@@ -165,7 +165,7 @@ impl<const N: usize> SampleLanes<N> {
         }
     }
 
-    /// Random bits for all samples of a round in one dimension, which is `offset` behind the first.
+    /// Random bits for all samples of a replication, in the dimension `offset` after the first.
     #[inline(always)]
     fn dimension_keys(&self, offset: u32) -> [u64; N] {
         lanes(|lane| mix(self.keys[lane] ^ u64::from(self.dimensions[lane].wrapping_add(offset))))
@@ -190,8 +190,8 @@ impl<const N: usize> SampleLanes<N> {
         lanes(|lane| self.dimensions[lane] % sobol::SET >= 2)
     }
 
-    /// Halton coordinates in the dimension that is `offset` behind the first. Numbers of digits differ between dimensions, so that
-    /// lanes would wait for each other.
+    /// Halton coordinates in the dimension `offset` after the first. The number of digits differs between dimensions, so lanes
+    /// would wait for each other.
     #[inline(always)]
     fn halton_coordinates(&self, spp: u32, offset: u32) -> [f64; N] {
         let keys = self.dimension_keys(offset);

@@ -111,7 +111,7 @@ const fn owen_scrambled(reversed: u32, key: u32) -> u32 {
     bits ^ bits.wrapping_mul(0x53a2_2864)
 }
 
-/// A bijection of 32 bits (`lowbias32`, Wellons 2018). It maps another number than 0 to 0.
+/// A bijection of 32 bits (`lowbias32`, Wellons 2018). It maps `0xe6fe_3beb` to 0.
 #[inline(always)]
 const fn hash(bits: u32) -> u32 {
     let bits = bits ^ 0xe6fe_3beb;

@@ -186,7 +186,8 @@ impl ShadowRays<'_> {
 }
 
 /// Point moved along a unit normal by its error bound, and rounded away from the surface, as by [`SurfaceInteraction::spawn_ray`].
-/// `outwards` is the normal or its opposite. Where the mask is false, the result is not valid: a coordinate is not finite or tiny.
+/// `outwards` is the normal or its opposite. Where the mask is false, the result is not valid: a coordinate is infinite, NaN, or
+/// smaller than 1e-280.
 #[inline(always)]
 pub fn offset_point<R: Real>(
     point: Vector3<R>,

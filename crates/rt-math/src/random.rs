@@ -51,7 +51,7 @@ pub fn permute_lanes<const N: usize>(indices: [u32; N], length: u32, seeds: [u64
         values[lane] = if indices[lane] < length { indices[lane] } else { indices[lane] % length };
     }
     scramble(&mut values, &low, &high, mask, half);
-    // Without powers of two, which are always in the range.
+    // A power of two needs no cycle walk: all values are in the range.
     while mask >= length && values.iter().fold(false, |beyond, &value| beyond | (value >= length)) {
         let mut further = values;
         scramble(&mut further, &low, &high, mask, half);

@@ -2,10 +2,11 @@
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
-/// A real number, or several in SIMD lanes, each of which is computed with by itself.
+/// A real number, or several in SIMD lanes that do not affect each other.
 ///
 /// All operations are exact or correctly rounded, as IEEE 754 specifies. A computation thus gives the same bits for one `f64` as for
-/// `f64` lanes of any width. Comparisons with NaN are false.
+/// `f64` lanes of any width. Only the bits of a NaN may differ, its sign included: `copysign` must not take the sign of one.
+/// Comparisons with NaN are false.
 ///
 /// ```
 /// use rt_math::Real;
@@ -48,9 +49,6 @@ pub trait Real:
 
     /// Absolute value.
     fn abs(self) -> Self;
-
-    /// Largest integer that is not greater.
-    fn floor(self) -> Self;
 
     /// Absolute value of `self` with the sign of `sign`, also for zeros.
     fn copysign(self, sign: Self) -> Self;
@@ -148,11 +146,6 @@ impl Real for f64 {
     #[inline(always)]
     fn abs(self) -> Self {
         Self::abs(self)
-    }
-
-    #[inline(always)]
-    fn floor(self) -> Self {
-        Self::floor(self)
     }
 
     #[inline(always)]

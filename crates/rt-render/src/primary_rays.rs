@@ -139,6 +139,7 @@ impl RenderPlan<'_> {
         count: usize,
         batch: &mut PrimaryRayBatch,
     ) {
+        debug_assert!(count <= BATCH_SIZE, "more samples than indices");
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
         let PrimaryRayBatch { positions, on_lens, times, rays, weights, samplers, .. } = batch;
         positions.resize(count, [0.0; 2]);

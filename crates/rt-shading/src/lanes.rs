@@ -1,7 +1,7 @@
 //! Four `f64` in SIMD lanes, behind types of our own. No other file of the crate uses `fearless_simd`.
 //!
-//! Code in lanes is generic over [`Real`]. All of it is `#[inline(always)]`, up to the `vectorize` that encloses a whole stage, so that it
-//! is compiled for the instruction set. `map` and `from_fn` of arrays are not: their closures would be compiled without it.
+//! Code in lanes is generic over [`Real`]. It must be `#[inline(always)]` up to the `vectorize` around a stage: only inlined code is
+//! compiled for the instruction set. Closures of `array::map` and `array::from_fn` are not inlined, so that loops are written out.
 #![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
@@ -12,8 +12,8 @@ use rt_math::{Mask, Real, Vector3};
 /// Number of lanes.
 pub(crate) const LANES: usize = 4;
 
-/// Numbers of all lanes in memory.
-pub(crate) type Lane = [f64; LANES];
+/// One number per lane, in memory.
+pub(crate) type LaneArray = [f64; LANES];
 
 /// Instruction set for code in lanes.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub(crate) enum LaneLevel {
 }
 
 impl LaneLevel {
-    /// Level of this processor; `None` if scalar code is faster there.
+    /// AVX2 level of this processor; `None` without AVX2.
     pub(crate) fn detect() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return fearless_simd::Level::new().as_avx2().map(Self::Avx2);
@@ -63,22 +63,22 @@ impl<S: Simd> Lanes<S> {
     }
 
     #[inline(always)]
-    pub(crate) fn load(simd: S, lane: &Lane) -> Self {
+    pub(crate) fn load(simd: S, lane: &LaneArray) -> Self {
         Self(f64x4::simd_from(simd, *lane))
     }
 
     #[inline(always)]
-    pub(crate) fn load_vector(simd: S, lanes: &Vector3<Lane>) -> Vector3<Self> {
+    pub(crate) fn load_vector(simd: S, lanes: &Vector3<LaneArray>) -> Vector3<Self> {
         Vector3::new(Self::load(simd, &lanes.x), Self::load(simd, &lanes.y), Self::load(simd, &lanes.z))
     }
 
     #[inline(always)]
-    pub(crate) fn store(self) -> Lane {
+    pub(crate) fn store(self) -> LaneArray {
         self.0.into()
     }
 
     #[inline(always)]
-    pub(crate) fn store_vector(v: Vector3<Self>) -> Vector3<Lane> {
+    pub(crate) fn store_vector(v: Vector3<Self>) -> Vector3<LaneArray> {
         Vector3::new(v.x.store(), v.y.store(), v.z.store())
     }
 }
@@ -211,11 +211,6 @@ impl<S: Simd> Real for Lanes<S> {
     }
 
     #[inline(always)]
-    fn floor(self) -> Self {
-        Self(self.0.floor())
-    }
-
-    #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
         Self(self.0.copysign(sign.0))
     }
@@ -287,8 +282,8 @@ mod tests {
     ) {
         let all: Vec<f64> = numbers().collect();
         for (at, a) in all.chunks_exact(LANES).enumerate() {
-            let a: Lane = a.try_into().expect("four numbers");
-            let b: Lane = core::array::from_fn(|lane| all[(at * 97 + lane * 31) % all.len()]);
+            let a: LaneArray = a.try_into().expect("four numbers");
+            let b: LaneArray = core::array::from_fn(|lane| all[(at * 97 + lane * 31) % all.len()]);
             let found = in_lanes(Lanes::load(simd, &a), Lanes::load(simd, &b)).store();
             for lane in 0..LANES {
                 let (x, y) = (a[lane], b[lane]);
@@ -323,7 +318,6 @@ mod tests {
             "quotient": |a, b| a / b;
             "square root": |a, b| a.sqrt();
             "absolute value": |a, b| -(a.abs());
-            "floor": |a, b| a.floor();
             "sign": |a, b| a.copysign(b);
             "maximum": |a, b| a.max(b);
             "minimum": |a, b| a.min(b);

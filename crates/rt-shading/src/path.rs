@@ -64,7 +64,7 @@ pub struct PathTracer<S> {
     diffuse: DiffuseQueue<S>,
     /// Instruction set of lanes; `None` to shade all vertices one by one.
     lanes: Option<LaneLevel>,
-    /// Lanes of this wave; `None` if it needs what they lack.
+    /// Instruction set of this wave; `None` with delta lights, which lanes do not sample.
     wave_lanes: Option<LaneLevel>,
     /// True if the emission of the next surface or the background may contribute.
     scene_emits: bool,

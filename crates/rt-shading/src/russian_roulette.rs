@@ -1,20 +1,26 @@
 //! Russian roulette.
 
-use rt_math::{Rgb, Sampler};
+use rt_math::{Real, Rgb, Sampler};
 
 /// Maximum survival probability, so that every path ends. Among surfaces of albedo ρ the throughput has a finite variance only if ρ²
 /// is less than this.
-pub(crate) const MAX_SURVIVAL: f64 = 0.999;
+const MAX_SURVIVAL: f64 = 0.999;
 
 /// Russian roulette (Arvo, Kirk 1990): returns true if the path survives, and divides its throughput by the probability. `eta_scale`
 /// converts radiance in a medium to radiance in air.
 pub(crate) fn russian_roulette(throughput: &mut Rgb, eta_scale: f64, sampler: &mut impl Sampler) -> bool {
-    let survival = (throughput.max_component() * eta_scale).min(MAX_SURVIVAL);
+    let survival = survival_probability(throughput.max_component(), eta_scale);
     if sampler.next_1d() >= survival {
         return false;
     }
     *throughput = *throughput / survival;
     true
+}
+
+/// Probability that a path survives, by the greatest component of its throughput.
+#[inline(always)]
+pub(crate) fn survival_probability<R: Real>(max_throughput: R, eta_scale: R) -> R {
+    max_throughput.splat(MAX_SURVIVAL).min(max_throughput * eta_scale)
 }
 
 #[cfg(test)]

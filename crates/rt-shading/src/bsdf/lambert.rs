@@ -57,7 +57,7 @@ pub(crate) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     cosine_hemisphere_lanes(u).into()
 }
 
-/// Cosine-weighted directions above the surface, in one number or in lanes: points of the unit disk, projected to the hemisphere (Malley
+/// Cosine-weighted directions above the surface, for one number or for lanes: points of the unit disk, projected to the hemisphere (Malley
 /// 1988). The concentric map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
 #[inline(always)]
 pub(crate) fn cosine_hemisphere_lanes<R: Real>([u, v]: [R; 2]) -> Vector3<R> {

@@ -75,7 +75,7 @@ impl OrenNayar {
     }
 }
 
-/// f of [`OrenNayar`] for directions above the surface, in one number or in lanes. Roughness 0 has the bits of [`Lambert`].
+/// f of [`OrenNayar`] for directions above the surface, for one number or for lanes. Roughness 0 has the bits of [`Lambert`].
 #[inline(always)]
 pub(crate) fn oren_nayar_lanes<R: Real>(
     albedo: Vector3<R>,

@@ -47,7 +47,7 @@ impl Emission {
         if self.emits(along_normal) { self.radiance } else { Rgb::BLACK }
     }
 
-    /// True where a side emits, in one number or in lanes; see [`emitted`](Self::emitted).
+    /// True where a side emits, for one number or for lanes; see [`emitted`](Self::emitted).
     #[inline(always)]
     pub(crate) fn emits<R: Real>(&self, along_normal: R) -> R::Mask {
         let zero = along_normal.splat(0.0);

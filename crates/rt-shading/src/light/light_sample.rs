@@ -46,7 +46,7 @@ pub struct LightSample {
     pub pdf: f64,
 }
 
-/// Samples of directions to a light, in one number or in lanes; see [`LightLiSample`].
+/// Samples of directions to a light, for one number or for lanes; see [`LightLiSample`].
 #[derive(Clone, Copy)]
 pub(crate) struct LightDirections<R: Real> {
     /// False where the light does not reach the point. All other fields are then not valid.

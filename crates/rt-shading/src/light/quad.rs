@@ -88,8 +88,11 @@ impl QuadLight {
 
     /// Samples a direction towards the light from `point`. `None` behind a one-sided light, in its plane, and if it is black.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
+        if self.emission.radiance().is_black() {
+            return None;
+        }
         let (is_lit, on_light, pdf) = self.sample_point(point.into(), u);
-        if !is_lit || self.emission.radiance().is_black() {
+        if !is_lit {
             return None;
         }
         let at = LightPoint { point: on_light.into(), normal: self.normal, triangle: 0 };
@@ -102,7 +105,7 @@ impl QuadLight {
         LightDirections::of_flat(self.sample_point(point, u), point, self.normal, self.extent())
     }
 
-    /// Samples points on the light, with densities per unit solid angle, in one number or in lanes.
+    /// Samples points on the light, with densities per unit solid angle, for one number or for lanes.
     ///
     /// The mask is false where `point` is behind a one-sided light or in its plane. All other results are then not valid.
     #[inline(always)]
@@ -114,6 +117,9 @@ impl QuadLight {
         // Rounding must not put a point of the light itself on the emissive side.
         let rounding = normal.abs().dot(corner.abs() + point.abs()) * gamma(16);
         let is_lit = self.emission.emits(height) & !height.abs().le(rounding);
+        if !is_lit.any() {
+            return (is_lit, corner, height);
+        }
         let (is_spherical, solid_angle) = self.angle_to_sample(offset, height);
         let [edge, other] = splat_both(u[0], self.edges);
         let (mut on_light, mut pdf) = (corner + edge * u[0] + other * u[1], solid_angle.recip());
@@ -190,8 +196,8 @@ impl QuadLight {
         LightBounds::of_flat(around, self.normal, &self.emission, self.area)
     }
 
-    /// Solid angle from a point at `height` above the plane, given the offset to the corner. The mask is false where the light is sampled
-    /// by area.
+    /// True where the light is sampled by solid angle, and the solid angle from a point at `height` above the plane, given the
+    /// offset to the corner. Where false, the number is not valid.
     #[inline(always)]
     fn angle_to_sample<R: Real>(&self, offset: Vector3<R>, height: R) -> (R::Mask, R) {
         let [a, b] = self.lengths;
@@ -226,7 +232,9 @@ impl QuadLight {
         let (sin, cos) = (sin * cos_k + cos * sin_k, cos * cos_k - sin * sin_k);
         let f = (cos * b0 - b1) / sin;
         let c0 = h / r0;
-        let x = one.copysign(f) * h / zero.max((f - c0) * (f + c0)).sqrt();
+        // NaN, whose sign differs between platforms, counts as negative.
+        let sign = one.copysign(R::select(f.eq(f), f, -one));
+        let x = sign * h / zero.max((f - c0) * (f + c0)).sqrt();
         let x = x0.max(x).min(x1);
         let d = (x * x + h * h).sqrt();
         let (h0, h1) = (y0 / (d * d + y0 * y0).sqrt(), y1 / (d * d + y1 * y1).sqrt());

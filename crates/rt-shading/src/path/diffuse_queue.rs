@@ -11,10 +11,10 @@
 use super::wave::Path;
 use crate::{
     bsdf::{HORIZON, OrenNayar, cosine_hemisphere_lanes, oren_nayar_lanes},
-    lanes::{LANES, Lane, LaneLevel, Lanes, Simd},
+    lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd},
     light::{Light, LightSet, QuadLight},
     mis::power_heuristic,
-    russian_roulette::MAX_SURVIVAL,
+    russian_roulette::survival_probability,
     viewed_surface::{MIN_COSINE, ViewedSurface},
 };
 use core::f64::consts::FRAC_1_PI;
@@ -26,8 +26,8 @@ use rt_math::{DVec3, Mask, Real, Rgb, Sampler, Vector3, tangents};
 pub(super) struct DiffuseQueue<S> {
     vertices: Vec<QueuedVertex>,
     blocks: Vec<Block>,
-    /// Samplers of the paths before they were used here.
-    before: Vec<S>,
+    /// Samplers of the paths before this queue drew from them.
+    initial_samplers: Vec<S>,
     draws: Draws,
 }
 
@@ -42,7 +42,7 @@ struct Draws {
     roulette: Vec<u32>,
 }
 
-/// Parts of a vertex that are not computed with in lanes.
+/// Path and time of a queued vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QueuedVertex {
     /// Index of the path.
@@ -53,26 +53,26 @@ pub(super) struct QueuedVertex {
 /// Four vertices: inputs, light samples and results.
 #[derive(Clone, Debug, Default)]
 struct Block {
-    point: Vector3<Lane>,
-    point_error: Vector3<Lane>,
-    shadow_point: Vector3<Lane>,
-    geometric_normal: Vector3<Lane>,
-    shading_normal: Vector3<Lane>,
+    point: Vector3<LaneArray>,
+    point_error: Vector3<LaneArray>,
+    shadow_point: Vector3<LaneArray>,
+    geometric_normal: Vector3<LaneArray>,
+    shading_normal: Vector3<LaneArray>,
     /// Unit directions of the rays.
-    direction: Vector3<Lane>,
+    direction: Vector3<LaneArray>,
     /// −1 where the surface is seen from behind, 1 elsewhere.
-    side: Lane,
-    albedo: Vector3<Lane>,
+    side: LaneArray,
+    albedo: Vector3<LaneArray>,
     /// Roughness in [0, 1], 0 for Lambert's law.
-    roughness: Lane,
-    throughput: Vector3<Lane>,
-    eta_scale: Lane,
+    roughness: LaneArray,
+    throughput: Vector3<LaneArray>,
+    eta_scale: LaneArray,
     /// Numbers for the choice of a light, a direction to it, and the next direction of the path.
-    u_light_choice: Lane,
-    u_light: [Lane; 2],
-    u_bsdf: [Lane; 2],
+    u_light_choice: LaneArray,
+    u_light: [LaneArray; 2],
+    u_bsdf: [LaneArray; 2],
     /// Number for Russian roulette; −1 where it is not played.
-    u_roulette: Lane,
+    u_roulette: LaneArray,
     light: LightBlock,
     scattered: ScatteredBlock,
 }
@@ -80,14 +80,14 @@ struct Block {
 /// Light samples of four vertices.
 #[derive(Clone, Debug, Default)]
 struct LightBlock {
-    direction: Vector3<Lane>,
+    direction: Vector3<LaneArray>,
     /// Vector to the end of the shadow ray, from the origin of space or, for a light at infinity, from the vertex.
-    target: Vector3<Lane>,
+    target: Vector3<LaneArray>,
     /// 1 for a light at infinity, 0 elsewhere.
-    is_infinite: Lane,
-    radiance: Vector3<Lane>,
+    is_infinite: LaneArray,
+    radiance: Vector3<LaneArray>,
     /// Density per unit solid angle; 0 where no light reaches the vertex.
-    pdf: Lane,
+    pdf: LaneArray,
 }
 
 /// Results of four vertices. Bit `i` of a mask is for lane `i`.
@@ -99,16 +99,16 @@ struct ScatteredBlock {
     lit: u8,
     /// Lanes whose next direction leaves the surface.
     continued: u8,
-    /// Lanes of these whose path goes on: throughput is left, and Russian roulette has not ended it.
+    /// Lanes of `continued` whose path survives: it has throughput, and Russian roulette has not ended it.
     alive: u8,
-    shadow_origin: Vector3<Lane>,
-    shadow_direction: Vector3<Lane>,
+    shadow_origin: Vector3<LaneArray>,
+    shadow_direction: Vector3<LaneArray>,
     /// Contributions of unoccluded light.
-    direct: Vector3<Lane>,
-    next_origin: Vector3<Lane>,
-    next_direction: Vector3<Lane>,
-    throughput: Vector3<Lane>,
-    pdf: Lane,
+    direct: Vector3<LaneArray>,
+    next_origin: Vector3<LaneArray>,
+    next_direction: Vector3<LaneArray>,
+    throughput: Vector3<LaneArray>,
+    pdf: LaneArray,
 }
 
 /// Result for a vertex.
@@ -137,7 +137,7 @@ pub(super) struct NextRay {
 
 impl<S> Default for DiffuseQueue<S> {
     fn default() -> Self {
-        Self { vertices: Vec::new(), blocks: Vec::new(), before: Vec::new(), draws: Draws::default() }
+        Self { vertices: Vec::new(), blocks: Vec::new(), initial_samplers: Vec::new(), draws: Draws::default() }
     }
 }
 
@@ -154,8 +154,8 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         self.vertices.clear();
     }
 
-    /// Appends a vertex of a path. The shading normal of the surface must face the viewer. Russian roulette is played after
-    /// `rr_start_depth` bounces.
+    /// Appends a vertex of a path. [`ViewedSurface::new`] must have left the shading normal unchanged: a vertex that is shaded by
+    /// itself passes through it again. Russian roulette starts after `rr_start_depth` bounces.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -188,12 +188,12 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
 
     /// Draws the samples of all vertices, for one of `n_lights` and, if paths follow diffuse surfaces, for the next direction.
     pub(super) fn draw(&mut self, samplers: &mut [S], n_lights: usize, follows_diffuse: bool) {
-        let Self { vertices, blocks, before, draws } = self;
+        let Self { vertices, blocks, initial_samplers, draws } = self;
         let Draws { paths, pairs, numbers, roulette } = draws;
         paths.clear();
         paths.extend(vertices.iter().map(|vertex| vertex.path));
-        before.clear();
-        before.extend(paths.iter().map(|&path| samplers[path as usize].clone()));
+        initial_samplers.clear();
+        initial_samplers.extend(paths.iter().map(|&path| samplers[path as usize].clone()));
         pairs.resize(paths.len(), [0.0; 2]);
         numbers.resize(paths.len(), 0.0);
         if n_lights > 0 {
@@ -224,9 +224,9 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         }
     }
 
-    /// Sampler of the path of a vertex before it was used here.
+    /// Sampler of the path of a vertex before this queue drew from it.
     pub(super) fn sampler_before(&self, at: usize) -> S {
-        self.before[at].clone()
+        self.initial_samplers[at].clone()
     }
 
     /// Samples lights, and the next direction of each path if it `follows_diffuse` surfaces.
@@ -269,7 +269,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         })
     }
 
-    /// Normal on the viewer's side at a vertex with a result.
+    /// Point of a vertex, and its unit shading normal on the viewer's side.
     #[inline(always)]
     pub(super) fn point_and_normal(&self, at: usize) -> (DVec3, DVec3) {
         let (block, lane) = (&self.blocks[at / LANES], at % LANES);
@@ -291,7 +291,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
 }
 
 /// Stores pairs of numbers in the lanes of a field.
-fn each_pair(blocks: &mut [Block], pairs: &[[f64; 2]], field: impl Fn(&mut Block) -> &mut [Lane; 2]) {
+fn each_pair(blocks: &mut [Block], pairs: &[[f64; 2]], field: impl Fn(&mut Block) -> &mut [LaneArray; 2]) {
     for (block, pairs) in blocks.iter_mut().zip(pairs.chunks(LANES)) {
         let [u, v] = field(block);
         for (lane, pair) in pairs.iter().enumerate() {
@@ -434,7 +434,7 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     // Russian roulette.
     let u_roulette = Lanes::load(simd, &block.u_roulette);
     let max = after.x.max(after.y).max(after.z);
-    let survival = (max * Lanes::load(simd, &block.eta_scale)).min(zero + MAX_SURVIVAL);
+    let survival = survival_probability(max, Lanes::load(simd, &block.eta_scale));
     let plays = u_roulette.ge(zero);
     let alive = continued & !is_zero(after) & (!plays | u_roulette.lt(survival));
     let after = Vector3::select(plays, after / survival, after);
@@ -459,22 +459,22 @@ fn diffuse_value<R: Real>(albedo: Vector3<R>, roughness: R, wo: Vector3<R>, wi: 
 }
 
 #[inline(always)]
-fn get(lanes: &Vector3<Lane>, lane: usize) -> DVec3 {
+fn get(lanes: &Vector3<LaneArray>, lane: usize) -> DVec3 {
     DVec3::new(lanes.x[lane], lanes.y[lane], lanes.z[lane])
 }
 
 #[inline(always)]
-fn set(lanes: &mut Vector3<Lane>, lane: usize, v: DVec3) {
+fn set(lanes: &mut Vector3<LaneArray>, lane: usize, v: DVec3) {
     (lanes.x[lane], lanes.y[lane], lanes.z[lane]) = (v.x, v.y, v.z);
 }
 
 #[inline(always)]
-fn get_rgb(lanes: &Vector3<Lane>, lane: usize) -> Rgb {
+fn get_rgb(lanes: &Vector3<LaneArray>, lane: usize) -> Rgb {
     get(lanes, lane).to_array().into()
 }
 
 #[inline(always)]
-fn set_rgb(lanes: &mut Vector3<Lane>, lane: usize, rgb: Rgb) {
+fn set_rgb(lanes: &mut Vector3<LaneArray>, lane: usize, rgb: Rgb) {
     set(lanes, lane, rgb.to_array().into());
 }
 

@@ -100,9 +100,8 @@ impl Scene {
     }
 }
 
-/// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference, in
-/// SIMD lanes and without.
-/// There is one list of surroundings for all rays, or one for each.
+/// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference,
+/// in SIMD lanes and without. There is one list of surroundings for all rays, or one for each.
 fn trace(
     world: &mut impl Tracer,
     lighting: Lighting<'_>,

@@ -96,10 +96,6 @@ impl Real for Lanes<f64> {
         self.each(f64::abs)
     }
 
-    fn floor(self) -> Self {
-        self.each(f64::floor)
-    }
-
     fn copysign(self, sign: Self) -> Self {
         self.pairs(sign, f64::copysign)
     }
