@@ -196,8 +196,8 @@ impl QuadLight {
         LightBounds::of_flat(around, self.normal, &self.emission, self.area)
     }
 
-    /// True where the light is sampled by solid angle, and the solid angle from a point at `height` above the plane, given the
-    /// offset to the corner. Where false, the number is not valid.
+    /// True where the light is sampled by solid angle, and this angle from a point at `height` above the plane. `offset` leads to the
+    /// corner. Where false, the number is not valid.
     #[inline(always)]
     fn angle_to_sample<R: Real>(&self, offset: Vector3<R>, height: R) -> (R::Mask, R) {
         let [a, b] = self.lengths;
