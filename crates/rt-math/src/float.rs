@@ -1,5 +1,6 @@
 //! Rounding: error bounds and products whose sign is exact.
 
+use crate::Real;
 use glam::DVec3;
 
 /// Unit roundoff of `f64`: half the distance from 1 to the next number.
@@ -26,8 +27,8 @@ pub fn two_product(a: f64, b: f64) -> (f64, f64) {
 /// `a + b` as the unevaluated sum of the rounded sum and its exact error.
 ///
 /// Knuth, "The Art of Computer Programming", volume 2, 4.2.2, theorem B. Exact while nothing overflows.
-#[inline]
-pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
+#[inline(always)]
+pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     let sum = a + b;
     let from_b = sum - a;
     (sum, (a - (sum - from_b)) + (b - from_b))

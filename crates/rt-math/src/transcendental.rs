@@ -1,4 +1,4 @@
-//! Elementary functions with the same bits on every platform, in one number and in SIMD lanes.
+//! Elementary functions with the same bits on every platform, for one number and for SIMD lanes.
 //!
 //! IEEE 754 specifies + − × ÷ and √ bit for bit, and no more. The functions that are generic over [`Real`] consist of these
 //! operations and of integer operations on bits, without fused multiply-adds. Each lane has the bits of the scalar call. The other

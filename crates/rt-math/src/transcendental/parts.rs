@@ -14,19 +14,22 @@ pub(super) fn round<R: Real>(x: R) -> R {
     (x + INTEGER_SHIFT) - INTEGER_SHIFT
 }
 
-/// `x` rounded to 26 significant bits (Veltkamp's splitting, Dekker 1971).
+/// `x` rounded to 26 significant bits.
 #[inline(always)]
 pub(super) fn high_26<R: Real>(x: R) -> R {
-    const FACTOR: f64 = ((1u64 << 27) + 1) as f64;
-    let c = x * FACTOR;
-    c - (c - x)
+    without_low_bits(x, 27)
 }
 
 /// `x` rounded to 16 significant bits.
 #[inline(always)]
 pub(super) fn high_16<R: Real>(x: R) -> R {
-    const FACTOR: f64 = ((1u64 << 37) + 1) as f64;
-    let c = x * FACTOR;
+    without_low_bits(x, 37)
+}
+
+/// `x` without its last bits, of which there are `count` (Veltkamp's splitting, Dekker 1971).
+#[inline(always)]
+fn without_low_bits<R: Real>(x: R, count: u32) -> R {
+    let c = x * ((1u64 << count) + 1) as f64;
     c - (c - x)
 }
 
@@ -35,14 +38,6 @@ pub(super) fn high_16<R: Real>(x: R) -> R {
 pub(super) fn fast_two_sum<R: Real>(a: R, b: R) -> (R, R) {
     let sum = a + b;
     (sum, (a - sum) + b)
-}
-
-/// `a + b` as the rounded sum and its exact error (Knuth, as [`crate::float::two_sum`]).
-#[inline(always)]
-pub(super) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
-    let sum = a + b;
-    let from_b = sum - a;
-    (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
 /// Polynomial with the given coefficients, the constant one first.

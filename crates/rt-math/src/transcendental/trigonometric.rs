@@ -1,7 +1,7 @@
 //! Sine and cosine.
 
-use super::parts::{INTEGER_SHIFT, SIGN, choose, fast_two_sum, or_else, polynomial, two_sum};
-use crate::{Mask, Real};
+use super::parts::{INTEGER_SHIFT, SIGN, choose, fast_two_sum, or_else, polynomial};
+use crate::{Mask, Real, float::two_sum};
 use core::f64::consts::FRAC_2_PI;
 
 /// Largest absolute value of an argument that is reduced here. Larger ones, infinities and NaN go through `libm`.
