@@ -109,7 +109,7 @@ pub use primitives::{BatchKernel, PrimitiveGeometry, Primitives};
 pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, RayStats};
 pub use rectangle::Rectangle;
 pub use shape::Shape;
-pub use sphere::Sphere;
+pub use sphere::{Sphere, sphere_point};
 pub use sphere_kernel::SphereKernel;
 pub use spheres::Spheres;
 pub use torus::Torus;

@@ -4,7 +4,7 @@ use crate::error::{ShapeError, check_coordinates, check_radius};
 use crate::{InteractionFlags, ShapeHit, SphereKernel, SurfaceInteraction};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
 use rt_math::transcendental::{atan2, hypot};
-use rt_math::{Aabb, DVec3, Interval, Ray};
+use rt_math::{Aabb, DVec3, Interval, Ray, Real, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// A sphere; its normal points outwards.
@@ -59,14 +59,20 @@ impl Sphere {
     /// The surface at a hit of [`intersect`](Self::intersect).
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
-        let f = (ray.origin - self.0.centre) + ray.direction * hit.t;
+        let offset = (ray.origin - self.0.centre) + ray.direction * hit.t;
         // If rounding puts a faraway hit on the centre, use the side of the viewer.
-        let normal = f.try_normalize().unwrap_or_else(|| -ray.direction.normalize_or(DVec3::Y));
-        let point = self.0.centre + normal * self.0.radius;
-        let point_error = normal.abs() * (self.0.radius * gamma(10)) + point.abs() * (2.0 * UNIT_ROUNDOFF);
+        let normal = offset.try_normalize().unwrap_or_else(|| -ray.direction.normalize_or(DVec3::Y));
+        let (point, point_error) = sphere_point(self.0.centre.into(), self.0.radius, normal.into());
         let uv = if needs.uv { spherical_uv(normal) } else { [0.0; 2] };
-        SurfaceInteraction::flat(point, point_error, normal, uv)
+        SurfaceInteraction::flat(point.into(), point_error.into(), normal, uv)
     }
+}
+
+/// Point of a sphere with this unit normal, and its error bound, as in [`SurfaceInteraction`].
+#[inline(always)]
+pub fn sphere_point<R: Real>(centre: Vector3<R>, radius: R, normal: Vector3<R>) -> (Vector3<R>, Vector3<R>) {
+    let point = centre + normal * radius;
+    (point, normal.abs() * (radius * gamma(10)) + point.abs() * point.x.splat(2.0 * UNIT_ROUNDOFF))
 }
 
 /// Longitude and latitude of a direction as texture coordinates.

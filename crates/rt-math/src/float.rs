@@ -65,8 +65,8 @@ pub const SIGN_ERROR_BOUND: f64 = 4.0 * UNIT_ROUNDOFF;
 
 /// True if the rounded difference of two rounded products has the exact sign.
 #[inline(always)]
-pub fn is_sign_certain(difference: f64, minuend: f64, subtrahend: f64) -> bool {
-    difference.abs() > SIGN_ERROR_BOUND * (minuend.abs() + subtrahend.abs())
+pub fn is_sign_certain<R: Real>(difference: R, minuend: R, subtrahend: R) -> R::Mask {
+    difference.abs().gt((minuend.abs() + subtrahend.abs()) * SIGN_ERROR_BOUND)
 }
 
 /// `a × b` with [`difference_of_products`] in each component.

@@ -54,6 +54,13 @@ impl<R: Real> Vector3<R> {
         self.length_squared().sqrt()
     }
 
+    /// Unit vector of the same direction, as [`DVec3::try_normalize`]; not valid where the mask is false.
+    #[inline(always)]
+    pub fn try_normalize(self) -> (Self, R::Mask) {
+        let recip = self.length().recip();
+        (self * recip, recip.gt(recip.splat(0.0)) & recip.le(recip.splat(f64::MAX)))
+    }
+
     /// True if no coordinate is NaN or infinite.
     #[inline(always)]
     pub fn is_finite(self) -> R::Mask {
@@ -140,6 +147,13 @@ mod tests {
     use crate::random::{hash, unit};
 
     #[test]
+    fn vectors_without_direction_have_no_unit_vector() {
+        for v in [DVec3::ZERO, DVec3::splat(1e-200), DVec3::splat(1e200), DVec3::X * f64::INFINITY, DVec3::NAN] {
+            assert_eq!(Vector3::from(v).try_normalize().1, v.try_normalize().is_some(), "{v}");
+        }
+    }
+
+    #[test]
     fn operations_have_the_bits_of_dvec3() {
         for i in 0..1000 {
             let coordinate = |at: u64| (unit(hash(&[5, i, at])) - 0.5) * f64::from(1u32 << (i % 30));
@@ -149,6 +163,7 @@ mod tests {
             assert_eq!(v.length().to_bits(), a.length().to_bits());
             assert_eq!(DVec3::from(v / w.z + w * 0.3 - -v.abs()), a / b.z + b * 0.3 - -a.abs());
             assert_eq!(DVec3::from(v.scaled_by(w)), a * b);
+            assert_eq!(v.try_normalize(), (a.normalize().into(), true));
             assert_eq!(DVec3::from(Vector3::select(v.x.lt(w.x), v, w)), if a.x < b.x { a } else { b });
         }
     }

@@ -11,7 +11,7 @@ use rt_geometry::{
     TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
-use rt_shading::{NormalMap, SurfaceHit, Texture, light::LightId};
+use rt_shading::{NormalMap, SphereHit, SurfaceHit, Texture, light::LightId};
 
 use crate::mesh_blas::MeshBlas;
 
@@ -210,6 +210,16 @@ impl Instances<'_> {
             InstanceGeometry::Shape(shape) => Some(instance.shape_surface(shape, ray, hit, needs)),
             geometry => self.surface_of(instance, geometry, ray, hit, needs),
         }
+    }
+
+    /// Hit on a sphere without transform and texture coordinates; `None` for all others.
+    #[inline]
+    pub(crate) fn sphere(&self, hit: &Hit, needs: InteractionFlags) -> Option<SphereHit> {
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
+        let InstanceGeometry::Shape(Shape::Sphere(sphere)) = instance.geometry else { return None };
+        let light = instance.light.map(|index| LightId { index, triangle: None });
+        let hit = SphereHit { t: hit.t, sphere, object: instance.object, material: instance.material, light };
+        (!instance.needs(needs).uv).then_some(hit)
     }
 
     fn surface_of(

@@ -40,9 +40,14 @@ impl ThreadState {
     pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
         let settings = &plan.scene.source.settings;
         let mut paths = PathTracer::new(plan.integrator.path_settings(), plan.scene.features);
-        paths.set_lanes(plan.scene.accel.simd != Some(SimdLevel::Portable));
+        let mut whitted = Whitted::new(settings.depth, settings.min_contribution, plan.scene.features);
+        let in_lanes = plan.scene.accel.simd != Some(SimdLevel::Portable);
+        paths.set_lanes(in_lanes);
+        if in_lanes {
+            whitted.shade_in_lanes(&plan.scene.appearance);
+        }
         Self {
-            whitted: Whitted::new(settings.depth, settings.min_contribution, plan.scene.features),
+            whitted,
             paths,
             occlusion: OcclusionWave::default(),
             camera: PrimaryRayBatch::default(),

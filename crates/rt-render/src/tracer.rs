@@ -3,7 +3,7 @@
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Counters, Hit, InteractionFlags, NoProbe, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
-use rt_shading::{SurfaceHit, Tracer};
+use rt_shading::{ClosestHit, SurfaceHit, Tracer};
 
 use crate::{frustum_cull::PrimaryTarget, world::ShadedPrimitives};
 
@@ -78,6 +78,17 @@ impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
         can_skip
     }
 
+    /// Traces rays into the buffer of hits; false for rays that cannot hit anything.
+    fn trace_batch(&mut self, rays: &[(Ray, Interval)], kind: RayKind) -> bool {
+        if self.can_skip(kind, rays.len()) {
+            return false;
+        }
+        self.hits.clear();
+        self.hits.resize(rays.len(), None);
+        self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
+        true
+    }
+
     fn count(&mut self, kind: RayKind, rays: usize) {
         for _ in 0..rays {
             self.rays.ray(kind);
@@ -108,16 +119,36 @@ impl<W: ShadedPrimitives, S: Probe> Tracer for SceneTracer<'_, W, S> {
         needs: InteractionFlags,
         mut on_hit: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
-        if self.can_skip(kind, rays.len()) {
+        if !self.trace_batch(rays, kind) {
             return (0..rays.len()).for_each(|at| on_hit(at, None));
         }
-        self.hits.clear();
-        self.hits.resize(rays.len(), None);
-        self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
         for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
             match hit {
                 Some(hit) => on_hit(at, self.world.surface_at(ray, hit, needs).as_mut()),
                 None => on_hit(at, None),
+            }
+        }
+    }
+
+    #[inline]
+    fn closest_hits(
+        &mut self,
+        rays: &[(Ray, Interval)],
+        kind: RayKind,
+        needs: InteractionFlags,
+        mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
+    ) {
+        if !self.trace_batch(rays, kind) {
+            return (0..rays.len()).for_each(|at| on_hit(at, None));
+        }
+        for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
+            let Some(hit) = hit else {
+                on_hit(at, None);
+                continue;
+            };
+            match self.world.sphere_at(hit, needs) {
+                Some(sphere) => on_hit(at, Some(ClosestHit::Sphere(sphere))),
+                None => on_hit(at, self.world.surface_at(ray, hit, needs).as_mut().map(ClosestHit::Surface)),
             }
         }
     }

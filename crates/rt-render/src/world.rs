@@ -3,7 +3,7 @@
 use rt_accel::AnyAccelerator;
 use rt_geometry::{BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Shape, Spheres};
 use rt_math::{Aabb, Interval, Ray};
-use rt_shading::{SurfaceHit, light::LightId};
+use rt_shading::{SphereHit, SurfaceHit, light::LightId};
 
 use crate::{
     instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, Instances},
@@ -67,6 +67,9 @@ pub(crate) trait ShadedPrimitives: HasForm {
     /// Surface at a hit; `None` for a hit outside of this set. Object indices are those of the instances of the top level.
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit>;
 
+    /// Hit on a sphere whose surface [`SphereHit`] describes fully; `None` for all other hits.
+    fn sphere_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<SphereHit>;
+
     /// Index of the hit instance of the top level.
     fn instance_at(&self, hit: &Hit) -> u32;
 }
@@ -75,6 +78,11 @@ impl ShadedPrimitives for Instances<'_> {
     #[inline]
     fn surface_at(&self, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.surface(ray, hit, needs)
+    }
+
+    #[inline]
+    fn sphere_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<SphereHit> {
+        self.sphere(hit, needs)
     }
 
     fn instance_at(&self, hit: &Hit) -> u32 {
@@ -97,6 +105,13 @@ pub(crate) struct SphereWorld {
 }
 
 impl SphereWorld {
+    /// Light of a sphere, if it is sampled.
+    #[inline(always)]
+    fn light(&self, index: u32) -> Option<LightId> {
+        let index = self.lights.get(index as usize).copied().flatten();
+        index.map(|index| LightId { index, triangle: None })
+    }
+
     pub(crate) fn casts_shadow(&self, index: u32) -> bool {
         self.casts_shadow.get(index as usize).copied().unwrap_or(true)
     }
@@ -144,9 +159,16 @@ impl ShadedPrimitives for SphereWorld {
         let material = *self.materials.get(hit.primitive as usize)?;
         let uv = needs.uv && *self.textured.get(hit.primitive as usize)?;
         let interaction = self.spheres.surface(ray, hit, InteractionFlags { uv, ..needs })?;
-        let index = self.lights.get(hit.primitive as usize).copied().flatten();
-        let light = index.map(|index| LightId { index, triangle: None });
-        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, light })
+        Some(SurfaceHit { t: hit.t, interaction, object: hit.primitive, material, light: self.light(hit.primitive) })
+    }
+
+    #[inline(always)]
+    fn sphere_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<SphereHit> {
+        let index = hit.primitive as usize;
+        let has_uv = needs.uv && *self.textured.get(index)?;
+        let (sphere, material) = (*self.spheres.as_slice().get(index)?, *self.materials.get(index)?);
+        let hit = SphereHit { t: hit.t, sphere, object: hit.primitive, material, light: self.light(hit.primitive) };
+        (!has_uv).then_some(hit)
     }
 
     fn instance_at(&self, hit: &Hit) -> u32 {

@@ -2,7 +2,7 @@
 
 use crate::{
     Material, Needs, SurfaceHit,
-    interior_list::{InteriorList, MediumInterface},
+    interior_list::{InteriorList, MediumEntry, MediumInterface},
     viewed_surface::is_inside,
 };
 use rt_math::{DVec3, Ray};
@@ -40,7 +40,17 @@ impl<'m> HitContext<'m> {
         let material = materials.get(hit.material as usize)?;
         let length = ray.direction.length();
         let direction = ray.direction / length;
-        let is_inside = is_inside(direction, &hit.interaction);
+        Some(Self::of(needs, material, (direction, length), is_inside(direction, &hit.interaction)))
+    }
+
+    /// Context of a hit on a material by a ray of this unit direction and length.
+    #[inline]
+    pub(crate) fn of(
+        needs: &Needs,
+        material: &'m Material,
+        (direction, length): (DVec3, f64),
+        is_inside: bool,
+    ) -> Self {
         let transmission = if !needs.refraction {
             SurfaceTransmission::None
         } else if material.interior.is_some() {
@@ -50,7 +60,7 @@ impl<'m> HitContext<'m> {
         } else {
             SurfaceTransmission::None
         };
-        Some(Self { material, direction, length, is_inside, transmission })
+        Self { material, direction, length, is_inside, transmission }
     }
 
     /// Media on both sides of the surface, given the interior list of the ray. `None` where scattered light
@@ -61,12 +71,12 @@ impl<'m> HitContext<'m> {
         &self,
         interior: &mut InteriorList,
         materials: &[Material],
-        hit: &SurfaceHit,
+        body: MediumEntry,
     ) -> Option<MediumInterface> {
         match self.transmission {
             SurfaceTransmission::None => None,
             SurfaceTransmission::Thin => Some(interior.thin_interface(materials)),
-            SurfaceTransmission::Solid => interior.interface(materials, hit, self.is_inside),
+            SurfaceTransmission::Solid => interior.interface(materials, body, self.is_inside),
         }
     }
 

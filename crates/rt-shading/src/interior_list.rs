@@ -1,17 +1,17 @@
 //! Nested dielectrics.
 
-use crate::{InteriorMedium, Material, SurfaceHit, Tracer, medium::Medium};
+use crate::{InteriorMedium, Material, Tracer, medium::Medium};
 use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{Aabb, Interval, Ray};
 
 /// Maximum number of dielectrics around a point; further ones are ignored and counted.
 const CAPACITY: usize = 32;
 
-/// A dielectric that was entered: its object, and its material.
+/// A dielectric: its object, and its material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct MediumEntry {
-    object: u32,
-    material: u32,
+pub(crate) struct MediumEntry {
+    pub(crate) object: u32,
+    pub(crate) material: u32,
 }
 
 /// Dielectrics around a point, in the order in which they were entered.
@@ -106,7 +106,7 @@ impl InteriorList {
             if interior(materials, hit.material).is_none() {
                 continue;
             }
-            let entry = MediumEntry { object: hit.object, material: hit.material };
+            let entry = hit.body();
             if ray.direction.dot(hit.interaction.geometric_normal) <= 0.0 {
                 self.push(entry);
             } else if let Some(at) = find(&self.entries[around..], entry) {
@@ -143,10 +143,9 @@ impl InteriorList {
     pub(crate) fn interface(
         &mut self,
         materials: &[Material],
-        hit: &SurfaceHit,
+        entry: MediumEntry,
         leaving: bool,
     ) -> Option<MediumInterface> {
-        let entry = MediumEntry { object: hit.object, material: hit.material };
         let event = if leaving {
             InterfaceEvent::Leave(find(&self.entries, entry).or_else(|| self.push_outermost(entry))?)
         } else {

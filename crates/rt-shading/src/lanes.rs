@@ -7,7 +7,7 @@
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 pub(crate) use fearless_simd::Simd;
 use fearless_simd::{ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, i64x4, mask64x4, u64x4};
-use rt_math::{Mask, Real, Vector3};
+use rt_math::{DVec3, Mask, Real, Rgb, Vector3};
 
 /// Number of lanes.
 pub(crate) const LANES: usize = 4;
@@ -256,6 +256,37 @@ impl<S: Simd> Real for Lanes<S> {
     fn from_bits(bits: LaneBits<S>) -> Self {
         Self(f64x4::from_bits(bits.0))
     }
+}
+
+/// Vector of one lane.
+#[inline(always)]
+pub(crate) fn get(lanes: &Vector3<LaneArray>, lane: usize) -> DVec3 {
+    DVec3::new(lanes.x[lane], lanes.y[lane], lanes.z[lane])
+}
+
+/// Sets the vector of one lane.
+#[inline(always)]
+pub(crate) fn set(lanes: &mut Vector3<LaneArray>, lane: usize, v: DVec3) {
+    (lanes.x[lane], lanes.y[lane], lanes.z[lane]) = (v.x, v.y, v.z);
+}
+
+/// Colour of one lane.
+#[inline(always)]
+pub(crate) fn get_rgb(lanes: &Vector3<LaneArray>, lane: usize) -> Rgb {
+    get(lanes, lane).to_array().into()
+}
+
+/// Sets the colour of one lane.
+#[inline(always)]
+pub(crate) fn set_rgb(lanes: &mut Vector3<LaneArray>, lane: usize, rgb: Rgb) {
+    set(lanes, lane, rgb.to_array().into());
+}
+
+/// True where all coordinates are zero.
+#[inline(always)]
+pub(crate) fn is_zero<R: Real>(v: Vector3<R>) -> R::Mask {
+    let zero = v.x.splat(0.0);
+    v.x.eq(zero) & v.y.eq(zero) & v.z.eq(zero)
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]

@@ -1,10 +1,16 @@
 //! The laws of reflection and refraction.
 
-use rt_math::{DVec3, float::cross};
+use rt_math::{DVec3, Mask, Real, Vector3, float::cross};
 
 /// Mirrors `direction` at a surface with unit `normal`; keeps its length.
 pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - normal * (2.0 * direction.dot(normal))
+    reflect_lanes(direction.into(), normal.into()).into()
+}
+
+/// Version of [`reflect`] for lanes.
+#[inline(always)]
+pub(crate) fn reflect_lanes<R: Real>(direction: Vector3<R>, normal: Vector3<R>) -> Vector3<R> {
+    direction - normal * (direction.dot(normal) * 2.0)
 }
 
 /// Refracts the unit vector `direction` at a surface whose unit `normal` points against it. Unit result; `None` on total
@@ -15,36 +21,59 @@ pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
 /// Snell's law. The sine comes from the cross product: near the normal, `√(1 − cos²)` would lose half its digits.
 #[inline(always)]
 pub fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
+    let sin_i = cross(direction, normal).length();
+    let (refracted, is_transmitted) = refract_lanes(direction.into(), normal.into(), eta, sin_i);
+    is_transmitted.then(|| refracted.into())
+}
+
+/// Version of [`refract`] for lanes, given the sine of the angle of incidence; not valid where the mask is false, on total internal
+/// reflection.
+#[inline(always)]
+pub(crate) fn refract_lanes<R: Real>(
+    direction: Vector3<R>,
+    normal: Vector3<R>,
+    eta: R,
+    sin_i: R,
+) -> (Vector3<R>, R::Mask) {
     let cos_i = -direction.dot(normal);
-    let sin_t = eta * cross(direction, normal).length();
-    let cos2_t = (1.0 - sin_t) * (1.0 + sin_t);
-    if cos2_t < 0.0 {
-        return None;
-    }
+    let cos2_t = square_of_transmitted_cosine(eta * sin_i);
+    let is_transmitted = !cos2_t.lt(eta.splat(0.0));
     // Along the normal, the sum of a very large `eta` cancels to nothing.
-    Some((direction * eta + normal * (eta * cos_i - cos2_t.sqrt())).normalize_or(-normal))
+    let (refracted, has_direction) = (direction * eta + normal * (eta * cos_i - cos2_t.sqrt())).try_normalize();
+    (Vector3::select(has_direction, refracted, -normal), is_transmitted)
+}
+
+/// 1 − sin², negative on total internal reflection.
+#[inline(always)]
+fn square_of_transmitted_cosine<R: Real>(sin_t: R) -> R {
+    let one = sin_t.splat(1.0);
+    (one - sin_t) * (one + sin_t)
 }
 
 /// Reflectance of a smooth dielectric for unpolarised light (Fresnel 1823); 1 on total internal reflection.
 ///
 /// `cos_i` is the cosine of the angle of incidence, in [0, 1], and `eta` as in [`refract`].
-pub fn fresnel(cos_i: f64, eta: f64) -> f64 {
+#[inline]
+pub fn fresnel<R: Real>(cos_i: R, eta: R) -> R {
     let [perpendicular, parallel] = polarised_fresnel(cos_i, eta);
-    0.5 * (perpendicular + parallel)
+    (perpendicular + parallel) * 0.5
 }
 
 /// Version of [`fresnel`] for light polarised perpendicular and parallel to the plane of incidence.
-pub fn polarised_fresnel(cos_i: f64, eta: f64) -> [f64; 2] {
-    let cos_i = cos_i.clamp(0.0, 1.0);
-    let sin_t = eta * ((1.0 - cos_i) * (1.0 + cos_i)).sqrt();
-    let cos2_t = (1.0 - sin_t) * (1.0 + sin_t);
-    if cos2_t <= 0.0 {
-        return [1.0; 2];
+#[inline(always)]
+pub fn polarised_fresnel<R: Real>(cos_i: R, eta: R) -> [R; 2] {
+    let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
+    let cos_i = cos_i.max(zero).min(one);
+    let cos2_t = square_of_transmitted_cosine(eta * ((one - cos_i) * (one + cos_i)).sqrt());
+    let is_total = cos2_t.le(zero);
+    if is_total.all() {
+        return [one; 2];
     }
     let cos_t = cos2_t.sqrt();
     let perpendicular = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let parallel = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    [perpendicular * perpendicular, parallel * parallel]
+    let square = |amplitude: R| R::select(is_total, one, amplitude * amplitude);
+    [square(perpendicular), square(parallel)]
 }
 
 #[cfg(test)]

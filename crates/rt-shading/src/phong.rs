@@ -1,7 +1,7 @@
 //! The reflection model of Phong and Whitted.
 
 use crate::ColorTexture;
-use rt_math::{DVec3, Rgb, transcendental};
+use rt_math::{DVec3, Mask, Real, Rgb, Vector3, transcendental};
 
 /// Shape of the specular highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,29 +17,54 @@ impl Highlight {
     /// `wi` to the light.
     #[inline]
     pub fn strength(self, normal: DVec3, wo: DVec3, wi: DVec3, exponent: f64) -> f64 {
-        let cosine = match self {
-            Self::Phong => (normal * (2.0 * normal.dot(wi)) - wi).dot(wo),
-            Self::Blinn => normal.dot((wi + wo).normalize_or_zero()),
-        };
-        if cosine > 0.0 { power(cosine, exponent) } else { 0.0 }
+        self.strength_lanes(normal.into(), wo.into(), wi.into(), exponent)
     }
+
+    /// Version of [`strength`](Self::strength) for several surfaces of the same exponent, one per lane.
+    #[inline(always)]
+    pub(crate) fn strength_lanes<R: Real>(
+        self,
+        normal: Vector3<R>,
+        wo: Vector3<R>,
+        wi: Vector3<R>,
+        exponent: f64,
+    ) -> R {
+        let cosine = match self {
+            Self::Phong => (normal * (normal.dot(wi) * 2.0) - wi).dot(wo),
+            Self::Blinn => normal.dot(normalize_or_zero(wi + wo)),
+        };
+        let zero = cosine.splat(0.0);
+        let is_visible = cosine.gt(zero);
+        if !is_visible.any() {
+            return zero;
+        }
+        R::select(is_visible, power(cosine, exponent), zero)
+    }
+}
+
+/// Unit vector of the same direction, as [`DVec3::normalize_or_zero`].
+#[inline(always)]
+fn normalize_or_zero<R: Real>(v: Vector3<R>) -> Vector3<R> {
+    let (unit, has_direction) = v.try_normalize();
+    Vector3::select(has_direction, unit, Vector3::splat(v.x, DVec3::ZERO))
 }
 
 /// `base` to the power of `exponent >= 0`. Integer exponents up to 1024 use repeated squaring, which is several times
 /// faster than the general function.
-fn power(base: f64, exponent: f64) -> f64 {
+#[inline(always)]
+fn power<R: Real>(base: R, exponent: f64) -> R {
     const MAX_INTEGER: f64 = 1024.0;
     // The conversion truncates.
     let mut remaining = exponent as u32;
     if !(exponent <= MAX_INTEGER && f64::from(remaining) == exponent) {
-        return transcendental::pow(base, exponent);
+        return base.map(|base| transcendental::pow(base, exponent));
     }
-    let (mut square, mut product) = (base, 1.0);
+    let (mut square, mut product) = (base, base.splat(1.0));
     while remaining > 0 {
         if remaining & 1 == 1 {
-            product *= square;
+            product = product * square;
         }
-        square *= square;
+        square = square * square;
         remaining >>= 1;
     }
     product

@@ -1,7 +1,7 @@
 //! Ray queries of integrators.
 
-use crate::light::LightId;
-use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
+use crate::{interior_list::MediumEntry, light::LightId};
+use rt_geometry::{InteractionFlags, RayKind, ShapeHit, Sphere, SurfaceInteraction};
 use rt_math::{Interval, Ray, Rgb};
 
 /// Closest hit of a ray.
@@ -20,6 +20,12 @@ pub struct SurfaceHit {
 }
 
 impl SurfaceHit {
+    /// The hit body, as interior lists identify it.
+    #[inline]
+    pub(crate) const fn body(&self) -> MediumEntry {
+        MediumEntry { object: self.object, material: self.material }
+    }
+
     /// Interval beyond this hit, for a ray that continues as if the surface were absent.
     ///
     /// The ray is unchanged, so that hits behind it have bit-identical parameters. The interval starts beyond the error bound of the
@@ -31,6 +37,39 @@ impl SurfaceHit {
         // The interval beyond infinity is empty.
         Interval::new(min, if min > self.t { f64::INFINITY } else { f64::NEG_INFINITY })
     }
+}
+
+/// Closest hit of a ray with a sphere, whose surface is not computed yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereHit {
+    /// Ray parameter of the hit.
+    pub t: f64,
+    /// The sphere, in world space.
+    pub sphere: Sphere,
+    /// See [`SurfaceHit::object`].
+    pub object: u32,
+    /// See [`SurfaceHit::material`].
+    pub material: u32,
+    /// See [`SurfaceHit::light`].
+    pub light: Option<LightId>,
+}
+
+impl SphereHit {
+    /// The surface, without texture coordinates.
+    pub fn surface(&self, ray: &Ray) -> SurfaceHit {
+        let Self { t, sphere, object, material, light } = *self;
+        let interaction = sphere.surface(ray, &ShapeHit { t, uv: [0.0; 2] }, InteractionFlags::NONE);
+        SurfaceHit { t, interaction, object, material, light }
+    }
+}
+
+/// Closest hit of a ray, with or without its surface.
+#[derive(Debug, PartialEq)]
+pub enum ClosestHit<'h> {
+    /// A hit with its surface.
+    Surface(&'h mut SurfaceHit),
+    /// A hit on a sphere without texture coordinates.
+    Sphere(SphereHit),
 }
 
 /// The world of an integrator: it answers ray queries and counts them.
@@ -54,6 +93,18 @@ pub trait Tracer {
         for (at, (ray, span)) in rays.iter().enumerate() {
             met(at, self.closest(ray, *span, kind, needs).as_mut());
         }
+    }
+
+    /// Version of [`closest_batch`](Self::closest_batch) that may leave surfaces of spheres to the integrator, which computes
+    /// several together.
+    fn closest_hits(
+        &mut self,
+        rays: &[(Ray, Interval)],
+        kind: RayKind,
+        needs: InteractionFlags,
+        mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
+    ) {
+        self.closest_batch(rays, kind, needs, |at, hit| met(at, hit.map(ClosestHit::Surface)));
     }
 
     /// [`occluded`](Self::occluded) for many rays: `blocked[i]` answers `rays[i]`.

@@ -2,12 +2,16 @@
 
 mod counts;
 mod shade;
+mod sphere_queue;
+mod uniform_phong;
 mod wave;
 
-use crate::{Appearance, InteriorList, Needs, Seen, Tracer, ray_queues::RayQueues};
+use crate::{Appearance, ClosestHit, InteriorList, Needs, Seen, Tracer, lanes::LaneLevel, ray_queues::RayQueues};
 pub use counts::ShadingCounts;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
+use sphere_queue::SphereQueue;
+use uniform_phong::UniformPhong;
 use wave::{DirectLighting, PixelTree, TreePath};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
@@ -35,6 +39,12 @@ pub struct Whitted {
     /// Samples whose path has ended in this wave.
     ended: Vec<u32>,
     lights: DirectLighting,
+    /// Hits on spheres that are shaded in lanes.
+    spheres: SphereQueue,
+    /// Phong models by material, for lanes.
+    phongs: Vec<Option<UniformPhong>>,
+    /// Instruction set of lanes; `None` to shade all hits one by one.
+    lanes: Option<LaneLevel>,
     counts: ShadingCounts,
 }
 
@@ -52,8 +62,18 @@ impl Whitted {
             samples: Vec::new(),
             ended: Vec::new(),
             lights: DirectLighting::default(),
+            spheres: SphereQueue::default(),
+            phongs: Vec::new(),
+            lanes: None,
             counts: ShadingCounts::default(),
         }
+    }
+
+    /// Shades spheres in SIMD lanes where the processor has them. The result is bit-identical. All later calls must be with this
+    /// appearance.
+    pub fn shade_in_lanes(&mut self, appearance: &Appearance) {
+        self.lanes = LaneLevel::detect();
+        self.phongs = UniformPhong::of_all(appearance, &self.needs);
     }
 
     /// Sets the media around the camera; air by default.
@@ -126,10 +146,29 @@ impl Whitted {
         path: impl Fn(usize) -> TreePath,
         seen: &mut [Seen],
     ) {
-        world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
-            let path = path(at);
-            self.shade(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
+        let Some(level) = self.lanes else {
+            return world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
+                let path = path(at);
+                self.shade(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
+            });
+        };
+        world.closest_hits(rays, kind, self.needs.surface(), |at, hit| {
+            let (path, ray) = (path(at), &rays[at].0);
+            let seen = &mut seen[path.sample as usize];
+            match hit {
+                Some(ClosestHit::Sphere(hit)) if self.is_uniform(hit.material) => self.spheres.push(at, hit, path),
+                Some(ClosestHit::Sphere(hit)) => self.shade(appearance, path, ray, Some(&mut hit.surface(ray)), seen),
+                Some(ClosestHit::Surface(hit)) => self.shade(appearance, path, ray, Some(hit), seen),
+                None => self.shade(appearance, path, ray, None, seen),
+            }
         });
+        self.shade_spheres(level, appearance, rays, seen);
+    }
+
+    /// True if lanes shade the material.
+    #[inline(always)]
+    fn is_uniform(&self, material: u32) -> bool {
+        matches!(self.phongs.get(material as usize), Some(Some(_)))
     }
 
     /// Traces the shadow rays of a wave, and fills the next one.
@@ -148,6 +187,9 @@ impl Whitted {
         core::mem::swap(&mut self.wave, &mut self.next);
     }
 }
+
+#[cfg(test)]
+mod lanes_tests;
 
 #[cfg(test)]
 mod shading_normals;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Phong;
+use crate::SurfaceHit;
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
@@ -20,7 +21,7 @@ fn hit(object: u32, material: u32) -> SurfaceHit {
 
 /// Crosses a surface. Returns the indices of refraction on both sides, or `None` if it is ignored.
 fn cross(interior: &mut InteriorList, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<[f64; 2]> {
-    let interface = interior.interface(materials, hit, leaving).expect("room in the list");
+    let interface = interior.interface(materials, hit.body(), leaving).expect("room in the list");
     interior.cross(&interface);
     assert_eq!(interior.medium(materials), interface.after);
     interface.is_boundary.then_some([interface.before.ior, interface.after.ior])
@@ -70,9 +71,9 @@ fn a_full_list_refuses_more() {
     for object in 0..CAPACITY as u32 {
         cross(&mut interior, &materials, &hit(object, 0), false);
     }
-    assert!(interior.interface(&materials, &hit(99, 0), false).is_none());
-    assert!(interior.interface(&materials, &hit(99, 1), true).is_none(), "nor can it be noted as around");
-    assert!(interior.interface(&materials, &hit(99, 0), true).is_some());
+    assert!(interior.interface(&materials, hit(99, 0).body(), false).is_none());
+    assert!(interior.interface(&materials, hit(99, 1).body(), true).is_none(), "nor can it be noted as around");
+    assert!(interior.interface(&materials, hit(99, 0).body(), true).is_some());
 }
 
 #[test]
@@ -80,8 +81,8 @@ fn lists_come_off_the_stack_as_they_were_put_on() {
     let materials = materials(&[0, 1]);
     let mut stack = InteriorListStack::default();
     let mut interior = InteriorList::filled_with(0);
-    let entering = interior.interface(&materials, &hit(4, 1), false).expect("room");
-    let leaving = interior.interface(&materials, &hit(7, 0), true).expect("it is there");
+    let entering = interior.interface(&materials, hit(4, 1).body(), false).expect("room");
+    let leaving = interior.interface(&materials, hit(7, 0).body(), true).expect("it is there");
     let within = stack.push(&interior, &entering);
     let outside = stack.push(&interior, &leaving);
     assert_eq!((within, outside), (2, 0));

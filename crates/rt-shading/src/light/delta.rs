@@ -13,7 +13,7 @@ use super::light_sample::LightLiSample;
 use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use rt_geometry::ShadowRays;
 use rt_math::transcendental::acos;
-use rt_math::{Aabb, DVec3, Interval, Ray, Rgb};
+use rt_math::{Aabb, DVec3, Interval, Ray, Real, Rgb, Vector3};
 
 /// Relative margin around `shadow_near`: shadow rays end this part of their length earlier. In spite of rounding, a sphere of this
 /// radius around the light does not shadow it.
@@ -119,6 +119,16 @@ pub struct DeltaLiSample {
     pub distance: f64,
 }
 
+/// Incident light at points, one per lane, as [`DeltaLiSample`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DeltaLiLanes<R: Real> {
+    pub(crate) direction: Vector3<R>,
+    pub(crate) strength: Vector3<R>,
+    pub(crate) distance: R,
+    /// False outside the cone of a spot, and at the light's own position: all else is not valid there.
+    pub(crate) is_lit: R::Mask,
+}
+
 /// Set of rays that a delta light emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum EmittedRays {
@@ -208,26 +218,42 @@ impl DeltaLight {
     /// position.
     #[inline(always)]
     pub fn sample_li(&self, point: DVec3) -> Option<DeltaLiSample> {
+        let DeltaLiLanes { direction, strength, distance, is_lit } = self.sample_li_lanes(Vector3::from(point));
+        is_lit.then(|| DeltaLiSample {
+            direction: direction.into(),
+            strength: DVec3::from(strength).to_array().into(),
+            distance,
+        })
+    }
+
+    /// Version of [`sample_li`](Self::sample_li) for one point per lane.
+    #[inline(always)]
+    pub(crate) fn sample_li_lanes<R: Real>(&self, point: Vector3<R>) -> DeltaLiLanes<R> {
+        let like = point.x;
+        let (zero, one) = (like.splat(0.0), like.splat(1.0));
+        let intensity = Vector3::splat(like, self.intensity.to_array().into());
         let (position, falloff) = match self.kind {
             DeltaLightKind::Directional { direction } => {
-                let distance = f64::INFINITY;
-                return Some(DeltaLiSample { direction: -direction, strength: self.intensity, distance });
+                return DeltaLiLanes {
+                    direction: Vector3::splat(like, -direction),
+                    strength: intensity,
+                    distance: like.splat(f64::INFINITY),
+                    is_lit: zero.lt(one),
+                };
             }
             DeltaLightKind::Point { position, falloff, .. } | DeltaLightKind::Spot { position, falloff, .. } => {
-                (position, falloff)
+                (Vector3::splat(like, position), falloff)
             }
         };
         let distance = (position - point).length();
         let direction = (position - point) / distance;
-        if !direction.is_finite() {
-            return None;
-        }
-        let emitted = self.spot_falloff(-direction);
+        let emitted = self.spot_falloff_lanes(-direction);
         let attenuated = match falloff {
             Falloff::None => emitted,
             Falloff::InverseSquare => emitted / (distance * distance),
         };
-        (emitted > 0.0).then(|| DeltaLiSample { direction, strength: self.intensity * attenuated, distance })
+        let is_lit = direction.is_finite() & emitted.gt(zero);
+        DeltaLiLanes { direction, strength: intensity * attenuated, distance, is_lit }
     }
 
     /// Incident irradiance as a sample among those of other lights: with the density 1. `None` if it is black.
@@ -248,13 +274,13 @@ impl DeltaLight {
     /// True if the light is certainly behind a surface with this normal: the cosine of [`sample_li`](Self::sample_li) would not
     /// be positive. The test takes no square root.
     #[inline(always)]
-    pub(crate) fn is_behind(&self, point: DVec3, normal: DVec3) -> bool {
+    pub(crate) fn is_behind<R: Real>(&self, point: Vector3<R>, normal: Vector3<R>) -> R::Mask {
         match self.kind {
-            DeltaLightKind::Directional { .. } => false,
+            DeltaLightKind::Directional { .. } => point.x.lt(point.x),
             DeltaLightKind::Point { position, .. } | DeltaLightKind::Spot { position, .. } => {
-                let offset = position - point;
+                let offset = Vector3::splat(point.x, position) - point;
                 // Far more than the rounding error of the cosine.
-                normal.dot(offset) < -SIGN_MARGIN * normal.abs().dot(offset.abs())
+                normal.dot(offset).lt(normal.abs().dot(offset.abs()) * -SIGN_MARGIN)
             }
         }
     }
@@ -262,29 +288,45 @@ impl DeltaLight {
     /// Relative intensity, 0 to 1, in the direction `wo` (unit) in which light leaves.
     #[inline]
     pub(crate) fn spot_falloff(&self, wo: DVec3) -> f64 {
+        self.spot_falloff_lanes(wo.into())
+    }
+
+    /// Version of [`spot_falloff`](Self::spot_falloff) for one direction per lane.
+    #[inline(always)]
+    fn spot_falloff_lanes<R: Real>(&self, wo: Vector3<R>) -> R {
+        let (zero, one) = (wo.x.splat(0.0), wo.x.splat(1.0));
         match self.kind {
             DeltaLightKind::Spot { direction, cos_inner, cos_outer, .. } => {
                 // The squared ramp of KHR_lights_punctual.
-                let ramp = ((wo.dot(direction) - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
+                let cos = wo.dot(Vector3::splat(zero, direction));
+                let ramp = ((cos - cos_outer) / zero.splat(cos_inner - cos_outer)).max(zero).min(one);
                 ramp * ramp
             }
-            _ => 1.0,
+            _ => one,
         }
     }
 
     /// Shadow ray from a surface to this light, and the interval in which a hit occludes the light.
     #[inline(always)]
     pub fn shadow_ray(&self, from: &ShadowRays<'_>, sample: &DeltaLiSample, time: f64) -> (Ray, Interval) {
+        let ray = match self.kind.position() {
+            Some(position) => from.to(position, time),
+            None => from.towards(sample.direction, time),
+        };
+        let max = self.shadow_end(ray.direction.into());
+        (ray, Interval { max, ..Interval::SPAWNED })
+    }
+
+    /// Parameter of a shadow ray of this direction at which it ends: hits beyond do not occlude the light.
+    #[inline(always)]
+    pub(crate) fn shadow_end<R: Real>(&self, direction: Vector3<R>) -> R {
+        let like = direction.x;
         match self.kind {
-            DeltaLightKind::Directional { .. } => (from.towards(sample.direction, time), Interval::SPAWNED),
-            DeltaLightKind::Point { position, shadow_near, .. } if shadow_near > 0.0 => {
-                let ray = from.to(position, time);
-                let max = 1.0 - shadow_near / ray.direction.length() - SHADOW_NEAR_MARGIN;
-                (ray, Interval { max, ..Interval::SEGMENT })
+            DeltaLightKind::Directional { .. } => like.splat(Interval::SPAWNED.max),
+            DeltaLightKind::Point { shadow_near, .. } if shadow_near > 0.0 => {
+                like.splat(1.0) - like.splat(shadow_near) / direction.length() - SHADOW_NEAR_MARGIN
             }
-            DeltaLightKind::Point { position, .. } | DeltaLightKind::Spot { position, .. } => {
-                (from.to(position, time), Interval::SEGMENT)
-            }
+            DeltaLightKind::Point { .. } | DeltaLightKind::Spot { .. } => like.splat(Interval::SEGMENT.max),
         }
     }
 

@@ -66,7 +66,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
         let Some(context) = HitContext::new(&self.needs, materials, ray, hit) else { return };
-        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit);
+        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit.body());
         let is_visible = context.is_visible(interface.as_ref());
         let HitContext { material, direction, length, is_inside, .. } = context;
         if !is_visible {

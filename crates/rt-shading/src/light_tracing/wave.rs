@@ -48,7 +48,7 @@ impl Connection {
     ) -> Option<f64> {
         let materials = &lighting.appearance.materials;
         let context = HitContext::new(needs, materials, ray, hit)?;
-        let interface = context.interface(&mut self.medium_tracker.interior, materials, hit);
+        let interface = context.interface(&mut self.medium_tracker.interior, materials, hit.body());
         if context.is_visible(interface.as_ref()) {
             return None;
         }

@@ -11,7 +11,7 @@
 use super::wave::Path;
 use crate::{
     bsdf::{HORIZON, OrenNayar, cosine_hemisphere_lanes, oren_nayar_lanes},
-    lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd},
+    lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd, get, get_rgb, is_zero, set, set_rgb},
     light::{Light, LightSet, QuadLight},
     mis::power_heuristic,
     russian_roulette::survival_probability,
@@ -456,31 +456,4 @@ fn diffuse_value<R: Real>(albedo: Vector3<R>, roughness: R, wo: Vector3<R>, wi: 
     } else {
         albedo * roughness.splat(FRAC_1_PI)
     }
-}
-
-#[inline(always)]
-fn get(lanes: &Vector3<LaneArray>, lane: usize) -> DVec3 {
-    DVec3::new(lanes.x[lane], lanes.y[lane], lanes.z[lane])
-}
-
-#[inline(always)]
-fn set(lanes: &mut Vector3<LaneArray>, lane: usize, v: DVec3) {
-    (lanes.x[lane], lanes.y[lane], lanes.z[lane]) = (v.x, v.y, v.z);
-}
-
-#[inline(always)]
-fn get_rgb(lanes: &Vector3<LaneArray>, lane: usize) -> Rgb {
-    get(lanes, lane).to_array().into()
-}
-
-#[inline(always)]
-fn set_rgb(lanes: &mut Vector3<LaneArray>, lane: usize, rgb: Rgb) {
-    set(lanes, lane, rgb.to_array().into());
-}
-
-/// True where all coordinates are zero.
-#[inline(always)]
-fn is_zero<R: Real>(v: Vector3<R>) -> R::Mask {
-    let zero = v.x.splat(0.0);
-    v.x.eq(zero) & v.y.eq(zero) & v.z.eq(zero)
 }

@@ -40,7 +40,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             seen.hit = true;
             return;
         };
-        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit);
+        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit.body());
         let interface = interface.as_ref();
         let is_visible = context.is_visible(interface);
         let HitContext { material, direction, length, is_inside, .. } = context;

@@ -53,7 +53,7 @@ fn lights_behind_a_surface_are_known_without_their_distance() {
         let aside = if i % 2 == 0 { aside } else { aside - normal * normal.dot(aside) };
         let light = at(point + aside * 8.0);
         let cosine = light.sample_li(point).map(|lit| normal.dot(lit.direction));
-        if light.is_behind(point, normal) {
+        if light.is_behind(point.into(), normal.into()) {
             assert!(cosine < Some(0.0), "{cosine:?}");
             n_behind += 1;
         } else {
@@ -61,7 +61,7 @@ fn lights_behind_a_surface_are_known_without_their_distance() {
         }
     }
     assert!(n_behind > 2000, "{n_behind}");
-    assert!(!at(point).is_behind(point, normal));
+    assert!(!at(point).is_behind(point.into(), normal.into()));
 }
 
 #[test]

@@ -1,0 +1,226 @@
+//! Tests of shading in SIMD lanes: radiance, counts and shadow rays have the bits of hits that are shaded one by one.
+
+use super::*;
+use crate::{
+    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LightUnits, Material,
+    Phong, SphereHit, SurfaceHit, Texture, TextureId, Transmission,
+};
+use rt_geometry::{InteractionFlags, Sphere};
+use rt_math::{DVec3, random};
+
+/// Position of the first light.
+const LIGHT: DVec3 = DVec3::new(0.7, 1.9, -0.4);
+
+/// A world in which each ray hits a sphere that is made of random numbers from the bits of the ray.
+#[derive(Default)]
+struct RandomSpheres {
+    n_materials: u32,
+    /// Bits of all shadow rays and their intervals, in an order of their own.
+    shadow_rays: Vec<[u64; 9]>,
+}
+
+fn bits_of(ray: &Ray, span: Interval) -> [u64; 9] {
+    let [[a, b, c], [d, e, f]] = [ray.origin, ray.direction].map(|v| v.to_array());
+    [a, b, c, d, e, f, ray.time, span.min, span.max].map(f64::to_bits)
+}
+
+impl RandomSpheres {
+    fn hit(&self, ray: &Ray, span: Interval) -> Option<SphereHit> {
+        let key = random::hash(&bits_of(ray, span));
+        let number = |at: u64| random::unit(random::hash(&[key, at]));
+        let vector = |at: u64| DVec3::new(number(at), number(at + 1), number(at + 2)) * 2.0 - 1.0;
+        let (t, radius) = (0.5 + number(0), 0.2 + number(1));
+        let point = ray.at(t);
+        let towards = match (number(2) * 12.0) as u32 {
+            0 => return None,
+            // The ray aims at the centre.
+            1 => ray.direction,
+            // The centre lies where x = 0, as some rays do.
+            2 => {
+                let centre = DVec3::new(0.0, point.y + radius, 0.0);
+                let sphere = Sphere::new(centre, radius).ok()?;
+                return Some(self.on(sphere, t, number(3)));
+            }
+            // The light is on the sphere's tangent plane, up to rounding.
+            3 => {
+                let to_light = (LIGHT - point).normalize();
+                let aside = vector(4);
+                aside - to_light * aside.dot(to_light)
+            }
+            _ => vector(4),
+        };
+        let sphere = Sphere::new(point + towards.normalize() * radius, radius).ok()?;
+        Some(self.on(sphere, t, number(3)))
+    }
+
+    fn on(&self, sphere: Sphere, t: f64, choice: f64) -> SphereHit {
+        let material = (choice * f64::from(self.n_materials + 1)) as u32;
+        SphereHit { t, sphere, object: material, material, light: None }
+    }
+}
+
+impl Tracer for RandomSpheres {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
+        Some(self.hit(ray, span)?.surface(ray))
+    }
+
+    fn closest_hits(
+        &mut self,
+        rays: &[(Ray, Interval)],
+        _: RayKind,
+        _: InteractionFlags,
+        mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
+    ) {
+        for (at, (ray, span)) in rays.iter().enumerate() {
+            let hit = self.hit(ray, *span);
+            match (hit, at % 7) {
+                (Some(hit), 6) => met(at, Some(ClosestHit::Surface(&mut hit.surface(ray)))),
+                (hit, _) => met(at, hit.map(ClosestHit::Sphere)),
+            }
+        }
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.shadow_rays.push(bits_of(ray, span));
+        random::hash(&bits_of(ray, span)) % 3 == 0
+    }
+}
+
+fn lights() -> Vec<DeltaLight> {
+    let kinds = [
+        DeltaLightKind::Point { position: LIGHT, falloff: Falloff::InverseSquare, shadow_near: 0.0 },
+        DeltaLightKind::Point { position: DVec3::new(-5.0, 4.0, 3.0), falloff: Falloff::None, shadow_near: 0.3 },
+        DeltaLightKind::Directional { direction: DVec3::new(0.48, -0.6, 0.64) },
+        DeltaLightKind::Spot {
+            position: DVec3::new(2.0, 5.0, 1.0),
+            direction: DVec3::NEG_Y,
+            cos_inner: 0.9,
+            cos_outer: 0.7,
+            falloff: Falloff::InverseSquare,
+        },
+        DeltaLightKind::Spot {
+            position: DVec3::new(0.0, 0.0, 6.0),
+            direction: DVec3::NEG_Z,
+            cos_inner: 0.8,
+            cos_outer: -0.5,
+            falloff: Falloff::None,
+        },
+    ];
+    let light = |(at, kind): (usize, DeltaLightKind)| DeltaLight {
+        name: String::new(),
+        kind,
+        intensity: Rgb::new(0.9, 0.3 * at as f64, 0.7),
+        units: if at % 2 == 0 { LightUnits::Classical } else { LightUnits::Physical },
+        casts_shadows: at != 4,
+    };
+    let mut lights: Vec<_> = kinds.into_iter().enumerate().map(light).collect();
+    let dark = DeltaLight { intensity: Rgb::BLACK, ..lights[0].clone() };
+    lights.push(dark);
+    lights
+}
+
+fn appearance() -> Appearance {
+    let color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
+    let checker = ColorTexture::Textured(TextureId(0), Rgb::new(0.9, 0.8, 0.7));
+    let matte = Phong { diffuse: color(0.5, 0.6, 0.2), ambient: color(0.2, 0.1, 0.3), ..Phong::default() };
+    let shiny = |highlight, exponent| Phong { specular: color(0.3, 0.2, 0.5), highlight, exponent, ..matte };
+    let mut phongs = vec![matte, Phong { mirror: color(0.5, 0.4, 0.3), ..shiny(Highlight::Phong, 3.0) }, Phong::BLACK];
+    for highlight in [Highlight::Phong, Highlight::Blinn] {
+        phongs.extend([0.0, 1.0, 40.0, 2.5, 2000.0].map(|exponent| shiny(highlight, exponent)));
+    }
+    phongs.push(Phong { diffuse: checker, specular: checker, ..shiny(Highlight::Phong, 7.0) });
+    phongs.push(Phong { diffuse: ColorTexture::ZERO, mirror: color(0.0, 0.1, 0.2), ..shiny(Highlight::Blinn, 9.0) });
+    let mut materials: Vec<_> = phongs.into_iter().map(|phong| Material::new(String::new(), phong)).collect();
+    materials[0].emission = color(0.1, 0.2, 0.3);
+    let transmission = |fresnel| Some(Transmission { coefficient: color(0.9, 0.8, 0.9), fresnel });
+    let glass = |fresnel| Phong { transmission: transmission(fresnel), mirror: color(1.0, 0.9, 1.0), ..matte };
+    let clear = Transmission { coefficient: color(1.0, 1.0, 1.0), fresnel: true };
+    let clear = Phong { transmission: Some(clear), mirror: color(1.0, 1.0, 1.0), ..Phong::BLACK };
+    let absorbing = InteriorMedium { absorption: Rgb::new(0.1, 0.0, 0.2), ..InteriorMedium::clear(1.5) };
+    for (phong, interior) in [
+        (glass(true), Some(absorbing)),
+        (glass(true), Some(InteriorMedium::clear(1.5))),
+        (glass(false), Some(InteriorMedium::clear(2.4))),
+        (glass(true), None),
+        (clear, Some(InteriorMedium::clear(1.0))),
+        (clear, Some(InteriorMedium { priority: 3, ..InteriorMedium::clear(1.3) })),
+    ] {
+        materials.push(Material { interior, ..Material::new(String::new(), phong) });
+    }
+    Appearance {
+        materials,
+        textures: vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 0.6 }],
+        lights: lights(),
+        ambient: Rgb::new(0.1, 0.2, 0.1),
+        background: Background::Constant(Rgb::new(0.2, 0.3, 0.5)),
+    }
+}
+
+/// Bits of the radiance of camera rays, with the counts and the bits of shadow rays.
+type Outcome = (Vec<([u64; 3], bool)>, ShadingCounts, Vec<[u64; 9]>);
+
+fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> Outcome {
+    let number = |at: u32, k: u64| random::unit(random::hash(&[u64::from(n_rays), u64::from(at), k])) - 0.5;
+    // Some rays stay where x = 0, as do the shadow rays from there.
+    let across = |at: u32| if at % 5 == 0 { DVec3::new(0.0, 1.0, 1.0) } else { DVec3::ONE };
+    let vector = |at, k| DVec3::new(number(at, k), number(at, k + 1), number(at, k + 2)) * across(at);
+    let ray = |at| Ray { time: number(at, 6), ..Ray::new(vector(at, 0), vector(at, 3)) };
+    let rays: Vec<_> = (0..n_rays).map(|at| (ray(at), Interval::FORWARD)).collect();
+    let mut seen = vec![Seen::NOTHING; rays.len()];
+    let n_materials = appearance.materials.len() as u32;
+    let mut world = RandomSpheres { n_materials, ..RandomSpheres::default() };
+    whitted.radiance_of(&mut world, appearance, &rays, &mut seen);
+    world.shadow_rays.sort_unstable();
+    let seen = seen.iter().map(|seen| (seen.radiance.to_array().map(f64::to_bits), seen.hit)).collect();
+    (seen, whitted.take_counts(), world.shadow_rays)
+}
+
+/// Outcomes in lanes and one by one.
+fn both(depth: u32, needs: Needs, appearance: &Appearance, n_rays: u32) -> [Outcome; 2] {
+    [true, false].map(|in_lanes| {
+        let mut whitted = Whitted::new(depth, 0.01, needs);
+        if in_lanes {
+            whitted.shade_in_lanes(appearance);
+        }
+        outcome(whitted, appearance, n_rays)
+    })
+}
+
+#[test]
+fn lanes_have_the_bits_of_scalars() {
+    let appearance = appearance();
+    for needs in [
+        Needs::ALL,
+        Needs { shadows: false, ambient: false, ..Needs::ALL },
+        Needs { highlights: false, fresnel: false, ..Needs::ALL },
+        Needs { reflection: false, absorption: false, ..Needs::ALL },
+        Needs { refraction: false, ..Needs::ALL },
+    ] {
+        for n_rays in [1, 2, 3, 4, 5, 63, 64, 65, 130, 6001] {
+            let [in_lanes, by_itself] = both(3, needs, &appearance, n_rays);
+            assert_eq!(in_lanes.0, by_itself.0, "radiance of {n_rays} rays, {needs:?}");
+            assert_eq!(in_lanes.1, by_itself.1, "counts of {n_rays} rays, {needs:?}");
+            assert!(in_lanes.2 == by_itself.2, "shadow rays of {n_rays} rays, {needs:?}");
+        }
+    }
+}
+
+#[test]
+fn the_spheres_of_these_tests_have_all_cases() {
+    let (seen, counts, shadow_rays) = both(3, Needs::ALL, &appearance(), 6001)[0].clone();
+    assert!(counts.highlights > 5000 && counts.shadow_rays_skipped > 5000 && counts.refractions > 1000, "{counts:?}");
+    assert!(counts.passages > 100 && counts.absorption > 100 && counts.fresnel > 500, "{counts:?}");
+    let n =
+        |test: &dyn Fn(&[f64; 9]) -> bool| shadow_rays.iter().filter(|bits| test(&bits.map(f64::from_bits))).count();
+    let [at_zero, endless, near] =
+        [n(&|ray| ray[0].abs() < 1e-280), n(&|ray| ray[8] == f64::INFINITY), n(&|ray| ray[8] < 1.0)];
+    assert!(at_zero > 0 && endless > 1000 && near > 1000, "{at_zero}, {endless}, {near}");
+    assert!(seen.iter().any(|(_, hit)| !hit));
+}
+
+#[test]
+fn scenes_without_lights_have_the_bits_of_scalars() {
+    let appearance = Appearance { lights: Vec::new(), ..appearance() };
+    let [in_lanes, by_itself] = both(2, Needs::ALL, &appearance, 101);
+    assert!(in_lanes == by_itself && in_lanes.2.is_empty());
+}
