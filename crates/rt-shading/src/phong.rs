@@ -57,7 +57,7 @@ fn power<R: Real>(base: R, exponent: f64) -> R {
     // The conversion truncates.
     let mut remaining = exponent as u32;
     if !(exponent <= MAX_INTEGER && f64::from(remaining) == exponent) {
-        return base.map(|base| transcendental::pow(base, exponent));
+        return transcendental::pow(base, base.splat(exponent));
     }
     let (mut square, mut product) = (base, base.splat(1.0));
     while remaining > 0 {

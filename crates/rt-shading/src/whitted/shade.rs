@@ -220,28 +220,30 @@ impl Whitted {
                 self.finish_sphere(appearance, &queue, at, ray.time, seen);
             }
         }
-        queue.hits.clear();
+        queue.clear();
         self.spheres = queue;
     }
 
     /// Finds the media on both sides of queued hits. Hits on invisible interfaces are marked, to be shaded one by one.
     fn find_interfaces(&mut self, appearance: &Appearance, queue: &mut SphereQueue) {
-        for (at, queued) in queue.hits.iter_mut().enumerate() {
+        for (at, queued) in queue.hits.iter().enumerate() {
             let (block, lane) = (&mut queue.blocks[at / LANES], at % LANES);
             block.continues |= u8::from(queued.path.depth < self.max_depth) << lane;
             if !self.needs.refraction {
                 continue;
             }
+            queue.interfaces.push(None);
             let Some(material) = appearance.materials.get(queued.hit.material as usize) else { continue };
             let is_inside = block.inside >> lane & 1 == 1;
             let along = (get(&block.direction, lane), block.length[lane]);
             let context = HitContext::of(&self.needs, material, along, is_inside);
             let interior = &mut self.samples[queued.path.sample as usize].interior;
             let body = MediumEntry { object: queued.hit.object, material: queued.hit.material };
-            queued.interface = context.interface(interior, &appearance.materials, body);
-            if !context.is_visible(queued.interface.as_ref()) {
+            let interface = &mut queue.interfaces[at];
+            *interface = context.interface(interior, &appearance.materials, body);
+            if !context.is_visible(interface.as_ref()) {
                 block.valid &= !(1 << lane);
-            } else if let Some(interface) = &queued.interface {
+            } else if let Some(interface) = interface {
                 block.eta[lane] = interface.before.ior / interface.after.ior;
                 block.transmits |= 1 << lane;
             }
@@ -252,8 +254,8 @@ impl Whitted {
     #[inline(always)]
     fn finish_sphere(&mut self, appearance: &Appearance, queue: &SphereQueue, at: usize, time: f64, seen: &mut Seen) {
         let (block, lane) = (&queue.blocks[at / LANES], at % LANES);
-        let QueuedHit { hit, path, interface, .. } = &queue.hits[at];
-        let mut path = *path;
+        let QueuedHit { hit, mut path, .. } = queue.hits[at];
+        let interface = queue.interfaces.get(at).and_then(Option::as_ref);
         let Some(Some(phong)) = self.phongs.get(hit.material as usize) else { return };
         let &UniformPhong { radiance, mirror, transmission, .. } = phong;
         seen.hit = true;
@@ -278,9 +280,9 @@ impl Whitted {
                 self.lights.push(reflected);
             }
         }
-        self.lights.end_surface(&path, radiance);
+        self.lights.end_surface(&path, radiance[usize::from(is(block.inside))]);
 
-        let transmission = interface.as_ref().zip(transmission);
+        let transmission = interface.zip(transmission);
         if path.depth >= self.max_depth {
             self.counts.depth_limited += u64::from(transmission.is_some() || !mirror.is_black());
             return self.ended.push(path.sample);

@@ -24,6 +24,8 @@ use rt_math::{Interval, Mask, Ray, Real, Vector3};
 pub(super) struct SphereQueue {
     pub(super) hits: Vec<QueuedHit>,
     pub(super) blocks: Vec<Block>,
+    /// Media on both sides by hit; `None` where no light is transmitted. Empty if that is so everywhere.
+    pub(super) interfaces: Vec<Option<MediumInterface>>,
     /// Reflected light by block and light.
     lit: Vec<LitBlock>,
     n_lights: usize,
@@ -36,8 +38,6 @@ pub(super) struct QueuedHit {
     pub(super) ray: u32,
     pub(super) hit: SphereHit,
     pub(super) path: TreePath,
-    /// Media on both sides; `None` where no light is transmitted.
-    pub(super) interface: Option<MediumInterface>,
 }
 
 /// Surfaces of four hits, and secondary rays from there. Bit `i` of a mask is for lane `i`.
@@ -96,11 +96,19 @@ pub(super) struct Lit<'a> {
 }
 
 impl SphereQueue {
+    /// Appends a hit of a ray.
+    #[inline(always)]
     pub(super) fn push(&mut self, ray: usize, hit: SphereHit, path: TreePath) {
-        self.hits.push(QueuedHit { ray: ray as u32, hit, path, interface: None });
+        self.hits.push(QueuedHit { ray: ray as u32, hit, path });
     }
 
-    /// Light that a hit reflects from each light: its lane, and the results of its block by light.
+    /// Removes all hits.
+    pub(super) fn clear(&mut self) {
+        self.hits.clear();
+        self.interfaces.clear();
+    }
+
+    /// Light that a block of hits reflects, by light.
     #[inline(always)]
     pub(super) fn lit(&self, at: usize) -> &[LitBlock] {
         let first = at / LANES * self.n_lights;

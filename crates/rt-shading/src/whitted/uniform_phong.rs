@@ -1,16 +1,13 @@
 //! Phong models of uniform materials, in the form that lanes read.
 
-use crate::{Appearance, ColorTexture, FloatTexture, Highlight, Material, Needs};
+use crate::{Appearance, ColorTexture, FloatTexture, Highlight, Material, Needs, light::EmissionSides};
 use rt_math::Rgb;
 
-/// Greatest exponent of a highlight in lanes; all are integers.
-const MAX_EXPONENT: f64 = 1024.0;
-
-/// Phong model of a material without textures and emission.
+/// Phong model of a material without textures.
 #[derive(Clone, Debug)]
 pub(super) struct UniformPhong {
-    /// Reflected ambient light.
-    pub(super) radiance: Rgb,
+    /// Emission and reflected ambient light, of the front and of the back.
+    pub(super) radiance: [Rgb; 2],
     pub(super) diffuse: Rgb,
     pub(super) specular: Rgb,
     pub(super) exponent: f64,
@@ -23,7 +20,7 @@ pub(super) struct UniformPhong {
 impl UniformPhong {
     /// A surface that scatters no light.
     pub(super) const BLACK: Self = Self {
-        radiance: Rgb::BLACK,
+        radiance: [Rgb::BLACK; 2],
         diffuse: Rgb::BLACK,
         specular: Rgb::BLACK,
         exponent: 0.0,
@@ -50,17 +47,20 @@ impl UniformPhong {
             Some(transmission) => Some((constant(transmission.coefficient)?, transmission.fresnel)),
             None => None,
         };
-        let has_plain_highlight = phong.specular.is_zero()
-            || (phong.exponent.fract() == 0.0 && (0.0..=MAX_EXPONENT).contains(&phong.exponent));
-        let model = Self {
-            radiance: if needs.ambient { Rgb::BLACK + ambient * appearance.ambient } else { Rgb::BLACK },
+        let emission = constant(material.emission)?;
+        let radiance = |emission: Rgb| {
+            let emitted = if needs.emission { Rgb::BLACK + emission } else { Rgb::BLACK };
+            if needs.ambient { emitted + ambient * appearance.ambient } else { emitted }
+        };
+        let back = if material.emission_sides == EmissionSides::Front { Rgb::BLACK } else { emission };
+        Some(Self {
+            radiance: [radiance(emission), radiance(back)],
             diffuse: constant(phong.diffuse)?,
             specular: if needs.highlights { constant(phong.specular)? } else { Rgb::BLACK },
             exponent: phong.exponent,
             highlight: phong.highlight,
             mirror: constant(phong.mirror)?,
             transmission,
-        };
-        (has_plain_highlight && material.emission.is_zero()).then_some(model)
+        })
     }
 }
