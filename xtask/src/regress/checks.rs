@@ -10,7 +10,6 @@ const DESCRIBED: usize = 5;
 /// Checks that a thread makes in one go.
 const BLOCK: u64 = 512;
 
-/// Tolerance of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Tolerance {
     /// Bit-identical, but for the sign of 0.

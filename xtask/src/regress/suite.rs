@@ -11,10 +11,8 @@ use crate::{error::TaskError, workspace::Workspace};
 /// Result of a step that can fail for want of a scene or a shape.
 pub(super) type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
-/// Checks of a case.
 pub(super) type CaseResult = Fallible<Checks>;
 
-/// A named case.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Case {
     pub id: &'static str,

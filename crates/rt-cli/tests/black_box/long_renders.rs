@@ -13,13 +13,11 @@ const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 96 -
 /// Endless render of slow tiles.
 const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 -o scene.exr";
 
-/// Sends a signal by its name.
 fn signal(child: &Child, name: &str) {
     let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().expect("there is a kill");
     assert!(sent.success(), "{name} could not be sent");
 }
 
-/// Waits for a condition.
 fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     let started = Instant::now();
     while !is_so() {

@@ -28,7 +28,6 @@ pub(super) fn read_vectors<const N: usize>(
     })
 }
 
-/// Reads vertex indices.
 pub(super) fn read_indices(accessor: &Accessor<'_>, buffers: &Buffers<'_>) -> Result<Vec<u32>, LoadError> {
     let kind = accessor.data_type();
     let scalar = accessor.dimensions().multiplicity() == 1;
@@ -134,7 +133,6 @@ fn unsigned(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |sum, &byte| (sum << 8) | u32::from(byte))
 }
 
-/// A component as a number.
 fn number(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
     let bits = unsigned(bytes);
     let value = match kind {

@@ -18,7 +18,6 @@ use crate::error::ErrorAt;
 use crate::sanitize::shortened;
 use crate::{LoadError, LoadErrorKind, Location, Warning, limits};
 
-/// Supported extensions.
 const SUPPORTED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",

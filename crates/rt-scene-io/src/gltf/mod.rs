@@ -62,7 +62,6 @@ const CORNER_BYTES: u64 = 8;
 /// Bytes of memory per attribute of a vertex.
 const ATTRIBUTE_BYTES: u64 = 16;
 
-/// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| {
         refuse_utf16(&bytes).at(path, "")?;

@@ -17,7 +17,6 @@ use super::{
 };
 use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, NamedCamera, SceneNode, limits};
 
-/// A mesh of one material.
 pub(super) type MeshPart = (MeshId, MaterialId);
 
 /// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.

@@ -17,10 +17,8 @@ use crate::{
     texture::PixelEncoding,
 };
 
-/// Meaning of the pixels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum PixelMeaning {
-    /// Colours.
     Colors,
     /// Numbers, such as how rough the surface is.
     Numbers,

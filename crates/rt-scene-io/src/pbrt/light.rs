@@ -21,7 +21,6 @@ use super::spectrum::colour;
 use crate::error::LineError;
 use crate::{LoadErrorKind, read_texture, resolve_path};
 
-/// Light source.
 #[derive(Debug)]
 pub(super) enum PbrtLight {
     Light(DeltaLight),

@@ -51,10 +51,8 @@ pub(super) struct Parameter {
     is_attribute: bool,
 }
 
-/// The parameters of one directive.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parameters {
-    /// The line of the directive.
     pub(super) line: usize,
     list: Vec<Parameter>,
 }
@@ -219,7 +217,6 @@ impl Parameters {
         one.map(Some).map_err(|_| parameter.error(format_args!("{} numbers,", numbers.len()), format!("expected {N}")))
     }
 
-    /// A number.
     pub(super) fn float(&self, name: &str, default: f64) -> Result<f64, LineError> {
         Ok(self.one(name, &["float", "integer"])?.map_or(default, |[number]| number))
     }
@@ -242,12 +239,10 @@ impl Parameters {
         }
     }
 
-    /// A point.
     pub(super) fn point(&self, name: &str, default: DVec3) -> Result<DVec3, LineError> {
         Ok(self.one(name, &["point3", "point"])?.map_or(default, |p: [f64; 3]| p.into()))
     }
 
-    /// A word.
     pub(super) fn word(&self, name: &str, kind: &str) -> Result<Option<&str>, LineError> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         match &parameter.values {

@@ -59,7 +59,6 @@ const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
 /// Key of a surface: its index, the bits of its emission and emission sides, and its alpha.
 type MaterialKey = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
 
-/// State of the reader.
 pub(super) struct PbrtReader<'f> {
     pub(super) files: FileScope<'f>,
     /// The file that is read, for messages.
@@ -87,7 +86,6 @@ pub(super) struct PbrtReader<'f> {
     pub(super) surfaces: Vec<OptionalMaterial>,
     pub(super) named: BTreeMap<String, usize>,
     pub(super) materials: HashMap<MaterialKey, MaterialId>,
-    /// The object that is described.
     pub(super) object: Option<(String, Vec<SceneNode>)>,
     pub(super) objects: BTreeMap<String, Vec<SceneNode>>,
     pub(super) nodes: Vec<SceneNode>,

@@ -25,7 +25,6 @@ const KINDS: [&str; 8] =
 pub(super) enum PbrtShape {
     /// A shape, and its transform to the space of the file.
     Exact(Shape, Transform),
-    /// A mesh.
     Mesh(MeshData),
     /// A shape that only other programs have.
     Unsupported,

@@ -18,7 +18,6 @@ use crate::{LoadErrorKind, limits, resolve_path};
 /// Kinds of textures that only other programs have.
 const UNSUPPORTED: [&str; 7] = ["bilerp", "directionmix", "dots", "fbm", "marble", "mix", "ptex"];
 
-/// The textures of a file.
 #[derive(Debug, Default)]
 pub(super) struct PbrtTextures {
     pub(super) list: Vec<Texture>,

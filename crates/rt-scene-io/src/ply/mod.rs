@@ -25,7 +25,6 @@ use crate::files::refuse_utf16;
 use crate::memory::{FileSample, load_within_budget};
 use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
 
-/// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| {
         refuse_utf16(&bytes).at(path, "")?;

@@ -6,7 +6,6 @@ use std::path::Path;
 use rt_scene_io::format::{parse_json, parse_ron};
 use rt_scene_io::{LoadOptions, load, resolve};
 
-/// Error of a scene in RON.
 fn error(ron: &str) -> String {
     let path = Path::new("scene.ron");
     match parse_ron(ron, path) {

@@ -11,7 +11,6 @@ use crate::costs::RayAnswer;
 /// Consecutive rays that a thread takes at a time, unless batches have a size of their own.
 const SHARE: usize = 4096;
 
-/// Query for each ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Query {
@@ -21,7 +20,6 @@ pub(super) enum Query {
     Occluded,
 }
 
-/// Method of tracing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Method {
     pub query: Query,

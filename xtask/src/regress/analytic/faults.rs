@@ -28,7 +28,6 @@ cases! {
         "its slope is found to be that of another", "0.1 abs", lost_strata;
 }
 
-/// A fault and its truth.
 struct Fault {
     what: &'static str,
     truth: fn() -> f64,

@@ -19,7 +19,6 @@ cases! {
         "−½ by random, −¾ at edges, −1 at upright ones, −1 and −1½ where it is smooth", "0.1 abs", slopes;
 }
 
-/// Tolerance of a slope.
 pub(super) const TOLERANCE: f64 = 0.1;
 
 /// Slopes at an oblique edge, an edge along the axis, a quarter disk, a sphere off the axis, and a smooth function.
