@@ -89,25 +89,6 @@ fn colours_in_textures_lights_and_backgrounds_are_colours_too() {
 }
 
 #[test]
-fn old_names_of_accelerators_and_integrators_are_read_with_a_warning() {
-    let settings = |integrator: &str, accel: &str| {
-        let text = format!("(settings: (integrator: {integrator}, accel: {accel}), nodes: [(shape: sphere())])");
-        let scene = ron(&text);
-        (scene.settings.integrator.name(), scene.settings.accel.name(), scene.warnings.len())
-    };
-    for (old, new, name) in [
-        ("wide", "bvh8", "bvh8"),
-        ("spheres", "sphere_tree", "sphere-tree"),
-        ("cylinders", "cylinder_tree", "cylinder-tree"),
-    ] {
-        assert_eq!(settings("path", old), ("path", name, 1));
-        assert_eq!(settings("path", new), ("path", name, 0));
-    }
-    assert_eq!(settings("caustics", "auto"), ("path-caustics", "auto", 1));
-    assert_eq!(settings("path_caustics", "auto"), ("path-caustics", "auto", 0));
-}
-
-#[test]
 fn a_schema_may_be_named_in_json() {
     json(r#"{"$schema": "scene.schema.json", "nodes": [{"shape": {"sphere": {}}}]}"#);
 }
