@@ -50,14 +50,10 @@ fn read<T: Copy>(
     }
     let mut elements = match accessor.view() {
         Some(view) => Items::new(&view, accessor.offset(), count, size, buffers)?.decode(&decode),
-        None if count <= limits::GLTF_ZEROS => vec![zero; count],
         None => {
-            let (value, limit) = (count as u64, limits::GLTF_ZEROS as u64);
-            return Err(fail(
-                accessor,
-                buffers,
-                LoadErrorKind::too_large("the count without a bufferView", value, limit),
-            ));
+            let (what, limit) = ("the count without a bufferView", limits::GLTF_ZEROS as u64);
+            LoadErrorKind::check_limit(what, count as u64, limit).map_err(|reason| fail(accessor, buffers, reason))?;
+            vec![zero; count]
         }
     };
     if let Some(sparse) = accessor.sparse() {

@@ -128,10 +128,8 @@ fn decode_views(
         reservations.push(options.memory.reserve(what, meshopt::decoded_bytes(object)).map_err(fail)?);
         let bytes = meshopt::decode(object, data).map_err(fail)?;
         total += bytes.len() as u64;
-        if total > limits::GLTF_DECODED_BYTES {
-            let what = "the size of all decoded views in bytes";
-            return Err(fail(LoadErrorKind::too_large(what, total, limits::GLTF_DECODED_BYTES)));
-        }
+        let (what, limit) = ("the size of all decoded views in bytes", limits::GLTF_DECODED_BYTES);
+        LoadErrorKind::check_limit(what, total, limit).map_err(fail)?;
         decoded.insert(index, bytes);
     }
     Ok(decoded)

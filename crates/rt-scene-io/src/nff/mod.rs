@@ -156,9 +156,8 @@ impl<'p> NffReader<'p> {
                 return Err(LineError::new(line, format_args!("`{number}`"), rule));
             }
             found => {
-                let (kind, found) = ("statement", found.to_owned());
                 let known = KEYWORDS.map(str::to_owned).to_vec();
-                return Err(LineError { line, kind: LoadErrorKind::UnknownWord { kind, found, known } });
+                return Err(LineError { line, kind: LoadErrorKind::unknown("statement", found, known) });
             }
         }
         Ok(())

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use rt_math::DVec3;
 
 use crate::LoadErrorKind;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::limits;
 use crate::text::tokenizer::{TokenKind, Tokenizer, number, shown};
 
@@ -72,9 +72,7 @@ impl Parameter {
             return Err(LineError::new(line, format_args!("`\"{declared}\"`"), rule));
         };
         let Some((kind, size)) = TYPES.iter().copied().find(|(known, _)| *known == kind) else {
-            let (kind, found) = ("type of a parameter", kind.to_owned());
-            let known = TYPES.iter().map(|(known, _)| (*known).to_owned()).collect();
-            return Err(LineError { line, kind: LoadErrorKind::UnknownWord { kind, found, known } });
+            return Err(unknown("type of a parameter", kind, line, TYPES.map(|(known, _)| known)));
         };
         let values = Self::values(tokens, name)?;
         let fits = match &values {
@@ -285,11 +283,8 @@ impl Parameters {
 
 /// Limits the number of parameters, so that finding one takes a short time.
 fn check_count(line: usize, count: usize) -> Result<(), LineError> {
-    if count <= limits::PARAMETERS {
-        return Ok(());
-    }
-    let (what, value, limit) = ("the number of parameters", count as u64, limits::PARAMETERS as u64);
-    Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) })
+    let limit = limits::PARAMETERS as u64;
+    LoadErrorKind::check_limit("the number of parameters", count as u64, limit).in_line(line)
 }
 
 /// A word that is not among those that are known.
@@ -300,7 +295,7 @@ pub(super) fn unknown<'a>(
     known: impl IntoIterator<Item = &'a str>,
 ) -> LineError {
     let known = known.into_iter().filter(|word| !word.is_empty()).map(str::to_owned).collect();
-    LineError { line, kind: LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known } }
+    LineError { line, kind: LoadErrorKind::unknown(kind, found, known) }
 }
 
 #[cfg(test)]
