@@ -55,6 +55,13 @@ impl From<Option<Hit>> for HitRecord {
     }
 }
 
+impl From<bool> for HitRecord {
+    #[inline]
+    fn from(is_blocked: bool) -> Self {
+        if is_blocked { Self::BLOCKED } else { Self::MISS }
+    }
+}
+
 /// Reads a `.mesh`.
 pub(super) fn read_mesh(path: &Path) -> Result<MeshData, TaskError> {
     let bytes = fs::read(path).map_err(TaskError::file(path))?;
