@@ -174,6 +174,8 @@ fn checkpoints_of_another_image_are_not_resumed_and_none_is_overwritten() {
     let kept = place.read("scene.exr.checkpoint");
     place.fails(2, LONG, "continue with --resume, or start over with --restart");
     place.fails(3, &format!("{LONG} --resume --seed 7"), "scene.exr.checkpoint: is of another image");
+    let missing = "scene.exr.checkpoint: was made with other options; use the same --stats";
+    place.fails(3, &format!("{LONG} --resume --stats stats.json"), missing);
     place.write("scene.ron", crate::program::SCENE.replace("0.7", "0.71"));
     assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3));
     assert_eq!(place.read("scene.exr.checkpoint"), kept);
@@ -240,18 +242,6 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
         place.write("scene.exr.checkpoint", &kept[..length]);
         assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3), "{length} bytes");
     }
-}
-
-#[test]
-#[cfg(unix)]
-fn options_that_resume_needs_again_are_named() {
-    let place = Workplace::with_scene();
-    assert_eq!(interrupted(&place, "").code, Some(130));
-    place.fails(
-        3,
-        &format!("{LONG} --resume --stats stats.json"),
-        "scene.exr.checkpoint: was made with other options; use the same --stats",
-    );
 }
 
 #[test]
