@@ -29,7 +29,6 @@ pub(crate) enum Exit {
     TimedOut(Duration),
 }
 
-/// A run that has ended.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub exit: Exit,

@@ -19,7 +19,6 @@ use crate::{
 
 const TIMEOUT: Duration = Duration::from_secs(3600);
 
-/// Options of `table1`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Table1Options {
     /// Replace the table between the markers in docs/REPORT.md.

@@ -21,7 +21,6 @@ pub(crate) struct Workspace {
     pub packages: Vec<Package>,
 }
 
-/// A crate of the workspace.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Package {
     pub name: String,

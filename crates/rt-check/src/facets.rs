@@ -30,7 +30,6 @@ const BOX_TRIANGLES: [[usize; 3]; 12] = [
 /// A flat triangle of an object.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facet {
-    /// Index of the object.
     pub(crate) object: usize,
     /// World space, counter-clockwise seen from the front.
     pub(crate) corners: [DVec3; 3],

@@ -37,7 +37,6 @@ pub(crate) fn empty() -> Scene {
     }
 }
 
-/// A measurement.
 pub(crate) const fn value(name: &'static str, value: f64) -> Measurement {
     Measurement { name, value }
 }
@@ -79,7 +78,6 @@ pub(crate) fn add_mesh(scene: &mut Scene, data: MeshData) -> SceneNode {
     SceneNode { name: "cube".into(), ..SceneNode::new(Content::Mesh(id), GREY) }
 }
 
-/// Findings of a kind.
 pub(crate) fn of_kind(scene: &Scene, kind: Kind) -> Vec<Finding> {
     check(scene).findings.into_iter().filter(|finding| finding.kind == kind).collect()
 }

@@ -16,7 +16,6 @@ const MAX_NODES: usize = 1 << 20;
 /// Maximum nesting to visit; the renderer rejects more.
 const MAX_DEPTH: usize = 1024;
 
-/// Geometry of an object.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Geometry<'s> {
     Shape(&'s Shape),
@@ -32,7 +31,6 @@ pub(crate) struct Object<'s> {
     pub(crate) world_from_local: Transform,
     /// Product of the condition numbers of all transforms above the object: the possible growth of rounding errors.
     pub(crate) chain_condition: f64,
-    /// Index of the material.
     pub(crate) material: usize,
     pub(crate) casts_shadow: bool,
     /// World space; `None` for an infinite object.

@@ -26,7 +26,6 @@ impl Welded {
     }
 }
 
-/// Positions of the corners of a triangle.
 pub(crate) fn corners(mesh: &TriangleMesh, triangle: [u32; 3]) -> [DVec3; 3] {
     triangle.map(|i| mesh.data().positions[i as usize].as_dvec3())
 }

@@ -47,7 +47,6 @@ struct Link {
     updates: Sender<Update>,
     /// Number of queued updates.
     waiting: Arc<AtomicUsize>,
-    /// Result of the thread.
     ended: Receiver<io::Result<()>>,
 }
 
@@ -112,7 +111,6 @@ impl Display {
         }
     }
 
-    /// Sends the finished image.
     pub(crate) fn finish(mut self, film: &Image) {
         let width = film.width() as usize;
         let rows = (STRIP / width.max(1)).max(1);

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 /// Maximum size of a frame log in bytes: that of 10⁶ frames.
 pub(crate) const MAX_LOG_BYTES: u64 = 1 << 27;
 
-/// Hexadecimal digits of an identity.
 const IDENTITY_DIGITS: usize = 64;
 
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -60,7 +60,6 @@ impl FrameLog {
         }
     }
 
-    /// Adds a finished frame.
     pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), CliError> {
         let _lock = lock(self.output.path());
         let mut done = read(self.output.path())?;

@@ -35,7 +35,6 @@ pub(crate) fn read(path: &Path) -> Result<Image, CliError> {
     }
 }
 
-/// Format of an image by its content.
 pub(crate) fn format_by_content(path: &Path) -> Result<ImageFormat, CliError> {
     if is_dash(path) {
         Ok(format_of_bytes(&stdin::content(None)?, Path::new("standard input"))?)

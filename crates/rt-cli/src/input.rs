@@ -23,7 +23,6 @@ pub(crate) struct Input {
     pub(crate) scene: Scene,
     /// Image of `--env`.
     pub(crate) environment: Option<Background>,
-    /// All files that were read.
     pub(crate) files: Vec<PathBuf>,
     pub(crate) options: LoadOptions,
 }

@@ -167,7 +167,6 @@ impl Job<'_> {
         }
     }
 
-    /// Writes a finished part.
     fn write_part(&self, part: &Part, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
         match (&self.output, self.label(ArtifactKind::Part)) {
             (JobOutput::Part(file), Some(label)) if part.missing_tiles() == 0 => {

@@ -22,7 +22,6 @@ pub(crate) struct Overrides<'a> {
     pub(crate) progressive: bool,
 }
 
-/// Resolves scene and options to the scene and plan options that are rendered.
 pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Scene, PlanOptions), CliError> {
     let Overrides { image: args, development, environment, memory, progressive } = overrides;
     let film = &mut scene.film;

@@ -39,7 +39,6 @@ pub(crate) fn write(film: &Image, mut writer: impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Header of a map.
 pub(crate) struct PfmHeader {
     pub(crate) width: u32,
     pub(crate) height: u32,

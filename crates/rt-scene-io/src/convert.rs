@@ -146,7 +146,6 @@ fn references(file: &mut SceneFile) -> Vec<&mut String> {
     found
 }
 
-/// The files that a material refers to.
 fn files_of(material: &mut Material) -> Vec<&mut String> {
     if let Material::Mix(parts) = material {
         return parts.iter_mut().flat_map(|(_, part)| files_of(part)).collect();

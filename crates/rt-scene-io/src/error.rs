@@ -167,9 +167,9 @@ impl LoadErrorKind {
         Self::Invalid { value: value.to_string(), rule: rule.into() }
     }
 
-    /// A quantity beyond one of the [`limits`](crate::limits).
-    pub(crate) const fn too_large(what: &'static str, value: u64, limit: u64) -> Self {
-        Self::TooLarge { what, value, limit }
+    /// Refuses a quantity beyond one of the [`limits`](crate::limits).
+    pub(crate) const fn check_limit(what: &'static str, value: u64, limit: u64) -> Result<(), Self> {
+        if value > limit { Err(Self::TooLarge { what, value, limit }) } else { Ok(()) }
     }
 
     /// A word that is not among the known ones.
@@ -273,6 +273,19 @@ impl LineError {
     pub(crate) fn in_file(self, file: &Path) -> Diagnostic {
         let Self { line, kind } = self;
         Diagnostic { file: file.display().to_string(), location: Location::Line(line), kind, excerpt: None }
+    }
+}
+
+/// Adds the line to an error.
+#[cfg(any(feature = "nff", feature = "pbrt"))]
+pub(crate) trait ErrorInLine<T> {
+    fn in_line(self, line: usize) -> Result<T, LineError>;
+}
+
+#[cfg(any(feature = "nff", feature = "pbrt"))]
+impl<T, E: Into<LoadErrorKind>> ErrorInLine<T> for Result<T, E> {
+    fn in_line(self, line: usize) -> Result<T, LineError> {
+        self.map_err(|error| LineError { line, kind: error.into() })
     }
 }
 

@@ -19,7 +19,6 @@ pub struct Excerpt {
     before: usize,
 }
 
-/// Position in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Position {
     /// Counted from 1.

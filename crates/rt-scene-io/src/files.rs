@@ -16,13 +16,10 @@ use crate::{LoadErrorKind, LoadOptions, limits};
 /// A missing or empty file, a folder, a pipe, a device, a file beyond the size limit, or a read error.
 pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
     let limit = options.max_file_bytes.unwrap_or(limits::FILE_BYTES);
-    let too_large = |value| LoadErrorKind::too_large("the file size in bytes (--max-file-size)", value, limit);
+    let check = |size| LoadErrorKind::check_limit("the file size in bytes (--max-file-size)", size, limit);
     if let Some(bytes) = options.content_of(path) {
-        return match bytes.len() as u64 {
-            0 => Err(LoadErrorKind::Empty),
-            size if size > limit => Err(too_large(size)),
-            _ => Ok(bytes.to_vec()),
-        };
+        check(bytes.len() as u64)?;
+        return if bytes.is_empty() { Err(LoadErrorKind::Empty) } else { Ok(bytes.to_vec()) };
     }
     // The kind is checked before opening: opening a pipe would wait for its writer.
     if !fs::metadata(path)?.is_file() {
@@ -30,9 +27,7 @@ pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErro
     }
     let file = File::open(path)?;
     let size = file.metadata()?.len();
-    if size > limit {
-        return Err(too_large(size));
-    }
+    check(size)?;
     let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0));
     // The limit holds even if the file grows meanwhile.
     file.take(limit).read_to_end(&mut bytes)?;

@@ -9,20 +9,17 @@ use rt_shading::Material;
 use crate::{MaterialId, MeshId, Model, NamedMesh, Warning};
 
 impl Model {
-    /// Adds a texture.
     #[cfg(any(feature = "gltf", feature = "obj"))]
     pub(crate) fn add_texture(&mut self, texture: rt_shading::Texture) -> rt_shading::TextureId {
         self.textures.push(texture);
         rt_shading::TextureId(self.textures.len() as u32 - 1)
     }
 
-    /// Adds a material.
     pub(crate) fn add_material(&mut self, material: Material) -> MaterialId {
         self.materials.push(material);
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// Adds a mesh.
     pub(crate) fn add_mesh(&mut self, name: String, mesh: TriangleMesh) -> MeshId {
         self.meshes.push(NamedMesh { name, mesh: Arc::new(mesh) });
         MeshId(self.meshes.len() as u32 - 1)

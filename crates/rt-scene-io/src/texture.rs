@@ -28,7 +28,6 @@ pub fn decode_numbers(bytes: &[u8]) -> Result<Bitmap, TextureError> {
     open(bytes)?.decode(PixelEncoding::Numbers)
 }
 
-/// Encoding of the pixels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum PixelEncoding {
     /// Colours: integers are encoded as sRGB.

@@ -25,7 +25,6 @@ const LOG: &str = "RT_BUILD_LOG";
 /// Packages that take less are added up in the page.
 const LISTED_SECONDS: f64 = 1.0;
 
-/// Options of `bench build`.
 #[derive(Debug, clap::Args)]
 pub(super) struct BuildOptions {
     /// Build this package and its dependencies.

@@ -17,7 +17,6 @@ use crate::{
     workspace::Workspace,
 };
 
-/// Options of `bench load`.
 #[derive(Debug, clap::Args)]
 pub(super) struct LoadOptions {
     /// Set the approximate number of triangles.
@@ -31,7 +30,6 @@ pub(super) struct LoadOptions {
     keep: Option<PathBuf>,
 }
 
-/// One file.
 #[derive(Debug, Serialize)]
 struct LoadResult {
     file: String,

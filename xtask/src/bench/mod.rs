@@ -26,7 +26,6 @@ mod rays;
 mod render;
 mod timing_stats;
 
-/// Options of `bench`.
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct BenchOptions {

@@ -23,7 +23,6 @@ pub(crate) use measure::scene as measure_scene;
 pub(crate) use page::each;
 pub(crate) use query::RayAnswer;
 
-/// Options of `costs`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct CostsOptions {
     /// Measure scenes of up to 10⁶ primitives.

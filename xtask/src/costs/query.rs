@@ -29,8 +29,8 @@ pub(crate) enum RayAnswer {
     Hit { t: u64, instance: u32, primitive: u32, uv: [u64; 2] },
 }
 
-impl RayAnswer {
-    pub(crate) fn of_closest(hit: Option<Hit>) -> Self {
+impl From<Option<Hit>> for RayAnswer {
+    fn from(hit: Option<Hit>) -> Self {
         hit.map_or(Self::Miss, |Hit { t, instance, primitive, uv }| Self::Hit {
             t: t.to_bits(),
             instance,
@@ -38,8 +38,10 @@ impl RayAnswer {
             uv: uv.map(f64::to_bits),
         })
     }
+}
 
-    pub(crate) fn of_occluded(is_blocked: bool) -> Self {
+impl From<bool> for RayAnswer {
+    fn from(is_blocked: bool) -> Self {
         if is_blocked { Self::Blocked } else { Self::Miss }
     }
 }
@@ -87,9 +89,9 @@ impl<P: Primitives, S: Probe, F: FnMut(RayAnswer)> AcceleratorVisitor for Counte
         for place in sample.places() {
             let (ray, span) = &sample.set.rays[place];
             answered(if sample.set.any {
-                RayAnswer::of_occluded(structure.occluded(primitives, ray, *span, probe))
+                structure.occluded(primitives, ray, *span, probe).into()
             } else {
-                RayAnswer::of_closest(structure.closest(primitives, ray, *span, probe))
+                structure.closest(primitives, ray, *span, probe).into()
             });
         }
     }

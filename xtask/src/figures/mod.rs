@@ -22,7 +22,6 @@ const LARGEST: usize = 25_000;
 /// Spheres of the scene for costs.
 const SPHEREFLAKE: usize = 820;
 
-/// Options of `figures`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct FiguresOptions {
     #[arg(value_enum, default_value = "guide")]

@@ -60,7 +60,6 @@ impl GoldenCase {
         toml::from_str(&text).map_err(|source| TaskError::Toml { path, source })
     }
 
-    /// The scene file.
     pub(crate) fn scene_path(&self, folder: &Path, root: &Path) -> PathBuf {
         locate(self.scene.as_deref().unwrap_or(Path::new("scene.ron")), folder, root)
     }

@@ -1,6 +1,6 @@
 //! Counts of trials and failures.
 
-use std::fmt::Display;
+use std::{fmt::Display, mem};
 
 use rayon::prelude::*;
 use rt_math::float::UNIT_ROUNDOFF;
@@ -10,7 +10,6 @@ const DESCRIBED: usize = 5;
 /// Checks that a thread makes in one go.
 const BLOCK: u64 = 512;
 
-/// Tolerance of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Tolerance {
     /// Bit-identical, but for the sign of 0.
@@ -85,7 +84,7 @@ impl Checks {
     }
 
     /// Sums of both.
-    pub(super) fn and(mut self, other: Self) -> Self {
+    fn and(mut self, other: Self) -> Self {
         self.tried += other.tried;
         self.failed += other.failed;
         self.worst = match (self.worst, other.worst) {
@@ -98,9 +97,9 @@ impl Checks {
         self
     }
 
-    /// Runs the checks of items 0 to `count` − 1 on all threads.
-    pub(super) fn of_all(count: u64, check: impl Fn(u64, &mut Self) + Sync) -> Self {
-        (0..count.div_ceil(BLOCK))
+    /// Adds the checks of items 0 to `count` − 1, made on all threads.
+    pub(super) fn of_all(&mut self, count: u64, check: impl Fn(u64, &mut Self) + Sync) {
+        let all = (0..count.div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {
                 let mut checks = Self::default();
@@ -109,7 +108,8 @@ impl Checks {
                 }
                 checks
             })
-            .reduce(Self::default, Self::and)
+            .reduce(Self::default, Self::and);
+        *self = mem::take(self).and(all);
     }
 }
 
@@ -137,7 +137,8 @@ mod tests {
 
     #[test]
     fn all_items_are_checked_once_and_the_first_failures_described() {
-        let checks = Checks::of_all(10_000, |index, checks| {
+        let mut checks = Checks::default();
+        checks.of_all(10_000, |index, checks| {
             checks.check(index % 1000 != 999, || index.to_string());
             checks.limit(index as f64, f64::INFINITY, index);
         });

@@ -15,7 +15,6 @@ pub(crate) struct Difference {
     pub rmse: f64,
 }
 
-/// A pixel that differs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct WorstPixel {
     pub x: u32,
@@ -56,7 +55,6 @@ impl Difference {
         Ok(difference)
     }
 
-    /// Share of the pixels that are outliers.
     pub(crate) fn outlier_share(&self) -> f64 {
         self.outliers as f64 / self.pixels.max(1) as f64
     }

@@ -36,7 +36,6 @@ const TIMEOUT: Duration = Duration::from_secs(120);
 /// Full-size brute force takes its time.
 const FULL_TIMEOUT: Duration = Duration::from_secs(2 * 3600);
 
-/// Options of `regress`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RegressOptions {
     /// Run only units whose name contains this, or a suite such as `golden/`.

@@ -29,7 +29,6 @@ pub(super) trait Unit: Sync {
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError>;
 }
 
-/// Findings of a unit.
 #[derive(Debug, Default)]
 pub(super) struct Findings {
     /// Failures; the unit passes without any.

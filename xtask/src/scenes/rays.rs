@@ -9,7 +9,6 @@ use rt_math::{
 
 use super::Surfaces;
 
-/// Rays of one kind.
 #[derive(Debug)]
 pub(crate) struct RaySet {
     pub kind: &'static str,

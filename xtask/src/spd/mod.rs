@@ -25,7 +25,6 @@ mod tree;
 
 use nff::Nff;
 
-/// Options of `spd`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SpdOptions {
     /// Write this database [default: all, in a small size, to scenes/spd]

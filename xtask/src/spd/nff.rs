@@ -83,7 +83,6 @@ impl Nff {
         self.line(format_args!("f {colour} {diffuse} {specular} {shine} {transmittance} {ior}"));
     }
 
-    /// A sphere.
     pub(super) fn sphere(&mut self, centre: DVec3, radius: f64) {
         self.spheres += 1;
         self.line(format_args!("s {} {}", vector(centre), number(radius)));
@@ -96,7 +95,6 @@ impl Nff {
         self.line(format_args!("c\n{}\n{}", end(base), end(apex)));
     }
 
-    /// A polygon.
     pub(super) fn polygon(&mut self, corners: &[DVec3]) {
         self.polygons += 1;
         self.line(format_args!("p {}", corners.len()));
@@ -110,7 +108,6 @@ impl Nff {
         self.polygons + self.spheres + self.cones
     }
 
-    /// The text of the file.
     pub(super) fn text(&self) -> &str {
         &self.text
     }

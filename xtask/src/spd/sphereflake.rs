@@ -6,7 +6,6 @@ use rt_math::{DVec3, transcendental::sincos};
 
 use super::nff::{Fill, Nff, NffView};
 
-/// Places of the lights.
 const LIGHTS: [DVec3; 3] = [DVec3::new(4.0, 3.0, 2.0), DVec3::new(1.0, -4.0, 4.0), DVec3::new(-3.0, 1.0, 5.0)];
 
 /// A sphere of radius ½ with nine spheres of a third of its size around it, each with nine more, and so on `size`

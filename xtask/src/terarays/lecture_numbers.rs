@@ -20,7 +20,6 @@ pub(super) const SECONDS: f64 = 2.0 * 365.25 * 86_400.0;
 const SIDE: u32 = 2;
 /// Tiles of the image.
 pub(super) const TILES: u32 = (SIZE / SIDE) * (SIZE / SIDE);
-/// Pixels of a tile.
 pub(super) const TILE_PIXELS: u32 = SIDE * SIDE;
 /// Chooses the order of the tiles.
 const SEED: u64 = 317;

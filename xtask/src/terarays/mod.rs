@@ -20,7 +20,6 @@ use tile_job::{TileRenderer, TileResult};
 
 const SCENE: &str = "scenes/lecture/cornell.ron";
 
-/// Options of `terarays`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct TeraraysOptions {
     /// Measure for this time, such as 60s, 10min or 8h, to the end of the tile; 0s prints earlier results.

@@ -10,7 +10,6 @@ use crate::{
     table::Table,
 };
 
-/// The table.
 pub(super) fn table(whole: &Whole) -> Table {
     let done = whole.tiles as f64 / f64::from(TILES);
     let pixels = whole.tiles as u64 * u64::from(TILE_PIXELS);

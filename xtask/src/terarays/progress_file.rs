@@ -52,7 +52,6 @@ impl ProgressFile {
         Ok(Self { path, units })
     }
 
-    /// All that was measured.
     pub(super) fn units(&self) -> &[TileResult] {
         &self.units
     }

@@ -25,7 +25,6 @@ const COUNTED_SPP: u32 = 64 * 64;
 /// A render that takes longer than this has gone wrong.
 const TIMEOUT: Duration = Duration::from_secs(600);
 
-/// Measurements of one tile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TileResult {
@@ -48,7 +47,6 @@ pub(super) struct Measured {
     pub mse: f64,
 }
 
-/// Renders tiles.
 #[derive(Debug)]
 pub(super) struct TileRenderer<'a> {
     pub program: &'a Program,

@@ -28,7 +28,6 @@ struct Import<'s> {
     is_public: bool,
 }
 
-/// Target of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Target {
     Module(usize),

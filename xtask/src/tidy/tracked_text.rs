@@ -6,7 +6,6 @@ const MACHINE_FOLDERS: [&str; 6] = ["work", "home", "tmp", "root", "mnt", "Users
 /// Settings that replace the public registry.
 const REGISTRIES: [&str; 4] = ["sparse+http", "[source.", "[registries", "replace-with"];
 
-/// Breaches in a text file.
 pub(super) fn breaches(path: &str, text: &str) -> Vec<String> {
     // This file contains the words that it searches for.
     if path.ends_with("tidy/tracked_text.rs") {

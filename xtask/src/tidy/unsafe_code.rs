@@ -4,7 +4,6 @@
 const CRATE: &str = "crates/rt-accel/src/lib.rs";
 const MODULE: &str = "crates/rt-accel/src/wide/mod.rs";
 
-/// Breaches in a source file.
 pub(super) fn breaches(path: &str, source: &str) -> Vec<String> {
     breach(path, source).map(|what| format!("{path}: {what}")).into_iter().collect()
 }

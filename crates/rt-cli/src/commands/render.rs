@@ -34,7 +34,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), CliError> {
     }
 }
 
-/// Renders a single image.
 fn image(args: &RenderArgs) -> Result<(), CliError> {
     refuse_for_parts(args)?;
     let console = Console { quiet: args.run.quiet };
@@ -157,7 +156,6 @@ impl OutputKind {
     }
 }
 
-/// Extension of parts.
 const PART: &str = "part";
 
 /// Name of the scene with `.png` or the index of the part, in the current directory.

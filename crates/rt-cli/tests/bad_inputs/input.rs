@@ -57,7 +57,6 @@ enum Outcome {
     Shown(&'static [&'static str]),
 }
 
-/// Result of a run.
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
     /// Standard error and notes.
@@ -68,7 +67,6 @@ pub(crate) struct Run {
 }
 
 impl Input {
-    /// A file of this name and content.
     pub(crate) fn file(name: &str, content: impl AsRef<[u8]>) -> Self {
         Self::long(name, Content::short(content.as_ref()))
     }
@@ -82,12 +80,10 @@ impl Input {
         Self { name: name.to_owned(), files: Vec::new(), has_own_size: false, prepare, outcome: Outcome::Shown(&[]) }
     }
 
-    /// A scene in RON.
     pub(crate) fn scene(text: &str) -> Self {
         Self::file("scene.ron", text)
     }
 
-    /// A scene with one node: its fields.
     pub(crate) fn node(fields: &str) -> Self {
         Self::scene(&format!("(nodes: [({fields})])"))
     }

@@ -67,16 +67,6 @@ fn bad_scenes_end_with_code_3() {
 }
 
 #[test]
-fn several_problems_are_all_reported() {
-    let place = Workplace::new();
-    place.write("scene.ron", "(nodes: [(shape: sphere(radius: -1)), (shape: sphere(radius: 0))])");
-    let run = place.run("render scene.ron");
-    assert_eq!(run.code, Some(3));
-    assert_eq!(run.stderr.lines().count(), 2, "{run:?}");
-    assert!(run.stderr.lines().all(|line| line.starts_with("error: scene.ron: nodes[")), "{run:?}");
-}
-
-#[test]
 fn unwritable_output_ends_with_code_4() {
     let said = messages(
         4,

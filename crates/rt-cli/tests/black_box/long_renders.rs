@@ -13,13 +13,11 @@ const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 96 -
 /// Endless render of slow tiles.
 const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 -o scene.exr";
 
-/// Sends a signal by its name.
 fn signal(child: &Child, name: &str) {
     let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().expect("there is a kill");
     assert!(sent.success(), "{name} could not be sent");
 }
 
-/// Waits for a condition.
 fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     let started = Instant::now();
     while !is_so() {
@@ -176,6 +174,8 @@ fn checkpoints_of_another_image_are_not_resumed_and_none_is_overwritten() {
     let kept = place.read("scene.exr.checkpoint");
     place.fails(2, LONG, "continue with --resume, or start over with --restart");
     place.fails(3, &format!("{LONG} --resume --seed 7"), "scene.exr.checkpoint: is of another image");
+    let missing = "scene.exr.checkpoint: was made with other options; use the same --stats";
+    place.fails(3, &format!("{LONG} --resume --stats stats.json"), missing);
     place.write("scene.ron", crate::program::SCENE.replace("0.7", "0.71"));
     assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3));
     assert_eq!(place.read("scene.exr.checkpoint"), kept);
@@ -242,18 +242,6 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
         place.write("scene.exr.checkpoint", &kept[..length]);
         assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3), "{length} bytes");
     }
-}
-
-#[test]
-#[cfg(unix)]
-fn options_that_resume_needs_again_are_named() {
-    let place = Workplace::with_scene();
-    assert_eq!(interrupted(&place, "").code, Some(130));
-    place.fails(
-        3,
-        &format!("{LONG} --resume --stats stats.json"),
-        "scene.exr.checkpoint: was made with other options; use the same --stats",
-    );
 }
 
 #[test]

@@ -18,11 +18,9 @@ pub(crate) struct ViewServer {
     pub(crate) program: Child,
     pub(crate) url: String,
     port: u16,
-    /// Path of the page.
     pub(crate) page: String,
 }
 
-/// A response.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,

@@ -57,7 +57,6 @@ impl Cluster {
         self.folder.path().join(name)
     }
 
-    /// A command of Slurm's.
     pub(crate) fn slurm(&self, program: &str, arguments: &[&str]) -> std::io::Result<Output> {
         self.command(program).args(arguments).output()
     }
@@ -81,7 +80,6 @@ impl Cluster {
         false
     }
 
-    /// Logs of the daemons.
     pub(crate) fn logs(&self) -> String {
         ["munged.log", "slurmctld.log", "slurmd.log"]
             .map(|name| fs::read_to_string(self.path(name)).unwrap_or_default())

@@ -26,7 +26,6 @@ fn scene(integrator: Integrator) -> Scene {
     scene
 }
 
-/// Replacements of a number.
 fn crafted_numbers() -> Vec<Value> {
     let whole = [0, 1, 2, 3, 50, 255, 1 << 20, u64::from(u32::MAX), 1 << 32, 1 << 61, u64::MAX - 1, u64::MAX];
     let real = [-1.0, 0.5, 1e-300, 1e30, 1e308, f64::MIN].map(|value| Number::from_f64(value).expect("finite"));

@@ -1,6 +1,6 @@
 //! Determinism: the image is a function of scene, settings and seed, bit for bit.
 
-use crate::support::{everything, spheres};
+use crate::support::{everything, film, spheres};
 use rt_camera::{Filter, SamplerKind};
 use rt_image::Image;
 use rt_math::Rgb;
@@ -10,10 +10,6 @@ use rt_shading::ColorTexture;
 
 fn render(scene: &Scene, plan: PlanOptions, run: RunOptions) -> Rendering {
     RenderPlan::compile(scene, &plan).expect("the scene compiles").render(&run, |_| {}).expect("threads start")
-}
-
-fn film(scene: &Scene) -> Image {
-    render(scene, PlanOptions::default(), RunOptions::default()).film
 }
 
 /// Asserts that the image is neither black nor constant.

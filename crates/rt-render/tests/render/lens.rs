@@ -1,23 +1,14 @@
 //! Depth of field.
 
-use crate::support::{everything, point_light, sphere, spheres};
+use crate::support::{everything, film, film_with, point_light, sphere, spheres};
 use rt_camera::{Lens, Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb};
-use rt_render::{PlanOptions, RenderPlan, RunOptions};
+use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::{Accel, Integrator, MaterialId, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Material, Phong};
 
 const LENS: Lens = Lens { radius: 0.4, focus: 8.0, blades: Some(6), rotation: 0.3 };
-
-fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
-    let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
-    plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
-}
-
-fn render(scene: &Scene) -> Image {
-    render_with(scene, PlanOptions::default(), 0)
-}
 
 fn through_a_lens(mut scene: Scene) -> Scene {
     scene.cameras[0].settings.lens = Some(LENS);
@@ -30,23 +21,23 @@ fn a_lens_of_no_size_changes_no_bit() {
     for integrator in Integrator::ALL {
         scene.settings.integrator = integrator;
         scene.cameras[0].settings.lens = None;
-        let sharp = render(&scene);
+        let sharp = film(&scene);
         scene.cameras[0].settings.lens = Some(Lens { radius: 0.0, ..LENS });
-        assert_eq!(render(&scene), sharp, "{integrator:?}");
+        assert_eq!(film(&scene), sharp, "{integrator:?}");
         scene.cameras[0].settings.lens = Some(LENS);
-        assert_ne!(render(&scene), sharp, "{integrator:?}");
+        assert_ne!(film(&scene), sharp, "{integrator:?}");
     }
 }
 
 #[test]
 fn the_image_is_the_same_for_all_threads_structures_and_plans() {
     let mut scene = through_a_lens(everything());
-    let image = render(&scene);
-    assert_eq!(render_with(&scene, PlanOptions::default(), 3), image);
-    assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 1), image);
+    let image = film(&scene);
+    assert_eq!(film_with(&scene, PlanOptions::default(), 3), image);
+    assert_eq!(film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 1), image);
     for accel in Accel::ALL {
         scene.settings.accel = accel;
-        assert_eq!(render(&scene), image, "{accel:?}");
+        assert_eq!(film(&scene), image, "{accel:?}");
     }
 }
 
@@ -72,8 +63,8 @@ fn culling_covers_rays_through_all_points_of_the_lens() {
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
         let left_out = plan.explain().left_out;
         assert!(left_out.iter().any(|left| left.what == "objects, for camera rays"), "{radius} {focus}");
-        let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
-        assert_eq!(render(&scene), full, "{radius} {focus}");
+        let full = film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+        assert_eq!(film(&scene), full, "{radius} {focus}");
     }
 }
 
@@ -91,9 +82,9 @@ fn blur_conserves_energy() {
     (scene.settings.spp, scene.settings.pattern) = (256, SamplerKind::Sobol);
     let total = |film: &Image| film.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
     let brightest_edge = |film: &Image| film.pixels().iter().filter(|pixel| pixel[0] > 0.02 && pixel[0] < 0.98).count();
-    let sharp = render(&scene);
+    let sharp = film(&scene);
     scene.cameras[0].settings.lens = Some(Lens { radius: 0.3, focus: 4.0, ..LENS });
-    let blurred = render(&scene);
+    let blurred = film(&scene);
     assert!((total(&blurred) / total(&sharp) - 1.0).abs() < 0.01, "{} {}", total(&blurred), total(&sharp));
     assert!(brightest_edge(&blurred) > 3 * brightest_edge(&sharp));
 }
@@ -107,6 +98,6 @@ fn each_ray_starts_in_the_medium_of_its_lens_point() {
     scene.nodes.push(SceneNode::new(sphere, MaterialId(3)));
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     assert!(plan.explain().to_string().contains("the medium of each camera ray is determined at its origin"));
-    let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
-    assert_eq!(render(&scene), full);
+    let full = film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+    assert_eq!(film(&scene), full);
 }

@@ -1,23 +1,14 @@
 //! Motion blur: animated objects are intersected at the time of each ray.
 
-use crate::support::{everything, sphere, spheres};
+use crate::support::{everything, film, film_with, sphere, spheres};
 use rt_camera::{Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
-use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
+use rt_render::{PlanOptions, RenderError, RenderPlan};
 use rt_scene_io::{
     Accel, AdaptiveSampling, Content, GroupId, Integrator, MaterialId, RenderSettings, Scene, SceneNode,
 };
 use rt_shading::{Background, ColorTexture, Material, Phong};
-
-fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
-    let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
-    plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
-}
-
-fn render(scene: &Scene) -> Image {
-    render_with(scene, PlanOptions::default(), 0)
-}
 
 fn shift(x: f64, y: f64, z: f64) -> Transform {
     Transform::translate(DVec3::new(x, y, z))
@@ -61,11 +52,11 @@ fn a_shutter_interval_of_length_zero_gives_the_static_image() {
         scene.settings.integrator = integrator;
         for time in [0.0, 0.375, 1.0] {
             scene.cameras[0].settings.shutter = [time; 2];
-            assert_eq!(render(&scene), render(&frozen(&scene, time)), "{integrator:?} {time}");
+            assert_eq!(film(&scene), film(&frozen(&scene, time)), "{integrator:?} {time}");
         }
     }
     scene.cameras[0].settings.shutter = [0.0, 1.0];
-    assert_ne!(render(&scene), render(&frozen(&scene, 0.0)));
+    assert_ne!(film(&scene), film(&frozen(&scene, 0.0)));
 }
 
 /// With a shutter interval of one ulp, the image is the static one except for rounding.
@@ -73,11 +64,11 @@ fn a_shutter_interval_of_length_zero_gives_the_static_image() {
 fn a_minimal_shutter_interval_gives_the_static_image() {
     let mut scene = everything_moves();
     scene.settings.passes = Some(1);
-    let still = render(&frozen(&scene, 0.375));
+    let still = film(&frozen(&scene, 0.375));
     scene.cameras[0].settings.shutter = [0.375, 0.375_f64.next_up()];
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     assert!(!plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
-    let moving = render(&scene);
+    let moving = film(&scene);
     let differs = |(a, b): &(&[f32; 3], &[f32; 3])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4);
     // A sample next to an edge may fall on the other side of it.
     let different = moving.pixels().iter().zip(still.pixels()).filter(differs).count();
@@ -100,7 +91,7 @@ fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
     let stills = (0..count).map(|i| {
         let mut still = frozen(scene, (f64::from(i) + 0.5) / f64::from(count));
         (still.settings.seed, still.settings.spp) = (u64::from(i) + 1, scene.settings.spp / 8);
-        blocks(&render(&still))
+        blocks(&film(&still))
     });
     let add = |sum: Vec<f64>, still: Vec<f64>| sum.iter().zip(still).map(|(a, b)| a + b).collect();
     let sum = stills.reduce(add).unwrap_or_default();
@@ -123,7 +114,7 @@ fn the_image_is_the_mean_of_static_images() {
         (Integrator::Normals, 0.005),
     ] {
         scene.settings = RenderSettings { integrator, spp: 64, ..scene.settings };
-        for (moving, still) in blocks(&render(&scene)).into_iter().zip(blocks_of_stills(&scene, 16)) {
+        for (moving, still) in blocks(&film(&scene)).into_iter().zip(blocks_of_stills(&scene, 16)) {
             assert!((moving - still).abs() < tolerance, "{integrator:?}: {moving} {still}");
         }
     }
@@ -148,9 +139,9 @@ fn caustics_in_motion_are_means_of_static_images() {
     let camera = &mut scene.cameras[0].settings;
     camera.moves_to = Some(shift(0.8, 0.0, 0.0).compose(&camera.world_from_camera));
     scene.settings = RenderSettings { integrator: Integrator::Caustics, spp: 64, ..scene.settings };
-    let moving = blocks(&render(&scene));
+    let moving = blocks(&film(&scene));
     let paths = Scene { settings: RenderSettings { integrator: Integrator::Path, ..scene.settings }, ..scene.clone() };
-    let without = blocks(&render(&paths));
+    let without = blocks(&film(&paths));
     let gathered = moving.iter().zip(&without).map(|(with, without)| with - without).fold(0.0, f64::max);
     for (moving, still) in moving.iter().zip(blocks_of_stills(&scene, 16)) {
         assert!((moving - still).abs() < 0.012, "{moving} {still}");
@@ -171,7 +162,7 @@ fn camera_rays_start_in_the_medium_of_their_time() {
     camera_moves.cameras[0].settings.moves_to = Some(shift(0.0, 0.0, 4.5));
     scene.nodes[1].moves_to = Some(shift(0.0, 0.0, -4.0));
     for scene in [scene, camera_moves] {
-        for (moving, still) in blocks(&render(&scene)).into_iter().zip(blocks_of_stills(&scene, 32)) {
+        for (moving, still) in blocks(&film(&scene)).into_iter().zip(blocks_of_stills(&scene, 32)) {
             assert!((moving - still).abs() < 0.02, "{moving} {still}");
         }
     }
@@ -225,12 +216,12 @@ fn the_image_is_the_same_for_all_threads_structures_and_plans() {
         }
         for integrator in [Integrator::Whitted, Integrator::Caustics] {
             scene.settings.integrator = integrator;
-            let image = render(&scene);
-            assert_eq!(render_with(&scene, PlanOptions::default(), 1), image);
-            assert_eq!(render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), image);
+            let image = film(&scene);
+            assert_eq!(film_with(&scene, PlanOptions::default(), 1), image);
+            assert_eq!(film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), image);
             for accel in Accel::ALL {
                 let other = Scene { settings: RenderSettings { accel, ..scene.settings }, ..scene.clone() };
-                assert_eq!(render(&other), image, "{integrator:?} {accel:?}");
+                assert_eq!(film(&other), image, "{integrator:?} {accel:?}");
             }
         }
     }
@@ -256,14 +247,14 @@ fn objects_that_cross_the_view_are_not_culled() {
     let explanation = plan.explain();
     assert!(explanation.left_out.iter().any(|left| left.what == "objects, for camera rays"));
     assert!(explanation.used.iter().any(|line| line.starts_with("200 animated objects:")));
-    let full = render_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
-    assert_eq!(render(&scene), full);
+    let full = film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+    assert_eq!(film(&scene), full);
 }
 
 #[test]
 fn static_scenes_sample_no_time() {
     let mut scene = everything();
-    let image = render(&scene);
+    let image = film(&scene);
     scene.cameras[0].settings.shutter = [0.25, 0.5];
     for node in &mut scene.nodes {
         node.moves_to = Some(node.parent_from_local);
@@ -271,7 +262,7 @@ fn static_scenes_sample_no_time() {
     scene.cameras[0].settings.moves_to = Some(scene.cameras[0].settings.world_from_camera);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     assert!(plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
-    assert_eq!(render(&scene), image);
+    assert_eq!(film(&scene), image);
 }
 
 /// A white sphere of radius r moves by 4r over black. On the line of its centre, away from both ends, coverage is ½.
@@ -294,7 +285,7 @@ fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
     scene.nodes = vec![moving_sphere];
     for (shutter, open_share) in [([0.0, 1.0], 1.0), ([0.25, 0.75], 0.5)] {
         scene.cameras[0].settings.shutter = shutter;
-        let film = render(&scene);
+        let film = film(&scene);
         let mut squares = 0.0;
         for (row, pixel) in film.pixels().iter().enumerate() {
             // The mean over the pixel of the chord 2·√(r² − y²), by the antiderivative y·√(r² − y²) + r²·asin(y/r).
@@ -330,7 +321,7 @@ fn reflected_rays_do_not_hit_their_origin() {
     egg.parent_from_local = squash;
     egg.moves_to = Some(shift(0.5, 0.5, 0.0).compose(&turn).compose(&squash));
     scene.nodes = vec![egg];
-    assert!(render(&scene).pixels().iter().all(|pixel| *pixel == [1.0; 3]), "all is as white as the sky");
+    assert!(film(&scene).pixels().iter().all(|pixel| *pixel == [1.0; 3]), "all is as white as the sky");
 }
 
 #[test]
@@ -350,7 +341,7 @@ fn camera_motion_equals_inverse_world_motion() {
     assert!(plan.explain().used.iter().any(|line| line.starts_with("animated camera:")));
     let covered = |scene: &Scene| {
         let options = PlanOptions { transparent: true, ..PlanOptions::default() };
-        render_with(scene, options, 0).alpha().expect("coverage").to_vec()
+        film_with(scene, options, 0).alpha().expect("coverage").to_vec()
     };
     for (a, b) in covered(&moving_camera).into_iter().zip(covered(&moving_world)) {
         assert!((a - b).abs() < 1.5 / 64.0, "{a} {b}");
@@ -372,7 +363,7 @@ fn animated_lights_are_found_by_rays() {
     let light = Content::Shape(rt_geometry::Shape::Cuboid(wide));
     scene.nodes.push(SceneNode::new(light, MaterialId(1)));
     let mean = |scene: &Scene| {
-        let film = render(scene);
+        let film = film(scene);
         film.pixels().iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / film.pixels().len() as f64
     };
     let mut moving = scene.clone();

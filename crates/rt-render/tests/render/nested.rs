@@ -1,6 +1,6 @@
 //! Nested dielectrics, from scene to image.
 
-use crate::support::{everything, point_light, sphere, spheres};
+use crate::support::{everything, film, film_with, point_light, sphere, spheres};
 use rt_camera::{CameraSettings, Projection};
 use rt_geometry::{Cuboid, Shape};
 use rt_image::Image;
@@ -9,13 +9,9 @@ use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
 use rt_scene_io::{Accel, Content, MaterialId, Scene, SceneNode};
 use rt_shading::{Bitmap, ColorTexture, InteriorMedium, Material, Phong, Texture, TextureId, Transmission, Wrap};
 
-fn render(scene: &Scene, options: &PlanOptions) -> Rendering {
-    let plan = RenderPlan::compile(scene, options).expect("the scene compiles");
+fn render(scene: &Scene) -> Rendering {
+    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
     plan.render(&RunOptions::default(), |_| {}).expect("threads start")
-}
-
-fn film(scene: &Scene) -> Image {
-    render(scene, &PlanOptions::default()).film
 }
 
 /// Asserts that images are bit-identical; reports the first difference only.
@@ -61,7 +57,7 @@ fn trimming_threads_and_structures_do_not_change_nested_glass() {
     let mut scene = drink();
     let image = film(&scene);
     let full = PlanOptions { full: true, ..PlanOptions::default() };
-    assert_same(&image, &render(&scene, &full).film, "full plan");
+    assert_same(&image, &film_with(&scene, full, 0), "full plan");
     for accel in [Accel::Linear, Accel::Grid, Accel::Bvh] {
         scene.settings.accel = accel;
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
@@ -77,7 +73,7 @@ fn trimming_threads_and_structures_do_not_change_nested_glass() {
 fn dielectrics_of_ior_one_do_not_change_the_image() {
     for (mut scene, transparent) in [(spheres(), false), (everything(), false), (spheres(), true)] {
         let options = PlanOptions { transparent, ..PlanOptions::default() };
-        let without = render(&scene, &options).film;
+        let without = film_with(&scene, options, 0);
         let air = MaterialId(scene.appearance.materials.len() as u32);
         // Glass has priority where both overlap.
         scene.appearance.materials.push(dielectric(1.0, 0.0, -1));
@@ -85,7 +81,7 @@ fn dielectrics_of_ior_one_do_not_change_the_image() {
         scene.nodes.insert(0, SceneNode::new(sphere(0.3, 0.6, 2.5, 1.2), air));
         scene.nodes.push(SceneNode::new(sphere(3.0, 5.0, 4.0, 2.0), air));
         scene.nodes.push(SceneNode::new(sphere(1.0, 3.0, 9.0, 0.5), air));
-        assert_same(&without, &render(&scene, &options).film, &scene.name);
+        assert_same(&without, &film_with(&scene, options, 0), &scene.name);
     }
 }
 
@@ -102,7 +98,7 @@ fn nested_dielectrics_of_equal_ior_and_absorption_act_as_one() {
         SceneNode::new(sphere(0.3, -0.2, 2.8, 0.7), glass),
         SceneNode::new(slab([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
     ]);
-    let several = render(&scene, &PlanOptions::default());
+    let several = render(&scene);
     assert!(several.statistics.shading.passages > 1000);
     assert_same(&one, &several.film, &scene.name);
 }
@@ -203,7 +199,7 @@ fn each_sample_of_a_nan_texel_is_counted() {
     scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
     // The face of the box towards the camera shows the whole image.
     scene.nodes = vec![SceneNode::new(slab([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), MaterialId(0))];
-    let rendering = render(&scene, &PlanOptions::default());
+    let rendering = render(&scene);
     assert_eq!(rendering.statistics.bad_samples, 16 * 16 * 4);
     let black = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.0; 3]).count();
     let half = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.5; 3]).count();

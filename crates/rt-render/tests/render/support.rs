@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, Vec3};
+use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{
     Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode,
 };
@@ -12,6 +14,16 @@ use rt_shading::{
     Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
     Phong, Texture, TextureId, Transmission,
 };
+
+/// Image on this number of threads; 0 for one for each processor.
+pub(crate) fn film_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
+    let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
+    plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
+}
+
+pub(crate) fn film(scene: &Scene) -> Image {
+    film_with(scene, PlanOptions::default(), 0)
+}
 
 pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
     Content::Shape(Shape::Sphere(Sphere::new(DVec3::new(x, y, z), radius).expect("a sphere")))

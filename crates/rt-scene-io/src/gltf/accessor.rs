@@ -28,7 +28,6 @@ pub(super) fn read_vectors<const N: usize>(
     })
 }
 
-/// Reads vertex indices.
 pub(super) fn read_indices(accessor: &Accessor<'_>, buffers: &Buffers<'_>) -> Result<Vec<u32>, LoadError> {
     let kind = accessor.data_type();
     let scalar = accessor.dimensions().multiplicity() == 1;
@@ -51,14 +50,10 @@ fn read<T: Copy>(
     }
     let mut elements = match accessor.view() {
         Some(view) => Items::new(&view, accessor.offset(), count, size, buffers)?.decode(&decode),
-        None if count <= limits::GLTF_ZEROS => vec![zero; count],
         None => {
-            let (value, limit) = (count as u64, limits::GLTF_ZEROS as u64);
-            return Err(fail(
-                accessor,
-                buffers,
-                LoadErrorKind::too_large("the count without a bufferView", value, limit),
-            ));
+            let (what, limit) = ("the count without a bufferView", limits::GLTF_ZEROS as u64);
+            LoadErrorKind::check_limit(what, count as u64, limit).map_err(|reason| fail(accessor, buffers, reason))?;
+            vec![zero; count]
         }
     };
     if let Some(sparse) = accessor.sparse() {
@@ -134,7 +129,6 @@ fn unsigned(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |sum, &byte| (sum << 8) | u32::from(byte))
 }
 
-/// A component as a number.
 fn number(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
     let bits = unsigned(bytes);
     let value = match kind {

@@ -38,7 +38,6 @@ pub(super) fn check(root: &Root, warnings: &mut Vec<Warning>) -> Vec<(String, Lo
     problems
 }
 
-/// The checks of one primitive.
 struct Check<'a> {
     root: &'a Root,
     primitive: &'a Primitive,

@@ -7,6 +7,7 @@ use super::{
     buffers::Buffers,
     draco::DecodedPrimitive,
 };
+use crate::error::ErrorAt;
 use crate::{LoadError, LoadErrorKind};
 
 /// Source of the attributes of a primitive.
@@ -61,13 +62,9 @@ impl<'a> Attributes<'a> {
             (Some(stream), _) => Ok(stream.indices()),
             (None, Some(accessor)) => read_indices(&accessor, self.buffers),
             (None, None) => {
-                let value = count as u64;
-                let limit = u64::from(u32::MAX);
-                let count = u32::try_from(count).map_err(|_| {
-                    let reason = LoadErrorKind::too_large("the number of vertices", value, limit);
-                    reason.at(self.buffers.path(), self.place)
-                })?;
-                Ok((0..count).collect())
+                let checked = LoadErrorKind::check_limit("the number of vertices", count as u64, u32::MAX.into());
+                checked.at(self.buffers.path(), self.place)?;
+                Ok((0..count as u32).collect())
             }
         }
     }

@@ -24,7 +24,6 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The content of all buffers.
 pub(super) struct Buffers<'a> {
     path: &'a Path,
     document: &'a Document,
@@ -77,7 +76,6 @@ impl<'a> Buffers<'a> {
         Ok(Self { path, document, data, decoded, _reservations: reservations })
     }
 
-    /// The bytes of a view.
     pub(super) fn view(&self, view: &View<'_>) -> Result<&[u8], LoadError> {
         if let Some(decoded) = self.decoded.get(&view.index()) {
             return Ok(decoded);
@@ -114,7 +112,6 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// Decodes the compressed views.
 fn decode_views(
     document: &Document,
     data: &[Option<Cow<'_, [u8]>>],
@@ -131,10 +128,8 @@ fn decode_views(
         reservations.push(options.memory.reserve(what, meshopt::decoded_bytes(object)).map_err(fail)?);
         let bytes = meshopt::decode(object, data).map_err(fail)?;
         total += bytes.len() as u64;
-        if total > limits::GLTF_DECODED_BYTES {
-            let what = "the size of all decoded views in bytes";
-            return Err(fail(LoadErrorKind::too_large(what, total, limits::GLTF_DECODED_BYTES)));
-        }
+        let (what, limit) = ("the size of all decoded views in bytes", limits::GLTF_DECODED_BYTES);
+        LoadErrorKind::check_limit(what, total, limit).map_err(fail)?;
         decoded.insert(index, bytes);
     }
     Ok(decoded)

@@ -18,7 +18,6 @@ use crate::error::ErrorAt;
 use crate::sanitize::shortened;
 use crate::{LoadError, LoadErrorKind, Location, Warning, limits};
 
-/// Supported extensions.
 const SUPPORTED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -183,10 +182,8 @@ fn check_depth(value: &Value, path: &Path) -> Result<(), LoadError> {
     }
     stack.extend((0..nodes.len()).filter(|&node| !is_child[node]).map(|root| (root, 1)));
     while let Some((node, depth)) = stack.pop() {
-        if depth > limits::NODE_DEPTH {
-            let reason = LoadErrorKind::too_large("the depth of the tree", depth, limits::NODE_DEPTH);
-            return Err(reason.at(path, format!("nodes[{node}]")));
-        }
+        let checked = LoadErrorKind::check_limit("the depth of the tree", depth, limits::NODE_DEPTH);
+        checked.at(path, format!("nodes[{node}]"))?;
         // A node that several others claim is refused later; here it is visited once.
         stack.extend(
             children(node).filter(|&child| core::mem::take(&mut is_child[child])).map(|child| (child, depth + 1)),

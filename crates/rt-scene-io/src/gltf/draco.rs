@@ -12,7 +12,6 @@ use super::{
 };
 use crate::{LoadError, LoadErrorKind, limits};
 
-/// The name of the extension.
 pub(super) const NAME: &str = "KHR_draco_mesh_compression";
 
 /// The object of the extension at a primitive.
@@ -24,7 +23,6 @@ struct DracoExtension {
     attributes: BTreeMap<String, u32>,
 }
 
-/// A decoded primitive.
 pub(super) struct DecodedPrimitive {
     mesh: Mesh,
     ids: BTreeMap<String, u32>,

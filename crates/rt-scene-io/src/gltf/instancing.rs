@@ -7,7 +7,6 @@ use serde::Deserialize;
 use super::{accessor::read_vectors, buffers::Buffers, node_pose::transform};
 use crate::{LoadError, LoadErrorKind};
 
-/// The name of the extension.
 pub(super) const NAME: &str = "EXT_mesh_gpu_instancing";
 
 /// The object of the extension at a node.

@@ -100,7 +100,6 @@ fn required_attributes(description: &MaterialJson, has_colors: bool) -> Required
     RequiredAttributes { uv_sets, along, colors: has_colors, tangents }
 }
 
-/// Reads one material.
 struct MaterialBuilder<'r, 'a> {
     textures: &'r mut GltfTextures<'a>,
     sets: UvSets,

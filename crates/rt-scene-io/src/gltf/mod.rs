@@ -62,7 +62,6 @@ const CORNER_BYTES: u64 = 8;
 /// Bytes of memory per attribute of a vertex.
 const ATTRIBUTE_BYTES: u64 = 16;
 
-/// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| {
         refuse_utf16(&bytes).at(path, "")?;
@@ -248,10 +247,8 @@ impl Meshes<'_> {
         let reservation = self.options.memory.reserve(what, built.memory() as u64);
         self.reservations.push(reservation.at(path, place)?);
         self.bytes += built.memory() as u64;
-        if self.bytes > limits::GLTF_MESH_BYTES {
-            let (value, limit) = (self.bytes, limits::GLTF_MESH_BYTES);
-            return Err(LoadErrorKind::too_large("the memory of all meshes in bytes", value, limit).at(path, place));
-        }
+        let (what, limit) = ("the memory of all meshes in bytes", limits::GLTF_MESH_BYTES);
+        LoadErrorKind::check_limit(what, self.bytes, limit).at(path, place)?;
         let id = model.add_mesh(mesh.name().unwrap_or_default().to_owned(), built);
         Ok(Some((id, material.id)))
     }

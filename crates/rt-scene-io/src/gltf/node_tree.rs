@@ -15,9 +15,9 @@ use super::{
     instancing,
     node_pose::{Poses, transform},
 };
+use crate::error::ErrorAt;
 use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, NamedCamera, SceneNode, limits};
 
-/// A mesh of one material.
 pub(super) type MeshPart = (MeshId, MaterialId);
 
 /// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.
@@ -168,10 +168,8 @@ fn place(
         return Ok(());
     };
     *instances += placements.len() as u64;
-    if *instances > limits::GLTF_INSTANCES {
-        let reason = LoadErrorKind::too_large("the number of instances", *instances, limits::GLTF_INSTANCES);
-        return Err(reason.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME)));
-    }
+    let checked = LoadErrorKind::check_limit("the number of instances", *instances, limits::GLTF_INSTANCES);
+    checked.at(buffers.path(), format!("nodes[{}].extensions.{}", source.index(), instancing::NAME))?;
     if unusable > 0 {
         warn(source, &format!("{unusable} of its instances have an invalid transform; they are left out"), model);
     }

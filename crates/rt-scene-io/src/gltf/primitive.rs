@@ -29,7 +29,6 @@ pub(super) struct RequiredAttributes {
     pub(super) tangents: bool,
 }
 
-/// Deformation of a mesh.
 pub(super) struct Deformation<'a> {
     /// Weights of the morph targets.
     pub(super) weights: &'a [f32],
@@ -39,7 +38,6 @@ pub(super) struct Deformation<'a> {
     pub(super) mirrored: bool,
 }
 
-/// Content of a primitive.
 pub(super) enum PrimitiveContent {
     /// Triangles, and messages about omissions and repairs.
     Triangles(MeshData, Vec<String>),
@@ -163,7 +161,6 @@ fn morph(
     Ok(())
 }
 
-/// Error of skinning.
 enum SkinError {
     Read(LoadError),
     Deform(LoadErrorKind),

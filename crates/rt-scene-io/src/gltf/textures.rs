@@ -124,12 +124,8 @@ impl<'a> GltfTextures<'a> {
     /// Adds a bitmap that is kept to the memory of all textures.
     pub(super) fn count(&mut self, bitmap: &Bitmap) -> Result<(), LoadError> {
         self.bytes += bitmap.memory() as u64;
-        if self.bytes > limits::MODEL_TEXTURE_BYTES {
-            let (value, limit) = (self.bytes, limits::MODEL_TEXTURE_BYTES);
-            let reason = LoadErrorKind::too_large("the memory of all textures in bytes", value, limit);
-            return Err(reason.at(self.buffers.path(), ""));
-        }
-        Ok(())
+        let (what, limit) = ("the memory of all textures in bytes", limits::MODEL_TEXTURE_BYTES);
+        LoadErrorKind::check_limit(what, self.bytes, limit).at(self.buffers.path(), "")
     }
 
     /// The file, for messages.

@@ -6,7 +6,6 @@ use serde::Deserialize;
 use crate::{LoadError, LoadErrorKind};
 use std::path::Path;
 
-/// The name of the extension.
 pub(super) const NAME: &str = "KHR_materials_variants";
 
 /// The object of the extension at the root.

@@ -133,7 +133,6 @@ fn memory(model: &Model) -> u64 {
     meshes as u64 + tree_bytes(&model.nodes)
 }
 
-/// Bytes of a tree of nodes.
 pub(crate) fn tree_bytes(nodes: &[SceneNode]) -> u64 {
     let (mut open, mut bytes) = (vec![nodes], 0);
     while let Some(nodes) = open.pop() {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use rt_geometry::{Face, InsideRule, MeshData, MeshError, Polygon, PolygonError, Shape, Triangle};
 use rt_math::{DVec3, Vec3};
 
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::text::tokenizer::{Tokenizer, Word};
 use crate::{LoadErrorKind, limits};
 
@@ -133,14 +133,9 @@ fn corner_count(tokens: &mut Tokenizer<'_>) -> Result<usize, LineError> {
         return Err(LineError::new(line, count, "is not a number of corners: a polygon has 3 or more"));
     }
     // The conversion saturates beyond the range of u64.
-    let (value, limit) = (count as u64, limits::FACE_CORNERS as u64);
-    if value > limit {
-        return Err(LineError {
-            line,
-            kind: LoadErrorKind::too_large("the number of corners of a polygon", value, limit),
-        });
-    }
-    Ok(value as usize)
+    let (what, limit) = ("the number of corners of a polygon", limits::FACE_CORNERS as u64);
+    LoadErrorKind::check_limit(what, count as u64, limit).in_line(line)?;
+    Ok(count as usize)
 }
 
 fn shape(outline: &[DVec3]) -> Result<Shape, PolygonError> {

@@ -58,7 +58,6 @@ impl Fill {
         [r, g, b, self.diffuse, self.specular, self.shine, self.transmittance, self.ior].map(|x| (x + 0.0).to_bits())
     }
 
-    /// Material of the fill.
     pub(super) fn material(&self, name: String) -> Material {
         let phong = self.phong();
         let interior = phong.transmission.map(|_| InteriorMedium::clear(self.ior));

@@ -51,7 +51,6 @@ fn peak_bytes(sample: &FileSample) -> u64 {
     sample.size + 1050 * solids + 1500 * fills + 72 * corners
 }
 
-/// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| load_bytes(&bytes, path))
 }
@@ -83,14 +82,12 @@ fn may_begin_statement(word: Word<'_>, bad_line: usize) -> bool {
     KEYWORDS.contains(&word.text) || (word.line > bad_line && !is_part)
 }
 
-/// A fill and the faces that have it.
 struct FillFaces {
     fill: Option<Fill>,
     polygons: FaceList,
     patches: FaceList,
 }
 
-/// State of the reader.
 struct NffReader<'p> {
     path: &'p Path,
     report: Diagnostics,
@@ -159,9 +156,8 @@ impl<'p> NffReader<'p> {
                 return Err(LineError::new(line, format_args!("`{number}`"), rule));
             }
             found => {
-                let (kind, found) = ("statement", found.to_owned());
                 let known = KEYWORDS.map(str::to_owned).to_vec();
-                return Err(LineError { line, kind: LoadErrorKind::UnknownWord { kind, found, known } });
+                return Err(LineError { line, kind: LoadErrorKind::unknown("statement", found, known) });
             }
         }
         Ok(())

@@ -3,8 +3,7 @@
 use rt_geometry::{Cone, Cylinder, Frustum, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Transform};
 
-use crate::LoadErrorKind;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::text::tokenizer::Tokenizer;
 
 /// A shape and where it stands.
@@ -19,7 +18,7 @@ pub(super) struct PlacedShape {
 pub(super) fn sphere(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShape, LineError> {
     let centre = DVec3::from(tokens.numbers("a coordinate of the centre")?);
     let radius = tokens.number("the radius of a sphere")?;
-    let sphere = Sphere::new(centre, radius.abs()).map_err(|error| LineError { line, kind: error.into() })?;
+    let sphere = Sphere::new(centre, radius.abs()).in_line(line)?;
     Ok(PlacedShape { shape: Shape::Sphere(sphere), world_from_local: Transform::IDENTITY, inside_out: radius < 0.0 })
 }
 
@@ -49,12 +48,11 @@ pub(super) fn cone(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShap
     let Some(up) = axis.try_normalize() else {
         return error(format!("{bottom}"), "is the middle of both ends of a cone: move one of them");
     };
-    let shape =
-        upright(bottom_radius, top_radius, axis.length()).map_err(|error| LineError { line, kind: error.into() })?;
+    let shape = upright(bottom_radius, top_radius, axis.length()).in_line(line)?;
     // The columns are where x, y and z of the cone point: y along its axis.
     let frame = Frame::from_z(up);
     let place = Transform::from_linear(DMat3::from_cols(frame.y, up, frame.x), bottom);
-    let world_from_local = place.map_err(|error| LineError { line, kind: LoadErrorKind::from(error) })?;
+    let world_from_local = place.in_line(line)?;
     Ok(PlacedShape { shape, world_from_local, inside_out })
 }
 

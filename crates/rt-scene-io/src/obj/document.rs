@@ -275,7 +275,6 @@ impl StatementReader {
     }
 }
 
-/// Corner of a face.
 struct Corner {
     /// Indices of `v`, `vt` and `vn`, counted from 1.
     indices: [Option<usize>; 3],

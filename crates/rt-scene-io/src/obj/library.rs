@@ -164,7 +164,6 @@ impl<'a> MaterialLibrary<'a> {
         Warning { place: self.path.display().to_string(), message }
     }
 
-    /// The textures of a material.
     fn maps(&mut self, mtl: &tobj::Material, file: &Path, model: &mut Model) -> Result<MaterialMaps, LoadError> {
         let other = |keyword: &str| mtl.unknown_param.get(keyword).map(String::as_str);
         let colours = PixelMeaning::Colors;

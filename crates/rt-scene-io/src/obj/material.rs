@@ -42,7 +42,6 @@ pub(super) struct MaterialMaps {
     pub(super) roughness: Option<(TextureId, Channel)>,
     pub(super) clearcoat: Option<(TextureId, Channel)>,
     pub(super) sheen: Option<TextureId>,
-    /// Alpha map.
     pub(super) alpha: Option<TextureId>,
     /// Normals, or heights that were made normals.
     pub(super) normal_map: Option<NormalMap>,

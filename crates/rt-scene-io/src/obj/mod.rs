@@ -40,7 +40,6 @@ use crate::{
     text::lines::decode,
 };
 
-/// Loads the model at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| load_bytes(&bytes, path, options))
 }

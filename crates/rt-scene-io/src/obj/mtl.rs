@@ -23,7 +23,6 @@ pub(super) struct UnknownStatement {
     pub(super) count: usize,
 }
 
-/// The content of a file.
 #[derive(Debug, Default)]
 pub(super) struct MtlFile {
     /// All numbers are finite and not negative. Tf, Tr, map_Ke and the physical parameters (Pr, Pm, ...) are among the unknown

@@ -40,9 +40,7 @@ const OPTIONS: [(&str, Arguments, bool); 14] = [
 
 enum Arguments {
     Exactly(usize),
-    /// `on` or `off`.
     Switch,
-    /// One to three numbers.
     Numbers,
 }
 

@@ -17,10 +17,8 @@ use crate::{
     texture::PixelEncoding,
 };
 
-/// Meaning of the pixels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum PixelMeaning {
-    /// Colours.
     Colors,
     /// Numbers, such as how rough the surface is.
     Numbers,
@@ -100,10 +98,8 @@ impl<'a> ObjTextures<'a> {
         let file = &key.0;
         let bitmap = self.decoded(file, clamp, meaning).at(file, "")?;
         self.bytes += bitmap.memory() as u64;
-        if self.bytes > limits::MODEL_TEXTURE_BYTES {
-            let (value, limit) = (self.bytes, limits::MODEL_TEXTURE_BYTES);
-            return Err(LoadErrorKind::too_large("the memory of all textures in bytes", value, limit).at(file, ""));
-        }
+        let (what, limit) = ("the memory of all textures in bytes", limits::MODEL_TEXTURE_BYTES);
+        LoadErrorKind::check_limit(what, self.bytes, limit).at(file, "")?;
         let wrap = [if clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
         let id = model.add_texture(Texture::Image { bitmap: Arc::new(bitmap), wrap, smooth: true });
         self.known.insert(key, id);

@@ -18,10 +18,9 @@ use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 use super::FileScope;
 use super::parameters::{Parameters, unknown};
 use super::spectrum::colour;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::{LoadErrorKind, read_texture, resolve_path};
 
-/// Light source.
 #[derive(Debug)]
 pub(super) enum PbrtLight {
     Light(DeltaLight),
@@ -74,7 +73,7 @@ pub(super) fn read(
             let Some(file) = parameters.word("filename", "string")? else {
                 return Ok((PbrtLight::Sky(intensity * level(parameters, "illuminance", FRAC_1_PI)?), warnings));
             };
-            let mean = mean_of_map(file, files).map_err(|kind| LineError { line: parameters.line, kind })?;
+            let mean = mean_of_map(file, files).in_line(parameters.line)?;
             warnings.push(format!(
                 "the image \"{file}\" all around became its mean, {mean:?}: octahedral maps are not shown"
             ));

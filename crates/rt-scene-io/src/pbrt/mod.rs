@@ -43,7 +43,6 @@ fn peak_bytes(sample: &FileSample) -> u64 {
     sample.size * 3 + 900 * shapes + 500 * materials
 }
 
-/// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| load_text(&decode_text(bytes).at(path, "")?, path, options))
 }

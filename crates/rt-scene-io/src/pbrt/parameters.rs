@@ -7,7 +7,7 @@ use std::rc::Rc;
 use rt_math::DVec3;
 
 use crate::LoadErrorKind;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::limits;
 use crate::text::tokenizer::{TokenKind, Tokenizer, number, shown};
 
@@ -51,10 +51,8 @@ pub(super) struct Parameter {
     is_attribute: bool,
 }
 
-/// The parameters of one directive.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parameters {
-    /// The line of the directive.
     pub(super) line: usize,
     list: Vec<Parameter>,
 }
@@ -74,9 +72,7 @@ impl Parameter {
             return Err(LineError::new(line, format_args!("`\"{declared}\"`"), rule));
         };
         let Some((kind, size)) = TYPES.iter().copied().find(|(known, _)| *known == kind) else {
-            let (kind, found) = ("type of a parameter", kind.to_owned());
-            let known = TYPES.iter().map(|(known, _)| (*known).to_owned()).collect();
-            return Err(LineError { line, kind: LoadErrorKind::UnknownWord { kind, found, known } });
+            return Err(unknown("type of a parameter", kind, line, TYPES.map(|(known, _)| known)));
         };
         let values = Self::values(tokens, name)?;
         let fits = match &values {
@@ -219,7 +215,6 @@ impl Parameters {
         one.map(Some).map_err(|_| parameter.error(format_args!("{} numbers,", numbers.len()), format!("expected {N}")))
     }
 
-    /// A number.
     pub(super) fn float(&self, name: &str, default: f64) -> Result<f64, LineError> {
         Ok(self.one(name, &["float", "integer"])?.map_or(default, |[number]| number))
     }
@@ -242,12 +237,10 @@ impl Parameters {
         }
     }
 
-    /// A point.
     pub(super) fn point(&self, name: &str, default: DVec3) -> Result<DVec3, LineError> {
         Ok(self.one(name, &["point3", "point"])?.map_or(default, |p: [f64; 3]| p.into()))
     }
 
-    /// A word.
     pub(super) fn word(&self, name: &str, kind: &str) -> Result<Option<&str>, LineError> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         match &parameter.values {
@@ -290,11 +283,8 @@ impl Parameters {
 
 /// Limits the number of parameters, so that finding one takes a short time.
 fn check_count(line: usize, count: usize) -> Result<(), LineError> {
-    if count <= limits::PARAMETERS {
-        return Ok(());
-    }
-    let (what, value, limit) = ("the number of parameters", count as u64, limits::PARAMETERS as u64);
-    Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) })
+    let limit = limits::PARAMETERS as u64;
+    LoadErrorKind::check_limit("the number of parameters", count as u64, limit).in_line(line)
 }
 
 /// A word that is not among those that are known.
@@ -305,7 +295,7 @@ pub(super) fn unknown<'a>(
     known: impl IntoIterator<Item = &'a str>,
 ) -> LineError {
     let known = known.into_iter().filter(|word| !word.is_empty()).map(str::to_owned).collect();
-    LineError { line, kind: LoadErrorKind::UnknownWord { kind, found: found.to_owned(), known } }
+    LineError { line, kind: LoadErrorKind::unknown(kind, found, known) }
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use super::texture::PbrtTextures;
 use super::view::PbrtCamera;
 use super::{material, state, view};
 use crate::diagnostics::Diagnostics;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::format::{Background, Color};
 use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_ERRORS, SCOPES};
 use crate::text::tokenizer::{Token, TokenKind, Tokenizer, shown};
@@ -59,7 +59,6 @@ const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
 /// Key of a surface: its index, the bits of its emission and emission sides, and its alpha.
 type MaterialKey = (usize, Option<([u64; 3], bool)>, (u64, Option<TextureId>));
 
-/// State of the reader.
 pub(super) struct PbrtReader<'f> {
     pub(super) files: FileScope<'f>,
     /// The file that is read, for messages.
@@ -87,7 +86,6 @@ pub(super) struct PbrtReader<'f> {
     pub(super) surfaces: Vec<OptionalMaterial>,
     pub(super) named: BTreeMap<String, usize>,
     pub(super) materials: HashMap<MaterialKey, MaterialId>,
-    /// The object that is described.
     pub(super) object: Option<(String, Vec<SceneNode>)>,
     pub(super) objects: BTreeMap<String, Vec<SceneNode>>,
     pub(super) nodes: Vec<SceneNode>,
@@ -334,10 +332,8 @@ impl<'f> PbrtReader<'f> {
     }
 
     pub(super) fn open_scope(&mut self, line: usize, is_object: bool) -> Result<(), LineError> {
-        if self.saved.len() >= SCOPES {
-            let (what, value, limit) = ("the depth of scopes", SCOPES as u64 + 1, SCOPES as u64);
-            return Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) });
-        }
+        let depth = self.saved.len() as u64 + 1;
+        LoadErrorKind::check_limit("the depth of scopes", depth, SCOPES as u64).in_line(line)?;
         self.saved.push((self.state.clone(), line, is_object));
         Ok(())
     }
@@ -355,10 +351,10 @@ impl<'f> PbrtReader<'f> {
 
     fn include(&mut self, is_import: bool, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         let reference = tokens.text("the name of a file")?;
-        let in_line = |kind| LineError { line, kind };
-        let bad = |rule: String| in_line(LoadErrorKind::BadReference { reference: reference.clone(), rule });
-        let path = resolve_path(&reference, self.files.root_file, self.files.options).map_err(in_line)?;
-        let canonical = path.canonicalize().map_err(|error| in_line(error.into()))?;
+        let bad =
+            |rule: String| LineError { line, kind: LoadErrorKind::BadReference { reference: reference.clone(), rule } };
+        let path = resolve_path(&reference, self.files.root_file, self.files.options).in_line(line)?;
+        let canonical = path.canonicalize().in_line(line)?;
         if self.open.contains(&canonical) {
             return Err(bad("includes itself: remove one of the directives".to_owned()));
         }

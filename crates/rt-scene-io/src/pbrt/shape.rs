@@ -13,7 +13,7 @@ use rt_math::{DMat3, DVec3, Transform, Vec3};
 
 use super::file_scope::FileScope;
 use super::parameters::{Parameters, unknown};
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::{LoadError, LoadErrorKind, resolve_path};
 
 /// Known kinds of shapes.
@@ -25,7 +25,6 @@ const KINDS: [&str; 8] =
 pub(super) enum PbrtShape {
     /// A shape, and its transform to the space of the file.
     Exact(Shape, Transform),
-    /// A mesh.
     Mesh(MeshData),
     /// A shape that only other programs have.
     Unsupported,
@@ -70,7 +69,6 @@ pub(super) fn read(
 }
 
 fn exact(kind: &str, p: &Parameters, reversed: bool, warnings: &mut Vec<String>) -> Result<PbrtShape, LineError> {
-    let error = |error: rt_geometry::ShapeError| LineError { line: p.line, kind: error.into() };
     let turned = |offset| Transform::from_linear(turn(), offset).unwrap_or(Transform::IDENTITY);
     if p.float("phimax", 360.0)? != 360.0 {
         warnings.push(format!("the {kind} is closed all around, without regard to \"phimax\""));
@@ -84,11 +82,11 @@ fn exact(kind: &str, p: &Parameters, reversed: bool, warnings: &mut Vec<String>)
             if p.float("zmin", -radius)? > -radius || p.float("zmax", radius)? < radius {
                 warnings.push("the sphere is whole, without regard to \"zmin\" and \"zmax\"".to_owned());
             }
-            let sphere = Sphere::new(DVec3::ZERO, radius).map_err(error)?;
+            let sphere = Sphere::new(DVec3::ZERO, radius).in_line(p.line)?;
             Ok(PbrtShape::Exact(Shape::Sphere(sphere), turned(DVec3::ZERO)))
         }
         "disk" => {
-            let disk = Disk::new(radius, p.not_negative("innerradius", 0.0)?).map_err(error)?;
+            let disk = Disk::new(radius, p.not_negative("innerradius", 0.0)?).in_line(p.line)?;
             let place = turned(DVec3::Z * p.float("height", 0.0)?);
             // A half turn around x.
             let over = Transform::from_linear(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)), DVec3::ZERO);
@@ -97,7 +95,7 @@ fn exact(kind: &str, p: &Parameters, reversed: bool, warnings: &mut Vec<String>)
         }
         _ => {
             let (bottom, top) = (p.float("zmin", -1.0)?, p.float("zmax", 1.0)?);
-            let cylinder = Cylinder::new(radius, bottom.min(top), bottom.max(top), false).map_err(error)?;
+            let cylinder = Cylinder::new(radius, bottom.min(top), bottom.max(top), false).in_line(p.line)?;
             Ok(PbrtShape::Exact(Shape::Cylinder(cylinder), turned(DVec3::ZERO)))
         }
     }
@@ -193,14 +191,14 @@ fn ply(
     files: FileScope<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<PbrtShape, DirectiveError> {
-    let error = |kind: LoadErrorKind| LineError { line: p.line, kind };
     let Some(file) = p.word("filename", "string")? else {
         return Err(LineError::new(p.line, "a mesh of a PLY file", "has no \"string filename\": add it").into());
     };
     if !file.to_ascii_lowercase().ends_with(".ply") {
-        return Err(error(LoadErrorKind::Unsupported(format!("`{file}`, which does not end in .ply,"))).into());
+        let kind = LoadErrorKind::Unsupported(format!("`{file}`, which does not end in .ply,"));
+        return Err(LineError { line: p.line, kind }.into());
     }
-    let path = resolve_path(file, files.root_file, files.options).map_err(error)?;
+    let path = resolve_path(file, files.root_file, files.options).in_line(p.line)?;
     let model = crate::ply::load(&path, files.options).map_err(DirectiveError::File)?;
     warnings.extend(model.warnings.into_iter().map(|warning| format!("{}: {}", warning.place, warning.message)));
     let Some(mesh) = model.meshes.into_iter().next() else { return Ok(PbrtShape::Unsupported) };

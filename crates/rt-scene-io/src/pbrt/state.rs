@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use rt_math::{DVec3, Rgb, Transform, TransformError};
+use rt_math::{DVec3, Rgb, Transform};
 
 use super::parameters::Parameters;
 use super::view;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::text::tokenizer::Tokenizer;
 
 /// Light that a surface gives.
@@ -47,21 +47,20 @@ pub(super) fn transformed(
     line: usize,
     tokens: &mut Tokenizer<'_>,
 ) -> Result<Transform, LineError> {
-    let error = |error: TransformError| LineError { line, kind: error.into() };
     let first = match directive {
         "Identity" => return Ok(Transform::IDENTITY),
         "Translate" => Transform::translate(DVec3::from(tokens.numbers("a part of the translation")?)),
-        "Scale" => Transform::scale(DVec3::from(tokens.numbers("a factor")?)).map_err(error)?,
+        "Scale" => Transform::scale(DVec3::from(tokens.numbers("a factor")?)).in_line(line)?,
         "Rotate" => {
             let [degrees, x, y, z] = tokens.numbers("an angle in degrees or a component of the axis")?;
-            Transform::rotate(DVec3::new(x, y, z), degrees.to_radians()).map_err(error)?
+            Transform::rotate(DVec3::new(x, y, z), degrees.to_radians()).in_line(line)?
         }
         "LookAt" => view::look_at(line, tokens.numbers("a coordinate of the view")?)?,
         replaces_or_adds => {
             // Column by column.
             let m: [f64; 16] = tokens.numbers("an element of the matrix")?;
             let rows = [0, 1, 2, 3].map(|row| [m[row], m[row + 4], m[row + 8], m[row + 12]]);
-            let given = Transform::from_rows(rows).map_err(error)?;
+            let given = Transform::from_rows(rows).in_line(line)?;
             if replaces_or_adds == "Transform" {
                 return Ok(given);
             }
@@ -70,5 +69,5 @@ pub(super) fn transformed(
     };
     let sum = matrix.compose(&first);
     // Factors that are small one by one may flatten space together.
-    Transform::from_linear(sum.linear(), sum.translation()).map_err(error)
+    Transform::from_linear(sum.linear(), sum.translation()).in_line(line)
 }

@@ -10,7 +10,7 @@ use rt_shading::{Alpha, AlphaMode, Bitmap, ColorTexture, NormalMap, Texture, Tex
 use super::file_scope::FileScope;
 use super::parameters::{Parameters, unknown};
 use super::spectrum::colour;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::files::read_texture_as;
 use crate::texture::PixelEncoding;
 use crate::{LoadErrorKind, limits, resolve_path};
@@ -18,7 +18,6 @@ use crate::{LoadErrorKind, limits, resolve_path};
 /// Kinds of textures that only other programs have.
 const UNSUPPORTED: [&str; 7] = ["bilerp", "directionmix", "dots", "fbm", "marble", "mix", "ptex"];
 
-/// The textures of a file.
 #[derive(Debug, Default)]
 pub(super) struct PbrtTextures {
     pub(super) list: Vec<Texture>,
@@ -165,15 +164,14 @@ impl PbrtTextures {
         line: usize,
         files: FileScope<'_>,
     ) -> Result<Arc<Bitmap>, LineError> {
-        let error = |kind| LineError { line, kind };
-        let path = resolve_path(file, files.root_file, files.options).map_err(error)?;
+        let path = resolve_path(file, files.root_file, files.options).in_line(line)?;
         let key = (path, pixels);
         if let Some(bitmap) = self.images.get(&key) {
             return Ok(Arc::clone(bitmap));
         }
-        let bad = |rule: String| error(LoadErrorKind::BadReference { reference: file.to_owned(), rule });
-        let bitmap = read_texture_as(&key.0, pixels, files.options).map_err(|reason| bad(reason.to_string()))?;
-        let bitmap = Arc::new(bitmap);
+        let bad = |rule: String| LoadErrorKind::BadReference { reference: file.to_owned(), rule };
+        let bitmap = read_texture_as(&key.0, pixels, files.options).map_err(|reason| bad(reason.to_string()));
+        let bitmap = Arc::new(bitmap.in_line(line)?);
         self.count(&bitmap, line)?;
         self.images.insert(key, Arc::clone(&bitmap));
         Ok(bitmap)
@@ -182,11 +180,8 @@ impl PbrtTextures {
     /// Adds a bitmap to the memory of all.
     fn count(&mut self, bitmap: &Bitmap, line: usize) -> Result<(), LineError> {
         self.bytes += bitmap.memory() as u64;
-        if self.bytes > limits::MODEL_TEXTURE_BYTES {
-            let (what, value) = ("the memory of all images in bytes", self.bytes);
-            return Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limits::MODEL_TEXTURE_BYTES) });
-        }
-        Ok(())
+        let (what, limit) = ("the memory of all images in bytes", limits::MODEL_TEXTURE_BYTES);
+        LoadErrorKind::check_limit(what, self.bytes, limit).in_line(line)
     }
 
     /// The normal map of a material, if it has one.
@@ -234,8 +229,7 @@ impl PbrtTextures {
         };
         let Texture::Image { bitmap, wrap, smooth } = image else { return Ok(None) };
         let bytes = (bitmap.memory() + bitmap.pixels.len() * size_of::<f32>()) as u64;
-        let kept = files.options.memory.keep("the alpha of a shape", bytes);
-        kept.map_err(|kind| LineError { line, kind })?;
+        files.options.memory.keep("the alpha of a shape", bytes).in_line(line)?;
         let alpha = bitmap.pixels.iter().map(|pixel| (pixel.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0)).collect();
         let bitmap = Arc::new(Bitmap { alpha, ..Bitmap::clone(&bitmap) });
         self.count(&bitmap, line)?;

@@ -11,7 +11,6 @@ use super::parameters::{Parameters, unknown};
 use crate::NamedCamera;
 use crate::error::LineError;
 
-/// A camera as the file has it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PbrtCamera {
     camera_from_world: Transform,

@@ -12,7 +12,7 @@ use super::state::Emission;
 use super::view::PbrtCamera;
 use super::{light, material, shape, spectrum};
 use crate::build_mesh::build_mesh;
-use crate::error::LineError;
+use crate::error::{ErrorInLine, LineError};
 use crate::tangents;
 use crate::text::tokenizer::Tokenizer;
 use crate::{Content, LoadErrorKind, MaterialId, SceneNode, limits};
@@ -52,11 +52,8 @@ impl PbrtReader<'_> {
     /// Adds a node to the object that is described, or to the world.
     fn add(&mut self, node: SceneNode, line: usize) -> Result<(), LineError> {
         self.unfolded += 1 + node.children.len();
-        if self.unfolded > limits::PBRT_NODES {
-            let (what, value, limit) =
-                ("the number of shapes, with expanded instances,", self.unfolded as u64, limits::PBRT_NODES as u64);
-            return Err(LineError { line, kind: LoadErrorKind::too_large(what, value, limit) });
-        }
+        let (what, limit) = ("the number of shapes, with expanded instances,", limits::PBRT_NODES as u64);
+        LoadErrorKind::check_limit(what, self.unfolded as u64, limit).in_line(line)?;
         match &mut self.object {
             Some((_, nodes)) => nodes.push(node),
             None => self.nodes.push(node),
@@ -169,7 +166,7 @@ impl PbrtReader<'_> {
             PbrtShape::Mesh(data) => {
                 let at = format!("{}:{line}", self.path.display());
                 let mesh = build_mesh(data, &at, &mut self.model.warnings);
-                let Some(mesh) = mesh.map_err(|error| LineError { line, kind: error.into() })? else { return Ok(()) };
+                let Some(mesh) = mesh.in_line(line)? else { return Ok(()) };
                 (Content::Mesh(self.model.add_mesh(name.clone(), mesh)), self.state.matrix)
             }
             PbrtShape::Unsupported => {

@@ -19,13 +19,12 @@ use rt_math::{Rgb, Vec3};
 use rt_shading::{ColorTexture, Phong, Texture, TextureId};
 use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
-use self::rows::{FaceCorners, PlyVertices, STRIPS, Skipped, TriangleStrips};
+use self::rows::{FaceCorners, PlyVertices, Rows, STRIPS, Skipped, TriangleStrips};
 use crate::error::ErrorAt;
 use crate::files::refuse_utf16;
 use crate::memory::{FileSample, load_within_budget};
 use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
 
-/// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| {
         refuse_utf16(&bytes).at(path, "")?;
@@ -100,11 +99,11 @@ fn read(bytes: &mut &[u8]) -> Result<PlyContent, DeserializeError> {
     let (mut content, mut strips) = (PlyContent::default(), TriangleStrips::default());
     while let Some(element) = reader.current_element() {
         match element.name.as_str() {
-            "vertex" => content.vertices = reader.next_element()?,
-            "face" => content.corners = reader.next_element()?,
-            STRIPS => strips = reader.next_element()?,
+            "vertex" => Rows(content.vertices) = reader.next_element()?,
+            "face" => Rows(content.corners) = reader.next_element()?,
+            STRIPS => Rows(strips) = reader.next_element()?,
             _ => {
-                reader.next_element::<Skipped>()?;
+                reader.next_element::<Rows<Skipped>>()?;
             }
         }
     }

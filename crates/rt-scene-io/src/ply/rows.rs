@@ -1,10 +1,11 @@
 //! Rows of elements, straight into the arrays that are kept.
 
 use std::fmt;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use rt_geometry::strip;
-use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 /// Columns of a vertex, each by its names.
 pub(super) const COLUMNS: [&[&str]; 12] = [
@@ -53,7 +54,7 @@ pub(super) struct PlyVertices {
 
 /// The numbers of a vertex.
 #[derive(Default)]
-struct Vertex {
+pub(super) struct Vertex {
     placed: [f32; PLACED],
     color: Option<[f32; 4]>,
 }
@@ -97,11 +98,11 @@ impl TriangleStrips {
 }
 
 /// An element that is passed over.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Skipped;
 
 /// Takes one row: whatever is at its keys.
-trait Row: Sized {
+pub(super) trait Row: Sized {
     fn read<'de, A: MapAccess<'de>>(cells: A) -> Result<Self, A::Error>;
 }
 
@@ -110,7 +111,7 @@ struct Cells<R>(R);
 
 impl<'de, R: Row> Deserialize<'de> for Cells<R> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Map<R>(std::marker::PhantomData<R>);
+        struct Map<R>(PhantomData<R>);
 
         impl<'de, R: Row> Visitor<'de> for Map<R> {
             type Value = Cells<R>;
@@ -124,60 +125,50 @@ impl<'de, R: Row> Deserialize<'de> for Cells<R> {
             }
         }
 
-        deserializer.deserialize_map(Map(std::marker::PhantomData))
+        deserializer.deserialize_map(Map(PhantomData))
     }
 }
 
-/// The name of a property.
-struct Name<T>(T);
-
-/// Kind of a property, by its name.
-trait PropertyKind: Sized {
-    fn of(name: &[u8]) -> Self;
+/// A property, by its name.
+enum PlyProperty {
+    Column(usize),
+    /// The list of corners.
+    Corners,
+    Other,
 }
 
-/// The column of a vertex.
-impl PropertyKind for Option<usize> {
-    fn of(name: &[u8]) -> Self {
-        column(name)
-    }
-}
-
-/// True for the list of corners.
-impl PropertyKind for bool {
-    fn of(name: &[u8]) -> Self {
-        CORNERS.iter().any(|known| known.as_bytes() == name)
-    }
-}
-
-impl<'de, T: PropertyKind> Deserialize<'de> for Name<T> {
+impl<'de> Deserialize<'de> for PlyProperty {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Bytes<T>(std::marker::PhantomData<T>);
+        struct Name;
 
-        impl<T: PropertyKind> Visitor<'_> for Bytes<T> {
-            type Value = Name<T>;
+        impl Visitor<'_> for Name {
+            type Value = PlyProperty;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("the name of a property")
             }
 
-            fn visit_bytes<E: Error>(self, name: &[u8]) -> Result<Self::Value, E> {
-                Ok(Name(T::of(name)))
+            fn visit_bytes<E: Error>(self, name: &[u8]) -> Result<PlyProperty, E> {
+                let is_corners = CORNERS.iter().any(|known| known.as_bytes() == name);
+                let other = if is_corners { PlyProperty::Corners } else { PlyProperty::Other };
+                Ok(column(name).map_or(other, PlyProperty::Column))
             }
         }
 
-        deserializer.deserialize_identifier(Bytes(std::marker::PhantomData))
+        deserializer.deserialize_identifier(Name)
     }
 }
 
 impl Row for Vertex {
     fn read<'de, A: MapAccess<'de>>(mut cells: A) -> Result<Self, A::Error> {
         let mut row = Self::default();
-        while let Some(Name(column)) = cells.next_key::<Name<Option<usize>>>()? {
-            match column {
-                Some(column @ PLACED..) => row.color.get_or_insert_default()[column - PLACED] = cells.next_value()?,
-                Some(column) => row.placed[column] = cells.next_value()?,
-                None => drop(cells.next_value::<IgnoredAny>()?),
+        while let Some(property) = cells.next_key()? {
+            match property {
+                PlyProperty::Column(column @ PLACED..) => {
+                    row.color.get_or_insert_default()[column - PLACED] = cells.next_value()?;
+                }
+                PlyProperty::Column(column) => row.placed[column] = cells.next_value()?,
+                PlyProperty::Corners | PlyProperty::Other => drop(cells.next_value::<IgnoredAny>()?),
             }
         }
         Ok(row)
@@ -185,27 +176,16 @@ impl Row for Vertex {
 }
 
 /// The list of corners of a row.
-fn read_corners<'de, T: Deserialize<'de>, A: MapAccess<'de>>(mut cells: A) -> Result<Vec<T>, A::Error> {
-    let mut corners = Vec::new();
-    while let Some(Name(is_corners)) = cells.next_key::<Name<bool>>()? {
-        if is_corners {
-            corners = cells.next_value()?;
-        } else {
-            cells.next_value::<IgnoredAny>()?;
+impl<T: DeserializeOwned> Row for Vec<T> {
+    fn read<'de, A: MapAccess<'de>>(mut cells: A) -> Result<Self, A::Error> {
+        let mut corners = Self::new();
+        while let Some(property) = cells.next_key()? {
+            match property {
+                PlyProperty::Corners => corners = cells.next_value()?,
+                PlyProperty::Column(_) | PlyProperty::Other => drop(cells.next_value::<IgnoredAny>()?),
+            }
         }
-    }
-    Ok(corners)
-}
-
-impl Row for Vec<u32> {
-    fn read<'de, A: MapAccess<'de>>(cells: A) -> Result<Self, A::Error> {
-        read_corners(cells)
-    }
-}
-
-impl Row for Vec<i64> {
-    fn read<'de, A: MapAccess<'de>>(cells: A) -> Result<Self, A::Error> {
-        read_corners(cells)
+        Ok(corners)
     }
 }
 
@@ -217,7 +197,7 @@ impl Row for Skipped {
 }
 
 /// Array that rows are appended to. The row count of the header reserves no memory.
-trait Collects: Default {
+pub(super) trait Collects: Default {
     type Row: Row;
     fn add(&mut self, row: Self::Row);
 }
@@ -254,60 +234,35 @@ impl Collects for TriangleStrips {
     }
 }
 
-impl Default for Skipped {
-    fn default() -> Self {
-        Self
-    }
-}
-
 impl Collects for Skipped {
     type Row = Self;
 
     fn add(&mut self, _: Self) {}
 }
 
-fn collect<'de, T: Collects, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
-    struct Rows<T>(std::marker::PhantomData<T>);
+/// All rows of an element.
+pub(super) struct Rows<T>(pub(super) T);
 
-    impl<'de, T: Collects> Visitor<'de> for Rows<T> {
-        type Value = T;
+impl<'de, T: Collects> Deserialize<'de> for Rows<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Collector<T>(PhantomData<T>);
 
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("the rows of an element")
-        }
+        impl<'de, T: Collects> Visitor<'de> for Collector<T> {
+            type Value = Rows<T>;
 
-        fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<T, A::Error> {
-            let mut all = T::default();
-            while let Some(Cells(row)) = rows.next_element::<Cells<T::Row>>()? {
-                all.add(row);
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the rows of an element")
             }
-            Ok(all)
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<Self::Value, A::Error> {
+                let mut all = T::default();
+                while let Some(Cells(row)) = rows.next_element()? {
+                    all.add(row);
+                }
+                Ok(Rows(all))
+            }
         }
-    }
 
-    deserializer.deserialize_seq(Rows(std::marker::PhantomData))
-}
-
-impl<'de> Deserialize<'de> for PlyVertices {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        collect(deserializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for FaceCorners {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        collect(deserializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for TriangleStrips {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        collect(deserializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for Skipped {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        collect(deserializer)
+        deserializer.deserialize_seq(Collector(PhantomData))
     }
 }

@@ -84,9 +84,8 @@ impl<'a> Objects<'a> {
         inherited: Option<&Assigned<'a>>,
         depth: u64,
     ) -> Vec<SceneNode> {
-        if depth > limits::NODE_DEPTH {
-            let reason = LoadErrorKind::too_large("the depth of the tree", depth, limits::NODE_DEPTH);
-            self.report.check::<()>(path, Err(reason));
+        let checked = LoadErrorKind::check_limit("the depth of the tree", depth, limits::NODE_DEPTH);
+        if self.report.check(path, checked).is_none() {
             return Vec::new();
         }
         nodes

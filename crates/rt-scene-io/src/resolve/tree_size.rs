@@ -16,14 +16,8 @@ pub(super) fn check(nodes: &[SceneNode], groups: &[Group]) -> Result<(), LoadErr
         sizes.push(size(&group.nodes, &sizes));
     }
     let TreeSize { depth, objects } = size(nodes, &sizes);
-    if depth > limits::NODE_DEPTH {
-        Err(LoadErrorKind::too_large("the depth of the tree, with expanded instances,", depth, limits::NODE_DEPTH))
-    } else if objects > limits::OBJECTS {
-        let what = "the number of objects, with expanded instances,";
-        Err(LoadErrorKind::too_large(what, objects, limits::OBJECTS))
-    } else {
-        Ok(())
-    }
+    LoadErrorKind::check_limit("the depth of the tree, with expanded instances,", depth, limits::NODE_DEPTH)?;
+    LoadErrorKind::check_limit("the number of objects, with expanded instances,", objects, limits::OBJECTS)
 }
 
 fn size(nodes: &[SceneNode], groups: &[TreeSize]) -> TreeSize {

@@ -24,7 +24,6 @@ const COMMENT: usize = 80;
 /// Bytes of a facet: a normal, three corners, two bytes for whatever programs like.
 const FACET: u64 = 50;
 
-/// Loads the file at `path`.
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| load_bytes(bytes, path))
 }

@@ -10,7 +10,6 @@ pub(crate) struct Token<'a> {
     pub(crate) kind: TokenKind<'a>,
 }
 
-/// Kind of a token.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum TokenKind<'a> {
     /// A keyword or a number.

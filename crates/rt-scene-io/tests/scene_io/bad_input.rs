@@ -6,7 +6,6 @@ use std::path::Path;
 use rt_scene_io::format::{parse_json, parse_ron};
 use rt_scene_io::{LoadOptions, load, resolve};
 
-/// Error of a scene in RON.
 fn error(ron: &str) -> String {
     let path = Path::new("scene.ron");
     match parse_ron(ron, path) {
@@ -200,70 +199,6 @@ fn deep_nesting_is_refused_without_a_stack_overflow() {
     let ron = format!("(nodes: [{}{}])", "(children: [".repeat(60), "])".repeat(60));
     let file = parse_ron(&ron, Path::new("scene.ron")).unwrap();
     resolve(&file, Path::new("scene.ron"), &LoadOptions::default()).unwrap();
-}
-
-#[test]
-fn instances_that_multiply_without_end_are_refused() {
-    let mut groups = String::from("\"g0\": [(shape: sphere())],");
-    for level in 1..12 {
-        let instance = format!("(instance: \"g{}\"),", level - 1);
-        groups.push_str(&format!("\"g{level}\": [{}],", instance.repeat(10)));
-    }
-    let text = error(&format!("(nodes: [(instance: \"g11\")], groups: {{{groups}}})"));
-    assert_eq!(
-        text,
-        "scene.ron: nodes: the number of objects, with expanded instances, is 100000000000, above the limit of 2147483647"
-    );
-}
-
-/// Error of a file with this name and content.
-fn file_error(name: &str, content: &[u8]) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    fs::write(&path, content).unwrap();
-    let error = load(&path, &LoadOptions::default()).expect_err(name).to_string();
-    error.replace(&folder.path().display().to_string(), "")
-}
-
-#[test]
-fn files_that_are_no_scenes() {
-    assert_eq!(file_error("a.ron", b""), "/a.ron: is empty (0 bytes)");
-    assert_eq!(
-        file_error("a.ron", b"(nodes: \xff[])"),
-        "/a.ron: is not UTF-8 text: the byte at offset 8 is invalid; save it as UTF-8"
-    );
-    assert!(file_error("a.ron", b"(nodes: \0[])").starts_with("/a.ron:1:9: "));
-    assert!(file_error("a.xyz", b"x").contains("known are"));
-    assert!(file_error("scene", b"x").contains("known are"));
-    let folder = tempfile::tempdir().unwrap();
-    let of = |path: &Path| load(path, &LoadOptions::default()).unwrap_err().to_string();
-    let missing = of(&folder.path().join("none.ron"));
-    assert!(missing.contains("none.ron: cannot be read: No such file"), "{missing}");
-    let sub = folder.path().join("sub.ron");
-    fs::create_dir(&sub).unwrap();
-    assert!(of(&sub).contains("is not a regular file; "));
-    #[cfg(unix)]
-    {
-        let device = folder.path().join("zero.ron");
-        std::os::unix::fs::symlink("/dev/zero", &device).unwrap();
-        assert!(of(&device).contains("is not a regular file; "));
-    }
-}
-
-#[test]
-fn byte_order_mark_and_windows_line_ends_are_fine() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.ron");
-    fs::write(&path, "\u{feff}(\r\n    nodes: [(shape: sphere())],\r\n)\r\n").unwrap();
-    assert_eq!(load(&path, &LoadOptions::default()).unwrap().nodes.len(), 1);
-}
-
-#[test]
-fn a_scene_cut_off_anywhere_is_refused() {
-    let whole = include_str!("../../../../scenes/gallery/three_lines.ron").trim_end();
-    for (length, _) in whole.char_indices() {
-        assert!(parse_ron(&whole[..length], Path::new("scene.ron")).is_err(), "{}", &whole[..length]);
-    }
 }
 
 #[test]

@@ -127,17 +127,6 @@ fn a_gltf_scene_without_nodes_is_empty() {
 }
 
 #[test]
-fn an_animated_gltf_file_at_no_time_is_warned_of() {
-    let text =
-        "{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [{}], \"animations\": [{\"channels\": [], \"samplers\": []}]}";
-    let said = loaded(&[("a.gltf", text.as_bytes())]);
-    // An animation without channels is refused or warned of, as any animation is.
-    if let Ok(scene) = said {
-        assert!(scene.warnings.iter().any(|warning| warning.message.contains("no time is given")));
-    }
-}
-
-#[test]
 fn files_in_utf_16_are_named_as_such() {
     let gltf = "{\"asset\": {\"version\": \"2.0\"}}";
     let stl = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";

@@ -21,7 +21,6 @@ use table::{CornellResult, CornellResults};
 
 const SCENE: &str = "scenes/lecture/cornell.ron";
 
-/// Options of `bench cornell`.
 #[derive(Debug, clap::Args)]
 pub(super) struct CornellOptions {
     /// Linear reference image of the scene, of the same size and almost free of noise.

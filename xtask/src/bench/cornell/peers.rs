@@ -2,12 +2,10 @@
 
 use serde::Serialize;
 
-/// Source of the measurements.
 pub(super) const SOURCE: &str = "Mitsuba 3.9.1 (llvm_ad_rgb, independent samples, one thread) and Cycles (bpy 5.0.1, its own samples, \
     one thread) were measured in another run, on one core of an AMD EPYC (Zen 4): processor seconds of the render call, against the \
     same reference with the same pixels left out. Times of other runs compare only roughly.";
 
-/// A renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct CornellPeer {
     pub name: &'static str,

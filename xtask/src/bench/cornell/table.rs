@@ -23,7 +23,6 @@ pub(super) struct CornellResult {
     pub efficiency: f64,
 }
 
-/// All that was measured.
 #[derive(Debug, Serialize)]
 pub(super) struct CornellResults {
     pub processor: String,

@@ -14,7 +14,6 @@ use rt_math::{DVec3, Interval, Ray, Vec3};
 
 use crate::{error::TaskError, files};
 
-/// A ray as the file has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RayRecord {
     origin: [f32; 3],
@@ -32,7 +31,6 @@ impl RayRecord {
     }
 }
 
-/// A hit as the file has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HitRecord {
     pub t: f32,
@@ -40,7 +38,6 @@ pub(super) struct HitRecord {
 }
 
 impl HitRecord {
-    /// No hit.
     pub(super) const MISS: Self = Self { t: f32::INFINITY, triangle: u32::MAX };
     /// A blocked shadow ray.
     pub(super) const BLOCKED: Self = Self { t: 0.0, triangle: u32::MAX };
@@ -55,6 +52,13 @@ impl From<Option<Hit>> for HitRecord {
     #[inline]
     fn from(hit: Option<Hit>) -> Self {
         hit.map_or(Self::MISS, |hit| Self { t: hit.t as f32, triangle: hit.primitive })
+    }
+}
+
+impl From<bool> for HitRecord {
+    #[inline]
+    fn from(is_blocked: bool) -> Self {
+        if is_blocked { Self::BLOCKED } else { Self::MISS }
     }
 }
 

@@ -17,7 +17,6 @@ pub(super) struct Job {
     pub sets: Vec<RayFile>,
 }
 
-/// A set of rays.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct RayFile {
     pub kind: String,

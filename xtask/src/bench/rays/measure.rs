@@ -19,7 +19,6 @@ use crate::{bench::timing_stats::Spread, costs::RayAnswer, error::TaskError};
 /// Builds that take longer than this together are not repeated.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A mesh with its files.
 struct MeshScene<'j> {
     job: &'j Job,
     mesh: TriangleMesh,

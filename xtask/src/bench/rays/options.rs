@@ -7,7 +7,6 @@ use rt_accel::{AcceleratorKind, wide::Quality};
 
 use crate::bench::common::{accelerator, quality};
 
-/// Options of `bench rays`.
 #[derive(Debug, clap::Args)]
 pub(in crate::bench) struct RayOptions {
     /// Measure all SCENE.mesh with SCENE.KIND.rays in this directory, against SCENE.KIND.ref if it exists.

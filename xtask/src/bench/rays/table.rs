@@ -75,7 +75,6 @@ impl RayResult {
     }
 }
 
-/// All that was measured.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct RayResults {
     pub builds: Vec<BuildResult>,

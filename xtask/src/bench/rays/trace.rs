@@ -5,13 +5,11 @@ use rt_accel::{Accelerator, AcceleratorVisitor, AnyAccelerator, NoProbe};
 use rt_geometry::{Hit, TriangleMesh};
 use rt_math::{Interval, Ray};
 
-use super::files::{HitRecord, RayRecord};
-use crate::costs::RayAnswer;
+use super::files::RayRecord;
 
 /// Consecutive rays that a thread takes at a time, unless batches have a size of their own.
 const SHARE: usize = 4096;
 
-/// Query for each ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Query {
@@ -21,7 +19,6 @@ pub(super) enum Query {
     Occluded,
 }
 
-/// Method of tracing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Method {
     pub query: Query,
@@ -29,33 +26,10 @@ pub(super) struct Method {
     pub batch: Option<usize>,
 }
 
-/// Answer of a query, as far as it is kept.
-pub(super) trait Answer: Copy + Send {
-    fn closest(hit: Option<Hit>) -> Self;
-    fn occluded(is_blocked: bool) -> Self;
-}
+/// Answer of a query, as far as it is kept: made from the first hit, or from whether something blocks the ray.
+pub(super) trait Answer: Copy + Send + From<Option<Hit>> + From<bool> {}
 
-impl Answer for HitRecord {
-    #[inline]
-    fn closest(hit: Option<Hit>) -> Self {
-        hit.into()
-    }
-
-    #[inline]
-    fn occluded(is_blocked: bool) -> Self {
-        if is_blocked { Self::BLOCKED } else { Self::MISS }
-    }
-}
-
-impl Answer for RayAnswer {
-    fn closest(hit: Option<Hit>) -> Self {
-        Self::of_closest(hit)
-    }
-
-    fn occluded(is_blocked: bool) -> Self {
-        Self::of_occluded(is_blocked)
-    }
-}
+impl<A: Copy + Send + From<Option<Hit>> + From<bool>> Answer for A {}
 
 /// Answers `rays[i]` in `answers[i]`, on the threads of the current pool.
 pub(super) fn trace<A: Answer>(
@@ -86,24 +60,24 @@ impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
             (None, Query::Closest) => shares.for_each(|(rays, answers)| {
                 for (record, answer) in rays.iter().zip(answers) {
                     let (ray, span) = record.widen();
-                    *answer = A::closest(structure.closest(mesh, &ray, span, &mut NoProbe));
+                    *answer = structure.closest(mesh, &ray, span, &mut NoProbe).into();
                 }
             }),
             (None, Query::Occluded) => shares.for_each(|(rays, answers)| {
                 for (record, answer) in rays.iter().zip(answers) {
                     let (ray, span) = record.widen();
-                    *answer = A::occluded(structure.occluded(mesh, &ray, span, &mut NoProbe));
+                    *answer = structure.occluded(mesh, &ray, span, &mut NoProbe).into();
                 }
             }),
             (Some(_), Query::Closest) => shares.for_each_init(Batch::default, |batch, (rays, answers)| {
                 batch.fill(rays, None);
                 structure.closest_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
-                batch.store(answers, A::closest);
+                batch.store(answers);
             }),
             (Some(_), Query::Occluded) => shares.for_each_init(Batch::default, |batch, (rays, answers)| {
                 batch.fill(rays, false);
                 structure.occluded_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
-                batch.store(answers, A::occluded);
+                batch.store(answers);
             }),
         }
     }
@@ -129,9 +103,9 @@ impl<F: Copy> Batch<F> {
         self.found.resize(records.len(), nothing);
     }
 
-    fn store<A>(&self, answers: &mut [A], answer: impl Fn(F) -> A) {
+    fn store<A: From<F>>(&self, answers: &mut [A]) {
         for (to, found) in answers.iter_mut().zip(&self.found) {
-            *to = answer(*found);
+            *to = (*found).into();
         }
     }
 }

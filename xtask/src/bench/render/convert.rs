@@ -10,7 +10,6 @@ use rt_scene_io::format::{
 use super::exchange_scene;
 use crate::{error::TaskError, files};
 
-/// The files to convert.
 #[derive(Debug, clap::Args)]
 pub(in crate::bench) struct ConvertOptions {
     /// JSON scene description.
@@ -27,7 +26,6 @@ pub(in crate::bench) fn run(options: &ConvertOptions) -> Result<(), TaskError> {
     files::write(&options.to, text)
 }
 
-/// The scene file.
 fn convert(scene: exchange_scene::ExchangeScene) -> SceneFile {
     let mut lights = vec![Light::Ambient(Color::from_rgb(scene.ambient))];
     lights.extend(scene.lights.iter().filter_map(light));

@@ -17,7 +17,6 @@ pub(super) struct Outline {
     pub spp: u64,
 }
 
-/// A scene.
 #[derive(Debug, Deserialize)]
 pub(super) struct ExchangeScene {
     pub name: String,

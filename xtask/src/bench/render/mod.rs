@@ -31,7 +31,6 @@ use table::{RenderResult, RenderResults};
 /// A run that takes longer than this has gone wrong.
 const TIMEOUT: Duration = Duration::from_secs(600);
 
-/// Options of `bench render`.
 #[derive(Debug, clap::Args)]
 pub(super) struct RenderOptions {
     /// Render the scene descriptions `*.json` of this directory.
@@ -80,7 +79,6 @@ fn descriptions(options: &RenderOptions) -> Result<Vec<PathBuf>, TaskError> {
     Ok(paths)
 }
 
-/// Renders a scene and measures it.
 fn scene(program: &Program, description: &Path, options: &RenderOptions) -> Result<RenderResult, TaskError> {
     let outline: Outline = exchange_scene::read(description)?;
     let name = outline.name.clone();

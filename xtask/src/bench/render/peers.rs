@@ -9,7 +9,6 @@ pub(super) struct Peer {
     pub cpu_seconds: f64,
 }
 
-/// Source of the measurements.
 pub(super) const SOURCE: &str = "Of POV-Ray 3.7.0.10, Tachyon 0.99b6, Mitsuba 3.9.1 (scalar_rgb, llvm_ad_rgb) and Cycles \
     (bpy 5.0.1) the fastest: processor seconds of the whole process on one core of an AMD EPYC (Zen 4), median of three. \
     That was another run, so times compare only roughly.";
@@ -25,7 +24,6 @@ const FASTEST: [Peer; 6] = [
     Peer { scene: "balls", renderer: "Cycles", cpu_seconds: 5.03 },
 ];
 
-/// The fastest on this scene.
 pub(super) fn fastest(scene: &str) -> Option<Peer> {
     FASTEST.into_iter().find(|peer| peer.scene == scene)
 }

@@ -14,7 +14,6 @@ use crate::{
     table::Table,
 };
 
-/// One scene.
 #[derive(Debug, Serialize)]
 pub(super) struct RenderResult {
     pub scene: String,
@@ -33,7 +32,6 @@ pub(super) struct RenderResult {
     pub image: PathBuf,
 }
 
-/// All that was measured.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct RenderResults {
     pub scenes: Vec<RenderResult>,

@@ -187,7 +187,6 @@ pub(super) fn check_image(
     })
 }
 
-/// One sample of the irradiance.
 pub(super) fn irradiance_from(light: &Light, receiver: &Receiver, u: [f64; 2]) -> f64 {
     let sample = light.sample_li(receiver.point, u);
     sample.map_or(0.0, |s| s.radiance.g * s.direction.dot(receiver.normal).max(0.0) / s.pdf)

@@ -7,7 +7,7 @@ use rt_math::transcendental::{acos, atan, sincos, tan};
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible, cases, closed_form,
+    Case, Checks, Conditions, Fallible, cases, closed_form,
     estimate::{Estimate, MOST},
     test_image::{DARK, TestImage},
 };
@@ -70,12 +70,11 @@ fn hold_all(checks: &mut Checks, conditions: &Conditions, what: &str, truth: f64
     })
 }
 
-fn coverage(conditions: &Conditions) -> CaseResult {
+fn coverage(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let ten = tan(10f64.to_radians());
     // The parts of a disk of radius .6 beyond the four sides.
     let beyond = 0.36 * acos(0.5 / 0.6) - 0.5 * 0.11f64.sqrt();
     let sphere = "sphere(center: (0.5, 0.5, -2), radius: 0.5)";
-    let mut checks = Checks::default();
     for (what, truth, image) in [
         ("y < x tan 10°", 0.5 * ten, half_plane(0.0, ten)?),
         ("y < .3 + .2 x", 0.4, half_plane(0.3, 0.2)?),
@@ -85,23 +84,21 @@ fn coverage(conditions: &Conditions) -> CaseResult {
         ("sphere in parallel light", FRAC_PI_4, emissive(UNIT_SQUARE, sphere, "")?),
         ("sphere at 4", PI / 60.0, sphere_aside(0.0)?),
     ] {
-        hold_all(&mut checks, conditions, what, truth, &image)?;
+        hold_all(checks, conditions, what, truth, &image)?;
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn off_axis(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn off_axis(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let angle = atan(0.5);
     let truth = 0.25 * closed_form::projected_sphere(0.25, angle);
-    hold_all(&mut checks, conditions, "sphere at 4, atan ½ aside", truth, &sphere_aside(angle)?)?;
-    Ok(checks)
+    hold_all(checks, conditions, "sphere at 4, atan ½ aside", truth, &sphere_aside(angle)?)?;
+    Ok(())
 }
 
-fn half_jittered(conditions: &Conditions) -> CaseResult {
+fn half_jittered(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let seeds = conditions.count(256, 1024);
     let image = left_of(1.0 / 3.0)?;
-    let mut checks = Checks::default();
     for pattern in [SamplerKind::HalfJittered, SamplerKind::Jittered] {
         let of_seed = |seed| image.mean(Integrator::Whitted, pattern, 16, seed);
         let name = pattern.name();
@@ -109,11 +106,11 @@ fn half_jittered(conditions: &Conditions) -> CaseResult {
         checks.note(format!("x < 1/3 by 16 {name} samples: z = {z:+.2}"));
         checks.check((z.abs() > MOST) == pattern.is_biased(), || format!("{name}: z = {z}"));
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// Its disk fills a square but for the corners.
-fn lambert_sphere(conditions: &Conditions) -> CaseResult {
+fn lambert_sphere(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let image = TestImage::of(&format!(
         "camera: {UNIT_SQUARE},
             lights: [directional(direction: (0, 0, -1))],
@@ -121,7 +118,6 @@ fn lambert_sphere(conditions: &Conditions) -> CaseResult {
             materials: {{\"chalk\": phong(diffuse: gray(0.8), ambient: gray(0))}},
             nodes: [(shape: sphere(center: (0.5, 0.5, -2), radius: 0.5), material: \"chalk\")],"
     ))?;
-    let mut checks = Checks::default();
-    hold_all(&mut checks, conditions, "π/4 · 2/3 · .8", FRAC_PI_4 * 2.0 / 3.0 * 0.8, &image)?;
-    Ok(checks)
+    hold_all(checks, conditions, "π/4 · 2/3 · .8", FRAC_PI_4 * 2.0 / 3.0 * 0.8, &image)?;
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use rt_math::DVec3;
 use rt_scene_io::Integrator;
 
-use super::{Case, CaseResult, Checks, Conditions, Fallible, area_light::tuple, cases, test_image::TestImage};
+use super::{Case, Checks, Conditions, Fallible, area_light::tuple, cases, test_image::TestImage};
 
 cases! {
     "S59", "a closed sphere and cubes of radiance 1 that reflect .5, .8 and .99",
@@ -71,49 +71,46 @@ impl Enclosure {
     }
 }
 
-fn closed(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn closed(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for enclosure in Enclosure::ALL {
         for (reflected, spp, depth) in [(0.5, [16, 256], 100), (0.8, [16, 256], 300), (0.99, [4, 64], 4000)] {
             let effort = [conditions.count(64, 256), conditions.count(spp[0], spp[1])];
             let (what, truth) = (format!("{enclosure:?} of {reflected}"), 1.0 / (1.0 - reflected));
-            enclosure.emissive(reflected, depth)?.hold(&mut checks, what, truth, PATH, effort)?;
+            enclosure.emissive(reflected, depth)?.hold(checks, what, truth, PATH, effort)?;
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// The light that is sampled at the last surface adds one bounce.
-fn truncated(conditions: &Conditions) -> CaseResult {
+fn truncated(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let effort = conditions.effort();
-    let mut checks = Checks::default();
     let mut truth = 1.0;
     for depth in 0..=4 {
         truth = 1.0 + 0.5 * truth;
         for enclosure in [Enclosure::Cube, Enclosure::Quads] {
             let what = format!("{enclosure:?}, depth {depth}");
-            enclosure.emissive(0.5, depth)?.hold(&mut checks, what, truth, PATH, effort)?;
+            enclosure.emissive(0.5, depth)?.hold(checks, what, truth, PATH, effort)?;
         }
     }
     // These two stop after one bounce of diffuse light, however deep they may go.
     for integrator in [Integrator::Direct, Integrator::Distributed] {
         let what = format!("cube, {}", integrator.name());
-        Enclosure::Cube.emissive(0.5, 7)?.hold(&mut checks, what, 1.5, (integrator, 1.0), effort)?;
+        Enclosure::Cube.emissive(0.5, 7)?.hold(checks, what, 1.5, (integrator, 1.0), effort)?;
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// The intensity of a classical light counts π times: I = π.
-fn lit_sphere(conditions: &Conditions) -> CaseResult {
+fn lit_sphere(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let area_light = "point(position: (0, 0, 0), falloff: inverse_square)";
-    let mut checks = Checks::default();
     for reflected in [0.5, 0.8] {
         for wall in ["phong(ambient: gray(0), diffuse", "diffuse(albedo"] {
             let image = Enclosure::Sphere.image(&format!("{wall}: gray({reflected}))"), area_light, 200)?;
             let kind = wall.split('(').next().unwrap_or_default();
             let (what, truth) = (format!("{kind} of {reflected}"), reflected / (1.0 - reflected));
-            image.hold(&mut checks, what, truth, PATH, conditions.effort())?;
+            image.hold(checks, what, truth, PATH, conditions.effort())?;
         }
     }
-    Ok(checks)
+    Ok(())
 }

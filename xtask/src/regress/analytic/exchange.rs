@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use rt_math::{DVec3, Sampler};
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible,
+    Case, Checks, Conditions, Fallible,
     area_light::{AreaLight, Receiver, check_image, irradiance_from},
     cases, closed_form,
     estimate::{hold, mean_of},
@@ -45,28 +45,25 @@ fn hold_square(
 /// The camera plane is below all lights, and above the ground where they touch it.
 const LIFT: f64 = 0.05;
 
-fn parallel_squares(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn parallel_squares(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for distance in [0.1, 1.0, 2.0, 10.0] {
         let what = format!("{distance} apart");
         let area_light = AreaLight::square(distance, 0.0);
-        hold_square(&mut checks, conditions, &what, &area_light, closed_form::parallel_squares(distance))?;
+        hold_square(checks, conditions, &what, &area_light, closed_form::parallel_squares(distance))?;
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn perpendicular_squares(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn perpendicular_squares(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     // It faces +x.
     let area_light = AreaLight::Quad(DVec3::new(-0.5, -0.5, 0.0), [DVec3::Y, DVec3::Z]);
-    hold_square(&mut checks, conditions, "along an edge", &area_light, closed_form::perpendicular_squares())?;
-    Ok(checks)
+    hold_square(checks, conditions, "along an edge", &area_light, closed_form::perpendicular_squares())?;
+    Ok(())
 }
 
 /// The images show the square around the receiver, of which it fills π/4.
-fn coaxial_disks(conditions: &Conditions) -> CaseResult {
+fn coaxial_disks(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let (seeds, spp) = (conditions.count(64, 256), conditions.count(256, 1024));
-    let mut checks = Checks::default();
     for distance in [1.0, 2.0] {
         let area_light = AreaLight::disk(1.0, distance, 0.0);
         let image = TestImage::of(&format!(
@@ -81,7 +78,7 @@ fn coaxial_disks(conditions: &Conditions) -> CaseResult {
             area_light.node("lamp"),
         ))?;
         let truth = FRAC_PI_4 * PI * closed_form::coaxial_disks(distance);
-        check_image(&mut checks, &format!("{distance} apart, π/4"), truth, &image, [seeds, spp])?;
+        check_image(checks, &format!("{distance} apart, π/4"), truth, &image, [seeds, spp])?;
     }
-    Ok(checks)
+    Ok(())
 }

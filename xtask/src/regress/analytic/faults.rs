@@ -12,7 +12,7 @@ use rt_shading::{
 };
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible,
+    Case, Checks, Conditions, Fallible,
     area_light::{ALBEDO, AreaLight, Receiver, irradiance_from},
     cases,
     enclosures::Enclosure,
@@ -28,7 +28,6 @@ cases! {
         "its slope is found to be that of another", "0.1 abs", lost_strata;
 }
 
-/// A fault and its truth.
 struct Fault {
     what: &'static str,
     truth: fn() -> f64,
@@ -73,9 +72,8 @@ fn two_lights() -> f64 {
     one_light() + other().irradiance(&GROUND)
 }
 
-fn faults(conditions: &Conditions) -> CaseResult {
+fn faults(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let seeds = conditions.count(64, 256);
-    let mut checks = Checks::default();
     for Fault { what, truth, estimate } in &FAULTS {
         let z = |is_wrong| {
             let found = Estimate::of_seeds(what, seeds, |seed| estimate(is_wrong, seed));
@@ -86,7 +84,7 @@ fn faults(conditions: &Conditions) -> CaseResult {
         checks.check(right.abs() <= MOST, || format!("the right twin of {what}: z = {right}"));
         checks.check(wrong.abs() > MOST, || format!("{what} is not found: z = {wrong}"));
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// Irradiance from an image of the changed light.
@@ -178,10 +176,9 @@ fn missing_bounce(is_wrong: bool, seed: u64) -> Fallible<f64> {
 }
 
 /// Random points in place of jittered ones.
-fn lost_strata(conditions: &Conditions) -> CaseResult {
+fn lost_strata(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const JITTERED: f64 = -0.75;
     let seeds = conditions.count(256, 1024);
-    let mut checks = Checks::default();
     for (pattern, is_wrong) in [(SamplerKind::Jittered, false), (SamplerKind::Random, true)] {
         let below = |[x, y]: [f64; 2]| if y < 0.3 + 0.2 * x { 1.0 } else { 0.0 };
         let slope = slope(&[16, 64, 256, 1024], |spp| {
@@ -191,7 +188,7 @@ fn lost_strata(conditions: &Conditions) -> CaseResult {
         checks.note(format!("{name}: slope {slope:.3}"));
         checks.check(((slope - JITTERED).abs() > TOLERANCE) == is_wrong, || format!("{name}: slope {slope}"));
     }
-    Ok(checks)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -204,7 +201,8 @@ mod tests {
         let workspace = Workspace::load().unwrap();
         let conditions = Conditions { full: false, workspace: &workspace };
         for case in CASES {
-            let checks = (case.run)(&conditions).unwrap();
+            let mut checks = Checks::default();
+            (case.run)(&conditions, &mut checks).unwrap();
             assert_eq!(checks.failed, 0, "{:?}", checks.problems);
         }
     }

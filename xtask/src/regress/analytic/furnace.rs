@@ -11,7 +11,7 @@ use rt_scene_io::{Background, Integrator};
 use rt_shading::{bsdf::PhongLobe, light::EnvironmentLight};
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible,
+    Case, Checks, Conditions, Fallible,
     area_light::tuple,
     cases,
     estimate::{Estimate, MOST, hold, mean_of},
@@ -109,10 +109,9 @@ impl Truth {
     }
 }
 
-fn furnace(conditions: &Conditions) -> CaseResult {
+fn furnace(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let [seeds, spp] = conditions.effort();
     let around = Background::Environment(Arc::new(EnvironmentLight::constant(Rgb::WHITE)?));
-    let mut checks = Checks::default();
     for (material, truth) in MATERIALS {
         let mut note = format!("{material}: z");
         for degrees in ANGLES {
@@ -141,13 +140,12 @@ fn furnace(conditions: &Conditions) -> CaseResult {
         }
         checks.note(note);
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// Every ray that goes into it comes out of it. Roulette would end one path in many thousands, and make the mean of few seeds
 /// lopsided.
-fn glass_sphere(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn glass_sphere(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for degrees in ANGLES {
         let aside = sin(degrees.to_radians());
         let target = TestImage::of(&format!(
@@ -158,15 +156,14 @@ fn glass_sphere(conditions: &Conditions) -> CaseResult {
                 materials: {{\"it\": glass(ior: {GLASS:?})}},
                 nodes: [(shape: sphere(radius: 1), material: \"it\")],"
         ))?;
-        target.hold(&mut checks, format_args!("{degrees}°"), 1.0, (Integrator::Path, 1.0), conditions.effort())?;
+        target.hold(checks, format_args!("{degrees}°"), 1.0, (Integrator::Path, 1.0), conditions.effort())?;
     }
-    Ok(checks)
+    Ok(())
 }
 
 const SHARP: PhongLobe = PhongLobe { reflectance: Rgb::WHITE, exponent: 1e6 };
 
-fn sharp(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn sharp(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let integral = sharp_integral();
     checks.limit(integral - 1.0, 1e-9, format_args!("∫ f cos θ = {integral:?}"));
     for degrees in ANGLES {
@@ -186,7 +183,7 @@ fn sharp(_: &Conditions) -> CaseResult {
         let behind = SHARP.eval(wo, DVec3::new(sin, 0.0, cos));
         checks.check(degrees == 0.0 || behind.g < 1e-100, || format!("{behind:?} towards the viewer at {degrees}°"));
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// ∫ f cos θ dω along the normal by Simpson's rule, over s = −(n + 2) ln cos θ: the integrand is e⁻ˢ.
@@ -205,16 +202,15 @@ fn sharp_integral() -> f64 {
 }
 
 /// By directions that are uniform, and by those of the lobe itself.
-fn lobes(conditions: &Conditions) -> CaseResult {
+fn lobes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let seeds = conditions.count(64, 512);
     let spp = conditions.count(1024, 4096) as u32;
-    let mut checks = Checks::default();
     for exponent in [1.0, 10.0, 100.0, 1000.0] {
         let lobe = PhongLobe { reflectance: Rgb::WHITE, exponent };
         // f is the power of the cosine, but for its factor.
         let power = |wi: DVec3| lobe.eval(DVec3::Z, wi).g * TAU / (exponent + 2.0);
         let truth = TAU / (exponent + 1.0);
-        hold(&mut checks, format_args!("n = {exponent}, uniform"), truth, seeds, |pattern, seed| {
+        hold(checks, format_args!("n = {exponent}, uniform"), truth, seeds, |pattern, seed| {
             Ok(mean_of(pattern, spp, seed, |sample| {
                 let [height, turn] = sample.next_2d();
                 let radius = ((1.0 - height) * (1.0 + height)).sqrt();
@@ -222,12 +218,12 @@ fn lobes(conditions: &Conditions) -> CaseResult {
                 TAU * power(DVec3::new(radius * cos, radius * sin, height))
             }))
         })?;
-        hold(&mut checks, format_args!("n = {exponent}, its own"), truth, seeds, |pattern, seed| {
+        hold(checks, format_args!("n = {exponent}, its own"), truth, seeds, |pattern, seed| {
             Ok(mean_of(pattern, spp, seed, |sample| {
                 let [u, v] = sample.next_2d();
                 lobe.sample(DVec3::Z, [0.5, u, v]).map_or(0.0, |found| power(found.wi) / found.pdf)
             }))
         })?;
     }
-    Ok(checks)
+    Ok(())
 }

@@ -10,7 +10,7 @@ use rt_scene_io::Integrator;
 use rt_shading::light::Light;
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible, Tolerance,
+    Case, Checks, Conditions, Fallible, Tolerance,
     area_light::{ALBEDO, AreaLight, Receiver, hold_irradiance},
     cases, closed_form,
     estimate::{hold, mean_of},
@@ -32,8 +32,7 @@ cases! {
 }
 
 /// A diffuse surface of the classical kind is as bright as its coefficient says, by any integrator.
-fn point_light(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn point_light(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for (what, look, height, truth) in [
         ("45° aside", DVec3::X, 1e-7, 0.125f64.sqrt()),
         ("over a square", DVec3::new(0.5, 0.5, 0.0), 1.0, closed_form::point_light_over_rectangle(1.0, 1.0, 1.0)),
@@ -47,21 +46,20 @@ fn point_light(conditions: &Conditions) -> CaseResult {
         ))?;
         for integrator in [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed] {
             let what = format!("{what}, {}", integrator.name());
-            image.hold(&mut checks, what, truth, (integrator, 1.0 / ALBEDO), conditions.effort())?;
+            image.hold(checks, what, truth, (integrator, 1.0 / ALBEDO), conditions.effort())?;
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn disks(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn disks(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for (what, height, aside) in
         [("1 above", 1.0, 0.0), ("2 above", 2.0, 0.0), ("1 above, 1 aside", 1.0, 1.0), ("2 above, 3 aside", 2.0, 3.0)]
     {
         let area_light = AreaLight::disk(1.0, height, aside);
-        hold_irradiance(&mut checks, conditions, what, &area_light, &Receiver::ground(0.5 * height))?;
+        hold_irradiance(checks, conditions, what, &area_light, &Receiver::ground(0.5 * height))?;
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// A sphere whose sine of half the angle is `s`, at a distance of 1, `degrees` from straight up.
@@ -70,8 +68,7 @@ fn sphere_at(s: f64, degrees: f64) -> AreaLight {
     AreaLight::Sphere { centre: DVec3::new(sin, 0.0, cos), radius: s }
 }
 
-fn spheres(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn spheres(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for (what, s, degrees) in [
         ("s = 1/3, above", 1.0 / 3.0, 0.0),
         ("s = 1/3 at 60°", 1.0 / 3.0, 60.0),
@@ -79,52 +76,49 @@ fn spheres(conditions: &Conditions) -> CaseResult {
         ("s = 1/2 at 80°", 0.5, 80.0),
         ("s = 1/2 at 100°", 0.5, 100.0),
     ] {
-        hold_irradiance(&mut checks, conditions, what, &sphere_at(s, degrees), &Receiver::ground(0.25))?;
+        hold_irradiance(checks, conditions, what, &sphere_at(s, degrees), &Receiver::ground(0.25))?;
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn polygons(conditions: &Conditions) -> CaseResult {
+fn polygons(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let triangle = AreaLight::Triangle([DVec3::Z, DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0)]);
     let tilted = Receiver { normal: DVec3::ONE.normalize(), ..Receiver::ground(0.25) };
     let ground = Receiver::ground(0.5);
-    let mut checks = Checks::default();
     for (what, area_light, receiver) in [
         ("square above", AreaLight::square(1.0, 0.0), ground),
         ("square above a corner", AreaLight::square(1.0, 0.5), ground),
         ("triangle", triangle, ground),
         ("triangle, tilted", triangle, tilted),
     ] {
-        hold_irradiance(&mut checks, conditions, what, &area_light, &receiver)?;
+        hold_irradiance(checks, conditions, what, &area_light, &receiver)?;
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn solid_angles(conditions: &Conditions) -> CaseResult {
+fn solid_angles(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let seeds = conditions.count(64, 256);
-    let mut checks = Checks::default();
     let cone = 2.0 * PI * (1.0 - 0.75f64.sqrt());
     for (what, area_light, truth) in
         [("cone of 30°", sphere_at(0.5, 0.0), cone), ("unit square", AreaLight::square(1.0, 0.0), 4.0 * asin(0.2))]
     {
         let light = area_light.light()?;
-        hold(&mut checks, what, truth, seeds, |pattern, seed| {
+        hold(checks, what, truth, seeds, |pattern, seed| {
             let inverse = |u| light.sample_li(DVec3::ZERO, u).map_or(0.0, |sample| 1.0 / sample.pdf);
             Ok(mean_of(pattern, 64, seed, |sample| inverse(sample.next_2d())))
         })?;
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn near_and_far(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn near_and_far(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for height in [1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6] {
         let area_light = AreaLight::square(height, 0.0);
         let receiver = Receiver::ground(0.5 * height);
-        hold_exact(&mut checks, height, &area_light)?;
-        hold_irradiance(&mut checks, conditions, &format!("{height:e} away"), &area_light, &receiver)?;
+        hold_exact(checks, height, &area_light)?;
+        hold_irradiance(checks, conditions, &format!("{height:e} away"), &area_light, &receiver)?;
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// Checks without samples: the closed form against that of rectangles above their corner (Howell C-4), and the solid
@@ -147,14 +141,13 @@ fn hold_exact(checks: &mut Checks, height: f64, area_light: &AreaLight) -> Falli
     Ok(())
 }
 
-fn touching(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn touching(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for (what, radius, aside) in
         [("under it", 1.0, 0.0), ("1e-3 aside", 1.0, 1e-3), ("1 aside", 1.0, 1.0), ("under a small one", 1e-3, 0.0)]
     {
         const GAP: f64 = 1e-6;
         let area_light = AreaLight::Sphere { centre: DVec3::new(aside, 0.0, radius + GAP), radius };
-        hold_irradiance(&mut checks, conditions, what, &area_light, &Receiver::ground(0.5 * GAP))?;
+        hold_irradiance(checks, conditions, what, &area_light, &Receiver::ground(0.5 * GAP))?;
     }
-    Ok(checks)
+    Ok(())
 }

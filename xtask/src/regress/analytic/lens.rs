@@ -6,7 +6,7 @@ use rt_math::transcendental::acos;
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, CaseResult, Checks, Conditions, cases,
+    Case, Checks, Conditions, Fallible, cases,
     test_image::{DARK, TestImage},
 };
 
@@ -20,13 +20,12 @@ const FOOTPRINT: f64 = 1e-5;
 
 /// A pixel much smaller than its circle of confusion shows the part of the circle next to the edge. The closed form is
 /// the area of a segment.
-fn depth_of_field(conditions: &Conditions) -> CaseResult {
+fn depth_of_field(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     // On film: the aperture times |z − z_f| / z times f / (z_f − f); the film lies f z_f / (z_f − f) behind the lens.
     let (focal_length, f_stop, focus, depth) = (0.05, 2.0, 2.0, 4.0);
     let confusion = focal_length / f_stop * (depth - focus) / depth * focal_length / (focus - focal_length);
     let film = focal_length * focus / (focus - focal_length);
     let fov = 2.0 * (FOOTPRINT * confusion / film / 2.0).to_degrees();
-    let mut checks = Checks::default();
     checks.limit(confusion * 1e3 - 0.320_512_820_5, 1e-10, "the circle of confusion in mm");
     for part in [-0.6, 0.0, 0.25, 0.5, 0.9f64] {
         // Of the circle as it is at the depth of the edge.
@@ -46,8 +45,8 @@ fn depth_of_field(conditions: &Conditions) -> CaseResult {
         let truth = (acos(part) - part * ((1.0 - part) * (1.0 + part)).sqrt()) / PI;
         for integrator in [Integrator::Distributed, Integrator::Path] {
             let what = format!("edge at {part} of the radius, {}", integrator.name());
-            image.hold(&mut checks, what, truth, (integrator, 1.0), conditions.effort())?;
+            image.hold(checks, what, truth, (integrator, 1.0), conditions.effort())?;
         }
     }
-    Ok(checks)
+    Ok(())
 }

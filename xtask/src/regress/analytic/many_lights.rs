@@ -10,7 +10,7 @@ use rt_shading::{
 };
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible,
+    Case, Checks, Conditions, Fallible,
     area_light::{AreaLight, Receiver, check_image},
     cases,
     test_image::TestImage,
@@ -23,7 +23,7 @@ cases! {
         "½ Σ Γᵢ · n where either is seen; finite, and an image", "5 σ", extreme;
 }
 
-fn many(conditions: &Conditions) -> CaseResult {
+fn many(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let receiver = Receiver::ground(0.05);
     let many_lights: Vec<AreaLight> = (0..50)
         .map(|i| {
@@ -41,14 +41,13 @@ fn many(conditions: &Conditions) -> CaseResult {
         &many_lights[0],
         many_lights[1..].iter().map(|area_light| area_light.node("lamp")).collect::<Vec<_>>().join(", "),
     );
-    let mut checks = Checks::default();
     for sampling in LightSampling::ALL {
         let mut image = first.scene(&receiver, 1e-9, &others)?;
         image.scene.settings.light_sampling = sampling;
         let effort = [conditions.count(64, 256), conditions.count(256, 1024)];
-        check_image(&mut checks, &format!("chosen by {}", sampling.name()), truth, &image, effort)?;
+        check_image(checks, &format!("chosen by {}", sampling.name()), truth, &image, effort)?;
     }
-    Ok(checks)
+    Ok(())
 }
 
 const STRONG: f64 = 1e30;
@@ -74,9 +73,8 @@ fn two(strong_is_seen: bool) -> Fallible<(TestImage, f64)> {
     Ok((image, WEAK * weak.irradiance(&receiver) + seen))
 }
 
-fn extreme(conditions: &Conditions) -> CaseResult {
+fn extreme(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let effort = conditions.effort();
-    let mut checks = Checks::default();
     for (strong_is_seen, samplings) in [
         (true, &LightSampling::ALL[..]),
         // By power alone the weak one is chosen once in 10⁶⁰ times.
@@ -86,11 +84,11 @@ fn extreme(conditions: &Conditions) -> CaseResult {
         for sampling in samplings {
             image.scene.settings.light_sampling = *sampling;
             let what = format!("{}, chosen by {}", if strong_is_seen { "both" } else { "weak" }, sampling.name());
-            check_image(&mut checks, &what, truth, &image, effort)?;
+            check_image(checks, &what, truth, &image, effort)?;
         }
-        developed(&mut checks, &mut image, if strong_is_seen { 255 } else { 0 })?;
+        developed(checks, &mut image, if strong_is_seen { 255 } else { 0 })?;
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// The film holds numbers, and the image is all bright or all dark.

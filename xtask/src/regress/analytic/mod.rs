@@ -10,7 +10,7 @@
 
 use super::{
     checks::{Checks, Tolerance},
-    suite::{self, Case, CaseResult, Conditions, Fallible, cases},
+    suite::{self, Case, Conditions, Fallible, cases},
     unit::Unit,
 };
 

@@ -2,7 +2,7 @@
 
 use rt_scene_io::Integrator;
 
-use super::{Case, CaseResult, Checks, Conditions, cases, test_image::TestImage};
+use super::{Case, Checks, Conditions, Fallible, cases, test_image::TestImage};
 
 cases! {
     "ambient-occlusion", "open ground, beside a sphere that rests on it, in a corner of walls",
@@ -12,14 +12,13 @@ cases! {
 const SPHERE: &str = "(shape: sphere(center: (0, 0, 1), radius: 1))";
 const WALL: &str = "(shape: plane(normal: (1, 0, 0)))";
 
-fn occlusion(conditions: &Conditions) -> CaseResult {
+fn occlusion(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let effort = [conditions.count(64, 512), conditions.count(64, 256)];
     // The sphere is seen at s = cos θ = 1 / √(1 + d²).
     let next_to_sphere = |d: f64| {
         let squared = 1.0 + d * d;
         1.0 - 1.0 / (squared * squared.sqrt())
     };
-    let mut checks = Checks::default();
     for (what, next_to_wall, distance, truth) in [
         ("open ground", "", 0.0, 1.0),
         ("½ from the sphere", SPHERE, 0.5, next_to_sphere(0.5)),
@@ -35,7 +34,7 @@ fn occlusion(conditions: &Conditions) -> CaseResult {
                 lights: [],
                 nodes: [(shape: plane(normal: (0, 0, 1))), {next_to_wall}],"
         ))?;
-        image.hold(&mut checks, what, truth, (Integrator::AmbientOcclusion, 1.0), effort)?;
+        image.hold(checks, what, truth, (Integrator::AmbientOcclusion, 1.0), effort)?;
     }
-    Ok(checks)
+    Ok(())
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rt_math::DVec3;
 
 use super::{
-    Case, CaseResult, Checks, Conditions,
+    Case, Checks, Conditions, Fallible,
     area_light::{AreaLight, Receiver, check_image, tuple},
     cases, closed_form,
 };
@@ -23,35 +23,32 @@ const RADIUS: f64 = 1e-5;
 /// Half way up to the light, things hide twice their size of it.
 const HALF_WAY: f64 = 0.5;
 
-fn penumbra(conditions: &Conditions) -> CaseResult {
-    let area_light = AreaLight::disk(RADIUS, 1.0, 0.0);
-    let receiver = Receiver::ground(0.25);
-    let effort = conditions.effort();
-    let mut checks = Checks::default();
+fn penumbra(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for cut in [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75] {
         let edge = HALF_WAY * cut * RADIUS;
         let corners = [[edge, -1.0], [edge, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
         let corners = corners.map(|[x, y]| tuple(DVec3::new(x, y, HALF_WAY))).join(", ");
         let hides = format!("(shape: polygon(points: [{corners}]), material: \"black\")");
-        let image = area_light.scene(&receiver, RADIUS * 1e-6, &hides)?;
-        let truth = area_light.irradiance(&receiver) * closed_form::cut_disk(cut);
-        check_image(&mut checks, &format!("cut at {cut}"), truth, &image, effort)?;
+        hold_share(checks, conditions, &format!("cut at {cut}"), &hides, closed_form::cut_disk(cut))?;
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn eclipse(conditions: &Conditions) -> CaseResult {
-    let area_light = AreaLight::disk(RADIUS, 1.0, 0.0);
-    let receiver = Receiver::ground(0.25);
-    let effort = conditions.effort();
-    let mut checks = Checks::default();
+fn eclipse(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for radius in [1.0, 0.5] {
         let (size, aside) = (HALF_WAY * radius * RADIUS, HALF_WAY * RADIUS);
         let place = format!("[rotate_x(90), translate({aside:?}, 0, {HALF_WAY:?})]");
         let hides = format!("(shape: disk(radius: {size:?}), transform: {place}, material: \"black\")");
-        let image = area_light.scene(&receiver, RADIUS * 1e-6, &hides)?;
-        let truth = area_light.irradiance(&receiver) * (1.0 - closed_form::lens(1.0, radius, 1.0) / PI);
-        check_image(&mut checks, &format!("behind a disk of {radius}"), truth, &image, effort)?;
+        let share = 1.0 - closed_form::lens(1.0, radius, 1.0) / PI;
+        hold_share(checks, conditions, &format!("behind a disk of {radius}"), &hides, share)?;
     }
-    Ok(checks)
+    Ok(())
+}
+
+/// Compares the irradiance with the share of it that a node leaves.
+fn hold_share(checks: &mut Checks, conditions: &Conditions, what: &str, hides: &str, share: f64) -> Fallible<()> {
+    let area_light = AreaLight::disk(RADIUS, 1.0, 0.0);
+    let receiver = Receiver::ground(0.25);
+    let image = area_light.scene(&receiver, RADIUS * 1e-6, hides)?;
+    check_image(checks, what, area_light.irradiance(&receiver) * share, &image, conditions.effort())
 }

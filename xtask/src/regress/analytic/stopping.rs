@@ -11,7 +11,7 @@ use rt_render::{PlanOptions, Progress, RenderPlan, Rendering, RunOptions, StopRu
 use rt_scene_io::Integrator;
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible, cases, coverage,
+    Case, Checks, Conditions, Fallible, cases, coverage,
     enclosures::Enclosure,
     estimate::{Estimate, MOST},
     test_image::TestImage,
@@ -31,7 +31,7 @@ cases! {
         "within the interval 94 times of 100", "α = 1 %", reached;
 }
 
-fn half_a_second(conditions: &Conditions) -> CaseResult {
+fn half_a_second(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let limit = Duration::from_millis(500);
     let path = conditions.workspace.root.join("scenes/lecture/cornell.ron");
     let scene = rt_scene_io::load(&path, &rt_scene_io::LoadOptions::default())?;
@@ -49,7 +49,6 @@ fn half_a_second(conditions: &Conditions) -> CaseResult {
     let taken = start.elapsed();
     // The last one shows in the end of the render only.
     longest = longest.max(began.elapsed());
-    let mut checks = Checks::default();
     checks.note(format!("{taken:.2?} with {passes} passes of at most {longest:.2?}"));
     checks.same(rendering.stopped, Stopped::Time, "what ended the render");
     checks.check(taken <= limit.mul_f64(1.05) + longest, || {
@@ -59,11 +58,11 @@ fn half_a_second(conditions: &Conditions) -> CaseResult {
     checks.check(pixels.iter().flatten().all(|value| value.is_finite()), || "a pixel is not finite".to_owned());
     let min = rendering.samples_per_pixel.min;
     checks.check(min > 0, || "a pixel has no sample".to_owned());
-    Ok(checks)
+    Ok(())
 }
 
 /// Share of means within the target error, tested against a binomial distribution over all scenes.
-fn target_error(conditions: &Conditions) -> CaseResult {
+fn target_error(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let relative = if conditions.full { 0.01 } else { 0.05 };
     let scenes = [
         ("y < .3 + .2 x", Integrator::Whitted, 0.4, coverage::half_plane(0.3, 0.2)?),
@@ -72,7 +71,6 @@ fn target_error(conditions: &Conditions) -> CaseResult {
         ("cube of .5", Integrator::Path, 2.0, Enclosure::Cube.emissive(0.5, 100)?),
         ("six quads of .5", Integrator::Path, 2.0, Enclosure::Quads.emissive(0.5, 100)?),
     ];
-    let mut checks = Checks::default();
     let (mut kept, mut tried) = (0.0, 0.0);
     for (what, integrator, truth, image) in scenes {
         for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
@@ -89,7 +87,7 @@ fn target_error(conditions: &Conditions) -> CaseResult {
     let min = expected - 2.326 * (expected * 0.06).sqrt();
     checks.note(format!("{kept} of {tried} kept {relative}"));
     checks.check(kept >= min, || format!("{kept} of {tried}, and not {min:.0}"));
-    Ok(checks)
+    Ok(())
 }
 
 /// True if the error of a render to this target is within it.
@@ -145,14 +143,13 @@ fn enclosure() -> Fallible<TestImage> {
 
 /// Images of one pixel, which alone controls the stopping, and of many pixels that share it. With stopping per pixel,
 /// the bias must be detected.
-fn bias(conditions: &Conditions) -> CaseResult {
+fn bias(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let small = conditions.count(400, 40_000);
     let large = conditions.count(8, 1500);
     let by_pixel = conditions.count(2000, 40_000);
     let corner = coverage::half_plane(0.0, 0.1)?;
     let edge = coverage::half_plane(0.3, 0.2)?;
     let enclosure = enclosure()?;
-    let mut checks = Checks::default();
     let scenes = [
         ("y < .1 x", Integrator::Whitted, 0.05, &corner),
         ("y < .3 + .2 x", Integrator::Whitted, 0.4, &edge),
@@ -186,14 +183,13 @@ fn bias(conditions: &Conditions) -> CaseResult {
     let (z, percent) = (found.z(0.05), 100.0 * (found.mean / 0.05 - 1.0));
     checks.note(format!("{name}: {percent:+.4} %, z {z:+.2}"));
     checks.check(z.abs() > MOST, || format!("{name}: z = {z:+.2}, and a bias is there to be found"));
-    Ok(checks)
+    Ok(())
 }
 
 /// The true relative error of a room, of which each pixel shows 2, lies within the interval of the estimate, and at the target.
-fn reached(conditions: &Conditions) -> CaseResult {
+fn reached(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let seeds = conditions.count(60, 2000);
     let enclosure = enclosure()?;
-    let mut checks = Checks::default();
     let (mut covered, mut tried) = (0.0, 0.0);
     for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
         let of_seed = |seed| -> Fallible<(bool, f64)> {
@@ -215,5 +211,5 @@ fn reached(conditions: &Conditions) -> CaseResult {
     let expected = 0.94 * tried;
     let min = expected - 2.326 * (expected * 0.06).sqrt();
     checks.check(covered >= min, || format!("{covered} of {tried}, and not {min:.0}"));
-    Ok(checks)
+    Ok(())
 }

@@ -8,7 +8,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray, transcendental::exp2};
 use rt_tests::{Draw, ShapeSet};
 
 use super::{
-    Case, CaseResult, Checks, Conditions, cases,
+    Case, Checks, Conditions, Fallible, cases,
     scenes::{all_structures, key},
 };
 
@@ -65,10 +65,10 @@ fn shallow(structures: &[AnyAccelerator], checks: &mut Checks) {
     }
 }
 
-fn nothing(conditions: &Conditions) -> CaseResult {
+fn nothing(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let set = ShapeSet::default();
     let structures = all_structures(&set)?;
-    Ok(Checks::of_all(conditions.count(2_000, 100_000), |index, checks| {
+    checks.of_all(conditions.count(2_000, 100_000), |index, checks| {
         let mut draw = Draw::of(37, index);
         let ray = Ray::new(draw.point(), draw.point() * draw.pick(&[0.0, 1.0, f64::INFINITY, f64::NAN]));
         for structure in &structures {
@@ -76,26 +76,25 @@ fn nothing(conditions: &Conditions) -> CaseResult {
             let blocked = structure.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
             checks.check(hit.is_none() && !blocked, || format!("{}: {hit:?}", structure.kind().name()));
         }
-    }))
+    });
+    Ok(())
 }
 
-fn one(conditions: &Conditions) -> CaseResult {
-    let mut all = Checks::default();
+fn one(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for shape in [sphere(DVec3::X, 0.7)?, solid(DVec3::NEG_ONE, DVec3::ONE)?] {
         let set = ShapeSet::of_shapes([shape]);
         let structures = all_structures(&set)?;
         let target = Aabb::new(DVec3::splat(-1.2), DVec3::splat(1.8));
-        all = all.and(Checks::of_all(conditions.count(5_000, 500_000), |index, checks| {
+        checks.of_all(conditions.count(5_000, 500_000), |index, checks| {
             agree(&structures, &set, &ray_at(&target, &mut Draw::of(38, index)), checks);
-        }));
+        });
     }
-    Ok(all)
+    Ok(())
 }
 
-fn identical(conditions: &Conditions) -> CaseResult {
+fn identical(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let count = conditions.count(100_000, 1_000_000) as usize;
     let set = ShapeSet::of_shapes(vec![sphere(DVec3::ONE, 0.5)?; count]);
-    let mut checks = Checks::default();
     let mut structures = Vec::new();
     for &kind in AcceleratorKind::ALL {
         let started = Instant::now();
@@ -105,7 +104,7 @@ fn identical(conditions: &Conditions) -> CaseResult {
         checks.check(seconds < BUILD_SECONDS, || format!("{}: built in {seconds:.1} s", kind.name()));
         structures.push(structure);
     }
-    shallow(&structures, &mut checks);
+    shallow(&structures, checks);
     for index in 0..10 {
         let mut draw = Draw::of(39, index);
         let origin = draw.direction() * 9.0;
@@ -115,10 +114,10 @@ fn identical(conditions: &Conditions) -> CaseResult {
             checks.same(first, Some(0), structure.kind().name());
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn powers_of_two(conditions: &Conditions) -> CaseResult {
+fn powers_of_two(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     // Boxes need not be as large as shapes must.
     let at = |i: i32| {
         let x = exp2(f64::from(-i));
@@ -127,18 +126,18 @@ fn powers_of_two(conditions: &Conditions) -> CaseResult {
     let boxes: Vec<Aabb> = (0..=1074).map(at).collect();
     let set = rt_accel::Boxes(&boxes);
     let structures = all_structures(&set)?;
-    let mut checks = Checks::of_all(conditions.count(1075 * 4, 1075 * 200), |index, checks| {
+    checks.of_all(conditions.count(1075 * 4, 1075 * 200), |index, checks| {
         let mut draw = Draw::of(40, index);
         let x = exp2(-((index % 1075) as f64));
         let aim = DVec3::new(x, draw.unit() * 1e-3 * x, 0.0);
         let direction = DVec3::new(draw.pick(&[0.0, -0.0, x, 0.1]), draw.pick(&[-1.0, -x]), draw.pick(&[0.0, 0.5]));
         agree(&structures, &set, &Ray::new(aim - direction, direction), checks);
     });
-    shallow(&structures, &mut checks);
-    Ok(checks)
+    shallow(&structures, checks);
+    Ok(())
 }
 
-fn flat(conditions: &Conditions) -> CaseResult {
+fn flat(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let side = 24;
     let corner = |i: usize, j: usize| {
         let place = |k: usize| 2.0 * k as f64 / side as f64 - 1.0;
@@ -152,7 +151,7 @@ fn flat(conditions: &Conditions) -> CaseResult {
     }
     let set = ShapeSet::of_shapes(shapes);
     let structures = all_structures(&set)?;
-    Ok(Checks::of_all(conditions.count(2_000, 200_000), |index, checks| {
+    checks.of_all(conditions.count(2_000, 200_000), |index, checks| {
         let mut draw = Draw::of(41, index);
         let aim = corner(draw.below(side + 1), draw.below(side + 1));
         let origin = match draw.below(4) {
@@ -163,10 +162,11 @@ fn flat(conditions: &Conditions) -> CaseResult {
         };
         let aim = if draw.one_in(2) { aim } else { aim + DVec3::new(draw.unit(), draw.unit(), 0.0) * 0.1 };
         agree(&structures, &set, &Ray::new(origin, aim - origin), checks);
-    }))
+    });
+    Ok(())
 }
 
-fn stadium(conditions: &Conditions) -> CaseResult {
+fn stadium(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let count = conditions.count(20_000, 1_000_000);
     let mut draw = Draw::new(42);
     let mut boxes = vec![Aabb::new(DVec3::splat(-5e5), DVec3::splat(5e5))];
@@ -184,7 +184,7 @@ fn stadium(conditions: &Conditions) -> CaseResult {
         if index.is_multiple_of(2) { ray_at(&crowd, &mut draw) } else { ray_at(&boxes[0], &mut draw) }
     };
     let count = conditions.count(100, 400);
-    let mut checks = Checks::of_all(count, |index, checks| {
+    checks.of_all(count, |index, checks| {
         agree(&structures, &set, &ray(index), checks);
     });
     let rays: Vec<Ray> = (0..count.min(50)).map(ray).collect();
@@ -196,11 +196,11 @@ fn stadium(conditions: &Conditions) -> CaseResult {
         let per_ray = (counters.total().nodes + counters.total().tests) as f64 / rays.len() as f64;
         checks.note(format!("{}: {per_ray:.0} nodes and primitives per ray", structure.kind().name()));
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// Rays along a face of a node's box, with an origin in the face or one step off it.
-fn split_planes(conditions: &Conditions) -> CaseResult {
+fn split_planes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let mut draw = Draw::new(43);
     let mut shapes = Vec::new();
     for index in 0..60 {
@@ -221,7 +221,7 @@ fn split_planes(conditions: &Conditions) -> CaseResult {
         planes.sort_by(f64::total_cmp);
         planes.dedup();
     }
-    let mut checks = Checks::of_all(conditions.count(20_000, 1_000_000), |index, checks| {
+    checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(43, index);
         let axis = draw.below(3);
         let mut origin = draw.point() * 2.0;
@@ -240,10 +240,10 @@ fn split_planes(conditions: &Conditions) -> CaseResult {
         agree(&structures, &set, &Ray::new(origin, direction), checks);
     });
     checks.note(format!("{} planes", planes.iter().map(Vec::len).sum::<usize>()));
-    Ok(checks)
+    Ok(())
 }
 
-fn cell_corners(conditions: &Conditions) -> CaseResult {
+fn cell_corners(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const CELLS: u32 = 256;
     let mut draw = Draw::new(44);
     let mut shapes = vec![solid(DVec3::ZERO, DVec3::splat(1.0 / 64.0))?, solid(DVec3::splat(63.0 / 64.0), DVec3::ONE)?];
@@ -257,24 +257,24 @@ fn cell_corners(conditions: &Conditions) -> CaseResult {
     let mut structures = all_structures(&set)?;
     let fine = UniformGrid::with_resolution(&set, [CELLS; 3])?;
     structures.push(AnyAccelerator::Grid(fine));
-    Ok(Checks::of_all(conditions.count(10_000, 1_000_000), |index, checks| {
+    checks.of_all(conditions.count(10_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(44, index);
         let through = DVec3::from([(); 3].map(|()| draw.below(CELLS as usize + 1) as f64)) / f64::from(CELLS);
         let direction = DVec3::from([(); 3].map(|()| draw.pick(&[1.0, -1.0, 1.0, -1.0, 0.0, 0.5, 2.0])));
         let back = draw.pick(&[2.0, 1.0, 0.5, 3.0 / 256.0]);
         agree(&structures, &set, &Ray::new(through - direction * back, direction), checks);
-    }))
+    });
+    Ok(())
 }
 
 /// An upright sheet in the middle of each cell, met in turn by a ray that is not aligned with anything.
-fn long_walk(_: &Conditions) -> CaseResult {
+fn long_walk(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const CELLS: u32 = 100_000;
     let at = |i: u32| DVec3::new(f64::from(i) + 0.5, (f64::from(i) + 0.5) * 1e-3, 0.0);
     let reach = DVec3::new(0.0, 0.05, 0.05);
     let sheets: Result<Vec<Shape>, _> = (0..CELLS).map(|i| solid(at(i) - reach, at(i) + reach)).collect();
     let set = ShapeSet::of_shapes(sheets?);
     let grid = UniformGrid::with_resolution(&set, [CELLS, 1, 1])?;
-    let mut checks = Checks::default();
     for direction in [DVec3::new(1.0, 1e-3, 0.0), DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2 * 1e-3, 0.0)] {
         for forwards in [true, false] {
             let direction = if forwards { direction } else { -direction };
@@ -293,10 +293,10 @@ fn long_walk(_: &Conditions) -> CaseResult {
             checks.check(nodes <= u64::from(CELLS) + 2, || format!("{nodes} cells were visited"));
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn lazy_threads(conditions: &Conditions) -> CaseResult {
+fn lazy_threads(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const THREADS: u64 = 64;
     let runs = conditions.count(8, 100);
     let mut draw = Draw::new(48);
@@ -310,7 +310,6 @@ fn lazy_threads(conditions: &Conditions) -> CaseResult {
     let alone = LazyBih::build(&set)?;
     let expected = ask(&alone, &mut rays.iter());
     let partly = alone.build_stats();
-    let mut checks = Checks::default();
     for run in 0..runs {
         let structure = LazyBih::build(&set)?;
         // Each thread starts elsewhere in the same list, and so comes to the same nodes in another order.
@@ -335,5 +334,5 @@ fn lazy_threads(conditions: &Conditions) -> CaseResult {
     }
     alone.complete();
     checks.note(format!("{} nodes of {} were split", partly.nodes, alone.build_stats().nodes));
-    Ok(checks)
+    Ok(())
 }

@@ -5,7 +5,7 @@ use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Plane, Shape};
 use rt_math::{DVec3, Interval, Ray, float::UNIT_ROUNDOFF};
 use rt_tests::{Draw, ShapeSet};
 
-use super::{Case, CaseResult, Checks, Conditions, Tolerance, cases, scenes::all_structures};
+use super::{Case, Checks, Conditions, Fallible, Tolerance, cases, scenes::all_structures};
 
 cases! {
     "S11", "the diagonal of a box", "t = 1 on face x, then 2", "bits", diagonal;
@@ -25,8 +25,7 @@ fn seen(solid: &Cuboid, ray: &Ray, span: Interval) -> Option<(f64, DVec3)> {
     Some((hit.t, solid.surface(ray, &hit, InteractionFlags::ALL).geometric_normal))
 }
 
-fn diagonal(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn diagonal(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let solid = unit_box()?;
     let ray = Ray::new(DVec3::NEG_ONE, DVec3::ONE);
     checks.same(seen(&solid, &ray, Interval::FORWARD), Some((1.0, DVec3::NEG_X)), "entry");
@@ -37,11 +36,10 @@ fn diagonal(_: &Conditions) -> CaseResult {
         Some(1.0),
         "from behind",
     );
-    Ok(checks)
+    Ok(())
 }
 
-fn in_face_planes(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn in_face_planes(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let solid = unit_box()?;
     let t = |origin: [f64; 3], direction: [f64; 3]| {
         seen(&solid, &Ray::new(origin.into(), direction.into()), Interval::FORWARD).map(|(t, _)| t)
@@ -57,11 +55,10 @@ fn in_face_planes(_: &Conditions) -> CaseResult {
         checks.same(t([0.5, 0.5, 0.5], [zero, zero, 1.0]), Some(0.5), "from inside");
         checks.same(t([0.5, 0.5, 0.5], [zero, zero, zero]), None, "without a direction");
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn flat_boxes(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn flat_boxes(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for thickness in [0.0, 1e-300] {
         for axis in 0..3 {
             let mut max = DVec3::ONE;
@@ -79,25 +76,24 @@ fn flat_boxes(_: &Conditions) -> CaseResult {
             }
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn horizon(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn horizon(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let plane = Plane::new(DVec3::ZERO, DVec3::Z)?;
     let ray = Ray::new(DVec3::Z, DVec3::new(1.0, 0.0, -1e-12));
     let t = plane.intersect(&ray, Interval::FORWARD).map(|hit| hit.t);
     checks.hit(t, 1e12, Tolerance::Relative(2.0 * UNIT_ROUNDOFF), "t");
     let within = Ray::new(DVec3::ZERO, DVec3::X);
     checks.same(plane.intersect(&within, Interval::FORWARD), None, "within the plane");
-    Ok(checks)
+    Ok(())
 }
 
-fn coplanar(conditions: &Conditions) -> CaseResult {
+fn coplanar(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let plane = |point: DVec3| Plane::new(point, DVec3::Z).map(Shape::Plane);
     let set = ShapeSet::of_shapes([plane(DVec3::ZERO)?, plane(DVec3::ZERO)?]);
     let structures = all_structures(&set)?;
-    Ok(Checks::of_all(conditions.count(20_000, 1_000_000), |index, checks| {
+    checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(15, index);
         let origin = draw.point() * 10.0;
         let ray = Ray::new(origin, DVec3::new(draw.unit(), draw.unit(), -origin.z) * draw.between(0.1, 10.0));
@@ -105,5 +101,6 @@ fn coplanar(conditions: &Conditions) -> CaseResult {
             let first = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe).map(|hit| hit.primitive);
             checks.same(first, Some(0), structure.kind().name());
         }
-    }))
+    });
+    Ok(())
 }

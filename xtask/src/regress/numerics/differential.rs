@@ -6,7 +6,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray, Transform};
 use rt_tests::{Draw, Seams, ShapeKind, ShapeSet, span_at};
 
 use super::{
-    Case, CaseResult, Checks, Conditions, cases,
+    Case, Checks, Conditions, Fallible, cases,
     scenes::{all_structures, key},
 };
 
@@ -23,51 +23,48 @@ const ALL_HITS_EVERY: u64 = 32;
 /// Shapes that can reach out of the unit cube by what they are scaled to.
 const AROUND: Aabb = Aabb::new(DVec3::splat(-1.4), DVec3::splat(1.4));
 
-fn every_shape(conditions: &Conditions) -> CaseResult {
+fn every_shape(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let random = conditions.count(2_000, 1_000_000);
     let adversarial = conditions.count(2_000, 100_000);
-    let mut all = Checks::default();
     for (index, kind) in ShapeKind::ALL.iter().enumerate() {
         let mut draw = Draw::of(33, index as u64);
         let set = ShapeSet::scattered(std::slice::from_ref(kind), 40, &Transform::IDENTITY, &mut draw);
         let seams = Seams::of(&set, AROUND, &mut draw).including(set.corners());
         let trial = RayTrial { set: &set, structures: all_structures(&set)?, seed: index as u64 };
-        let plain = Checks::of_all(random, |ray, checks| {
+        checks.of_all(random, |ray, checks| {
             let mut draw = Draw::of(trial.seed + 100, ray);
             trial.compare(ray, &seams.random(&mut draw), kind.name, &mut draw, checks);
         });
-        let hard = Checks::of_all(adversarial, |ray, checks| {
+        checks.of_all(adversarial, |ray, checks| {
             let mut draw = Draw::of(trial.seed + 200, ray);
             trial.compare(ray, &seams.adversarial(&mut draw), kind.name, &mut draw, checks);
         });
-        all = all.and(plain).and(hard);
     }
     let kinds = rt_accel::AcceleratorKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
     let shapes = ShapeKind::ALL.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ");
-    all.note(format!(
+    checks.note(format!(
         "{random} random and {adversarial} adversarial rays for each of: {kinds}; with each of: {shapes}"
     ));
-    Ok(all)
+    Ok(())
 }
 
-fn far_and_small(conditions: &Conditions) -> CaseResult {
+fn far_and_small(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let rays = conditions.count(4_000, 200_000);
     let direction = DVec3::new(1.0, -0.7, 0.3);
     let small = Transform::scale(DVec3::splat(1e-4))?;
     let moved = |distance: f64| Transform::translate(direction * distance);
     let places = [moved(0.0), moved(1e3), moved(1e5), moved(1e7), small, moved(1e3).compose(&small)];
-    let mut all = Checks::default();
     for (index, place) in places.iter().enumerate() {
         let mut draw = Draw::of(46, index as u64);
         let set = ShapeSet::scattered(ShapeKind::ALL, 130, place, &mut draw);
         let seams = Seams::of(&set, place.aabb(&AROUND), &mut draw).including(set.corners());
         let trial = RayTrial { set: &set, structures: all_structures(&set)?, seed: index as u64 };
-        all = all.and(Checks::of_all(rays, |ray, checks| {
+        checks.of_all(rays, |ray, checks| {
             let mut draw = Draw::of(trial.seed + 300, ray);
             trial.compare(ray, &seams.adversarial(&mut draw), "mixed", &mut draw, checks);
-        }));
+        });
     }
-    Ok(all)
+    Ok(())
 }
 
 /// Accelerators over one set of shapes.

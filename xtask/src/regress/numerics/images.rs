@@ -14,7 +14,7 @@ use rt_shading::{
     TextureId, Wrap,
 };
 
-use super::{Case, CaseResult, Checks, Conditions, Fallible, cases};
+use super::{Case, Checks, Conditions, Fallible, cases};
 
 cases! {
     "S36", "a smooth ball of 8×8 facets, lit from 80° aside",
@@ -61,7 +61,7 @@ fn faceted_sphere(around: u32, up: u32) -> Fallible<TriangleMesh> {
     Ok(TriangleMesh::build(MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() })?.0)
 }
 
-fn terminator(conditions: &Conditions) -> CaseResult {
+fn terminator(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let side = conditions.count(100, 400) as u32;
     let white = ColorTexture::Constant(Rgb::WHITE);
     let phong = Phong { ambient: ColorTexture::ZERO, diffuse: white, ..Phong::default() };
@@ -86,12 +86,11 @@ fn terminator(conditions: &Conditions) -> CaseResult {
     let covered = lit.alpha().map_or(0.0, |alpha| alpha.iter().map(|a| f64::from(*a)).sum());
     let mean = lit.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / covered;
     let truth = 2.0 / 3.0 * (sin + (PI - angle) * cos) / PI;
-    let mut checks = Checks::default();
     checks.limit(mean / truth - 1.0, 0.02, format_args!("mean {mean} instead of {truth}"));
     for (lit, bare) in lit.pixels().iter().zip(bare.pixels()) {
         checks.check(lit == bare, || format!("{lit:?} in shadow instead of {bare:?}"));
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// A scene file, smaller than it is.
@@ -104,8 +103,7 @@ pub(super) fn small(file: &Path, width: u32, spp: u32) -> Fallible<Scene> {
     Ok(scene)
 }
 
-fn one_checksum(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn one_checksum(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for file in conditions.workspace.files("scenes", ".ron")? {
         let (width, spp) = if conditions.full { (96, 4) } else { (24, 1) };
         let mut scene = small(&file, width, spp)?;
@@ -118,10 +116,10 @@ fn one_checksum(conditions: &Conditions) -> CaseResult {
             checks.same(film.checksum(), checksums[0], format_args!("{}, {}", scene.name, accel.name()));
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn nan_texels(conditions: &Conditions) -> CaseResult {
+fn nan_texels(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const SIDE: u32 = 16;
     let spp = conditions.count(4, 64) as u32;
     let mut pixels = vec![[0.5f32; 3]; (SIDE * SIDE) as usize];
@@ -143,19 +141,17 @@ fn nan_texels(conditions: &Conditions) -> CaseResult {
     scene.settings.spp = spp;
     scene.settings.pattern = SamplerKind::Grid;
     let rendering = RenderPlan::compile(&scene, &PlanOptions::default())?.render(&RunOptions::default(), |_| {})?;
-    let mut checks = Checks::default();
     checks.same(rendering.statistics.bad_samples, bad.len() as u64 * u64::from(spp), "bad samples");
     for (index, pixel) in rendering.film.pixels().iter().enumerate() {
         let is_bad = bad.iter().any(|(texel, _)| *texel == index);
         let expected = if is_bad { [0.0; 3] } else { [0.5; 3] };
         checks.same(*pixel, expected, format_args!("pixel {index}"));
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn extreme_sizes(_: &Conditions) -> CaseResult {
+fn extreme_sizes(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const LONG: u32 = 65_536;
-    let mut checks = Checks::default();
     for (width, height) in [(1, 1), (1, LONG), (LONG, 1)] {
         let sphere = Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.9)?));
         let mut scene = facing(width, height, SceneNode::new(sphere, MaterialId(0)), Phong::default());
@@ -186,5 +182,5 @@ fn extreme_sizes(_: &Conditions) -> CaseResult {
         let corner = RenderPlan::compile(&scene, &PlanOptions { crop, ..PlanOptions::default() })?;
         checks.same(corner.pixel(x, y), plan.pixel(x, y), "the last pixel");
     }
-    Ok(checks)
+    Ok(())
 }

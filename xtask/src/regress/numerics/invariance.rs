@@ -16,7 +16,7 @@ use rt_scene_io::Scene;
 use rt_shading::DeltaLightKind;
 use rt_tests::moved;
 
-use super::{Case, CaseResult, Checks, Conditions, Fallible, cases, images::small};
+use super::{Case, Checks, Conditions, Fallible, cases, images::small};
 
 cases! {
     "S80", "scene files scaled by 1e-3…1e3 and moved by 1e6",
@@ -57,8 +57,7 @@ impl PixelVerdict {
     }
 }
 
-fn invariance(conditions: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn invariance(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let mut ill_conditioned = 0;
     let (width, spp) = if conditions.full { (96, 4) } else { (16, 1) };
     for file in conditions.workspace.files("scenes", ".ron")? {
@@ -68,13 +67,13 @@ fn invariance(conditions: &Conditions) -> CaseResult {
             // Each bounce of a path multiplies earlier rounding errors; after a dozen bounces another wall is hit.
             scene.settings.depth = 0;
         }
-        ill_conditioned += compare(&scene, &mut checks)?;
+        ill_conditioned += compare(&scene, checks)?;
     }
     let tried = checks.tried;
     checks.note(format!("ill-conditioned: {ill_conditioned} of {tried} pixels"));
     checks
         .check(are_few(ill_conditioned, tried), || format!("{ill_conditioned} of {tried} pixels are ill-conditioned"));
-    Ok(checks)
+    Ok(())
 }
 
 const fn are_few(ill_conditioned: u64, pixels: u64) -> bool {

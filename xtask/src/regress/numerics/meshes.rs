@@ -1,7 +1,6 @@
 //! Triangles and meshes.
 
 use std::{
-    error::Error,
     f64::consts::TAU,
     sync::atomic::{AtomicU64, Ordering},
 };
@@ -14,7 +13,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform, float::UNIT_ROUNDO
 use rt_tests::{Draw, icosphere};
 
 use super::{
-    Case, CaseResult, Checks, Conditions, Fallible, cases,
+    Case, Checks, Conditions, Fallible, cases,
     exact::Dyadic,
     scenes::{all_structures, key},
 };
@@ -69,51 +68,56 @@ impl Primitives for Facets {
     }
 }
 
-fn closed_meshes(conditions: &Conditions) -> CaseResult {
+fn closed_meshes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const LEVELS: [u32; 5] = [1, 2, 3, 4, 5];
     let rays = conditions.count(100_000, 2_000_000);
-    let mut all = Checks::default();
     for levels in LEVELS {
         let (vertices, triangles) = icosphere(levels);
-        all = all.and(misses(&Facets { vertices, triangles }, DVec3::ZERO, 1.0, rays)?);
+        misses(&Facets { vertices, triangles }, DVec3::ZERO, 1.0, rays, checks)?;
     }
-    Ok(all)
+    Ok(())
 }
 
 /// Rays from around the centre that miss all triangles.
-fn misses(mesh: &Facets, centre: DVec3, scale: f64, rays: u64) -> CaseResult {
+fn misses(mesh: &Facets, centre: DVec3, scale: f64, rays: u64, checks: &mut Checks) -> Fallible<()> {
     let structure = Bvh::build(mesh)?;
-    Ok(Checks::of_all(rays, |index, checks| {
+    checks.of_all(rays, |index, checks| {
         let mut draw = Draw::of(23, index);
         let origin = centre + draw.point() * (0.4 * scale);
         let ray = Ray::new(origin, mesh.aim(&mut draw) - origin);
         let hit = structure.closest(mesh, &ray, Interval::FORWARD, &mut NoProbe);
         checks.check(hit.is_some(), || format!("centre {centre}, scale {scale:e}: {ray:?}"));
-    }))
+    });
+    Ok(())
 }
 
-fn closed_meshes_elsewhere(conditions: &Conditions) -> CaseResult {
+fn closed_meshes_elsewhere(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const OFFSETS: [f64; 6] = [0.0, 1.0, 1e2, 1e4, 1e6, 1e7];
     const SCALES: [f64; 3] = [1e-3, 1.0, 1e3];
     let rays = conditions.count(10_000, 300_000);
     let (sphere, triangles) = icosphere(2);
-    let mut all = Checks::default();
     for offset in OFFSETS {
         for scale in SCALES {
             let centre = DVec3::new(offset, offset * 0.75, -offset);
             let vertices = sphere.iter().map(|vertex| *vertex * scale + centre).collect();
-            all = all.and(misses(&Facets { vertices, triangles: triangles.clone() }, centre, scale, rays)?);
+            misses(&Facets { vertices, triangles: triangles.clone() }, centre, scale, rays, checks)?;
             let scaling = Transform::scale(DVec3::splat(scale))?;
             let turn = Transform::rotate(DVec3::new(0.3, 1.0, 0.6), 0.9)?;
             let place = Transform::translate(centre).compose(&turn).compose(&scaling);
-            all = all.and(misses_of_instance(&sphere, &triangles, &place, rays)?);
+            misses_of_instance(&sphere, &triangles, &place, rays, checks)?;
         }
     }
-    Ok(all)
+    Ok(())
 }
 
 /// Counts [`misses`] of a mesh with `f32` vertices under a transform, as in a scene.
-fn misses_of_instance(sphere: &[DVec3], triangles: &[[usize; 3]], place: &Transform, rays: u64) -> CaseResult {
+fn misses_of_instance(
+    sphere: &[DVec3],
+    triangles: &[[usize; 3]],
+    place: &Transform,
+    rays: u64,
+    checks: &mut Checks,
+) -> Fallible<()> {
     let data = MeshData {
         positions: sphere.iter().map(|vertex| vertex.as_vec3()).collect(),
         triangles: triangles.iter().map(|triangle| triangle.map(|vertex| vertex as u32)).collect(),
@@ -123,16 +127,17 @@ fn misses_of_instance(sphere: &[DVec3], triangles: &[[usize; 3]], place: &Transf
     let structure = Bvh::build(&mesh)?;
     let vertices = mesh.data().positions.iter().map(|vertex| place.point(vertex.as_dvec3())).collect();
     let world = Facets { vertices, triangles: triangles.to_vec() };
-    Ok(Checks::of_all(rays, |index, checks| {
+    checks.of_all(rays, |index, checks| {
         let mut draw = Draw::of(24, index);
         let origin = place.point(draw.point() * 0.4);
         let ray = Ray::new(origin, world.aim(&mut draw) - origin);
         let hit = structure.closest(&mesh, &place.inverse_ray(&ray), Interval::FORWARD, &mut NoProbe);
         checks.check(hit.is_some(), || format!("instance at {}: {ray:?}", place.translation()));
-    }))
+    });
+    Ok(())
 }
 
-fn fan(conditions: &Conditions) -> CaseResult {
+fn fan(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let count = conditions.count(20_000, 1_000_000) as usize;
     let rim = |i: usize| {
         let (sin, cos) = sincos(TAU * i as f64 / count as f64);
@@ -145,7 +150,6 @@ fn fan(conditions: &Conditions) -> CaseResult {
     };
     let structures = all_structures(&mesh)?;
     let mut tied = 0;
-    let mut checks = Checks::default();
     for index in 0..conditions.count(20, 40) {
         let mut draw = Draw::of(25, index);
         let origin = hub + draw.above(DVec3::Z, 0.3) * 2.0;
@@ -165,7 +169,7 @@ fn fan(conditions: &Conditions) -> CaseResult {
         }
     }
     checks.note(format!("{count} triangles; {tied} further hits at the same t"));
-    Ok(checks)
+    Ok(())
 }
 
 /// A square of three triangles below a triangle, with a corner in the middle of the edge that they share, off the line by
@@ -200,9 +204,9 @@ impl Junction {
     /// Checks that each ray hits the mesh or the triangle that closes it. Together they have no T-junction, and so no
     /// leak, if signs at shared edges are equal from both sides. Rays through the gap must be within roundings of the
     /// edge, by exact arithmetic, and there must be some.
-    fn hold(&self, rays: u64) -> Checks {
+    fn hold(&self, rays: u64, checks: &mut Checks) {
         let slipped = AtomicU64::new(0);
-        let mut checks = Checks::of_all(rays, |index, checks| {
+        checks.of_all(rays, |index, checks| {
             let ray = self.ray(index);
             if (0..self.mesh.len() as u32).any(|i| self.mesh.intersect(i, &ray, Interval::FORWARD).is_some()) {
                 return checks.check(true, String::new);
@@ -215,7 +219,6 @@ impl Junction {
         let slipped = slipped.into_inner();
         checks.check(slipped > 0, || "the gap lets nothing through".to_owned());
         checks.note(format!("{slipped} of {rays} rays at the edge slipped through a gap that rounding left"));
-        checks
     }
 }
 
@@ -236,23 +239,23 @@ fn distance(ray: &Ray, [a, b]: [DVec3; 2]) -> f64 {
     volume.to_f64().abs() / ray.direction.cross(b - a).length()
 }
 
-fn junctions(conditions: &Conditions) -> CaseResult {
-    Ok(Junction::new(0.0)?.hold(conditions.count(100_000, 10_000_000)))
+fn junctions(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
+    Junction::new(0.0)?.hold(conditions.count(100_000, 10_000_000), checks);
+    Ok(())
 }
 
-fn slivers(conditions: &Conditions) -> CaseResult {
-    let sliver = |length: f64, width: f64, turn: &Transform| -> Result<Triangle, Box<dyn Error + Send + Sync>> {
+fn slivers(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
+    let sliver = |length: f64, width: f64, turn: &Transform| -> Fallible<Triangle> {
         let corners = [DVec3::ZERO, DVec3::X * length, DVec3::new(0.5 * length, width, 0.0)];
         Ok(Triangle::new(corners.map(|corner| turn.point(corner)))?)
     };
-    let mut all = Checks::default();
     for (length, width) in [(1e6, 1e-6), (1.0, 1e-12), (1e-3, 1e-15), (1e12, 1.0)] {
         let turn = Transform::rotate(DVec3::new(0.2, -0.5, 0.9), 0.6)?;
         for place in [Transform::IDENTITY, turn] {
             let triangle = sliver(length, width, &place)?;
             let slack = DVec3::splat(1e-12 * length);
             let around = Aabb::new(triangle.bounds().min - slack, triangle.bounds().max + slack);
-            all = all.and(Checks::of_all(conditions.count(2_000, 100_000), |index, checks| {
+            checks.of_all(conditions.count(2_000, 100_000), |index, checks| {
                 let mut draw = Draw::of(27, index);
                 let aim = DVec3::new(draw.unit() * length, draw.between(-0.5, 1.5) * width, 0.0);
                 let from = match draw.below(3) {
@@ -269,10 +272,10 @@ fn slivers(conditions: &Conditions) -> CaseResult {
                     hit.t.is_finite() && around.contains(surface.point) && is_unit
                 });
                 checks.check(sound, || format!("{:?} for {ray:?}", triangle.intersect(&ray, Interval::FORWARD)));
-            }));
+            });
         }
     }
-    Ok(all)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -282,16 +285,21 @@ mod tests {
     /// Regression: rays through the gap were counted, and any number of them passed.
     #[test]
     fn a_crack_at_a_t_junction_is_found() {
-        let sound = Junction::new(0.0).unwrap().hold(20_000);
+        let held = |junction: Junction| {
+            let mut checks = Checks::default();
+            junction.hold(20_000, &mut checks);
+            checks
+        };
+        let sound = held(Junction::new(0.0).unwrap());
         assert_eq!(sound.failed, 0, "{:?}", sound.problems);
         for crack in [1e-13, 1e-9] {
-            let cracked = Junction::new(crack).unwrap().hold(20_000);
+            let cracked = held(Junction::new(crack).unwrap());
             assert!(cracked.failed > 1000, "{crack}: {} failed", cracked.failed);
         }
         // Without a gap, nothing would be tried.
         let mut closed = Junction::new(0.0).unwrap();
         closed.mesh.triangles.push([0, 1, 2]);
-        assert_eq!(closed.hold(20_000).problems, ["the gap lets nothing through"]);
+        assert_eq!(held(closed).problems, ["the gap lets nothing through"]);
     }
 
     #[test]

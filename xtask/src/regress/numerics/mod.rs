@@ -5,7 +5,7 @@
 
 use super::{
     checks::{Checks, FOUR_U, Tolerance},
-    suite::{self, Case, CaseResult, Conditions, Fallible, cases},
+    suite::{self, Case, Conditions, Fallible, cases},
     unit::Unit,
 };
 

@@ -11,7 +11,7 @@ use rt_shading::{
 };
 use rt_tests::{Draw, ShapeSet};
 
-use super::{super::shape_tracer::ShapeTracer, Case, CaseResult, Checks, Conditions, Tolerance, cases};
+use super::{super::shape_tracer::ShapeTracer, Case, Checks, Conditions, Fallible, Tolerance, cases};
 
 cases! {
     "S49", "a sphere of glass as dense as air", "the image without it", "bits", null_glass;
@@ -87,35 +87,36 @@ fn unit_sphere() -> Result<Shape, rt_geometry::ShapeError> {
 
 const SKY: Background = Background::Gradient { bottom: Rgb::gray(0.25), top: Rgb::gray(0.75) };
 
-fn null_glass(conditions: &Conditions) -> CaseResult {
+fn null_glass(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let (null, floor) = ((unit_sphere()?, body(1.0, true)), (slab(-3.0, -1.2)?, emissive(0.625, BARE)));
     let mirror = (slab(3.0, 4.0)?, mirror());
     let with = [floor.clone(), mirror.clone(), null];
     let without = [floor, mirror];
-    Ok(Checks::of_all(conditions.count(5_000, 200_000), |index, checks| {
+    checks.of_all(conditions.count(5_000, 200_000), |index, checks| {
         let mut draw = Draw::of(49, index);
         let origin = draw.direction() * 2.0;
         let ray = Ray::new(origin, draw.point() - origin);
         let [with, without] = [&with[..], &without].map(|shapes| look(shapes, SKY, 3, &ray).radiance.to_array());
         checks.same(with.map(f64::to_bits), without.map(f64::to_bits), format_args!("{ray:?}"));
-    }))
+    });
+    Ok(())
 }
 
-fn one_body(conditions: &Conditions) -> CaseResult {
+fn one_body(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let glass = || body(GLASS, true);
     let (one, two) = ([(slab(-1.0, 1.0)?, glass())], [(slab(-1.0, 0.3)?, glass()), (slab(-0.2, 1.0)?, glass())]);
-    Ok(Checks::of_all(conditions.count(2_000, 100_000), |index, checks| {
+    checks.of_all(conditions.count(2_000, 100_000), |index, checks| {
         let mut draw = Draw::of(50, index);
         let origin = DVec3::new(draw.between(-2.0, 2.0), 4.0, draw.between(-2.0, 2.0));
         let ray = Ray::new(origin, draw.point() * DVec3::new(1.0, 0.0, 1.0) - origin);
         let [one, two] = [&one[..], &two].map(|shapes| look(shapes, SKY, 6, &ray));
         checks.same(two.radiance, one.radiance, format_args!("{ray:?}"));
         checks.check(two.counts.passages > 0, || "no surface was passed".to_owned());
-    }))
+    });
+    Ok(())
 }
 
-fn critical_angle(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn critical_angle(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let critical = asin(1.0 / GLASS);
     for step in -100..=100 {
         let angle = critical + f64::from(step) * 1e-14;
@@ -127,11 +128,10 @@ fn critical_angle(_: &Conditions) -> CaseResult {
         let sound = refracted.is_none_or(|d| (d.length() - 1.0).abs() < 1e-14 && d.y <= 0.0);
         checks.check(sound, || format!("{refracted:?}"));
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn brewster(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn brewster(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for ior in [GLASS, 1.333, 2.4, 1.0 / GLASS] {
         let [perpendicular, parallel] = optics::polarised_fresnel(cos(atan(ior)), 1.0 / ior);
         checks.limit(parallel, 1e-30, format_args!("parallel, n = {ior}"));
@@ -139,11 +139,10 @@ fn brewster(_: &Conditions) -> CaseResult {
         let off = perpendicular - amplitude * amplitude;
         checks.check(off.abs() < 1e-15, || format!("perpendicular, n = {ior}: off by {off:e}"));
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn extreme_density(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn extreme_density(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for eta in [1e3, 1e-3] {
         let expected = (999.0 / 1001.0) * (999.0 / 1001.0);
         checks.near(expected, 0.996_007_988_0, Tolerance::Absolute(1e-10), "the formula");
@@ -153,11 +152,10 @@ fn extreme_density(_: &Conditions) -> CaseResult {
         let seen = look(&[(slab(-1e-9, 0.0)?, body(eta, true))], above, 0, &ray);
         checks.check(seen.radiance.is_finite(), || format!("radiance {:?}", seen.radiance));
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn paths(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn paths(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let tolerance = Tolerance::Absolute(1e-10);
     let ray = Ray::new(DVec3::new(-2.0, 3.0, 0.5), down(45.0));
     let Look { rays, .. } = look(&[(slab(0.0, 1.0)?, body(GLASS, false))], SKY, 9, &ray);
@@ -175,23 +173,21 @@ fn paths(_: &Conditions) -> CaseResult {
         let deviation = asin(last.direction.cross(ray.direction).length()).to_degrees();
         checks.near(deviation, 21.057_558_731_0, tolerance, "deviation");
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn plate(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn plate(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for (top, expected) in [(1.0, 0.076_923_076_9), (0.0, 0.923_076_923_1)] {
         let background = Background::Gradient { bottom: Rgb::gray(1.0 - top), top: Rgb::gray(top) };
         let ray = Ray::new(DVec3::Y * 3.0, DVec3::NEG_Y);
         let Look { radiance, .. } = look(&[(slab(0.0, 1.0)?, body(GLASS, true))], background, 60, &ray);
         checks.near(radiance.r, expected, Tolerance::Absolute(1e-10), "part of the light");
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// Walls that glow with 0.001 and mirror 0.999: after n bounces 1 − 0.999ⁿ⁺¹ is seen.
-fn mirror_box(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn mirror_box(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let walls = emissive(0.001, Phong { mirror: ColorTexture::Constant(Rgb::gray(0.999)), ..BARE });
     let mirrors = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5))?;
     for turn in 0..20 {
@@ -202,12 +198,11 @@ fn mirror_box(_: &Conditions) -> CaseResult {
         checks.near(left, 0.367_695_424_770_964_06, Tolerance::Absolute(1e-12), direction);
         checks.same(counts.depth_limited, 1, "reports of the depth");
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn facing_mirrors(_: &Conditions) -> CaseResult {
+fn facing_mirrors(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const DEPTH: u32 = 10_000;
-    let mut checks = Checks::default();
     let plane = |height: f64| Plane::new(DVec3::Y * height, DVec3::Y).map(|plane| (Shape::Plane(plane), mirror()));
     let ray = Ray::new(DVec3::Y * 0.5, down(1e-4));
     let Look { radiance, rays, counts } = look(&[plane(0.0)?, plane(1.0)?], SKY, DEPTH, &ray);
@@ -216,5 +211,5 @@ fn facing_mirrors(_: &Conditions) -> CaseResult {
     let travelled = rays.last().map_or(f64::NAN, |last| last.origin.x);
     let expected = (f64::from(DEPTH) - 0.5) * tan(1e-4f64.to_radians());
     checks.near(travelled, expected, Tolerance::Absolute(1e-9), "way along the mirrors");
-    Ok(checks)
+    Ok(())
 }

@@ -4,7 +4,7 @@ use rt_geometry::{InsideRule, Polygon, PolygonError};
 use rt_math::{DVec3, Interval, Ray, Transform, float::difference_of_products, transcendental::sincos};
 use rt_tests::Draw;
 
-use super::{Case, CaseResult, Checks, Conditions, cases, exact::Dyadic};
+use super::{Case, Checks, Conditions, Fallible, cases, exact::Dyadic};
 
 cases! {
     "S28", "the grid of Kettner et al. (2008) along a diagonal",
@@ -29,8 +29,7 @@ fn flat(x: f64, y: f64) -> DVec3 {
     DVec3::new(x, y, 0.0)
 }
 
-fn kettner(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn kettner(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let [near, far] = [12.0, 24.0].map(|x| flat(x, x));
     let [start, below, above] = [flat(-2.0, -2.0), flat(30.0, -5.0), flat(-5.0, 30.0)];
     let mut plain_wrong = 0;
@@ -49,14 +48,13 @@ fn kettner(_: &Conditions) -> CaseResult {
         }
     }
     checks.note(format!("the plain expression has {plain_wrong} wrong signs of 131072"));
-    Ok(checks)
+    Ok(())
 }
 
 /// Two random points in each cell of a grid: their difference gives the variance of the sum without bias.
-fn area(conditions: &Conditions) -> CaseResult {
+fn area(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let corners = [flat(0.0, 0.0), flat(4.0, 0.0), flat(4.0, 4.0), flat(2.0, 1.0), flat(0.0, 4.0)];
     let side = conditions.count(200, 708);
-    let mut checks = Checks::default();
     for rule in HALF_OPEN {
         let polygon = simple(&corners, rule)?;
         let cell = 4.0 / side as f64;
@@ -81,16 +79,15 @@ fn area(conditions: &Conditions) -> CaseResult {
         let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
         checks.same(polygon.intersect(&ray, Interval::FORWARD).is_some(), inside, format_args!("({x}, {y})"));
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn pentagram(_: &Conditions) -> CaseResult {
+fn pentagram(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let tip = |k: u32| {
         let (sin, cos) = sincos(std::f64::consts::TAU * f64::from(2 * k % 5) / 5.0);
         flat(cos, sin)
     };
     let tips: Vec<DVec3> = (0..5).map(tip).collect();
-    let mut checks = Checks::default();
     for (rule, middle) in [(InsideRule::Winding, Some(1.0)), (InsideRule::EvenOdd, None)] {
         let star = simple(&tips, rule)?;
         let t = |p: DVec3| star.intersect(&Ray::new(p + DVec3::Z, DVec3::NEG_Z), Interval::FORWARD).map(|hit| hit.t);
@@ -103,10 +100,10 @@ fn pentagram(_: &Conditions) -> CaseResult {
     }
     let refused = simple(&tips, InsideRule::Convex).is_err();
     checks.check(refused, || "a pentagram passes for convex".to_owned());
-    Ok(checks)
+    Ok(())
 }
 
-fn collinear(conditions: &Conditions) -> CaseResult {
+fn collinear(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const PER_SIDE: u32 = 25_000;
     let square = [flat(0.0, 0.0), flat(1.0, 0.0), flat(1.0, 1.0), flat(0.0, 1.0)];
     // Multiples of 1/32768 keep to the sides exactly.
@@ -115,10 +112,9 @@ fn collinear(conditions: &Conditions) -> CaseResult {
         (0..PER_SIDE).map(move |i| from + (to - from) * (f64::from(i) / 32_768.0))
     };
     let crowded: Vec<DVec3> = (0..4).flat_map(side).collect();
-    let mut all = Checks::default();
     for rule in [InsideRule::Convex, InsideRule::Winding, InsideRule::EvenOdd] {
         let (plain, crowded) = (simple(&square, rule)?, simple(&crowded, rule)?);
-        all = all.and(Checks::of_all(conditions.count(600, 20_000), |index, checks| {
+        checks.of_all(conditions.count(600, 20_000), |index, checks| {
             let mut draw = Draw::of(31, index);
             let on_side = draw.one_in(2);
             let x = if on_side { draw.pick(&[0.0, 1.0, 0.5, 1.0 / 32_768.0]) } else { draw.between(-0.1, 1.1) };
@@ -128,16 +124,15 @@ fn collinear(conditions: &Conditions) -> CaseResult {
             let ray = Ray::new(aim + DVec3::Z, DVec3::NEG_Z);
             let [expected, found] = [&plain, &crowded].map(|p| p.intersect(&ray, Interval::FORWARD).map(|hit| hit.t));
             checks.same(found, expected, format_args!("{rule:?} at {aim}"));
-        }));
+        });
     }
-    Ok(all)
+    Ok(())
 }
 
 /// In a tilted plane, at offsets up to 1e4.
-fn shared_edge(conditions: &Conditions) -> CaseResult {
+fn shared_edge(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let turn = Transform::rotate(DVec3::new(1.0, 0.4, -0.3), 0.7)?;
     let rays = conditions.count(40_000, 1_700_000);
-    let mut all = Checks::default();
     for offset in [0.0, 100.0, 1e4] {
         for rules in [HALF_OPEN, [InsideRule::Winding; 2]] {
             let place = |x: f64, y: f64| turn.point(flat(x, y)) + DVec3::new(offset, -offset, 0.7 * offset);
@@ -145,14 +140,14 @@ fn shared_edge(conditions: &Conditions) -> CaseResult {
             let left = simple(&[b, place(-2.0, 3.0), place(-1.0, 0.1), place(-3.0, -3.0), a], rules[0])?;
             let right = simple(&[a, place(2.0, -3.0), place(3.0, 2.5), b], rules[1])?;
             let pair = [left, right];
-            all = all.and(Checks::of_all(rays, |index, checks| {
+            checks.of_all(rays, |index, checks| {
                 let mut draw = Draw::of(32, index);
                 let aim = a.lerp(b, draw.between(0.01, 0.99));
                 let origin = aim + turn.vector(draw.above(DVec3::Z, 0.1)) * draw.pick(&[0.5, 2.0, 30.0]);
                 let ray = Ray::new(origin, aim - origin);
                 checks.same(owners(&pair, &ray), 1, format_args!("{ray:?}"));
-            }));
+            });
         }
     }
-    Ok(all)
+    Ok(())
 }

@@ -4,7 +4,7 @@ use rt_geometry::{Cylinder, DoubleCone, InfiniteCylinder, InteractionFlags, Shap
 use rt_math::{DVec3, Interval, Ray, transcendental::sincos};
 use rt_tests::Draw;
 
-use super::{Case, CaseResult, Checks, Conditions, FOUR_U, Tolerance, cases};
+use super::{Case, Checks, Conditions, FOUR_U, Fallible, Tolerance, cases};
 
 cases! {
     "S16", "cylinders from afar, thin, and nearly along the axis",
@@ -12,19 +12,20 @@ cases! {
     "S17", "rays parallel to a cylinder's axis", "caps to and including the rim; sides never", "bits", along_the_axis;
     "S18", "rays at a cylinder's rim, between side and cap", "one hit, there", "0 leaks", rim;
     "S19", "a ray along a cone's generator",
-        "t = 1.03125 alone", "bits", |_| cone(1.0, [-3.0, 0.5, 1.0], [1.0, 0.0, 1.0], &[1.03125], Tolerance::Bits);
+        "t = 1.03125 alone", "bits",
+        |_, checks| cone(1.0, [-3.0, 0.5, 1.0], [1.0, 0.0, 1.0], &[1.03125], Tolerance::Bits, checks);
     "S20", "a ray nearly along a cone's generator", "1.031249937572287, −33554432.03125", "4u",
-        |_| {
+        |_, checks| {
             let direction = [1.0, 0.0, 1.0 + 1.0 / 8_388_608.0];
             let roots = [-33_554_432.031_25, 1.031_249_937_572_287_4];
-            cone(1.0, [-3.0, 0.5, 1.0], direction, &roots, FOUR_U)
+            cone(1.0, [-3.0, 0.5, 1.0], direction, &roots, FOUR_U, checks)
         };
     "S21", "rays through the apex of a double cone", "one t, a finite normal against the ray", "4u", apex;
     "S22", "a thin cone of slope 1e-4, and one from afar", "0.9999, 1.0001; 999999.031754163", "4u",
-        |_| {
-            let thin = cone(1e-4, [-1.0, 0.0, 1.0], [1.0, 0.0, 0.0], &[0.9999, 1.0001], FOUR_U)?;
+        |_, checks| {
+            cone(1e-4, [-1.0, 0.0, 1.0], [1.0, 0.0, 0.0], &[0.9999, 1.0001], FOUR_U, checks)?;
             let roots = [999_999.031_754_163_4, 1_000_000.968_245_836_6];
-            Ok(thin.and(cone(1.0, [-1e6, 0.25, 1.0], [1.0, 0.0, 0.0], &roots, FOUR_U)?))
+            cone(1.0, [-1e6, 0.25, 1.0], [1.0, 0.0, 0.0], &roots, FOUR_U, checks)
         };
 }
 
@@ -53,12 +54,11 @@ fn compare(found: &[f64], expected: &[f64], tolerance: Tolerance, checks: &mut C
     }
 }
 
-fn far_cylinders(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn far_cylinders(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let mut try_one = |radius: f64, origin: [f64; 3], direction: [f64; 3], expected: [f64; 2]| {
         let ray = Ray::new(cyclic(origin), cyclic(direction));
         let cylinder = InfiniteCylinder::new(radius)?;
-        compare(&crossings(|span| cylinder.intersect(&ray, span)), &expected, FOUR_U, &mut checks);
+        compare(&crossings(|span| cylinder.intersect(&ray, span)), &expected, FOUR_U, checks);
         Ok::<(), rt_geometry::ShapeError>(())
     };
     let (far, other_side) = (999_999.133_974_596_3, 1_000_000.866_025_403_7);
@@ -66,11 +66,10 @@ fn far_cylinders(_: &Conditions) -> CaseResult {
     try_one(1.0, [0.5, 0.0, -10.0], [1e-8, 0.0, 1.0], [-149_999_999.999_999_997, 49_999_999.999_999_999])?;
     let (near, beyond) = (99.999_083_484_861, 100.000_916_515_139);
     try_one(1e-3, [-100.0, 0.0004, 0.0], [1.0, 0.0, 0.0], [near, beyond])?;
-    Ok(checks)
+    Ok(())
 }
 
-fn along_the_axis(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn along_the_axis(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let [closed, open] = [true, false].map(|caps| Cylinder::new(1.0, 0.0, 2.0, caps));
     let (closed, open, endless) = (closed?, open?, InfiniteCylinder::new(1.0)?);
     for (distance, on_caps) in [(0.0, true), (0.5, true), (1.0, true), (1f64.next_up(), false), (2.0, false)] {
@@ -83,13 +82,13 @@ fn along_the_axis(_: &Conditions) -> CaseResult {
             checks.same(endless.intersect(&ray, EVERYWHERE), None, &what);
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
 /// Rays that enter the solid at the rim: however the aim is rounded, the cap or the side is hit within rounding of it.
-fn rim(conditions: &Conditions) -> CaseResult {
+fn rim(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let cylinder = Cylinder::new(0.7, -0.3, 1.1, true)?;
-    Ok(Checks::of_all(conditions.count(50_000, 1_000_000), |index, checks| {
+    checks.of_all(conditions.count(50_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(18, index);
         let (sin, cos) = sincos(draw.between(0.0, std::f64::consts::TAU));
         let (height, up) = draw.pick(&[(1.1, 1.0), (-0.3, -1.0)]);
@@ -102,20 +101,26 @@ fn rim(conditions: &Conditions) -> CaseResult {
         checks.hit(t, 1.0, Tolerance::Absolute(1e-10), format_args!("towards {aim}"));
         let beyond = cylinder.intersect(&ray, Interval::new(1.0 + 1e-10, 1.0 + 1e-6));
         checks.check(beyond.is_none(), || format!("a second hit at {beyond:?}"));
-    }))
+    });
+    Ok(())
 }
 
-fn cone(slope: f64, origin: [f64; 3], direction: [f64; 3], expected: &[f64], tolerance: Tolerance) -> CaseResult {
+fn cone(
+    slope: f64,
+    origin: [f64; 3],
+    direction: [f64; 3],
+    expected: &[f64],
+    tolerance: Tolerance,
+    checks: &mut Checks,
+) -> Fallible<()> {
     let cone = DoubleCone::new(slope)?;
     let ray = Ray::new(cyclic(origin), cyclic(direction));
-    let mut checks = Checks::default();
-    compare(&crossings(|span| cone.intersect(&ray, span)), expected, tolerance, &mut checks);
-    Ok(checks)
+    compare(&crossings(|span| cone.intersect(&ray, span)), expected, tolerance, checks);
+    Ok(())
 }
 
 /// From exact origins along exact directions, so that the apex is met exactly.
-fn apex(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn apex(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let cone = DoubleCone::new(1.0)?;
     for x in -4..=4 {
         for y in -4..=4 {
@@ -127,7 +132,7 @@ fn apex(_: &Conditions) -> CaseResult {
                 }
                 let ray = Ray::new(direction * -3.0, direction);
                 let found = crossings(|span| cone.intersect(&ray, span));
-                compare(&found, &[3.0], FOUR_U, &mut checks);
+                compare(&found, &[3.0], FOUR_U, checks);
                 let Some(hit) = cone.intersect(&ray, EVERYWHERE) else { continue };
                 let normal = cone.surface(&ray, &hit, InteractionFlags::ALL).geometric_normal;
                 let is_usable = (normal.length() - 1.0).abs() < 1e-14 && normal.dot(direction) <= 0.0;
@@ -135,5 +140,5 @@ fn apex(_: &Conditions) -> CaseResult {
             }
         }
     }
-    Ok(checks)
+    Ok(())
 }

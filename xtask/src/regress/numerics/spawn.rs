@@ -6,7 +6,7 @@ use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Shape, Sphere};
 use rt_math::{DVec3, Interval, Ray};
 use rt_tests::{Draw, SPAWN_SETUPS, ShapeSet, Spawned};
 
-use super::{Case, CaseResult, Checks, Conditions, cases};
+use super::{Case, Checks, Conditions, Fallible, cases};
 
 cases! {
     "S33", "rays spawned from a triangle of scale 1e-6…1e6 at offsets 0…1e7, beneath a sheet",
@@ -15,9 +15,8 @@ cases! {
     "S35", "shadows between 100 boxes stacked 1e-7 apart at 1e3", "as the slope of the ray says", "0", stack;
 }
 
-fn spawn_table(conditions: &Conditions) -> CaseResult {
+fn spawn_table(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let rays = conditions.count(30_000, 1_000_000);
-    let mut checks = Checks::default();
     checks.note("scale | offset | triangle | rays | acne | leaks");
     for setup in SPAWN_SETUPS {
         let blocks: Vec<u64> = (0..rays.div_ceil(10_000)).collect();
@@ -34,14 +33,14 @@ fn spawn_table(conditions: &Conditions) -> CaseResult {
         checks.check(acne + leaks == 0, || format!("{setup:?}: {acne} acne, {leaks} leaks"));
         checks.tried += spawned - 2;
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn gap(conditions: &Conditions) -> CaseResult {
+fn gap(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const GAP: f64 = 1e-9;
     let outer = Sphere::new(DVec3::ZERO, 1.0)?;
     let inner = Sphere::new(DVec3::ZERO, 1.0 - GAP)?;
-    Ok(Checks::of_all(conditions.count(50_000, 1_000_000), |index, checks| {
+    checks.of_all(conditions.count(50_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(34, index);
         let arriving = draw.direction() * 3.0;
         // Near the silhouette the way across the gap grows longer, up to √(2·gap).
@@ -61,10 +60,11 @@ fn gap(conditions: &Conditions) -> CaseResult {
         checks.check(across.is_some_and(|t| (t - expected).abs() <= limit), || {
             format!("{across:?} instead of {expected:e} at cosine {cosine}")
         });
-    }))
+    });
+    Ok(())
 }
 
-fn stack(conditions: &Conditions) -> CaseResult {
+fn stack(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const COINS: usize = 100;
     const FAR: f64 = 1e3;
     const GAP: f64 = 1e-7;
@@ -79,7 +79,7 @@ fn stack(conditions: &Conditions) -> CaseResult {
     let coins: Result<Vec<Cuboid>, _> = (0..COINS).map(coin).collect();
     let set = ShapeSet::of_shapes(coins?.into_iter().map(Shape::Cuboid));
     let structure = Bvh::build(&set)?;
-    Ok(Checks::of_all(conditions.count(20_000, 1_000_000), |index, checks| {
+    checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(35, index);
         let at = draw.below(COINS - 1);
         // Points in the gap are a part of the visible ones, from the side.
@@ -99,5 +99,6 @@ fn stack(conditions: &Conditions) -> CaseResult {
         let shadow = surface.spawn_shadow_ray_towards(towards, 0.0);
         let blocked = structure.occluded(&set, &shadow, Interval::SPAWNED, &mut NoProbe);
         checks.same(blocked, factor > 1.0, format_args!("coin {at}, rising {factor} gaps on the way out"));
-    }))
+    });
+    Ok(())
 }

@@ -5,20 +5,23 @@ use rt_geometry::{InteractionFlags, NoProbe, Shape, ShapeHit, Sphere, Transforme
 use rt_math::{DVec3, Interval, Ray, Transform, TransformError, float::UNIT_ROUNDOFF, transcendental::exp2};
 use rt_tests::{Draw, ShapeKind, ShapeSet};
 
-use super::{Case, CaseResult, Checks, Conditions, FOUR_U, Tolerance, cases, exact::Dyadic, scenes::all_structures};
+use super::{Case, Checks, Conditions, FOUR_U, Fallible, Tolerance, cases, exact::Dyadic, scenes::all_structures};
 
 cases! {
     "S01", "a sphere from 1e8 away, halfway to its silhouette",
-        "99999999.133974596", "4u", |_| root(1.0, [0.5, 0.0, -1e8], [0.0, 0.0, 1.0], 99_999_999.133_974_6, FOUR_U);
+        "99999999.133974596", "4u",
+        |_, checks| root(1.0, [0.5, 0.0, -1e8], [0.0, 0.0, 1.0], 99_999_999.133_974_6, FOUR_U, checks);
     "S02", "8 in front of a sphere of radius 1e8",
-        "8", "1e-7 abs", |_| root(1e8, [0.0, 0.0, -1e8 - 8.0], [0.0, 0.0, 1.0], 8.0, Tolerance::Absolute(1e-7));
+        "8", "1e-7 abs",
+        |_, checks| root(1e8, [0.0, 0.0, -1e8 - 8.0], [0.0, 0.0, 1.0], 8.0, Tolerance::Absolute(1e-7), checks);
     "S03", "1 in front of a sphere of radius 1e6, aslant", "1.2500003515626977", "1e-9",
-        |_| {
+        |_, checks| {
             let tolerance = Tolerance::Relative(1e-9);
-            root(1e6, [0.0, 0.0, -1_000_001.0], [0.6, 0.0, 0.8], 1.250_000_351_562_697_6, tolerance)
+            root(1e6, [0.0, 0.0, -1_000_001.0], [0.6, 0.0, 0.8], 1.250_000_351_562_697_6, tolerance, checks)
         };
     "S04", "a sphere of radius 1e-6 from 10 away",
-        "9.9999991339745962", "4u", |_| root(1e-6, [5e-7, 0.0, -10.0], [0.0, 0.0, 1.0], 9.999_999_133_974_596, FOUR_U);
+        "9.9999991339745962", "4u",
+        |_, checks| root(1e-6, [5e-7, 0.0, -10.0], [0.0, 0.0, 1.0], 9.999_999_133_974_596, FOUR_U, checks);
     "S05", "tangents within a step of the silhouette",
         "a hit up to x = 1, the same in all structures", "bits", tangents;
     "S06", "directions scaled by 2^k, k = −900…900, all shapes", "t scaled by 2^−k", "bits", scaled_directions;
@@ -33,19 +36,24 @@ fn unit_sphere() -> Result<Sphere, rt_geometry::ShapeError> {
     Sphere::new(DVec3::ZERO, 1.0)
 }
 
-fn root(radius: f64, origin: [f64; 3], direction: [f64; 3], expected: f64, tolerance: Tolerance) -> CaseResult {
+fn root(
+    radius: f64,
+    origin: [f64; 3],
+    direction: [f64; 3],
+    expected: f64,
+    tolerance: Tolerance,
+    checks: &mut Checks,
+) -> Fallible<()> {
     let sphere = Sphere::new(DVec3::ZERO, radius)?;
     let hit = sphere.intersect(&Ray::new(origin.into(), direction.into()), Interval::FORWARD);
-    let mut checks = Checks::default();
     checks.hit(hit.map(|hit| hit.t), expected, tolerance, "t");
-    Ok(checks)
+    Ok(())
 }
 
 /// Beyond the silhouette nothing may be hit, and all must agree wherever the ray starts.
-fn tangents(_: &Conditions) -> CaseResult {
+fn tangents(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let set = ShapeSet::of_shapes([Shape::Sphere(unit_sphere()?)]);
     let structures = all_structures(&set)?;
-    let mut checks = Checks::default();
     for distance in [0.0, 1.0, 5.0, 1e3, 1e8, 1e15] {
         let mut x = 1.0 - 4.0 * f64::EPSILON;
         while x < 1.0 + 8.0 * f64::EPSILON {
@@ -63,12 +71,11 @@ fn tangents(_: &Conditions) -> CaseResult {
             x = x.next_up();
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn scaled_directions(conditions: &Conditions) -> CaseResult {
+fn scaled_directions(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let rays = conditions.count(20, 200);
-    let mut checks = Checks::default();
     let mut draw = Draw::new(6);
     for kind in ShapeKind::ALL {
         let mut hits = 0;
@@ -86,12 +93,12 @@ fn scaled_directions(conditions: &Conditions) -> CaseResult {
             }
         }
     }
-    Ok(checks)
+    Ok(())
 }
 
-fn chords(conditions: &Conditions) -> CaseResult {
+fn chords(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let sphere = unit_sphere()?;
-    Ok(Checks::of_all(conditions.count(50_000, 1_000_000), |index, checks| {
+    checks.of_all(conditions.count(50_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(7, index);
         let arriving = draw.direction() * 3.0;
         let aim = draw.point() * 0.5;
@@ -110,7 +117,8 @@ fn chords(conditions: &Conditions) -> CaseResult {
         let chord = -2.0 * surface.geometric_normal.dot(inwards);
         let far = sphere.intersect(&entering, Interval::SPAWNED).map(|hit| hit.t);
         checks.hit(far, chord, Tolerance::Absolute(1e-12), "chord");
-    }))
+    });
+    Ok(())
 }
 
 /// The quadratic of a ray and the ellipsoid x²/a² + y²/b² + z²/c² = 1, times (abc)², without rounding: `a·t² − 2b·t + c`.
@@ -152,11 +160,11 @@ impl ExactQuadratic {
     }
 }
 
-fn needle(conditions: &Conditions) -> CaseResult {
+fn needle(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const AXES: [f64; 3] = [1.0, 1e-6, 1e6];
     const LIMIT: f64 = 1e12 * UNIT_ROUNDOFF;
     let placed = TransformedShape::new(Shape::Sphere(unit_sphere()?), Transform::scale(AXES.into())?);
-    let mut checks = Checks::of_all(conditions.count(5_000, 100_000), |index, checks| {
+    checks.of_all(conditions.count(5_000, 100_000), |index, checks| {
         let mut draw = Draw::of(8, index);
         let stretch = DVec3::from(AXES);
         let origin = draw.point() * stretch * draw.pick(&[1.5, 3.0, 100.0]);
@@ -176,13 +184,13 @@ fn needle(conditions: &Conditions) -> CaseResult {
     let beyond = Transform::scale(DVec3::new(1.0, 1e-7, 1e6));
     let refused = matches!(beyond, Err(TransformError::Singular(_)));
     checks.check(refused, || "a condition number of 1e13 must be refused".to_owned());
-    Ok(checks)
+    Ok(())
 }
 
-fn mirrored(conditions: &Conditions) -> CaseResult {
+fn mirrored(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0))?;
     let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
-    Ok(Checks::of_all(conditions.count(5_000, 100_000), |index, checks| {
+    checks.of_all(conditions.count(5_000, 100_000), |index, checks| {
         let mut draw = Draw::of(9, index);
         let kind = ShapeKind::ALL[index as usize % ShapeKind::ALL.len()];
         let Some(shape) = kind.shape(&mut draw) else { return };
@@ -198,11 +206,11 @@ fn mirrored(conditions: &Conditions) -> CaseResult {
         });
         let expected = expected.map(|(t, point, normal)| (t, flip(point), flip(normal)));
         checks.same(found, expected, kind.name);
-    }))
+    });
+    Ok(())
 }
 
-fn turns(_: &Conditions) -> CaseResult {
-    let mut checks = Checks::default();
+fn turns(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, 3.0)] {
         let turn = Transform::rotate(axis, 1e-3)?;
         let mut all = Transform::IDENTITY;
@@ -217,5 +225,5 @@ fn turns(_: &Conditions) -> CaseResult {
             checks.limit(error, 1e-11, format_args!("{unit} about {axis}"));
         }
     }
-    Ok(checks)
+    Ok(())
 }

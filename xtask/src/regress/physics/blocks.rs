@@ -36,7 +36,6 @@ impl Blocks {
         Self::of(film.pixels(), film.width() as usize, side)
     }
 
-    /// Mean of the blocks of a channel.
     pub(super) fn image_mean(&self, channel: usize) -> f64 {
         self.means.iter().skip(channel).step_by(3).sum::<f64>() / (self.rows * self.columns) as f64
     }

@@ -80,7 +80,6 @@ fn folders(parent: &Path) -> Result<Vec<PathBuf>, TaskError> {
     Ok(entries.into_iter().filter(|folder| folder.join("pair.json").is_file()).collect())
 }
 
-/// A pair.
 struct PairUnit {
     folder: PathBuf,
     is_own: bool,
@@ -139,7 +138,6 @@ impl Unit for PairUnit {
     }
 }
 
-/// Notes that shared pairs are missing.
 struct NoSharedPairs;
 
 impl Unit for NoSharedPairs {
@@ -241,7 +239,6 @@ fn both(
     Ok((BlockMeans::of_seeds(&ours).with_rare_events(&reference, event), reference))
 }
 
-/// Renders a series in `folder`.
 fn render(context: &Context, folder: &Path, series: &Series, block: usize) -> Result<Vec<Blocks>, TaskError> {
     const OUTPUT: &str = "image.pfm";
     if series.seeds == 0 || block == 0 {

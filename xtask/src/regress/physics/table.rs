@@ -11,7 +11,6 @@ use crate::{error::TaskError, files, table::Table, workspace::Workspace};
 const PAGE: &str = "docs/PHYSICS.md";
 const MARKER: &str = "physics";
 
-/// A pair that was compared.
 #[derive(Debug)]
 pub(in super::super) struct PairRow {
     pub(super) name: String,

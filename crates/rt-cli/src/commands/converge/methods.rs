@@ -23,7 +23,6 @@ pub(super) struct Method {
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct MethodName {
-    /// Unique label.
     pub(super) label: String,
     /// Varied options and values, in the order of the command line.
     pub(super) choices: Vec<(String, String)>,

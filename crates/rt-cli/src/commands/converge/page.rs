@@ -164,7 +164,6 @@ fn figure(film: &Image, development: &Development, caption: &str, class: &str) -
     ))
 }
 
-/// A table.
 fn html_table(table: &TextTable) -> String {
     let row = |cells: &[&str], tag: &str| {
         let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();

@@ -42,7 +42,6 @@ pub(super) struct Plot {
     errors: LogAxis,
 }
 
-/// Line of a method.
 #[derive(Debug)]
 struct Line {
     label: String,

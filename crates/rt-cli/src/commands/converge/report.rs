@@ -46,7 +46,6 @@ impl Outputs {
     }
 }
 
-/// Settings of an experiment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting<'a> {
     pub(super) args: &'a ConvergeArgs,

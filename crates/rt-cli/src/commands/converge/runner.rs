@@ -131,7 +131,6 @@ pub(super) struct Experiment {
     pub(super) threads: usize,
 }
 
-/// Measurements of one method.
 #[derive(Debug)]
 pub(super) struct Measured {
     pub(super) name: MethodName,

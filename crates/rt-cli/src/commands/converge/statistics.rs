@@ -7,7 +7,6 @@ use rt_math::stats::student_t;
 use rt_math::transcendental::{exp, log};
 use serde::Serialize;
 
-/// Confidence level.
 const CONFIDENCE: f64 = 0.95;
 
 /// Mean with its 95 % confidence interval.

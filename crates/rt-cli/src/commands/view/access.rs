@@ -5,7 +5,6 @@ use std::net::IpAddr;
 
 use super::http::{Request, Status};
 
-/// Bytes of a token.
 const TOKEN_BYTES: usize = 16;
 
 /// Rules that a request has to satisfy.
@@ -26,7 +25,6 @@ impl Access {
         Ok(Self { token, is_loopback: address.is_loopback() })
     }
 
-    /// Path of the page.
     pub(super) fn page(&self) -> String {
         format!("/{}/", self.token)
     }

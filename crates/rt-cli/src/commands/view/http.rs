@@ -153,7 +153,6 @@ impl Response {
     }
 }
 
-/// Connection of a client.
 pub(super) struct Connection {
     stream: TcpStream,
     /// Bytes that have arrived and belong to no request so far.

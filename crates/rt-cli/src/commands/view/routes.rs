@@ -32,7 +32,6 @@ const MAX_PIXELS: u64 = 3840 * 2160;
 pub(super) struct Session {
     pub(super) access: Access,
     pub(super) shared: SharedState,
-    /// Name of the scene.
     pub(super) name: String,
     /// Name of the medium around the camera.
     pub(super) medium: Option<String>,
@@ -142,7 +141,6 @@ impl Session {
         Ok(Response::new("application/octet-stream", body))
     }
 
-    /// The image as a file.
     fn image(&self, format: ImageFormat, content_type: &'static str) -> Result<Response, Response> {
         let mut state = self.shared.lock();
         let integrator = state.view.integrator;

@@ -46,7 +46,6 @@ pub(super) struct ErrorPoint {
 /// Image of a view, and the work that it took.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ViewImage {
-    /// Number of the view.
     pub(super) view: u64,
     /// `None` before the first one.
     pub(super) film: Option<Arc<Image>>,
@@ -86,7 +85,6 @@ pub(super) type Pick = ([u32; 2], Sender<(u64, Option<PickResult>)>);
 /// Next work of the renderer.
 #[derive(Debug)]
 pub(super) enum Task {
-    /// Render this view.
     Render(Box<View>),
     /// Compile the scene for the integrator of the view.
     Compile(Integrator),
