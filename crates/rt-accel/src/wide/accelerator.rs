@@ -101,9 +101,9 @@ impl WideBvh {
     {
         let n = rays.len().min(outputs.len());
         let (Some(rays), Some(outputs)) = (rays.get(..n), outputs.get_mut(..n)) else { return };
+        let counts_work = probe.counts_work();
         let mut tester = Tester { primitives, probe };
-        let mut context =
-            BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work: S::COUNTS_WORK };
+        let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work };
         O::trace_batch(self, &mut context, rays, outputs);
         context.stats.add_to(tester.probe);
     }
