@@ -1,7 +1,7 @@
-//! Queries and primitives behind dynamic calls, so that traversals and builders that need not be fast are compiled once, and not
-//! for each type of primitives, query and probe.
+//! Queries and primitives behind dynamic calls. Traversals and builders that use them are compiled once, and not for each
+//! type of primitives, query and probe.
 //!
-//! A traversal makes one dynamic call per leaf, and a builder one per primitive and number of it.
+//! A traversal makes one dynamic call per leaf. A builder makes a few per primitive.
 
 use core::ops::ControlFlow;
 
@@ -86,14 +86,14 @@ impl Primitives for DynPrimitives<'_> {
 }
 
 /// Tests a leaf. Returns the flow and the new end of the span.
-type LeafTest<'q> = &'q mut dyn FnMut(&[u32]) -> (ControlFlow<()>, f64);
+type LeafCall<'q> = &'q mut dyn FnMut(&[u32]) -> (ControlFlow<()>, f64);
 
 /// Query along a ray whose tests are a dynamic call per leaf. It ignores the primitives and the probe that a traversal passes to
 /// it: the call tests those of the caller.
 pub(crate) struct DynRayQuery<'q> {
     ray: SlabRay,
     span: Interval,
-    test: LeafTest<'q>,
+    test: LeafCall<'q>,
 }
 
 impl RayQuery for DynRayQuery<'_> {

@@ -2,8 +2,8 @@
 
 use rt_geometry::{Counters, Probe, RayCounts, RayKind};
 
-/// Probe of an accelerator whose work may matter or not, as known at run time: integrators are compiled once, and not for each kind
-/// of probe. It counts the work that is counted anyway, and accelerators may leave out the rest.
+/// Probe of an accelerator whose work may matter or not, as known at run time. Integrators are compiled once, and not for each kind of
+/// probe. If the work does not matter, accelerators may leave some of it uncounted.
 #[derive(Debug, Default)]
 pub(crate) struct WorkProbe {
     counters: Counters,

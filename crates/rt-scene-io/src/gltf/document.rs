@@ -70,8 +70,8 @@ pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Re
     Ok(ParsedDocument { document: Document::from_json_without_validation(root), animations })
 }
 
-/// The types of the crate from a checked value. By way of its text, which the crate itself reads: to read the value directly, the
-/// code for all of its types would be compiled here once more.
+/// The types of the crate from a checked value, by way of its text. To read the value directly, code for all types would be compiled
+/// here once more.
 fn read_root(value: &Value) -> Result<Root, serde_json::Error> {
     Root::from_slice(&serde_json::to_vec(value)?)
 }
