@@ -2,6 +2,8 @@
 
 use core::ops::ControlFlow;
 
+use crate::erased::{self, DynPrimitives, DynRayQuery, DynRegionQuery, NodeCount};
+use crate::ray_query::{AnyHit, Closest};
 use crate::wide::{BuildParams, Quality, SimdLevel};
 use crate::{
     Accelerator, Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery,
@@ -48,12 +50,7 @@ macro_rules! accelerators {
         }
 
         impl AnyAccelerator {
-            /// Builds an accelerator with the defaults of its kind.
-            ///
-            /// # Errors
-            ///
-            /// Those of the builder of that kind.
-            pub fn build<P: Primitives>(kind: AcceleratorKind, primitives: &P) -> Result<Self, BuildError> {
+            fn build_erased(kind: AcceleratorKind, primitives: &DynPrimitives<'_>) -> Result<Self, BuildError> {
                 Ok(match kind {
                     $(AcceleratorKind::$name => Self::$name(<$accelerator>::build(primitives)?),)+
                 })
@@ -111,6 +108,15 @@ macro_rules! dispatch {
 }
 
 impl AnyAccelerator {
+    /// Builds an accelerator with the defaults of its kind.
+    ///
+    /// # Errors
+    ///
+    /// Those of the builder of that kind.
+    pub fn build<P: Primitives>(kind: AcceleratorKind, primitives: &P) -> Result<Self, BuildError> {
+        Self::build_with(kind, Quality::default(), primitives)
+    }
+
     /// Builds an accelerator of a given quality. Affects [`WideBvh`] only; other kinds use their defaults.
     ///
     /// # Errors
@@ -126,7 +132,7 @@ impl AnyAccelerator {
                 let params = BuildParams { quality, ..BuildParams::default() };
                 Ok(Self::Wide(WideBvh::build_with(primitives, &params)?))
             }
-            other => Self::build(other, primitives),
+            other => Self::build_erased(other, &DynPrimitives::new(primitives)),
         }
     }
 
@@ -146,6 +152,32 @@ impl AnyAccelerator {
     }
 }
 
+/// Traversals, compiled once for all queries.
+impl AnyAccelerator {
+    fn traverse_ray_erased(
+        &self,
+        primitives: &DynPrimitives<'_>,
+        query: &mut DynRayQuery<'_>,
+        probe: &mut NodeCount,
+    ) -> ControlFlow<()> {
+        dispatch!(self, accelerator => accelerator.traverse_ray(primitives, query, probe))
+    }
+
+    fn traverse_region_erased(&self, query: &mut DynRegionQuery<'_>) -> ControlFlow<()> {
+        dispatch!(self, accelerator => accelerator.traverse_region(query))
+    }
+
+    fn validate_erased(&self, primitives: &DynPrimitives<'_>) -> Result<(), ValidationError> {
+        dispatch!(self, accelerator => accelerator.validate(primitives))
+    }
+
+    fn for_each_box_erased(&self, visit: &mut dyn FnMut(Aabb, u32)) {
+        dispatch!(self, accelerator => accelerator.for_each_box(visit))
+    }
+}
+
+/// Queries of [`Linear`] and [`WideBvh`] are compiled for each type of primitives. Those of other accelerators make a dynamic call
+/// per leaf; [`accept`](AnyAccelerator::accept) passes the accelerator to a visitor instead.
 impl Accelerator for AnyAccelerator {
     fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
@@ -153,11 +185,13 @@ impl Accelerator for AnyAccelerator {
         query: &mut Q,
         probe: &mut S,
     ) -> ControlFlow<()> {
-        dispatch!(self, accelerator => accelerator.traverse_ray(primitives, query, probe))
+        erased::traverse_ray(primitives, query, probe, |primitives, query, probe| {
+            self.traverse_ray_erased(primitives, query, probe)
+        })
     }
 
     fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        dispatch!(self, accelerator => accelerator.traverse_region(query))
+        self.traverse_region_erased(&mut DynRegionQuery::new(query))
     }
 
     fn memory(&self) -> usize {
@@ -169,11 +203,11 @@ impl Accelerator for AnyAccelerator {
     }
 
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
-        dispatch!(self, accelerator => accelerator.validate(primitives))
+        self.validate_erased(&DynPrimitives::new(primitives))
     }
 
-    fn for_each_box(&self, visit: impl FnMut(Aabb, u32)) {
-        dispatch!(self, accelerator => accelerator.for_each_box(visit))
+    fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {
+        self.for_each_box_erased(&mut visit);
     }
 
     fn closest<P: Primitives, S: Probe>(
@@ -183,11 +217,23 @@ impl Accelerator for AnyAccelerator {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        dispatch!(self, accelerator => accelerator.closest(primitives, ray, span, probe))
+        match self {
+            Self::Linear(linear) => linear.closest(primitives, ray, span, probe),
+            Self::Wide(wide) => wide.closest(primitives, ray, span, probe),
+            other => {
+                let mut query = Closest::new(ray, span);
+                let _ = other.traverse_ray(primitives, &mut query, probe);
+                query.hit
+            }
+        }
     }
 
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        dispatch!(self, accelerator => accelerator.occluded(primitives, ray, span, probe))
+        match self {
+            Self::Linear(linear) => linear.occluded(primitives, ray, span, probe),
+            Self::Wide(wide) => wide.occluded(primitives, ray, span, probe),
+            other => other.traverse_ray(primitives, &mut AnyHit::new(ray, span), probe).is_break(),
+        }
     }
 
     fn closest_batch<P: Primitives, S: Probe>(
@@ -197,7 +243,15 @@ impl Accelerator for AnyAccelerator {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        dispatch!(self, accelerator => accelerator.closest_batch(primitives, rays, hits, probe))
+        match self {
+            Self::Linear(linear) => linear.closest_batch(primitives, rays, hits, probe),
+            Self::Wide(wide) => wide.closest_batch(primitives, rays, hits, probe),
+            other => {
+                for ((ray, span), hit) in rays.iter().zip(hits) {
+                    *hit = other.closest(primitives, ray, *span, probe);
+                }
+            }
+        }
     }
 
     fn occluded_batch<P: Primitives, S: Probe>(
@@ -207,7 +261,15 @@ impl Accelerator for AnyAccelerator {
         occluded: &mut [bool],
         probe: &mut S,
     ) {
-        dispatch!(self, accelerator => accelerator.occluded_batch(primitives, rays, occluded, probe))
+        match self {
+            Self::Linear(linear) => linear.occluded_batch(primitives, rays, occluded, probe),
+            Self::Wide(wide) => wide.occluded_batch(primitives, rays, occluded, probe),
+            other => {
+                for ((ray, span), occluded) in rays.iter().zip(occluded) {
+                    *occluded = other.occluded(primitives, ray, *span, probe);
+                }
+            }
+        }
     }
 }
 

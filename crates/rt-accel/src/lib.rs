@@ -49,6 +49,7 @@ mod bsp;
 mod bvh;
 #[cfg(feature = "serde")]
 mod checked_serde;
+mod erased;
 mod error;
 mod frustum;
 mod grid;

@@ -37,7 +37,10 @@ impl RayKind {
 /// Receiver of statistics. The default methods discard them.
 pub trait Probe {
     /// False if nodes, tests and hits do not matter, so that accelerators may take ways that do not count them.
-    const COUNTS_WORK: bool = true;
+    #[inline]
+    fn counts_work(&self) -> bool {
+        true
+    }
 
     /// Starts a ray of this kind; the calls that follow belong to it.
     #[inline]
@@ -65,7 +68,10 @@ pub trait Probe {
 pub struct NoProbe;
 
 impl Probe for NoProbe {
-    const COUNTS_WORK: bool = false;
+    #[inline]
+    fn counts_work(&self) -> bool {
+        false
+    }
 
     #[inline]
     fn work(&mut self, _: u64, _: u64, _: u64) {}
@@ -79,7 +85,10 @@ pub struct RayCounts {
 }
 
 impl Probe for RayCounts {
-    const COUNTS_WORK: bool = false;
+    #[inline]
+    fn counts_work(&self) -> bool {
+        false
+    }
 
     #[inline]
     fn ray(&mut self, kind: RayKind) {

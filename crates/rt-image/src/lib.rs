@@ -35,6 +35,8 @@ mod develop;
 mod dither;
 mod image;
 #[cfg(feature = "files")]
+mod image_decoder;
+#[cfg(feature = "files")]
 mod image_file;
 #[cfg(feature = "files")]
 mod layers;
@@ -52,6 +54,8 @@ mod write_image;
 pub use develop::{Bitmap8, Development, DevelopmentError};
 pub use dither::Dither;
 pub use image::Image;
+#[cfg(feature = "files")]
+pub use image_decoder::{ImageSource, decode_pixels, image_decoder};
 #[cfg(feature = "files")]
 pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
 #[cfg(feature = "files")]

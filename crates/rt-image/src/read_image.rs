@@ -2,14 +2,15 @@
 
 use std::{
     fs::File,
-    io::{BufRead, BufReader, Cursor, Seek},
+    io::{BufRead, BufReader, Cursor},
     path::Path,
 };
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
 
 use crate::{
     Encoding, Image, ImageFileError, ImageFormat, MAX_READ_PIXELS,
+    image_decoder::{ImageSource, decode_pixels, image_decoder},
     pfm::{self, PfmError, PfmHeader},
 };
 
@@ -39,7 +40,7 @@ pub fn read_image(path: &Path) -> Result<Image, ImageFileError> {
 /// # Errors
 /// [`ImageFileError`] with the name, as of [`read_image`].
 pub fn decode_image(bytes: &[u8], name: &Path) -> Result<Image, ImageFileError> {
-    read_stream(name, Cursor::new(bytes), bytes.len() as u64)
+    read_stream(name, Box::new(Cursor::new(bytes)), bytes.len() as u64)
 }
 
 /// Size of an image and its memory, by its header.
@@ -102,11 +103,11 @@ pub fn image_format(path: &Path) -> Result<ImageFormat, ImageFileError> {
 /// # Errors
 /// [`ImageFileError::UnknownFormat`] with the name.
 pub fn format_of_bytes(bytes: &[u8], name: &Path) -> Result<ImageFormat, ImageFileError> {
-    format_of_stream(name, Cursor::new(bytes))
+    format_of_stream(name, Box::new(Cursor::new(bytes)))
 }
 
 /// Format of the next bytes of a reader.
-fn format_of_stream(path: &Path, mut reader: impl BufRead + Seek) -> Result<ImageFormat, ImageFileError> {
+fn format_of_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>) -> Result<ImageFormat, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     if is_pfm(&mut reader).map_err(unreadable)? {
         return Ok(ImageFormat::Pfm);
@@ -122,7 +123,7 @@ fn format_of_stream(path: &Path, mut reader: impl BufRead + Seek) -> Result<Imag
 }
 
 /// Opens a regular file and returns its length in bytes.
-fn open(path: &Path) -> Result<(BufReader<File>, u64), ImageFileError> {
+fn open(path: &Path) -> Result<(Box<dyn ImageSource>, u64), ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     // Check before opening, which would wait for the other end of a pipe.
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
@@ -130,16 +131,16 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64), ImageFileError> {
         return Err(ImageFileError::NotAFile(path.to_owned()));
     }
     let file = File::open(path).map_err(unreadable)?;
-    Ok((BufReader::new(file), metadata.len()))
+    Ok((Box::new(BufReader::new(file)), metadata.len()))
 }
 
 /// Reads an image of `length` bytes; the path is for messages.
-fn read_stream(path: &Path, mut reader: impl BufRead + Seek, length: u64) -> Result<Image, ImageFileError> {
+fn read_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>, length: u64) -> Result<Image, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     if is_pfm(&mut reader).map_err(unreadable)? {
         return pfm::read(reader, length).map_err(|error| pfm_error(path, error));
     }
-    let image = DynamicImage::from_decoder(decoder(path, reader, length)?).map_err(|error| undecodable(path, error))?;
+    let image = decode_pixels(decoder(path, reader, length)?).map_err(|error| undecodable(path, error))?;
     Ok(film_of(&image))
 }
 
@@ -167,18 +168,16 @@ fn undecodable(path: &Path, error: ImageError) -> ImageFileError {
 /// Decoder of a file of `length` bytes in a format of the `image` crate, whose image is within the limits.
 fn decoder<'r>(
     path: &Path,
-    reader: impl BufRead + Seek + 'r,
+    source: Box<dyn ImageSource + 'r>,
     length: u64,
-) -> Result<impl ImageDecoder + 'r, ImageFileError> {
+) -> Result<Box<dyn ImageDecoder + 'r>, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    let mut reader = ImageReader::new(reader).with_guessed_format().map_err(unreadable)?;
-    if reader.format().is_none_or(|format| !format.reading_enabled()) {
+    let reader = ImageReader::new(source).with_guessed_format().map_err(unreadable)?;
+    let Some(format) = reader.format().filter(image::ImageFormat::reading_enabled) else {
         return Err(ImageFileError::UnknownFormat(path.to_owned()));
-    }
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_DECODER_BYTES);
-    reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(|error| undecodable(path, error))?;
+    };
+    let decoder =
+        image_decoder(reader.into_inner(), format, MAX_DECODER_BYTES).map_err(|error| undecodable(path, error))?;
     let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(ImageFileError::TooLarge { path: path.to_owned(), width, height });
@@ -244,7 +243,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn read_bytes(bytes: &[u8]) -> Result<Image, ImageFileError> {
-        read_stream(Path::new("test"), Cursor::new(bytes), bytes.len() as u64)
+        read_stream(Path::new("test"), Box::new(Cursor::new(bytes)), bytes.len() as u64)
     }
 
     fn encoded(format: ImageFormat) -> Vec<u8> {

@@ -32,7 +32,10 @@ fn linear_pixels(image: DynamicImage, linear: &dyn Fn(f64) -> f64) -> Vec<[f32; 
         }
         _ => {
             let table: [f32; 256] = std::array::from_fn(|c| linear(c as f64 / 255.0) as f32);
-            image.into_rgb8().pixels().map(|pixel| pixel.0.map(|c| table[usize::from(c)])).collect()
+            // Not by a conversion of the crate `image`, which the dev profile does not optimise.
+            let channels = usize::from(image.color().channel_count());
+            let rgb = |pixel: &[u8]| if channels < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] };
+            image.as_bytes().chunks_exact(channels).map(|pixel| rgb(pixel).map(|c| table[usize::from(c)])).collect()
         }
     }
 }

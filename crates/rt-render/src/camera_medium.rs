@@ -1,12 +1,13 @@
 //! Media around the origins of camera rays.
 
 use rt_camera::{Camera, Projection};
-use rt_geometry::NoProbe;
 use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
 use rt_shading::{InteriorList, Material, Tracer};
 
-use crate::{frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, world::World};
+use crate::{
+    frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, work_probe::WorkProbe, world::World,
+};
 
 /// Direction of the ray that finds the media around the pinhole. It points upwards to leave a half-space of water. It is
 /// oblique to all axes and diagonals, so that it hits few edges.
@@ -63,7 +64,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> InteriorList {
     match world {
         World::Spheres(world, structure) => {
             interior.find_enclosing_media(
-                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
+                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), WorkProbe::default()),
                 materials,
                 ray,
             );
@@ -72,7 +73,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> InteriorList {
             let world = &top.set(levels);
             let structure = &top.structure;
             interior.find_enclosing_media(
-                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), NoProbe),
+                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), WorkProbe::default()),
                 materials,
                 ray,
             );

@@ -4,15 +4,12 @@ use rt_geometry::{InteractionFlags, RayKind, RayStats};
 use rt_math::{Interval, Ray, Rgb};
 use rt_shading::{Seen, Tracer};
 
-use crate::{
-    tracer::{SceneTracer, StatsProbe},
-    world::ShadedPrimitives,
-};
+use crate::{tracer::SceneTracer, world::ShadedPrimitives};
 
 /// Traversal cost of a camera ray as a colour: nodes plus primitive tests, on a logarithmic scale.
 ///
 /// Black is 1 step, white 1024 or more; between them are blue, red and yellow.
-pub(crate) fn cost<W: ShadedPrimitives, S: StatsProbe>(tracer: &mut SceneTracer<'_, W, S>, ray: &Ray) -> Seen {
+pub(crate) fn cost<W: ShadedPrimitives>(tracer: &mut SceneTracer<'_, W>, ray: &Ray) -> Seen {
     let work = |tally: RayStats| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
     let needs = InteractionFlags::NONE;

@@ -6,12 +6,13 @@
 use rayon::prelude::*;
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_camera::PixelSampler;
-use rt_geometry::{Hit, InteractionFlags, NoProbe};
+use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec2, DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{MaterialEvalContext, SurfaceHit, is_inside};
 
 use crate::{
     Crop, RenderError, RenderPlan,
+    work_probe::WorkProbe,
     world::{ShadedPrimitives, World},
 };
 
@@ -180,7 +181,7 @@ impl RenderPlan<'_> {
             }
             hits.clear();
             hits.resize(rays.len(), None);
-            structure.closest_batch(world, &rays, &mut hits, &mut NoProbe);
+            structure.closest_batch(world, &rays, &mut hits, &mut WorkProbe::default());
             for ((ray, _), (i, hit)) in rays.iter().zip(hits.iter().enumerate()) {
                 let surface = hit.as_ref().and_then(|hit| Some((hit, world.surface_at(ray, hit, flags)?)));
                 if let Some((hit, surface)) = surface {

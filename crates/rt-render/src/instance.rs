@@ -13,7 +13,7 @@ use rt_geometry::{
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
 use rt_shading::{NormalMap, SphereHit, SurfaceHit, Texture, light::LightId};
 
-use crate::mesh_blas::MeshBlas;
+use crate::{mesh_blas::MeshBlas, work_probe::WorkProbe};
 
 /// A placed object, in the space of its aggregate.
 #[derive(Debug)]
@@ -424,11 +424,11 @@ impl Primitives for Instances<'_> {
     }
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.intersect_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
+        self.intersect_with_stats(index, ray, span, &mut WorkProbe::default())
     }
 
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
-        self.occludes_with_stats(index, ray, span, &mut rt_geometry::NoProbe)
+        self.occludes_with_stats(index, ray, span, &mut WorkProbe::default())
     }
 
     fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {

@@ -99,6 +99,7 @@ mod tile_job;
 mod tile_scheduler;
 mod tiles;
 mod tracer;
+mod work_probe;
 mod world;
 
 pub use checkpoint::{Checkpoint, UncheckedCheckpoint};

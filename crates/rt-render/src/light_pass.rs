@@ -2,7 +2,7 @@
 
 use rt_accel::AnyAccelerator;
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
-use rt_geometry::{Counters, NoProbe};
+use rt_geometry::Counters;
 use rt_math::{Sampler, random::hash};
 use rt_shading::{CameraWiSample, LightTracingIntegrator, LightTracingScene, Lighting, ShadingCounts};
 
@@ -11,7 +11,8 @@ use crate::{
     frustum_cull::PrimaryTarget,
     passes::pass_seed,
     splats::{Splat, splat},
-    tracer::{SceneTracer, StatsProbe},
+    tracer::SceneTracer,
+    work_probe::WorkProbe,
     world::{ShadedPrimitives, World},
 };
 
@@ -56,7 +57,7 @@ impl RenderPlan<'_> {
         self.scene.light_sources.as_ref().map(|_| LightPass { pass, paths })
     }
 
-    /// Traces the paths of a chunk, with one `match` per axis.
+    /// Traces the paths of a chunk.
     pub(crate) fn trace_light(
         &self,
         pass: LightPass,
@@ -64,32 +65,21 @@ impl RenderPlan<'_> {
         count: bool,
         tracer: &mut LightTracingIntegrator<SampleStream>,
     ) -> LightChunk {
-        if count {
-            self.trace_light_with::<Counters>(pass, chunk, tracer)
-        } else {
-            self.trace_light_with::<NoProbe>(pass, chunk, tracer)
-        }
-    }
-
-    fn trace_light_with<S: StatsProbe>(
-        &self,
-        pass: LightPass,
-        chunk: u64,
-        tracer: &mut LightTracingIntegrator<SampleStream>,
-    ) -> LightChunk {
+        let probe = WorkProbe::new(count);
         match &self.scene.world {
-            World::Spheres(world, structure) => self.trace_light_in::<_, S>(world, structure, pass, chunk, tracer),
+            World::Spheres(world, structure) => self.trace_light_in(world, structure, probe, pass, chunk, tracer),
             World::Instances(top, levels) => {
                 let world = &top.set(levels);
-                self.trace_light_in::<_, S>(world, &top.structure, pass, chunk, tracer)
+                self.trace_light_in(world, &top.structure, probe, pass, chunk, tracer)
             }
         }
     }
 
-    fn trace_light_in<W: ShadedPrimitives, S: StatsProbe>(
+    fn trace_light_in<W: ShadedPrimitives>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
+        probe: WorkProbe,
         pass: LightPass,
         chunk: u64,
         tracer: &mut LightTracingIntegrator<SampleStream>,
@@ -99,7 +89,7 @@ impl RenderPlan<'_> {
         let Some(sources) = &self.scene.light_sources else { return lit };
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
-        let mut world = SceneTracer::new(world, structure, PrimaryTarget::All(structure), S::default());
+        let mut world = SceneTracer::new(world, structure, PrimaryTarget::All(structure), probe);
         // Always Sobol' points: unlike camera samples, light paths are not arranged in pixels.
         let seed = hash(&[pass_seed(self.frame.seed, pass.pass), LIGHT_PATHS]);
         let sampler = PixelSampler::new(SamplerKind::Sobol, 1, seed);

@@ -1,12 +1,13 @@
 //! Picking: object, material and point at a pixel.
 
 use rt_accel::{Accelerator, AnyAccelerator};
-use rt_geometry::{Hit, InteractionFlags, NoProbe};
+use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec2, DVec3, Interval, Ray};
 
 use crate::{
     RenderPlan, flatten,
     instance::Instances,
+    work_probe::WorkProbe,
     world::{ShadedPrimitives, World},
 };
 
@@ -57,7 +58,7 @@ impl RenderPlan<'_> {
         ray: &Ray,
         names: impl Fn(&Hit) -> Option<Vec<String>>,
     ) -> Option<PickResult> {
-        let hit = structure.closest(world, ray, Interval::new(0.0, f64::INFINITY), &mut NoProbe)?;
+        let hit = structure.closest(world, ray, Interval::new(0.0, f64::INFINITY), &mut WorkProbe::default())?;
         let surface = world.surface_at(ray, &hit, InteractionFlags::ALL)?;
         let material = self.scene.source.appearance.materials.get(surface.material as usize);
         Some(PickResult {

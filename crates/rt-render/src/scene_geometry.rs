@@ -1,7 +1,7 @@
 //! Geometry of a scene for tools that trace single rays.
 
 use rt_accel::Accelerator as _;
-use rt_geometry::{InteractionFlags, NoProbe};
+use rt_geometry::InteractionFlags;
 use rt_math::{Interval, Ray};
 use rt_scene_io::Scene;
 use rt_shading::SurfaceHit;
@@ -11,6 +11,7 @@ use crate::{
     accel_choice::AccelOptions,
     flatten::flatten,
     instance::{Aggregate, BottomLevel},
+    work_probe::WorkProbe,
 };
 
 /// Geometry of a scene at time 0 with its acceleration structures, for tools that trace single rays.
@@ -35,7 +36,7 @@ impl SceneGeometry {
     /// Closest hit of a ray in render space, without texture coordinates.
     pub fn closest_hit(&self, ray: &Ray) -> Option<SurfaceHit> {
         let instances = self.top.set(&self.levels);
-        let hit = self.top.structure.closest(&instances, ray, Interval::FORWARD, &mut NoProbe)?;
+        let hit = self.top.structure.closest(&instances, ray, Interval::FORWARD, &mut WorkProbe::default())?;
         instances.surface(ray, &hit, InteractionFlags::NONE)
     }
 }

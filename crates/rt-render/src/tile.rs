@@ -5,7 +5,7 @@ use rt_accel::{
     wide::{SimdLevel, SmallSet},
 };
 use rt_camera::SampleStream;
-use rt_geometry::{Counters, Hit, NoProbe};
+use rt_geometry::Hit;
 use rt_math::Ray;
 use rt_scene_io::Integrator;
 use rt_shading::{
@@ -23,7 +23,8 @@ use crate::{
     primary_rays::PrimaryRayBatch,
     tile_job::{TileJob, TileResult},
     tiles::Tile,
-    tracer::{SceneTracer, StatsProbe},
+    tracer::SceneTracer,
+    work_probe::WorkProbe,
     world::{ShadedPrimitives, World},
 };
 
@@ -57,26 +58,20 @@ impl ThreadState {
 }
 
 impl RenderPlan<'_> {
-    /// Dispatches to concrete types, one `match` per axis.
+    /// Dispatches to the concrete type of the world.
     pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
-        if count || self.integrator_kind() == Integrator::Cost {
-            self.with_probe::<Counters>(job, worker)
-        } else {
-            self.with_probe::<NoProbe>(job, worker)
-        }
-    }
-
-    fn with_probe<S: StatsProbe>(&self, job: &TileJob<'_>, worker: &mut ThreadState) -> TileResult {
+        let probe = WorkProbe::new(count || self.integrator_kind() == Integrator::Cost);
         match &self.scene.world {
-            World::Spheres(world, structure) => self.with_world::<_, S>(world, structure, job, worker),
-            World::Instances(top, levels) => self.with_world::<_, S>(&top.set(levels), &top.structure, job, worker),
+            World::Spheres(world, structure) => self.with_world(world, structure, probe, job, worker),
+            World::Instances(top, levels) => self.with_world(&top.set(levels), &top.structure, probe, job, worker),
         }
     }
 
-    fn with_world<W: ShadedPrimitives, S: StatsProbe>(
+    fn with_world<W: ShadedPrimitives>(
         &self,
         world: &W,
         structure: &AnyAccelerator,
+        probe: WorkProbe,
         job: &TileJob<'_>,
         worker: &mut ThreadState,
     ) -> TileResult {
@@ -97,8 +92,7 @@ impl RenderPlan<'_> {
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let materials = &self.scene.appearance.materials;
-        let mut tracer =
-            SceneTracer::new(world, structure, primary_target, S::default()).with_buffer(core::mem::take(hits));
+        let mut tracer = SceneTracer::new(world, structure, primary_target, probe).with_buffer(core::mem::take(hits));
         let mut result = match (&self.integrator, &self.frame.medium) {
             (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
                 whitted.set_surroundings(interior);

@@ -1,33 +1,15 @@
 //! Ray queries of integrators against the world.
 
 use rt_accel::{Accelerator, AnyAccelerator};
-use rt_geometry::{Counters, Hit, InteractionFlags, NoProbe, Probe, RayCounts, RayKind};
+use rt_geometry::{Hit, InteractionFlags, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
 use rt_shading::{ClosestHit, SurfaceHit, Tracer};
 
-use crate::{frustum_cull::PrimaryTarget, world::ShadedPrimitives};
-
-/// Probe of an accelerator that counts all work or none. Ray counts are always kept, outside of the probe.
-pub(crate) trait StatsProbe: Probe + Default + Send {
-    /// Counters of the probe, with the given ray counts.
-    fn counters(&self, rays: RayCounts) -> Counters;
-}
-
-impl StatsProbe for Counters {
-    fn counters(&self, _rays: RayCounts) -> Counters {
-        *self
-    }
-}
-
-impl StatsProbe for NoProbe {
-    fn counters(&self, rays: RayCounts) -> Counters {
-        Counters::from(rays)
-    }
-}
+use crate::{frustum_cull::PrimaryTarget, work_probe::WorkProbe, world::ShadedPrimitives};
 
 /// Traces and counts the rays of an integrator. The accelerator is dispatched once per batch, so that integrators are not
 /// compiled for each accelerator.
-pub(crate) struct SceneTracer<'w, W, S> {
+pub(crate) struct SceneTracer<'w, W> {
     pub(crate) world: &'w W,
     pub(crate) structure: &'w AnyAccelerator,
     /// Objects that camera rays are tested against.
@@ -37,17 +19,17 @@ pub(crate) struct SceneTracer<'w, W, S> {
     /// Camera rays skipped because nothing is in view.
     pub(crate) skipped: u64,
     /// Work of the accelerator.
-    pub(crate) probe: S,
+    pub(crate) probe: WorkProbe,
     /// Buffer for the hits of a batch.
     hits: Vec<Option<Hit>>,
 }
 
-impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
+impl<'w, W: ShadedPrimitives> SceneTracer<'w, W> {
     pub(crate) fn new(
         world: &'w W,
         structure: &'w AnyAccelerator,
         primary_target: PrimaryTarget<'w>,
-        probe: S,
+        probe: WorkProbe,
     ) -> Self {
         Self { world, structure, primary_target, rays: RayCounts::default(), skipped: 0, probe, hits: Vec::new() }
     }
@@ -97,7 +79,7 @@ impl<'w, W: ShadedPrimitives, S: Probe> SceneTracer<'w, W, S> {
     }
 }
 
-impl<W: ShadedPrimitives, S: Probe> Tracer for SceneTracer<'_, W, S> {
+impl<W: ShadedPrimitives> Tracer for SceneTracer<'_, W> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         if self.can_skip(kind, 1) {
             return None;

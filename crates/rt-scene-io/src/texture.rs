@@ -3,8 +3,8 @@
 use std::fmt::Display;
 use std::io::Cursor;
 
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
-use rt_image::{Encoding, TexturePixels};
+use image::ImageDecoder;
+use rt_image::{Encoding, TexturePixels, decode_pixels, image_decoder};
 use rt_shading::Bitmap;
 
 use crate::texture_error::TextureError;
@@ -59,12 +59,8 @@ struct OpenedImage<'a> {
 fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
     let damaged = |error: image::ImageError| TextureError::Damaged(error.to_string());
     let format = image::guess_format(bytes).map_err(|_| TextureError::UnknownFormat)?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(limits::TEXTURE_BYTES);
-    reader.limits(limits);
-
-    let decoder = reader.into_decoder().map_err(damaged)?;
+    let source = Box::new(Cursor::new(bytes));
+    let decoder = image_decoder(source, format, limits::TEXTURE_BYTES).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     let pixels = u64::from(width) * u64::from(height);
     if pixels == 0 {
@@ -90,7 +86,7 @@ fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
         let message = format!("a tile of {width} x {height} pixels cannot come from {} bytes", bytes.len());
         return Err(TextureError::Damaged(message));
     }
-    Ok(OpenedImage { decoder: Box::new(decoder) })
+    Ok(OpenedImage { decoder })
 }
 
 impl OpenedImage<'_> {
@@ -107,8 +103,7 @@ impl OpenedImage<'_> {
 
     fn decode(self, pixels: PixelEncoding) -> Result<Bitmap, TextureError> {
         let (width, height) = self.decoder.dimensions();
-        let image =
-            DynamicImage::from_decoder(self.decoder).map_err(|error| TextureError::Damaged(error.to_string()))?;
+        let image = decode_pixels(self.decoder).map_err(|error| TextureError::Damaged(error.to_string()))?;
         let TexturePixels { pixels, alpha } = match pixels {
             PixelEncoding::Colors => TexturePixels::decode(image, &|signal| Encoding::Srgb.decode_signal(signal)),
             PixelEncoding::Numbers => TexturePixels::decode(image, &|signal| signal),
@@ -152,7 +147,7 @@ fn packed_png_bytes(bytes: &[u8]) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::{ImageFormat, Luma, Rgb, RgbImage};
+    use image::{DynamicImage, ImageFormat, Luma, Rgb, RgbImage};
 
     fn encode(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());

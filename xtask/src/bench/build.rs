@@ -77,7 +77,7 @@ pub(super) fn run(workspace: &Workspace, options: &BuildOptions) -> Result<(), T
     let BuildOptions { package, profile, .. } = options;
     let mut command = cargo();
     command.args(["build", "--locked", "--package", package, "--profile", profile, "--target-dir"]).arg(&folder);
-    command.current_dir(&workspace.root).env("RUSTC_WRAPPER", this).env(LOG, &log).env("CARGO_INCREMENTAL", "1");
+    command.current_dir(&workspace.root).env("RUSTC_WRAPPER", this).env(LOG, &log).env_remove("CARGO_INCREMENTAL");
     let name = format!("{command:?}");
     let failed = |reason: String| TaskError::Command { command: name.clone(), reason };
     let started = Instant::now();

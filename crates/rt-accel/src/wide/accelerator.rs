@@ -15,6 +15,7 @@ use super::single_ray::SingleContext;
 use super::tree_query::TreeQuery;
 use super::triangle_list::TriangleList;
 use super::{WideBvh, sah};
+use crate::erased::DynPrimitives;
 use crate::ray_query::AllHits;
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
 
@@ -34,6 +35,11 @@ impl WideBvh {
     ///
     /// See [`build`](Self::build).
     pub fn build_with<P: Primitives>(primitives: &P, params: &BuildParams) -> Result<Self, BuildError> {
+        Self::build_erased(&DynPrimitives::new(primitives), params)
+    }
+
+    /// Compiled once: the dynamic calls take a hundredth of the time.
+    fn build_erased(primitives: &DynPrimitives<'_>, params: &BuildParams) -> Result<Self, BuildError> {
         let stats = PrimStats::of(primitives)?;
         let (centre, size) = (stats.centre(), stats.size());
         let kind = LeafKind::of(stats.layouts, centre, size);
@@ -95,9 +101,9 @@ impl WideBvh {
     {
         let n = rays.len().min(outputs.len());
         let (Some(rays), Some(outputs)) = (rays.get(..n), outputs.get_mut(..n)) else { return };
+        let counts_work = probe.counts_work();
         let mut tester = Tester { primitives, probe };
-        let mut context =
-            BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work: S::COUNTS_WORK };
+        let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work };
         O::trace_batch(self, &mut context, rays, outputs);
         context.stats.add_to(tester.probe);
     }
@@ -155,7 +161,7 @@ impl Accelerator for WideBvh {
         if self.visit_all_candidates(ray, span, &mut visit, &mut stats) {
             stats.add_to(probe);
         } else {
-            let _ = self.walk_bounded(primitives, &mut query, probe);
+            let _ = self.walk_bounded_erased(primitives, &mut query, probe);
         }
         query.finish();
     }
@@ -167,7 +173,7 @@ impl Accelerator for WideBvh {
         probe: &mut S,
     ) -> ControlFlow<()> {
         query.test_leaf(primitives, &self.unbounded, probe)?;
-        self.walk_bounded(primitives, query, probe)
+        self.walk_bounded_erased(primitives, query, probe)
     }
 
     fn traverse_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
@@ -192,7 +198,7 @@ impl Accelerator for WideBvh {
     }
 
     fn validate<P: Primitives>(&self, primitives: &P) -> Result<(), ValidationError> {
-        self.validate_primitives(primitives)
+        self.validate_primitives(&DynPrimitives::new(primitives))
     }
 
     fn for_each_box(&self, mut visit: impl FnMut(Aabb, u32)) {

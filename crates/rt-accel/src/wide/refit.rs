@@ -7,7 +7,7 @@ use super::leaf::{LeafKind, LeafWriter};
 use super::node::{Child, WideNode};
 use super::triangle_list::TriangleList;
 use super::{BuildParams, WideBvh};
-use crate::{BuildError, Refit, bvh::Aabb32, prim_bounds::validate_lists};
+use crate::{BuildError, Refit, bvh::Aabb32, erased::DynPrimitives, prim_bounds::validate_lists};
 
 impl Refit for WideBvh {
     /// Builds a new tree with default parameters if another kind of leaf suits the triangles, as after a move far from the
@@ -23,6 +23,10 @@ impl Refit for WideBvh {
 impl WideBvh {
     /// Fits all bounds and leaves; false, without a change, if another kind of leaf suits the primitives.
     pub(crate) fn refit_leaves_of_same_kind<P: Primitives>(&mut self, primitives: &P) -> Result<bool, BuildError> {
+        self.refit_erased(&DynPrimitives::new(primitives))
+    }
+
+    fn refit_erased(&mut self, primitives: &DynPrimitives<'_>) -> Result<bool, BuildError> {
         let stats = PrimStats::of(primitives)?;
         let built = self.bounded + self.unbounded.len() as u32;
         validate_lists(primitives, built, &self.unbounded).map_err(BuildError::Changed)?;

@@ -9,7 +9,7 @@ use rt_math::{Aabb, Interval};
 use super::WideBvh;
 use super::node::{Child, WideNode};
 use super::stack::STACK;
-use crate::{RayQuery, RegionQuery, bvh::SlabRay32, ray_query::is_finite};
+use crate::{RayQuery, RegionQuery, bvh::SlabRay32, erased, ray_query::is_finite};
 
 /// Deferred children with their sort keys, the farthest of a node deepest.
 struct ScalarStack {
@@ -48,7 +48,18 @@ impl WideBvh {
         self.nodes.iter().flat_map(WideNode::children).filter_map(|(_, child)| (!child.is_node()).then_some(child))
     }
 
-    /// Traverses the bounded primitives in `f64`.
+    /// Traverses the bounded primitives in `f64`: rays outside the range of the filters, and queries without filters.
+    pub(super) fn walk_bounded_erased<P: Primitives, Q: RayQuery, S: Probe>(
+        &self,
+        primitives: &P,
+        query: &mut Q,
+        probe: &mut S,
+    ) -> ControlFlow<()> {
+        erased::traverse_ray(primitives, query, probe, |primitives, query, probe| {
+            self.walk_bounded(primitives, query, probe)
+        })
+    }
+
     pub(super) fn walk_bounded<P: Primitives, Q: RayQuery, S: Probe>(
         &self,
         primitives: &P,

@@ -9,7 +9,6 @@ use gltf::{
     Document,
     json::{Root, validation::Error, validation::Validate},
 };
-use serde::Deserialize;
 use serde_json::Value;
 
 use super::attribute_rules;
@@ -58,22 +57,33 @@ pub(super) fn parse(json: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Re
     check_primitives(&value, path, warnings)?;
     check_depth(&value, path)?;
     let animations = value.as_object_mut().and_then(|root| root.remove("animations")).unwrap_or_default();
-    let root = Root::deserialize(&value).map_err(|error| {
-        // Only a parse of the text reports the line, but it may fail earlier, at whole numbers with a point.
-        serde_json::from_slice::<Root>(json)
+    let root = read_root(&value).map_err(|error| {
+        // Only a parse of the text of the file reports the line, but it may fail earlier, at whole numbers with a point.
+        Root::from_slice(json)
             .err()
-            .filter(|located| located.to_string().starts_with(&error.to_string()))
-            .map_or_else(|| LoadErrorKind::Syntax(error.to_string()).at(path, ""), |located| syntax(&located, path))
+            .filter(|located| message(located) == message(&error))
+            .map_or_else(|| LoadErrorKind::Syntax(message(&error)).at(path, ""), |located| syntax(&located, path))
     })?;
     check_references(&root, &value, path)?;
     refuse(attribute_rules::check(&root, warnings), path)?;
     Ok(ParsedDocument { document: Document::from_json_without_validation(root), animations })
 }
 
+/// The types of the crate from a checked value, by way of its text. To read the value directly, code for all types would be compiled
+/// here once more.
+fn read_root(value: &Value) -> Result<Root, serde_json::Error> {
+    Root::from_slice(&serde_json::to_vec(value)?)
+}
+
 fn syntax(error: &serde_json::Error, path: &Path) -> LoadError {
-    let message = error.to_string();
-    let end = message.rfind(" at line ").unwrap_or(message.len());
-    LoadErrorKind::Syntax(message[..end].to_owned()).at(path, Location::Position(error.line(), error.column()))
+    LoadErrorKind::Syntax(message(error)).at(path, Location::Position(error.line(), error.column()))
+}
+
+/// Message without a line.
+fn message(error: &serde_json::Error) -> String {
+    let mut message = error.to_string();
+    message.truncate(message.rfind(" at line ").unwrap_or(message.len()));
+    message
 }
 
 /// Writes whole numbers as integers: JSON treats `1.0` and `1` alike, but the types of the `gltf` crate do not. The JSON parser

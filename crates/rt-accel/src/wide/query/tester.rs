@@ -73,7 +73,7 @@ impl<P: Primitives, S: Probe> PrimitiveTester<Option<Hit>> for Tester<'_, P, S> 
 
     fn traverse_f64(&mut self, tree: &WideBvh, ray: &Ray, span: Interval) -> Option<Hit> {
         let mut query = Closest::new(ray, span);
-        let _ = tree.walk_bounded(self.primitives, &mut query, self.probe);
+        let _ = tree.walk_bounded_erased(self.primitives, &mut query, self.probe);
         query.hit
     }
 }
@@ -96,6 +96,6 @@ impl<P: Primitives, S: Probe> PrimitiveTester<bool> for Tester<'_, P, S> {
     }
 
     fn traverse_f64(&mut self, tree: &WideBvh, ray: &Ray, span: Interval) -> bool {
-        tree.walk_bounded(self.primitives, &mut AnyHit::new(ray, span), self.probe).is_break()
+        tree.walk_bounded_erased(self.primitives, &mut AnyHit::new(ray, span), self.probe).is_break()
     }
 }

@@ -13,7 +13,9 @@ use crate::soup::{Solid, Soup};
 struct NodesOfOpenRays(u64);
 
 impl Probe for NodesOfOpenRays {
-    const COUNTS_WORK: bool = false;
+    fn counts_work(&self) -> bool {
+        false
+    }
 
     fn node(&mut self) {
         self.0 += 1;
