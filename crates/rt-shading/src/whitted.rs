@@ -2,6 +2,7 @@
 
 mod counts;
 mod shade;
+mod shade_spheres;
 mod sphere_queue;
 mod uniform_phong;
 mod wave;

@@ -175,12 +175,15 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> Outcom
     (seen, whitted.take_counts(), world.shadow_rays)
 }
 
-/// Outcomes in lanes and one by one.
+/// Outcomes in lanes and one by one; both one by one without AVX2.
 fn both(depth: u32, needs: Needs, appearance: &Appearance, n_rays: u32) -> [Outcome; 2] {
     [true, false].map(|in_lanes| {
         let mut whitted = Whitted::new(depth, 0.01, needs);
         if in_lanes {
             whitted.shade_in_lanes(appearance);
+            if whitted.lanes.is_none() {
+                println!("skipped: this processor lacks AVX2");
+            }
         }
         outcome(whitted, appearance, n_rays)
     })
