@@ -1,6 +1,6 @@
 //! Nested dielectrics.
 
-use crate::{InteriorMedium, Material, Tracer, medium::Medium};
+use crate::{InteriorMedium, Material, SurfaceHit, Tracer, medium::Medium};
 use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{Aabb, Interval, Ray};
 
@@ -12,6 +12,14 @@ const CAPACITY: usize = 32;
 pub(crate) struct MediumEntry {
     pub(crate) object: u32,
     pub(crate) material: u32,
+}
+
+impl SurfaceHit {
+    /// The hit body.
+    #[inline]
+    pub(crate) const fn body(&self) -> MediumEntry {
+        MediumEntry { object: self.object, material: self.material }
+    }
 }
 
 /// Dielectrics around a point, in the order in which they were entered.

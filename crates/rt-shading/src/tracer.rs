@@ -1,6 +1,6 @@
 //! Ray queries of integrators.
 
-use crate::{interior_list::MediumEntry, light::LightId};
+use crate::light::LightId;
 use rt_geometry::{InteractionFlags, RayKind, ShapeHit, Sphere, SurfaceInteraction};
 use rt_math::{Interval, Ray, Rgb};
 
@@ -20,12 +20,6 @@ pub struct SurfaceHit {
 }
 
 impl SurfaceHit {
-    /// The hit body, as interior lists identify it.
-    #[inline]
-    pub(crate) const fn body(&self) -> MediumEntry {
-        MediumEntry { object: self.object, material: self.material }
-    }
-
     /// Interval beyond this hit, for a ray that continues as if the surface were absent.
     ///
     /// The ray is unchanged, so that hits behind it have bit-identical parameters. The interval starts beyond the error bound of the

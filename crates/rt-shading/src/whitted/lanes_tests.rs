@@ -157,9 +157,9 @@ fn appearance() -> Appearance {
 }
 
 /// Bits of the radiance of camera rays, with the counts and the bits of shadow rays.
-type Outcome = (Vec<([u64; 3], bool)>, ShadingCounts, Vec<[u64; 9]>);
+type LaneOutcome = (Vec<([u64; 3], bool)>, ShadingCounts, Vec<[u64; 9]>);
 
-fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> Outcome {
+fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOutcome {
     let number = |at: u32, k: u64| random::unit(random::hash(&[u64::from(n_rays), u64::from(at), k])) - 0.5;
     // Some rays stay where x = 0, as do the shadow rays from there.
     let across = |at: u32| if at % 5 == 0 { DVec3::new(0.0, 1.0, 1.0) } else { DVec3::ONE };
@@ -176,7 +176,7 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> Outcom
 }
 
 /// Outcomes in lanes and one by one; both one by one without AVX2.
-fn both(depth: u32, needs: Needs, appearance: &Appearance, n_rays: u32) -> [Outcome; 2] {
+fn both(depth: u32, needs: Needs, appearance: &Appearance, n_rays: u32) -> [LaneOutcome; 2] {
     [true, false].map(|in_lanes| {
         let mut whitted = Whitted::new(depth, 0.01, needs);
         if in_lanes {

@@ -23,11 +23,11 @@ use rt_math::{Interval, Mask, Ray, Real, Vector3};
 #[derive(Clone, Debug, Default)]
 pub(super) struct SphereQueue {
     pub(super) hits: Vec<QueuedHit>,
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<SphereBlock>,
     /// Media on both sides by hit; `None` where no light is transmitted. Empty if that is so everywhere.
     pub(super) interfaces: Vec<Option<MediumInterface>>,
     /// Reflected light by block and light.
-    lit: Vec<LitBlock>,
+    lit: Vec<LitLanes>,
     n_lights: usize,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct QueuedHit {
 
 /// Surfaces of four hits, and secondary rays from there. Bit `i` of a mask is for lane `i`.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Block {
+pub(super) struct SphereBlock {
     /// Lanes with valid results; all others are shaded one by one.
     pub(super) valid: u8,
     /// Lanes whose surface is seen from behind: from the inside of the sphere.
@@ -76,7 +76,7 @@ pub(super) struct Block {
 
 /// Light from one light that four surfaces reflect.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LitBlock {
+pub(super) struct LitLanes {
     /// Lanes that reflect light. All else is valid only there.
     pub(super) lit: u8,
     /// Lanes whose highlight was evaluated.
@@ -87,7 +87,7 @@ pub(super) struct LitBlock {
     shadow_end: LaneArray,
 }
 
-/// What the second stage computes.
+/// Lights and parts of shading that are computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lit<'a> {
     pub(super) lights: &'a [DeltaLight],
@@ -110,14 +110,14 @@ impl SphereQueue {
 
     /// Light that a block of hits reflects, by light.
     #[inline(always)]
-    pub(super) fn lit(&self, at: usize) -> &[LitBlock] {
+    pub(super) fn lit(&self, at: usize) -> &[LitLanes] {
         let first = at / LANES * self.n_lights;
         &self.lit[first..first + self.n_lights]
     }
 
     /// Computes the surfaces of all hits.
     pub(super) fn compute_surfaces(&mut self, level: LaneLevel, rays: &[(Ray, Interval)]) {
-        self.blocks.resize_with(self.hits.len().div_ceil(LANES), Block::default);
+        self.blocks.resize_with(self.hits.len().div_ceil(LANES), SphereBlock::default);
         match level {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => simd.vectorize(
@@ -134,7 +134,7 @@ impl SphereQueue {
     /// Computes the direct light on all hits, and the directions of secondary rays.
     pub(super) fn shade(&mut self, level: LaneLevel, phongs: &[Option<UniformPhong>], lit: Lit<'_>) {
         self.n_lights = lit.lights.len();
-        self.lit.resize(self.blocks.len() * self.n_lights, LitBlock::default());
+        self.lit.resize(self.blocks.len() * self.n_lights, LitLanes::default());
         match level {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => simd.vectorize(
@@ -152,10 +152,10 @@ impl SphereQueue {
     }
 }
 
-impl LitBlock {
+impl LitLanes {
     /// Shadow ray of a lane that reflects light.
     #[inline(always)]
-    pub(super) fn shadow_ray(&self, block: &Block, lane: usize, time: f64) -> (Ray, Interval) {
+    pub(super) fn shadow_ray(&self, block: &SphereBlock, lane: usize, time: f64) -> (Ray, Interval) {
         let (origin, direction) = (get(&block.near_origin, lane), get(&self.shadow_direction, lane));
         (Ray { origin, direction, time }, Interval { max: self.shadow_end[lane], ..Interval::SPAWNED })
     }
@@ -212,7 +212,7 @@ macro_rules! gather_vector {
 }
 
 #[inline(always)]
-fn compute_surfaces<S: Simd>(simd: S, hits: [&QueuedHit; LANES], rays: &[(Ray, Interval)], block: &mut Block) {
+fn compute_surfaces<S: Simd>(simd: S, hits: [&QueuedHit; LANES], rays: &[(Ray, Interval)], block: &mut SphereBlock) {
     let [a, b, c, d] = hits;
     let four = [&rays[a.ray as usize].0, &rays[b.ray as usize].0, &rays[c.ray as usize].0, &rays[d.ray as usize].0];
     let origin = gather_vector!(simd, four, |ray| ray.origin, x y z);
@@ -242,10 +242,10 @@ fn compute_surfaces<S: Simd>(simd: S, hits: [&QueuedHit; LANES], rays: &[(Ray, I
 #[inline(always)]
 fn shade_block<S: Simd>(
     simd: S,
-    block: &mut Block,
+    block: &mut SphereBlock,
     phongs: [&UniformPhong; LANES],
     Lit { lights, highlights, mirrors }: Lit<'_>,
-    lit: &mut [LitBlock],
+    lit: &mut [LitLanes],
 ) {
     let zero = Lanes::splat(simd, 0.0);
     let (point, error) = (Lanes::load_vector(simd, &block.point), Lanes::load_vector(simd, &block.point_error));
