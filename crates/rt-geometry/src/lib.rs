@@ -114,6 +114,6 @@ pub use sphere_kernel::SphereKernel;
 pub use spheres::Spheres;
 pub use torus::Torus;
 pub use transformed_shape::TransformedShape;
-pub use triangle::{Triangle, is_on_triangle};
+pub use triangle::{Triangle, is_on_triangle, triangle_point};
 pub use triangulator::Face;
 pub use watertight_ray::WatertightRay;

@@ -5,7 +5,7 @@ use crate::error::{ShapeError, check_coordinates};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction, WatertightRay};
 use robust::{Coord, Coord3D, orient2d, orient3d};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
-use rt_math::{Aabb, DVec3, Interval, Ray};
+use rt_math::{Aabb, DVec3, Interval, Ray, Real, Vector3};
 
 /// Triangle; its front is the side from which the vertices run counter-clockwise.
 ///
@@ -79,15 +79,25 @@ pub(crate) fn weights([v, w]: [f64; 2]) -> [f64; 3] {
     [1.0 - v - w, v, w]
 }
 
-/// The point with these barycentric weights, and the bound on its error per axis.
-///
-/// The first part bounds the rounding of the sum (PBR 4th ed., section 6.8.5). The second part is for the test of a ray
-/// that is spawned there. Its shear mixes the axes, so its error depends on the largest extent.
+/// Version of [`triangle_point`] for one triangle.
 #[inline]
-pub(crate) fn point_at(vertices: [DVec3; 3], weights: [f64; 3]) -> (DVec3, DVec3) {
-    let [a, b, c] = [0, 1, 2].map(|i| vertices[i] * weights[i]);
-    let extent = Aabb::from_points(vertices).extent().max_element();
-    (a + b + c, (a.abs() + b.abs() + c.abs()) * gamma(7) + DVec3::splat(3.0 * UNIT_ROUNDOFF * extent))
+pub(crate) fn point_at([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> (DVec3, DVec3) {
+    let (point, error) = triangle_point([a.into(), b.into(), c.into()], weights);
+    (point.into(), error.into())
+}
+
+/// Point of a triangle with these barycentric weights, and its error bound, as in [`SurfaceInteraction`].
+///
+/// The first part of the bound is that of the rounding of the sum (PBR 4th ed., section 6.8.5). The second part is for the test of a
+/// ray that is spawned there. Its shear mixes the axes, so its error depends on the largest extent.
+#[inline(always)]
+pub fn triangle_point<R: Real>([a, b, c]: [Vector3<R>; 3], [u, v, w]: [R; 3]) -> (Vector3<R>, Vector3<R>) {
+    let extent = |a: R, b: R, c: R| a.max(b).max(c) - a.min(b).min(c);
+    let extent = extent(a.x, b.x, c.x).max(extent(a.y, b.y, c.y)).max(extent(a.z, b.z, c.z));
+    let (a, b, c) = (a * u, b * v, c * w);
+    let mixed = extent * (3.0 * UNIT_ROUNDOFF);
+    let error = (a.abs() + b.abs() + c.abs()) * u.splat(gamma(7)) + Vector3::new(mixed, mixed, mixed);
+    (a + b + c, error)
 }
 
 #[cfg(test)]

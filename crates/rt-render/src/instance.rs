@@ -11,7 +11,7 @@ use rt_geometry::{
     TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
-use rt_shading::{NormalMap, SphereHit, SurfaceHit, Texture, light::LightId};
+use rt_shading::{NormalMap, SphereHit, SurfaceHit, Texture, TriangleHit, light::LightId};
 
 use crate::{mesh_blas::MeshBlas, work_probe::WorkProbe};
 
@@ -220,6 +220,26 @@ impl Instances<'_> {
         let light = instance.light.map(|index| LightId { index, triangle: None });
         let hit = SphereHit { t: hit.t, sphere, object: instance.object, material: instance.material, light };
         (!instance.needs(needs).uv).then_some(hit)
+    }
+
+    /// Hit on an inlined triangle without vertex attributes that are needed; `None` for all others.
+    #[inline]
+    pub(crate) fn triangle(&self, hit: &Hit, needs: InteractionFlags) -> Option<TriangleHit> {
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
+        let InstanceGeometry::Triangle(mesh, triangle, normal) = &instance.geometry else { return None };
+        let InteractionFlags { uv, shading_normal, detail } = instance.needs(needs);
+        if uv || detail || (shading_normal && !mesh.data().normals.is_empty()) {
+            return None;
+        }
+        Some(TriangleHit {
+            t: hit.t,
+            vertices: mesh.vertices(*triangle)?,
+            uv: hit.uv,
+            normal: *normal,
+            object: instance.object,
+            material: instance.material,
+            light: instance.light.map(|index| LightId { index, triangle: Some(*triangle) }),
+        })
     }
 
     fn surface_of(

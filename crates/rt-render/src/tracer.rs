@@ -3,7 +3,7 @@
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, InteractionFlags, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
-use rt_shading::{ClosestHit, SurfaceHit, Tracer};
+use rt_shading::{ClosestHit, LazyShape, SurfaceHit, Tracer};
 
 use crate::{frustum_cull::PrimaryTarget, work_probe::WorkProbe, world::ShadedPrimitives};
 
@@ -117,7 +117,7 @@ impl<W: ShadedPrimitives> Tracer for SceneTracer<'_, W> {
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
-        needs: InteractionFlags,
+        (needs, lazy): (InteractionFlags, LazyShape),
         mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) {
         if !self.trace_batch(rays, kind) {
@@ -128,8 +128,12 @@ impl<W: ShadedPrimitives> Tracer for SceneTracer<'_, W> {
                 on_hit(at, None);
                 continue;
             };
-            match self.world.sphere_at(hit, needs) {
-                Some(sphere) => on_hit(at, Some(ClosestHit::Sphere(sphere))),
+            let unresolved = match lazy {
+                LazyShape::Sphere => self.world.sphere_at(hit, needs).map(ClosestHit::Sphere),
+                LazyShape::Triangle => self.world.triangle_at(hit, needs).map(ClosestHit::Triangle),
+            };
+            match unresolved {
+                Some(hit) => on_hit(at, Some(hit)),
                 None => on_hit(at, self.world.surface_at(ray, hit, needs).as_mut().map(ClosestHit::Surface)),
             }
         }

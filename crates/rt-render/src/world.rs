@@ -3,7 +3,7 @@
 use rt_accel::AnyAccelerator;
 use rt_geometry::{BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Shape, Spheres};
 use rt_math::{Aabb, Interval, Ray};
-use rt_shading::{SphereHit, SurfaceHit, light::LightId};
+use rt_shading::{SphereHit, SurfaceHit, TriangleHit, light::LightId};
 
 use crate::{
     instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, Instances},
@@ -70,6 +70,9 @@ pub(crate) trait ShadedPrimitives: HasForm {
     /// Hit on a sphere whose surface [`SphereHit`] describes fully; `None` for all other hits.
     fn sphere_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<SphereHit>;
 
+    /// Hit on a triangle whose surface [`TriangleHit`] describes fully; `None` for all other hits.
+    fn triangle_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<TriangleHit>;
+
     /// Index of the hit instance of the top level.
     fn instance_at(&self, hit: &Hit) -> u32;
 }
@@ -83,6 +86,11 @@ impl ShadedPrimitives for Instances<'_> {
     #[inline]
     fn sphere_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<SphereHit> {
         self.sphere(hit, needs)
+    }
+
+    #[inline]
+    fn triangle_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<TriangleHit> {
+        self.triangle(hit, needs)
     }
 
     fn instance_at(&self, hit: &Hit) -> u32 {
@@ -169,6 +177,10 @@ impl ShadedPrimitives for SphereWorld {
         let (sphere, material) = (*self.spheres.as_slice().get(index)?, *self.materials.get(index)?);
         let hit = SphereHit { t: hit.t, sphere, object: hit.primitive, material, light: self.light(hit.primitive) };
         (!has_uv).then_some(hit)
+    }
+
+    fn triangle_at(&self, _: &Hit, _: InteractionFlags) -> Option<TriangleHit> {
+        None
     }
 
     fn instance_at(&self, hit: &Hit) -> u32 {

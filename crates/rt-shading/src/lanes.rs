@@ -84,6 +84,13 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd> LaneMask<S> {
+    /// Lane `i` is bit `i`.
+    #[inline(always)]
+    pub(crate) fn from_bits(simd: S, bits: u8) -> Self {
+        let [a, b, c, d] = [bits & 1, bits >> 1 & 1, bits >> 2 & 1, bits >> 3 & 1];
+        Self(i64x4::simd_from(simd, [-i64::from(a), -i64::from(b), -i64::from(c), -i64::from(d)]))
+    }
+
     /// Bit `i` is the value of lane `i`.
     #[inline(always)]
     pub(crate) fn bits(self) -> u8 {

@@ -110,6 +110,6 @@ pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use phong::{Highlight, Phong, Transmission};
 pub use reference::ReferencePathTracer;
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
-pub use tracer::{ClosestHit, Seen, SphereHit, SurfaceHit, Tracer};
+pub use tracer::{ClosestHit, LazyShape, Seen, SphereHit, SurfaceHit, Tracer, TriangleHit};
 pub use viewed_surface::is_inside;
 pub use whitted::{ShadingCounts, Whitted};

@@ -7,8 +7,8 @@ pub(crate) mod transport;
 mod wave;
 
 use crate::{
-    Appearance, BsdfCache, InteriorList, Needs, Seen, ShadingCounts, Tracer, lanes::LaneLevel, light::LightSet,
-    ray_queues::RayQueues,
+    Appearance, BsdfCache, ClosestHit, InteriorList, LazyShape, Needs, Seen, ShadingCounts, Tracer, lanes::LaneLevel,
+    light::LightSet, ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
 use diffuse_queue::DiffuseQueue;
@@ -157,9 +157,22 @@ impl<S: Sampler + Clone> PathTracer<S> {
         path: impl Fn(usize) -> u32,
         seen: &mut [Seen],
     ) {
-        world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
-            let id = path(at);
-            self.shade_hit(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);
+        let needs = self.needs.surface();
+        if self.wave_lanes.is_none() {
+            return world.closest_batch(rays, kind, needs, |at, hit| {
+                let id = path(at);
+                self.shade_hit(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);
+            });
+        }
+        world.closest_hits(rays, kind, (needs, LazyShape::Triangle), |at, hit| {
+            let (id, ray) = (path(at), &rays[at].0);
+            let seen = &mut seen[id as usize];
+            match hit {
+                Some(ClosestHit::Triangle(hit)) => self.shade_triangle(lighting, id, ray, &hit, seen),
+                Some(ClosestHit::Surface(hit)) => self.shade_hit(lighting, id, ray, Some(hit), seen),
+                Some(ClosestHit::Sphere(hit)) => self.shade_hit(lighting, id, ray, Some(&mut hit.surface(ray)), seen),
+                None => self.shade_hit(lighting, id, ray, None, seen),
+            }
         });
         self.shade_diffuse(lighting, seen);
     }

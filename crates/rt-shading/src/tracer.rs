@@ -1,8 +1,8 @@
 //! Ray queries of integrators.
 
 use crate::light::LightId;
-use rt_geometry::{InteractionFlags, RayKind, ShapeHit, Sphere, SurfaceInteraction};
-use rt_math::{Interval, Ray, Rgb};
+use rt_geometry::{InteractionFlags, RayKind, ShapeHit, Sphere, SurfaceInteraction, triangle_point};
+use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// Closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +57,35 @@ impl SphereHit {
     }
 }
 
+/// Closest hit of a ray with a triangle without vertex attributes, whose surface is not computed yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    /// Ray parameter of the hit.
+    pub t: f64,
+    /// Vertices, in world space.
+    pub vertices: [DVec3; 3],
+    /// Barycentric weights of the second and third vertex.
+    pub uv: [f64; 2],
+    /// Unit normal on the side from which the vertices run counter-clockwise.
+    pub normal: DVec3,
+    /// See [`SurfaceHit::object`].
+    pub object: u32,
+    /// See [`SurfaceHit::material`].
+    pub material: u32,
+    /// See [`SurfaceHit::light`].
+    pub light: Option<LightId>,
+}
+
+impl TriangleHit {
+    /// The surface, without texture coordinates.
+    pub fn surface(&self) -> SurfaceHit {
+        let Self { t, vertices: [a, b, c], uv: [v, w], normal, object, material, light } = *self;
+        let (point, point_error) = triangle_point([a.into(), b.into(), c.into()], [1.0 - v - w, v, w]);
+        let interaction = SurfaceInteraction::flat(point.into(), point_error.into(), normal, [0.0; 2]);
+        SurfaceHit { t, interaction, object, material, light }
+    }
+}
+
 /// Closest hit of a ray, with or without its surface.
 #[derive(Debug, PartialEq)]
 pub enum ClosestHit<'h> {
@@ -64,6 +93,17 @@ pub enum ClosestHit<'h> {
     Surface(&'h mut SurfaceHit),
     /// A hit on a sphere without texture coordinates.
     Sphere(SphereHit),
+    /// A hit on a triangle without texture coordinates, interpolated normals and other vertex attributes.
+    Triangle(TriangleHit),
+}
+
+/// Shapes whose surfaces an integrator may compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LazyShape {
+    /// [`ClosestHit::Sphere`] instead of [`ClosestHit::Surface`].
+    Sphere,
+    /// [`ClosestHit::Triangle`] instead of [`ClosestHit::Surface`].
+    Triangle,
 }
 
 /// The world of an integrator: it answers ray queries and counts them.
@@ -89,13 +129,13 @@ pub trait Tracer {
         }
     }
 
-    /// Version of [`closest_batch`](Self::closest_batch) that may leave surfaces of spheres to the integrator, which computes
+    /// Version of [`closest_batch`](Self::closest_batch) that may leave surfaces of some shapes to the integrator, which computes
     /// several together.
     fn closest_hits(
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
-        needs: InteractionFlags,
+        (needs, _): (InteractionFlags, LazyShape),
         mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) {
         self.closest_batch(rays, kind, needs, |at, hit| met(at, hit.map(ClosestHit::Surface)));

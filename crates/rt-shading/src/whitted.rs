@@ -7,7 +7,9 @@ mod sphere_queue;
 mod uniform_phong;
 mod wave;
 
-use crate::{Appearance, ClosestHit, InteriorList, Needs, Seen, Tracer, lanes::LaneLevel, ray_queues::RayQueues};
+use crate::{
+    Appearance, ClosestHit, InteriorList, LazyShape, Needs, Seen, Tracer, lanes::LaneLevel, ray_queues::RayQueues,
+};
 pub use counts::ShadingCounts;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
@@ -153,12 +155,13 @@ impl Whitted {
                 self.shade(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
             });
         };
-        world.closest_hits(rays, kind, self.needs.surface(), |at, hit| {
+        world.closest_hits(rays, kind, (self.needs.surface(), LazyShape::Sphere), |at, hit| {
             let (path, ray) = (path(at), &rays[at].0);
             let seen = &mut seen[path.sample as usize];
             match hit {
                 Some(ClosestHit::Sphere(hit)) if self.is_uniform(hit.material) => self.spheres.push(at, hit, path),
                 Some(ClosestHit::Sphere(hit)) => self.shade(appearance, path, ray, Some(&mut hit.surface(ray)), seen),
+                Some(ClosestHit::Triangle(hit)) => self.shade(appearance, path, ray, Some(&mut hit.surface()), seen),
                 Some(ClosestHit::Surface(hit)) => self.shade(appearance, path, ray, Some(hit), seen),
                 None => self.shade(appearance, path, ray, None, seen),
             }

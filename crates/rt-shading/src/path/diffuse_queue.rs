@@ -1,7 +1,7 @@
 //! Queue of path vertices on diffuse surfaces, which are shaded in lanes.
 //!
 //! ```text
-//!   hits ─▶ push ─▶ draw samples ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
+//!   hits ─▶ push ─▶ draw samples ─▶ surfaces of triangles ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
 //! ```
 //!
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and [`OrenNayar`] for one path.
@@ -10,16 +10,17 @@
 
 use super::wave::Path;
 use crate::{
+    TriangleHit,
     bsdf::{HORIZON, OrenNayar, cosine_hemisphere_lanes, oren_nayar_lanes},
-    lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd, get, get_rgb, is_zero, set, set_rgb},
+    lanes::{LANES, LaneArray, LaneLevel, LaneMask, Lanes, Simd, get, get_rgb, is_zero, set, set_rgb},
     light::{Light, LightSet, QuadLight},
     mis::power_heuristic,
     russian_roulette::survival_probability,
     viewed_surface::{MIN_COSINE, ViewedSurface},
 };
 use core::f64::consts::FRAC_1_PI;
-use rt_geometry::{SurfaceInteraction, offset_point};
-use rt_math::{DVec3, Mask, Real, Rgb, Sampler, Vector3, tangents};
+use rt_geometry::{SurfaceInteraction, offset_point, triangle_point};
+use rt_math::{DVec3, Mask, Ray, Real, Rgb, Sampler, Vector3, tangents};
 
 /// Vertices with their light samples and samples of the next direction.
 #[derive(Clone, Debug)]
@@ -53,6 +54,8 @@ pub(super) struct QueuedVertex {
 /// Four vertices: inputs, light samples and results.
 #[derive(Clone, Debug, Default)]
 struct Block {
+    /// Hits on triangles, whose surfaces are computed in lanes.
+    triangles: TriangleBlock,
     point: Vector3<LaneArray>,
     point_error: Vector3<LaneArray>,
     shadow_point: Vector3<LaneArray>,
@@ -75,6 +78,17 @@ struct Block {
     u_roulette: LaneArray,
     light: LightBlock,
     scattered: ScatteredBlock,
+}
+
+/// Triangles of four hits. Bit `i` of the mask is for lane `i`; the numbers of others are left over.
+#[derive(Clone, Debug, Default)]
+struct TriangleBlock {
+    mask: u8,
+    vertices: [Vector3<LaneArray>; 3],
+    /// Barycentric weights of the second and third vertex.
+    uv: [LaneArray; 2],
+    /// Directions of the rays, of any length.
+    direction: Vector3<LaneArray>,
 }
 
 /// Light samples of four vertices.
@@ -165,12 +179,8 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         time: f64,
         rr_start_depth: u32,
     ) {
-        let (at, lane) = (self.vertices.len() / LANES, self.vertices.len() % LANES);
-        if at == self.blocks.len() {
-            self.blocks.push(Block::default());
-        }
-        self.vertices.push(QueuedVertex { path: id, time });
-        let (block, surface) = (&mut self.blocks[at], view.surface);
+        let (block, lane) = self.push_path((id, path), diffuse, time, rr_start_depth);
+        let surface = view.surface;
         set(&mut block.point, lane, surface.point);
         set(&mut block.point_error, lane, surface.point_error);
         set(&mut block.shadow_point, lane, surface.shadow_point);
@@ -178,12 +188,55 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         set(&mut block.shading_normal, lane, surface.shading_normal);
         set(&mut block.direction, lane, view.direction);
         block.side[lane] = if view.is_inside { -1.0 } else { 1.0 };
+    }
+
+    /// Version of [`push`](Self::push) for a hit of a ray on a triangle, whose surface is computed later.
+    #[inline(always)]
+    pub(super) fn push_triangle(
+        &mut self,
+        path: (u32, &Path),
+        hit: &TriangleHit,
+        diffuse: &OrenNayar,
+        ray: &Ray,
+        rr_start_depth: u32,
+    ) {
+        let (block, lane) = self.push_path(path, diffuse, ray.time, rr_start_depth);
+        block.triangles.mask |= 1 << lane;
+        let [a, b, c] = &mut block.triangles.vertices;
+        set(a, lane, hit.vertices[0]);
+        set(b, lane, hit.vertices[1]);
+        set(c, lane, hit.vertices[2]);
+        let [v, w] = &mut block.triangles.uv;
+        [v[lane], w[lane]] = hit.uv;
+        set(&mut block.triangles.direction, lane, ray.direction);
+        set(&mut block.geometric_normal, lane, hit.normal);
+    }
+
+    /// Appends a vertex without its surface.
+    #[inline(always)]
+    fn push_path(
+        &mut self,
+        (id, path): (u32, &Path),
+        diffuse: &OrenNayar,
+        time: f64,
+        rr_start_depth: u32,
+    ) -> (&mut Block, usize) {
+        let (at, lane) = (self.vertices.len() / LANES, self.vertices.len() % LANES);
+        if at == self.blocks.len() {
+            self.blocks.push(Block::default());
+        }
+        self.vertices.push(QueuedVertex { path: id, time });
+        let block = &mut self.blocks[at];
+        if lane == 0 {
+            block.triangles.mask = 0;
+        }
         set_rgb(&mut block.albedo, lane, diffuse.albedo);
         block.roughness[lane] = diffuse.clamped_roughness();
         set_rgb(&mut block.throughput, lane, path.throughput);
         block.eta_scale[lane] = path.eta_scale;
         let plays_roulette = path.bounces + 1 > rr_start_depth;
         block.u_roulette[lane] = if plays_roulette { 0.0 } else { -1.0 };
+        (block, lane)
     }
 
     /// Draws the samples of all vertices, for one of `n_lights` and, if paths follow diffuse surfaces, for the next direction.
@@ -232,6 +285,10 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
     /// Samples lights, and the next direction of each path if it `follows_diffuse` surfaces.
     pub(super) fn shade(&mut self, level: LaneLevel, lights: &LightSet, follows_diffuse: bool) {
         let blocks = &mut self.blocks[..self.vertices.len().div_ceil(LANES)];
+        match level {
+            #[cfg(target_arch = "x86_64")]
+            LaneLevel::Avx2(simd) => compute_surfaces(simd, blocks),
+        }
         match lights.sampled_lights() {
             [] => blocks.iter_mut().for_each(|block| block.light.pdf = [0.0; LANES]),
             [Light::Quad(quad)] if !quad.emission().radiance().is_black() => match level {
@@ -298,6 +355,44 @@ fn each_pair(blocks: &mut [Block], pairs: &[[f64; 2]], field: impl Fn(&mut Block
             [u[lane], v[lane]] = *pair;
         }
     }
+}
+
+/// Computes the surfaces of triangles.
+fn compute_surfaces<S: Simd>(simd: S, blocks: &mut [Block]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for block in blocks.iter_mut().filter(|block| block.triangles.mask != 0) {
+                compute_surface(simd, block);
+            }
+        },
+    );
+}
+
+#[inline(always)]
+fn compute_surface<S: Simd>(simd: S, block: &mut Block) {
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let TriangleBlock { mask, vertices: [a, b, c], uv: [v, w], direction } = &block.triangles;
+    let vertices = [Lanes::load_vector(simd, a), Lanes::load_vector(simd, b), Lanes::load_vector(simd, c)];
+    let (v, w) = (Lanes::load(simd, v), Lanes::load(simd, w));
+    let (point, error) = triangle_point(vertices, [one - v - w, v, w]);
+    let direction = Lanes::load_vector(simd, direction);
+    let direction = direction / direction.length();
+    let normal = Lanes::load_vector(simd, &block.geometric_normal);
+    let side = Real::select(direction.dot(normal).gt(zero), -one, one);
+    let is_triangle = LaneMask::from_bits(simd, *mask);
+    replace(simd, &mut block.point, is_triangle, point);
+    replace(simd, &mut block.point_error, is_triangle, error);
+    replace(simd, &mut block.shadow_point, is_triangle, point);
+    replace(simd, &mut block.shading_normal, is_triangle, normal);
+    replace(simd, &mut block.direction, is_triangle, direction);
+    block.side = Real::select(is_triangle, side, Lanes::load(simd, &block.side)).store();
+}
+
+/// Replaces vectors where the mask is true.
+#[inline(always)]
+fn replace<S: Simd>(simd: S, lanes: &mut Vector3<LaneArray>, mask: LaneMask<S>, computed: Vector3<Lanes<S>>) {
+    *lanes = Lanes::store_vector(Vector3::select(mask, computed, Lanes::load_vector(simd, lanes)));
 }
 
 /// Samples one of several lights for each vertex, one vertex at a time.

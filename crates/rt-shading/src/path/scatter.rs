@@ -5,8 +5,8 @@ use super::{
     wave::{Path, PrevVertex},
 };
 use crate::{
-    Seen, ShadingCounts, SurfaceHit,
-    bsdf::Scattering,
+    Seen, ShadingCounts, SurfaceHit, TriangleHit,
+    bsdf::{OrenNayar, Scattering},
     bsdf_cache::CachedBsdf,
     hit_context::HitContext,
     interior_list::MediumInterface,
@@ -90,6 +90,40 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
         self.scatter(lighting, id, &vertex, interface, seen);
+    }
+
+    /// Version of [`shade_hit`](Self::shade_hit) for a flat triangle, whose surface is computed in lanes if its material is uniform,
+    /// diffuse and dark.
+    #[inline(always)]
+    pub(super) fn shade_triangle(
+        &mut self,
+        lighting: Lighting<'_>,
+        id: u32,
+        ray: &Ray,
+        hit: &TriangleHit,
+        seen: &mut Seen,
+    ) {
+        let Some(diffuse) = self.diffuse_in_lanes(lighting, hit.material) else {
+            return self.shade_hit(lighting, id, ray, Some(&mut hit.surface()), seen);
+        };
+        seen.hit = true;
+        let path = &self.paths[id as usize];
+        if !path.emission_only {
+            self.diffuse.push_triangle((id, path), hit, &diffuse, ray, self.settings.rr_start_depth);
+        }
+    }
+
+    /// BSDF of a material that neither emits nor transmits light and is diffuse everywhere, where nothing else is to be computed at
+    /// its hits.
+    #[inline(always)]
+    fn diffuse_in_lanes(&self, lighting: Lighting<'_>, material: u32) -> Option<OrenNayar> {
+        let diffuse = lighting.bsdfs.get(material)?.bsdf.as_diffuse()?;
+        let material = lighting.appearance.materials.get(material as usize)?;
+        let is_dark = !self.needs.emission || material.emission.is_zero();
+        let has_ambient = self.needs.ambient && self.settings.transport == Transport::Specular;
+        let is_solid = self.needs.refraction && material.model.is_transmissive();
+        (is_dark && !has_ambient && !is_solid && !self.needs.absorption && diffuse.albedo.is_finite())
+            .then_some(diffuse)
     }
 
     /// Samples direct light and the next direction of the path.

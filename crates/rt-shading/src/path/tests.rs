@@ -4,7 +4,7 @@ mod reference;
 use super::*;
 use crate::{
     Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
-    MaterialModel, Phong, ReferencePathTracer, SurfaceHit, Transmission,
+    MaterialModel, Phong, ReferencePathTracer, SurfaceHit, Transmission, TriangleHit,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, QuadLight},
 };
 use core::f64::consts::PI;
@@ -42,6 +42,36 @@ impl Tracer for Shapes {
         let interaction = shape.surface(ray, &hit, needs);
         let light = light.map(|index| LightId { index, triangle: None });
         Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, light })
+    }
+
+    /// Leaves surfaces of triangles to the integrator.
+    fn closest_hits(
+        &mut self,
+        rays: &[(Ray, Interval)],
+        kind: RayKind,
+        (needs, lazy): (InteractionFlags, LazyShape),
+        mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
+    ) {
+        for (at, (ray, span)) in rays.iter().enumerate() {
+            let mut hit = self.closest(ray, *span, kind, needs);
+            let Some(surface) = &mut hit else {
+                met(at, None);
+                continue;
+            };
+            match &self.0[surface.object as usize].0 {
+                Shape::Triangle(triangle) if lazy == LazyShape::Triangle && !needs.uv => {
+                    let uv = triangle.intersect(ray, *span).expect("it is the closest hit").uv;
+                    let normal = surface.interaction.geometric_normal;
+                    let SurfaceHit { t, object, material, light, .. } = *surface;
+                    let vertices = triangle.vertices();
+                    met(
+                        at,
+                        Some(ClosestHit::Triangle(TriangleHit { t, vertices, uv, normal, object, material, light })),
+                    );
+                }
+                _ => met(at, Some(ClosestHit::Surface(surface))),
+            }
+        }
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {

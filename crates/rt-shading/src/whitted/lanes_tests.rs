@@ -68,7 +68,7 @@ impl Tracer for RandomSpheres {
         &mut self,
         rays: &[(Ray, Interval)],
         _: RayKind,
-        _: InteractionFlags,
+        _: (InteractionFlags, LazyShape),
         mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) {
         for (at, (ray, span)) in rays.iter().enumerate() {

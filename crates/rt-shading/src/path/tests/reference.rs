@@ -167,6 +167,50 @@ fn every_path_has_the_bits_of_the_reference() {
     }
 }
 
+/// Triangles of all materials, some of which emit light, above a plane; a quad is the light.
+fn triangles() -> Scene {
+    let number = |at, dimension| random::unit(random::hash(&[43, at, dimension]));
+    let vector = |at, first| DVec3::new(number(at, first), number(at, first + 1), number(at, first + 2)) - 0.5;
+    let emission = Emission::new(Rgb::new(7.0, 5.0, 3.0), EmissionSides::Both).expect("an emission");
+    let quad =
+        QuadLight::new(DVec3::new(-0.7, 3.0, -0.7), [DVec3::X * 1.4, DVec3::Z * 1.4], emission).expect("a light");
+    let rough = MaterialModel::Diffuse { albedo: gray(0.8), roughness: 0.5 };
+    let mirror = MaterialModel::Mirror { reflectance: gray(0.9) };
+    let materials = vec![
+        emissive(diffuse(0.6), 0.0),
+        emissive(rough, 0.0),
+        emissive(diffuse(0.3), 0.5),
+        emissive(mirror, 0.0),
+        emissive(diffuse(0.0), 0.0),
+        emissive(MaterialModel::ThinGlass { ior: 1.5, transmittance: gray(0.8) }, 0.0),
+    ];
+    let mut scene = Scene::new(materials, vec![Light::Quad(quad)]).with(floor(), 0, None);
+    for at in 0..24 {
+        let corner = vector(at, 0) * DVec3::new(5.0, 2.0, 3.0) + DVec3::Y;
+        let vertices = [corner, corner + vector(at, 3) * 2.0, corner + vector(at, 6) * 2.0];
+        let triangle = rt_geometry::Triangle::new(vertices).expect("a triangle");
+        scene = scene.with(Shape::Triangle(triangle), (at % 6) as u32, None);
+    }
+    // Shadow rays from there start where a coordinate is 0.
+    let wall = [DVec3::new(-3.0, 0.0, 0.0), DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0)];
+    scene.with(Shape::Triangle(rt_geometry::Triangle::new(wall).expect("a triangle")), 0, None)
+}
+
+#[test]
+fn every_path_between_triangles_has_the_bits_of_the_reference() {
+    let scene = triangles();
+    let lights = scene.light_set();
+    let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+    let mut world = Shapes(scene.shapes.0.clone());
+    let distributed = [0, 4].map(|max_depth| PathSettings { max_depth, ..DISTRIBUTED });
+    for settings in all_settings().chain(distributed) {
+        let (seen, _) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(3001));
+        let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
+        assert!(lit > 500, "{lit} of 3001, {settings:?}");
+    }
+}
+
 /// Null interfaces: more than a ray may pass without a bounce, and more solids within each other than a list holds.
 #[test]
 fn a_path_through_many_null_interfaces_has_the_bits_of_the_reference() {
