@@ -82,7 +82,7 @@ impl Tracer for RandomSpheres {
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
         self.shadow_rays.push(bits_of(ray, span));
-        random::hash(&bits_of(ray, span)) % 3 == 0
+        random::hash(&bits_of(ray, span)).is_multiple_of(3)
     }
 }
 
@@ -162,7 +162,7 @@ type LaneOutcome = (Vec<([u64; 3], bool)>, ShadingCounts, Vec<[u64; 9]>);
 fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOutcome {
     let number = |at: u32, k: u64| random::unit(random::hash(&[u64::from(n_rays), u64::from(at), k])) - 0.5;
     // Some rays stay where x = 0, as do the shadow rays from there.
-    let across = |at: u32| if at % 5 == 0 { DVec3::new(0.0, 1.0, 1.0) } else { DVec3::ONE };
+    let across = |at: u32| if at.is_multiple_of(5) { DVec3::new(0.0, 1.0, 1.0) } else { DVec3::ONE };
     let vector = |at, k| DVec3::new(number(at, k), number(at, k + 1), number(at, k + 2)) * across(at);
     let ray = |at| Ray { time: number(at, 6), ..Ray::new(vector(at, 0), vector(at, 3)) };
     let rays: Vec<_> = (0..n_rays).map(|at| (ray(at), Interval::FORWARD)).collect();
