@@ -262,7 +262,7 @@ pub enum Content {
 }
 
 /// Node of the tree.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct SceneNode {
     /// For messages; may be empty.
     pub name: String,
@@ -280,7 +280,40 @@ pub struct SceneNode {
     pub children: Vec<SceneNode>,
 }
 
+/// Without recursion: trees are as deep as a file says, and threads have small stacks.
+impl Clone for SceneNode {
+    fn clone(&self) -> Self {
+        let (mut node, mut copy) = (self, self.without_children());
+        let mut parents: Vec<(&Self, Self)> = Vec::new();
+        loop {
+            if let Some(child) = node.children.get(copy.children.len()) {
+                parents.push((node, core::mem::replace(&mut copy, child.without_children())));
+                node = child;
+            } else if let Some((parent, mut parent_copy)) = parents.pop() {
+                parent_copy.children.push(copy);
+                (node, copy) = (parent, parent_copy);
+            } else {
+                return copy;
+            }
+        }
+    }
+}
+
 impl SceneNode {
+    /// Copy without the nodes below.
+    fn without_children(&self) -> Self {
+        let Self { name, parent_from_local, moves_to, content, material, casts_shadow, children } = self;
+        Self {
+            name: name.clone(),
+            parent_from_local: *parent_from_local,
+            moves_to: *moves_to,
+            content: content.clone(),
+            material: *material,
+            casts_shadow: *casts_shadow,
+            children: Vec::with_capacity(children.len()),
+        }
+    }
+
     /// Node with this content, at its parent's place.
     pub fn new(content: Content, material: MaterialId) -> Self {
         Self { content: Some(content), material, ..Self::empty(String::new(), Transform::IDENTITY) }

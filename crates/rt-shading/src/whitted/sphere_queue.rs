@@ -117,7 +117,11 @@ impl SphereQueue {
 
     /// Computes the surfaces of all hits.
     pub(super) fn compute_surfaces(&mut self, level: LaneLevel, rays: &[(Ray, Interval)]) {
-        self.blocks.resize_with(self.hits.len().div_ceil(LANES), SphereBlock::default);
+        // Blocks are kept: to clear them for each wave takes as long as to shade some hits.
+        let n_blocks = self.hits.len().div_ceil(LANES);
+        if self.blocks.len() < n_blocks {
+            self.blocks.resize_with(n_blocks, SphereBlock::default);
+        }
         match level {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => simd.vectorize(
@@ -134,7 +138,10 @@ impl SphereQueue {
     /// Computes the direct light on all hits, and the directions of secondary rays.
     pub(super) fn shade(&mut self, level: LaneLevel, phongs: &[Option<UniformPhong>], lit: Lit<'_>) {
         self.n_lights = lit.lights.len();
-        self.lit.resize(self.blocks.len() * self.n_lights, LitLanes::default());
+        let n_lit = self.hits.len().div_ceil(LANES) * self.n_lights;
+        if self.lit.len() < n_lit {
+            self.lit.resize(n_lit, LitLanes::default());
+        }
         match level {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => simd.vectorize(
