@@ -86,7 +86,7 @@ impl TriangleMesh {
         let triangle = *self.data.triangles.get(hit.primitive as usize)?;
         let corners = self.corners(triangle);
         let weights = weights(hit.uv);
-        let (point, point_error) = point_at(corners, weights);
+        let (point, point_error) = point_at(corners, hit.uv);
         let uv = if needs.uv { interpolated(&self.data.uvs, triangle, weights).unwrap_or_default() } else { [0.0; 2] };
         let geometric_normal = unit_normal_if_known.unwrap_or_else(|| unit_normal(corners));
         let mut detail = if needs.detail { self.detail(triangle, weights) } else { VertexAttributes::NONE };

@@ -45,7 +45,7 @@ impl Triangle {
 
     /// The surface at a hit of [`intersect`](Self::intersect).
     pub fn surface(&self, _ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
-        let (point, point_error) = point_at(self.vertices, weights(hit.uv));
+        let (point, point_error) = point_at(self.vertices, hit.uv);
         let uv = if needs.uv { hit.uv } else { [0.0; 2] };
         SurfaceInteraction::flat(point, point_error, unit_normal(self.vertices), uv)
     }
@@ -75,23 +75,26 @@ pub fn is_on_triangle(vertices: [DVec3; 3], point: DVec3) -> bool {
 }
 
 /// All three barycentric weights, from those of the second and third vertex.
-pub(crate) fn weights([v, w]: [f64; 2]) -> [f64; 3] {
-    [1.0 - v - w, v, w]
+#[inline(always)]
+pub(crate) fn weights<R: Real>([v, w]: [R; 2]) -> [R; 3] {
+    [v.splat(1.0) - v - w, v, w]
 }
 
 /// Version of [`triangle_point`] for one triangle.
 #[inline]
-pub(crate) fn point_at([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> (DVec3, DVec3) {
-    let (point, error) = triangle_point([a.into(), b.into(), c.into()], weights);
+pub(crate) fn point_at([a, b, c]: [DVec3; 3], uv: [f64; 2]) -> (DVec3, DVec3) {
+    let (point, error) = triangle_point([a.into(), b.into(), c.into()], uv);
     (point.into(), error.into())
 }
 
-/// Point of a triangle with these barycentric weights, and its error bound, as in [`SurfaceInteraction`].
+/// Point of a triangle with these barycentric weights of the second and third vertex, and its error bound, as in
+/// [`SurfaceInteraction`].
 ///
 /// The first part of the bound is that of the rounding of the sum (PBR 4th ed., section 6.8.5). The second part is for the test of a
 /// ray that is spawned there. Its shear mixes the axes, so its error depends on the largest extent.
 #[inline(always)]
-pub fn triangle_point<R: Real>([a, b, c]: [Vector3<R>; 3], [u, v, w]: [R; 3]) -> (Vector3<R>, Vector3<R>) {
+pub fn triangle_point<R: Real>([a, b, c]: [Vector3<R>; 3], uv: [R; 2]) -> (Vector3<R>, Vector3<R>) {
+    let [u, v, w] = weights(uv);
     let extent = |a: R, b: R, c: R| a.max(b).max(c) - a.min(b).min(c);
     let extent = extent(a.x, b.x, c.x).max(extent(a.y, b.y, c.y)).max(extent(a.z, b.z, c.z));
     let (a, b, c) = (a * u, b * v, c * w);

@@ -449,3 +449,21 @@ impl Scene {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clones_of_trees_have_the_same_nodes_in_the_same_order() {
+        let node = |name: &str, children| SceneNode {
+            children,
+            moves_to: Some(Transform::IDENTITY),
+            material: MaterialId(name.len() as u32),
+            casts_shadow: name != "b",
+            ..SceneNode::empty(name.into(), Transform::IDENTITY)
+        };
+        let tree = node("a", vec![node("b", vec![node("cc", vec![])]), node("d", vec![]), node("e", vec![])]);
+        assert_eq!(format!("{:?}", tree.clone()), format!("{tree:?}"));
+    }
+}

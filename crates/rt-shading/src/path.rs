@@ -1,6 +1,7 @@
 //! Path tracing in waves, with next-event estimation and MIS.
 
 mod clamp;
+mod diffuse_block;
 mod diffuse_queue;
 mod scatter;
 pub(crate) mod transport;

@@ -79,8 +79,8 @@ pub struct TriangleHit {
 impl TriangleHit {
     /// The surface, without texture coordinates.
     pub fn surface(&self) -> SurfaceHit {
-        let Self { t, vertices: [a, b, c], uv: [v, w], normal, object, material, light } = *self;
-        let (point, point_error) = triangle_point([a.into(), b.into(), c.into()], [1.0 - v - w, v, w]);
+        let Self { t, vertices: [a, b, c], uv, normal, object, material, light } = *self;
+        let (point, point_error) = triangle_point([a.into(), b.into(), c.into()], uv);
         let interaction = SurfaceInteraction::flat(point.into(), point_error.into(), normal, [0.0; 2]);
         SurfaceHit { t, interaction, object, material, light }
     }

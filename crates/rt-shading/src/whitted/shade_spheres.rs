@@ -2,12 +2,12 @@
 
 use super::{
     Whitted,
-    sphere_queue::{Lit, QueuedHit, SphereQueue},
+    sphere_queue::{QueuedHit, SphereQueue},
     uniform_phong::UniformPhong,
     wave::TreePath,
 };
 use crate::{
-    Appearance, Needs, Seen,
+    Appearance, Seen,
     hit_context::HitContext,
     interior_list::MediumEntry,
     lanes::{LANES, LaneLevel, get, get_rgb},
@@ -29,8 +29,7 @@ impl Whitted {
         let mut queue = core::mem::take(&mut self.spheres);
         queue.compute_surfaces(level, rays);
         self.find_interfaces(appearance, &mut queue);
-        let Needs { highlights, reflection: mirrors, .. } = self.needs;
-        queue.shade(level, &self.phongs, Lit { lights: &appearance.lights, highlights, mirrors });
+        queue.shade(level, &self.phongs, &appearance.lights, &self.needs);
         for (at, queued) in queue.hits.iter().enumerate() {
             let (ray, seen) = (&rays[queued.ray as usize].0, &mut seen[queued.path.sample as usize]);
             if queue.blocks[at / LANES].valid >> (at % LANES) & 1 == 0 {

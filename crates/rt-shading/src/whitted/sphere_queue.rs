@@ -10,9 +10,9 @@
 
 use super::{uniform_phong::UniformPhong, wave::TreePath};
 use crate::{
-    DeltaLight, Highlight, SphereHit,
+    DeltaLight, Needs, SphereHit,
     interior_list::MediumInterface,
-    lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd, get, is_zero},
+    lanes::{LANES, LaneArray, LaneLevel, LaneMask, Lanes, Simd, get, is_zero},
     optics,
 };
 use rt_geometry::{offset_point, sphere_point};
@@ -27,7 +27,7 @@ pub(super) struct SphereQueue {
     /// Media on both sides by hit; `None` where no light is transmitted. Empty if that is so everywhere.
     pub(super) interfaces: Vec<Option<MediumInterface>>,
     /// Reflected light by block and light.
-    lit: Vec<LitLanes>,
+    lit: Vec<ReflectedLight>,
     n_lights: usize,
 }
 
@@ -55,8 +55,6 @@ pub(super) struct SphereBlock {
     pub(super) direction: Vector3<LaneArray>,
     /// Lengths of the directions of the rays.
     pub(super) length: LaneArray,
-    /// −1 where the surface is seen from behind, 1 elsewhere.
-    side: LaneArray,
     /// Index of refraction before the surface divided by that behind it; 1 where no light is transmitted.
     pub(super) eta: LaneArray,
     /// Lanes whose surface transmits light.
@@ -76,7 +74,7 @@ pub(super) struct SphereBlock {
 
 /// Light from one light that four surfaces reflect.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LitLanes {
+pub(super) struct ReflectedLight {
     /// Lanes that reflect light. All else is valid only there.
     pub(super) lit: u8,
     /// Lanes whose highlight was evaluated.
@@ -85,14 +83,6 @@ pub(super) struct LitLanes {
     pub(super) reflected: Vector3<LaneArray>,
     shadow_direction: Vector3<LaneArray>,
     shadow_end: LaneArray,
-}
-
-/// Lights and parts of shading that are computed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lit<'a> {
-    pub(super) lights: &'a [DeltaLight],
-    pub(super) highlights: bool,
-    pub(super) mirrors: bool,
 }
 
 impl SphereQueue {
@@ -110,7 +100,7 @@ impl SphereQueue {
 
     /// Light that a block of hits reflects, by light.
     #[inline(always)]
-    pub(super) fn lit(&self, at: usize) -> &[LitLanes] {
+    pub(super) fn lit(&self, at: usize) -> &[ReflectedLight] {
         let first = at / LANES * self.n_lights;
         &self.lit[first..first + self.n_lights]
     }
@@ -136,11 +126,17 @@ impl SphereQueue {
     }
 
     /// Computes the direct light on all hits, and the directions of secondary rays.
-    pub(super) fn shade(&mut self, level: LaneLevel, phongs: &[Option<UniformPhong>], lit: Lit<'_>) {
-        self.n_lights = lit.lights.len();
+    pub(super) fn shade(
+        &mut self,
+        level: LaneLevel,
+        phongs: &[Option<UniformPhong>],
+        lights: &[DeltaLight],
+        needs: &Needs,
+    ) {
+        self.n_lights = lights.len();
         let n_lit = self.hits.len().div_ceil(LANES) * self.n_lights;
         if self.lit.len() < n_lit {
-            self.lit.resize(n_lit, LitLanes::default());
+            self.lit.resize(n_lit, ReflectedLight::default());
         }
         match level {
             #[cfg(target_arch = "x86_64")]
@@ -151,7 +147,7 @@ impl SphereQueue {
                         let [a, b, c, d] = four(hits);
                         let phongs = [phong(phongs, a), phong(phongs, b), phong(phongs, c), phong(phongs, d)];
                         let results = &mut self.lit[at * self.n_lights..(at + 1) * self.n_lights];
-                        shade_block(simd, block, phongs, lit, results);
+                        shade_block(simd, block, phongs, (lights, needs), results);
                     }
                 },
             ),
@@ -159,7 +155,7 @@ impl SphereQueue {
     }
 }
 
-impl LitLanes {
+impl ReflectedLight {
     /// Shadow ray of a lane that reflects light.
     #[inline(always)]
     pub(super) fn shadow_ray(&self, block: &SphereBlock, lane: usize, time: f64) -> (Ray, Interval) {
@@ -231,8 +227,7 @@ fn compute_surfaces<S: Simd>(simd: S, hits: [&QueuedHit; LANES], rays: &[(Ray, I
     let (point, point_error) = sphere_point(centre, radius, normal);
     let length = direction.length();
     let direction = direction / length;
-    let zero = Lanes::splat(simd, 0.0);
-    let is_inside = direction.dot(normal).gt(zero);
+    let is_inside = direction.dot(normal).gt(Lanes::splat(simd, 0.0));
     block.valid = has_normal.bits();
     block.inside = is_inside.bits();
     block.point = Lanes::store_vector(point);
@@ -240,7 +235,6 @@ fn compute_surfaces<S: Simd>(simd: S, hits: [&QueuedHit; LANES], rays: &[(Ray, I
     block.normal = Lanes::store_vector(normal);
     block.direction = Lanes::store_vector(direction);
     block.length = length.store();
-    block.side = Real::select(is_inside, zero.splat(-1.0), zero.splat(1.0)).store();
     block.eta = [1.0; LANES];
     block.transmits = 0;
     block.continues = 0;
@@ -251,14 +245,14 @@ fn shade_block<S: Simd>(
     simd: S,
     block: &mut SphereBlock,
     phongs: [&UniformPhong; LANES],
-    Lit { lights, highlights, mirrors }: Lit<'_>,
-    lit: &mut [LitLanes],
+    (lights, needs): (&[DeltaLight], &Needs),
+    lit: &mut [ReflectedLight],
 ) {
     let zero = Lanes::splat(simd, 0.0);
     let (point, error) = (Lanes::load_vector(simd, &block.point), Lanes::load_vector(simd, &block.point_error));
     let outside = Lanes::load_vector(simd, &block.normal);
     let direction = Lanes::load_vector(simd, &block.direction);
-    let is_inside = Lanes::load(simd, &block.side).lt(zero);
+    let is_inside = LaneMask::from_bits(simd, block.inside);
     let normal = Vector3::select(is_inside, -outside, outside);
 
     let (near_origin, is_offset) = offset_point(point, error, outside, normal);
@@ -279,7 +273,7 @@ fn shade_block<S: Simd>(
         let cos = normal.dot(wi);
         let faces = !is_behind & incident.is_lit & cos.gt(zero);
         let mut reflectance = diffuse * cos;
-        if highlights && (has_highlight & faces).any() {
+        if needs.highlights && (has_highlight & faces).any() {
             let strength = highlight_strength(simd, phongs, [normal, -direction, wi]);
             reflectance = Vector3::select(has_highlight, reflectance + specular * strength, reflectance);
             lit.highlights = (has_highlight & faces).bits();
@@ -301,7 +295,7 @@ fn shade_block<S: Simd>(
         lit.shadow_direction = Lanes::store_vector(shadow_direction);
         lit.shadow_end = light.shadow_end(shadow_direction).store();
     }
-    if mirrors && block.continues != 0 {
+    if needs.reflection && block.continues != 0 {
         let mirrored = optics::reflect_lanes(direction, normal);
         let mirrored =
             Vector3::select(mirrored.dot(normal).lt(zero), optics::reflect_lanes(mirrored, normal), mirrored);
@@ -317,14 +311,14 @@ fn shade_block<S: Simd>(
         block.reflectance = optics::fresnel(cos_i, eta).store();
         let (sin_i, is_certain) = sine(direction, normal);
         let (refracted, is_transmitted) = optics::refract_lanes(direction, normal, eta, sin_i);
+        let turns_back = refracted.dot(-normal).lt(zero);
+        let refracted = Vector3::select(turns_back, optics::reflect_lanes(refracted, -normal), refracted);
         // An index-matched interface does not deflect the ray.
-        let refracted = Vector3::select(eta.eq(zero.splat(1.0)), direction, refracted);
-        let kept = optics::reflect_lanes(refracted, -normal);
-        let is_kept = eta.eq(zero.splat(1.0)) | !refracted.dot(-normal).lt(zero);
-        let refracted = Vector3::select(is_kept, refracted, kept);
+        let is_null = eta.eq(zero.splat(1.0));
+        let refracted = Vector3::select(is_null, direction, refracted);
         let outwards = Vector3::select(refracted.dot(outside).lt(zero), -outside, outside);
         let (origin, is_offset) = offset_point(point, error, outside, outwards);
-        block.refracts = (is_transmitted | eta.eq(zero.splat(1.0))).bits();
+        block.refracts = (is_transmitted | is_null).bits();
         block.refracted = Lanes::store_vector(refracted);
         block.refracted_origin = Lanes::store_vector(origin);
         valid &= !transmits | (is_certain & is_offset).bits();
@@ -332,29 +326,17 @@ fn shade_block<S: Simd>(
     block.valid = valid;
 }
 
-/// Strength of the highlights of four surfaces; the vectors are those of [`Highlight::strength`].
+/// Strength of the highlights of four surfaces; the vectors are those of [`Highlight::strength`](crate::Highlight::strength).
 #[inline(always)]
-fn highlight_strength<S: Simd>(
-    simd: S,
-    phongs: [&UniformPhong; LANES],
-    [normal, wo, wi]: [Vector3<Lanes<S>>; 3],
-) -> Lanes<S> {
-    let kind = |phong: &UniformPhong| (phong.highlight, phong.exponent);
-    let [a, b, c, d] = [kind(phongs[0]), kind(phongs[1]), kind(phongs[2]), kind(phongs[3])];
-    let strength = |(highlight, exponent): (Highlight, f64)| highlight.strength_lanes(normal, wo, wi, exponent);
-    let mut all = strength(a);
-    let is_other = |other: (Highlight, f64)| if other == a { 0.0 } else { 1.0 };
-    let others = [0.0, is_other(b), is_other(c), is_other(d)];
-    if others != [0.0; LANES] {
-        for (lane, kind) in [(1, b), (2, c), (3, d)] {
-            if others[lane] > 0.0 {
-                let mut only = [0.0; LANES];
-                only[lane] = 1.0;
-                all = Real::select(Lanes::load(simd, &only).gt(Lanes::splat(simd, 0.0)), strength(kind), all);
-            }
+fn highlight_strength<S: Simd>(simd: S, phongs: [&UniformPhong; LANES], vectors: [Vector3<Lanes<S>>; 3]) -> Lanes<S> {
+    let mut strength = phongs[0].highlight_strength(vectors);
+    for lane in 1..LANES {
+        if phongs[lane].highlight() != phongs[0].highlight() {
+            let other = phongs[lane].highlight_strength(vectors);
+            strength = Real::select(LaneMask::from_bits(simd, 1 << lane), other, strength);
         }
     }
-    all
+    strength
 }
 
 /// Sine of the angle between two unit vectors, and true where it has the bits of that from [`cross`](rt_math::float::cross).

@@ -1,7 +1,7 @@
 //! Phong models of uniform materials, in the form that lanes read.
 
 use crate::{Appearance, ColorTexture, FloatTexture, Highlight, Material, Needs, light::EmissionSides};
-use rt_math::Rgb;
+use rt_math::{Real, Rgb, Vector3};
 
 /// Phong model of a material without textures.
 #[derive(Clone, Debug)]
@@ -10,8 +10,8 @@ pub(super) struct UniformPhong {
     pub(super) radiance: [Rgb; 2],
     pub(super) diffuse: Rgb,
     pub(super) specular: Rgb,
-    pub(super) exponent: f64,
-    pub(super) highlight: Highlight,
+    exponent: f64,
+    highlight: Highlight,
     pub(super) mirror: Rgb,
     /// Coefficient of transmitted light, and true if Fresnel's equations apply.
     pub(super) transmission: Option<(Rgb, bool)>,
@@ -62,5 +62,16 @@ impl UniformPhong {
             mirror: constant(phong.mirror)?,
             transmission,
         })
+    }
+
+    /// Shape and exponent of the highlight.
+    pub(super) const fn highlight(&self) -> (Highlight, f64) {
+        (self.highlight, self.exponent)
+    }
+
+    /// Version of [`Highlight::strength`] for lanes, given the normal, `wo` and `wi`.
+    #[inline(always)]
+    pub(super) fn highlight_strength<R: Real>(&self, [normal, wo, wi]: [Vector3<R>; 3]) -> R {
+        self.highlight.strength_lanes(normal, wo, wi, self.exponent)
     }
 }
