@@ -4,6 +4,8 @@ use std::io::{BufRead, Seek};
 
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
+use crate::jpeg_decoder::JpegDecoder;
+
 /// Content of an image file.
 pub trait ImageSource: BufRead + Seek {}
 
@@ -18,6 +20,9 @@ pub fn image_decoder<'r>(
     format: ImageFormat,
     max_bytes: u64,
 ) -> Result<Box<dyn ImageDecoder + 'r>, ImageError> {
+    if format == ImageFormat::Jpeg {
+        return Ok(Box::new(JpegDecoder::new(source, max_bytes)?));
+    }
     let mut reader = ImageReader::with_format(source, format);
     let mut limits = Limits::default();
     limits.max_alloc = Some(max_bytes);

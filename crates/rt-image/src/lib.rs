@@ -39,6 +39,8 @@ mod image_decoder;
 #[cfg(feature = "files")]
 mod image_file;
 #[cfg(feature = "files")]
+mod jpeg_decoder;
+#[cfg(feature = "files")]
 mod layers;
 pub mod metrics;
 #[cfg(feature = "files")]
