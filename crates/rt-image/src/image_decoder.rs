@@ -16,12 +16,12 @@ impl<R: BufRead + Seek> ImageSource for R {}
 /// # Errors
 /// Those of the `image` crate: a damaged header, and a format that is not compiled in.
 pub fn image_decoder<'r>(
-    source: Box<dyn ImageSource + 'r>,
+    mut source: Box<dyn ImageSource + 'r>,
     format: ImageFormat,
     max_bytes: u64,
 ) -> Result<Box<dyn ImageDecoder + 'r>, ImageError> {
     if format == ImageFormat::Jpeg {
-        return Ok(Box::new(JpegDecoder::new(source, max_bytes)?));
+        return Ok(Box::new(JpegDecoder::new(&mut *source, max_bytes)?));
     }
     let mut reader = ImageReader::with_format(source, format);
     let mut limits = Limits::default();

@@ -3,12 +3,12 @@
 //! The versions of the `image` crate that build without colour management use a decoder that interpolates the colours of the
 //! last columns wrongly.
 
+use std::io::Read;
+
 use image::error::{DecodingError, LimitError, LimitErrorKind};
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat};
 use zune_jpeg::zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions};
 use zune_jpeg::{JpegDecoder as ZuneDecoder, errors::DecodeErrors};
-
-use crate::ImageSource;
 
 /// JPEG file whose header is read.
 pub(crate) struct JpegDecoder {
@@ -19,16 +19,17 @@ pub(crate) struct JpegDecoder {
 
 impl JpegDecoder {
     /// Reads the header of a file whose pixels take at most `max_bytes`. All colours but grey become RGB.
-    pub(crate) fn new(mut source: Box<dyn ImageSource + '_>, max_bytes: u64) -> Result<Self, ImageError> {
+    pub(crate) fn new(source: &mut dyn Read, max_bytes: u64) -> Result<Self, ImageError> {
         let mut bytes = Vec::new();
         source.read_to_end(&mut bytes)?;
-        // A width or height of JPEG has 16 bits, and damaged data become grey, as most viewers show them.
+        // A width or height of JPEG has 16 bits, and the part that is missing of a damaged file becomes grey.
         let most = usize::from(u16::MAX);
         let options = DecoderOptions::default().set_strict_mode(false).set_max_width(most).set_max_height(most);
         let mut decoder = ZuneDecoder::new_with_options(ZCursor::new(bytes), options);
         decoder.decode_headers().map_err(damaged)?;
         let is_gray = decoder.input_colorspace() == Some(ColorSpace::Luma);
-        let (color, space) = if is_gray { (ColorType::L8, ColorSpace::Luma) } else { (ColorType::Rgb8, ColorSpace::RGB) };
+        let (color, space) =
+            if is_gray { (ColorType::L8, ColorSpace::Luma) } else { (ColorType::Rgb8, ColorSpace::RGB) };
         decoder.set_options(options.jpeg_set_out_colorspace(space));
         let (width, height) = decoder.dimensions().unwrap_or_default();
         let this = Self { decoder, size: (width as u32, height as u32), color };
