@@ -146,9 +146,11 @@ pub(crate) struct RenderArgs {
     pub(crate) run: RunArgs,
 }
 
-/// Arguments of `view`.
+/// Arguments of `view`, which refuses the hidden ones.
 #[cfg(feature = "view")]
 #[derive(Debug, Args)]
+#[command(mut_arg("crop", |arg| arg.hide(true)), mut_arg("passes", |arg| arg.hide(true)))]
+#[command(mut_arg("adaptive", |arg| arg.hide(true)), mut_arg("min_spp", |arg| arg.hide(true)))]
 pub(crate) struct BrowserArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
@@ -201,7 +203,7 @@ pub(crate) struct CheckArgs {
     #[arg(long, value_enum, default_value_t = ReportFormat::Text, long_help = CHECK_FORMAT_HELP)]
     pub(crate) format: ReportFormat,
 
-    /// Treat warnings as errors (exit code 3)
+    /// Exit with code 3 if there are errors or warnings
     #[arg(long)]
     pub(crate) strict: bool,
 }
@@ -240,7 +242,7 @@ pub(crate) struct ConvertArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct DevelopArgs {
-    /// Linear image: .exr, .hdr, .pfm, or - for standard input
+    /// Image: .exr, .hdr, .pfm, .png, .jpg, or - for standard input
     #[arg(value_hint = ValueHint::FilePath)]
     pub(crate) image: PathBuf,
 
@@ -249,7 +251,7 @@ pub(crate) struct DevelopArgs {
     pub(crate) output: PathBuf,
 
     /// Set the image format [default: by file extension, png for -]
-    #[arg(long, value_name = "FORMAT", value_parser = values::image_format())]
+    #[arg(long, value_name = "FORMAT", value_parser = values::display_format())]
     pub(crate) output_format: Option<ImageFormat>,
 
     #[command(flatten)]

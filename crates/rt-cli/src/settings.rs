@@ -20,10 +20,12 @@ pub(crate) struct Overrides<'a> {
     pub(crate) memory: Option<u64>,
     /// Keep sums of each pixel, for stop rules and per-pixel outputs.
     pub(crate) progressive: bool,
+    /// Keep maps of standard errors and sample counts, for parts.
+    pub(crate) maps: bool,
 }
 
 pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Scene, PlanOptions), CliError> {
-    let Overrides { image: args, development, environment, memory, progressive } = overrides;
+    let Overrides { image: args, development, environment, memory, progressive, maps } = overrides;
     let film = &mut scene.film;
     [film.width, film.height] = args.size.unwrap_or([film.width, film.height]);
     let settings = &mut scene.settings;
@@ -78,6 +80,7 @@ pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Sce
         quality: args.build_quality,
         memory,
         progressive,
+        maps,
     };
     Ok((scene, options))
 }

@@ -2,10 +2,11 @@
 
 use std::io::{Cursor, Write};
 
+use exr::prelude::{Encoding, Image as ExrImage, LineOrder, SpecificChannels, Vec2, WritableImage as _};
 use image::{
     ExtendedColorType, ImageEncoder, ImageError,
-    codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, openexr::OpenExrEncoder, png::PngEncoder},
-    error::{ParameterError, ParameterErrorKind},
+    codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder},
+    error::{EncodingError, ParameterError, ParameterErrorKind},
 };
 
 use crate::{Development, Image, ImageFileError, ImageFormat, pfm};
@@ -52,8 +53,9 @@ fn encode(film: &Image, development: &Development, format: ImageFormat) -> Resul
             encoder.write_image(&bitmap.bytes, width, height, ExtendedColorType::Rgb8)?;
         }
         ImageFormat::Exr => {
-            let (layout, channels) = float_channels(film);
-            OpenExrEncoder::new(Cursor::new(&mut bytes)).write_image(&channels, width, height, layout)?;
+            let written = write_exr(film, &mut bytes);
+            let format = image::ImageFormat::OpenExr.into();
+            written.map_err(|error| ImageError::Encoding(EncodingError::new(format, error)))?;
         }
         ImageFormat::Hdr => {
             let pixels: Vec<_> = film.pixels().iter().map(|&value| image::Rgb(representable_in_rgbe(value))).collect();
@@ -64,15 +66,23 @@ fn encode(film: &Image, development: &Development, format: ImageFormat) -> Resul
     Ok(bytes)
 }
 
-/// Radiance and, if the film has it, coverage: pixel by pixel, as native bytes, with their colour type.
-fn float_channels(film: &Image) -> (ExtendedColorType, Vec<u8>) {
+/// Writes radiance and, if the film has it, coverage.
+///
+/// The encoder of the `image` crate leaves the order of blocks open, and then it depends on threads.
+fn write_exr(film: &Image, bytes: &mut Vec<u8>) -> exr::error::UnitResult {
+    let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
+    let size = Vec2(film.width() as usize, film.height() as usize);
+    let at = |Vec2(x, y): Vec2<usize>| y * size.0 + x;
+    let rgb = |place| film.pixels()[at(place)].into();
+    let to = Cursor::new(bytes);
     if let Some(alpha) = film.alpha() {
-        let channels = film.pixels().iter().zip(alpha).flat_map(|(&[r, g, b], &a)| [r, g, b, a]);
-        (ExtendedColorType::Rgba32F, channels.flat_map(f32::to_ne_bytes).collect())
-    } else {
-        let channels = film.pixels().as_flattened().iter();
-        (ExtendedColorType::Rgb32F, channels.flat_map(|value| value.to_ne_bytes()).collect())
+        let rgba = |place| {
+            let (r, g, b) = rgb(place);
+            (r, g, b, alpha[at(place)])
+        };
+        return ExrImage::from_encoded_channels(size, encoding, SpecificChannels::rgba(rgba)).write().to_buffered(to);
     }
+    ExrImage::from_encoded_channels(size, encoding, SpecificChannels::rgb(rgb)).write().to_buffered(to)
 }
 
 /// The nearest radiance whose shared exponent fits in a byte; the encoder wraps it around otherwise.
@@ -126,6 +136,15 @@ mod tests {
             let (_folder, path) = saved(&film, ImageFormat::Exr);
             assert_eq!(read_image(&path).expect("readable").checksum(), film.checksum());
         }
+    }
+
+    /// The encoder wrote blocks as threads finished them.
+    #[test]
+    fn exr_files_of_many_blocks_are_equal() {
+        let film = Image::new(700, 300, true);
+        let write = || written(&film, &Development::default(), ImageFormat::Exr);
+        let first = write();
+        assert!((0..20).all(|_| write() == first));
     }
 
     #[test]

@@ -45,6 +45,8 @@ pub(crate) struct PerPixel {
     pub(crate) transparent: bool,
     /// True if passes are accumulated per pixel.
     pub(crate) progressive: bool,
+    /// True if maps of standard errors and sample counts are kept.
+    pub(crate) maps: bool,
     /// True if accelerators are built for the objects in view.
     pub(crate) culls: bool,
 }
@@ -74,7 +76,7 @@ impl MemoryPrediction {
     /// [`RenderError::Memory`], or if the tree is nested too deeply or an index points nowhere.
     pub fn of_scene(scene: &Scene, budget: Option<u64>) -> Result<Self, RenderError> {
         let crop = Crop { x: 0, y: 0, width: 0, height: 0 };
-        let kept = PerPixel { crop, transparent: false, progressive: false, culls: false };
+        let kept = PerPixel { crop, transparent: false, progressive: false, maps: false, culls: false };
         let (prediction, largest) = Self::of(scene, AccelOptions::default(), &kept)?;
         prediction.check(budget, largest)?;
         Ok(prediction)
@@ -130,9 +132,11 @@ fn film(scene: &Scene, kept: &PerPixel) -> u64 {
     let pixels = u64::from(kept.crop.width) * u64::from(kept.crop.height);
     let image = if kept.transparent { 16 } else { 12 };
     let caustics = scene.settings.integrator == Integrator::Caustics;
-    let estimate = if kept.progressive || caustics { size_of::<PixelEstimate>() as u64 + 2 * 12 } else { 0 };
+    let accumulates = kept.progressive || caustics;
+    let estimate = if accumulates { size_of::<PixelEstimate>() as u64 } else { 0 };
+    let maps = if accumulates || kept.maps { 2 * 12 } else { 0 };
     let splats = if caustics { SplatImage::memory(1, scene.film.filter) as u64 } else { 0 };
-    pixels.saturating_mul(2 * image + estimate + splats)
+    pixels.saturating_mul(2 * image + estimate + maps + splats)
 }
 
 /// Bytes of texture images, shared ones counted once.

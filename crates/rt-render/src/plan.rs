@@ -64,6 +64,7 @@ impl<'s> RenderPlan<'s> {
             crop: view.crop,
             transparent: options.transparent,
             progressive: options.progressive,
+            maps: options.maps,
             culls: !options.full && settings.integrator != Integrator::Cost,
         };
         let (memory, largest) = MemoryPrediction::of(scene, AccelOptions::new(scene, options), &per_pixel)?;

@@ -27,7 +27,9 @@ pub struct PlanOptions {
     /// Memory limit in bytes. A larger prediction is an error, before anything is built; `None`
     /// for no limit.
     pub memory: Option<u64>,
-    /// True if the render is progressive or keeps maps of error and samples. More memory is then kept per
-    /// pixel; only the memory prediction depends on it.
+    /// True if the render is progressive. More memory is then kept per pixel; only the memory prediction depends on it.
     pub progressive: bool,
+    /// True if maps of standard errors and sample counts are kept, as parts of an image do. Only the memory prediction depends
+    /// on it.
+    pub maps: bool,
 }

@@ -1,4 +1,4 @@
-//! The laws of reflection and refraction.
+//! The laws of reflection and refraction, and Fresnel's equations.
 
 use rt_math::{DVec3, Mask, Real, Vector3, float::cross};
 

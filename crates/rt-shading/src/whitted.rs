@@ -15,7 +15,7 @@ use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
 use sphere_queue::SphereQueue;
 use uniform_phong::UniformPhong;
-use wave::{DirectLighting, PixelTree, TreePath};
+use wave::{DirectLighting, RayTree, TreePath};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
@@ -38,10 +38,10 @@ pub struct Whitted {
     /// Rays of the current wave.
     wave: RayQueues<TreePath>,
     next: RayQueues<TreePath>,
-    samples: Vec<PixelTree>,
+    samples: Vec<RayTree>,
     /// Samples whose path has ended in this wave.
     ended: Vec<u32>,
-    lights: DirectLighting,
+    direct_lighting: DirectLighting,
     /// Hits on spheres that are shaded in lanes.
     spheres: SphereQueue,
     /// Phong models by material, for lanes.
@@ -64,7 +64,7 @@ impl Whitted {
             next: RayQueues::default(),
             samples: Vec::new(),
             ended: Vec::new(),
-            lights: DirectLighting::default(),
+            direct_lighting: DirectLighting::default(),
             spheres: SphereQueue::default(),
             phongs: Vec::new(),
             lanes: None,
@@ -130,7 +130,7 @@ impl Whitted {
     /// Allocates state for the samples of `count` camera rays.
     fn start(&mut self, count: usize) {
         if self.samples.len() < count {
-            self.samples.resize_with(count, PixelTree::default);
+            self.samples.resize_with(count, RayTree::default);
         }
         if self.needs.refraction {
             for sample in &mut self.samples[..count] {
@@ -177,7 +177,7 @@ impl Whitted {
 
     /// Traces the shadow rays of a wave, and fills the next one.
     fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
-        self.lights.resolve(|rays, blocked| world.occluded_batch(rays, blocked), seen);
+        self.direct_lighting.resolve(|rays, blocked| world.occluded_batch(rays, blocked), seen);
         self.next_wave();
     }
 

@@ -2,7 +2,7 @@
 
 mod node;
 mod refit;
-mod spatial;
+mod spatial_splits;
 mod traverse;
 mod validate;
 
@@ -20,7 +20,7 @@ use crate::top_down::{SliceSplit, Subtree, build_in_place};
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
 use node::BvhNode;
 pub(crate) use node::{Aabb32, SlabRay32};
-use spatial::SplitRef;
+use spatial_splits::SplitRef;
 
 /// Criterion by which a set of primitives is split.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -84,7 +84,7 @@ impl Bvh {
         let mut items: Vec<_> =
             bounded.into_iter().map(|(index, own)| (index, Aabb32::enclosing(&own, centre))).collect();
         let (Subtree { nodes, indices, root, height }, split_refs) = match method {
-            SplitMethod::Spatial => spatial::build(&items),
+            SplitMethod::Spatial => spatial_splits::build(&items),
             SplitMethod::Median | SplitMethod::SurfaceArea => (build(&mut items, method), Vec::new()),
         };
         Ok(Self {
@@ -121,7 +121,7 @@ fn build(items: &mut [(u32, Aabb32)], method: SplitMethod) -> Subtree<BvhNode> {
         let centroids = centroid_bounds(items);
         let best = match method {
             SplitMethod::Median => None,
-            _ => best_split(items, &centroids, depth, spatial::bin_cost),
+            _ => best_split(items, &centroids, depth, spatial_splits::bin_cost),
         };
         let (middle, bounds) = split_set(items, &centroids, bounds.half_area(), best)?;
         Some(SliceSplit { middle, payload: bounds, states: bounds })

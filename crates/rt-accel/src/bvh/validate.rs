@@ -6,7 +6,7 @@ use rt_math::Aabb;
 
 use super::Bvh;
 use super::node::Aabb32;
-use super::spatial::SplitCell;
+use super::spatial_splits::SplitCell;
 use crate::{ValidationError, node_ref::NodeRef, prim_bounds::validate_lists, traversal::MAX_DEPTH};
 
 impl Bvh {

@@ -19,11 +19,11 @@ pub(crate) struct ImageArgs {
 
     /// Set the samples per pixel, or their maximum with --time or --target-error [default: as in the scene]
     ///
-    /// Numbers that the sampler does not support are rounded up.
+    /// The maximum is 4096 by default with --target-error, and 1048576 with --time alone. Numbers that the sampler does not support are rounded up.
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 31), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) spp: Option<u32>,
 
-    /// Split the samples into N independent passes to estimate the error [default: 1; 4 for stochastic integrators]
+    /// Split the samples into N independent passes to estimate the error [default: 1; for stochastic integrators 4, below 16 samples 2]
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 16), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) passes: Option<u32>,
 

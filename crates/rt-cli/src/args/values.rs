@@ -127,7 +127,16 @@ pub(super) fn dither() -> impl TypedValueParser<Value = bool> {
 
 /// Image format by file extension.
 pub(super) fn image_format() -> impl TypedValueParser<Value = ImageFormat> {
-    let names = ImageFormat::ALL.into_iter().map(|format| {
+    format_among(&ImageFormat::ALL)
+}
+
+/// Format of images for display.
+pub(super) fn display_format() -> impl TypedValueParser<Value = ImageFormat> {
+    format_among(&[ImageFormat::Png, ImageFormat::Jpeg])
+}
+
+fn format_among(formats: &[ImageFormat]) -> impl TypedValueParser<Value = ImageFormat> + use<> {
+    let names = formats.iter().map(|format| {
         let [usual, others @ ..] = format.extensions() else { return PossibleValue::new("") };
         PossibleValue::new(*usual).aliases(others.iter().copied())
     });

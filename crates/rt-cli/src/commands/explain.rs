@@ -20,6 +20,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), CliError> {
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),
         progressive: false,
+        maps: false,
     };
     let (scene, options) = settings::resolve(scene, overrides)?;
     let plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;

@@ -59,6 +59,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),
         progressive: rule.is_some() || args.aov.iter().any(|aov| aov.content.needs_maps()),
+        maps: args.checkpoint.shard.is_some(),
     };
     let (scene, options) = settings::resolve(scene, overrides)?;
 

@@ -52,6 +52,7 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
         environment: environment.as_ref(),
         memory: loaded.memory.limit(),
         progressive: true,
+        maps: false,
     };
     let (mut scene, options) = settings::resolve(scene, overrides)?;
     let mut developments = [of_scene, Development { encoding: of_scene.encoding, ..Development::default() }];

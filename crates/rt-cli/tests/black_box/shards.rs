@@ -122,3 +122,12 @@ fn parts_that_make_no_sense_are_refused() {
     }
     assert_eq!(place.files(), ["scene.ron"]);
 }
+
+/// The prediction lacked the maps of standard errors and sample counts.
+#[test]
+fn the_maps_of_a_part_count_as_memory() {
+    let place = Workplace::with_scene();
+    let run = place.run("render scene.ron --size 8000x8000 --spp 1 --shard 1/2 --memory 1800MiB");
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert!(run.stderr.contains("needs") && run.stderr.contains("--memory"), "{run:?}");
+}

@@ -17,6 +17,7 @@ const PLAIN: PlanOptions = PlanOptions {
     quality: rt_render::Quality::Medium,
     memory: None,
     progressive: false,
+    maps: false,
 };
 
 fn image(plan: &RenderPlan<'_>) -> Image {

@@ -213,19 +213,19 @@ impl StatementReader {
     fn face(&mut self, line: &Line<'_>) -> Result<(), String> {
         self.corners.clear();
         for word in line.arguments() {
+            if self.corners.len() == FACE_CORNERS {
+                let n = line.arguments().count();
+                return Err(format!("a face has {n} corners; it may have at most {FACE_CORNERS}"));
+            }
             let corner = corner(word, self.counts)?;
             if corner.dangling {
                 self.skip("missing normal or texture coordinate", line.number);
             }
             self.corners.push(corner.indices);
         }
-        match self.corners.len() {
-            0..3 => {
-                self.skip("face with fewer than three corners", line.number);
-                return Ok(());
-            }
-            3..=FACE_CORNERS => {}
-            n => return Err(format!("a face has {n} corners; it may have at most {FACE_CORNERS}")),
+        if self.corners.len() < 3 {
+            self.skip("face with fewer than three corners", line.number);
+            return Ok(());
         }
         let attributes = [1, 2].map(|kind| self.corners.iter().all(|corner| corner[kind].is_some()));
         let part = self.part(attributes);

@@ -1,4 +1,4 @@
-//! Shading of path vertices: emission, direct lighting and BSDF sampling.
+//! Shading of path vertices: emission, direct lighting (next-event estimation) and BSDF sampling.
 
 use super::{
     Clamp, Lighting, PathSettings, PathTracer, Transport,
@@ -32,7 +32,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let Some(hit) = hit else {
             let throughput = path.throughput * mis_weight_env(lighting, path, ray.direction);
             let radiance = throughput * lighting.appearance.background.radiance(ray.direction);
-            seen.radiance += within(clamp, path.bounces, radiance, &mut self.counts);
+            seen.radiance += clamped(clamp, path.bounces, radiance, &mut self.counts);
             return;
         };
         let materials = &lighting.appearance.materials;
@@ -56,7 +56,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let is_omitted = transport == Transport::NonCaustic && path.is_caustic_of(hit);
             if !emitted.is_black() && !is_omitted {
                 let radiance = path.throughput * emitted * mis_weight_area(lighting, path, hit);
-                seen.radiance += within(clamp, path.bounces, radiance, &mut self.counts);
+                seen.radiance += clamped(clamp, path.bounces, radiance, &mut self.counts);
             }
         }
         if path.emission_only {
@@ -76,7 +76,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if only_reflects && self.needs.ambient && !gathers_background {
             let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, view.surface);
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
-            seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
+            seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
         if self.wave_lanes.is_some()
             && let Some(diffuse) = bsdf.as_diffuse()
@@ -247,7 +247,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 let radiance = dimmed(radiance, lit.direction, lit.distance);
                 self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_bounded);
             } else {
-                seen.radiance += within(clamp, path.bounces + 1, radiance, &mut self.counts);
+                seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
             }
         }
         let n_sampled = lighting.lights.sampled_lights().len();
@@ -316,7 +316,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
 /// Radiance after `scattered` surfaces, clamped if it is indirect.
 #[inline(always)]
-fn within(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCounts) -> Rgb {
+fn clamped(clamp: Clamp, scattered: u32, radiance: Rgb, counts: &mut ShadingCounts) -> Rgb {
     if clamp.holds_after(scattered) { clamp.bounded(radiance, counts) } else { radiance }
 }
 

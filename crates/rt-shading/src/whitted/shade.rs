@@ -133,15 +133,15 @@ impl Whitted {
                 Some(lit) if !reflected.is_black() => {
                     if shadowed {
                         let (ray, span) = light.shadow_ray(&shadow_rays, &lit, time);
-                        self.lights.push_shadowed(number, reflected, ray, span);
+                        self.direct_lighting.push_shadowed(number, reflected, ray, span);
                     } else {
-                        self.lights.push(reflected);
+                        self.direct_lighting.push(reflected);
                     }
                 }
                 _ => self.counts.shadow_rays_skipped += u64::from(shadowed),
             }
         }
-        self.lights.end_surface(path, radiance);
+        self.direct_lighting.end_surface(path, radiance);
     }
 
     /// Spawns the mirrored and the refracted ray of a surface.

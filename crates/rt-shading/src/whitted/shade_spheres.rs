@@ -93,12 +93,12 @@ impl Whitted {
             let reflected = get_rgb(&lit.reflected, lane);
             if shadowed {
                 let (ray, span) = lit.shadow_ray(block, lane, time);
-                self.lights.push_shadowed(number, reflected, ray, span);
+                self.direct_lighting.push_shadowed(number, reflected, ray, span);
             } else {
-                self.lights.push(reflected);
+                self.direct_lighting.push(reflected);
             }
         }
-        self.lights.end_surface(&path, radiance[usize::from(is(block.inside))]);
+        self.direct_lighting.end_surface(&path, radiance[usize::from(is(block.inside))]);
 
         let transmission = interface.zip(transmission);
         if path.depth >= self.max_depth {

@@ -3,8 +3,8 @@
 //! ```text
 //!            ┌──────────────── next wave ────────────────┐
 //!            ▼                                           │
-//!   paths ──> intersect ──> shade ──> shadow rays ──> gather ──> samples
-//!                             └─> waiting rays of each sample ─┘
+//!   paths ──> intersect ──> shade ──> shadow rays ──> resolve ──> samples
+//!                             └─> deferred rays of each sample ─┘
 //! ```
 
 use crate::{
@@ -41,7 +41,7 @@ struct DeferredRay {
 /// State of the ray tree of a camera ray between waves. The tree is traversed depth first, and each wave holds one path of it. The
 /// order of sums thus does not depend on the rest of the wave.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PixelTree {
+pub(super) struct RayTree {
     deferred: Vec<DeferredRay>,
     /// Media around the rays in `deferred`.
     interiors: InteriorListStack,
@@ -49,7 +49,7 @@ pub(super) struct PixelTree {
     pub(super) interior: InteriorList,
 }
 
-impl PixelTree {
+impl RayTree {
     /// Defers a ray that crosses a surface.
     #[inline(always)]
     pub(super) fn defer(&mut self, ray: Ray, path: &TreePath, interface: &MediumInterface) {

@@ -65,6 +65,7 @@ impl Method {
             environment: input.environment.as_ref(),
             memory: input.options.memory.limit(),
             progressive: false,
+            maps: false,
         };
         let (mut scene, options) = settings::resolve(input.scene.clone(), overrides)?;
         let settings = &mut scene.settings;
