@@ -50,8 +50,8 @@ pub(crate) fn name_of(value: impl ValueEnum) -> String {
     long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to images.\n\n\
                   `rt-cli SCENE` is short for `rt-cli render SCENE` and takes the same options. Without arguments, a built-in scene is \
                   rendered to still_life.png. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
-                  The file name `-` means standard input for inputs and standard output for outputs. Reports then go to standard error.",
-    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 image written but damaged, 130 interrupted (the image so far is saved).",
+                  The file name `-` means standard input for a scene or image and standard output for an image or text. Reports then go to standard error.",
+    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 image written but damaged or, with --strict, empty, 130 interrupted.",
     disable_help_subcommand = true,
     args_conflicts_with_subcommands = true
 )]

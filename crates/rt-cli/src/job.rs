@@ -277,12 +277,15 @@ impl Job<'_> {
     fn compile(&self) -> Result<RenderPlan<'_>, CliError> {
         let film = &self.scene.film;
         let size = self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height]);
-        if let JobOutput::Image { format, file, .. } = &self.output {
+        if let JobOutput::Image { format, .. } = &self.output {
             image_file::check(*format, size, self.options.transparent)?;
-            file.check_space(image_file::max_bytes(*format, size))?;
         }
         let plan =
             RenderPlan::compile(self.scene, &self.options).map_err(|error| CliError::plan(self.scene_file, error))?;
+        // After a crop beyond the image is refused.
+        if let JobOutput::Image { format, file, .. } = &self.output {
+            file.check_space(image_file::max_bytes(*format, size))?;
+        }
         if self.rule.is_some_and(|rule| rule.target.is_some()) && !plan.passes_differ() {
             let error = RenderError::SamePasses(self.scene.settings.pattern.name());
             return Err(CliError::plan(self.scene_file, error));

@@ -56,8 +56,12 @@ impl OutputFile {
     fn prepare_target(path: &Path, target: PathBuf, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         if is_dash(path) {
             reserve_stdout();
-            let (path, folder) = (PathBuf::from(STDOUT), env::temp_dir());
-            return Ok(Self { target: path.clone(), path, folder, is_stdout: true });
+            return Ok(Self {
+                path: PathBuf::from(STDOUT),
+                target: PathBuf::from("stdout"),
+                folder: env::temp_dir(),
+                is_stdout: true,
+            });
         }
         if target.file_name().is_none() {
             return Err(OutputError::NoName(path.to_owned()));

@@ -52,7 +52,7 @@ pub enum ShapeError {
     #[error("the normal is zero; give a direction")]
     ZeroNormal,
     /// A triangle without area.
-    #[error("the triangle {0:?} has no area; move one of its vertices")]
+    #[error("the triangle {a}, {b}, {c} has no area; move one of its vertices", a = .0[0], b = .0[1], c = .0[2])]
     NoArea([DVec3; 3]),
 }
 

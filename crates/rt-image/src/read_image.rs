@@ -179,6 +179,10 @@ fn decoder<'r>(
     let decoder =
         image_decoder(reader.into_inner(), format, MAX_DECODER_BYTES).map_err(|error| undecodable(path, error))?;
     let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        let reason = format!("it has {width} by {height} pixels");
+        return Err(ImageFileError::Decode { path: path.to_owned(), reason });
+    }
     if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(ImageFileError::TooLarge { path: path.to_owned(), width, height });
     }

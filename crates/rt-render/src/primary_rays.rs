@@ -111,6 +111,7 @@ impl RenderPlan<'_> {
         let finished = TileResult::new(job);
         let mut accumulator =
             TileAccumulator::new(finished, PixelAccumulator::new(self.frame.transparent), counts, pass_spec.count);
+        let mut interrupted_since = None;
         for pixel in pass_spec.pixels_of(job.tile) {
             let spp = job.spp_of(pixel);
             for pass in 0..pass_spec.count {
@@ -122,6 +123,9 @@ impl RenderPlan<'_> {
                     first += count as u32;
                     if batch.free_slots() == 0 {
                         trace(batch, &mut accumulator, self.frame.backdrop, &mut radiance);
+                        if job.is_overdue(&mut interrupted_since) {
+                            return TileResult { is_abandoned: true, ..accumulator.finished };
+                        }
                     }
                 }
             }

@@ -170,7 +170,7 @@ impl RenderPlan<'_> {
         let Crop { x: left, y: top, width, height } = self.frame.crop;
         let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
         let pass_spec = self.frame.all_passes();
-        let job = TileJob::new(Tile { x, y, width: 1, height: 1 }, &pass_spec);
+        let job = TileJob::new(Tile { x, y, width: 1, height: 1 }, &pass_spec, None);
         let pixel = inside.then(|| self.render_tile(&job, false, &mut ThreadState::new(self)).pixels[0].mean())?;
         Some(pixel + self.splatted((y - top) as usize * width as usize + (x - left) as usize))
     }

@@ -1,5 +1,8 @@
 //! Work item of a thread, and its result: one tile of the image.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
 use rt_geometry::Counters;
 use rt_shading::ShadingCounts;
 
@@ -9,6 +12,9 @@ use crate::{
     tiles::Tile,
 };
 
+/// A tile that takes longer after an interrupt is abandoned.
+const MAX_DELAY: Duration = Duration::from_secs(1);
+
 /// Work item of a thread.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TileJob<'a> {
@@ -16,11 +22,18 @@ pub(crate) struct TileJob<'a> {
     pub(crate) pass_spec: &'a PassSpec<'a>,
     /// Pixels without an edge, with adaptive sampling in object space; `None` until the tile is started.
     pub(crate) simple: Option<&'a PixelMask>,
+    pub(crate) interrupt: Option<&'a AtomicBool>,
 }
 
 impl<'a> TileJob<'a> {
-    pub(crate) const fn new(tile: Tile, pass_spec: &'a PassSpec<'a>) -> Self {
-        Self { tile, pass_spec, simple: None }
+    pub(crate) const fn new(tile: Tile, pass_spec: &'a PassSpec<'a>, interrupt: Option<&'a AtomicBool>) -> Self {
+        Self { tile, pass_spec, simple: None, interrupt }
+    }
+
+    /// True if the interrupt was first seen, as `since` notes, longer ago than a tile may take to end.
+    pub(crate) fn is_overdue(&self, since: &mut Option<Instant>) -> bool {
+        self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed))
+            && since.get_or_insert_with(Instant::now).elapsed() > MAX_DELAY
     }
 
     pub(crate) fn is_simple(&self, pixel: [u32; 2]) -> bool {
@@ -48,6 +61,8 @@ pub(crate) struct TileResult {
     pub(crate) primary_rays_skipped: u64,
     pub(crate) shading: ShadingCounts,
     pub(crate) bad_samples: u64,
+    /// True if pixels are missing, because of an interrupt.
+    pub(crate) is_abandoned: bool,
 }
 
 impl TileResult {
@@ -65,6 +80,7 @@ impl TileResult {
             primary_rays_skipped: 0,
             shading: ShadingCounts::default(),
             bad_samples: 0,
+            is_abandoned: false,
         }
     }
 

@@ -29,7 +29,7 @@ pub(crate) struct TileScheduler<'p> {
 /// Outcome of a parallel loop.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Outcome {
-    /// True if the loop was interrupted before all items were started.
+    /// True if the loop was interrupted before all items were done.
     pub(crate) interrupted: bool,
     /// Items in which a thread panicked.
     pub(crate) lost: Vec<usize>,
@@ -59,8 +59,9 @@ impl<'p> TileScheduler<'p> {
         finished: impl FnMut(usize, TileResult),
     ) -> Outcome {
         let render = |state: &mut ThreadState, number: usize| {
-            let job = TileJob::new(self.tiles[number], pass_spec);
-            self.plan.render_tile(&job, self.count, state)
+            let job = TileJob::new(self.tiles[number], pass_spec, self.interrupt);
+            let result = self.plan.render_tile(&job, self.count, state);
+            (!result.is_abandoned).then_some(result)
         };
         let has_pixels = |number: &usize| pass_spec.pixels_of(self.tiles[*number]).next().is_some();
         let numbers: Vec<_> = numbers.iter().copied().filter(has_pixels).collect();
@@ -71,7 +72,7 @@ impl<'p> TileScheduler<'p> {
     pub(crate) fn trace_light(&self, pass: LightPass, mut finished: impl FnMut(LightChunk)) -> Outcome {
         let tracer = || LightTracingIntegrator::new(self.plan.integrator.path_settings(), self.plan.scene.features);
         let trace = |tracer: &mut LightTracingIntegrator<_>, chunk: usize| {
-            self.plan.trace_light(pass, chunk as u64, self.count, tracer)
+            Some(self.plan.trace_light(pass, chunk as u64, self.count, tracer))
         };
         let chunks: Vec<_> = (0..pass.chunks() as usize).collect();
         self.parallel_for(&chunks, tracer, trace, |_, lit| finished(lit))
@@ -82,12 +83,13 @@ impl<'p> TileScheduler<'p> {
     }
 
     /// Runs work items in parallel. Each thread has its own state and takes the next item until none is left or the loop is
-    /// interrupted. A panic loses the item and replaces the state of its thread.
+    /// interrupted. An item without a result has been abandoned for that. A panic loses the item and replaces the state of its
+    /// thread.
     fn parallel_for<W, T: Send>(
         &self,
         items: &[usize],
         new_state: impl Fn() -> W + Sync,
-        work: impl Fn(&mut W, usize) -> T + Sync,
+        work: impl Fn(&mut W, usize) -> Option<T> + Sync,
         mut finished: impl FnMut(usize, T),
     ) -> Outcome {
         let (sender, receiver) = mpsc::channel();
@@ -106,8 +108,13 @@ impl<'p> TileScheduler<'p> {
                         if done.is_err() {
                             state = new_state();
                         }
+                        let result = match done {
+                            Ok(None) => break,
+                            Ok(Some(result)) => Some(result),
+                            Err(_) => None,
+                        };
                         // Sending cannot fail: the receiver outlives this loop.
-                        let _ = sender.send((item, done.ok()));
+                        let _ = sender.send((item, result));
                     }
                 });
             }
@@ -156,7 +163,7 @@ mod tests {
                 assert!(!core::mem::replace(broken, true), "the state of a panic is still used");
                 assert_ne!(item % 20, 7, "a defect");
                 *broken = false;
-                item
+                Some(item)
             };
             let mut outcome = scheduler.parallel_for(
                 &items,
@@ -173,6 +180,27 @@ mod tests {
         });
     }
 
+    /// The tile would take hours.
+    #[test]
+    fn an_interrupt_does_not_wait_for_tiles_of_many_samples() {
+        let interrupt = AtomicBool::new(false);
+        with_scheduler(Some(&interrupt), |scheduler| {
+            let pass_spec = PassSpec { first: 0, count: 1, spp: 1 << 30, simple_spp: None, pixels: None };
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(std::time::Duration::from_millis(50));
+                    interrupt.store(true, Ordering::Relaxed);
+                });
+                let mut finished = 0;
+                let middle = [scheduler.plan.frame.crop.width / 2, scheduler.plan.frame.crop.height / 2];
+                let in_middle = |tile: &Tile| tile.pixels().any(|pixel| pixel == middle);
+                let tile = scheduler.tiles().iter().position(in_middle).expect("tiles cover the image");
+                let outcome = scheduler.render_tiles(&pass_spec, &[tile], |_, _| finished += 1);
+                assert_eq!((outcome, finished), (Outcome { interrupted: true, lost: Vec::new() }, 0));
+            });
+        });
+    }
+
     #[test]
     fn an_interruption_finishes_started_items() {
         let interrupt = AtomicBool::new(false);
@@ -183,6 +211,7 @@ mod tests {
                 if item == 5 {
                     interrupt.store(true, Ordering::Relaxed);
                 }
+                Some(())
             };
             let items: Vec<_> = (0..100_000).collect();
             let outcome = scheduler.parallel_for(&items, || (), work, |_, ()| finished += 1);

@@ -12,8 +12,8 @@ use super::values::{self, CheckpointInterval};
 pub(crate) struct CheckpointArgs {
     /// Continue from the checkpoint of an earlier run of the same scene and options, if there is one
     ///
-    /// The image is bit-identical to that of an uninterrupted run, except with --time. Without this option, a checkpoint of another
-    /// scene or of other options is renamed to CHECKPOINT.old, and the render starts over.
+    /// The image is bit-identical to that of an uninterrupted run, except with --time. Without --resume and
+    /// --restart, a checkpoint of this render is an error. One of another scene or of other options is renamed to CHECKPOINT.old.
     #[arg(long)]
     pub(crate) resume: bool,
 
@@ -41,7 +41,7 @@ pub(crate) struct CheckpointArgs {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct FallbackArgs {
-    /// Write results to this directory if their output path is not writable [default: $TMPDIR, then .]
+    /// Write results to this directory if writing them fails after the render [default: $TMPDIR, then .]
     #[arg(long = "fallback-dir", alias = "fallback", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) dir: Option<PathBuf>,
 }

@@ -26,7 +26,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "X", value_parser = values::finite, allow_negative_numbers = true)]
     pub(crate) threshold: Option<f64>,
 
-    /// Short for --metric rmse --threshold X
+    /// Accept an RMSE up to X; same as --metric rmse --threshold X
     #[arg(long, value_name = "X", value_parser = values::finite, conflicts_with_all = ["metric", "threshold"])]
     pub(crate) max_rmse: Option<f64>,
 

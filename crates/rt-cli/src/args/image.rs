@@ -68,7 +68,7 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "NAME", value_parser = named(&Accel::ALL, Accel::name), help_heading = "Rendering")]
     pub(crate) accel: Option<Accel>,
 
-    /// Choose the SIMD instructions of `bvh8` and `linear`; `portable` also shades without lanes; does not change the image [default: best
+    /// Choose the SIMD instructions of `bvh8` and `linear`; `portable` also disables SIMD shading; does not change the image [default: best
     /// available]
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "Rendering")]
     pub(crate) simd: Option<SimdLevel>,

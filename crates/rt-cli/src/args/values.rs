@@ -172,7 +172,7 @@ pub(super) fn crop(text: &str) -> Result<Crop, String> {
 /// Angle in degrees, in (0, 180).
 pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
     let degrees = text.parse().ok().filter(|&degrees: &f64| degrees > 0.0 && degrees < 180.0);
-    degrees.ok_or_else(|| "expected an angle between 0 and 180 degrees".to_owned())
+    degrees.ok_or_else(|| "expected an angle greater than 0 and less than 180 degrees".to_owned())
 }
 
 /// Exposure in stops.

@@ -86,8 +86,8 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Resu
         ),
         Some(ReferenceKind::Reference) if args.reference.is_none() => refuse("reference requires --reference FILE"),
         Some(kind) => Ok(kind),
-        None if scene.truth.is_some() && !is_other_view => Ok(ReferenceKind::Truth),
         None if args.reference.is_some() => Ok(ReferenceKind::Reference),
+        None if scene.truth.is_some() && !is_other_view => Ok(ReferenceKind::Truth),
         None => Ok(ReferenceKind::Split),
     }
 }

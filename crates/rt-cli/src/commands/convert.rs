@@ -35,8 +35,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
         input::refuse_warnings(&args.input.scene, &warnings)?;
     }
     output.write(|file| file.write_all(text.as_bytes()))?;
-    // Do not mix notes with a scene on standard output.
-    let console = Console { quiet: args.output == Path::new("-") };
+    let console = Console { quiet: false };
     notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))
 }
 

@@ -52,7 +52,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     console.println(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
 }
 
-/// Reads all parts and their common label. Predicts the memory of the parts from the file sizes, and that of the image from the first
+/// Reads all parts, and the label of the one with the lowest number. Predicts the memory of the parts from the file sizes, and that of the image from the first
 /// part.
 fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), CliError> {
     let Some(first) = files.first() else { return Err(named(files, JoinError::Nothing)) };
@@ -61,7 +61,7 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Cl
     let reading = lengths.iter().copied().max().unwrap_or(0);
     let of_parts =
         [(format!("the content of {} parts", files.len()), decoded), ("the part being read".to_owned(), reading)];
-    let mut label: Option<Label> = None;
+    let mut label: Option<(u32, Label)> = None;
     let mut parts = Vec::with_capacity(files.len());
     for file in files {
         // Report files that are not parts before the memory limit.
@@ -70,20 +70,22 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), Cl
             memory::check(memory, first, &of_parts)?;
         }
         let (of_part, part) = checkpoint_file::read::<Part>(file, ArtifactKind::Part, memory)?;
-        match &label {
-            Some(label) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
+        let number = part.share().index();
+        match &mut label {
+            Some((_, label)) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
+            Some(lowest) if number < lowest.0 => *lowest = (number, of_part),
             Some(_) => {}
             None => {
                 // No part is read while the image is made. Encoding copies the colors.
                 let bytes = part.rendering_bytes();
                 let image = ("the image".to_owned(), bytes.saturating_add(bytes / 2));
                 memory::check(memory, first, &[of_parts[0].clone(), image])?;
-                label = Some(of_part);
+                label = Some((number, of_part));
             }
         }
         parts.push(part);
     }
-    label.map(|label| (label, parts)).ok_or_else(|| named(files, JoinError::Nothing))
+    label.map(|(_, label)| (label, parts)).ok_or_else(|| named(files, JoinError::Nothing))
 }
 
 fn foreign(file: &Path, scene: String) -> CliError {

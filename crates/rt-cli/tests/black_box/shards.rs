@@ -46,6 +46,11 @@ fn parts_are_developed_as_the_scene_or_the_options_of_merge_say() {
     place.succeed("render scene.ron --background transparent --exposure -1 --tone aces -o one.png");
     place.succeed("merge scene.1-of-2.part scene.2-of-2.part --exposure -1 --tone aces -o joined.png");
     assert_eq!(place.read("one.png"), place.read("joined.png"));
+    // The first part in the list determined the exposure.
+    place.succeed("render scene.ron --background transparent --exposure 3 --shard 2/2 -o bright.part");
+    place.succeed("merge scene.1-of-2.part bright.part -o one.png");
+    place.succeed("merge bright.part scene.1-of-2.part -o joined.png");
+    assert_eq!(place.read("one.png"), place.read("joined.png"));
     let run = place.run("merge scene.1-of-2.part scene.2-of-2.part -o joined.hdr");
     assert_eq!(run.code, Some(2), "transparent images do not fit there: {run:?}");
 }

@@ -106,6 +106,9 @@ impl Comparison<'_> {
 
     fn largest(&self) -> String {
         let largest = &self.measures.largest;
+        if largest.test == largest.reference {
+            return "the images are equal".to_owned();
+        }
         let radiance = |value: [f64; 3]| value.map(digits).join(" ");
         format!(
             "the largest difference is in the {} of pixel {},{}: A {}, B {}",

@@ -19,6 +19,7 @@ use crate::args::{ConvergeArgs, ReferenceKind, name_of};
 use crate::error::CliError;
 use crate::output::OutputFile;
 use crate::output_error::OutputError;
+use crate::stdin::is_dash;
 
 /// Output directory and files.
 #[derive(Debug)]
@@ -34,6 +35,10 @@ pub(super) struct Outputs {
 impl Outputs {
     /// Creates the directory if it is missing, and checks that the files are writable.
     pub(super) fn prepare(folder: &Path, inputs: &[PathBuf]) -> Result<Self, CliError> {
+        if is_dash(folder) {
+            let message = "--output - is not supported: `converge` writes several files into a directory";
+            return Err(CliError::Usage(message.to_owned()));
+        }
         if !folder.is_dir() {
             fs::create_dir(folder).map_err(|error| OutputError::Write {
                 path: folder.to_owned(),
