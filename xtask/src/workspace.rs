@@ -160,3 +160,14 @@ impl Workspace {
         Ok(found)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    /// `cfg!(debug_assertions)` stands for the dev profile. Without assertions there, benchmarks measured it.
+    #[test]
+    fn the_dev_profile_has_the_assertions_that_tell_it_from_release() {
+        let manifest: toml::Table = include_str!("../../Cargo.toml").parse().expect("the root manifest");
+        let dev = &manifest["profile"]["dev"]["package"]["xtask"];
+        assert_eq!(dev["debug-assertions"].as_bool(), Some(true));
+    }
+}

@@ -281,6 +281,12 @@ mod tests {
     }
 
     #[test]
+    fn an_image_without_pixels_cannot_be_decoded() {
+        let empty = read_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 24 +X 0\n");
+        assert!(matches!(empty, Err(ImageFileError::Decode { .. })), "{empty:?}");
+    }
+
+    #[test]
     fn developing_what_was_read_gives_the_same_bytes() {
         let film = read_bytes(&encoded(ImageFormat::Png)).expect("readable");
         let mut again = Vec::new();

@@ -22,6 +22,7 @@ pub(crate) struct TileJob<'a> {
     pub(crate) pass_spec: &'a PassSpec<'a>,
     /// Pixels without an edge, with adaptive sampling in object space; `None` until the tile is started.
     pub(crate) simple: Option<&'a PixelMask>,
+    /// True once the render shall end.
     pub(crate) interrupt: Option<&'a AtomicBool>,
 }
 

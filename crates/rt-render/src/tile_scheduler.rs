@@ -83,8 +83,8 @@ impl<'p> TileScheduler<'p> {
     }
 
     /// Runs work items in parallel. Each thread has its own state and takes the next item until none is left or the loop is
-    /// interrupted. An item without a result has been abandoned for that. A panic loses the item and replaces the state of its
-    /// thread.
+    /// interrupted. `work` returns `None` if it abandoned the item after an interrupt. A panic loses the item and replaces the
+    /// state of its thread.
     fn parallel_for<W, T: Send>(
         &self,
         items: &[usize],
@@ -104,17 +104,16 @@ impl<'p> TileScheduler<'p> {
                     while !self.is_interrupted() {
                         let Some(&item) = items.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
                         // Unwind safety: the state is replaced after a panic, and work changes nothing else.
-                        let done = catch_unwind(AssertUnwindSafe(|| work(&mut state, item)));
-                        if done.is_err() {
-                            state = new_state();
-                        }
-                        let result = match done {
+                        let done = match catch_unwind(AssertUnwindSafe(|| work(&mut state, item))) {
                             Ok(None) => break,
-                            Ok(Some(result)) => Some(result),
-                            Err(_) => None,
+                            Ok(done) => done,
+                            Err(_) => {
+                                state = new_state();
+                                None
+                            }
                         };
                         // Sending cannot fail: the receiver outlives this loop.
-                        let _ = sender.send((item, result));
+                        let _ = sender.send((item, done));
                     }
                 });
             }

@@ -97,10 +97,10 @@ pub(crate) struct Series(pub(crate) Vec<u32>);
 /// Kind of reference, in order of preference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ReferenceKind {
-    /// Mean radiance that the scene file declares
-    Truth,
     /// Image of --reference
     Reference,
+    /// Mean radiance that the scene file declares
+    Truth,
     /// Mean of two renders by another sampler
     Split,
 }
@@ -149,7 +149,7 @@ pub(super) const CONVERGE_HELP: &str = "\
 Measure error against run time for several methods, with confidence intervals
 
 A method is a combination of the --vary values. Each is rendered at a series of sample counts with several seeds. Errors are measured \
-against the first available reference: the mean radiance that the scene declares (truth), the image of --reference, or a reference \
+against the first available reference: the image of --reference, the mean radiance that the scene declares (truth), or a reference \
 rendered in two halves by another sampler with other seeds (split).
 
 The squared error of a split reference, the floor, is a quarter of the mean squared difference of its halves. It is printed, plotted, \

@@ -16,6 +16,8 @@ use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, FirstHitLayer, Share, SimdLevel};
 use rt_scene_io::LoadErrorKind;
 
+use crate::image_file::is_developed;
+
 /// Per-pixel output other than radiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Aov {
@@ -127,16 +129,16 @@ pub(super) fn dither() -> impl TypedValueParser<Value = bool> {
 
 /// Image format by file extension.
 pub(super) fn image_format() -> impl TypedValueParser<Value = ImageFormat> {
-    format_among(&ImageFormat::ALL)
+    format_among(|_| true)
 }
 
 /// Format of images for display.
 pub(super) fn display_format() -> impl TypedValueParser<Value = ImageFormat> {
-    format_among(&[ImageFormat::Png, ImageFormat::Jpeg])
+    format_among(is_developed)
 }
 
-fn format_among(formats: &[ImageFormat]) -> impl TypedValueParser<Value = ImageFormat> + use<> {
-    let names = formats.iter().map(|format| {
+fn format_among(accepts: fn(ImageFormat) -> bool) -> impl TypedValueParser<Value = ImageFormat> {
+    let names = ImageFormat::ALL.into_iter().filter(|&format| accepts(format)).map(|format| {
         let [usual, others @ ..] = format.extensions() else { return PossibleValue::new("") };
         PossibleValue::new(*usual).aliases(others.iter().copied())
     });

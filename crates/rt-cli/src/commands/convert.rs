@@ -30,12 +30,12 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
     }
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
     let Converted { text, warnings, notes } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
-    input::warn(&warnings, Console { quiet: false });
+    let console = Console { quiet: false };
+    input::warn(&warnings, console);
     if args.strict {
         input::refuse_warnings(&args.input.scene, &warnings)?;
     }
     output.write(|file| file.write_all(text.as_bytes()))?;
-    let console = Console { quiet: false };
     notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))
 }
 

@@ -135,6 +135,7 @@ fn wrong_usage_ends_with_code_2() {
             ("no such camera", GOOD, "render scene.ron --camera camara"),
             ("no field of view", flat, "render scene.ron --fov 30"),
             ("crop outside", GOOD, "render scene.ron --crop 4,4,5,4"),
+            ("large crop outside", GOOD, "render scene.ron --crop 0,0,4000000000,1000000"),
             ("no such format", GOOD, "render scene.ron -o a.tiff"),
             ("no alpha", GOOD, "render scene.ron -o older.jpg --background transparent"),
             ("two in one", GOOD, "render scene.ron -o older.png --stats ./older.png"),

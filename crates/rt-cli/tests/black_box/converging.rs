@@ -124,6 +124,8 @@ fn a_truth_is_measured_against() {
     assert_eq!(report["against"], "split");
     let report = json(&place, "half.ron --spp 1 --seeds 2 --reference-kind split --quiet");
     assert_eq!(report["against"], "split");
+    // A given image was ignored.
+    place.fails(3, "converge half.ron --spp 1 --seeds 2 --reference missing.exr", "missing.exr: ");
 }
 
 #[test]
@@ -229,6 +231,7 @@ fn invalid_experiments_are_refused_before_rendering() {
             (3, "edge.ron --reference missing.exr"),
             (3, "edge.ron --reference text.exr"),
             (3, "edge.ron --reference small.exr"),
+            (2, "edge.ron -o -"),
             (4, "edge.ron -o file"),
             (4, "edge.ron -o missing/out"),
         ],

@@ -29,6 +29,12 @@ fn a_bare_model_says_what_was_chosen_for_it() {
 }
 
 #[test]
+fn notes_of_a_conversion_to_standard_output_are_on_standard_error() {
+    let run = place_with_model().succeed("convert m.obj -o -");
+    assert!(!run.stdout.contains("note: ") && run.stderr.starts_with("note: "), "{run:?}");
+}
+
+#[test]
 fn a_conversion_replaces_no_input_and_leaves_nothing_on_failure() {
     let place = Workplace::with_scene();
     let before = place.read("scene.ron");

@@ -107,7 +107,7 @@ impl Comparison<'_> {
     fn largest(&self) -> String {
         let largest = &self.measures.largest;
         if largest.test == largest.reference {
-            return "the images are equal".to_owned();
+            return "the largest difference is 0".to_owned();
         }
         let radiance = |value: [f64; 3]| value.map(digits).join(" ");
         format!(
