@@ -3,6 +3,7 @@
 use rt_math::{DVec3, Mask, Real, Vector3, float::cross};
 
 /// Mirrors `direction` at a surface with unit `normal`; keeps its length.
+#[inline]
 pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     reflect_lanes(direction.into(), normal.into()).into()
 }

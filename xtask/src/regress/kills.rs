@@ -24,13 +24,13 @@ struct Kills {
 
 /// Tile by tile, pass by pass with light paths before each, growing passes, and passes of some pixels.
 const ALL: [Kills; 6] = [
-    kills("kills/path", "scenes/lecture/cornell-full.ron", "--size 128x128 --spp 64"),
-    kills("kills/whitted", "scenes/report/mound100.ron", "--size 320x240 --spp 64 --aov samples=samples.pfm"),
+    kills("kills/path", "scenes/lecture/cornell-full.ron", "--size 128x128 --spp 16"),
+    kills("kills/whitted", "scenes/report/mound100.ron", "--size 320x240 --spp 32 --aov samples=samples.pfm"),
     kills("kills/caustics", "scenes/gallery/caustics.ron", "--size 96x72 --spp 32 --passes 8"),
     kills(
         "kills/target-error",
         "scenes/lecture/cornell-direct.ron",
-        "--size 96x96 --target-error 10% --aov samples=samples.pfm",
+        "--size 96x96 --target-error 20% --aov samples=samples.pfm",
     ),
     kills(
         "kills/target-error-pixels",

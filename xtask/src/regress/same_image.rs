@@ -2,8 +2,8 @@
 //!
 //! Each scene file is rendered by its own integrator with other thread counts, accelerators, instruction sets and build
 //! qualities. It is also rendered as two shards, and with the full plan. Other integrators follow, each with two ways
-//! to compute it. Without `--full` a scene takes three of the other integrators, in turn: each runs on a third of all
-//! scenes.
+//! to compute it. Without `--full`, integrators and accelerators take turns: a scene is rendered with three integrators and
+//! with four accelerators beside the default and brute force, and every third one as shards.
 
 use std::{
     fs,
@@ -23,9 +23,15 @@ const INTEGRATORS: [&str; 9] =
     ["whitted", "distributed", "path", "path-caustics", "direct", "ambient-occlusion", "normals", "depth", "uv"];
 /// Integrators per scene without `--full`.
 const INTEGRATORS_AT_A_TIME: usize = 3;
+/// Distance of the scenes that are rendered as shards without `--full`.
+const SHARDS_EVERY: usize = 3;
+/// Accelerators per scene without `--full`, beside the default and brute force.
+const ACCELERATORS_AT_A_TIME: usize = 4;
 
 /// Enough for several tiles, and for every kind of ray that the scene has.
 const REDUCED: &[&str] = &["--size", "48x36", "--spp", "4"];
+/// Size and samples for brute force, which takes longer than all other variants together.
+const REDUCED_BRUTE_FORCE: &[&str] = &["--size", "24x18", "--spp", "2"];
 /// Size and samples for the other integrators.
 const REDUCED_OTHERS: &[&str] = &["--size", "32x24", "--spp", "2"];
 
@@ -65,33 +71,25 @@ fn quality(turn: usize) -> &'static str {
     Quality::ALL[turn % Quality::ALL.len()].name()
 }
 
-/// All variants but brute force. The others are compared with the first.
-fn variants() -> Vec<Variant> {
-    let mut variants = vec![
-        vec!["--threads", "1"],
-        vec!["--threads", "2", "--simd", level(0), "--quality", quality(0)],
-        vec!["--threads", "3", "--simd", level(1), "--quality", quality(1)],
-        vec!["--threads", "8", "--simd", level(2), "--quality", quality(2)],
-        vec!["--threads", "2", "--full-plan"],
-    ];
-    for kind in AcceleratorKind::ALL {
-        let with_accel = ["--threads", "2", "--accel", kind.name()];
-        match kind {
-            AcceleratorKind::Linear => {}
-            // Two more turns of each, so that no level goes with one quality alone.
-            AcceleratorKind::Wide => variants.extend([(0, 2), (1, 0), (2, 1)].map(|(simd, build)| {
-                [&with_accel[..], &["--simd", level(simd), "--quality", quality(build)]].concat()
-            })),
-            _ => variants.push(with_accel.to_vec()),
-        }
+/// All variants but brute force. The others are compared with the first. Without `full`, accelerators take turns.
+fn variants(turn: usize, full: bool) -> Vec<Variant> {
+    let mut variants = vec![vec!["--threads", "1"], vec!["--threads", "2", "--full-plan"]];
+    // In three turns, each instruction set meets each build quality.
+    for (index, threads) in ["2", "3", "8"].into_iter().enumerate() {
+        variants.push(vec!["--threads", threads, "--simd", level(index), "--quality", quality(turn + index)]);
+    }
+    let other = |kind: &AcceleratorKind| !matches!(kind, AcceleratorKind::Wide | AcceleratorKind::Linear);
+    let others: Vec<_> = AcceleratorKind::ALL.iter().copied().filter(other).collect();
+    let count = if full { others.len() } else { ACCELERATORS_AT_A_TIME };
+    for index in 0..count {
+        variants.push(vec!["--threads", "2", "--accel", others[(turn * count + index) % others.len()].name()]);
     }
     variants
 }
 
 /// Brute force apart: at full quality it would take hours.
-fn brute_force() -> Vec<Variant> {
-    let linear = |turn| vec!["--threads", "2", "--accel", "linear", "--simd", level(turn)];
-    vec![vec!["--threads", "2"], linear(0), linear(2)]
+fn brute_force(turn: usize) -> Vec<Variant> {
+    vec![vec!["--threads", "2"], vec!["--threads", "2", "--accel", "linear", "--simd", level(turn)]]
 }
 
 /// Two ways to compute the image of an integrator, which differ in everything and depend on the turn.
@@ -115,13 +113,16 @@ impl Unit for SameImage {
     }
 
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
-        let [quality, brute_force_quality, others_quality]: [&[&str]; 3] =
-            if context.full { [&[], &["--spp", "1"], &["--spp", "4"]] } else { [REDUCED, REDUCED, REDUCED_OTHERS] };
-        let first = self.compare(context, folder, quality, &variants(), findings)?;
-        if let Some(first) = first {
+        let [quality, brute_force_quality, others_quality]: [&[&str]; 3] = if context.full {
+            [&[], &["--spp", "1"], &["--spp", "4"]]
+        } else {
+            [REDUCED, REDUCED_BRUTE_FORCE, REDUCED_OTHERS]
+        };
+        let first = self.compare(context, folder, quality, &variants(self.turn, context.full), findings)?;
+        if let Some(first) = first.filter(|_| context.full || self.turn.is_multiple_of(SHARDS_EVERY)) {
             self.compare_shards(context, folder, quality, &first, findings)?;
         }
-        self.compare(context, folder, brute_force_quality, &brute_force(), findings)?;
+        self.compare(context, folder, brute_force_quality, &brute_force(self.turn), findings)?;
         for (index, integrator) in integrators(self.turn, context.full).enumerate() {
             // Neighbours in the list of scenes, which are alike, get other accelerators.
             let variants = integrator_variants(integrator, self.turn * INTEGRATORS_AT_A_TIME + index);
@@ -216,17 +217,27 @@ mod tests {
     /// Regression: instruction sets, build qualities and integrators were not varied.
     #[test]
     fn everything_that_must_not_matter_is_varied() {
-        let all = [variants(), brute_force()].concat();
-        let has =
-            |option: &str, value: &str| all.iter().any(|variant| variant.windows(2).any(|w| w == [option, value]));
-        for kind in AcceleratorKind::ALL {
-            assert!(has("--accel", kind.name()), "{}", kind.name());
+        let all = |turns: usize, full| -> Vec<Variant> {
+            (0..turns).flat_map(|turn| [variants(turn, full), brute_force(turn)].concat()).collect()
+        };
+        // A full run varies everything on each scene, and a short one on consecutive scenes.
+        for variants in [all(1, true), all(3, false)] {
+            let has = |expected: &[&str]| {
+                variants.iter().any(|variant| variant.windows(expected.len()).any(|w| w == expected))
+            };
+            for kind in AcceleratorKind::ALL.iter().filter(|kind| **kind != AcceleratorKind::Wide) {
+                assert!(has(&["--accel", kind.name()]), "{}", kind.name());
+            }
+            for quality in Quality::ALL {
+                assert!(has(&["--quality", quality.name()]), "{}", quality.name());
+            }
+            for level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+                assert!(has(&["--simd", level.name()]), "{}", level.name());
+            }
         }
-        for quality in Quality::ALL {
-            assert!(has("--quality", quality.name()), "{}", quality.name());
-        }
-        for level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
-            assert!(has("--simd", level.name()), "{}", level.name());
+        for (level, quality) in (0..3).flat_map(|index| (0..3).map(move |other| (level(index), quality(other)))) {
+            let pair = ["--simd", level, "--quality", quality];
+            assert!(all(3, false).iter().any(|variant| variant.ends_with(&pair)), "{level} {quality}");
         }
         let taken = |turns: usize, full| (0..turns).flat_map(|turn| integrators(turn, full)).collect::<BTreeSet<_>>();
         assert_eq!((taken(3, false), taken(1, true)), (INTEGRATORS.into(), INTEGRATORS.into()));

@@ -2,7 +2,8 @@
 
 use super::{Ggx, schlick::schlick_weight};
 use crate::optics;
-use rt_math::DVec3;
+use core::f64::consts::TAU;
+use rt_math::{DVec3, transcendental};
 use std::sync::OnceLock;
 
 const COSINES: usize = 97;
@@ -93,8 +94,9 @@ fn between(a: Split, b: Split, fraction: f64) -> Split {
 
 impl Row {
     fn integrate(roughness: f64) -> Self {
+        let lattice = lattice();
         let albedo: [Split; COSINES] =
-            core::array::from_fn(|column| directional_albedo(entry(column, COSINES), roughness));
+            core::array::from_fn(|column| directional_albedo(entry(column, COSINES), roughness, &lattice));
         // ∫ E · 2 cos d cos, where E is a line a + b · cos between two entries.
         let mean = [0, 1].map(|part| {
             let segment = |column: usize| {
@@ -110,11 +112,21 @@ impl Row {
     }
 }
 
-/// ∫ f cos dω: mean weight of samples of the visible normals.
+/// Sine and cosine of the azimuth, and the second coordinate, of each point of the lattice.
 ///
 /// The integrand is even in the azimuth, so that half of the azimuths suffice. A lattice, unlike a grid, has no lines of
 /// points along the edge beyond which facets reflect into the surface.
-fn directional_albedo(cos: f64, roughness: f64) -> Split {
+fn lattice() -> Vec<((f64, f64), f64)> {
+    let [points, generator] = LATTICE;
+    let point = |index: u32| {
+        let azimuth = f64::from(index * generator % points) / f64::from(points);
+        (transcendental::sincos(TAU * (0.5 * azimuth)), (f64::from(index) + 0.5) / f64::from(points))
+    };
+    (0..points).map(point).collect()
+}
+
+/// ∫ f cos dω: mean weight of samples of the visible normals.
+fn directional_albedo(cos: f64, roughness: f64, lattice: &[((f64, f64), f64)]) -> Split {
     let Some(facets) = Ggx::from_roughness(roughness) else {
         let w = schlick_weight(cos);
         return [1.0 - w, w];
@@ -122,11 +134,9 @@ fn directional_albedo(cos: f64, roughness: f64) -> Split {
     // The limit towards 90°: at 90° itself no facet is visible.
     let cos = cos.max(1e-6);
     let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
-    let [points, generator] = LATTICE;
     let mut sum = [0.0; 2];
-    for index in 0..points {
-        let azimuth = f64::from(index * generator % points) / f64::from(points);
-        let m = facets.sample(wo, [0.5 * azimuth, (f64::from(index) + 0.5) / f64::from(points)]);
+    for &(azimuth, u) in lattice {
+        let m = facets.sample_at(wo, azimuth, u);
         let wi = optics::reflect(-wo, m);
         if wi.z > 0.0 {
             let weight = facets.reflection(wo, wi, m) * wi.z / facets.reflection_pdf(wo, m);
@@ -135,7 +145,7 @@ fn directional_albedo(cos: f64, roughness: f64) -> Split {
             sum[1] += weight * w;
         }
     }
-    sum.map(|sum| sum / f64::from(points))
+    sum.map(|sum| sum / lattice.len() as f64)
 }
 
 #[cfg(test)]

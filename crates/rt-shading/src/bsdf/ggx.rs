@@ -82,12 +82,16 @@ impl Ggx {
 
     /// Normal that is visible from `wo` (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023).
     pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
+        self.sample_at(wo, transcendental::sincos(TAU * u[0]), u[1])
+    }
+
+    /// [`Ggx::sample`] for a given sine and cosine of the azimuth.
+    pub(super) fn sample_at(&self, wo: DVec3, (sin_phi, cos_phi): (f64, f64), u: f64) -> DVec3 {
         // The stretched surface is a hemisphere, of which the visible normals reflect to a spherical cap.
         let wo = DVec3::new(self.along_x * wo.x, self.alpha * wo.y, wo.z).normalize_or(DVec3::Z);
-        let height = (1.0 - u[1]) * (1.0 + wo.z);
+        let height = (1.0 - u) * (1.0 + wo.z);
         let z = height - wo.z;
         let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = transcendental::sincos(TAU * u[0]);
         let half = DVec3::new(sin * cos_phi + wo.x, sin * sin_phi + wo.y, height);
         DVec3::new(self.along_x * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
     }

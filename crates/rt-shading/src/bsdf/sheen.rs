@@ -2,7 +2,7 @@
 
 use core::f64::consts::{PI, TAU};
 use rt_math::{DVec3, Rgb, transcendental};
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 /// The sheen of cloth as in KHR_materials_sheen.
 ///
@@ -27,13 +27,18 @@ const ROUGHNESSES: usize = 32;
 /// Directions per axis in the sum of the albedo.
 const N_DIRECTIONS: usize = 48;
 
-/// Directional albedo of white sheen, by roughness and cosine.
-static ALBEDO: LazyLock<[[f64; COSINES]; ROUGHNESSES]> = LazyLock::new(|| {
-    core::array::from_fn(|row| {
+/// Directional albedo of white sheen of one roughness, by cosine.
+type Row = [f64; COSINES];
+
+/// Rows of the table of albedos are integrated when sheen of their roughness is shaded first: all would take a third of a second.
+static ROWS: [OnceLock<Row>; ROUGHNESSES] = [const { OnceLock::new() }; ROUGHNESSES];
+
+fn albedo_row(row: usize) -> &'static Row {
+    ROWS[row].get_or_init(|| {
         let sheen = Sheen { color: Rgb::WHITE, roughness: roughness_of(row) };
         core::array::from_fn(|column| sheen.integrated(column as f64 / (COSINES - 1) as f64))
     })
-});
+}
 
 fn roughness_of(row: usize) -> f64 {
     Sheen::MIN_ROUGHNESS + (1.0 - Sheen::MIN_ROUGHNESS) * row as f64 / (ROUGHNESSES - 1) as f64
@@ -61,8 +66,8 @@ impl Sheen {
         let row = (self.roughness.clamp(Self::MIN_ROUGHNESS, 1.0) - Self::MIN_ROUGHNESS) / (1.0 - Self::MIN_ROUGHNESS);
         let (row, down) = place(row, ROUGHNESSES);
         let (column, right) = place(cos, COSINES);
-        let along = |row: usize| ALBEDO[row][column] * (1.0 - right) + ALBEDO[row][column + 1] * right;
-        let white = along(row) * (1.0 - down) + along(row + 1) * down;
+        let along = |row: &Row| row[column] * (1.0 - right) + row[column + 1] * right;
+        let white = along(albedo_row(row)) * (1.0 - down) + along(albedo_row(row + 1)) * down;
         (self.color.max_component() * white).min(1.0)
     }
 
