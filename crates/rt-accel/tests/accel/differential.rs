@@ -147,10 +147,14 @@ fn wide_equals_brute_force_with_all_leaves_and_instructions() {
     ];
     let n_levels = SimdLevel::ALL.iter().filter(|level| level.is_available()).count();
     for (i, &level) in SimdLevel::ALL.iter().filter(|level| level.is_available()).enumerate() {
-        for (name, soup) in kinds {
+        for (k, (name, soup)) in kinds.into_iter().enumerate() {
             for (j, (scale, offset)) in
                 [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e12, 0.0)].iter().enumerate()
             {
+                // The default level meets each kind of leaf at each scale, and others take turns.
+                if level != SimdLevel::best() && !(i + j + k).is_multiple_of(3) {
+                    continue;
+                }
                 let draw = &mut Draw::new(seed);
                 let soup = soup(draw).scaled(*scale).moved(DVec3::new(1.0, -0.7, 0.3) * *offset);
                 let wide = WideBvh::build(&soup).unwrap().with_level(level);

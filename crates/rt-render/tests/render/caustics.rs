@@ -64,7 +64,7 @@ fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<SceneNode>, lig
         film: FilmSettings { width: 16, height: 16, ..FilmSettings::default() },
         settings: RenderSettings {
             integrator: Integrator::Caustics,
-            spp: 16 << 10,
+            spp: 4 << 10,
             passes: Some(16),
             ..RenderSettings::default()
         },
@@ -232,7 +232,7 @@ fn comparable() -> Scene {
     ];
     let mut scene = scene(camera, materials, nodes(&contents), vec![]);
     scene.appearance.background = Background::Constant(Rgb::gray(0.05));
-    scene.settings = RenderSettings { spp: 4096, passes: Some(16), depth: 7, ..scene.settings };
+    scene.settings = RenderSettings { spp: 2048, passes: Some(16), depth: 7, ..scene.settings };
     (scene.film.width, scene.film.height) = (24, 16);
     scene.meshes = everything().meshes;
     if let Some(sheet) = scene.nodes.last_mut() {

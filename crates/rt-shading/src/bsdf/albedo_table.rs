@@ -173,7 +173,7 @@ mod tests {
     fn the_albedo_of_a_layer_is_its_integral_at_grazing_angles() {
         for roughness in [0.1, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0] {
             for degrees in [0.0f64, 45.0, 60.0, 75.0, 85.0, 89.0, 89.5, 89.9] {
-                let cos = rt_math::transcendental::cos(degrees.to_radians());
+                let cos = transcendental::cos(degrees.to_radians());
                 let expected = albedo_by_grid(cos, roughness, 400);
                 let found = LayerAlbedo::new(roughness).directional(cos);
                 assert!(
