@@ -223,6 +223,13 @@ first: `severity` (error, warning, info), `kind` (a name that is stable across v
 `warnings` and `notes` count all findings.";
 
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("at_time", |arg| arg.hide(true)),
+    mut_arg("fps", |arg| arg.hide(true)),
+    mut_arg("shutter", |arg| arg.hide(true)),
+    mut_arg("animation", |arg| arg.hide(true)),
+    mut_arg("variant", |arg| arg.hide(true))
+)]
 pub(crate) struct ConvertArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,

@@ -82,7 +82,7 @@ fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], CliError> {
     }
     let failed = |error: std::io::Error| CliError::from(LoadErrorKind::Io(error).at(file, ""));
     if is_dash(file) {
-        return Ok(hash_bytes(&stdin::content(None)?));
+        return Ok(hash_bytes(&stdin::content(None, None)?));
     }
     let mut hasher = blake3::Hasher::new();
     let mut reader = File::open(file).map_err(failed)?;

@@ -29,7 +29,7 @@ pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<I
 /// Reads an image from a file or standard input.
 pub(crate) fn read(path: &Path) -> Result<Image, CliError> {
     if is_dash(path) {
-        Ok(decode_image(&stdin::content(None)?, Path::new("standard input"))?)
+        Ok(decode_image(&stdin::content(None, None)?, Path::new("standard input"))?)
     } else {
         Ok(read_image(path)?)
     }
@@ -37,7 +37,7 @@ pub(crate) fn read(path: &Path) -> Result<Image, CliError> {
 
 pub(crate) fn format_by_content(path: &Path) -> Result<ImageFormat, CliError> {
     if is_dash(path) {
-        Ok(format_of_bytes(&stdin::content(None)?, Path::new("standard input"))?)
+        Ok(format_of_bytes(&stdin::content(None, None)?, Path::new("standard input"))?)
     } else {
         Ok(image_format(path)?)
     }

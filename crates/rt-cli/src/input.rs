@@ -57,7 +57,7 @@ fn environment(file: &Path, options: &LoadOptions) -> Result<Background, CliErro
             "standard input cannot be both the scene and --env; name a file for one".to_owned(),
         ));
     }
-    let piped = if is_dash(file) { Some(stdin::content(options.max_file_bytes)?) } else { None };
+    let piped = if is_dash(file) { Some(stdin::content(options.max_file_bytes, None)?) } else { None };
     let in_memory = piped.map(|bytes| InMemoryFile { path: file.to_owned(), bytes });
     let light = read_environment(file, Rgb::WHITE, 0.0, &LoadOptions { in_memory, ..options.clone() });
     Ok(Background::Environment(Arc::new(light.map_err(|reason| reason.at(file, ""))?)))
@@ -67,7 +67,7 @@ impl InputArgs {
     /// Reads a scene from standard input, and names it by its format.
     pub(crate) fn take_stdin(&mut self) -> Result<(), CliError> {
         if is_dash(&self.scene) {
-            let file = stdin::scene(self.input_format.as_deref(), self.max_file_size)?;
+            let file = stdin::scene(self.input_format.as_deref(), self.max_file_size, self.memory.limit())?;
             self.scene.clone_from(&file.path);
             self.piped = Some(file);
             return Ok(());

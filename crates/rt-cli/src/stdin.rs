@@ -22,8 +22,8 @@ pub(crate) fn is_dash(path: &Path) -> bool {
     path.as_os_str() == OsStr::new("-")
 }
 
-/// Content of standard input; at most `max_bytes`, or the default limit of a file.
-pub(crate) fn content(max_bytes: Option<u64>) -> Result<Arc<[u8]>, CliError> {
+/// Content of standard input: at most `max_bytes`, or the default limit of a file, and at most `memory`.
+pub(crate) fn content(max_bytes: Option<u64>, memory: Option<u64>) -> Result<Arc<[u8]>, CliError> {
     static CONTENT: OnceLock<Arc<[u8]>> = OnceLock::new();
     if let Some(content) = CONTENT.get() {
         return Ok(content.clone());
@@ -32,7 +32,9 @@ pub(crate) fn content(max_bytes: Option<u64>) -> Result<Arc<[u8]>, CliError> {
         return Err(CliError::Usage("standard input is a terminal; pipe a file into it, or name a file".to_owned()));
     }
     let failed = |reason: LoadErrorKind| CliError::from(reason.at(Path::new("standard input"), ""));
-    let limit = max_bytes.unwrap_or(limits::FILE_BYTES);
+    let of_file = (max_bytes.unwrap_or(limits::FILE_BYTES), "the file size in bytes (--max-file-size)");
+    let of_memory = memory.map(|bytes| (bytes, "the file size in bytes (--memory)"));
+    let (limit, what) = of_memory.filter(|(bytes, _)| *bytes < of_file.0).unwrap_or(of_file);
     let mut bytes = Vec::new();
     let read = io::stdin().lock().take(limit.saturating_add(1)).read_to_end(&mut bytes);
     read.map_err(|error| failed(error.into()))?;
@@ -41,14 +43,18 @@ pub(crate) fn content(max_bytes: Option<u64>) -> Result<Arc<[u8]>, CliError> {
         return Err(failed(LoadErrorKind::Empty));
     }
     if value > limit {
-        return Err(failed(LoadErrorKind::TooLarge { what: "the file size in bytes (--max-file-size)", value, limit }));
+        return Err(failed(LoadErrorKind::TooLarge { what, value, limit }));
     }
     Ok(CONTENT.get_or_init(|| bytes.into()).clone())
 }
 
 /// Scene or model from standard input, named by its format.
-pub(crate) fn scene(format: Option<&str>, max_bytes: Option<u64>) -> Result<InMemoryFile, CliError> {
-    let bytes = content(max_bytes)?;
+pub(crate) fn scene(
+    format: Option<&str>,
+    max_bytes: Option<u64>,
+    memory: Option<u64>,
+) -> Result<InMemoryFile, CliError> {
+    let bytes = content(max_bytes, memory)?;
     let format = format.or_else(|| format_of(&bytes)).ok_or_else(|| {
         let known = FORMATS.join(", ");
         CliError::Usage(format!("the format of standard input is unknown: add --input-format with one of {known}"))

@@ -1,5 +1,7 @@
 //! From linear radiance to bytes.
 
+use core::ops::RangeInclusive;
+
 use rt_math::transcendental::exp2;
 
 use crate::tone_curve::{Encoding, ToneCurve};
@@ -70,16 +72,21 @@ impl Bitmap8 {
 }
 
 impl Development {
+    /// Valid exposures in stops.
+    pub const EXPOSURES: RangeInclusive<f64> = -1000.0..=1000.0;
+    /// Valid exponents of [`Encoding::Power`].
+    pub const GAMMAS: RangeInclusive<f64> = 0.01..=100.0;
+
     /// Checks exposure and gamma.
     ///
     /// # Errors
     /// [`DevelopmentError`] with the first value that is NaN or out of range.
     pub fn validate(&self) -> Result<(), DevelopmentError> {
-        if !(-1000.0..=1000.0).contains(&self.exposure) {
+        if !Self::EXPOSURES.contains(&self.exposure) {
             return Err(DevelopmentError::Exposure(self.exposure));
         }
         match self.encoding {
-            Encoding::Power(gamma) if !(0.01..=100.0).contains(&gamma) => Err(DevelopmentError::Gamma(gamma)),
+            Encoding::Power(gamma) if !Self::GAMMAS.contains(&gamma) => Err(DevelopmentError::Gamma(gamma)),
             _ => Ok(()),
         }
     }

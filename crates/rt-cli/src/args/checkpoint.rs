@@ -35,7 +35,7 @@ pub(crate) struct CheckpointArgs {
     /// Render part I of N of the tiles to a .part file; with --frames, every N-th frame
     ///
     /// `merge` joins the parts to an image that is bit-identical to that of a single run.
-    #[arg(long, value_name = "I/N", value_parser = values::share)]
+    #[arg(long, value_name = "I/N", value_parser = values::share, allow_hyphen_values = true)]
     pub(crate) shard: Option<Share>,
 }
 

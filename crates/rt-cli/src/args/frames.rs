@@ -92,7 +92,7 @@ pub(crate) struct TimingArgs {
     ///
     /// 0 is the time of the frame and 1 that of the next frame. Motion is blurred between the two; an interval of length 0 has no
     /// motion blur.
-    #[arg(long, value_name = "OPENS,CLOSES", value_parser = shutter)]
+    #[arg(long, value_name = "OPENS,CLOSES", value_parser = shutter, allow_hyphen_values = true)]
     pub(crate) shutter: Option<[f64; 2]>,
 }
 

@@ -14,7 +14,7 @@ use super::values::{self, BackgroundChoice, named};
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ImageArgs {
     /// Set width and height in pixels [default: as in the scene]
-    #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "Camera and scene")]
+    #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true, help_heading = "Camera and scene")]
     pub(crate) size: Option<[u32; 2]>,
 
     /// Set the samples per pixel, or their maximum with --time or --target-error [default: as in the scene]
@@ -85,7 +85,7 @@ pub(crate) struct ImageArgs {
     pub(crate) view: ViewArgs,
 
     /// Render only this rectangle of the image, in pixels from its upper left corner
-    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop, help_heading = "Camera and scene")]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop, allow_hyphen_values = true, help_heading = "Camera and scene")]
     pub(crate) crop: Option<Crop>,
 
     /// Set the background: #RRGGBB, #RGB, linear GRAY or R,G,B, black, white, or transparent [default: as in the scene]

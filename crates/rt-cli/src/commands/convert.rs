@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::slice;
 
-use rt_scene_io::{Converted, convert};
+use rt_scene_io::{Converted, StudioLights, convert};
 
-use crate::args::ConvertArgs;
+use crate::args::{ConvertArgs, InputArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::input;
@@ -28,6 +28,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
         let message = "a model from standard input cannot be converted, because the scene refers to its file; save it to a file first";
         return Err(CliError::Usage(message.to_owned()));
     }
+    refuse_options_of_renders(&args.input)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
     let Converted { text, warnings, notes } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
     let console = Console { quiet: false };
@@ -37,6 +38,24 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
     }
     output.write(|file| file.write_all(text.as_bytes()))?;
     notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))
+}
+
+/// Refuses options that choose what a render shows of a model or an animation: a scene file keeps all of it.
+fn refuse_options_of_renders(input: &InputArgs) -> Result<(), CliError> {
+    let given = [
+        ("--at-time", input.at_time.is_some()),
+        ("--shutter", input.timing.shutter.is_some()),
+        ("--animation", input.animation.is_some()),
+        ("--variant", input.variant.is_some()),
+        ("--lights", input.lights != StudioLights::Auto && is_scene_file(&input.scene)),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            let message = format!("a converted scene does not depend on {option}: remove it, and pass it to `render`");
+            Err(CliError::Usage(message))
+        }
+        None => Ok(()),
+    }
 }
 
 fn is_scene_file(path: &Path) -> bool {

@@ -34,6 +34,25 @@ fn notes_of_a_conversion_to_standard_output_are_on_standard_error() {
     assert!(!run.stdout.contains("note: ") && run.stderr.starts_with("note: "), "{run:?}");
 }
 
+/// `convert` ignored options that only a render can follow.
+#[test]
+fn options_without_effect_on_a_conversion_are_refused() {
+    let place = place_with_model();
+    place.write("scene.ron", "(nodes: [(model: \"m.obj\")])");
+    for arguments in [
+        "m.obj --at-time 1",
+        "m.obj --at-time 1 --animation walk",
+        "m.obj --shutter 0,0.5",
+        "m.obj --variant red",
+        "scene.ron --lights none",
+    ] {
+        let message = "a converted scene does not depend on --";
+        place.fails(2, &format!("convert {arguments} -o converted.ron"), message);
+        assert!(!place.path("converted.ron").exists(), "{arguments}");
+    }
+    place.succeed("convert m.obj --lights none -o converted.ron");
+}
+
 #[test]
 fn a_conversion_replaces_no_input_and_leaves_nothing_on_failure() {
     let place = Workplace::with_scene();

@@ -133,6 +133,11 @@ impl<'t> Explainer<'t> {
             ParseError { at: at.saturating_sub(1), kind: too_deep() }
         } else if starts("EOF") {
             self.early_end()
+        } else if message == "expected value" && self.stands_before_value(at) {
+            // The parser reports the first byte of a value of another type.
+            let start = at.saturating_sub(1);
+            let path = Cursor::before(self.text, start).path();
+            self.wrong_value(Some(TextValue { range: start..value_end(self.text, start), path }), start)
         } else {
             let message = match message {
                 "trailing comma" => "trailing comma before a closing bracket: remove it",
@@ -260,6 +265,12 @@ impl<'t> Explainer<'t> {
         matches!(cursor.last_token, TokenClass::Value | TokenClass::Close) && !is_key
     }
 
+    /// True if the byte before `at` begins a number, a word or a bracket of JSON.
+    fn stands_before_value(&self, at: usize) -> bool {
+        let byte = at.checked_sub(1).and_then(|at| self.text.as_bytes().get(at));
+        byte.is_some_and(|byte| byte.is_ascii_digit() || b"-[tfn".contains(byte))
+    }
+
     /// Reports a value of the wrong type or form.
     fn wrong_value(&self, value: Option<TextValue<'t>>, at: usize) -> ParseError {
         let Some(TextValue { range, path }) = value else { return self.early_end() };
@@ -309,7 +320,21 @@ impl<'t> Explainer<'t> {
                 ParseError::new(start, format!("`{closing}` is missing before `{}`", char::from(bracket)))
             }
             b'=' => ParseError::new(start, "expected `:` after the name of a field, found `=`"),
+            // A value may stand here, but not this one.
+            _ if matches!(cursor.last_token, TokenClass::Open | TokenClass::Mark) => self.unfit_value(cursor, start),
             _ => ParseError::new(start, format!("expected a comma or `{closing}` before this")),
+        }
+    }
+
+    /// A value whose beginning fits, such as 1.5 where a whole number is expected, or one too many for a choice.
+    fn unfit_value(&self, cursor: &Cursor<'t>, start: usize) -> ParseError {
+        let name = cursor.brackets.last().filter(|frame| frame.bracket == b'(' && frame.index > 0);
+        match name.map(|frame| &self.text[frame.start..frame.bracket_at]) {
+            Some(name) if !name.is_empty() => {
+                ParseError::new(start, format!("`{name}` takes one value: remove this one"))
+            }
+            _ => self
+                .wrong_value(Some(TextValue { range: start..value_end(self.text, start), path: cursor.path() }), start),
         }
     }
 

@@ -83,6 +83,11 @@ pub(super) fn meant(context: &str, found: &str) -> Option<Meant> {
             }
             _ => return None,
         },
+        "Color" | "ColorTexture" => match found {
+            "texture" | "file" | "bitmap" | "imagemap" | "tex" => Written("`image(file: \"...\")`"),
+            "gradient" | "constant" | "solid" | "color" | "colour" => Written("a number, (r, g, b) or \"#rrggbb\""),
+            _ => return None,
+        },
         "Step" => match found {
             "translation" | "move" => Word("translate"),
             "rotation" => Word("rotate"),

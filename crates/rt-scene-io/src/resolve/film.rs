@@ -15,7 +15,8 @@ pub(super) fn film(report: &mut Diagnostics, film: &format::Film) -> FilmSetting
     let (width, height) = report.check("film.size", size(film.size)).unwrap_or((default.width, default.height));
     let [x, y] = film.sample_offset;
     report.check("film.sample_offset", within(x, 0.0, 1.0).and(within(y, 0.0, 1.0)));
-    report.check("film.exposure", within(film.exposure, -100.0, 100.0));
+    report
+        .check("film.exposure", within(film.exposure, *Development::EXPOSURES.start(), *Development::EXPOSURES.end()));
     let filter = match film.filter {
         format::Filter::Box => Filter::Box,
         format::Filter::Tent => Filter::Tent,
@@ -28,7 +29,7 @@ pub(super) fn film(report: &mut Diagnostics, film: &format::Film) -> FilmSetting
     let encoding = match film.encoding {
         format::Encoding::Srgb => Encoding::Srgb,
         format::Encoding::Gamma(gamma) => {
-            report.check("film.encoding", within(gamma, 0.1, 10.0));
+            report.check("film.encoding", within(gamma, *Development::GAMMAS.start(), *Development::GAMMAS.end()));
             Encoding::Power(gamma)
         }
     };

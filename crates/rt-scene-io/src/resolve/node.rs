@@ -184,6 +184,10 @@ impl<'a> Objects<'a> {
             let rule = "has no effect on an `instance`: set it on the nodes of the group";
             self.report.check::<()>(format_args!("{path}.material"), Err(LoadErrorKind::invalid("the material", rule)));
         }
+        // Of groups that contain each other, none is resolved, and all are named in an error.
+        if self.file.groups.contains_key(group) && !self.group_ids.contains_key(group) {
+            return None;
+        }
         let known = || self.file.groups.keys().cloned().collect();
         let id = self.group_ids.get(group).copied().ok_or_else(|| LoadErrorKind::unknown("group", group, known()));
         self.report.check(format_args!("{path}.instance"), id)

@@ -188,6 +188,13 @@ const MISTAKES: &[(&str, &str)] = &[
     (r#"{"materials": {"m": {"diffuse": {"albedo": [1, 0]}}}, "nodes": []}"#, "[r, g, b]"),
     (r#"{"nodes": [{"shape": {"sphere": {}}, "material": 3}]}"#, "expected a material"),
     (r#"{"nodes": [],}"#, "comma"),
+    ("(settings: (spp: 1.5), nodes: [])", "expected a whole number from 0 up for `spp`, found 1.5"),
+    ("(film: (size: (120.5, 90)), nodes: [])", "expected a whole number from 0 up for `size`, found 120.5"),
+    ("(materials: {\"m\": diffuse(albedo: gray(0.5, 0.2))}, nodes: [])", "`gray` takes one value: remove this one"),
+    ("(materials: {\"m\": diffuse(albedo: texture(\"a.png\"))}, nodes: [])", "write `image(file: \"...\")`"),
+    (r#"{"settings": {"integrator": 7}, "nodes": []}"#, "expected one of `whitted`, "),
+    (r#"{"nodes": [{"shape": 5}]}"#, "for `shape`, found 5"),
+    (r#"{"nodes": [{"shape": }]}"#, "expected a value"),
 ];
 
 /// Words of Rust and of the libraries behind the parser.
@@ -228,6 +235,13 @@ fn the_first_mistakes_are_explained_in_words_of_the_format() {
         }
     }
     assert!(faults.is_empty(), "{} of {}\n{}", faults.len(), MISTAKES.len(), faults.join("\n"));
+}
+
+/// A group of a cycle was reported once more where it is placed, as unknown.
+#[test]
+fn groups_that_contain_each_other_are_one_error() {
+    let said = said("(groups: {\"a\": [(instance: \"b\")], \"b\": [(instance: \"a\")]}, nodes: [(instance: \"a\")])");
+    assert_eq!(said, "scene.ron: groups: groups contain each other: a -> b -> a; remove one of the instances");
 }
 
 #[test]
