@@ -2,8 +2,8 @@
 //!
 //! Each scene file is rendered by its own integrator with other thread counts, accelerators, instruction sets and build
 //! qualities. It is also rendered as two shards, and with the full plan. Other integrators follow, each with two ways
-//! to compute it. Without `--full`, integrators and accelerators take turns: a scene is rendered with three integrators and
-//! with four accelerators beside the default and brute force, and every third one as shards.
+//! to compute it. Without `--full`, integrators and accelerators take turns. A scene is rendered with three integrators, the
+//! default accelerator, brute force and four others, and every third scene as shards.
 
 use std::{
     fs,
@@ -25,7 +25,7 @@ const INTEGRATORS: [&str; 9] =
 const INTEGRATORS_AT_A_TIME: usize = 3;
 /// Distance of the scenes that are rendered as shards without `--full`.
 const SHARDS_EVERY: usize = 3;
-/// Accelerators per scene without `--full`, beside the default and brute force.
+/// Accelerators per scene without `--full`, apart from the default and brute force.
 const ACCELERATORS_AT_A_TIME: usize = 4;
 
 /// Enough for several tiles, and for every kind of ray that the scene has.

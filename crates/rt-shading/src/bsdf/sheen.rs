@@ -28,12 +28,12 @@ const ROUGHNESSES: usize = 32;
 const N_DIRECTIONS: usize = 48;
 
 /// Directional albedo of white sheen of one roughness, by cosine.
-type Row = [f64; COSINES];
+type SheenRow = [f64; COSINES];
 
 /// Rows of the table of albedos are integrated when sheen of their roughness is shaded first: all would take a third of a second.
-static ROWS: [OnceLock<Row>; ROUGHNESSES] = [const { OnceLock::new() }; ROUGHNESSES];
+static ROWS: [OnceLock<SheenRow>; ROUGHNESSES] = [const { OnceLock::new() }; ROUGHNESSES];
 
-fn albedo_row(row: usize) -> &'static Row {
+fn albedo_row(row: usize) -> &'static SheenRow {
     ROWS[row].get_or_init(|| {
         let sheen = Sheen { color: Rgb::WHITE, roughness: roughness_of(row) };
         core::array::from_fn(|column| sheen.integrated(column as f64 / (COSINES - 1) as f64))
@@ -66,7 +66,7 @@ impl Sheen {
         let row = (self.roughness.clamp(Self::MIN_ROUGHNESS, 1.0) - Self::MIN_ROUGHNESS) / (1.0 - Self::MIN_ROUGHNESS);
         let (row, down) = place(row, ROUGHNESSES);
         let (column, right) = place(cos, COSINES);
-        let along = |row: &Row| row[column] * (1.0 - right) + row[column + 1] * right;
+        let along = |row: &SheenRow| row[column] * (1.0 - right) + row[column + 1] * right;
         let white = along(albedo_row(row)) * (1.0 - down) + along(albedo_row(row + 1)) * down;
         (self.color.max_component() * white).min(1.0)
     }
