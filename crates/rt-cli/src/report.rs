@@ -169,7 +169,13 @@ fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {
             table.add_row([kind.to_owned(), HumanCount(skipped).to_string()]);
         }
     }
-    let ShadingCounts { interior_overflows, .. } = shading;
+    let ShadingCounts { interior_overflows, lanes, lanes_used, .. } = shading;
+    if lanes > 0 {
+        table.add_row([
+            "SIMD lanes of shading in use".to_owned(),
+            format!("{:.1} %", 100.0 * lanes_used as f64 / lanes as f64),
+        ]);
+    }
     if interior_overflows > 0 {
         table.add_row(["surfaces ignored: medium stack full".to_owned(), HumanCount(interior_overflows).to_string()]);
     }

@@ -10,6 +10,7 @@ use crate::{
     bsdf_cache::CachedBsdf,
     hit_context::HitContext,
     interior_list::MediumInterface,
+    lanes::LANES,
     mis::power_heuristic,
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},
@@ -147,6 +148,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
         queue.draw(&mut self.samplers, n_lights, follows_diffuse);
         queue.shade(level, lighting.lights, follows_diffuse);
+        self.counts.lanes += queue.vertices().len().next_multiple_of(LANES) as u64;
         for (at, queued) in queue.vertices().iter().enumerate() {
             let id = queued.path;
             let path = &mut self.paths[id as usize];
@@ -159,6 +161,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
                 continue;
             };
+            self.counts.lanes_used += 1;
             if let Some((origin, direction, radiance)) = scattered.direct {
                 let span = if scattered.is_light_infinite { Interval::SPAWNED } else { Interval::SEGMENT };
                 let ray = Ray { origin, direction, time: queued.time };

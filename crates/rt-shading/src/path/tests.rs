@@ -149,7 +149,8 @@ fn trace(
         wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
         (seen, wave.take_counts())
     });
-    assert_eq!(counts, counts_of_scalars, "{settings:?}");
+    assert_eq!(counts.without_lanes(), counts_of_scalars, "{settings:?}");
+    assert!(counts.lanes_used <= counts.lanes, "{counts:?}");
     for (at, (in_lanes, by_itself)) in seen.iter().zip(&of_scalars).enumerate() {
         assert_eq!(bits(in_lanes), bits(by_itself), "path {at} of {settings:?}: {in_lanes:?}, {by_itself:?}");
     }

@@ -26,11 +26,20 @@ pub struct ShadingCounts {
     pub clamped: u64,
     /// Radiance that clamping has removed, in fractions of the bound; [`Clamp::lost`](crate::Clamp::lost) has it in radiance.
     pub clamped_units: u64,
+    /// Lanes of the SIMD vectors in which surfaces were shaded; 0 where each surface is shaded by itself.
+    pub lanes: u64,
+    /// Those of `lanes` that held a surface; the others were empty, or their surface was shaded by itself after all.
+    pub lanes_used: u64,
 }
 
 impl ShadingCounts {
+    /// The counts without those of lanes, which depend on the instruction sets of the processor and on the size of tiles.
+    pub const fn without_lanes(self) -> Self {
+        Self { lanes: 0, lanes_used: 0, ..self }
+    }
+
     /// All counts but those of clamping, by the names of their fields.
-    pub const fn named(&self) -> [(&'static str, u64); 9] {
+    pub const fn named(&self) -> [(&'static str, u64); 11] {
         // All fields are listed, so that a new one cannot be forgotten.
         let Self {
             shadow_rays_skipped,
@@ -44,6 +53,8 @@ impl ShadingCounts {
             interior_overflows,
             clamped: _,
             clamped_units: _,
+            lanes,
+            lanes_used,
         } = *self;
         [
             ("shadow_rays_skipped", shadow_rays_skipped),
@@ -55,6 +66,8 @@ impl ShadingCounts {
             ("passages", passages),
             ("depth_limited", depth_limited),
             ("interior_overflows", interior_overflows),
+            ("lanes", lanes),
+            ("lanes_used", lanes_used),
         ]
     }
 }
@@ -72,5 +85,7 @@ impl core::ops::AddAssign for ShadingCounts {
         self.interior_overflows += o.interior_overflows;
         self.clamped += o.clamped;
         self.clamped_units = self.clamped_units.saturating_add(o.clamped_units);
+        self.lanes += o.lanes;
+        self.lanes_used += o.lanes_used;
     }
 }
