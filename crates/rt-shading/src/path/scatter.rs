@@ -11,6 +11,7 @@ use crate::{
     hit_context::HitContext,
     interior_list::MediumInterface,
     lanes::LANES,
+    medium::Medium,
     mis::power_heuristic,
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},
@@ -79,7 +80,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
-        if self.wave_lanes.is_some()
+        if self.lanes.is_some()
             && let Some(diffuse) = bsdf.as_diffuse()
             && interface.is_none()
             && diffuse.albedo.is_finite()
@@ -142,26 +143,32 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Shades the vertices on diffuse surfaces that a wave has found.
     pub(super) fn shade_diffuse(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
-        let Some(level) = self.wave_lanes.filter(|_| !self.diffuse.is_empty()) else { return };
+        let Some(level) = self.lanes.filter(|_| !self.diffuse.is_empty()) else { return };
         let mut queue = core::mem::take(&mut self.diffuse);
         let follows_diffuse = self.settings.transport != Transport::Specular;
         let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
+        let has_delta_lights = lighting.lights.delta_lights().next().is_some();
         queue.draw(&mut self.samplers, n_lights, follows_diffuse);
         queue.shade(level, lighting.lights, follows_diffuse);
         self.counts.lanes += queue.vertices().len().next_multiple_of(LANES) as u64;
         for (at, queued) in queue.vertices().iter().enumerate() {
             let id = queued.path;
-            let path = &mut self.paths[id as usize];
-            let Some(scattered) = queue.scattered(at) else {
-                self.samplers[id as usize] = queue.sampler_before(at);
+            let scattered = queue.scattered(at);
+            if has_delta_lights || scattered.is_none() {
                 let (mut surface, (direction, is_inside), diffuse) = queue.surface(at);
                 let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), diffuse.into());
                 let vertex = Vertex::new(view, &bsdf, queued.time);
                 let vertex = if follows_diffuse { vertex } else { vertex.with_sampled_lobes(None) };
-                self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
-                continue;
-            };
+                if scattered.is_none() {
+                    self.samplers[id as usize] = queue.sampler_before(at);
+                    self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
+                } else {
+                    self.sample_delta_lights(lighting, id, &vertex, None, &mut seen[id as usize]);
+                }
+            }
+            let Some(scattered) = scattered else { continue };
             self.counts.lanes_used += 1;
+            let path = &mut self.paths[id as usize];
             if let Some((origin, direction, radiance)) = scattered.direct {
                 let span = if scattered.is_light_infinite { Interval::SPAWNED } else { Interval::SEGMENT };
                 let ray = Ray { origin, direction, time: queued.time };
@@ -221,24 +228,29 @@ impl<S: Sampler + Clone> PathTracer<S> {
         interface: Option<&MediumInterface>,
         seen: &mut Seen,
     ) {
-        let clamp = self.settings.clamp;
-        let path = &mut self.paths[id as usize];
-        let is_bounded = clamp.holds_after(path.bounces + 1);
-        let surface = vertex.view.surface;
-        let media = self.needs.absorption.then(|| path.medium_tracker.media(&lighting.appearance.materials, interface));
-        // Shadow rays end at any surface that casts shadows: one medium fills their whole length. The end of the medium towards a
-        // light at infinity is unknown.
-        let dimmed = |radiance: Rgb, direction: DVec3, distance: f64| match media {
-            Some([near, far]) if distance.is_finite() => {
-                let is_near = vertex.view.is_on_side_of(Scattering::Reflection, direction);
-                radiance * (if is_near { near } else { far }).transmittance(distance)
-            }
-            _ => radiance,
-        };
-        let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         if vertex.bsdf.is_delta() {
             return;
         }
+        let path = &self.paths[id as usize];
+        let media = self.needs.absorption.then(|| path.medium_tracker.media(&lighting.appearance.materials, interface));
+        self.sample_delta_lights(lighting, id, vertex, media, seen);
+        self.sample_light(lighting, id, vertex, media);
+    }
+
+    /// Queues shadow rays to all delta lights, with `media` on both sides of the surface.
+    fn sample_delta_lights(
+        &mut self,
+        lighting: Lighting<'_>,
+        id: u32,
+        vertex: &Vertex<'_>,
+        media: Option<[Medium; 2]>,
+        seen: &mut Seen,
+    ) {
+        let clamp = self.settings.clamp;
+        let path = &self.paths[id as usize];
+        let is_bounded = clamp.holds_after(path.bounces + 1);
+        let surface = vertex.view.surface;
+        let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         for light in lighting.lights.delta_lights() {
             let Some(lit) = light.sample_li(surface.point) else { continue };
             let scattered = vertex.eval(lit.direction);
@@ -247,12 +259,20 @@ impl<S: Sampler + Clone> PathTracer<S> {
             if radiance.is_black() {
                 self.counts.shadow_rays_skipped += u64::from(light.casts_shadows);
             } else if light.casts_shadows {
-                let radiance = dimmed(radiance, lit.direction, lit.distance);
+                let radiance = dimmed(radiance, vertex, media, (lit.direction, lit.distance));
                 self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_bounded);
             } else {
                 seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
             }
         }
+    }
+
+    /// Samples one area or environment light, with `media` on both sides of the surface.
+    fn sample_light(&mut self, lighting: Lighting<'_>, id: u32, vertex: &Vertex<'_>, media: Option<[Medium; 2]>) {
+        let path = &self.paths[id as usize];
+        let is_bounded = self.settings.clamp.holds_after(path.bounces + 1);
+        let surface = vertex.view.surface;
+        let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         let n_sampled = lighting.lights.sampled_lights().len();
         if n_sampled == 0 {
             return;
@@ -275,7 +295,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
             None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
         };
         let distance = light.sample.point.map_or(f64::INFINITY, |point| (point - surface.point).length());
-        self.shadows.push(ray, id, dimmed(radiance, light.sample.direction, distance), is_bounded);
+        let radiance = dimmed(radiance, vertex, media, (light.sample.direction, distance));
+        self.shadows.push(ray, id, radiance, is_bounded);
     }
 
     /// Samples the next direction of the path.
@@ -314,6 +335,21 @@ impl<S: Sampler + Clone> PathTracer<S> {
         path.medium_tracker.scatter(interface, sample.kind);
         let ray = surface.spawn_ray(wi, vertex.time);
         self.next.push(Some(&sample), ray, Interval::SPAWNED, id);
+    }
+}
+
+/// Light from a direction after its way through the medium on that side of a vertex, of `media` on both sides.
+///
+/// Shadow rays end at any surface that casts shadows: one medium fills their whole length. The end of the medium towards a light at
+/// infinity is unknown.
+#[inline]
+fn dimmed(radiance: Rgb, vertex: &Vertex<'_>, media: Option<[Medium; 2]>, (direction, distance): (DVec3, f64)) -> Rgb {
+    match media {
+        Some([near, far]) if distance.is_finite() => {
+            let is_near = vertex.view.is_on_side_of(Scattering::Reflection, direction);
+            radiance * (if is_near { near } else { far }).transmittance(distance)
+        }
+        _ => radiance,
     }
 }
 
