@@ -10,7 +10,7 @@
 
 use super::{
     Whitted,
-    sphere_block::{PhongLanes, QueuedHit, RayBlock, SecondaryRays, SphereBlock},
+    sphere_block::{PhongLanes, QueuedHit, RayBlock, SecondaryRays, SphereBlock, four},
     uniform_phong::UniformPhong,
     wave::TreePath,
 };
@@ -35,26 +35,49 @@ impl Whitted {
             return;
         }
         let mut hits = core::mem::take(&mut self.spheres);
+        self.shade_at(level, appearance, &hits, (rays, paths), seen);
+        hits.clear();
+        self.spheres = hits;
+    }
+
+    /// Shades hits with an instruction set.
+    fn shade_at(
+        &mut self,
+        level: LaneLevel,
+        appearance: &Appearance,
+        hits: &[QueuedHit],
+        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
+        seen: &mut [Seen],
+    ) {
         match level {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => simd.vectorize(
                 #[inline(always)]
-                || {
-                    for hits in hits.chunks(LANES) {
-                        let valid = self.shade_block(simd, appearance, hits, (rays, paths));
-                        let rare = !valid & ((1 << hits.len()) - 1);
-                        for lane in each_lane(rare) {
-                            let (hit, at) = (hits[lane].hit(), hits[lane].ray as usize);
-                            let (ray, path) = (&rays[at].0, paths[at]);
-                            let seen = &mut seen[path.sample as usize];
-                            self.shade(appearance, path, ray, &mut hit.surface(ray), seen);
-                        }
-                    }
-                },
+                || self.shade_blocks(simd, appearance, hits, (rays, paths), seen),
             ),
         }
-        hits.clear();
-        self.spheres = hits;
+    }
+
+    /// Shades hits, four at a time, and those in which a rare case occurs by themselves.
+    #[inline(always)]
+    fn shade_blocks<S: Simd>(
+        &mut self,
+        simd: S,
+        appearance: &Appearance,
+        hits: &[QueuedHit],
+        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
+        seen: &mut [Seen],
+    ) {
+        for hits in hits.chunks(LANES) {
+            let valid = self.shade_block(simd, appearance, hits, (rays, paths));
+            let rare = !valid & ((1 << hits.len()) - 1);
+            for lane in each_lane(rare) {
+                let (hit, at) = (hits[lane].hit(), hits[lane].ray as usize);
+                let (ray, path) = (&rays[at].0, paths[at]);
+                let seen = &mut seen[path.sample as usize];
+                self.shade(appearance, path, ray, &mut hit.surface(ray), seen);
+            }
+        }
     }
 
     /// Shades one to four hits. Bit `i` of the result is set for hit `i`, unless it must be shaded by itself.
@@ -70,9 +93,7 @@ impl Whitted {
         if self.needs.refraction {
             self.find_interfaces(appearance, hits, &mut block, paths);
         }
-        let last = hits.len() - 1;
-        let phongs = &self.phongs;
-        let [a, b, c, d] = [&hits[0], &hits[1.min(last)], &hits[2.min(last)], &hits[last]];
+        let (phongs, [a, b, c, d]) = (&self.phongs, four(hits));
         let phongs = [phong(phongs, a), phong(phongs, b), phong(phongs, c), phong(phongs, d)];
         let secondary = block.secondary_rays(simd, phongs, (&self.needs, self.min_contribution));
         block.exclude_grazing_lights(simd, &appearance.lights);

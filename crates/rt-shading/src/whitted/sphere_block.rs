@@ -370,7 +370,7 @@ impl<'a, S: Simd> PhongLanes<'a, S> {
 
 /// Hits of a block; the last one repeats in lanes without a hit.
 #[inline(always)]
-fn four(hits: &[QueuedHit]) -> [&QueuedHit; LANES] {
+pub(super) fn four(hits: &[QueuedHit]) -> [&QueuedHit; LANES] {
     let last = hits.len() - 1;
     [&hits[0], &hits[1.min(last)], &hits[2.min(last)], &hits[last]]
 }
