@@ -89,7 +89,8 @@ impl TriangleMesh {
         let (point, point_error) = point_at(corners, hit.uv);
         let uv = if needs.uv { interpolated(&self.data.uvs, triangle, weights).unwrap_or_default() } else { [0.0; 2] };
         let geometric_normal = unit_normal_if_known.unwrap_or_else(|| unit_normal(corners));
-        let mut detail = if needs.detail { self.detail(triangle, weights) } else { VertexAttributes::NONE };
+        let has_detail = needs.detail && self.data.has_attributes();
+        let mut detail = if has_detail { self.detail(triangle, weights) } else { VertexAttributes::NONE };
         let (mut shading_normal, mut shadow_point) = (geometric_normal, point);
         if needs.shading_normal
             && !self.data.normals.is_empty()

@@ -53,6 +53,13 @@ impl MeshData {
 }
 
 impl MeshData {
+    /// True if vertices have a second set of texture coordinates, colours or tangents: the attributes of
+    /// [`VertexAttributes`](crate::VertexAttributes).
+    #[inline]
+    pub(crate) fn has_attributes(&self) -> bool {
+        !(self.second_uvs.is_empty() && self.colors.is_empty() && self.tangents.is_empty())
+    }
+
     /// True if every edge of a triangle has a counterpart of opposite direction, so that the mesh encloses space (or is
     /// empty). Vertices at the same position are one.
     ///

@@ -2,7 +2,7 @@
 
 use crate::{
     Material, Needs, SurfaceHit,
-    interior_list::{InteriorList, MediumEntry, MediumInterface},
+    interior_list::{InterfaceEvent, InteriorList, MediumEntry, MediumInterface},
     viewed_surface::is_inside,
 };
 use rt_math::{DVec3, Ray};
@@ -24,13 +24,59 @@ pub(crate) struct HitContext<'m> {
 }
 
 /// Transmission through a surface.
-#[derive(Clone, Copy, PartialEq)]
-enum SurfaceTransmission {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum SurfaceTransmission {
     /// No light is transmitted, or the plan leaves refraction out.
     None,
     /// Thin dielectric: the same medium on both sides.
     Thin,
     Solid,
+}
+
+impl SurfaceTransmission {
+    /// Transmission through surfaces of a material.
+    #[inline]
+    pub(crate) fn of(needs: &Needs, material: &Material) -> Self {
+        if !needs.refraction {
+            Self::None
+        } else if material.interior.is_some() {
+            Self::Solid
+        } else if material.model.is_transmissive() {
+            Self::Thin
+        } else {
+            Self::None
+        }
+    }
+
+    /// Version of [`HitContext::interface`] for a hit of a ray that comes from behind the surface if it `is_inside`.
+    #[inline]
+    pub(crate) fn interface(
+        self,
+        interior: &mut InteriorList,
+        materials: &[Material],
+        body: MediumEntry,
+        is_inside: bool,
+    ) -> Option<MediumInterface> {
+        match self {
+            Self::None => None,
+            Self::Thin => Some(interior.thin_interface(materials)),
+            Self::Solid => interior.interface(materials, body, is_inside),
+        }
+    }
+
+    /// Change of the interior list of a ray that crosses the surface, as [`interface`](Self::interface) finds it.
+    #[inline(always)]
+    pub(crate) fn event(self, interior: &mut InteriorList, body: MediumEntry, is_inside: bool) -> InterfaceEvent {
+        let event = if self == Self::Solid { interior.event(body, is_inside) } else { None };
+        event.unwrap_or(InterfaceEvent::Stay)
+    }
+
+    /// Version of [`HitContext::is_visible`] for a surface of this material.
+    #[inline]
+    pub(crate) fn is_visible(self, material: &Material, interface: Option<&MediumInterface>) -> bool {
+        let is_clear = |interface: &MediumInterface| interface.is_null() && material.is_clear();
+        self != Self::Solid || interface.is_some_and(|interface| interface.is_boundary && !is_clear(interface))
+    }
 }
 
 impl<'m> HitContext<'m> {
@@ -40,27 +86,8 @@ impl<'m> HitContext<'m> {
         let material = materials.get(hit.material as usize)?;
         let length = ray.direction.length();
         let direction = ray.direction / length;
-        Some(Self::of(needs, material, (direction, length), is_inside(direction, &hit.interaction)))
-    }
-
-    /// Context of a hit on a material by a ray of this unit direction and length.
-    #[inline]
-    pub(crate) fn of(
-        needs: &Needs,
-        material: &'m Material,
-        (direction, length): (DVec3, f64),
-        is_inside: bool,
-    ) -> Self {
-        let transmission = if !needs.refraction {
-            SurfaceTransmission::None
-        } else if material.interior.is_some() {
-            SurfaceTransmission::Solid
-        } else if material.model.is_transmissive() {
-            SurfaceTransmission::Thin
-        } else {
-            SurfaceTransmission::None
-        };
-        Self { material, direction, length, is_inside, transmission }
+        let is_inside = is_inside(direction, &hit.interaction);
+        Some(Self { material, direction, length, is_inside, transmission: SurfaceTransmission::of(needs, material) })
     }
 
     /// Media on both sides of the surface, given the interior list of the ray. `None` where scattered light
@@ -73,18 +100,12 @@ impl<'m> HitContext<'m> {
         materials: &[Material],
         body: MediumEntry,
     ) -> Option<MediumInterface> {
-        match self.transmission {
-            SurfaceTransmission::None => None,
-            SurfaceTransmission::Thin => Some(interior.thin_interface(materials)),
-            SurfaceTransmission::Solid => interior.interface(materials, body, self.is_inside),
-        }
+        self.transmission.interface(interior, materials, body, self.is_inside)
     }
 
     /// False if the surface does not change the ray, so that only the [`interface`](Self::interface) is crossed.
     #[inline]
     pub(crate) fn is_visible(&self, interface: Option<&MediumInterface>) -> bool {
-        let is_clear = |interface: &MediumInterface| interface.is_null() && self.material.is_clear();
-        self.transmission != SurfaceTransmission::Solid
-            || interface.is_some_and(|interface| interface.is_boundary && !is_clear(interface))
+        self.transmission.is_visible(self.material, interface)
     }
 }

@@ -58,7 +58,7 @@ impl Clone for InteriorList {
 /// Media on both sides of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MediumInterface {
-    event: InterfaceEvent,
+    pub(crate) event: InterfaceEvent,
     /// The medium on the near side.
     pub(crate) before: Medium,
     /// The medium on the far side.
@@ -74,9 +74,9 @@ impl MediumInterface {
     }
 }
 
-/// Change of the list.
+/// Change of the list where a ray crosses an interface.
 #[derive(Clone, Copy, Debug)]
-enum InterfaceEvent {
+pub(crate) enum InterfaceEvent {
     Enter(MediumEntry),
     /// Index of the dielectric that is left.
     Leave(usize),
@@ -148,29 +148,57 @@ impl InteriorList {
     }
 
     /// Media on both sides of the surface of a solid. `None` if the list is full, so that the surface is ignored.
+    #[inline(always)]
     pub(crate) fn interface(
         &mut self,
         materials: &[Material],
         entry: MediumEntry,
         leaving: bool,
     ) -> Option<MediumInterface> {
-        let event = if leaving {
-            InterfaceEvent::Leave(find(&self.entries, entry).or_else(|| self.push_outermost(entry))?)
-        } else {
-            (self.entries.len() < CAPACITY).then_some(InterfaceEvent::Enter(entry))?
-        };
-        let (before, after) = match (self.entries.as_slice(), event) {
-            // The usual cases: a dielectric in air.
-            ([], InterfaceEvent::Enter(entered)) => (None, Some(entered.material)),
-            (&[left], InterfaceEvent::Leave(_)) => (Some(left.material), None),
-            _ => (self.top(materials), top(self.entries_after(event), materials)),
-        };
+        let inside = || medium(Some(entry.material), materials);
+        // The usual cases, a dielectric in air, are inlined: a result in memory would be read before it is stored.
+        match (self.entries.as_slice(), leaving) {
+            ([], false) => Some(MediumInterface {
+                event: InterfaceEvent::Enter(entry),
+                before: Medium::AIR,
+                after: inside(),
+                is_boundary: true,
+            }),
+            (&[left], true) if left.material == entry.material => Some(MediumInterface {
+                event: InterfaceEvent::Leave(0),
+                before: inside(),
+                after: Medium::AIR,
+                is_boundary: true,
+            }),
+            _ => self.nested_interface(materials, entry, leaving),
+        }
+    }
+
+    /// Version of [`interface`](Self::interface) for any list.
+    fn nested_interface(
+        &mut self,
+        materials: &[Material],
+        entry: MediumEntry,
+        leaving: bool,
+    ) -> Option<MediumInterface> {
+        let event = self.event(entry, leaving)?;
+        let (before, after) = (self.top(materials), top(self.entries_after(event), materials));
         Some(MediumInterface {
             event,
             before: medium(before, materials),
             after: medium(after, materials),
             is_boundary: before != after,
         })
+    }
+
+    /// Change of the list at the surface of a solid. `None` if the list is full.
+    #[inline]
+    pub(crate) fn event(&mut self, entry: MediumEntry, leaving: bool) -> Option<InterfaceEvent> {
+        if leaving {
+            find(&self.entries, entry).or_else(|| self.push_outermost(entry)).map(InterfaceEvent::Leave)
+        } else {
+            (self.entries.len() < CAPACITY).then_some(InterfaceEvent::Enter(entry))
+        }
     }
 
     /// Interface of a thin dielectric: visible, with the same medium on both sides.
@@ -181,7 +209,12 @@ impl InteriorList {
 
     /// Updates the list for a ray that crosses an interface.
     pub(crate) fn cross(&mut self, interface: &MediumInterface) {
-        match interface.event {
+        self.apply(interface.event);
+    }
+
+    /// Applies the change of an interface of this list.
+    pub(crate) fn apply(&mut self, event: InterfaceEvent) {
+        match event {
             InterfaceEvent::Enter(entry) => self.push(entry),
             InterfaceEvent::Leave(at) => {
                 self.entries.remove(at);
@@ -228,9 +261,9 @@ pub(crate) struct InteriorListStack {
 
 impl InteriorListStack {
     /// Pushes a list as it is beyond a surface. Returns its length.
-    pub(crate) fn push(&mut self, interior: &InteriorList, interface: &MediumInterface) -> u32 {
+    pub(crate) fn push(&mut self, interior: &InteriorList, event: InterfaceEvent) -> u32 {
         let length = self.entries.len();
-        self.entries.extend(interior.entries_after(interface.event));
+        self.entries.extend(interior.entries_after(event));
         (self.entries.len() - length) as u32
     }
 
@@ -244,6 +277,9 @@ impl InteriorListStack {
 
 /// Index of a dielectric, or of the one of its material that was entered last.
 fn find(entries: &[MediumEntry], entry: MediumEntry) -> Option<usize> {
+    if let [only] = entries {
+        return (only.material == entry.material).then_some(0);
+    }
     let last = |matches: &dyn Fn(&MediumEntry) -> bool| entries.iter().rposition(matches);
     last(&|other| *other == entry).or_else(|| last(&|other| other.material == entry.material))
 }

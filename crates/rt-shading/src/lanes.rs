@@ -265,6 +265,26 @@ impl<S: Simd> Real for Lanes<S> {
     }
 }
 
+/// Indices of the lanes in a mask of bits, ascending.
+#[inline(always)]
+pub(crate) const fn each_lane(mask: u8) -> LaneIndices {
+    LaneIndices(mask)
+}
+
+/// Indices of the lanes in a mask of bits.
+pub(crate) struct LaneIndices(u8);
+
+impl Iterator for LaneIndices {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros() as usize;
+        self.0 &= self.0.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    }
+}
+
 /// Vector of one lane.
 #[inline(always)]
 pub(crate) fn get(lanes: &Vector3<LaneArray>, lane: usize) -> DVec3 {

@@ -1,9 +1,10 @@
 //! Classical recursive ray tracing, in waves.
 
 mod counts;
+mod direct_lighting;
 mod shade;
 mod shade_spheres;
-mod sphere_queue;
+mod sphere_block;
 mod uniform_phong;
 mod wave;
 
@@ -11,11 +12,12 @@ use crate::{
     Appearance, ClosestHit, InteriorList, LazyShape, Needs, Seen, Tracer, lanes::LaneLevel, ray_queues::RayQueues,
 };
 pub use counts::ShadingCounts;
+use direct_lighting::DirectLighting;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
-use sphere_queue::SphereQueue;
+use sphere_block::QueuedHit;
 use uniform_phong::UniformPhong;
-use wave::{DirectLighting, RayTree, TreePath};
+use wave::{RayTree, TreePath};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
@@ -38,12 +40,14 @@ pub struct Whitted {
     /// Rays of the current wave.
     wave: RayQueues<TreePath>,
     next: RayQueues<TreePath>,
+    /// Paths of camera rays.
+    camera_paths: Vec<TreePath>,
     samples: Vec<RayTree>,
     /// Samples whose path has ended in this wave.
     ended: Vec<u32>,
     direct_lighting: DirectLighting,
     /// Hits on spheres that are shaded in lanes.
-    spheres: SphereQueue,
+    spheres: Vec<QueuedHit>,
     /// Phong models by material, for lanes.
     phongs: Vec<Option<UniformPhong>>,
     /// Instruction set of lanes; `None` to shade all hits one by one.
@@ -62,10 +66,11 @@ impl Whitted {
             surroundings: InteriorList::default(),
             wave: RayQueues::default(),
             next: RayQueues::default(),
+            camera_paths: Vec::new(),
             samples: Vec::new(),
             ended: Vec::new(),
             direct_lighting: DirectLighting::default(),
-            spheres: SphereQueue::default(),
+            spheres: Vec::new(),
             phongs: Vec::new(),
             lanes: None,
             counts: ShadingCounts::default(),
@@ -114,13 +119,15 @@ impl Whitted {
         let (rays, seen) = (&rays[..count], &mut seen[..count]);
         seen.fill(Seen::NOTHING);
         self.start(count);
-        let camera_path = |at| TreePath { sample: at as u32, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
-        self.intersect_and_shade(world, appearance, RayKind::Primary, rays, camera_path, seen);
+        self.direct_lighting.start(appearance.lights.len());
+        let camera_paths = core::mem::take(&mut self.camera_paths);
+        self.intersect_and_shade(world, appearance, RayKind::Primary, (rays, &camera_paths), seen);
+        self.camera_paths = camera_paths;
         self.end_wave(world, seen);
         while !self.wave.is_empty() {
             let wave = core::mem::take(&mut self.wave);
             for (kind, queue) in wave.queues() {
-                self.intersect_and_shade(world, appearance, kind, &queue.rays, |at| queue.paths[at], seen);
+                self.intersect_and_shade(world, appearance, kind, (&queue.rays, &queue.paths), seen);
             }
             self.wave = wave;
             self.end_wave(world, seen);
@@ -131,6 +138,8 @@ impl Whitted {
     fn start(&mut self, count: usize) {
         if self.samples.len() < count {
             self.samples.resize_with(count, RayTree::default);
+            let camera_path = |at| TreePath { sample: at, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
+            self.camera_paths.extend((self.camera_paths.len() as u32..count as u32).map(camera_path));
         }
         if self.needs.refraction {
             for sample in &mut self.samples[..count] {
@@ -139,34 +148,62 @@ impl Whitted {
         }
     }
 
-    /// Traces rays of one kind; `path` returns the path of a ray by its index.
+    /// Traces rays of one kind, and shades their hits.
     fn intersect_and_shade(
         &mut self,
         world: &mut impl Tracer,
         appearance: &Appearance,
         kind: RayKind,
-        rays: &[(Ray, Interval)],
-        path: impl Fn(usize) -> TreePath,
+        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
         seen: &mut [Seen],
     ) {
         let Some(level) = self.lanes else {
             return world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
-                let path = path(at);
-                self.shade(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
+                let path = paths[at];
+                let (ray, seen) = (&rays[at].0, &mut seen[path.sample as usize]);
+                match hit {
+                    Some(hit) => self.shade(appearance, path, ray, hit, seen),
+                    None => self.leave_scene(appearance, &path, ray, seen),
+                }
             });
         };
-        world.closest_hits(rays, kind, (self.needs.surface(), LazyShape::Sphere), |at, hit| {
-            let (path, ray) = (path(at), &rays[at].0);
-            let seen = &mut seen[path.sample as usize];
-            match hit {
-                Some(ClosestHit::Sphere(hit)) if self.is_uniform(hit.material) => self.spheres.push(at, hit, path),
-                Some(ClosestHit::Sphere(hit)) => self.shade(appearance, path, ray, Some(&mut hit.surface(ray)), seen),
-                Some(ClosestHit::Triangle(hit)) => self.shade(appearance, path, ray, Some(&mut hit.surface()), seen),
-                Some(ClosestHit::Surface(hit)) => self.shade(appearance, path, ray, Some(hit), seen),
-                None => self.shade(appearance, path, ray, None, seen),
-            }
-        });
-        self.shade_spheres(level, appearance, rays, seen);
+        world.closest_hits(
+            rays,
+            kind,
+            (self.needs.surface(), LazyShape::Sphere),
+            // Inlined, so that a hit on a sphere stays in registers until it is in the queue.
+            #[inline(always)]
+            |at, hit| match hit {
+                Some(ClosestHit::Sphere(hit)) if self.is_uniform(hit.material) => {
+                    self.spheres.push(QueuedHit::new(at, &hit));
+                }
+                Some(hit) => {
+                    let path = paths[at];
+                    self.shade_closest(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
+                }
+                None => {
+                    let path = &paths[at];
+                    self.leave_scene(appearance, path, &rays[at].0, &mut seen[path.sample as usize]);
+                }
+            },
+        );
+        self.shade_spheres(level, appearance, (rays, paths), seen);
+    }
+
+    /// Shades a hit by itself.
+    fn shade_closest(
+        &mut self,
+        appearance: &Appearance,
+        path: TreePath,
+        ray: &Ray,
+        hit: ClosestHit<'_>,
+        seen: &mut Seen,
+    ) {
+        match hit {
+            ClosestHit::Sphere(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
+            ClosestHit::Triangle(hit) => self.shade(appearance, path, ray, &mut hit.surface(), seen),
+            ClosestHit::Surface(hit) => self.shade(appearance, path, ray, hit, seen),
+        }
     }
 
     /// True if lanes shade the material.
@@ -177,7 +214,7 @@ impl Whitted {
 
     /// Traces the shadow rays of a wave, and fills the next one.
     fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
-        self.direct_lighting.resolve(|rays, blocked| world.occluded_batch(rays, blocked), seen);
+        self.direct_lighting.resolve(self.lanes, |rays, blocked| world.occluded_batch(rays, blocked), seen);
         self.next_wave();
     }
 

@@ -68,7 +68,7 @@ impl<S: Simd> F64x8<S> {
     /// A bit for each lane with `self < other`; never where one is NaN.
     #[inline(always)]
     pub(super) fn lt(self, simd: S, other: Self) -> u32 {
-        self.le(simd, other) & !other.le(simd, self)
+        simd.lt_f64(self.low, other.low) | simd.lt_f64(self.high, other.high) << 4
     }
 
     /// Sign bits.

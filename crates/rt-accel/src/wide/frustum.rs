@@ -21,6 +21,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use super::WideBvh;
 use super::coherence::signs;
+use super::f64x8::F64x8;
 use super::node::Row;
 use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, round_down, round_up};
 use super::simd::Simd;
@@ -48,25 +49,30 @@ impl<S: Simd> BundleFrustum<S> {
     pub(super) fn enclosing(simd: S, tree: &WideBvh, rays: &[(Ray, Interval)]) -> Option<Self> {
         let (first, _) = rays.first()?;
         let signs = signs(first.direction);
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (mut slowest, mut fastest) = (DVec3::INFINITY, DVec3::ZERO);
-        let (mut begin, mut end) = (f64::INFINITY, 0.0f64);
-        let mut zero = DVec3::ZERO;
-        for (ray, span) in rays {
-            let speed = ray.direction.abs();
-            (low, high) = (low.min(ray.origin), high.max(ray.origin));
-            (slowest, fastest) = (slowest.min(speed), fastest.max(speed));
-            (begin, end) = (begin.min(span.min), end.max(span.max));
+        // Reduce origin, direction and span together. A comparison with NaN keeps the earlier number.
+        let (mut low, mut high) = (F64x8::splat(simd, f64::INFINITY), F64x8::splat(simd, f64::NEG_INFINITY));
+        let (mut sum, zero) = (F64x8::splat(simd, 0.0), F64x8::splat(simd, 0.0));
+        for (Ray { origin: o, direction: d, .. }, span) in rays {
+            let numbers = F64x8::new(simd, [o.x, o.y, o.z, d.x, d.y, d.z, span.min, span.max]);
+            (low, high) = (numbers.min(simd, low), numbers.max(simd, high));
             // NaN if anything is not finite.
-            zero += (ray.origin + ray.direction) * 0.0;
+            sum = sum.add(simd, numbers.mul(simd, zero));
         }
+        let [x, y, z, u, v, w, _, _] = sum.to_array(simd);
+        let is_finite = x + y + z + u + v + w == 0.0;
+        let [x, y, z, u, v, w, begin, _] = low.to_array(simd);
+        let (low, slow) = (DVec3::new(x, y, z), DVec3::new(u, v, w));
+        let [x, y, z, u, v, w, _, end] = high.to_array(simd);
+        let (high, fast, end) = (DVec3::new(x, y, z), DVec3::new(u, v, w), end.max(0.0));
+        // The directions have equal signs.
+        let (slowest, fastest) = (slow.abs().min(fast.abs()), slow.abs().max(fast.abs()));
         let (low, high) = (low - tree.centre, high - tree.centre);
         let filter_applies = RANGE.contains(&fastest.max_element())
             & RANGE.contains(&slowest.max_element())
             & RANGE.contains(&tree.size)
             & (low.abs().max(high.abs()).max_element() <= FARTHEST * tree.size)
             & (begin >= 0.0)
-            & (zero == DVec3::ZERO);
+            & is_finite;
         if !filter_applies {
             return None;
         }

@@ -1,8 +1,8 @@
 //! A few primitives without a tree: spheres and triangles are intersected with eight rays at once, instances with whole
 //! batches.
 
-use rt_geometry::{BatchKernel, Hit, Primitives, Probe};
-use rt_math::{Interval, Ray};
+use rt_geometry::{BatchKernel, Hit, Primitives, Probe, SphereKernel};
+use rt_math::{DVec3, Interval, Ray};
 
 use super::f64x8::PACKET;
 use super::packet::SWITCH_THRESHOLD;
@@ -117,28 +117,48 @@ struct SetEntry {
     /// Instance and primitive of its hits.
     hit_ids: [u32; 2],
     casts_shadow: bool,
-    kernel: BatchKernel,
+    kernel: EntryKernel,
 }
 
 impl SetEntry {
-    const NONE: Self = Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single };
+    const NONE: Self = Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: EntryKernel::Single };
 
     fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
         Self {
             index,
             hit_ids: primitives.hit_ids(index),
             casts_shadow: primitives.blocks(index),
-            kernel: primitives.batch_kernel(index),
+            kernel: primitives.batch_kernel(index).into(),
         }
     }
 
     const fn is_instance(&self) -> bool {
-        matches!(self.kernel, BatchKernel::Instance)
+        matches!(self.kernel, EntryKernel::Instance)
     }
 
     /// True if it is intersected with eight rays at once.
     const fn has_kernel(&self) -> bool {
-        matches!(self.kernel, BatchKernel::Sphere(_) | BatchKernel::Triangle(_))
+        matches!(self.kernel, EntryKernel::Sphere(_) | EntryKernel::Triangle(_))
+    }
+}
+
+/// [`BatchKernel`] with vertices in `f64`.
+#[derive(Clone, Copy)]
+enum EntryKernel {
+    Triangle([DVec3; 3]),
+    Sphere(SphereKernel),
+    Instance,
+    Single,
+}
+
+impl From<BatchKernel> for EntryKernel {
+    fn from(kernel: BatchKernel) -> Self {
+        match kernel {
+            BatchKernel::Triangle(vertices) => Self::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
+            BatchKernel::Sphere(sphere) => Self::Sphere(sphere),
+            BatchKernel::Instance => Self::Instance,
+            BatchKernel::Single => Self::Single,
+        }
     }
 }
 
@@ -267,7 +287,7 @@ impl<O: Output> Batch<'_, O> {
                 continue;
             }
             let mut uncertain = match kernel {
-                BatchKernel::Sphere(sphere) => {
+                EntryKernel::Sphere(sphere) => {
                     let spheres = SpherePacket::all(simd, sphere);
                     let possible = active & !spheres.miss_mask(simd, &soa);
                     if possible == 0 {
@@ -277,15 +297,14 @@ impl<O: Output> Batch<'_, O> {
                     self.accept_hits(simd, *hit_ids, possible, &hits, &mut results);
                     possible & hits.uncertain
                 }
-                BatchKernel::Triangle(vertices) => {
-                    let vertices = [vertices[0].as_dvec3(), vertices[1].as_dvec3(), vertices[2].as_dvec3()];
+                EntryKernel::Triangle(vertices) => {
                     let mut uncertain = 0;
                     for (axis, rays) in by_axis.iter().enumerate() {
                         let mask = active & rays;
                         if mask == 0 {
                             continue;
                         }
-                        let Some(hits) = packet_triangles::intersect(simd, &vertices, axis, &soa, mask) else {
+                        let Some(hits) = packet_triangles::intersect(simd, vertices, axis, &soa, mask) else {
                             continue;
                         };
                         self.accept_hits(simd, *hit_ids, mask, &hits, &mut results);
@@ -293,7 +312,7 @@ impl<O: Output> Batch<'_, O> {
                     }
                     uncertain
                 }
-                BatchKernel::Instance | BatchKernel::Single => active,
+                EntryKernel::Instance | EntryKernel::Single => active,
             };
             while uncertain != 0 {
                 let lane = take_lane(&mut uncertain);

@@ -83,8 +83,8 @@ fn lists_come_off_the_stack_as_they_were_put_on() {
     let mut interior = InteriorList::filled_with(0);
     let entering = interior.interface(&materials, hit(4, 1).body(), false).expect("room");
     let leaving = interior.interface(&materials, hit(7, 0).body(), true).expect("it is there");
-    let within = stack.push(&interior, &entering);
-    let outside = stack.push(&interior, &leaving);
+    let within = stack.push(&interior, entering.event);
+    let outside = stack.push(&interior, leaving.event);
     assert_eq!((within, outside), (2, 0));
     stack.pop(&mut interior, outside);
     assert!(interior.is_empty());
@@ -118,4 +118,22 @@ fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
     assert_eq!(interior.medium(&materials).ior, 2.0, "the innermost was entered last");
     interior.clear();
     assert!(interior.is_empty());
+}
+
+#[test]
+fn usual_interfaces_are_those_of_any_list() {
+    let materials = materials(&[0, 5, 0]);
+    let bodies = [(0, 0), (1, 0), (2, 1), (3, 2)].map(|(object, material)| MediumEntry { object, material });
+    let lists = [&bodies[..0], &bodies[..1], &bodies[1..2], &bodies[2..3], &bodies[..2], &bodies[1..]];
+    for (entries, body, leaving) in
+        lists.iter().flat_map(|list| bodies.map(|body| [(list, body, false), (list, body, true)])).flatten()
+    {
+        let [mut usual, mut any] = [(); 2].map(|()| InteriorList { entries: entries.to_vec() });
+        let case = format!("{body:?} in {entries:?}, leaving: {leaving}");
+        let found = format!("{:?}", usual.interface(&materials, body, leaving));
+        assert_eq!(found, format!("{:?}", any.nested_interface(&materials, body, leaving)), "{case}");
+        assert_eq!(usual, any, "{case}");
+        let event = usual.interface(&materials, body, leaving).expect("room in the list").event;
+        assert_eq!(format!("{:?}", usual.event(body, leaving)), format!("Some({event:?})"), "{case}");
+    }
 }

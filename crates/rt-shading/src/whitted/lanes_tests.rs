@@ -227,3 +227,28 @@ fn scenes_without_lights_have_the_bits_of_scalars() {
     let [in_lanes, by_itself] = both(2, Needs::ALL, &appearance, 101);
     assert!(in_lanes == by_itself && in_lanes.2.is_empty());
 }
+
+#[test]
+fn weights_beyond_numbers_have_the_results_of_scalars() {
+    let color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
+    let transmission = Some(Transmission { coefficient: color(1e300, 0.0, 0.5), fresnel: true });
+    let endless = Phong { mirror: color(1e200, 0.5, f64::INFINITY), transmission, ..Phong::BLACK };
+    let nothing = Phong { mirror: color(0.0, 0.0, 0.0), ..Phong::BLACK };
+    let negative = Phong { mirror: color(-1.0, -0.5, f64::NEG_INFINITY), ..Phong::BLACK };
+    let mut appearance = appearance();
+    appearance.materials.truncate(2);
+    for (phong, interior) in [(endless, Some(InteriorMedium::clear(1.5))), (nothing, None), (negative, None)] {
+        appearance.materials.push(Material { interior, ..Material::new(String::new(), phong) });
+    }
+    let [in_lanes, by_itself] = both(4, Needs::ALL, &appearance, 3001).map(|(seen, counts, shadow_rays)| {
+        // The bits of a NaN may differ.
+        let is_nan = |bits: &u64| f64::from_bits(*bits).is_nan();
+        let seen: Vec<_> =
+            seen.iter().map(|(bits, hit)| (bits.map(|b| if is_nan(&b) { u64::MAX } else { b }), *hit)).collect();
+        let n_nan = seen.iter().flat_map(|(bits, _)| bits).filter(|bits| **bits == u64::MAX).count();
+        (seen, counts, shadow_rays, n_nan)
+    });
+    assert!(in_lanes.3 > 100, "{} radiances are not numbers", in_lanes.3);
+    assert_eq!(in_lanes.1, by_itself.1);
+    assert!(in_lanes == by_itself);
+}

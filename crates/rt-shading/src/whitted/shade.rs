@@ -5,10 +5,10 @@ use crate::{
     Appearance, Material, Phong, Seen, SurfaceHit,
     hit_context::{HitContext, MAX_NULL_INTERFACES},
     interior_list::MediumInterface,
-    optics,
+    medium, optics,
     viewed_surface::ViewedSurface,
 };
-use rt_math::{Interval, Ray, Rgb, transcendental::exp};
+use rt_math::{Interval, Ray, Rgb};
 
 impl Whitted {
     /// Shades the hit of a path and spawns its secondary rays. At a null interface the path continues in the next wave.
@@ -18,13 +18,9 @@ impl Whitted {
         appearance: &Appearance,
         mut path: TreePath,
         ray: &Ray,
-        hit: Option<&mut SurfaceHit>,
+        hit: &mut SurfaceHit,
         seen: &mut Seen,
     ) {
-        let Some(hit) = hit else {
-            seen.radiance += path.weight * appearance.background.radiance(ray.direction);
-            return self.ended.push(path.sample);
-        };
         let interior = &mut self.samples[path.sample as usize].interior;
         let Some(context) = HitContext::new(&self.needs, &appearance.materials, ray, hit) else {
             seen.hit = true;
@@ -48,6 +44,13 @@ impl Whitted {
         self.shade_direct(appearance, material, phong, &view, &path, ray.time);
         let interface = interface.filter(|_| phong.transmission.is_some());
         self.spawn_secondary_rays(appearance, phong, &view, interface, &path, ray.time);
+    }
+
+    /// Adds the background to the radiance of a path that hits nothing, and ends the path.
+    #[inline(always)]
+    pub(super) fn leave_scene(&mut self, appearance: &Appearance, path: &TreePath, ray: &Ray, seen: &mut Seen) {
+        seen.radiance += path.weight * appearance.background.radiance(ray.direction);
+        self.ended.push(path.sample);
     }
 
     /// Continues the same ray behind a null interface.
@@ -80,13 +83,10 @@ impl Whitted {
     }
 
     /// Beer's law over a distance in world units; true if the medium absorbs.
-    pub(super) fn absorb(&mut self, weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
-        if absorption.is_black() {
-            return false;
-        }
-        self.counts.absorption += 1;
-        *weight *= absorption.map(|per_unit| exp(-per_unit * way));
-        true
+    fn absorb(&mut self, weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
+        let absorbs = medium::absorb(weight, absorption, way);
+        self.counts.absorption += u64::from(absorbs);
+        absorbs
     }
 
     /// Emission of a surface, and the direct light that it reflects.
@@ -192,7 +192,7 @@ impl Whitted {
 
     /// Continues with the mirrored ray and defers the refracted one. Without a mirrored ray it continues with the refracted one.
     #[inline(always)]
-    pub(super) fn push_secondary_rays(
+    fn push_secondary_rays(
         &mut self,
         sample: u32,
         mirrored: Option<(Ray, TreePath)>,
@@ -202,7 +202,7 @@ impl Whitted {
         let ends = mirrored.is_none() && refracted.is_none();
         if let Some((ray, path, interface)) = refracted {
             if mirrored.is_some() {
-                state.defer(ray, &path, interface);
+                state.defer(ray, &path, interface.event);
             } else {
                 state.interior.cross(interface);
                 self.next.refracted.push(ray, Interval::SPAWNED, path);
@@ -217,7 +217,7 @@ impl Whitted {
     }
 
     /// False for a weight that is invisible in the pixel.
-    pub(super) fn is_significant(&self, weight: Rgb) -> bool {
+    fn is_significant(&self, weight: Rgb) -> bool {
         !(weight.is_black() || weight.max_component() < self.min_contribution)
     }
 }

@@ -1,6 +1,9 @@
 //! Phong models of uniform materials, in the form that lanes read.
 
-use crate::{Appearance, ColorTexture, FloatTexture, Highlight, Material, Needs, light::EmissionSides};
+use crate::{
+    Appearance, ColorTexture, FloatTexture, Highlight, Material, Needs, hit_context::SurfaceTransmission,
+    light::EmissionSides,
+};
 use rt_math::{Real, Rgb, Vector3};
 
 /// Phong model of a material without textures.
@@ -15,6 +18,8 @@ pub(super) struct UniformPhong {
     pub(super) mirror: Rgb,
     /// Coefficient of transmitted light, and true if Fresnel's equations apply.
     pub(super) transmission: Option<(Rgb, bool)>,
+    /// Media that a ray may enter or leave through the surface.
+    pub(super) interface: SurfaceTransmission,
 }
 
 impl UniformPhong {
@@ -27,6 +32,7 @@ impl UniformPhong {
         highlight: Highlight::Phong,
         mirror: Rgb::BLACK,
         transmission: None,
+        interface: SurfaceTransmission::None,
     };
 
     /// Models of all materials; `None` for those that are shaded one by one.
@@ -61,7 +67,26 @@ impl UniformPhong {
             highlight: phong.highlight,
             mirror: constant(phong.mirror)?,
             transmission,
+            interface: SurfaceTransmission::of(needs, material),
         })
+    }
+
+    /// Emission and reflected ambient light of the back if the lowest bit of `inside` is set, else of the front.
+    #[inline(always)]
+    pub(super) const fn radiance_from(&self, inside: u8) -> Rgb {
+        self.radiance[(inside & 1) as usize]
+    }
+
+    /// Coefficient of transmitted light; black without transmission.
+    #[inline(always)]
+    pub(super) fn transmission_coefficient(&self) -> Rgb {
+        self.transmission.map_or(Rgb::BLACK, |(coefficient, _)| coefficient)
+    }
+
+    /// Bit `lane`, set if Fresnel's equations apply to transmitted light.
+    #[inline(always)]
+    pub(super) fn fresnel_bit(&self, lane: u32) -> u8 {
+        u8::from(self.transmission.is_some_and(|(_, has_fresnel)| has_fresnel)) << lane
     }
 
     /// Shape and exponent of the highlight.

@@ -82,6 +82,7 @@ pub(in crate::wide) trait Simd: Copy {
     fn select_by_sign(self, by: Self::F64x4, positive: Self::F64x4, negative: Self::F64x4) -> Self::F64x4;
     /// Sign bits of the four numbers.
     fn signs(self, a: Self::F64x4) -> u32;
+    fn lt_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
     fn le_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
     /// The first three numbers in the order 1, 2, 0.
     fn yzx(self, a: Self::F64x4) -> Self::F64x4;

@@ -100,6 +100,7 @@ impl Simd for Portable {
             core::array::from_fn(|i| if by[i].is_sign_negative() { negative[i] } else { positive[i] })
         }
         fn signs(a: F64x4) -> u32 { (0..4).map(|i| u32::from(a[i].is_sign_negative()) << i).sum() }
+        fn lt_f64(a: F64x4, b: F64x4) -> u32 { (0..4).map(|i| u32::from(a[i] < b[i]) << i).sum() }
         fn le_f64(a: F64x4, b: F64x4) -> u32 { (0..4).map(|i| u32::from(a[i] <= b[i]) << i).sum() }
         fn yzx([a, b, c, d]: F64x4) -> F64x4 { [b, c, a, d] }
         fn zxy([a, b, c, d]: F64x4) -> F64x4 { [c, a, b, d] }

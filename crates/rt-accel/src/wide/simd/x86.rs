@@ -138,6 +138,7 @@ macro_rules! common_methods {
                 _mm256_blendv_pd(positive, negative, by)
             }
             fn signs(a: __m256d) -> u32 { _mm256_movemask_pd(a) as u32 }
+            fn lt_f64(a: __m256d, b: __m256d) -> u32 { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32 }
             fn le_f64(a: __m256d, b: __m256d) -> u32 { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) as u32 }
             fn yzx(a: __m256d) -> __m256d { _mm256_permute4x64_pd::<0b11_00_10_01>(a) }
             fn zxy(a: __m256d) -> __m256d { _mm256_permute4x64_pd::<0b11_01_00_10>(a) }
