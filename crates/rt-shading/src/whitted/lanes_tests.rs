@@ -156,7 +156,7 @@ fn appearance() -> Appearance {
     }
 }
 
-/// Bits of the radiance of camera rays, with the counts and the bits of shadow rays.
+/// Bits of the radiance of camera rays, with the counts but those of lanes, and the bits of shadow rays.
 type LaneOutcome = (Vec<([u64; 3], bool)>, ShadingCounts, Vec<[u64; 9]>);
 
 fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOutcome {
@@ -170,9 +170,16 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOu
     let n_materials = appearance.materials.len() as u32;
     let mut world = RandomSpheres { n_materials, ..RandomSpheres::default() };
     whitted.radiance_of(&mut world, appearance, &rays, &mut seen);
+    let counts = whitted.take_counts();
+    if whitted.lanes.is_none() {
+        assert_eq!([counts.lanes, counts.lanes_used], [0; 2]);
+    } else if n_rays > 1000 {
+        // Few lanes are empty, and few hits are shaded by themselves.
+        assert!((counts.lanes / 2..=counts.lanes).contains(&counts.lanes_used), "{counts:?}");
+    }
     world.shadow_rays.sort_unstable();
     let seen = seen.iter().map(|seen| (seen.radiance.to_array().map(f64::to_bits), seen.hit)).collect();
-    (seen, whitted.take_counts(), world.shadow_rays)
+    (seen, counts.without_lanes(), world.shadow_rays)
 }
 
 /// Outcomes in lanes and one by one; both one by one without AVX2.

@@ -71,6 +71,8 @@ impl Whitted {
         for hits in hits.chunks(LANES) {
             let valid = self.shade_block(simd, appearance, hits, (rays, paths));
             let rare = !valid & ((1 << hits.len()) - 1);
+            self.counts.lanes += LANES as u64;
+            self.counts.lanes_used += u64::from(hits.len() as u32 - rare.count_ones());
             for lane in each_lane(rare) {
                 let (hit, at) = (hits[lane].hit(), hits[lane].ray as usize);
                 let (ray, path) = (&rays[at].0, paths[at]);
