@@ -80,7 +80,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
-        if self.lanes.is_some()
+        if self.wave_lanes.is_some()
             && let Some(diffuse) = bsdf.as_diffuse()
             && interface.is_none()
             && diffuse.albedo.is_finite()
@@ -143,30 +143,24 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Shades the vertices on diffuse surfaces that a wave has found.
     pub(super) fn shade_diffuse(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
-        let Some(level) = self.lanes.filter(|_| !self.diffuse.is_empty()) else { return };
+        let Some(level) = self.wave_lanes.filter(|_| !self.diffuse.is_empty()) else { return };
         let mut queue = core::mem::take(&mut self.diffuse);
         let follows_diffuse = self.settings.transport != Transport::Specular;
         let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
-        let has_delta_lights = lighting.lights.delta_lights().next().is_some();
         queue.draw(&mut self.samplers, n_lights, follows_diffuse);
         queue.shade(level, lighting.lights, follows_diffuse);
         self.counts.lanes += queue.vertices().len().next_multiple_of(LANES) as u64;
         for (at, queued) in queue.vertices().iter().enumerate() {
             let id = queued.path;
-            let scattered = queue.scattered(at);
-            if has_delta_lights || scattered.is_none() {
+            let Some(scattered) = queue.scattered(at) else {
+                self.samplers[id as usize] = queue.sampler_before(at);
                 let (mut surface, (direction, is_inside), diffuse) = queue.surface(at);
                 let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), diffuse.into());
                 let vertex = Vertex::new(view, &bsdf, queued.time);
                 let vertex = if follows_diffuse { vertex } else { vertex.with_sampled_lobes(None) };
-                if scattered.is_none() {
-                    self.samplers[id as usize] = queue.sampler_before(at);
-                    self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
-                } else {
-                    self.sample_delta_lights(lighting, id, &vertex, None, &mut seen[id as usize]);
-                }
-            }
-            let Some(scattered) = scattered else { continue };
+                self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
+                continue;
+            };
             self.counts.lanes_used += 1;
             let path = &mut self.paths[id as usize];
             if let Some((origin, direction, radiance)) = scattered.direct {
