@@ -33,7 +33,7 @@ pub enum PrimitiveGeometry {
 pub enum BatchKernel {
     /// [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these vertices. The primitive's `bounds` are the smallest box
     /// around them.
-    Triangle([Vec3; 3]),
+    Triangle([DVec3; 3]),
     /// [`SphereKernel::intersect`](crate::SphereKernel::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
     /// radius, as rounded.
     Sphere(SphereKernel),
@@ -92,7 +92,9 @@ pub trait Primitives: Sync {
     #[inline]
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match self.geometry(index) {
-            PrimitiveGeometry::ExactTriangle(vertices) => BatchKernel::Triangle(vertices),
+            PrimitiveGeometry::ExactTriangle(vertices) => {
+                BatchKernel::Triangle(vertices.map(|vertex| vertex.as_dvec3()))
+            }
             PrimitiveGeometry::ExactSphere(sphere) => BatchKernel::Sphere(sphere),
             _ => BatchKernel::Single,
         }

@@ -75,8 +75,10 @@ fn quality(turn: usize) -> &'static str {
 fn variants(turn: usize, full: bool) -> Vec<Variant> {
     let mut variants = vec![vec!["--threads", "1"], vec!["--threads", "2", "--full-plan"]];
     // In three turns, each instruction set meets each build quality.
-    for (index, threads) in ["2", "3", "8"].into_iter().enumerate() {
-        variants.push(vec!["--threads", threads, "--simd", level(index), "--quality", quality(turn + index)]);
+    for turn in turn..if full { turn + 3 } else { turn + 1 } {
+        for (index, threads) in ["2", "3", "8"].into_iter().enumerate() {
+            variants.push(vec!["--threads", threads, "--simd", level(index), "--quality", quality(turn + index)]);
+        }
     }
     let other = |kind: &AcceleratorKind| !matches!(kind, AcceleratorKind::Wide | AcceleratorKind::Linear);
     let others: Vec<_> = AcceleratorKind::ALL.iter().copied().filter(other).collect();
@@ -88,8 +90,10 @@ fn variants(turn: usize, full: bool) -> Vec<Variant> {
 }
 
 /// Brute force apart: at full quality it would take hours.
-fn brute_force(turn: usize) -> Vec<Variant> {
-    vec![vec!["--threads", "2"], vec!["--threads", "2", "--accel", "linear", "--simd", level(turn)]]
+fn brute_force(turn: usize, full: bool) -> Vec<Variant> {
+    let linear = |turn| vec!["--threads", "2", "--accel", "linear", "--simd", level(turn)];
+    let turns = turn..if full { turn + 3 } else { turn + 1 };
+    [vec!["--threads", "2"]].into_iter().chain(turns.map(linear)).collect()
 }
 
 /// Two ways to compute the image of an integrator, which differ in everything and depend on the turn.
@@ -122,7 +126,7 @@ impl Unit for SameImage {
         if let Some(first) = first.filter(|_| context.full || self.turn.is_multiple_of(SHARDS_EVERY)) {
             self.compare_shards(context, folder, quality, &first, findings)?;
         }
-        self.compare(context, folder, brute_force_quality, &brute_force(self.turn), findings)?;
+        self.compare(context, folder, brute_force_quality, &brute_force(self.turn, context.full), findings)?;
         for (index, integrator) in integrators(self.turn, context.full).enumerate() {
             // Neighbours in the list of scenes, which are alike, get other accelerators.
             let variants = integrator_variants(integrator, self.turn * INTEGRATORS_AT_A_TIME + index);
@@ -218,7 +222,7 @@ mod tests {
     #[test]
     fn everything_that_must_not_matter_is_varied() {
         let all = |turns: usize, full| -> Vec<Variant> {
-            (0..turns).flat_map(|turn| [variants(turn, full), brute_force(turn)].concat()).collect()
+            (0..turns).flat_map(|turn| [variants(turn, full), brute_force(turn, full)].concat()).collect()
         };
         // A full run varies everything on each scene, and a short one on consecutive scenes.
         for variants in [all(1, true), all(3, false)] {
@@ -237,7 +241,9 @@ mod tests {
         }
         for (level, quality) in (0..3).flat_map(|index| (0..3).map(move |other| (level(index), quality(other)))) {
             let pair = ["--simd", level, "--quality", quality];
-            assert!(all(3, false).iter().any(|variant| variant.ends_with(&pair)), "{level} {quality}");
+            for variants in [all(1, true), all(3, false)] {
+                assert!(variants.iter().any(|variant| variant.ends_with(&pair)), "{level} {quality}");
+            }
         }
         let taken = |turns: usize, full| (0..turns).flat_map(|turn| integrators(turn, full)).collect::<BTreeSet<_>>();
         assert_eq!((taken(3, false), taken(1, true)), (INTEGRATORS.into(), INTEGRATORS.into()));

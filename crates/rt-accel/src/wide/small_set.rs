@@ -1,8 +1,8 @@
 //! A few primitives without a tree: spheres and triangles are intersected with eight rays at once, instances with whole
 //! batches.
 
-use rt_geometry::{BatchKernel, Hit, Primitives, Probe, SphereKernel};
-use rt_math::{DVec3, Interval, Ray};
+use rt_geometry::{BatchKernel, Hit, Primitives, Probe};
+use rt_math::{Interval, Ray};
 
 use super::f64x8::PACKET;
 use super::packet::SWITCH_THRESHOLD;
@@ -117,48 +117,28 @@ struct SetEntry {
     /// Instance and primitive of its hits.
     hit_ids: [u32; 2],
     casts_shadow: bool,
-    kernel: EntryKernel,
+    kernel: BatchKernel,
 }
 
 impl SetEntry {
-    const NONE: Self = Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: EntryKernel::Single };
+    const NONE: Self = Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single };
 
     fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
         Self {
             index,
             hit_ids: primitives.hit_ids(index),
             casts_shadow: primitives.blocks(index),
-            kernel: primitives.batch_kernel(index).into(),
+            kernel: primitives.batch_kernel(index),
         }
     }
 
     const fn is_instance(&self) -> bool {
-        matches!(self.kernel, EntryKernel::Instance)
+        matches!(self.kernel, BatchKernel::Instance)
     }
 
     /// True if it is intersected with eight rays at once.
     const fn has_kernel(&self) -> bool {
-        matches!(self.kernel, EntryKernel::Sphere(_) | EntryKernel::Triangle(_))
-    }
-}
-
-/// [`BatchKernel`] with vertices in `f64`.
-#[derive(Clone, Copy)]
-enum EntryKernel {
-    Triangle([DVec3; 3]),
-    Sphere(SphereKernel),
-    Instance,
-    Single,
-}
-
-impl From<BatchKernel> for EntryKernel {
-    fn from(kernel: BatchKernel) -> Self {
-        match kernel {
-            BatchKernel::Triangle(vertices) => Self::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
-            BatchKernel::Sphere(sphere) => Self::Sphere(sphere),
-            BatchKernel::Instance => Self::Instance,
-            BatchKernel::Single => Self::Single,
-        }
+        matches!(self.kernel, BatchKernel::Sphere(_) | BatchKernel::Triangle(_))
     }
 }
 
@@ -287,7 +267,7 @@ impl<O: Output> Batch<'_, O> {
                 continue;
             }
             let mut uncertain = match kernel {
-                EntryKernel::Sphere(sphere) => {
+                BatchKernel::Sphere(sphere) => {
                     let spheres = SpherePacket::all(simd, sphere);
                     let possible = active & !spheres.miss_mask(simd, &soa);
                     if possible == 0 {
@@ -297,7 +277,7 @@ impl<O: Output> Batch<'_, O> {
                     self.accept_hits(simd, *hit_ids, possible, &hits, &mut results);
                     possible & hits.uncertain
                 }
-                EntryKernel::Triangle(vertices) => {
+                BatchKernel::Triangle(vertices) => {
                     let mut uncertain = 0;
                     for (axis, rays) in by_axis.iter().enumerate() {
                         let mask = active & rays;
@@ -312,7 +292,7 @@ impl<O: Output> Batch<'_, O> {
                     }
                     uncertain
                 }
-                EntryKernel::Instance | EntryKernel::Single => active,
+                BatchKernel::Instance | BatchKernel::Single => active,
             };
             while uncertain != 0 {
                 let lane = take_lane(&mut uncertain);

@@ -328,13 +328,14 @@ impl<'t> Explainer<'t> {
 
     /// A value whose beginning fits, such as 1.5 where a whole number is expected, or one too many for a choice.
     fn unfit_value(&self, cursor: &Cursor<'t>, start: usize) -> ParseError {
-        let name = cursor.brackets.last().filter(|frame| frame.bracket == b'(' && frame.index > 0);
+        let path = cursor.path();
+        let is_further = matches!(path.last(), Some(Key::Argument(1..)));
+        let name = cursor.brackets.last().filter(|frame| frame.bracket == b'(' && is_further);
         match name.map(|frame| &self.text[frame.start..frame.bracket_at]) {
             Some(name) if !name.is_empty() => {
                 ParseError::new(start, format!("`{name}` takes one value: remove this one"))
             }
-            _ => self
-                .wrong_value(Some(TextValue { range: start..value_end(self.text, start), path: cursor.path() }), start),
+            _ => self.wrong_value(Some(TextValue { range: start..value_end(self.text, start), path }), start),
         }
     }
 

@@ -30,7 +30,7 @@ const N_DIRECTIONS: usize = 48;
 /// Directional albedo of white sheen of one roughness, by cosine.
 type SheenRow = [f64; COSINES];
 
-/// Rows of the table of albedos are integrated when sheen of their roughness is shaded first: all would take a third of a second.
+/// Rows of the table of albedos are integrated when sheen of their roughness is shaded first: all would take a quarter of a second.
 static ROWS: [OnceLock<SheenRow>; ROUGHNESSES] = [const { OnceLock::new() }; ROUGHNESSES];
 
 fn albedo_row(row: usize) -> &'static SheenRow {

@@ -173,6 +173,9 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOu
     let counts = whitted.take_counts();
     if whitted.lanes.is_none() {
         assert_eq!([counts.lanes, counts.lanes_used], [0; 2]);
+    } else if n_rays == 1 {
+        // One hit at most in each wave.
+        assert!(counts.lanes_used * 4 <= counts.lanes, "{counts:?}");
     } else if n_rays > 1000 {
         // Few lanes are empty, and few hits are shaded by themselves.
         assert!((counts.lanes / 2..=counts.lanes).contains(&counts.lanes_used), "{counts:?}");
