@@ -172,6 +172,7 @@ impl TriangleMesh {
     }
 
     /// Vertices of a triangle, in the space of the mesh; `None` for an invalid index.
+    #[inline]
     pub fn vertices(&self, index: u32) -> Option<[DVec3; 3]> {
         self.data.triangles.get(index as usize).map(|triangle| self.corners(*triangle))
     }

@@ -1,4 +1,4 @@
-//! Conservative `f32` test of a triangle with eight rays of any directions.
+//! Conservative `f32` test of a triangle, or of two in a plane, with eight rays of any directions.
 //!
 //! # Why the filter is conservative
 //!
@@ -41,7 +41,7 @@ use super::f64x8::{F64x8, max_abs, relative};
 use super::ray::RANGE;
 use super::ray_soa::RaySoa8;
 use super::simd::Simd;
-use super::triangle_list::FilterTriangle;
+use super::triangle_list::{FilterPair, FilterTriangle};
 
 /// Relative error of one rounding.
 const V: f64 = 1.0 / (1 << 24) as f64;
@@ -83,6 +83,29 @@ pub(super) struct FilterHits<S: Simd> {
     pub(super) certain: S::F32x8,
 }
 
+/// Result for eight rays and two triangles of a plane.
+pub(super) struct FilterPairHits<S: Simd> {
+    /// Lower bound of `t`, at least 0.
+    pub(super) t_min: S::F32x8,
+    /// Negative where the triangle is certainly missed.
+    pub(super) possible: [S::F32x8; 2],
+    /// Positive where one of the triangles is certainly hit.
+    pub(super) certain: S::F32x8,
+}
+
+/// Where eight rays cross a plane.
+struct PlaneCrossing<S: Simd> {
+    /// Lower bound of `t`, at least 0.
+    t_min: S::F32x8,
+    point: [S::F32x8; 3],
+    /// Error of weights.
+    margin: S::F32x8,
+    /// Negative where `t` is certainly outside the span.
+    in_span: S::F32x8,
+    /// Positive where it is certainly inside.
+    surely_in_span: S::F32x8,
+}
+
 impl<S: Simd> FilterRays<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &RaySoa8<S>, centre: DVec3, size: f64) -> Self {
@@ -121,8 +144,36 @@ impl<S: Simd> FilterRays<S> {
     /// Tests a triangle.
     #[inline(always)]
     pub(super) fn test(&self, simd: S, triangle: &FilterTriangle) -> FilterHits<S> {
+        let plane = self.cross(simd, triangle.plane, triangle.margin);
+        let weight = min_weight(simd, [triangle.second, triangle.third], plane.point);
+        FilterHits {
+            t_min: plane.t_min,
+            possible: simd.min(simd.add(weight, plane.margin), plane.in_span),
+            certain: simd.min(simd.sub(weight, plane.margin), plane.surely_in_span),
+        }
+    }
+
+    /// Tests two triangles of one plane.
+    #[inline(always)]
+    pub(super) fn test_pair(&self, simd: S, pair: &FilterPair) -> FilterPairHits<S> {
+        let plane = self.cross(simd, pair.plane, pair.margin);
+        let [first, second] = pair.weights;
+        let (first, second) = (min_weight(simd, first, plane.point), min_weight(simd, second, plane.point));
+        let greater = simd.max(first, second);
+        FilterPairHits {
+            t_min: plane.t_min,
+            possible: [
+                simd.min(simd.add(first, plane.margin), plane.in_span),
+                simd.min(simd.add(second, plane.margin), plane.in_span),
+            ],
+            certain: simd.min(simd.sub(greater, plane.margin), plane.surely_in_span),
+        }
+    }
+
+    /// Crosses a plane, for triangles with this error of a weight per error of a coordinate.
+    #[inline(always)]
+    fn cross(&self, simd: S, [x, y, z, offset]: [f32; 4], margin: f32) -> PlaneCrossing<S> {
         let (o, d) = (self.origin, self.direction);
-        let [x, y, z, offset] = triangle.plane;
         let (x, y, z) = (simd.splat(x), simd.splat(y), simd.splat(z));
         let slope = simd.mul_add(d[2], z, simd.mul_add(d[1], y, simd.mul(d[0], x)));
         let height = simd.neg_mul_add(o[0], x, simd.splat(offset));
@@ -133,21 +184,22 @@ impl<S: Simd> FilterRays<S> {
         let t = simd.mul(height, inverse);
         let error = simd.mul(steepness, self.t_error);
         let (near, far) = (simd.sub(t, error), simd.add(t, error));
-
-        let p = [simd.mul_add(t, d[0], o[0]), simd.mul_add(t, d[1], o[1]), simd.mul_add(t, d[2], o[2])];
-        let (second, third) = (affine(simd, triangle.second, p), affine(simd, triangle.third, p));
-        let first = simd.sub(simd.sub(simd.splat(1.0), second), third);
-        let min_weight = simd.min(simd.min(second, third), first);
-        let margin = simd.mul(simd.mul(self.reach, simd.splat(triangle.margin)), steepness);
-
-        let in_span = simd.min(simd.sub(far, self.min[0]), simd.sub(self.max[1], near));
-        let surely_in_span = simd.min(simd.sub(near, self.min[1]), simd.sub(self.max[0], far));
-        FilterHits {
+        PlaneCrossing {
             t_min: simd.max(near, simd.splat(0.0)),
-            possible: simd.min(simd.add(min_weight, margin), in_span),
-            certain: simd.min(simd.sub(min_weight, margin), surely_in_span),
+            point: [simd.mul_add(t, d[0], o[0]), simd.mul_add(t, d[1], o[1]), simd.mul_add(t, d[2], o[2])],
+            margin: simd.mul(simd.mul(self.reach, simd.splat(margin)), steepness),
+            in_span: simd.min(simd.sub(far, self.min[0]), simd.sub(self.max[1], near)),
+            surely_in_span: simd.min(simd.sub(near, self.min[1]), simd.sub(self.max[0], far)),
         }
     }
+}
+
+/// Minimum of the three weights at a point.
+#[inline(always)]
+fn min_weight<S: Simd>(simd: S, [second, third]: [[f32; 4]; 2], point: [S::F32x8; 3]) -> S::F32x8 {
+    let (second, third) = (affine(simd, second, point), affine(simd, third, point));
+    let first = simd.sub(simd.sub(simd.splat(1.0), second), third);
+    simd.min(simd.min(second, third), first)
 }
 
 /// Product of gradient and position, plus an offset.
@@ -201,6 +253,72 @@ mod tests {
                 let is_certain = [certain[lane] > 0.0, possible[lane] < 0.0];
                 self.counts[is_certain.iter().position(|is| *is).unwrap_or(2)] += 1;
             }
+        }
+    }
+
+    /// Quadrilateral `a`, `b`, `c`, `d` as two triangles, and whether each of eight rays certainly hits one of them, or neither.
+    struct BracketedPair<'a> {
+        corners: [Vec3; 4],
+        size: f64,
+        counts: &'a mut [u32; 3],
+    }
+
+    impl WithSimd<&Rays, ()> for BracketedPair<'_> {
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S, rays: &Rays, (): ()) {
+            let [a, b, c, d] = self.corners;
+            let halves = [[a, b, c], [a, c, d]];
+            let filters = halves.map(|vertices| FilterTriangle::new(vertices, DVec3::ZERO, self.size));
+            let [Some(first), Some(second)] = filters else { return };
+            let Some(pair) = FilterPair::new([(&first, halves[0]), (&second, halves[1])]) else { return };
+            let filter = FilterRays::new(simd, &RaySoa8::new(simd, rays), DVec3::ZERO, self.size);
+            let hits = filter.test_pair(simd, &pair);
+            let fastest = filter.fastest.to_array(simd);
+            let [t_min, certain] = [hits.t_min, hits.certain].map(|numbers| simd.to_array(numbers));
+            let possible = hits.possible.map(|numbers| simd.to_array(numbers));
+            for (lane, (ray, span)) in rays.iter().enumerate() {
+                let mut is_hit = false;
+                for (half, vertices) in halves.iter().enumerate() {
+                    let vertices = vertices.map(|vertex| vertex.as_dvec3());
+                    let hit: Option<Hit> =
+                        intersect_triangle(vertices, 0, &SlabRay::new(ray), &WatertightRay::new(ray), *span);
+                    let Some(hit) = hit else { continue };
+                    is_hit = true;
+                    let is_bracketed = possible[half][lane] >= 0.0 && f64::from(t_min[lane]) <= hit.t * fastest[lane];
+                    assert!(is_bracketed, "{ray:?}, {span:?}, {vertices:?}, {hit:?}");
+                }
+                assert!(certain[lane] <= 0.0 || is_hit, "{ray:?}, {span:?}, {:?}", self.corners);
+                let is_missed = possible[0][lane] < 0.0 && possible[1][lane] < 0.0;
+                self.counts[[certain[lane] > 0.0, is_missed].iter().position(|is| *is).unwrap_or(2)] += 1;
+            }
+        }
+    }
+
+    #[test]
+    fn pairs_rule_out_what_is_missed_and_bracket_what_is_hit() {
+        for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
+            let mut counts = [0; 3];
+            for case in 0..20_000 {
+                let at = |k: u64| 2.0 * unit(hash(&[7, case, k])) - 1.0;
+                let point = |k: u64| Vec3::new(at(k) as f32, at(k + 1) as f32, at(k + 2) as f32);
+                // Numbers of few digits, so that all four corners lie in one plane.
+                let round = |v: Vec3| (v * 16.0).round() / 16.0;
+                let (a, u, v) = (round(point(0)), round(point(3)), round(point(6)));
+                let corners = [a, a + u, a + u + v * 0.5, a + v];
+                let rays = core::array::from_fn(|lane| {
+                    let k = 20 + 10 * lane as u64;
+                    let pick = |k: u64, from: &[f64]| from[(hash(&[7, case, k]) % from.len() as u64) as usize];
+                    // Also to points of the common edge and next to it.
+                    let along = corners[0].as_dvec3().lerp(corners[2].as_dvec3(), at(k).abs());
+                    let aside = (corners[1] - corners[3]).as_dvec3() * pick(k + 1, &[0.0, 1e-7, -1e-7, 0.2, -0.2, 0.6]);
+                    let out = point(k + 2).as_dvec3() + DVec3::splat(1e-3);
+                    let distance = pick(k + 5, &[0.1, 1.0, 30.0]);
+                    (Ray::new(along + aside - out * distance, out), Interval::FORWARD)
+                });
+                let bracketed = BracketedPair { corners, size: 4.0, counts: &mut counts };
+                DetectedSimd::new(level).dispatch(bracketed, &rays, ());
+            }
+            assert!(counts.iter().all(|count| *count > 1000), "{}: {counts:?}", level.name());
         }
     }
 

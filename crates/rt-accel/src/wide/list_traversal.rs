@@ -3,6 +3,9 @@
 //! The filter leaves for each ray the three triangles that it may hit first. Most rays start on one of them and leave it. The
 //! first of the others is intersected exactly, eight rays with a triangle each. That is the result if all others are
 //! certainly hit later. The few remaining rays stay open, for a traversal of the tree.
+//!
+//! Two halves of a quadrilateral share most of the filter. They give one key, that of the half that the ray may hit. A ray that may hit
+//! both stays open.
 
 use rt_geometry::Hit;
 use rt_math::float::UNIT_ROUNDOFF;
@@ -65,12 +68,25 @@ struct NearestTriangles<S: Simd> {
     keys: [S::F32x8; 3],
     /// A bit for each ray that certainly hits a triangle.
     certain: u32,
+    /// A bit for each ray that may hit both triangles of a pair, next to their common edge. One of them is not among the keys.
+    ambiguous: u32,
 }
 
 /// Lower bound of `t` in a key.
 #[inline(always)]
 fn t_min<S: Simd>(simd: S, key: S::F32x8) -> S::F32x8 {
     simd.replace_bits(key, NUMBER, 0)
+}
+
+/// Inserts a key into the three smallest; any-hit queries keep two.
+#[inline(always)]
+fn insert<S: Simd, O: Output>(simd: S, [first, second, third]: &mut [S::F32x8; 3], key: S::F32x8) {
+    let other = simd.max(*first, key);
+    *first = simd.min(*first, key);
+    if !O::ANY_HIT {
+        *third = simd.min(*third, simd.max(*second, other));
+    }
+    *second = simd.min(*second, other);
 }
 
 /// Triangles of keys, the first for a key of none.
@@ -174,25 +190,37 @@ impl<O: Output> TriangleListTraversal<'_, '_, O> {
     #[inline(always)]
     fn filter<S: Simd>(&self, simd: S, rays: &FilterRays<S>) -> NearestTriangles<S> {
         let none = simd.splat(f32::INFINITY);
-        let [mut first, mut second, mut third] = [none; 3];
-        let mut certain = simd.splat(-1.0);
-        for (number, triangle) in self.list.filters.iter().enumerate() {
-            let hits = rays.test(simd, triangle);
-            let key = simd.replace_bits(hits.t_min, NUMBER, number as u32);
-            let key = simd.select_by_sign_f32(hits.possible, key, none);
-            let other = simd.max(first, key);
-            first = simd.min(first, key);
+        let mut nearest = [none; 3];
+        let (mut certain, mut ambiguous) = (simd.splat(-1.0), simd.splat(-1.0));
+        let mut number = 0;
+        for pair in &self.list.pairs {
+            let hits = rays.test_pair(simd, pair);
+            let [first, second] = hits.possible;
+            let key = simd.replace_bits(hits.t_min, NUMBER, number);
+            let key = simd.select_by_sign_f32(first, key, none);
+            let of_second = simd.replace_bits(hits.t_min, NUMBER, number + 1);
+            insert::<S, O>(simd, &mut nearest, simd.select_by_sign_f32(second, of_second, key));
+            ambiguous = simd.max(ambiguous, simd.min(first, second));
             if O::ANY_HIT {
                 certain = simd.max(certain, hits.certain);
-                second = simd.min(second, other);
-            } else {
-                let last = simd.max(second, other);
-                second = simd.min(second, other);
-                third = simd.min(third, last);
             }
+            number += 2;
         }
-        let certain = if O::ANY_HIT { simd.lt(simd.splat(0.0), certain) } else { 0 };
-        NearestTriangles { keys: [first, second, third], certain }
+        for triangle in &self.list.filters {
+            let hits = rays.test(simd, triangle);
+            let key = simd.replace_bits(hits.t_min, NUMBER, number);
+            insert::<S, O>(simd, &mut nearest, simd.select_by_sign_f32(hits.possible, key, none));
+            if O::ANY_HIT {
+                certain = simd.max(certain, hits.certain);
+            }
+            number += 1;
+        }
+        let zero = simd.splat(0.0);
+        NearestTriangles {
+            keys: nearest,
+            certain: if O::ANY_HIT { simd.lt(zero, certain) } else { 0 },
+            ambiguous: simd.le(zero, ambiguous),
+        }
     }
 
     /// Traces as many of eight rays as there are outputs; returns a bit for each without a result.
@@ -206,8 +234,9 @@ impl<O: Output> TriangleListTraversal<'_, '_, O> {
         if proven == 0 {
             return all;
         }
-        let NearestTriangles { keys: [first, second, third], certain } = self.filter(simd, &filter_rays);
-        let mut active = proven & !certain;
+        let NearestTriangles { keys: [first, second, third], certain, ambiguous } = self.filter(simd, &filter_rays);
+        let undecided = ambiguous & !certain;
+        let mut active = proven & !certain & !undecided;
         let none = simd.splat(f32::INFINITY);
 
         // Skip the triangles that rays start on and leave.
@@ -238,7 +267,7 @@ impl<O: Output> TriangleListTraversal<'_, '_, O> {
             open = possible & !(hit | missed);
             hits = Some((of_rays, t.to_array(simd), uv[0].to_array(simd), uv[1].to_array(simd)));
         }
-        open |= all & !proven;
+        open |= all & (!proven | undecided);
         active &= !open;
 
         if O::ANY_HIT {

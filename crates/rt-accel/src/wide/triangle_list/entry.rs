@@ -30,6 +30,18 @@ pub(in crate::wide) struct FilterTriangle {
     pub(in crate::wide) margin: f32,
 }
 
+/// Two triangles of one plane, for the filter. They share an edge and lie on opposite sides of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::wide) struct FilterPair {
+    /// See [`FilterTriangle::plane`].
+    pub(in crate::wide) plane: [f32; 4],
+    /// [`second`](FilterTriangle::second) and [`third`](FilterTriangle::third) of each triangle.
+    pub(in crate::wide) weights: [[[f32; 4]; 2]; 2],
+    /// The greater of both margins.
+    pub(in crate::wide) margin: f32,
+}
+
 /// Plane of a triangle in world space, for rays that start next to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -112,6 +124,21 @@ impl FilterTriangle {
             second: row(second, -second.dot(a)),
             third: row(third, -third.dot(a)),
             margin: (gradients * EDGE_MARGIN) as f32,
+        })
+    }
+}
+
+impl FilterPair {
+    /// Pair of two triangles with these vertices. `None` if their planes are not equal as stored, or if they do not run along a
+    /// common edge in opposite directions, so that a ray could hit both.
+    pub(in crate::wide) fn new([first, second]: [(&FilterTriangle, [Vec3; 3]); 2]) -> Option<Self> {
+        let edges = |[a, b, c]: [Vec3; 3]| [(a, b), (b, c), (c, a)];
+        let shares_edge = edges(first.1).iter().any(|&(from, to)| edges(second.1).contains(&(to, from)));
+        let (first, second) = (first.0, second.0);
+        (shares_edge && first.plane == second.plane).then(|| Self {
+            plane: first.plane,
+            weights: [[first.second, first.third], [second.second, second.third]],
+            margin: first.margin.max(second.margin),
         })
     }
 }

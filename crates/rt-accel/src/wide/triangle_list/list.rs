@@ -4,7 +4,7 @@ use glam::Vec3;
 use rt_geometry::{PrimitiveGeometry, Primitives, padded_bounds};
 use rt_math::DVec3;
 
-use super::entry::{ExactPlane, FilterTriangle, ListOther, ListTriangle, corners};
+use super::entry::{ExactPlane, FilterPair, FilterTriangle, ListOther, ListTriangle, corners};
 use crate::wide::leaf::LeafKind;
 use crate::wide::ray::RANGE;
 
@@ -18,8 +18,11 @@ const MAX_OTHERS: usize = 4;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::wide) struct TriangleList {
+    /// Triangles that follow each other in the tree and share a plane: most halves of quadrilaterals.
+    pub(in crate::wide) pairs: Vec<FilterPair>,
+    /// All other triangles.
     pub(in crate::wide) filters: Vec<FilterTriangle>,
-    /// Exact data, one for each filter.
+    /// Exact data of the triangles of all pairs, and then of the others.
     pub(in crate::wide) triangles: Vec<ListTriangle>,
     pub(in crate::wide) others: Vec<ListOther>,
 }
@@ -32,41 +35,97 @@ impl TriangleList {
         if kind != LeafKind::Watertight || count > MAX_TRIANGLES || !RANGE.contains(&size) {
             return None;
         }
-        let mut list =
-            Self { filters: Vec::with_capacity(count), triangles: Vec::with_capacity(count), others: vec![] };
+        let (mut triangles, mut others) = (Vec::with_capacity(count), Vec::new());
         for index in 0..count as u32 {
             if let PrimitiveGeometry::ExactTriangle(vertices) = primitives.geometry(index)
                 && let Some(filter) = FilterTriangle::new(vertices, centre, size)
             {
-                list.push(filter, vertices, index);
+                triangles.push((filter, vertices, index));
                 continue;
             }
-            list.others.push(ListOther {
+            others.push(ListOther {
                 bounds: padded_bounds(primitives, index)?,
                 index,
                 casts_shadow: primitives.blocks(index),
             });
         }
-        (list.others.len() <= MAX_OTHERS).then_some(list)
+        (others.len() <= MAX_OTHERS).then(|| Self::of_triangles(&triangles, others))
     }
 
-    fn push(&mut self, filter: FilterTriangle, vertices: [Vec3; 3], index: u32) {
-        self.filters.push(filter);
-        self.triangles.push(ListTriangle { corners: corners(vertices), plane: ExactPlane::new(vertices), index });
+    /// List of triangles with their vertices and numbers in the tree, and of other primitives.
+    fn of_triangles(triangles: &[(FilterTriangle, [Vec3; 3], u32)], others: Vec<ListOther>) -> Self {
+        let (mut pairs, mut filters) = (Vec::new(), Vec::new());
+        let (mut of_pairs, mut single) = (Vec::with_capacity(triangles.len()), Vec::new());
+        let mut rest = triangles;
+        while let [first, later @ ..] = rest {
+            let exact = |&(_, vertices, index): &(FilterTriangle, [Vec3; 3], u32)| ListTriangle {
+                corners: corners(vertices),
+                plane: ExactPlane::new(vertices),
+                index,
+            };
+            rest = later;
+            if let [second, later @ ..] = later
+                && let Some(pair) = FilterPair::new([(&first.0, first.1), (&second.0, second.1)])
+            {
+                pairs.push(pair);
+                of_pairs.extend([exact(first), exact(second)]);
+                rest = later;
+                continue;
+            }
+            filters.push(first.0);
+            single.push(exact(first));
+        }
+        of_pairs.append(&mut single);
+        Self { pairs, filters, triangles: of_pairs, others }
     }
 
     /// True if all numbers of a loaded list can be used with so many primitives.
     pub(in crate::wide) fn is_whole(&self, count: usize) -> bool {
         let mut indices = self.triangles.iter().map(|it| it.index).chain(self.others.iter().map(|it| it.index));
-        self.filters.len() == self.triangles.len()
+        // A loaded list may be of any lengths, but none is near the end of `usize`.
+        2 * self.pairs.len() + self.filters.len() == self.triangles.len()
             && self.triangles.len() <= MAX_TRIANGLES
             && indices.all(|index| (index as usize) < count)
     }
 
     /// Bytes on the heap.
     pub(in crate::wide) fn memory(&self) -> usize {
-        self.filters.capacity() * size_of::<FilterTriangle>()
+        self.pairs.capacity() * size_of::<FilterPair>()
+            + self.filters.capacity() * size_of::<FilterTriangle>()
             + self.triangles.capacity() * size_of::<ListTriangle>()
             + self.others.capacity() * size_of::<ListOther>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(triangles: &[[Vec3; 3]]) -> TriangleList {
+        let filter = |vertices: &[Vec3; 3]| FilterTriangle::new(*vertices, DVec3::ZERO, 4.0);
+        let all: Option<Vec<_>> =
+            (0..).zip(triangles).map(|(index, it)| filter(it).map(|filter| (filter, *it, index))).collect();
+        TriangleList::of_triangles(&all.expect("triangles that the filter applies to"), Vec::new())
+    }
+
+    #[test]
+    fn halves_of_a_quadrilateral_are_a_pair() {
+        let [a, b, c, d] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let above = Vec3::Z;
+        // Any corner may come first, and other triangles before and after.
+        let list = list(&[[a, b, above], [a, b, c], [d, a, c], [b, c, above]]);
+        assert_eq!((list.pairs.len(), list.filters.len()), (1, 2));
+        let order: Vec<_> = list.triangles.iter().map(|triangle| triangle.index).collect();
+        assert_eq!(order, [1, 2, 0, 3]);
+        assert!(list.is_whole(4));
+    }
+
+    #[test]
+    fn triangles_that_overlap_or_meet_at_an_angle_are_no_pairs() {
+        let [a, b, c, d] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let raised = d + 0.25 * Vec3::Z;
+        for second in [[a, b, c], [a, b, d], [a, c, raised], [c, a, d]] {
+            assert_eq!(list(&[[a, b, c], second]).pairs.len(), 0, "{second:?}");
+        }
     }
 }

@@ -55,7 +55,9 @@ fn spawned(soup: &Soup, rays: &[(Ray, Interval)], draw: &mut Draw) -> Vec<(Ray, 
             spawned.push((surface.spawn_ray(direction, 0.0), Interval::SPAWNED));
         } else if let Solid::Facet([a, b, c]) = draw.pick(&soup.0) {
             let weight = draw.pick(&[0.0, 0.3, 0.5, 1.0]);
-            let target = a.lerp(b, draw.between(0.0, 1.0) as f32).lerp(c, weight).as_dvec3();
+            // 0: a point of the edge that both halves of a quadrilateral share.
+            let share = if draw.one_in(3) { 0.0 } else { draw.between(0.0, 1.0) as f32 };
+            let target = a.lerp(b, share).lerp(c, weight).as_dvec3();
             spawned.push((surface.spawn_shadow_ray(target, 0.0), Interval::SEGMENT));
         }
     }
