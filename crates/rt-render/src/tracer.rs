@@ -128,14 +128,21 @@ impl<W: ShadedPrimitives> Tracer for SceneTracer<'_, W> {
                 on_hit(at, None);
                 continue;
             };
-            let unresolved = match lazy {
-                LazyShape::Sphere => self.world.sphere_at(hit, needs).map(ClosestHit::Sphere),
-                LazyShape::Triangle => self.world.triangle_at(hit, needs).map(ClosestHit::Triangle),
-            };
-            match unresolved {
-                Some(hit) => on_hit(at, Some(hit)),
-                None => on_hit(at, self.world.surface_at(ray, hit, needs).as_mut().map(ClosestHit::Surface)),
+            match lazy {
+                LazyShape::Sphere => {
+                    if let Some(sphere) = &self.world.sphere_at(hit, needs) {
+                        on_hit(at, Some(ClosestHit::Sphere(sphere)));
+                        continue;
+                    }
+                }
+                LazyShape::Triangle => {
+                    if let Some(triangle) = &self.world.triangle_at(hit, needs) {
+                        on_hit(at, Some(ClosestHit::Triangle(triangle)));
+                        continue;
+                    }
+                }
             }
+            on_hit(at, self.world.surface_at(ray, hit, needs).as_mut().map(ClosestHit::Surface));
         }
     }
 

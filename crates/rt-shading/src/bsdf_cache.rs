@@ -1,6 +1,9 @@
 //! BSDFs of uniform materials, computed once.
 
-use crate::{Appearance, MaterialEvalContext, bsdf::Bsdf};
+use crate::{
+    Appearance, MaterialEvalContext,
+    bsdf::{Bsdf, OrenNayar},
+};
 use rt_geometry::SurfaceInteraction;
 use rt_math::DVec3;
 
@@ -10,6 +13,8 @@ use rt_math::DVec3;
 pub struct BsdfCache {
     /// BSDF by material.
     bsdfs: Vec<Option<Box<CachedBsdf>>>,
+    /// BSDF by material, where it is diffuse everywhere and all of the surface: no light is emitted or transmitted.
+    diffuse: Vec<Option<OrenNayar>>,
     n_used: usize,
 }
 
@@ -35,16 +40,28 @@ impl BsdfCache {
         let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
         let point = MaterialEvalContext { textures: &appearance.textures, surface: &anywhere, ior: 1.0 };
         let materials = || appearance.materials.iter().enumerate().map(|(index, material)| (used(index), material));
-        let bsdfs = materials().map(|(is_used, material)| {
-            let is_cached = is_used && material.is_uniform();
-            is_cached.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), true)))
+        let bsdfs: Vec<_> = materials()
+            .map(|(is_used, material)| {
+                let is_cached = is_used && material.is_uniform();
+                is_cached.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), true)))
+            })
+            .collect();
+        let diffuse = bsdfs.iter().zip(&appearance.materials).map(|(cached, material)| {
+            let diffuse = cached.as_ref()?.bsdf.as_diffuse().filter(|diffuse| diffuse.albedo.is_finite())?;
+            (material.emission.is_zero() && !material.model.is_transmissive()).then_some(diffuse)
         });
-        Self { bsdfs: bsdfs.collect(), n_used: materials().filter(|(is_used, _)| *is_used).count() }
+        Self { diffuse: diffuse.collect(), bsdfs, n_used: materials().filter(|(is_used, _)| *is_used).count() }
     }
 
     /// Numbers of cached materials and of used materials.
     pub fn count(&self) -> (usize, usize) {
         (self.bsdfs.iter().flatten().count(), self.n_used)
+    }
+
+    /// BSDF of a material that is diffuse everywhere and neither emits nor transmits light; `None` for all others.
+    #[inline(always)]
+    pub(crate) fn diffuse(&self, material: u32) -> Option<OrenNayar> {
+        *self.diffuse.get(material as usize)?
     }
 
     /// BSDF of a material; `None` if it must be computed at the hit.

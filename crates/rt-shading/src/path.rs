@@ -169,7 +169,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let (id, ray) = (path(at), &rays[at].0);
             let seen = &mut seen[id as usize];
             match hit {
-                Some(ClosestHit::Triangle(hit)) => self.shade_triangle(lighting, id, ray, &hit, seen),
+                Some(ClosestHit::Triangle(hit)) => self.shade_triangle(lighting, id, ray, hit, seen),
                 Some(ClosestHit::Surface(hit)) => self.shade_hit(lighting, id, ray, Some(hit), seen),
                 Some(ClosestHit::Sphere(hit)) => self.shade_hit(lighting, id, ray, Some(&mut hit.surface(ray)), seen),
                 None => self.shade_hit(lighting, id, ray, None, seen),

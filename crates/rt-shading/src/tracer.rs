@@ -92,9 +92,9 @@ pub enum ClosestHit<'h> {
     /// A hit with its surface.
     Surface(&'h mut SurfaceHit),
     /// A hit on a sphere without texture coordinates.
-    Sphere(SphereHit),
+    Sphere(&'h SphereHit),
     /// A hit on a triangle without texture coordinates, interpolated normals and other vertex attributes.
-    Triangle(TriangleHit),
+    Triangle(&'h TriangleHit),
 }
 
 /// Shapes whose surfaces an integrator may compute.

@@ -175,7 +175,7 @@ impl Whitted {
             #[inline(always)]
             |at, hit| match hit {
                 Some(ClosestHit::Sphere(hit)) if self.is_uniform(hit.material) => {
-                    self.spheres.push(QueuedHit::new(at, &hit));
+                    self.spheres.push(QueuedHit::new(at, hit));
                 }
                 Some(hit) => {
                     let path = paths[at];

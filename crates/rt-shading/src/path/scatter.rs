@@ -115,17 +115,11 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
     }
 
-    /// BSDF of a material that neither emits nor transmits light and is diffuse everywhere, where nothing else is to be computed at
-    /// its hits.
+    /// BSDF of a material that is diffuse everywhere, where nothing else is to be computed at its hits.
     #[inline(always)]
     fn diffuse_in_lanes(&self, lighting: Lighting<'_>, material: u32) -> Option<OrenNayar> {
-        let diffuse = lighting.bsdfs.get(material)?.bsdf.as_diffuse()?;
-        let material = lighting.appearance.materials.get(material as usize)?;
-        let is_dark = !self.needs.emission || material.emission.is_zero();
         let has_ambient = self.needs.ambient && self.settings.transport == Transport::Specular;
-        let is_solid = self.needs.refraction && material.model.is_transmissive();
-        (is_dark && !has_ambient && !is_solid && !self.needs.absorption && diffuse.albedo.is_finite())
-            .then_some(diffuse)
+        if has_ambient || self.needs.absorption { None } else { lighting.bsdfs.diffuse(material) }
     }
 
     /// Samples direct light and the next direction of the path.

@@ -64,10 +64,8 @@ impl Tracer for Shapes {
                     let normal = surface.interaction.geometric_normal;
                     let SurfaceHit { t, object, material, light, .. } = *surface;
                     let vertices = triangle.vertices();
-                    met(
-                        at,
-                        Some(ClosestHit::Triangle(TriangleHit { t, vertices, uv, normal, object, material, light })),
-                    );
+                    let triangle = TriangleHit { t, vertices, uv, normal, object, material, light };
+                    met(at, Some(ClosestHit::Triangle(&triangle)));
                 }
                 _ => met(at, Some(ClosestHit::Surface(surface))),
             }

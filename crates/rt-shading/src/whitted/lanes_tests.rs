@@ -75,7 +75,7 @@ impl Tracer for RandomSpheres {
             let hit = self.hit(ray, *span);
             match (hit, at % 7) {
                 (Some(hit), 6) => met(at, Some(ClosestHit::Surface(&mut hit.surface(ray)))),
-                (hit, _) => met(at, hit.map(ClosestHit::Sphere)),
+                (hit, _) => met(at, hit.as_ref().map(ClosestHit::Sphere)),
             }
         }
     }
