@@ -76,7 +76,7 @@ impl Renderer {
         all.push("--quiet".as_ref());
         let args: Vec<&OsStr> = args.into_iter().map(OsStr::new).collect();
         if !args.contains(&OsStr::new("--dither")) {
-            all.extend(["--dither", "none"].map(OsStr::new));
+            all.extend(["--dither", "off"].map(OsStr::new));
         }
         all.extend(args);
         self.run(folder, all)?.succeeded()

@@ -5,7 +5,7 @@ use rt_math::DVec3;
 #[test]
 fn warnings_of_the_loader_are_reported() {
     let mut scene = empty();
-    let message = "3 triangles without area were dropped (of 12 triangles in all)";
+    let message = "triangles without area were dropped: 3 of 12";
     scene.warnings = vec![rt_scene_io::Warning { place: "cube.obj:7".into(), message: message.into() }];
     let finding = only(&scene, Kind::LoadWarning);
     assert_eq!((finding.object.as_str(), finding.message.as_str()), ("cube.obj:7", message));

@@ -83,10 +83,10 @@ pub(crate) fn check(named: &NamedMesh, topology: &Topology, is_glass: bool, find
     let counted = [
         (Kind::InconsistentWinding, topology.inconsistent, "edges join two triangles of opposite orientation"),
         (Kind::NonManifoldEdges, topology.non_manifold, "edges have more than two triangles"),
-        (Kind::OpenEdges, topology.open, "edges have one triangle: the mesh is open"),
+        (Kind::OpenEdges, topology.open, "edges have one triangle, so the mesh is open"),
     ];
     for (kind, count, what) in counted.into_iter().filter(|(_, count, _)| *count > 0) {
-        let finding = Finding::new(kind, &named.name, &[("count", count as f64)], format!("{count} {what}"));
+        let finding = Finding::new(kind, &named.name, &[("count", count as f64)], format!("{what}: {count}"));
         findings.add(finding.warn_if(kind == Kind::InconsistentWinding && is_glass));
     }
     if topology.is_closed() && topology.volume < 0.0 {

@@ -59,7 +59,7 @@ fn duplicates(named: &NamedMesh, welded: &Welded, findings: &mut Findings) {
             Kind::OppositeTriangles,
             &named.name,
             &[("count", opposite as f64)],
-            format!("{opposite} triangles are back to back with another one in the same place"),
+            format!("triangles are back to back with another one in the same place: {opposite}"),
         ));
     }
 }

@@ -1,8 +1,12 @@
 //! Image files: formats and their limits.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use rt_image::{Image, ImageFormat, decode_image, format_of_bytes, image_format, read_image};
+use rt_image::{
+    Image, ImageFormat, ImageHeader, decode_image, format_of_bytes, header_of_bytes, image_format, image_header,
+    read_image,
+};
 
 use crate::error::CliError;
 use crate::output::refuse_terminal;
@@ -26,20 +30,43 @@ pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<I
     }
 }
 
-/// Reads an image from a file or standard input.
-pub(crate) fn read(path: &Path) -> Result<Image, CliError> {
-    if is_dash(path) {
-        Ok(decode_image(&stdin::content(None, None)?, Path::new("standard input"))?)
-    } else {
-        Ok(read_image(path)?)
-    }
+/// Image of a file or of standard input, of which at most `memory` bytes are read.
+pub(crate) struct ImageInput<'a> {
+    path: &'a Path,
+    /// Content of standard input.
+    piped: Option<Arc<[u8]>>,
 }
 
-pub(crate) fn format_by_content(path: &Path) -> Result<ImageFormat, CliError> {
-    if is_dash(path) {
-        Ok(format_of_bytes(&stdin::content(None, None)?, Path::new("standard input"))?)
-    } else {
-        Ok(image_format(path)?)
+impl<'a> ImageInput<'a> {
+    pub(crate) fn new(path: &'a Path, memory: Option<u64>) -> Result<Self, CliError> {
+        let piped = if is_dash(path) { Some(stdin::content(None, memory)?) } else { None };
+        Ok(Self { path: if piped.is_some() { Path::new("standard input") } else { path }, piped })
+    }
+
+    /// Name for messages.
+    pub(crate) const fn name(&self) -> &'a Path {
+        self.path
+    }
+
+    pub(crate) fn header(&self) -> Result<ImageHeader, CliError> {
+        Ok(match &self.piped {
+            Some(bytes) => header_of_bytes(bytes, self.path)?,
+            None => image_header(self.path)?,
+        })
+    }
+
+    pub(crate) fn read(&self) -> Result<Image, CliError> {
+        Ok(match &self.piped {
+            Some(bytes) => decode_image(bytes, self.path)?,
+            None => read_image(self.path)?,
+        })
+    }
+
+    pub(crate) fn format(&self) -> Result<ImageFormat, CliError> {
+        Ok(match &self.piped {
+            Some(bytes) => format_of_bytes(bytes, self.path)?,
+            None => image_format(self.path)?,
+        })
     }
 }
 

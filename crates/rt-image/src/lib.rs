@@ -63,7 +63,9 @@ pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
 #[cfg(feature = "files")]
 pub use layers::{Layer, write_layers};
 #[cfg(feature = "files")]
-pub use read_image::{ImageHeader, decode_image, format_of_bytes, image_format, image_header, read_image};
+pub use read_image::{
+    ImageHeader, decode_image, format_of_bytes, header_of_bytes, image_format, image_header, read_image,
+};
 #[cfg(feature = "files")]
 pub use texture_pixels::TexturePixels;
 pub use tone_curve::{Encoding, ToneCurve};

@@ -68,7 +68,24 @@ impl ImageHeader {
 /// # Errors
 /// Those of [`read_image`], as far as the header shows them.
 pub fn image_header(path: &Path) -> Result<ImageHeader, ImageFileError> {
-    let (mut reader, length) = open(path)?;
+    let (reader, length) = open(path)?;
+    header_of_stream(path, reader, length)
+}
+
+/// Reads the header of an image whose content is in memory, as [`image_header`]; `name` is for messages.
+///
+/// # Errors
+/// Those of [`decode_image`], as far as the header shows them.
+pub fn header_of_bytes(bytes: &[u8], name: &Path) -> Result<ImageHeader, ImageFileError> {
+    header_of_stream(name, Box::new(Cursor::new(bytes)), bytes.len() as u64)
+}
+
+/// Header of an image of `length` bytes; the path is for messages.
+fn header_of_stream(
+    path: &Path,
+    mut reader: Box<dyn ImageSource + '_>,
+    length: u64,
+) -> Result<ImageHeader, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
     if is_pfm(&mut reader).map_err(unreadable)? {
         let PfmHeader { width, height, .. } = pfm::read_header(reader).map_err(|error| pfm_error(path, error))?;

@@ -9,6 +9,11 @@ use super::memory::MemoryArgs;
 use super::values;
 
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("exposure", DevelopmentArgs::without_scene),
+    mut_arg("tone", DevelopmentArgs::without_scene),
+    mut_arg("dither", DevelopmentArgs::without_scene)
+)]
 pub(crate) struct CompareArgs {
     /// Test image: .png, .jpg, .exr, .hdr, .pfm, or - for standard input
     #[arg(value_name = "A", value_hint = ValueHint::FilePath)]
@@ -118,7 +123,7 @@ difference seen when alternating between the images. --exposure and --tone set t
 samples the exposures that fit the reference.
 
 PNG and JPEG are decoded from sRGB to linear light. If only one image is PNG or JPEG, the other one is first tone-mapped to bytes, as \
-by `develop`, so that a .png and its .exr compare equal. This includes dithering, unless --dither none is given.
+by `develop`, so that a .png and its .exr compare equal. This includes dithering, unless --dither off is given.
 
 The exit code is 1 if --metric is worse than --threshold: above it, or below it for psnr and ssim.";
 

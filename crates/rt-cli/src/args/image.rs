@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum, ValueHint};
+use clap::{Arg, Args, ValueEnum, ValueHint};
 use rt_camera::SamplerKind;
 use rt_image::ToneCurve;
 use rt_math::DVec3;
@@ -138,9 +138,17 @@ pub(crate) struct DevelopmentArgs {
     #[arg(long, value_name = "NAME", value_parser = named(&values::TONE_CURVES, values::tone_name))]
     pub(crate) tone: Option<ToneCurve>,
 
-    /// Dither .png and .jpg to avoid banding; none rounds to the nearest byte [default: as in the scene, or on]
+    /// Dither .png and .jpg to avoid banding; off rounds to the nearest byte [default: as in the scene, or on]
     #[arg(long, value_name = "NAME", value_parser = values::dither())]
     pub(crate) dither: Option<bool>,
+}
+
+impl DevelopmentArgs {
+    /// Help without the defaults of a scene, for commands that read an image.
+    pub(super) fn without_scene(argument: Arg) -> Arg {
+        let help = argument.get_help().map(|help| help.to_string().replace("as in the scene, or ", ""));
+        argument.help(help.unwrap_or_default())
+    }
 }
 
 /// Distribution of samples over the pixels.

@@ -123,7 +123,7 @@ pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
 }
 
 pub(super) fn dither() -> impl TypedValueParser<Value = bool> {
-    PossibleValuesParser::new([PossibleValue::new("on"), PossibleValue::new("none").alias("off")])
+    PossibleValuesParser::new([PossibleValue::new("on"), PossibleValue::new("off").alias("none")])
         .map(|typed| typed == "on")
 }
 

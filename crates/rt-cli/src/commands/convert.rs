@@ -37,7 +37,8 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
         input::refuse_warnings(&args.input.scene, &warnings)?;
     }
     output.write(|file| file.write_all(text.as_bytes()))?;
-    notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))
+    notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))?;
+    if output.is_stdout() { Ok(()) } else { console.println(format_args!("wrote {}", output.path().display())) }
 }
 
 /// Refuses options that choose what a render shows of a model or an animation: a scene file keeps all of it.
@@ -49,13 +50,13 @@ fn refuse_options_of_renders(input: &InputArgs) -> Result<(), CliError> {
         ("--variant", input.variant.is_some()),
         ("--lights", input.lights != StudioLights::Auto && is_scene_file(&input.scene)),
     ];
-    match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => {
-            let message = format!("a converted scene does not depend on {option}: remove it, and pass it to `render`");
-            Err(CliError::Usage(message))
-        }
-        None => Ok(()),
+    let given: Vec<_> = given.iter().filter(|(_, is_given)| *is_given).map(|(option, _)| *option).collect();
+    if given.is_empty() {
+        return Ok(());
     }
+    let options = given.join(", ");
+    let message = format!("a converted scene does not depend on {options}: use `render` with {options}");
+    Err(CliError::Usage(message))
 }
 
 fn is_scene_file(path: &Path) -> bool {

@@ -2,12 +2,13 @@
 
 use std::slice;
 
-use rt_image::{Development, Dither, Encoding, ImageFormat, image_header, write_image};
+use rt_image::{Development, Dither, Encoding, ImageFormat, write_image};
 
 use crate::args::DevelopArgs;
+use crate::console::Console;
 use crate::error::CliError;
+use crate::image_file::ImageInput;
 use crate::output::OutputFile;
-use crate::stdin::is_dash;
 use crate::{image_file, memory};
 
 pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
@@ -23,17 +24,20 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
         encoding: args.gamma.map_or(standard.encoding, Encoding::Power),
         dither: args.development.dither.unwrap_or(true).then(Dither::default),
     };
-    if !is_dash(&args.image) {
-        let header = image_header(&args.image)?;
-        // The decoded file is freed before the display bytes are allocated.
-        let transient = header.decoded_bytes.max(4 * header.pixels());
-        let needs = [("the image".to_owned(), header.film_bytes), ("the decoded image".to_owned(), transient)];
-        memory::check(args.memory.limit(), &args.image, &needs)?;
-    }
-    let film = image_file::read(&args.image)?;
+    let input = ImageInput::new(&args.image, args.memory.limit())?;
+    let header = input.header()?;
+    // The decoded file is freed before the display bytes are allocated.
+    let transient = header.decoded_bytes.max(4 * header.pixels());
+    let needs = [("the image".to_owned(), header.film_bytes), ("the decoded image".to_owned(), transient)];
+    memory::check(args.memory.limit(), input.name(), &needs)?;
+    let film = input.read()?;
     let transparent = film.alpha().is_some() && format != ImageFormat::Jpeg;
     image_file::check(format, [film.width(), film.height()], transparent)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.image))?;
     output.write(|file| write_image(&film, &development, format, file))?;
-    Ok(())
+    if output.is_stdout() {
+        return Ok(());
+    }
+    let (width, height) = (film.width(), film.height());
+    Console { quiet: false }.println(format_args!("wrote {} ({width}x{height})", output.path().display()))
 }

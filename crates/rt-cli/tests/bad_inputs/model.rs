@@ -35,7 +35,7 @@ pub(crate) fn face_with_two_vertices() -> Vec<Input> {
 }
 
 pub(crate) fn face_with_repeated_vertex() -> Vec<Input> {
-    vec![obj("f 1 2 2\nf 1 2 3\n").shown(&["m.obj", "1 triangles without area were dropped (of 2 triangles in all)"])]
+    vec![obj("f 1 2 2\nf 1 2 3\n").shown(&["m.obj", "triangles without area were dropped: 1 of 2"])]
 }
 
 pub(crate) fn million_sided_polygon() -> Vec<Input> {
@@ -50,13 +50,14 @@ pub(crate) fn bent_or_crossed_polygon() -> Vec<Input> {
             .refused(&["scene.ron: nodes[0].shape: the polygon is not flat", "off its plane"]),
         polygon("(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)")
             .refused(&["scene.ron: nodes[0].shape: the outline of the polygon has no area"]),
-        obj("v 2 0.5 0.7\nf 1 2 5 3 4\n").shown(&["m.obj", "1 faces with more than four corners are not flat"]),
+        obj("v 2 0.5 0.7\nf 1 2 5 3 4\n").shown(&["m.obj", "faces with more than four corners are not flat: 1"]),
     ]
 }
 
 pub(crate) fn zero_or_missing_normals() -> Vec<Input> {
     vec![
-        obj("vn 0 0 0\nf 1//1 2//1 3//1\n").shown(&["m.obj", "3 normals that are zero or not finite were replaced"]),
+        obj("vn 0 0 0\nf 1//1 2//1 3//1\n")
+            .shown(&["m.obj", "normals that are zero or not finite were replaced by those of a triangle: 3"]),
         obj("vn 0 0 1\nf 1//7 2//1 3//1\n").shown(&["m.obj:6: missing normal or texture coordinate: left out"]),
     ]
 }

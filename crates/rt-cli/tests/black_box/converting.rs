@@ -50,7 +50,10 @@ fn options_without_effect_on_a_conversion_are_refused() {
         place.fails(2, &format!("convert {arguments} -o converted.ron"), message);
         assert!(!place.path("converted.ron").exists(), "{arguments}");
     }
-    place.succeed("convert m.obj --lights none -o converted.ron");
+    let both = "does not depend on --at-time, --animation: ";
+    place.fails(2, "convert m.obj --animation walk --at-time 1 -o converted.ron", both);
+    let converted = place.succeed("convert m.obj --lights none -o converted.ron");
+    assert!(converted.stdout.contains("wrote converted.ron"), "{}", converted.stdout);
 }
 
 #[test]

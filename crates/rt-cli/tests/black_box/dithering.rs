@@ -22,7 +22,7 @@ fn gradients_show_no_bands() {
     let place = sky();
     place.succeed("render sky.ron -o sky.pfm");
     place.succeed("render sky.ron -o sky.png");
-    place.succeed("render sky.ron --dither none -o banded.png");
+    place.succeed("render sky.ron --dither off -o banded.png");
     let development = Development::default();
     let (linear, dithered, banded) = (place.film("sky.pfm"), place.film("sky.png"), place.film("banded.png"));
     // Means over blocks, in levels.

@@ -122,6 +122,11 @@ fn images_are_developed_compared_merged_and_converted_through_pipes() {
     let linear = place.read("linear.exr");
     let developed = succeed(&place, &linear, "develop - -o -").stdout;
     assert!(developed == place.read("direct.png"));
+    for arguments in ["develop - -o small.png --memory 1k", "compare - direct.png --memory 1k"] {
+        let refused = place.pipe(&linear, arguments);
+        assert_eq!(refused.status.code(), Some(3), "{arguments}: {}", stderr(&refused));
+        assert!(stderr(&refused).contains("(--memory)"), "{arguments}: {}", stderr(&refused));
+    }
     succeed(&place, &developed, "compare - direct.png");
     succeed(&place, &developed, "compare direct.png -");
     let other = place.pipe(&developed, "compare linear.exr - --exposure 1");

@@ -114,7 +114,7 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
     if meshes.held > 0 {
         let held = meshes.held;
         let message = format!(
-            "{held} meshes with skins or morph targets have no motion blur: their pose at the start of the shutter is used"
+            "meshes with skins or morph targets have no motion blur: {held}; their pose at the start of the shutter is used"
         );
         model.warn("animations", message);
     }

@@ -421,7 +421,7 @@ fn meshes_that_bones_or_weights_move_are_not_blurred_and_say_so() {
             "samplers": [{"input": 2, "output": 3}, {"input": 2, "output": 6}]}]"#;
     let warnings = |options: &LoadOptions| arrays.load(rest, options).expect("a model").warnings;
     let message =
-        "2 meshes with skins or morph targets have no motion blur: their pose at the start of the shutter is used";
+        "meshes with skins or morph targets have no motion blur: 2; their pose at the start of the shutter is used";
     assert_eq!(warnings(&open_at(1.0)).iter().map(|w| w.message.as_str()).collect::<Vec<_>>(), [message]);
     assert_eq!(warnings(&open_at(4.0)), []);
     let model = arrays.load(rest, &open_at(1.0)).expect("a model");

@@ -49,13 +49,13 @@ impl FaceShapes {
         let of_bent = (bent > 0).then(|| {
             let percent = 100.0 * max_deviation;
             format!(
-                "{bent} faces with more than four corners are not flat: corners lie up to {percent:.2} % of the face's \
-                 diameter off its plane; cut them into flat parts"
+                "faces with more than four corners are not flat: {bent}; corners lie up to {percent:.2} % of the face's \
+                 diameter off its plane; cut the faces into flat parts"
             )
         });
         let of_crossed = (crossed > 0).then(|| {
             format!(
-                "{crossed} faces intersect themselves and may be filled unexpectedly; split them into simple polygons"
+                "faces intersect themselves: {crossed}; they may be filled unexpectedly; split them into simple polygons"
             )
         });
         of_bent.into_iter().chain(of_crossed)
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn a_pentagram_crosses_itself() {
         let star = [[0., 3., 0.], [2., -3., 0.], [-3., 1., 0.], [3., 1., 0.], [-2., -3., 0.]];
-        assert!(messages(&star)[0].starts_with("1 faces intersect themselves"));
+        assert!(messages(&star)[0].starts_with("faces intersect themselves: 1"));
     }
 
     #[test]

@@ -280,8 +280,8 @@ mod tests {
         }
         assert_eq!(
             refused("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
-            "m.obj: has no usable triangles (warning: m.obj: unnamed object: 1 triangles without area were dropped (of 1 \
-             triangles in all))"
+            "m.obj: has no usable triangles (warning: m.obj: unnamed object: triangles without area were dropped: 1 of \
+             1)"
         );
     }
 
@@ -290,8 +290,7 @@ mod tests {
         let model =
             load_text(&format!("{SQUARE}v nan 0 0\nv 1e400 0 0\nf 1 2 3\nf 1 2 5\nf 1 6 3\n")).expect("a model");
         assert_eq!(model.meshes[0].mesh.data().triangles.len(), 1);
-        let expected =
-            "m.obj: unnamed object: 2 triangles with a NaN or infinite vertex were dropped (of 3 triangles in all)";
+        let expected = "m.obj: unnamed object: triangles with a NaN or infinite vertex were dropped: 2 of 3";
         assert_eq!(messages(&model), [expected]);
     }
 

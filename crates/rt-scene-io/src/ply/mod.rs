@@ -66,7 +66,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     }
     surplus.into_iter().for_each(&mut warn);
     if corners.short > 0 {
-        warn(format!("{} faces with fewer than three corners were left out", corners.short));
+        warn(format!("faces with fewer than three corners were left out: {}", corners.short));
     }
     let data =
         mesh_data(&header, &vertices, &corners).map_err(|error| LoadErrorKind::from(error).at(path, "element face"))?;

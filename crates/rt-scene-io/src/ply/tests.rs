@@ -143,7 +143,7 @@ fn strips_are_triangles_as_well() {
 fn faces_that_are_none_are_counted() {
     let text = SQUARE.replace("face 1", "face 3").replace("4 0 1 2 3\n", "4 0 1 2 3\n2 0 1\n0\n");
     let model = load_text(&text).expect("a model");
-    assert_eq!(model.warnings[0].message, "2 faces with fewer than three corners were left out");
+    assert_eq!(model.warnings[0].message, "faces with fewer than three corners were left out: 2");
 }
 
 #[test]

@@ -1,11 +1,10 @@
 //! The two images of a comparison.
 
-use std::path::Path;
-
-use rt_image::{Development, Dither, Encoding, Image, ImageFormat, image_header, metrics::ImagePair};
+use rt_image::{Development, Dither, Encoding, Image, ImageFormat, metrics::ImagePair};
 
 use crate::args::CompareArgs;
 use crate::error::CliError;
+use crate::image_file::ImageInput;
 use crate::stdin::is_dash;
 use crate::{image_file, memory};
 
@@ -39,8 +38,10 @@ impl Images {
             dither: args.development.dither.unwrap_or(true).then(Dither::default),
             ..standard
         };
-        check_memory(args)?;
-        let [mut test, mut reference] = [LoadedImage::read(&args.test)?, LoadedImage::read(&args.reference)?];
+        let memory = args.memory.limit();
+        let inputs = [ImageInput::new(&args.test, memory)?, ImageInput::new(&args.reference, memory)?];
+        check_memory(args, &inputs)?;
+        let [mut test, mut reference] = [LoadedImage::read(&inputs[0])?, LoadedImage::read(&inputs[1])?];
         if test.holds_bytes() == reference.holds_bytes() {
             return Ok(Self { test, reference, development });
         }
@@ -71,13 +72,8 @@ impl Images {
 const MEASURE_BYTES: u64 = 16;
 
 /// Predicts the memory from the headers.
-fn check_memory(args: &CompareArgs) -> Result<(), CliError> {
-    if is_dash(&args.test) || is_dash(&args.reference) {
-        // The header of a pipe cannot be read in advance.
-        return Ok(());
-    }
-    let headers = [image_header(&args.test)?, image_header(&args.reference)?];
-    let [test, reference] = headers;
+fn check_memory(args: &CompareArgs, inputs: &[ImageInput<'_>; 2]) -> Result<(), CliError> {
+    let [test, reference] = [inputs[0].header()?, inputs[1].header()?];
     let maps = if args.heat_map.file.is_some() { 2 } else { 1 };
     let pixels = test.pixels().max(reference.pixels());
     let decoded = test.decoded_bytes.max(reference.decoded_bytes);
@@ -90,8 +86,8 @@ fn check_memory(args: &CompareArgs) -> Result<(), CliError> {
 }
 
 impl LoadedImage {
-    fn read(path: &Path) -> Result<Self, CliError> {
-        Ok(Self { film: image_file::read(path)?, format: image_file::format_by_content(path)?, developed: false })
+    fn read(input: &ImageInput<'_>) -> Result<Self, CliError> {
+        Ok(Self { film: input.read()?, format: input.format()?, developed: false })
     }
 
     const fn holds_bytes(&self) -> bool {
