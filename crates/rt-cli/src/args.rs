@@ -248,11 +248,7 @@ pub(crate) struct ConvertArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(
-    mut_arg("exposure", DevelopmentArgs::without_scene),
-    mut_arg("tone", DevelopmentArgs::without_scene),
-    mut_arg("dither", DevelopmentArgs::without_scene)
-)]
+#[command(mut_args(DevelopmentArgs::without_scene))]
 pub(crate) struct DevelopArgs {
     /// Image: .exr, .hdr, .pfm, .png, .jpg, or - for standard input
     #[arg(value_hint = ValueHint::FilePath)]

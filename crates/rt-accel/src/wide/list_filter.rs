@@ -93,7 +93,7 @@ pub(super) struct FilterPairHits<S: Simd> {
     pub(super) certain: S::F32x8,
 }
 
-/// Where eight rays cross a plane.
+/// Points at which eight rays cross a plane.
 struct PlaneCrossing<S: Simd> {
     /// Lower bound of `t`, at least 0.
     t_min: S::F32x8,

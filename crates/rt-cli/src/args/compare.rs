@@ -9,11 +9,7 @@ use super::memory::MemoryArgs;
 use super::values;
 
 #[derive(Debug, Args)]
-#[command(
-    mut_arg("exposure", DevelopmentArgs::without_scene),
-    mut_arg("tone", DevelopmentArgs::without_scene),
-    mut_arg("dither", DevelopmentArgs::without_scene)
-)]
+#[command(mut_args(DevelopmentArgs::without_scene))]
 pub(crate) struct CompareArgs {
     /// Test image: .png, .jpg, .exr, .hdr, .pfm, or - for standard input
     #[arg(value_name = "A", value_hint = ValueHint::FilePath)]

@@ -144,10 +144,13 @@ pub(crate) struct DevelopmentArgs {
 }
 
 impl DevelopmentArgs {
-    /// Help without the defaults of a scene, for commands that read an image.
+    /// Removes the defaults of a scene from the help of an argument, for commands that read an image.
     pub(super) fn without_scene(argument: Arg) -> Arg {
-        let help = argument.get_help().map(|help| help.to_string().replace("as in the scene, or ", ""));
-        argument.help(help.unwrap_or_default())
+        const OF_SCENE: &str = "as in the scene, or ";
+        match argument.get_help().map(ToString::to_string).filter(|help| help.contains(OF_SCENE)) {
+            Some(help) => argument.help(help.replace(OF_SCENE, "")),
+            None => argument,
+        }
     }
 }
 

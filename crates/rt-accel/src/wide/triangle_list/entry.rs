@@ -129,8 +129,8 @@ impl FilterTriangle {
 }
 
 impl FilterPair {
-    /// Pair of two triangles with these vertices. `None` if their planes are not equal as stored, or if they do not run along a
-    /// common edge in opposite directions, so that a ray could hit both.
+    /// Pair of two triangles with these vertices; `None` if their planes are not equal as stored. So it is, too, unless they run
+    /// along a common edge in opposite directions: a ray could hit both.
     pub(in crate::wide) fn new([first, second]: [(&FilterTriangle, [Vec3; 3]); 2]) -> Option<Self> {
         let edges = |[a, b, c]: [Vec3; 3]| [(a, b), (b, c), (c, a)];
         let shares_edge = edges(first.1).iter().any(|&(from, to)| edges(second.1).contains(&(to, from)));
