@@ -1,5 +1,7 @@
 //! Every accelerator gives the bits of brute force, on rays that look for the seams.
 
+use std::sync::LazyLock;
+
 use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
@@ -11,7 +13,7 @@ use rt_accel::{
 
 /// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
 fn n_rays() -> usize {
-    std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000)
+    std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(5_000)
 }
 
 /// Counts of a comparison.
@@ -23,35 +25,71 @@ struct Outcome {
     nodes: f64,
 }
 
-fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
-    let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|bounds| [bounds.min, bounds.max]));
-    let mut draw = Draw::new(seed);
-    let linear = Linear::build(soup).unwrap();
-    let (mut all, mut all_expected, mut n_several) = (Vec::new(), Vec::new(), 0);
-    let mut n_hits = 0;
-    let mut counters = Counters::default();
-    for i in 0..n_rays() {
-        let query @ Query { ray, span } = adversarial(soup, &world, &mut draw);
-        let expected = brute_force::closest(soup, &ray, span, &mut NoProbe);
-        let found = structure.closest(soup, &ray, span, &mut counters);
-        let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
-        assert_eq!(key(found), key(expected), "{name}, seed {seed}, ray {i}: {query:?}");
-        let blocked = structure.occluded(soup, &ray, span, &mut NoProbe);
-        assert_eq!(blocked, expected.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
-        let is_blocked = brute_force::occluded(soup, &ray, span, &mut NoProbe);
-        assert_eq!(is_blocked, expected.is_some(), "ray {i}: {query:?}");
-        n_hits += usize::from(expected.is_some());
-        if i % 8 == 0 {
-            structure.all_hits(soup, &ray, span, &mut all, &mut NoProbe);
-            linear.all_hits(soup, &ray, span, &mut all_expected, &mut NoProbe);
-            let keys = |hits: &[Hit]| hits.iter().map(|hit| key(Some(*hit))).collect::<Vec<_>>();
-            assert_eq!(keys(&all), keys(&all_expected), "{name}, seed {seed}, ray {i}: {query:?}");
-            n_several += usize::from(all.len() > 1);
-        }
+/// A ray, and its hits by brute force.
+struct Answer {
+    query: Query,
+    closest: Option<Hit>,
+    /// All hits, of each eighth ray.
+    all: Option<Vec<Hit>>,
+}
+
+/// Primitives and rays with the hits of brute force, which many accelerators are compared with.
+struct Answers {
+    soup: Soup,
+    seed: u64,
+    rays: Vec<Answer>,
+}
+
+impl Answers {
+    fn new(soup: Soup, seed: u64) -> Self {
+        let bounds = soup.0.iter().filter_map(Solid::bounds);
+        let world = Aabb::from_points(bounds.flat_map(|bounds| [bounds.min, bounds.max]));
+        let mut draw = Draw::new(seed);
+        let linear = Linear::build(&soup).unwrap();
+        let answer = |i: usize| {
+            let query @ Query { ray, span } = adversarial(&soup, &world, &mut draw);
+            let closest = brute_force::closest(&soup, &ray, span, &mut NoProbe);
+            let all = i.is_multiple_of(8).then(|| {
+                let blocked = brute_force::occluded(&soup, &ray, span, &mut NoProbe);
+                assert_eq!(blocked, closest.is_some(), "seed {seed}, ray {i}: {query:?}");
+                let mut all = Vec::new();
+                linear.all_hits(&soup, &ray, span, &mut all, &mut NoProbe);
+                all
+            });
+            Answer { query, closest, all }
+        };
+        let rays: Vec<Answer> = (0..n_rays()).map(answer).collect();
+        let n_several = rays.iter().filter(|ray| ray.all.as_ref().is_some_and(|all| all.len() > 1)).count();
+        assert!(n_several > n_rays() / 400, "seed {seed}: {n_several} rays with several hits");
+        Self { soup, seed, rays }
     }
-    assert!(n_several > n_rays() / 400, "{name}: {n_several} rays with several hits");
-    let tested = counters.total().tests as f64 / (n_rays() * soup.len()) as f64;
-    Outcome { n_hits, tested, nodes: counters.total().nodes as f64 / n_rays() as f64 }
+
+    fn compare<A: Accelerator>(&self, name: &str, structure: &A) -> Outcome {
+        let Self { soup, seed, rays } = self;
+        let mut found_all = Vec::new();
+        let mut n_hits = 0;
+        let mut counters = Counters::default();
+        for (i, Answer { query, closest, all }) in rays.iter().enumerate() {
+            let Query { ray, span } = query;
+            let found = structure.closest(soup, ray, *span, &mut counters);
+            let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
+            assert_eq!(key(found), key(*closest), "{name}, seed {seed}, ray {i}: {query:?}");
+            let blocked = structure.occluded(soup, ray, *span, &mut NoProbe);
+            assert_eq!(blocked, closest.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
+            n_hits += usize::from(blocked);
+            if let Some(all) = all {
+                structure.all_hits(soup, ray, *span, &mut found_all, &mut NoProbe);
+                let keys = |hits: &[Hit]| hits.iter().map(|hit| key(Some(*hit))).collect::<Vec<_>>();
+                assert_eq!(keys(&found_all), keys(all), "{name}, seed {seed}, ray {i}: {query:?}");
+            }
+        }
+        let tested = counters.total().tests as f64 / (n_rays() * soup.len()) as f64;
+        Outcome { n_hits, tested, nodes: counters.total().nodes as f64 / n_rays() as f64 }
+    }
+}
+
+fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
+    Answers::new(soup.clone(), seed).compare(name, structure)
 }
 
 /// Mixed solids at several distances from the origin and of several sizes, with and without an unbounded one.
@@ -73,11 +111,15 @@ fn scenes(seed: u64) -> Vec<(String, Soup)> {
 }
 
 fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
-    let seed = Draw::run_seed();
-    println!("{name}: seed {seed}");
+    /// Computed once for all accelerators.
+    static SCENES: LazyLock<Vec<(String, Answers)>> = LazyLock::new(|| {
+        let scenes = scenes(Draw::run_seed()).into_iter().zip(Draw::run_seed()..);
+        scenes.map(|((scene, soup), seed)| (scene, Answers::new(soup, seed))).collect()
+    });
+    println!("{name}: seed {}", Draw::run_seed());
     let mut total = 0;
-    for (i, (scene, soup)) in scenes(seed).iter().enumerate() {
-        let Outcome { n_hits, tested, .. } = compare(&format!("{name}, {scene}"), &build(soup), soup, seed + i as u64);
+    for (scene, answers) in SCENES.iter() {
+        let Outcome { n_hits, tested, .. } = answers.compare(&format!("{name}, {scene}"), &build(&answers.soup));
         println!("{name}, {scene}: {} rays, {n_hits} hits, {tested:.3} of primitives tested, 0 differences", n_rays());
         assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
         assert!(tested < most_tested, "{scene}: {tested} of all primitives were tested");
@@ -108,8 +150,9 @@ fn spatial_splits_of_crossing_sticks_equal_brute_force() {
         assert_eq!(bvh.validate(&sticks), Ok(()));
         let [all, whole] = [bvh.build_stats().references, sticks.len()];
         assert!(all > whole + whole / 4, "{all} references to {whole} sticks: hardly any is cut");
-        let outcome = compare("sticks", &bvh, &sticks, 42 + i as u64);
-        let by_area = compare("sticks", &Bvh::build(&sticks).unwrap(), &sticks, 42 + i as u64);
+        let by_area = Bvh::build(&sticks).unwrap();
+        let answers = Answers::new(sticks, 42 + i as u64);
+        let [outcome, by_area] = [&bvh, &by_area].map(|bvh| answers.compare("sticks", bvh));
         assert!(outcome.nodes < by_area.nodes, "{} and {} nodes", outcome.nodes, by_area.nodes);
     }
 }
@@ -146,21 +189,19 @@ fn wide_equals_brute_force_with_all_leaves_and_instructions() {
         ("mixed", Soup::mixed),
     ];
     let n_levels = SimdLevel::ALL.iter().filter(|level| level.is_available()).count();
-    for (i, &level) in SimdLevel::ALL.iter().filter(|level| level.is_available()).enumerate() {
-        for (k, (name, soup)) in kinds.into_iter().enumerate() {
-            for (j, (scale, offset)) in
-                [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e12, 0.0)].iter().enumerate()
-            {
+    for (k, (name, soup)) in kinds.into_iter().enumerate() {
+        for (j, (scale, offset)) in [(1.0, 0.0), (1e-3, 0.0), (1e3, 7e3), (1.0, 1e4), (1e12, 0.0)].iter().enumerate() {
+            let soup = soup(&mut Draw::new(seed)).scaled(*scale).moved(DVec3::new(1.0, -0.7, 0.3) * *offset);
+            let answers = Answers::new(soup, seed + (5 * k + j) as u64);
+            for (i, &level) in SimdLevel::ALL.iter().filter(|level| level.is_available()).enumerate() {
                 // The default level meets each kind of leaf at each scale, and others take turns.
                 if level != SimdLevel::best() && !(i + j + k).is_multiple_of(3) {
                     continue;
                 }
-                let draw = &mut Draw::new(seed);
-                let soup = soup(draw).scaled(*scale).moved(DVec3::new(1.0, -0.7, 0.3) * *offset);
-                let wide = WideBvh::build(&soup).unwrap().with_level(level);
-                assert_eq!((wide.level(), wide.validate(&soup)), (level, Ok(())));
+                let wide = WideBvh::build(&answers.soup).unwrap().with_level(level);
+                assert_eq!((wide.level(), wide.validate(&answers.soup)), (level, Ok(())));
                 let name = format!("{} {name}, scale {scale:e}, offset {offset:e}", level.name());
-                let outcome = compare(&name, &wide, &soup, seed + (5 * i + j) as u64);
+                let outcome = answers.compare(&name, &wide);
                 assert!(outcome.n_hits > n_rays() / 10, "{name}: {} hits", outcome.n_hits);
                 assert!(outcome.tested < 0.15, "{name}: {} of all primitives were tested", outcome.tested);
             }

@@ -163,6 +163,8 @@ fn packets_enter_instances_together() {
             (Ray::new(eye, DVec3::new(8.0 * at(0), 0.0, 6.0 * at(1)) + neighbour - eye), Interval::FORWARD)
         })
         .collect();
+    let expected: Vec<_> =
+        rays.iter().map(|(ray, span)| brute_force::closest(&yard, ray, *span, &mut NoProbe)).collect();
     for level in levels() {
         let tree = WideBvh::build(&yard).unwrap().with_level(level);
         let small_set = SmallSet::new(0..12).unwrap().with_level(level);
@@ -181,8 +183,7 @@ fn packets_enter_instances_together() {
                 blocked.extend(b);
             }
             let n_single = yard.n_single.load(Ordering::Relaxed);
-            for (i, (ray, span)) in rays.iter().enumerate() {
-                let hit = brute_force::closest(&yard, ray, *span, &mut NoProbe);
+            for (i, &hit) in expected.iter().enumerate() {
                 assert_eq!((key(hits[i]), blocked[i]), (key(hit), hit.is_some()));
             }
             let n_hits = hits.iter().flatten().count();

@@ -161,7 +161,7 @@ fn batches_through_large_trees_equal_single_queries() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     let bumps = |x: f64, z: f64| DVec3::new(x, 0.1 * (20.0 * x * z).fract(), z);
-    let triangles = || Soup(sheet(400, bumps).collect());
+    let triangles = || Soup(sheet(280, bumps).collect());
     let facet = |solid: &Solid| match *solid {
         Solid::Triangle(vertices) => Solid::Facet(vertices.map(|vertex| vertex.as_vec3())),
         ref other => *other,
@@ -173,7 +173,7 @@ fn batches_through_large_trees_equal_single_queries() {
         soup.0.push(Solid::Ground { height: 0.05 });
         soup
     };
-    let spheres = || Soup::spheres(400_000, &mut Draw::new(seed));
+    let spheres = || Soup::spheres(150_000, &mut Draw::new(seed));
     let soups = [
         ("facets", facets()),
         ("triangles", triangles()),
