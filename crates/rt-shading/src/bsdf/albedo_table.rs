@@ -174,7 +174,7 @@ mod tests {
         for roughness in [0.1, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0] {
             for degrees in [0.0f64, 45.0, 60.0, 75.0, 85.0, 89.0, 89.5, 89.9] {
                 let cos = transcendental::cos(degrees.to_radians());
-                let expected = albedo_by_grid(cos, roughness, 400);
+                let expected = albedo_by_grid(cos, roughness, 150);
                 let found = LayerAlbedo::new(roughness).directional(cos);
                 assert!(
                     (found - expected).abs() < 1e-3,

@@ -40,6 +40,12 @@ impl Sphere {
 
     /// The integral of `f` over each cell.
     pub(super) fn integrals(&self, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
+        self.integrals_within(1e-6, 2, f)
+    }
+
+    /// The integral of `f` over each cell. Cells are halved `min_depth` times, and on until that changes the integral of a part
+    /// by less than `tolerance`.
+    pub(super) fn integrals_within(&self, tolerance: f64, min_depth: u32, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
         let ring_edge = |ring: usize| {
             let x = ring as f64 / RINGS as f64;
             PI * x * x * x * x
@@ -57,7 +63,7 @@ impl Sphere {
                 x: [ring_edge(ring), ring_edge(ring + 1)],
                 y: [sector as f64 * width, (sector + 1) as f64 * width],
             };
-            patch.integral(&integrand, 0)
+            patch.integral(&integrand, patch.gauss(&integrand), tolerance, [min_depth, 9])
         };
         (0..CELLS).map(integral).collect()
     }
@@ -69,15 +75,17 @@ struct Patch {
 }
 
 impl Patch {
-    /// Parts are halved until that changes their integral by less than a millionth.
-    fn integral(&self, f: &impl Fn(f64, f64) -> f64, depth: u32) -> f64 {
-        let whole = self.gauss(f);
+    /// `whole` is the integral by one rule; `depths` are the least and the largest numbers of times to halve the patch.
+    fn integral(&self, f: &impl Fn(f64, f64) -> f64, whole: f64, tolerance: f64, depths: [u32; 2]) -> f64 {
         let quarters = self.quarters();
-        let sum: f64 = quarters.iter().map(|quarter| quarter.gauss(f)).sum();
-        if depth >= 9 || depth >= 2 && (sum - whole).abs() < 1e-6 {
+        let parts = [0, 1, 2, 3].map(|at| quarters[at].gauss(f));
+        let sum: f64 = parts.iter().sum();
+        let [least, largest] = depths;
+        if largest == 0 || least == 0 && (sum - whole).abs() < tolerance {
             return sum;
         }
-        quarters.iter().map(|quarter| quarter.integral(f, depth + 1)).sum()
+        let depths = [least.saturating_sub(1), largest - 1];
+        quarters.iter().zip(parts).map(|(quarter, part)| quarter.integral(f, part, tolerance, depths)).sum()
     }
 
     fn quarters(&self) -> [Self; 4] {
