@@ -75,16 +75,16 @@ struct Patch {
 }
 
 impl Patch {
-    /// `whole` is the integral by one rule; `depths` are the least and the largest numbers of times to halve the patch.
+    /// `whole` is the integral by one rule; `depths` are the minimum and maximum numbers of times to halve the patch.
     fn integral(&self, f: &impl Fn(f64, f64) -> f64, whole: f64, tolerance: f64, depths: [u32; 2]) -> f64 {
         let quarters = self.quarters();
         let parts = [0, 1, 2, 3].map(|at| quarters[at].gauss(f));
         let sum: f64 = parts.iter().sum();
-        let [least, largest] = depths;
-        if largest == 0 || least == 0 && (sum - whole).abs() < tolerance {
+        let [min, max] = depths;
+        if max == 0 || min == 0 && (sum - whole).abs() < tolerance {
             return sum;
         }
-        let depths = [least.saturating_sub(1), largest - 1];
+        let depths = [min.saturating_sub(1), max - 1];
         quarters.iter().zip(parts).map(|(quarter, part)| quarter.integral(f, part, tolerance, depths)).sum()
     }
 
