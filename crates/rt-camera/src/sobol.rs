@@ -63,15 +63,8 @@ const fn columns((polynomial, first): (u32, &[u32])) -> [u32; INDEX_BITS as usiz
 #[inline(always)]
 pub(crate) fn pairs<const N: usize>(seeds: &[u32; N], indices: &[u32; N], last: &[bool; N]) -> [[f64; 2]; N] {
     let (mut x, mut y) = ([0; N], [0; N]);
-    // Most often, all samples draw the same pair, and the first one takes half of the time.
-    if last.iter().fold(false, |any, &last| any | last) {
-        for lane in 0..N {
-            [x[lane], y[lane]] = pair(seeds[lane], indices[lane], last[lane]);
-        }
-    } else {
-        for lane in 0..N {
-            [x[lane], y[lane]] = pair(seeds[lane], indices[lane], false);
-        }
+    for lane in 0..N {
+        [x[lane], y[lane]] = pair(seeds[lane], indices[lane], last[lane]);
     }
     lanes(|lane| [unit(x[lane]), unit(y[lane])])
 }

@@ -13,7 +13,7 @@ use rt_math::DVec3;
 pub struct BsdfCache {
     /// BSDF by material.
     bsdfs: Vec<Option<Box<CachedBsdf>>>,
-    /// BSDF by material, where it is diffuse everywhere and all of the surface: no light is emitted or transmitted.
+    /// BSDF by material; `None` unless it is diffuse everywhere and the material neither emits nor transmits light.
     diffuse: Vec<Option<OrenNayar>>,
     n_used: usize,
 }

@@ -34,6 +34,9 @@
 //! bound. With it, the weights are off by at most `66v·X·|1/D|·|g|₁`, and the first by `21v·X·|1/D|·(|g|₁ + |h|₁)` more. So their
 //! signs are those of the true ones, and of those of the kernel.
 //! The true hit lies within the padded bounds, and their slab test is off by some 2⁻⁵³ of `t`, which is far less.
+//!
+//! **Pairs.** The planes of both triangles are equal as stored, so that the bounds of `t` and of `p` hold for both. The greater of
+//! the two margins bounds the errors of all weights.
 
 use rt_math::DVec3;
 
@@ -87,7 +90,7 @@ pub(super) struct FilterHits<S: Simd> {
 pub(super) struct FilterPairHits<S: Simd> {
     /// Lower bound of `t`, at least 0.
     pub(super) t_min: S::F32x8,
-    /// Negative where the triangle is certainly missed.
+    /// For each triangle, negative where it is certainly missed.
     pub(super) possible: [S::F32x8; 2],
     /// Positive where one of the triangles is certainly hit.
     pub(super) certain: S::F32x8,

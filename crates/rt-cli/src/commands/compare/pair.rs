@@ -78,11 +78,11 @@ fn check_memory(args: &CompareArgs, inputs: &[ImageInput<'_>; 2]) -> Result<(), 
     let pixels = test.pixels().max(reference.pixels());
     let decoded = test.decoded_bytes.max(reference.decoded_bytes);
     let needs = [
-        (format!("the image {}", args.test.display()), test.film_bytes),
-        (format!("the image {}", args.reference.display()), reference.film_bytes),
+        (format!("the image {}", inputs[0].name().display()), test.film_bytes),
+        (format!("the image {}", inputs[1].name().display()), reference.film_bytes),
         ("the metrics".to_owned(), decoded.max(maps * MEASURE_BYTES * pixels)),
     ];
-    memory::check(args.memory.limit(), &args.test, &needs)
+    memory::check(args.memory.limit(), inputs[0].name(), &needs)
 }
 
 impl LoadedImage {
