@@ -232,17 +232,25 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
                 self.write_result(index, state.output());
                 continue;
             };
-            if self.test_last_occluder(&trav, &mut state) {
-                self.finish(&trav, &mut state, index);
-                continue;
-            }
-            if !self.is_interleaved {
-                let root = self.tree.root;
-                let (stack, stats) = (&mut self.stack, &mut self.stats);
-                // SAFETY: the root, and the test of the leaves' kind.
-                unsafe {
-                    traverse::<false, _, _, _>(self.simd, self.tree, self.tester, &trav, &mut state, root, stack, stats)
-                };
+            let is_occluded = O::ANY_HIT && self.test_last_occluder(&trav, &mut state);
+            if is_occluded || !self.is_interleaved {
+                if !is_occluded {
+                    let root = self.tree.root;
+                    let (stack, stats) = (&mut self.stack, &mut self.stats);
+                    // SAFETY: the root, and the test of the leaves' kind.
+                    unsafe {
+                        traverse::<false, _, _, _>(
+                            self.simd,
+                            self.tree,
+                            self.tester,
+                            &trav,
+                            &mut state,
+                            root,
+                            stack,
+                            stats,
+                        )
+                    };
+                }
                 self.finish(&trav, &mut state, index);
                 continue;
             }

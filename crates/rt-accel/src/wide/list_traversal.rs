@@ -50,13 +50,16 @@ impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for TriangleListTraversal
         let mut first = 0;
         for (rays, outputs) in rays.chunks(PACKET).zip(outputs.chunks_mut(PACKET)) {
             let all = (1 << rays.len()) - 1;
-            let open = if let Ok(rays) = rays.try_into() {
-                self.trace(simd, rays, outputs)
+            let padded;
+            let packet = if let Ok(packet) = rays.try_into() {
+                Some(packet)
             } else if rays.len() <= SWITCH_THRESHOLD as usize {
-                all
+                None
             } else {
-                self.trace(simd, &pad_to_packet(rays), outputs)
+                padded = pad_to_packet(rays);
+                Some(&padded)
             };
+            let open = if let Some(packet) = packet { self.trace(simd, packet, outputs) } else { all };
             *self.open |= u64::from(open & all) << (first & 63);
             first += PACKET;
         }

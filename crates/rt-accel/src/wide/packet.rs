@@ -210,7 +210,9 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
             }
         }
         let view = PacketView::<S, F> { rays, packet: &packet, leaf_rays: &leaf_rays };
-        if let Some(slot) = self.occluder.take() {
+        if O::ANY_HIT
+            && let Some(slot) = self.occluder.take()
+        {
             self.test_last_occluder(&view, &mut results, slot, &mut t_max);
         }
         let t_max = self.traverse_all(&view, &mut results, t_max);
@@ -266,7 +268,8 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
         let simd = self.simd;
         let mut single_rays = SingleRays { prepared: [const { MaybeUninit::uninit() }; PACKET], mask: 0 };
         self.stack.len = 0;
-        let Some(entry_points) = self.entry_points else {
+        // Only trees of spheres have entry points; for others there is no second copy of the traversal.
+        let Some(entry_points) = self.entry_points.filter(|_| F::IS_SPHERE) else {
             // SAFETY: the stack is empty.
             unsafe { self.stack.insert(0, Entry { child: self.tree.root, min_t_near: 0.0, t_near: simd.splat(0.0) }) };
             return self.traverse(view, results, t_max, &mut single_rays);

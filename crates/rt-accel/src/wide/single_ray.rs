@@ -72,50 +72,55 @@ pub(super) unsafe fn traverse<const PREDICTED: bool, S: Simd, F: LeafTest, O: Ou
     storage: &mut StackStorage,
     stats: &mut TraversalStats,
 ) {
-    let mut stack = ChildStack::new(storage);
-    let (mut nodes, mut tests) = (0, 0);
-    'traversal: loop {
-        while child.is_node() {
-            nodes += 1;
-            // SAFETY: the caller's child, or one of a node that came before.
-            let node = unsafe { tree.node(child) };
-            let [enter, leave] = trav.boxes.cross(simd, node, trav.min, state.t_max());
-            let mut hit = simd.le(enter, leave);
-            if hit == 0 {
-                let Some(next) = pop(&mut stack, state) else { break 'traversal };
-                child = next;
-                continue;
-            }
-            let first_child =
-                |lane: usize| if PREDICTED { predicted_child(node, lane) } else { node.children[lane & 7] };
-            let lane = take_lane(&mut hit);
-            child = if hit == 0 {
-                first_child(lane)
-            } else if !O::ANY_HIT {
-                // SAFETY: one node of each level pushes at most seven children.
-                unsafe { push_sorted(simd, tree, node, &simd.to_array(enter), lane, hit, &mut stack) }
-            } else {
-                while hit != 0 {
-                    let other = node.children[take_lane(&mut hit)];
-                    simd.prefetch(tree.line(other));
-                    // SAFETY: one node of each level pushes at most seven children.
-                    unsafe { stack.push(u64::from(other.to_bits())) };
+    simd.call_part(
+        #[inline(always)]
+        || {
+            let mut stack = ChildStack::new(storage);
+            let (mut nodes, mut tests) = (0, 0);
+            'traversal: loop {
+                while child.is_node() {
+                    nodes += 1;
+                    // SAFETY: the caller's child, or one of a node that came before.
+                    let node = unsafe { tree.node(child) };
+                    let [enter, leave] = trav.boxes.cross(simd, node, trav.min, state.t_max());
+                    let mut hit = simd.le(enter, leave);
+                    if hit == 0 {
+                        let Some(next) = pop(&mut stack, state) else { break 'traversal };
+                        child = next;
+                        continue;
+                    }
+                    let first_child =
+                        |lane: usize| if PREDICTED { predicted_child(node, lane) } else { node.children[lane & 7] };
+                    let lane = take_lane(&mut hit);
+                    child = if hit == 0 {
+                        first_child(lane)
+                    } else if !O::ANY_HIT {
+                        // SAFETY: one node of each level pushes at most seven children.
+                        unsafe { push_sorted(simd, tree, node, &simd.to_array(enter), lane, hit, &mut stack) }
+                    } else {
+                        while hit != 0 {
+                            let other = node.children[take_lane(&mut hit)];
+                            simd.prefetch(tree.line(other));
+                            // SAFETY: one node of each level pushes at most seven children.
+                            unsafe { stack.push(u64::from(other.to_bits())) };
+                        }
+                        first_child(lane)
+                    };
                 }
-                first_child(lane)
-            };
-        }
-        tests += child.count() as u64;
-        // Broadcast the ray's numbers from memory at each leaf. Compilers would otherwise broadcast all of them before the
-        // loop and spill them, although most rays visit one or two leaves. Only speed depends on it.
-        // SAFETY: a child of a node that is not a node itself.
-        if unsafe { state.intersect_leaf(simd, tree, tester, black_box(trav), child) }.is_break() {
-            break;
-        }
-        let Some(next) = pop(&mut stack, state) else { break };
-        child = next;
-    }
-    stats.nodes += nodes;
-    stats.tests += tests;
+                tests += child.count() as u64;
+                // Broadcast the ray's numbers from memory at each leaf. Compilers would otherwise broadcast all of them before the
+                // loop and spill them, although most rays visit one or two leaves. Only speed depends on it.
+                // SAFETY: a child of a node that is not a node itself.
+                if unsafe { state.intersect_leaf(simd, tree, tester, black_box(trav), child) }.is_break() {
+                    break;
+                }
+                let Some(next) = pop(&mut stack, state) else { break };
+                child = next;
+            }
+            stats.nodes += nodes;
+            stats.tests += tests;
+        },
+    )
 }
 
 /// Pops the nearest child that still matters.

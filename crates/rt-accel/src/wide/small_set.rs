@@ -157,13 +157,17 @@ impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for &mut Batch<'_, O> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
         for (rays, outputs) in rays.chunks(PACKET).zip(outputs.chunks_mut(PACKET)) {
-            if let Ok(rays) = rays.try_into() {
-                self.trace_packet(simd, rays, outputs);
+            let padded;
+            let packet = if let Ok(packet) = rays.try_into() {
+                packet
             } else if rays.len() <= SWITCH_THRESHOLD as usize {
                 self.trace_singly(rays, outputs);
+                continue;
             } else {
-                self.trace_packet(simd, &pad_to_packet(rays), outputs);
-            }
+                padded = pad_to_packet(rays);
+                &padded
+            };
+            self.trace_packet(simd, packet, outputs);
         }
     }
 }

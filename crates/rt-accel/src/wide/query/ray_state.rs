@@ -123,14 +123,19 @@ impl<O: Output> RayState<O> {
         leaf: LeafView<'_>,
         slot: PrimSlot,
     ) {
-        let output = F::intersect(simd, leaf, slot.lane(), ray, self.span, tester);
-        let hit = output.to_hit();
-        self.uncounted_hits += u64::from(hit.is_some() && F::is_exact(leaf, slot.lane()));
-        if !O::ANY_HIT {
-            self.merge(output);
-        } else if hit.is_some() {
-            self.accept_occluder(slot);
-        }
+        simd.call_part(
+            #[inline(always)]
+            || {
+                let output = F::intersect(simd, leaf, slot.lane(), ray, self.span, tester);
+                let hit = output.to_hit();
+                self.uncounted_hits += u64::from(hit.is_some() && F::is_exact(leaf, slot.lane()));
+                if !O::ANY_HIT {
+                    self.merge(output);
+                } else if hit.is_some() {
+                    self.accept_occluder(slot);
+                }
+            },
+        )
     }
 
     /// Records a certain hit between two bounds: no hit after the far one can be closest. False if the list is full.

@@ -14,6 +14,10 @@ pub(in crate::wide) trait Simd: Copy {
     /// True if [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
 
+    /// Runs a part of a kernel. The portable level calls it, so that all kernels share one copy and the crate builds sooner. Other
+    /// levels inline it.
+    fn call_part<R>(self, part: impl FnOnce() -> R) -> R;
+
     fn splat(self, x: f32) -> Self::F32x8;
     fn load(self, from: &[f32; 8]) -> Self::F32x8;
     fn to_array(self, a: Self::F32x8) -> [f32; 8];

@@ -48,6 +48,11 @@ impl Simd for Portable {
     const FUSED: bool = false;
     const INTERLEAVE: bool = false;
 
+    #[inline(never)]
+    fn call_part<R>(self, part: impl FnOnce() -> R) -> R {
+        part()
+    }
+
     methods! {
         fn splat(x: f32) -> F32x8 { [Vec4::splat(x); 2] }
         fn load(from: &[f32; 8]) -> F32x8 {

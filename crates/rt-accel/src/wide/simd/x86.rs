@@ -60,6 +60,11 @@ macro_rules! common_methods {
         const FUSED: bool = true;
         const INTERLEAVE: bool = true;
 
+        #[inline(always)]
+        fn call_part<R>(self, part: impl FnOnce() -> R) -> R {
+            part()
+        }
+
         methods! {
             fn splat(x: f32) -> __m256 { _mm256_set1_ps(x) }
             fn load(from: &[f32; 8]) -> __m256 { _mm256_loadu_ps(from.as_ptr()) }
