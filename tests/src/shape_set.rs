@@ -2,8 +2,8 @@
 
 use crate::Draw;
 use rt_geometry::{
-    Cone, Cuboid, Cylinder, Disk, DoubleCone, Frustum, Hit, InfiniteCylinder, InsideRule, InteractionFlags, Plane,
-    Polygon, Primitives, Rectangle, Shape, ShapeHit, Sphere, SurfaceInteraction, Torus, TransformedShape, Triangle,
+    CappedQuadric, Cuboid, Disk, Hit, InfiniteQuadric, InsideRule, InteractionFlags, Plane, Polygon, Primitives,
+    Rectangle, Shape, ShapeHit, Sphere, SurfaceInteraction, Torus, TransformedShape, Triangle,
 };
 use rt_math::transcendental::sincos;
 use rt_math::{Aabb, DVec3, Interval, Ray, Transform};
@@ -37,13 +37,18 @@ impl ShapeKind {
         Self { name: "cylinder", draw: cylinder },
         Self {
             name: "infinite cylinder",
-            draw: |draw| InfiniteCylinder::new(draw.between(0.1, 1.0)).ok().map(Shape::InfiniteCylinder),
+            draw: |draw| InfiniteQuadric::cylinder(draw.between(0.1, 1.0)).ok().map(Shape::InfiniteCylinder),
         },
-        Self { name: "double cone", draw: |draw| DoubleCone::new(draw.between(0.1, 2.0)).ok().map(Shape::DoubleCone) },
+        Self {
+            name: "double cone",
+            draw: |draw| InfiniteQuadric::double_cone(draw.between(0.1, 2.0)).ok().map(Shape::DoubleCone),
+        },
         Self {
             name: "cone",
             draw: |draw| {
-                Cone::new(draw.between(0.1, 1.0), draw.between(0.1, 2.0), draw.one_in(2)).ok().map(Shape::Cone)
+                CappedQuadric::cone(draw.between(0.1, 1.0), draw.between(0.1, 2.0), draw.one_in(2))
+                    .ok()
+                    .map(Shape::Cone)
             },
         },
         Self { name: "frustum", draw: frustum },
@@ -70,12 +75,12 @@ fn axis_box(draw: &mut Draw) -> Option<Shape> {
 fn cylinder(draw: &mut Draw) -> Option<Shape> {
     let bottom = draw.between(-1.0, 0.5);
     let (radius, top) = (draw.between(0.1, 1.0), bottom + draw.between(0.1, 2.0));
-    Cylinder::new(radius, bottom, top, draw.one_in(2)).ok().map(Shape::Cylinder)
+    CappedQuadric::cylinder(radius, bottom, top, draw.one_in(2)).ok().map(Shape::Cylinder)
 }
 
 fn frustum(draw: &mut Draw) -> Option<Shape> {
     let [bottom, top, height] = [0; 3].map(|_| draw.between(0.1, 1.0));
-    Frustum::new(bottom, top, height, draw.one_in(2)).ok().map(Shape::Frustum)
+    CappedQuadric::frustum(bottom, top, height, draw.one_in(2)).ok().map(Shape::Frustum)
 }
 
 fn disk(draw: &mut Draw) -> Option<Shape> {

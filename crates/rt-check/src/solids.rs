@@ -60,9 +60,7 @@ fn encloses(shape: &Shape) -> bool {
         Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Torus(_) | Shape::InfiniteCylinder(_) | Shape::DoubleCone(_) => {
             true
         }
-        Shape::Cylinder(cylinder) => cylinder.has_caps(),
-        Shape::Cone(cone) => cone.has_caps(),
-        Shape::Frustum(frustum) => frustum.has_caps(),
+        Shape::Cylinder(quadric) | Shape::Cone(quadric) | Shape::Frustum(quadric) => quadric.has_caps(),
         _ => false,
     }
 }
@@ -144,7 +142,7 @@ mod tests {
     use super::*;
     use crate::fixture::*;
     use crate::welded::Welded;
-    use rt_geometry::{Cuboid, Cylinder, Plane, Torus};
+    use rt_geometry::{CappedQuadric, Cuboid, Plane, Torus};
     use rt_math::{Transform, Vec3};
     use rt_scene_io::{Content, SceneNode};
 
@@ -181,14 +179,14 @@ mod tests {
     #[test]
     fn open_glass_is_warned_of() {
         let plane = Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
-        let open_cylinder = Shape::Cylinder(Cylinder::new(1.0, 0.0, 1.0, false).unwrap());
+        let open_cylinder = Shape::Cylinder(CappedQuadric::cylinder(1.0, 0.0, 1.0, false).unwrap());
         for open in [plane, open_cylinder] {
             let mut scene = empty();
             scene.nodes = vec![shape(open)];
             assert_eq!(only(&scene, Kind::OpenGlass).severity, Severity::Warning);
         }
         let solid = Shape::Cuboid(Cuboid::new(DVec3::ZERO, DVec3::ONE).unwrap());
-        let can = Shape::Cylinder(Cylinder::new(1.0, 5.0, 6.0, true).unwrap());
+        let can = Shape::Cylinder(CappedQuadric::cylinder(1.0, 5.0, 6.0, true).unwrap());
         let mut scene = empty();
         scene.nodes = vec![shape(solid), shape(can)];
         assert_eq!(of_kind(&scene, Kind::OpenGlass), []);

@@ -1,17 +1,26 @@
 //! Cylinders, cones and frusta: a curved side between two heights, with or without caps.
 
 use crate::disk::{cap_uv, on_disk};
+use crate::error::{ShapeError, check_coordinates, check_length, check_radius};
 use crate::quadric_side::{Inside, QuadricSide, azimuth};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
-/// Part of a [`QuadricSide`] between two heights: a closed solid with caps, else an open surface with two sides.
+#[cfg(test)]
+mod tests;
+
+/// Cylinder, cone or frustum around the y axis, from a bottom to a top: a closed solid with caps, or an open surface
+/// without. Its normal points outwards, away from the axis on the side; at an apex it is opposite to the incident ray.
+///
+/// On the side, the texture coordinate `u` runs once around +y as on a [`Sphere`](crate::Sphere), with +z at ½. `v`
+/// runs from 0 at the bottom to 1 at the top. On the caps they run from 0 to 1 over the square around the disk, upright
+/// and unmirrored from outside. `v` runs along −z on the top and along +z on the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CappedQuadric {
-    pub(crate) side: QuadricSide,
-    pub(crate) bottom: f64,
-    pub(crate) top: f64,
-    pub(crate) caps: bool,
+pub struct CappedQuadric {
+    side: QuadricSide,
+    bottom: f64,
+    top: f64,
+    caps: bool,
 }
 
 /// QuadricFace of a hit, stored in its `uv[0]`.
@@ -33,7 +42,66 @@ impl QuadricFace {
 }
 
 impl CappedQuadric {
-    pub(crate) fn bounds(&self) -> Aabb {
+    /// The cylinder x² + z² ≤ radius² with `bottom` ≤ y ≤ `top`; only its side if it has no `caps`.
+    ///
+    /// # Errors
+    /// If the radius is not positive (at least 1e-60), the top is not above the bottom, or a number is not finite.
+    pub fn cylinder(radius: f64, bottom: f64, top: f64, caps: bool) -> Result<Self, ShapeError> {
+        check_coordinates([DVec3::new(bottom, top, 0.0)])?;
+        check_radius(radius)?;
+        if bottom >= top {
+            return Err(ShapeError::NoHeight { bottom, top });
+        }
+        Ok(Self { side: QuadricSide { height: bottom, radius, slope: 0.0 }, bottom, top, caps })
+    }
+
+    /// The cone with its base of this radius at y = 0 and its apex at y = `height`; only its side if it has no `caps`.
+    ///
+    /// # Errors
+    /// If the radius or the height is not positive (at least 1e-60), or not finite.
+    pub fn cone(radius: f64, height: f64, caps: bool) -> Result<Self, ShapeError> {
+        check_radius(radius)?;
+        check_length("height", height)?;
+        let side = QuadricSide { height, radius: 0.0, slope: -radius / height };
+        Ok(Self { side, bottom: 0.0, top: height, caps })
+    }
+
+    /// The frustum from a disk at y = 0 to one at y = `height`; only its side without `caps`. Either disk may be the
+    /// larger one; for a tip use [`cone`](Self::cone).
+    ///
+    /// # Errors
+    /// If a radius or the height is not positive (at least 1e-60), or not finite.
+    pub fn frustum(bottom_radius: f64, top_radius: f64, height: f64, caps: bool) -> Result<Self, ShapeError> {
+        check_radius(bottom_radius)?;
+        check_radius(top_radius)?;
+        check_length("height", height)?;
+        let slope = (top_radius - bottom_radius) / height;
+        // Near the smaller end a rounding error matters most.
+        let side = if bottom_radius < top_radius {
+            QuadricSide { height: 0.0, radius: bottom_radius, slope }
+        } else {
+            QuadricSide { height, radius: top_radius, slope }
+        };
+        Ok(Self { side, bottom: 0.0, top: height, caps })
+    }
+
+    /// Radius of a cylinder, and of the smaller end of a cone or frustum.
+    pub const fn radius(&self) -> f64 {
+        self.side.radius
+    }
+
+    /// Heights of the bottom and of the top.
+    pub const fn heights(&self) -> [f64; 2] {
+        [self.bottom, self.top]
+    }
+
+    /// True for a closed solid, false for an open surface.
+    pub const fn has_caps(&self) -> bool {
+        self.caps
+    }
+
+    /// The smallest box around it, rounded outwards.
+    pub fn bounds(&self) -> Aabb {
         let reach = self.side.radius_at(self.bottom).max(self.side.radius_at(self.top));
         let reach = DVec3::new(reach.next_up(), 0.0, reach.next_up());
         Aabb::new(DVec3::Y * self.bottom - reach, DVec3::Y * self.top + reach)
@@ -46,8 +114,12 @@ impl CappedQuadric {
         rim(self.bottom).max(rim(self.top))
     }
 
+    /// First intersection within `span`. `None` on a miss, and for rays without a direction. See
+    /// [`InfiniteQuadric`](crate::InfiniteQuadric) for the arithmetic.
+    ///
+    /// A ray along the axis of a cylinder hits the caps alone, rims included.
     #[inline]
-    pub(crate) fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
+    pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
         if self.caps {
             self.intersect_solid(ray, span)
         } else {
@@ -96,7 +168,8 @@ impl CappedQuadric {
         })
     }
 
-    pub(crate) fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
+    /// The surface at a hit of [`intersect`](Self::intersect).
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let (y, normal) = match QuadricFace::from_number(hit.uv[0]) {
             QuadricFace::Side => return self.side_surface(ray, hit.t, needs),
             QuadricFace::Bottom => (self.bottom, DVec3::NEG_Y),

@@ -118,6 +118,7 @@ impl Cuboid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::strategies::vector;
     use proptest::prelude::*;
 
     fn unit() -> Cuboid {
@@ -210,14 +211,9 @@ mod tests {
         assert_eq!(error, ShapeError::InvertedBox { axis: 1, min: 2.0, max: 1.0 });
     }
 
-    fn point(range: f64) -> impl Strategy<Value = DVec3> {
-        let side = -range..range;
-        (side.clone(), side.clone(), side).prop_map(DVec3::from)
-    }
-
     proptest! {
         #[test]
-        fn hits_lie_on_their_face(a in point(5.0), b in point(5.0), from in point(50.0), at in 0.0..1.0f64) {
+        fn hits_lie_on_their_face(a in vector(5.0), b in vector(5.0), from in vector(50.0), at in 0.0..1.0f64) {
             let solid = Cuboid::new(a.min(b), a.max(b)).expect("a box");
             let inside = a + (b - a) * at;
             let ray = Ray::new(from, inside - from);
@@ -234,7 +230,7 @@ mod tests {
 
         /// A ray at the common edge of two boxes hits one of them for any rounding.
         #[test]
-        fn no_ray_slips_between_neighbours(from in point(10.0), shared in -3.0..3.0f64, at in -0.9..0.9f64) {
+        fn no_ray_slips_between_neighbours(from in vector(10.0), shared in -3.0..3.0f64, at in -0.9..0.9f64) {
             prop_assume!(from.z > 1.5);
             let left = Cuboid::new(DVec3::new(-4.0, -1.0, -1.0), DVec3::new(shared, 1.0, 1.0)).expect("a box");
             let right = Cuboid::new(DVec3::new(shared, -1.0, -1.0), DVec3::new(4.0, 1.0, 1.0)).expect("a box");

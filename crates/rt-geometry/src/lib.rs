@@ -16,11 +16,11 @@
 //! are offset ([`SurfaceInteraction::spawn_ray`]). They never hit their own surface by rounding, at any scale of the
 //! scene, without an epsilon to tune.
 //!
-//! **Owns** the shapes ([`Sphere`], [`Cuboid`], [`Plane`], [`Triangle`], [`Polygon`], [`Cylinder`],
-//! [`InfiniteCylinder`], [`Cone`], [`DoubleCone`], [`Frustum`], [`Disk`], [`Rectangle`], [`Torus`]) and their enum
-//! [`Shape`]. Shapes under affine maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets
-//! ([`Spheres`]). The intersection tests in `f64`, and the geometry of a hit. **Does not own** accelerators that find
-//! the closest of many hits (rt-accel), materials and light (rt-shading), or files (rt-scene-io).
+//! **Owns** the shapes ([`Sphere`], [`Cuboid`], [`Plane`], [`Triangle`], [`Polygon`], [`CappedQuadric`],
+//! [`InfiniteQuadric`], [`Disk`], [`Rectangle`], [`Torus`]) and their enum [`Shape`]. Shapes under affine maps
+//! ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]). The intersection tests in
+//! `f64`, and the geometry of a hit. **Does not own** accelerators that find the closest of many hits (rt-accel),
+//! materials and light (rt-shading), or files (rt-scene-io).
 //!
 //! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. Inside and outside are exact,
 //! without tolerances; the triangle test is watertight ([`WatertightRay`]).
@@ -51,15 +51,11 @@ mod area;
 mod bracketed_root;
 mod capped_quadric;
 mod closest_point;
-mod cone;
 mod cuboid;
-mod cylinder;
 mod disk;
-mod double_cone;
 mod error;
-mod frustum;
 mod hit;
-mod infinite_cylinder;
+mod infinite_quadric;
 mod interaction;
 mod intersect;
 mod mesh;
@@ -77,22 +73,21 @@ mod shape;
 mod sphere;
 mod sphere_kernel;
 mod spheres;
+#[cfg(test)]
+mod strategies;
 mod torus;
 mod transformed_shape;
 mod triangle;
 mod triangulator;
 mod watertight_ray;
 
+pub use capped_quadric::CappedQuadric;
 pub use closest_point::ClosestPoint;
-pub use cone::Cone;
 pub use cuboid::Cuboid;
-pub use cylinder::Cylinder;
 pub use disk::Disk;
-pub use double_cone::DoubleCone;
 pub use error::ShapeError;
-pub use frustum::Frustum;
 pub use hit::{Hit, ShapeHit};
-pub use infinite_cylinder::InfiniteCylinder;
+pub use infinite_quadric::InfiniteQuadric;
 pub use interaction::{InteractionFlags, ShadowRays, SurfaceInteraction, VertexAttributes, offset_point};
 pub use intersect::{
     intersect_primitive, intersect_primitive_batch, intersect_primitive_uncounted, intersect_triangle,

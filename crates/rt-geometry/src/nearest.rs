@@ -73,13 +73,9 @@ impl ClosestPoint for Spheres {
 mod tests {
     use super::*;
     use crate::MeshData;
+    use crate::strategies::vector;
     use proptest::prelude::*;
     use rt_math::Vec3;
-
-    fn vector(range: f64) -> impl Strategy<Value = DVec3> {
-        let side = -range..range;
-        (side.clone(), side.clone(), side).prop_map(DVec3::from)
-    }
 
     #[test]
     fn the_nearest_point_of_a_triangle_without_area_is_on_its_edges() {

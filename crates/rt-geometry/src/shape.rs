@@ -1,8 +1,8 @@
 //! The closed set of shapes.
 
 use crate::{
-    Cone, Cuboid, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InteractionFlags, Plane, Polygon, Rectangle,
-    ShapeHit, Sphere, SurfaceInteraction, Torus, Triangle,
+    CappedQuadric, Cuboid, Disk, InfiniteQuadric, InteractionFlags, Plane, Polygon, Rectangle, ShapeHit, Sphere,
+    SurfaceInteraction, Torus, Triangle,
 };
 use rt_math::{Aabb, DVec3, Interval, Ray};
 use std::sync::Arc;
@@ -21,15 +21,15 @@ pub enum Shape {
     /// A flat polygon.
     Polygon(Arc<Polygon>),
     /// A finite cylinder, with caps or open.
-    Cylinder(Cylinder),
+    Cylinder(CappedQuadric),
     /// An infinite cylinder.
-    InfiniteCylinder(InfiniteCylinder),
+    InfiniteCylinder(InfiniteQuadric),
     /// An infinite double cone.
-    DoubleCone(DoubleCone),
+    DoubleCone(InfiniteQuadric),
     /// A finite cone, with a cap or open.
-    Cone(Cone),
+    Cone(CappedQuadric),
     /// A cone without its tip, with caps or open.
-    Frustum(Frustum),
+    Frustum(CappedQuadric),
     /// A disk or a ring.
     Disk(Disk),
     /// A finite plane.
@@ -47,11 +47,8 @@ macro_rules! dispatch {
             Shape::Plane($shape) => $value,
             Shape::Triangle($shape) => $value,
             Shape::Polygon($shape) => $value,
-            Shape::Cylinder($shape) => $value,
-            Shape::InfiniteCylinder($shape) => $value,
-            Shape::DoubleCone($shape) => $value,
-            Shape::Cone($shape) => $value,
-            Shape::Frustum($shape) => $value,
+            Shape::Cylinder($shape) | Shape::Cone($shape) | Shape::Frustum($shape) => $value,
+            Shape::InfiniteCylinder($shape) | Shape::DoubleCone($shape) => $value,
             Shape::Disk($shape) => $value,
             Shape::Rectangle($shape) => $value,
             Shape::Torus($shape) => $value,
@@ -68,9 +65,7 @@ impl Shape {
             Self::Plane(_) | Self::InfiniteCylinder(_) | Self::DoubleCone(_) => None,
             Self::Triangle(triangle) => Some(triangle.bounds()),
             Self::Polygon(polygon) => Some(polygon.bounds()),
-            Self::Cylinder(cylinder) => Some(cylinder.bounds()),
-            Self::Cone(cone) => Some(cone.bounds()),
-            Self::Frustum(frustum) => Some(frustum.bounds()),
+            Self::Cylinder(quadric) | Self::Cone(quadric) | Self::Frustum(quadric) => Some(quadric.bounds()),
             Self::Disk(disk) => Some(disk.bounds()),
             Self::Rectangle(rectangle) => Some(rectangle.bounds()),
             Self::Torus(torus) => Some(torus.bounds()),
@@ -91,9 +86,7 @@ impl Shape {
                 Some(triangle.vertices().map(|v| v.dot(direction)).into_iter().fold(f64::NEG_INFINITY, f64::max))
             }
             Self::Polygon(polygon) => Some(polygon.support(direction)),
-            Self::Cylinder(cylinder) => Some(cylinder.support(direction)),
-            Self::Cone(cone) => Some(cone.support(direction)),
-            Self::Frustum(frustum) => Some(frustum.support(direction)),
+            Self::Cylinder(quadric) | Self::Cone(quadric) | Self::Frustum(quadric) => Some(quadric.support(direction)),
             Self::Disk(disk) => Some(disk.support(direction)),
             Self::Rectangle(rectangle) => Some(rectangle.support(direction)),
             Self::Torus(torus) => Some(torus.support(direction)),
@@ -129,14 +122,14 @@ mod tests {
             Shape::Plane(Plane::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).expect("a plane")),
             Shape::Triangle(Triangle::new([DVec3::X, DVec3::Y, DVec3::Z]).expect("a triangle")),
             Shape::Polygon(Arc::new(polygon.expect("a polygon"))),
-            Shape::Cylinder(Cylinder::new(1.0, -0.5, 1.5, closed).expect("a cylinder")),
-            Shape::Cylinder(Cylinder::new(1.0, -0.5, 1.5, open).expect("a cylinder")),
-            Shape::InfiniteCylinder(InfiniteCylinder::new(1.0).expect("a cylinder")),
-            Shape::DoubleCone(DoubleCone::new(1.0).expect("a cone")),
-            Shape::Cone(Cone::new(1.0, 1.5, closed).expect("a cone")),
-            Shape::Cone(Cone::new(1.0, 1.5, open).expect("a cone")),
-            Shape::Frustum(Frustum::new(1.0, 0.5, 1.0, closed).expect("a frustum")),
-            Shape::Frustum(Frustum::new(0.5, 1.0, 1.0, open).expect("a frustum")),
+            Shape::Cylinder(CappedQuadric::cylinder(1.0, -0.5, 1.5, closed).expect("a cylinder")),
+            Shape::Cylinder(CappedQuadric::cylinder(1.0, -0.5, 1.5, open).expect("a cylinder")),
+            Shape::InfiniteCylinder(InfiniteQuadric::cylinder(1.0).expect("a cylinder")),
+            Shape::DoubleCone(InfiniteQuadric::double_cone(1.0).expect("a cone")),
+            Shape::Cone(CappedQuadric::cone(1.0, 1.5, closed).expect("a cone")),
+            Shape::Cone(CappedQuadric::cone(1.0, 1.5, open).expect("a cone")),
+            Shape::Frustum(CappedQuadric::frustum(1.0, 0.5, 1.0, closed).expect("a frustum")),
+            Shape::Frustum(CappedQuadric::frustum(0.5, 1.0, 1.0, open).expect("a frustum")),
             Shape::Disk(Disk::new(1.0, 0.5).expect("a ring")),
             Shape::Rectangle(Rectangle::new(1.0, 2.0).expect("a rectangle")),
             Shape::Torus(Torus::new(1.0, 0.5).expect("a torus")),

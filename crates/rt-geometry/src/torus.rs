@@ -192,6 +192,7 @@ impl<'a> Chord<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::strategies::vector;
     use proptest::prelude::*;
     use rt_math::random;
 
@@ -323,11 +324,6 @@ mod tests {
         assert_eq!(Torus::new(1.0, -0.5), Err(ShapeError::BadRadius(-0.5)));
         assert_eq!(Torus::new(1.0, 1.0), Err(ShapeError::ClosedHole { radius: 1.0, tube_radius: 1.0 }));
         assert!(Torus::new(1.0, f64::NAN).is_err());
-    }
-
-    fn vector(range: f64) -> impl Strategy<Value = DVec3> {
-        let side = -range..range;
-        (side.clone(), side.clone(), side).prop_map(DVec3::from)
     }
 
     proptest! {

@@ -116,6 +116,7 @@ fn diagonal(m: &DMat3) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::strategies::vector;
     use proptest::prelude::*;
 
     fn shapes() -> [Shape; 4] {
@@ -124,11 +125,6 @@ mod tests {
         let floor = Plane::new(DVec3::new(0.0, 1.0, 2.0), DVec3::new(0.5, 1.0, -0.5)).expect("a plane");
         let flat = Triangle::new([DVec3::new(-2.0, 0.0, 0.5), DVec3::new(2.0, -1.0, 0.0), DVec3::new(0.0, 2.0, 1.0)]);
         [Shape::Sphere(sphere), Shape::Cuboid(solid), Shape::Plane(floor), Shape::Triangle(flat.expect("a triangle"))]
-    }
-
-    fn vector(range: f64) -> impl Strategy<Value = DVec3> {
-        let side = -range..range;
-        (side.clone(), side.clone(), side).prop_map(DVec3::from)
     }
 
     /// Translation, rotation, and scale by factors of either sign.

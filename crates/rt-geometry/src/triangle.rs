@@ -106,6 +106,7 @@ pub fn triangle_point<R: Real>([a, b, c]: [Vector3<R>; 3], uv: [R; 2]) -> (Vecto
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::strategies::vector;
     use proptest::prelude::*;
     use rt_math::transcendental::exp2;
 
@@ -196,14 +197,11 @@ mod tests {
         assert!(matches!(Triangle::new([DVec3::NAN; 3]), Err(ShapeError::BadCoordinate(_))));
     }
 
-    fn point() -> impl Strategy<Value = DVec3> {
-        (-10.0..10.0f64, -10.0..10.0f64, -10.0..10.0f64).prop_map(DVec3::from)
-    }
-
     proptest! {
         #[test]
         fn aimed_rays_hit_where_they_are_aimed(
-            a in point(), b in point(), c in point(), from in point(), v in 0.01..0.5f64, w in 0.01..0.49f64, k in -60i32..60,
+            a in vector(10.0), b in vector(10.0), c in vector(10.0), from in vector(10.0),
+            v in 0.01..0.5f64, w in 0.01..0.49f64, k in -60i32..60,
         ) {
             let triangle = Triangle::new([a, b, c]).expect("a triangle");
             let aim = a + (b - a) * v + (c - a) * w;

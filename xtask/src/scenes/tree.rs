@@ -1,6 +1,6 @@
 //! A tree of branches that fork.
 
-use rt_geometry::{Frustum, Shape, Sphere, TransformedShape};
+use rt_geometry::{CappedQuadric, Shape, Sphere, TransformedShape};
 use rt_math::{DMat3, DVec3, Frame, Transform, transcendental::sincos};
 use rt_tests::ShapeSet;
 
@@ -46,7 +46,8 @@ impl Branch {
     }
 
     fn solids(&self) -> Result<[TransformedShape; 2], TaskError> {
-        let frustum = Frustum::new(self.radius, self.radius * SHRINK, self.length, false).map_err(TaskError::other)?;
+        let frustum =
+            CappedQuadric::frustum(self.radius, self.radius * SHRINK, self.length, false).map_err(TaskError::other)?;
         // A frustum stands along y.
         let axes = DMat3::from_cols(self.frame.y, self.frame.z, self.frame.x);
         let stand = Transform::from_linear(axes, self.foot).map_err(TaskError::other)?;

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use rt_geometry::{
-    Cone, Cuboid, Cylinder, Disk, DoubleCone, Frustum, InfiniteCylinder, InsideRule, InteractionFlags, Plane, Polygon,
-    Rectangle, Shape, Sphere, SurfaceInteraction, Torus, TransformedShape, Triangle,
+    CappedQuadric, Cuboid, Disk, InfiniteQuadric, InsideRule, InteractionFlags, Plane, Polygon, Rectangle, Shape,
+    Sphere, SurfaceInteraction, Torus, TransformedShape, Triangle,
 };
 use rt_math::transcendental::{pow, sincos};
 use rt_math::{DVec3, Frame, Interval, Ray, Transform, random};
@@ -39,16 +39,16 @@ fn shapes(scale: f64, offset: f64) -> [Shape; 5] {
 /// Shapes around the y axis that no ray which leaves on the outside hits again.
 fn convex_around_the_axis(scale: f64) -> Vec<Shape> {
     let mut shapes = vec![
-        Shape::InfiniteCylinder(InfiniteCylinder::new(scale).expect("a cylinder")),
+        Shape::InfiniteCylinder(InfiniteQuadric::cylinder(scale).expect("a cylinder")),
         Shape::Disk(Disk::new(scale, 0.3 * scale).expect("a ring")),
         Shape::Rectangle(Rectangle::new(2.0 * scale, scale).expect("a rectangle")),
-        Shape::Cone(Cone::new(scale, 0.01 * scale, false).expect("a flat cone")),
+        Shape::Cone(CappedQuadric::cone(scale, 0.01 * scale, false).expect("a flat cone")),
     ];
     for caps in [true, false] {
         shapes.extend([
-            Shape::Cylinder(Cylinder::new(scale, -scale, scale, caps).expect("a cylinder")),
-            Shape::Cone(Cone::new(scale, 1.5 * scale, caps).expect("a cone")),
-            Shape::Frustum(Frustum::new(0.7 * scale, scale, scale, caps).expect("a frustum")),
+            Shape::Cylinder(CappedQuadric::cylinder(scale, -scale, scale, caps).expect("a cylinder")),
+            Shape::Cone(CappedQuadric::cone(scale, 1.5 * scale, caps).expect("a cone")),
+            Shape::Frustum(CappedQuadric::frustum(0.7 * scale, scale, scale, caps).expect("a frustum")),
         ]);
     }
     shapes
@@ -170,9 +170,7 @@ fn curved(scale: f64) -> Vec<Curved> {
     let larger = Transform::translate(DVec3::NEG_Y * (0.001 * scale)).compose(&larger);
     let convex = convex_around_the_axis(scale).into_iter().map(|shape| {
         let is_closed = match &shape {
-            Shape::Cylinder(cylinder) => cylinder.has_caps(),
-            Shape::Cone(cone) => cone.has_caps(),
-            Shape::Frustum(frustum) => frustum.has_caps(),
+            Shape::Cylinder(quadric) | Shape::Cone(quadric) | Shape::Frustum(quadric) => quadric.has_caps(),
             _ => false,
         };
         let enclosure = is_closed.then(|| TransformedShape::new(shape.clone(), larger));
@@ -183,7 +181,7 @@ fn curved(scale: f64) -> Vec<Curved> {
         let enclosure = TransformedShape::new(torus(minor + 0.001), Transform::IDENTITY);
         Curved { shape: torus(minor), is_convex: false, enclosure: Some(enclosure) }
     });
-    let cone = Shape::DoubleCone(DoubleCone::new(0.7).expect("a cone"));
+    let cone = Shape::DoubleCone(InfiniteQuadric::double_cone(0.7).expect("a cone"));
     convex.chain(tori).chain([Curved { shape: cone, is_convex: false, enclosure: None }]).collect()
 }
 

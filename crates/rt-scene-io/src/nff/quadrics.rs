@@ -1,6 +1,6 @@
 //! Spheres, cylinders and cones.
 
-use rt_geometry::{Cone, Cylinder, Frustum, Shape, ShapeError, Sphere};
+use rt_geometry::{CappedQuadric, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Transform};
 
 use crate::error::{ErrorInLine, LineError};
@@ -59,11 +59,11 @@ pub(super) fn cone(tokens: &mut Tokenizer<'_>, line: usize) -> Result<PlacedShap
 /// The side of a cylinder, cone or frustum with its base in the plane y = 0.
 fn upright(bottom: f64, top: f64, height: f64) -> Result<Shape, ShapeError> {
     Ok(if bottom == top {
-        Shape::Cylinder(Cylinder::new(bottom, 0.0, height, false)?)
+        Shape::Cylinder(CappedQuadric::cylinder(bottom, 0.0, height, false)?)
     } else if top == 0.0 {
-        Shape::Cone(Cone::new(bottom, height, false)?)
+        Shape::Cone(CappedQuadric::cone(bottom, height, false)?)
     } else {
-        Shape::Frustum(Frustum::new(bottom, top, height, false)?)
+        Shape::Frustum(CappedQuadric::frustum(bottom, top, height, false)?)
     })
 }
 

@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use rt_geometry::{Cylinder, Disk, MeshData, Shape, Sphere};
+use rt_geometry::{CappedQuadric, Disk, MeshData, Shape, Sphere};
 use rt_math::{DMat3, DVec3, Transform, Vec3};
 
 use super::file_scope::FileScope;
@@ -95,7 +95,7 @@ fn exact(kind: &str, p: &Parameters, reversed: bool, warnings: &mut Vec<String>)
         }
         _ => {
             let (bottom, top) = (p.float("zmin", -1.0)?, p.float("zmax", 1.0)?);
-            let cylinder = Cylinder::new(radius, bottom.min(top), bottom.max(top), false).in_line(p.line)?;
+            let cylinder = CappedQuadric::cylinder(radius, bottom.min(top), bottom.max(top), false).in_line(p.line)?;
             Ok(PbrtShape::Exact(Shape::Cylinder(cylinder), turned(DVec3::ZERO)))
         }
     }

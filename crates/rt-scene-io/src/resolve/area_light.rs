@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rt_geometry::{Cylinder, Disk, InsideRule, Polygon, Shape, ShapeError, Sphere};
+use rt_geometry::{CappedQuadric, Disk, InsideRule, Polygon, Shape, ShapeError, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Rgb, Transform};
 use rt_shading::light::EmissionSides;
 use rt_shading::{ColorTexture, MaterialModel};
@@ -88,7 +88,7 @@ fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
             let (base, top) = (base?, top?);
             let axis = report.check(format_args!("{path}.top"), direction((top - base).to_array()))?;
             let cylinder = positive(*radius).and_then(|radius| {
-                shape(Cylinder::new(radius, 0.0, (top - base).length(), *caps).map(Shape::Cylinder))
+                shape(CappedQuadric::cylinder(radius, 0.0, (top - base).length(), *caps).map(Shape::Cylinder))
             });
             let cylinder = report.check(format_args!("{path}.radius"), cylinder)?;
             Some((cylinder, upright(report, path, base, axis)?))

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use rt_geometry::{
-    Cone, Cuboid, Cylinder, Disk, DoubleCone, Face, Frustum, InfiniteCylinder, MeshData, Plane, Polygon, PolygonError,
-    Rectangle, Shape, Sphere, Torus, Triangle, TriangleMesh,
+    CappedQuadric, Cuboid, Disk, Face, InfiniteQuadric, MeshData, Plane, Polygon, PolygonError, Rectangle, Shape,
+    Sphere, Torus, Triangle, TriangleMesh,
 };
 use rt_math::{DVec3, Vec3};
 
@@ -32,13 +32,13 @@ pub(super) fn resolve_shape(
         format::Shape::Box { min, max } => Shape::Cuboid(Cuboid::new(point(*min), point(*max))?),
         format::Shape::Plane { point: on, normal } => Shape::Plane(Plane::new(point(*on), point(*normal))?),
         format::Shape::Cylinder { radius, bottom, top, caps } => {
-            Shape::Cylinder(Cylinder::new(*radius, *bottom, *top, *caps)?)
+            Shape::Cylinder(CappedQuadric::cylinder(*radius, *bottom, *top, *caps)?)
         }
-        format::Shape::InfiniteCylinder { radius } => Shape::InfiniteCylinder(InfiniteCylinder::new(*radius)?),
-        format::Shape::DoubleCone { slope } => Shape::DoubleCone(DoubleCone::new(*slope)?),
-        format::Shape::Cone { radius, height, caps } => Shape::Cone(Cone::new(*radius, *height, *caps)?),
+        format::Shape::InfiniteCylinder { radius } => Shape::InfiniteCylinder(InfiniteQuadric::cylinder(*radius)?),
+        format::Shape::DoubleCone { slope } => Shape::DoubleCone(InfiniteQuadric::double_cone(*slope)?),
+        format::Shape::Cone { radius, height, caps } => Shape::Cone(CappedQuadric::cone(*radius, *height, *caps)?),
         format::Shape::Frustum { bottom_radius, top_radius, height, caps } => {
-            Shape::Frustum(Frustum::new(*bottom_radius, *top_radius, *height, *caps)?)
+            Shape::Frustum(CappedQuadric::frustum(*bottom_radius, *top_radius, *height, *caps)?)
         }
         format::Shape::Disk { radius, inner_radius } => Shape::Disk(Disk::new(*radius, *inner_radius)?),
         format::Shape::Rectangle { width, depth } => Shape::Rectangle(Rectangle::new(*width, *depth)?),

@@ -2,7 +2,7 @@
 
 use super::light_sample::{by_solid_angle, density};
 use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
-use rt_geometry::{Cylinder, InteractionFlags, Shape, TransformedShape};
+use rt_geometry::{CappedQuadric, InteractionFlags, Shape, TransformedShape};
 use rt_math::transcendental::{acos, atan2, sincos};
 use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Rgb, Transform, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -52,7 +52,7 @@ impl CylinderLight {
     pub fn new(base: DVec3, top: DVec3, radius: f64, has_caps: bool, emission: Emission) -> Result<Self, LightError> {
         let axis = rt_geometry::Plane::new(base, top - base)?.normal();
         let length = (top - base).dot(axis);
-        let cylinder = Cylinder::new(radius, 0.0, length, has_caps)?;
+        let cylinder = CappedQuadric::cylinder(radius, 0.0, length, has_caps)?;
         let frame = Frame::from_z(axis);
         let world_from_local = Transform::from_linear(DMat3::from_cols(frame.y, frame.z, frame.x), base)?;
         let placed = TransformedShape::new(Shape::Cylinder(cylinder), world_from_local);

@@ -1,6 +1,6 @@
 //! Cylinders and cones, around the y axis.
 
-use rt_geometry::{Cylinder, DoubleCone, InfiniteCylinder, InteractionFlags, ShapeHit};
+use rt_geometry::{CappedQuadric, InfiniteQuadric, InteractionFlags, ShapeHit};
 use rt_math::{DVec3, Interval, Ray, transcendental::sincos};
 use rt_tests::Draw;
 
@@ -57,7 +57,7 @@ fn compare(found: &[f64], expected: &[f64], tolerance: Tolerance, checks: &mut C
 fn far_cylinders(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let mut try_one = |radius: f64, origin: [f64; 3], direction: [f64; 3], expected: [f64; 2]| {
         let ray = Ray::new(cyclic(origin), cyclic(direction));
-        let cylinder = InfiniteCylinder::new(radius)?;
+        let cylinder = InfiniteQuadric::cylinder(radius)?;
         compare(&crossings(|span| cylinder.intersect(&ray, span)), &expected, FOUR_U, checks);
         Ok::<(), rt_geometry::ShapeError>(())
     };
@@ -70,8 +70,8 @@ fn far_cylinders(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
 }
 
 fn along_the_axis(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
-    let [closed, open] = [true, false].map(|caps| Cylinder::new(1.0, 0.0, 2.0, caps));
-    let (closed, open, endless) = (closed?, open?, InfiniteCylinder::new(1.0)?);
+    let [closed, open] = [true, false].map(|caps| CappedQuadric::cylinder(1.0, 0.0, 2.0, caps));
+    let (closed, open, endless) = (closed?, open?, InfiniteQuadric::cylinder(1.0)?);
     for (distance, on_caps) in [(0.0, true), (0.5, true), (1.0, true), (1f64.next_up(), false), (2.0, false)] {
         for zero in [0.0, -0.0] {
             let ray = Ray::new(DVec3::new(distance, -1.0, 0.0), DVec3::new(zero, 1.0, zero));
@@ -87,7 +87,7 @@ fn along_the_axis(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
 
 /// Rays that enter the solid at the rim: however the aim is rounded, the cap or the side is hit within rounding of it.
 fn rim(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
-    let cylinder = Cylinder::new(0.7, -0.3, 1.1, true)?;
+    let cylinder = CappedQuadric::cylinder(0.7, -0.3, 1.1, true)?;
     checks.of_all(conditions.count(50_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(18, index);
         let (sin, cos) = sincos(draw.between(0.0, std::f64::consts::TAU));
@@ -113,7 +113,7 @@ fn cone(
     tolerance: Tolerance,
     checks: &mut Checks,
 ) -> Fallible<()> {
-    let cone = DoubleCone::new(slope)?;
+    let cone = InfiniteQuadric::double_cone(slope)?;
     let ray = Ray::new(cyclic(origin), cyclic(direction));
     compare(&crossings(|span| cone.intersect(&ray, span)), expected, tolerance, checks);
     Ok(())
@@ -121,7 +121,7 @@ fn cone(
 
 /// From exact origins along exact directions, so that the apex is met exactly.
 fn apex(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
-    let cone = DoubleCone::new(1.0)?;
+    let cone = InfiniteQuadric::double_cone(1.0)?;
     for x in -4..=4 {
         for y in -4..=4 {
             for z in -4..=4 {
