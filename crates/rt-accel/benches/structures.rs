@@ -8,36 +8,9 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use rt_accel::{Aabb, Accelerator, Bvh, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray, UniformGrid};
+use rt_accel::{Accelerator, Bvh, DVec3, Interval, Linear, NoProbe, Ray, UniformGrid};
+use rt_geometry::{Sphere, Spheres};
 use rt_math::random::{hash, unit};
-
-struct Spheres(Vec<(DVec3, f64)>);
-
-impl Primitives for Spheres {
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn bounds(&self, index: u32) -> Option<Aabb> {
-        let (centre, radius) = self.0[index as usize];
-        Some(Aabb::new(centre - DVec3::splat(radius), centre + DVec3::splat(radius)))
-    }
-
-    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        let (centre, radius) = self.0[index as usize];
-        let f = ray.origin - centre;
-        let a = ray.direction.length_squared();
-        let b = -f.dot(ray.direction);
-        let discriminant = radius * radius - (f + ray.direction * (b / a)).length_squared();
-        if discriminant < 0.0 {
-            return None;
-        }
-        let q = b + (a * discriminant).sqrt().copysign(b);
-        let (t0, t1) = ((f.length_squared() - radius * radius) / q, q / a);
-        let t = span.first(t0.min(t1), t0.max(t1))?;
-        Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
-    }
-}
 
 fn point(words: [u64; 2]) -> DVec3 {
     let draw = |axis| unit(hash(&[words[0], words[1], axis])) * 2.0 - 1.0;
@@ -46,7 +19,7 @@ fn point(words: [u64; 2]) -> DVec3 {
 
 fn spheres(count: u64) -> Spheres {
     let radius = 0.35 / rt_math::transcendental::cbrt(count as f64);
-    Spheres((0..count).map(|i| (point([1, i]), radius)).collect())
+    Spheres::new((0..count).map(|i| Sphere::new(point([1, i]), radius).expect("a sphere")).collect())
 }
 
 fn rays() -> Vec<Ray> {
@@ -60,7 +33,7 @@ fn rays() -> Vec<Ray> {
 
 fn bench_queries<A: Accelerator>(criterion: &mut Criterion, name: &str, structure: &A, spheres: &Spheres) {
     let rays = rays();
-    let count = spheres.0.len();
+    let count = spheres.as_slice().len();
     for query in ["closest", "occluded"] {
         let mut group = criterion.benchmark_group(query);
         group.throughput(Throughput::Elements(rays.len() as u64));

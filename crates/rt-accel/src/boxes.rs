@@ -29,3 +29,10 @@ impl Primitives for Boxes<'_> {
         PrimitiveGeometry::Box(self.0[index as usize])
     }
 }
+
+/// Row of 100 boxes, 0.5 wide and 1 apart.
+#[cfg(test)]
+pub(crate) fn row() -> Vec<Aabb> {
+    let corners = (0..100).map(|index| glam::DVec3::X * f64::from(index));
+    corners.map(|corner| Aabb::new(corner, corner + 0.5)).collect()
+}

@@ -44,30 +44,12 @@ accelerator_by_partition!(BspTree);
 mod tests {
     use super::*;
     use crate::space_partition::{SplitHeuristic, Task};
-    use crate::{Accelerator, Linear, SphereRegion};
+    use crate::{Accelerator, Boxes, Linear, SphereRegion};
     use core::ops::ControlFlow;
     use glam::DVec3;
     use rt_geometry::{Counters, Hit, NoProbe};
     use rt_math::random::{hash, unit};
-    use rt_math::{Aabb, Interval, Ray, SlabRay};
-
-    /// Boxes that a ray enters and leaves.
-    struct Chests(Vec<Aabb>);
-
-    impl Primitives for Chests {
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            Some(self.0[index as usize])
-        }
-        fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-            let everywhere = Interval::new(f64::NEG_INFINITY, f64::INFINITY);
-            let inside = self.0[index as usize].clip(&SlabRay::new(ray), everywhere)?;
-            let t = span.first(inside.min, inside.max)?;
-            Some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
-        }
-    }
+    use rt_math::{Aabb, Interval, Ray};
 
     /// Splits through or next to some box, in any direction.
     struct Haphazard;
@@ -92,19 +74,17 @@ mod tests {
     fn trees_of_haphazard_planes_equal_brute_force() {
         for (scale, offset) in [(1.0, 0.0), (1e-4, 1e3), (1.0, 1e7), (1e30, 0.0)] {
             let place = |v: DVec3| v * scale + DVec3::new(offset, -0.7 * offset, 0.3 * offset);
-            let chests = Chests(
-                (0..200)
-                    .map(|i| Aabb::from_points([place(vector(i, 0)), place(vector(i, 0) + 0.2 * vector(i, 3))]))
-                    .collect(),
-            );
-            let tree = BspTree(BspPartition::build(&chests, &Haphazard).expect("boxes"));
-            assert_eq!(tree.validate(&chests), Ok(()));
+            let aabb = |i| Aabb::from_points([place(vector(i, 0)), place(vector(i, 0) + 0.2 * vector(i, 3))]);
+            let aabbs: Vec<Aabb> = (0..200).map(aabb).collect();
+            let boxes = Boxes(&aabbs);
+            let tree = BspTree(BspPartition::build(&boxes, &Haphazard).expect("boxes"));
+            assert_eq!(tree.validate(&boxes), Ok(()));
             assert!(tree.build_stats().leaves > 100, "{:?}", tree.build_stats());
-            let linear = Linear::build(&chests).expect("boxes");
+            let linear = Linear::build(&boxes).expect("boxes");
             let (mut counters, mut n_hits) = (Counters::default(), 0u64);
             for i in 0..20_000 {
                 let bits = hash(&[i, 20]);
-                let corner = |k: u64| chests.0[(k % 200) as usize].corners()[(k >> 20) as usize % 8];
+                let corner = |k: u64| aabbs[(k % 200) as usize].corners()[(k >> 20) as usize % 8];
                 let origin = if bits & 1 == 0 { corner(bits >> 8) } else { place(2.0 * vector(i, 21)) };
                 let mut direction = corner(hash(&[i, 22])) - origin;
                 if bits & 6 == 0 {
@@ -112,8 +92,8 @@ mod tests {
                 }
                 let ray = Ray::new(origin, direction);
                 for span in [Interval::FORWARD, Interval::SEGMENT, Interval::new(-2.0, 2.0)] {
-                    let expected = linear.closest(&chests, &ray, span, &mut NoProbe);
-                    let found = tree.closest(&chests, &ray, span, &mut counters);
+                    let expected = linear.closest(&boxes, &ray, span, &mut NoProbe);
+                    let found = tree.closest(&boxes, &ray, span, &mut counters);
                     let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.primitive));
                     assert_eq!(key(found), key(expected), "{ray:?} {span:?}");
                     n_hits += u64::from(expected.is_some());
@@ -126,13 +106,14 @@ mod tests {
 
     #[test]
     fn searches_of_haphazard_planes_find_everything_once() {
-        let chests =
-            Chests((0..300).map(|i| Aabb::from_points([vector(i, 0), vector(i, 0) + 0.3 * vector(i, 3)])).collect());
-        let tree = BspTree(BspPartition::build(&chests, &Haphazard).expect("boxes"));
-        let linear = Linear::build(&chests).expect("boxes");
-        fn found(structure: &impl Accelerator, chests: &Chests, sphere: &SphereRegion) -> Vec<u32> {
+        let aabb = |i| Aabb::from_points([vector(i, 0), vector(i, 0) + 0.3 * vector(i, 3)]);
+        let aabbs: Vec<Aabb> = (0..300).map(aabb).collect();
+        let boxes = Boxes(&aabbs);
+        let tree = BspTree(BspPartition::build(&boxes, &Haphazard).expect("boxes"));
+        let linear = Linear::build(&boxes).expect("boxes");
+        fn found(structure: &impl Accelerator, boxes: &Boxes<'_>, sphere: &SphereRegion) -> Vec<u32> {
             let mut found = Vec::new();
-            structure.visit_overlapping(chests, sphere, |index| {
+            structure.visit_overlapping(boxes, sphere, |index| {
                 found.push(index);
                 ControlFlow::Continue(())
             });
@@ -141,7 +122,7 @@ mod tests {
         }
         for i in 0..2000 {
             let sphere = SphereRegion { centre: vector(i, 9), radius: 0.5 * unit(hash(&[i, 12])) };
-            assert_eq!(found(&tree, &chests, &sphere), found(&linear, &chests, &sphere), "{sphere:?}");
+            assert_eq!(found(&tree, &boxes, &sphere), found(&linear, &boxes, &sphere), "{sphere:?}");
         }
     }
 }

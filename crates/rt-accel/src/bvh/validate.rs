@@ -159,29 +159,15 @@ fn encloses_part(outer: &Aabb32, aabb: &Aabb, cell: &SplitCell, centre: DVec3) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::boxes::{Boxes, row};
     use crate::{Accelerator, bvh::node::BvhNode};
-    use rt_geometry::Hit;
-    use rt_math::{Interval, Ray};
-
-    struct Row;
-
-    impl Primitives for Row {
-        fn len(&self) -> usize {
-            100
-        }
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            Some(Aabb::new(DVec3::X * f64::from(index), DVec3::X * f64::from(index) + 0.5))
-        }
-        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
-            None
-        }
-    }
 
     fn damaged(damage: impl FnOnce(&mut Bvh)) -> Result<(), ValidationError> {
-        let mut bvh = Bvh::build(&Row).expect("bounded");
-        assert_eq!(bvh.validate(&Row), Ok(()));
+        let row = row();
+        let mut bvh = Bvh::build(&Boxes(&row)).expect("bounded");
+        assert_eq!(bvh.validate(&Boxes(&row)), Ok(()));
         damage(&mut bvh);
-        bvh.validate(&Row)
+        bvh.validate(&Boxes(&row))
     }
 
     #[test]

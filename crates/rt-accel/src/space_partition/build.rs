@@ -117,31 +117,15 @@ impl<C: SplitPlane> BspPartition<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Accelerator, BspTree, KdTree};
+    use crate::{Accelerator, Boxes, BspTree, KdTree};
     use glam::DVec3;
-    use rt_geometry::Hit;
     use rt_math::random::{hash, unit};
-    use rt_math::{Interval, Ray};
 
     /// Boxes of many sizes that overlap much.
-    struct Heap(Vec<Aabb>);
-
-    impl Primitives for Heap {
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            Some(self.0[index as usize])
-        }
-        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
-            None
-        }
-    }
-
-    fn heap(count: u64, size: f64) -> Heap {
+    fn heap(count: u64, size: f64) -> Vec<Aabb> {
         let vector = |i, k| DVec3::new(unit(hash(&[i, k])), unit(hash(&[i, k + 1])), unit(hash(&[i, k + 2])));
         let around = |i| (vector(i, 0), vector(i, 3) * size * unit(hash(&[i, 6])));
-        Heap((0..count).map(around).map(|(centre, half)| Aabb::new(centre - half, centre + half)).collect())
+        (0..count).map(around).map(|(centre, half)| Aabb::new(centre - half, centre + half)).collect()
     }
 
     #[test]
@@ -149,8 +133,8 @@ mod tests {
         for (count, size) in [(3000, 0.5), (3000, 0.2), (300, 1.0)] {
             let heap = heap(count, size);
             for stats in [
-                KdTree::build(&heap).expect("boxes").build_stats(),
-                BspTree::build(&heap).expect("boxes").build_stats(),
+                KdTree::build(&Boxes(&heap)).expect("boxes").build_stats(),
+                BspTree::build(&Boxes(&heap)).expect("boxes").build_stats(),
             ] {
                 assert!(
                     (stats.references + stats.nodes) as u64 <= MOST_PER_PRIMITIVE * count + MOST_BESIDES,
@@ -164,7 +148,7 @@ mod tests {
     #[test]
     fn budgets_of_parts_add_up() {
         let heap = heap(1000, 0.1);
-        let boxes = PrimBounds::collect(&heap).expect("boxes");
+        let boxes = PrimBounds::collect(&Boxes(&heap)).expect("boxes");
         let whole = Task::whole(&boxes);
         let (budget, cell) = (whole.budget, whole.cell);
         let plane = crate::kd::SahSplit.find_split(&boxes.bounded, &whole).expect("a cut");

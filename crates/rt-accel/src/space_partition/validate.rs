@@ -75,32 +75,16 @@ mod saved {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::boxes::{Boxes, row};
     use crate::{BspTree, KdTree, traversal::MAX_DEPTH};
-    use glam::DVec3;
-    use rt_geometry::Hit;
-    use rt_math::{Aabb, Interval, Ray};
-
-    /// Row of boxes, 0.5 wide and 1 apart.
-    struct Row;
-
-    impl Primitives for Row {
-        fn len(&self) -> usize {
-            100
-        }
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            Some(Aabb::new(DVec3::X * f64::from(index), DVec3::X * f64::from(index) + 0.5))
-        }
-        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
-            None
-        }
-    }
 
     fn damage_is_found<C: SplitPlane>(good: &BspPartition<C>) {
-        assert_eq!(good.validate(&Row), Ok(()));
+        let row = row();
+        assert_eq!(good.validate(&Boxes(&row)), Ok(()));
         let verdict = |damage: &dyn Fn(&mut BspPartition<C>)| {
             let mut tree = good.clone();
             damage(&mut tree);
-            tree.validate(&Row)
+            tree.validate(&Boxes(&row))
         };
         let is_misplaced = |verdict| matches!(verdict, Err(ValidationError::Misplaced { .. }));
         let root = |tree: &mut BspPartition<C>, number: u32| match &mut tree.nodes[0] {
@@ -137,41 +121,28 @@ mod tests {
 
     #[test]
     fn damage_to_trees_of_both_kinds_is_found() {
-        damage_is_found(&KdTree::build(&Row).expect("boxes").0);
-        damage_is_found(&BspTree::build(&Row).expect("boxes").0);
+        damage_is_found(&KdTree::build(&Boxes(&row())).expect("boxes").0);
+        damage_is_found(&BspTree::build(&Boxes(&row())).expect("boxes").0);
     }
 
     #[test]
     fn cuts_that_are_no_planes_are_found() {
-        let mut tree = KdTree::build(&Row).expect("boxes").0;
+        let mut tree = KdTree::build(&Boxes(&row())).expect("boxes").0;
         let PartitionNode::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
         plane.position = f64::NAN;
-        assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
-        let mut tree = BspTree::build(&Row).expect("boxes").0;
+        assert_eq!(tree.validate(&Boxes(&row())), Err(ValidationError::Node { node: 0 }));
+        let mut tree = BspTree::build(&Boxes(&row())).expect("boxes").0;
         let PartitionNode::Split { plane, .. } = &mut tree.nodes[0] else { panic!("a leaf of all") };
         plane.normal *= 2.0;
-        assert_eq!(tree.validate(&Row), Err(ValidationError::Node { node: 0 }));
+        assert_eq!(tree.validate(&Boxes(&row())), Err(ValidationError::Node { node: 0 }));
     }
 
     #[cfg(feature = "serde")]
     #[test]
     fn what_is_loaded_is_what_was_saved_or_refused() {
-        use rt_geometry::Primitives;
-        struct Nothing;
-        impl Primitives for Nothing {
-            fn len(&self) -> usize {
-                0
-            }
-            fn bounds(&self, _: u32) -> Option<Aabb> {
-                None
-            }
-            fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
-                None
-            }
-        }
-        let kd = KdTree::build(&Row).expect("boxes");
-        let bsp = BspTree::build(&Row).expect("boxes");
-        let empty = KdTree::build(&Nothing).expect("nothing");
+        let kd = KdTree::build(&Boxes(&row())).expect("boxes");
+        let bsp = BspTree::build(&Boxes(&row())).expect("boxes");
+        let empty = KdTree::build(&Boxes(&[])).expect("nothing");
         let text = serde_json::to_string(&(&kd, &bsp, &empty)).expect("plain data");
         assert_eq!(
             serde_json::from_str::<(KdTree, BspTree, KdTree)>(&text).expect("what was saved"),

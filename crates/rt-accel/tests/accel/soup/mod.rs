@@ -3,7 +3,6 @@
 //! The equality of accelerators must hold for any kernel that keeps the contract of `Primitives`, so accuracy does not
 //! matter here.
 
-pub(crate) mod draw;
 pub(crate) mod rays;
 pub(crate) mod structures;
 
@@ -11,7 +10,7 @@ use rt_accel::{Aabb, ClosestPoint, DVec3, Hit, Interval, PrimitiveGeometry, Prim
 use rt_geometry::WatertightRay;
 use rt_math::{SlabRay, Vec3};
 
-use draw::Draw;
+use rt_tests::Draw;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Solid {
