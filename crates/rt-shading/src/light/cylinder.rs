@@ -4,7 +4,7 @@ use super::light_sample::{by_solid_angle, density};
 use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::{CappedQuadric, InteractionFlags, Shape, TransformedShape};
 use rt_math::transcendental::{acos, atan2, sincos};
-use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Rgb, Transform, Vector3};
+use rt_math::{DMat3, DVec3, Frame, Interval, Ray, Transform, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// Cylinder with or without caps, sampled uniformly by its visible area.
@@ -86,12 +86,6 @@ impl CylinderLight {
         self.pdf_of(&self.visible(point), point, on_light, normal)
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples the first point in this
-    /// direction; 0 for a miss.
-    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
-        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point, at.normal))
-    }
-
     /// First hit of a ray from `point` with the light.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let ray = Ray::new(point, direction);
@@ -105,19 +99,9 @@ impl CylinderLight {
         self.point_on(&self.everything(), u)
     }
 
-    /// Radiance against the viewing `direction`, of any length.
-    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.emitted(direction.dot(normal))
-    }
-
-    /// Power of all emissive sides.
-    pub fn power(&self) -> Rgb {
-        self.emission.power(self.area())
-    }
-
     /// Bounds of positions; directions are unrestricted.
     pub fn bounds(&self) -> Option<LightBounds> {
-        Some(LightBounds::all_around(self.placed.bounds()?, self.power()))
+        Some(LightBounds::all_around(self.placed.bounds()?, self.emission.power(self.area())))
     }
 
     fn everything(&self) -> Visible {
@@ -250,18 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_points_and_numbers_give_nothing_and_never_panic() {
-        for light in [cylinder(0.3, true, EmissionSides::Both), cylinder(0.3, false, EmissionSides::Front)] {
-            for point in [DVec3::NAN, DVec3::INFINITY, DVec3::MAX] {
-                assert_eq!((light.sample_li(point, [0.5; 2]), light.pdf_li(point, DVec3::X)), (None, 0.0), "{point}");
-            }
-            for point in [BASE, receiver(1.0, 0.3)[0], receiver(1.0, 3.0)[0]] {
-                for u in [[f64::NAN; 2], [-1.0, 2.0], [1.0; 2], [0.0; 2]] {
-                    assert!(light.sample_li(point, u).is_none_or(|s| s.direction.is_finite()));
-                }
-                assert_eq!(light.pdf_li(point, DVec3::ZERO), 0.0);
-            }
-        }
+    fn odd_numbers_are_refused() {
         let make = |top, radius| CylinderLight::new(DVec3::ZERO, top, radius, true, white(EmissionSides::Front));
         for (top, radius) in [(DVec3::ZERO, 1.0), (DVec3::X, 0.0), (DVec3::NAN, 1.0), (DVec3::X, f64::NAN)] {
             assert!(make(top, radius).is_err());

@@ -3,7 +3,7 @@
 use super::light_sample::{by_solid_angle, density};
 use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_math::transcendental::sincos;
-use rt_math::{Aabb, DVec3, Frame, Rgb, Vector3};
+use rt_math::{Aabb, DVec3, Frame, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// Disk or ring, sampled uniformly by area.
@@ -83,11 +83,6 @@ impl DiskLight {
         density(by_solid_angle(1.0 / self.area, Vector3::from(on_light - point), height))
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
-    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
-        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point))
-    }
-
     /// Hit of a ray from `point` with the light, from either side.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let normal = self.frame.z;
@@ -96,16 +91,6 @@ impl DiskLight {
         let from_centre = (on_plane - self.centre).length();
         let is_inside = (self.inner_radius..=self.radius).contains(&from_centre);
         (t > 0.0 && is_inside).then_some(LightPoint { point: on_plane, normal, triangle: 0 })
-    }
-
-    /// Radiance against the viewing `direction`, of any length.
-    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.emitted(direction.dot(normal))
-    }
-
-    /// Power of all emissive sides.
-    pub fn power(&self) -> Rgb {
-        self.emission.power(self.area)
     }
 
     /// Bounds of positions and directions.
@@ -172,10 +157,8 @@ mod tests {
     fn nothing_comes_from_behind_or_from_the_plane() {
         let front = disk(1.0, 0.0, EmissionSides::Front);
         assert_eq!((front.sample_li(DVec3::NEG_Z, [0.5; 2]), front.pdf_li(DVec3::NEG_Z, DVec3::Z)), (None, 0.0));
-        for point in [DVec3::ZERO, DVec3::X * 4.0, DVec3::NAN, DVec3::INFINITY] {
-            for u in [[0.5; 2], [0.0; 2], [f64::NAN; 2], [2.0, -3.0]] {
-                assert_eq!(disk(1.0, 0.0, EmissionSides::Both).sample_li(point, u), None, "{point}");
-            }
+        for point in [DVec3::ZERO, DVec3::X * 4.0] {
+            assert_eq!(disk(1.0, 0.0, EmissionSides::Both).sample_li(point, [0.5; 2]), None, "{point}");
             assert_eq!(front.pdf_li(point, DVec3::Z), 0.0);
         }
         let make =

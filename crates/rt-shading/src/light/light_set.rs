@@ -139,7 +139,7 @@ impl LightSet {
         let LightId { index, triangle } = light;
         let Some(light) = self.lights.get(index as usize) else { return 0.0 };
         let pdf = match (light, triangle) {
-            (Light::Mesh(mesh), None) => mesh.pdf_li(point, on_light - point),
+            (Light::Mesh(_), None) => light.pdf_li(point, on_light - point),
             (_, triangle) => {
                 let triangle = triangle.unwrap_or_default();
                 light.pdf_li_at(point, &LightPoint { point: on_light, normal: light_normal, triangle })

@@ -127,6 +127,30 @@ impl Light {
         }
     }
 
+    /// Emission of an area light.
+    const fn emission(&self) -> Option<&Emission> {
+        match self {
+            Self::Delta(_) | Self::Environment(_) => None,
+            Self::Quad(light) => Some(light.emission()),
+            Self::Disk(light) => Some(light.emission()),
+            Self::Sphere(light) => Some(light.emission()),
+            Self::Cylinder(light) => Some(light.emission()),
+            Self::Mesh(light) => Some(light.emission()),
+        }
+    }
+
+    /// Area of one side of an area light; 0 of others.
+    fn area(&self) -> f64 {
+        match self {
+            Self::Delta(_) | Self::Environment(_) => 0.0,
+            Self::Quad(light) => light.area(),
+            Self::Disk(light) => light.area(),
+            Self::Sphere(light) => light.area(),
+            Self::Cylinder(light) => light.area(),
+            Self::Mesh(light) => light.area(),
+        }
+    }
+
     /// Samples a direction towards the light from `point`, by two numbers in `[0, 1)`. `None` if no light arrives.
     ///
     /// Delta lights ignore `u`. Their samples contain the irradiance for a BSDF, with the density 1.
@@ -146,13 +170,8 @@ impl Light {
     /// direction. 0 for a direction that misses the light, and for delta lights.
     pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
         match self {
-            Self::Delta(_) => 0.0,
-            Self::Quad(light) => light.pdf_li(point, direction),
-            Self::Disk(light) => light.pdf_li(point, direction),
-            Self::Sphere(light) => light.pdf_li(point, direction),
-            Self::Cylinder(light) => light.pdf_li(point, direction),
-            Self::Mesh(light) => light.pdf_li(point, direction),
             Self::Environment(light) => light.pdf_li(direction),
+            _ => self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, &at)),
         }
     }
 
@@ -186,13 +205,8 @@ impl Light {
     /// the front at the point of an area light; environments ignore it. Black for delta lights.
     pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
         match self {
-            Self::Delta(_) => Rgb::BLACK,
-            Self::Quad(light) => light.le(direction, normal),
-            Self::Disk(light) => light.le(direction, normal),
-            Self::Sphere(light) => light.le(direction, normal),
-            Self::Cylinder(light) => light.le(direction, normal),
-            Self::Mesh(light) => light.le(direction, normal),
             Self::Environment(light) => light.le(direction),
+            _ => self.emission().map_or(Rgb::BLACK, |emission| emission.emitted(direction.dot(normal))),
         }
     }
 
@@ -201,16 +215,16 @@ impl Light {
     ///
     /// Light tracing starts paths of environments nowhere, and those of delta lights from their set of rays: `None` for both.
     pub fn sample_le(&self, u: [f64; 2], side: f64) -> Option<LightLeSample> {
-        let (at, area, emission) = match self {
+        let at = match self {
             Self::Delta(_) | Self::Environment(_) => return None,
-            Self::Quad(light) => (light.sample_area(u), light.area(), light.emission()),
-            Self::Disk(light) => (light.sample_area(u), light.area(), light.emission()),
-            Self::Sphere(light) => (light.sample_area(u), light.area(), light.emission()),
-            Self::Cylinder(light) => (light.sample_area(u), light.area(), light.emission()),
-            Self::Mesh(light) => (light.sample_area(u)?, light.area(), light.emission()),
+            Self::Quad(light) => light.sample_area(u),
+            Self::Disk(light) => light.sample_area(u),
+            Self::Sphere(light) => light.sample_area(u),
+            Self::Cylinder(light) => light.sample_area(u),
+            Self::Mesh(light) => light.sample_area(u)?,
         };
         let extent = self.bounds()?.around().extent().max_element();
-        LightLeSample::of_surface(&at, emission, side, area, extent)
+        LightLeSample::of_surface(&at, self.emission()?, side, self.area(), extent)
     }
 
     /// Power (pbrt: Φ). Light from infinitely far away counts if it enters a bounding sphere of radius `scene_radius`;
@@ -218,12 +232,8 @@ impl Light {
     pub fn power(&self, scene_radius: f64) -> Rgb {
         match self {
             Self::Delta(light) => light.power(scene_radius),
-            Self::Quad(light) => light.power(),
-            Self::Disk(light) => light.power(),
-            Self::Sphere(light) => light.power(),
-            Self::Cylinder(light) => light.power(),
-            Self::Mesh(light) => light.power(),
             Self::Environment(light) => light.power(scene_radius),
+            _ => self.emission().map_or(Rgb::BLACK, |emission| emission.power(self.area())),
         }
     }
 

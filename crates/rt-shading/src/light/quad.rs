@@ -5,7 +5,7 @@ use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::ShapeError;
 use rt_math::float::gamma;
-use rt_math::{Aabb, DVec3, Mask, Real, Rgb, Vector3, transcendental};
+use rt_math::{Aabb, DVec3, Mask, Real, Vector3, transcendental};
 
 /// Greatest deviation from a right angle of a rectangle, in radians.
 const RIGHT_ANGLE: f64 = 1e-12;
@@ -152,11 +152,6 @@ impl QuadLight {
         }
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) samples this direction; 0 for a miss.
-    pub fn pdf_li(&self, point: DVec3, direction: DVec3) -> f64 {
-        self.intersect(point, direction).map_or(0.0, |at| self.pdf_li_at(point, at.point))
-    }
-
     /// Hit of a ray from `point` with the light, from either side.
     pub fn intersect(&self, point: DVec3, direction: DVec3) -> Option<LightPoint> {
         let t = (self.corner - point).dot(self.normal) / direction.dot(self.normal);
@@ -177,16 +172,6 @@ impl QuadLight {
     pub fn sample_area(&self, u: [f64; 2]) -> LightPoint {
         let point = self.corner + self.edges[0] * u[0] + self.edges[1] * u[1];
         LightPoint { point, normal: self.normal, triangle: 0 }
-    }
-
-    /// Radiance against the viewing `direction`, of any length.
-    pub fn le(&self, direction: DVec3, normal: DVec3) -> Rgb {
-        self.emission.emitted(direction.dot(normal))
-    }
-
-    /// Power of all emissive sides.
-    pub fn power(&self) -> Rgb {
-        self.emission.power(self.area)
     }
 
     /// Bounds of positions and directions.

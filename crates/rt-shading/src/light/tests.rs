@@ -45,6 +45,28 @@ fn sides() -> impl Strategy<Value = EmissionSides> {
     prop_oneof![Just(EmissionSides::Front), Just(EmissionSides::Both)]
 }
 
+#[test]
+fn odd_points_and_numbers_give_nothing() {
+    for sides in [EmissionSides::Front, EmissionSides::Both] {
+        let lights = lights(DVec3::Z, DVec3::X, DVec3::Y, 0.5, sides);
+        for light in lights.iter().filter(|light| !light.is_environment()) {
+            for point in [DVec3::NAN, DVec3::INFINITY] {
+                let found = (light.sample_li(point, [0.5; 2]), light.pdf_li(point, DVec3::X));
+                assert_eq!(found, (None, 0.0), "{light:?} from {point}");
+            }
+            for point in [DVec3::ZERO, DVec3::Z, DVec3::X, DVec3::Z * 1.6] {
+                for u in [[f64::NAN; 2], [f64::INFINITY; 2], [-1.0, 2.0], [3.0; 2], [1.0; 2], [0.0; 2]] {
+                    let sample = light.sample_li(point, u);
+                    assert!(sample.is_none_or(|sample| sample.direction.is_finite()), "{light:?}: {sample:?}");
+                }
+                for direction in [DVec3::ZERO, DVec3::NAN] {
+                    assert_eq!(light.pdf_li(point, direction), 0.0, "{light:?} from {point}");
+                }
+            }
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
