@@ -85,7 +85,6 @@ mod obj;
 mod options;
 #[cfg(feature = "pbrt")]
 mod pbrt;
-#[cfg(feature = "format")]
 #[cfg(feature = "ply")]
 mod ply;
 #[cfg(feature = "format")]

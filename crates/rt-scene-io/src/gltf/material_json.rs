@@ -3,37 +3,6 @@
 use gltf::json;
 use serde::Deserialize;
 
-/// A material (glTF 2.0, section 5.19).
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub(super) struct MaterialJson {
-    pub(super) pbr_metallic_roughness: MetallicRoughness,
-    pub(super) normal_texture: Option<TextureInfo>,
-    pub(super) occlusion_texture: Option<TextureInfo>,
-    pub(super) emissive_texture: Option<TextureInfo>,
-    pub(super) emissive_factor: [f32; 3],
-    pub(super) alpha_mode: AlphaMode,
-    pub(super) alpha_cutoff: f32,
-    pub(super) double_sided: bool,
-    pub(super) extensions: Extensions,
-}
-
-impl Default for MaterialJson {
-    fn default() -> Self {
-        Self {
-            pbr_metallic_roughness: MetallicRoughness::default(),
-            normal_texture: None,
-            occlusion_texture: None,
-            emissive_texture: None,
-            emissive_factor: [0.0; 3],
-            alpha_mode: AlphaMode::Opaque,
-            alpha_cutoff: 0.5,
-            double_sided: false,
-            extensions: Extensions::default(),
-        }
-    }
-}
-
 /// A reference to a texture, with the properties of its parent objects.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -60,21 +29,6 @@ const fn one() -> f32 {
 pub(super) struct TextureExtensions {
     #[serde(rename = "KHR_texture_transform")]
     pub(super) transform: Option<TextureTransform>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub(super) struct TextureTransform {
-    pub(super) offset: [f32; 2],
-    pub(super) rotation: f32,
-    pub(super) scale: [f32; 2],
-    pub(super) tex_coord: Option<u32>,
-}
-
-impl Default for TextureTransform {
-    fn default() -> Self {
-        Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], tex_coord: None }
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -106,6 +60,24 @@ macro_rules! objects {
 }
 
 objects! {
+    /// A material (glTF 2.0, section 5.19).
+    MaterialJson {
+        pbr_metallic_roughness: MetallicRoughness = MetallicRoughness::default(),
+        normal_texture: Option<TextureInfo> = None,
+        occlusion_texture: Option<TextureInfo> = None,
+        emissive_texture: Option<TextureInfo> = None,
+        emissive_factor: [f32; 3] = [0.0; 3],
+        alpha_mode: AlphaMode = AlphaMode::Opaque,
+        alpha_cutoff: f32 = 0.5,
+        double_sided: bool = false,
+        extensions: Extensions = Extensions::default(),
+    }
+    TextureTransform {
+        offset: [f32; 2] = [0.0; 2],
+        rotation: f32 = 0.0,
+        scale: [f32; 2] = [1.0; 2],
+        tex_coord: Option<u32> = None,
+    }
     MetallicRoughness {
         base_color_factor: [f32; 4] = [1.0; 4],
         base_color_texture: Option<TextureInfo> = None,

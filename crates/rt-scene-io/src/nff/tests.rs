@@ -136,13 +136,3 @@ fn line_ends_marks_and_encodings_do_not_matter() {
     let latin = [b"# caf\xe9\n", text.as_bytes()].concat();
     assert!(load_bytes(&latin, Path::new("m.nff")).is_ok());
 }
-
-#[test]
-fn cut_files_never_panic() {
-    let text = format!(
-        "{HEAD}l 1 2 3 1 1 1\n{FILL}s 0 0 0 1\nc 0 0 0 1 0 1 0 0\np 4 0 0 0 1 0 0 1 1 0 0 1 0\npp 3 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1\n"
-    );
-    for length in 0..text.len() {
-        let _ = load_text(&text[..length]);
-    }
-}

@@ -1,6 +1,5 @@
 use super::*;
 use crate::{Content, SceneNode};
-use proptest::prelude::*;
 use rt_camera::{FovAxis, Projection};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Rgb, Transform};
@@ -408,19 +407,5 @@ fn files_of_nothing_but_mistakes_end_early() {
 fn cut_files_never_panic() {
     for length in (0..SCENE.len()).filter(|length| SCENE.is_char_boundary(*length)) {
         let _ = load(&SCENE[..length]);
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
-    #[test]
-    fn changed_files_never_panic(changes in prop::collection::vec((0..SCENE.len(), "[ -~\n]"), 1..6)) {
-        let mut text = SCENE.to_owned();
-        for (at, with) in changes {
-            if text.is_char_boundary(at) && text.is_char_boundary(at + 1) {
-                text.replace_range(at..at + 1, &with);
-            }
-        }
-        let _ = load(&text);
     }
 }

@@ -23,6 +23,9 @@ const IMAGES: [&str; 4] = ["png", "jpg", "hdr", "exr"];
 /// Longer files teach little and take long.
 const LONGEST: u64 = 50_000;
 
+/// Files up to this size are cut at every length.
+const SHORT: usize = 300;
+
 /// An answer may take that long on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -115,11 +118,12 @@ impl<'a> Damaged<'a> {
         Self { file, bytes: fs::read(file).unwrap(), folder, loaded }
     }
 
-    /// Loads the file cut off at many lengths: everywhere near its ends, here and there in between.
+    /// Loads the file cut off at many lengths: everywhere in a short file or near the ends, here and there in between.
     fn truncate(&self) -> usize {
         let count = self.bytes.len();
         let ends = (0..count.min(12)).chain(count.saturating_sub(12)..count);
-        let lengths: Vec<usize> = ends.chain((0..count).step_by((count / 12).max(1))).collect();
+        let step = if count <= SHORT { 1 } else { count / 12 };
+        let lengths: Vec<usize> = ends.chain((0..count).step_by(step)).collect();
         for &length in &lengths {
             self.load(&self.bytes[..length], &format!("cut at {length}"));
         }
