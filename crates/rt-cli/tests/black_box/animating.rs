@@ -13,9 +13,7 @@ const FLIGHT: &str = "(
 )";
 
 fn flight() -> Workplace {
-    let place = Workplace::new();
-    place.write("flight.ron", FLIGHT);
-    place
+    Workplace::with("flight.ron", FLIGHT)
 }
 
 #[test]
@@ -97,9 +95,9 @@ fn names_that_frames_would_share_are_refused() {
 
 #[test]
 fn a_frame_that_fails_is_named_and_those_before_it_are_kept() {
-    let place = Workplace::new();
     // It flies through what it looks at.
-    place.write("a.ron", FLIGHT.replace("(1, 0.5, 6)", "(0, 0, -6)").replace("interpolation: smooth,", ""));
+    let place =
+        Workplace::with("a.ron", FLIGHT.replace("(1, 0.5, 6)", "(0, 0, -6)").replace("interpolation: smooth,", ""));
     place.fails(
         3,
         "render a.ron --frames 0..3 --fps 4 -o #.png",

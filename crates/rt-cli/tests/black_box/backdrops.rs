@@ -6,8 +6,7 @@ use crate::program::Workplace;
 
 /// A grey ball, lit by a sky that is bright above and dark below.
 fn place() -> Workplace {
-    let place = Workplace::new();
-    place.write(
+    let place = Workplace::with(
         "ball.ron",
         "(camera: (look_from: (0, 0, 5), fov: 40), film: (size: (33, 33)), settings: (spp: 16), lights: [],
           materials: {\"grey\": phong(color: gray(0.5))}, nodes: [(shape: sphere(), material: \"grey\")])",

@@ -8,8 +8,7 @@ use crate::program::{SCENE, Workplace};
 fn messages(code: i32, cases: &[(&str, &str, &str)]) -> String {
     let mut said = String::new();
     for (case, scene, arguments) in cases {
-        let place = Workplace::new();
-        place.write("scene.ron", scene);
+        let place = Workplace::with("scene.ron", scene);
         place.write("older.png", "older");
         place.write("locked.png", "locked");
         lock(&place.path("locked.png"));
@@ -85,8 +84,7 @@ fn unwritable_output_ends_with_code_4() {
 
 #[test]
 fn files_that_the_scene_refers_to_are_not_overwritten() {
-    let place = Workplace::new();
-    place.write("ball.ron", GOOD);
+    let place = Workplace::with("ball.ron", GOOD);
     place.succeed("render ball.ron -o wood.png");
     let before = place.read("wood.png");
     // By default the image would be named like the texture.
@@ -148,9 +146,8 @@ fn wrong_usage_ends_with_code_2() {
 
 #[test]
 fn warnings_are_errors_under_strict() {
-    let place = Workplace::new();
     // The second face has a corner twice, and is left out.
-    place.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n");
+    let place = Workplace::with("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n");
     let lenient = place.succeed("render m.obj --size 8x8");
     assert!(lenient.stderr.starts_with("warning: m.obj"), "{lenient:?}");
     place.fails(3, "render m.obj --size 8x8 --strict -o strict.png", "error: m.obj: 1 warning; fix the scene");

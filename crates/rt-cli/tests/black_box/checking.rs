@@ -39,8 +39,7 @@ fn report(place: &Workplace, arguments: &str) -> Value {
 
 #[test]
 fn a_sick_scene_is_reported_as_text() {
-    let place = Workplace::new();
-    place.write("sick.ron", SICK);
+    let place = Workplace::with("sick.ron", SICK);
     let Run { stdout, stderr, .. } = place.succeed("check sick.ron");
     assert_eq!(stderr, "");
     insta::assert_snapshot!("sick_text", stdout);
@@ -48,8 +47,7 @@ fn a_sick_scene_is_reported_as_text() {
 
 #[test]
 fn a_sick_scene_is_reported_as_json() {
-    let place = Workplace::new();
-    place.write("sick.ron", SICK);
+    let place = Workplace::with("sick.ron", SICK);
     let mut report = report(&place, "sick.ron");
     assert_eq!(report["version"].take(), json!(env!("CARGO_PKG_VERSION")));
     insta::assert_snapshot!("sick_json", serde_json::to_string_pretty(&report).expect("JSON"));
@@ -71,8 +69,7 @@ fn only_strict_reports_fail() {
 
 #[test]
 fn repairs_of_the_loader_are_found() {
-    let place = Workplace::new();
-    place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+    let place = Workplace::with("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
     let report = report(&place, "flat.obj");
     let findings = report["findings"].as_array().expect("a list");
     let fixed = findings.iter().find(|finding| finding["kind"] == "load-warning").expect("it is listed");

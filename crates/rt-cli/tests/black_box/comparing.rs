@@ -48,8 +48,7 @@ fn equal_images_are_equal_whatever_the_file() {
 
 #[test]
 fn cut_out_images_equal_their_radiance() {
-    let place = Workplace::new();
-    place.write("ball.ron", "(film: (size: (24, 16)), nodes: [(shape: sphere())])");
+    let place = Workplace::with("ball.ron", "(film: (size: (24, 16)), nodes: [(shape: sphere())])");
     for name in ["p.exr", "p.png"] {
         place.succeed(&format!("render ball.ron --background transparent -o {name}"));
     }

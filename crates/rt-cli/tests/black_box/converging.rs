@@ -32,9 +32,7 @@ const HALF: &str = r#"(
 )"#;
 
 fn place() -> Workplace {
-    let place = Workplace::new();
-    place.write("edge.ron", SCENE);
-    place
+    Workplace::with("edge.ron", SCENE)
 }
 
 /// JSON report of a successful run.
@@ -105,8 +103,7 @@ fn the_page_is_self_contained_and_all_files_are_written() {
 
 #[test]
 fn a_truth_is_measured_against() {
-    let place = Workplace::new();
-    place.write("half.ron", HALF);
+    let place = Workplace::with("half.ron", HALF);
     let report = json(&place, "half.ron --vary sampler=random,sobol --spp 4,64 --seeds 16 --quiet");
     assert_eq!((&report["against"], &report["floor"]), (&Value::from("truth"), &Value::Null));
     for method in report["methods"].as_array().expect("a list") {

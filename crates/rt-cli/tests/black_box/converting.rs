@@ -5,8 +5,7 @@ use crate::program::Workplace;
 const MODEL: &str = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0.5\nusemtl red\nf 1 2 3\nf 1 3 4\n";
 
 fn place_with_model() -> Workplace {
-    let place = Workplace::new();
-    place.write("m.obj", MODEL);
+    let place = Workplace::with("m.obj", MODEL);
     place.write("m.mtl", "newmtl red\nKd 0.8 0.1 0.1\n");
     place
 }

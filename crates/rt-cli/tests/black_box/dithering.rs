@@ -12,9 +12,7 @@ const SKY: &str = "(
 )";
 
 fn sky() -> Workplace {
-    let place = Workplace::new();
-    place.write("sky.ron", SKY);
-    place
+    Workplace::with("sky.ron", SKY)
 }
 
 #[test]

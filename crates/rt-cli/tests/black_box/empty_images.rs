@@ -3,8 +3,7 @@
 use crate::program::{Run, Workplace};
 
 fn render(scene: &str, options: &str) -> Run {
-    let place = Workplace::new();
-    place.write("a.ron", scene);
+    let place = Workplace::with("a.ron", scene);
     let run = place.run(&format!("render a.ron -o a.png --size 16x12 {options}"));
     assert!(place.path("a.png").exists() || run.code != Some(0), "{run:?}");
     run
@@ -83,8 +82,7 @@ fn a_black_image_of_a_lit_scene_is_reported() {
 
 #[test]
 fn a_background_lights_nothing_under_whitted() {
-    let place = Workplace::new();
-    place.write("scene.ron", "(background: constant(0.5), lights: [], nodes: [(shape: sphere())])");
+    let place = Workplace::with("scene.ron", "(background: constant(0.5), lights: [], nodes: [(shape: sphere())])");
     let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator whitted");
     assert!(run.stderr.contains("light"), "{run:?}");
     let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator path");

@@ -31,8 +31,7 @@ fn open_image_io_reads_names_values_and_attributes() {
     if Command::new("oiiotool").arg("--help").output().is_err() {
         return skip("oiiotool is not installed (Debian's openimageio-tools)");
     }
-    let place = Workplace::new();
-    place.write(
+    let place = Workplace::with(
         "s.ron",
         "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0)), film: (size: (9, 9)),
           materials: {\"red\": diffuse(albedo: (0.75, 0.25, 0))},
@@ -61,8 +60,7 @@ fn open_image_io_reads_names_values_and_attributes() {
 
 #[test]
 fn scenes_and_cameras_have_names_in_any_script() {
-    let place = Workplace::new();
-    place.write(
+    let place = Workplace::with(
         "日本.ron",
         "(cameras: [(name: \"カメラ\", look_from: (0, 0, 5))], film: (size: (8, 8)), nodes: [(shape: sphere())])",
     );
@@ -72,8 +70,7 @@ fn scenes_and_cameras_have_names_in_any_script() {
 
 #[test]
 fn layers_take_as_many_samples_as_a_render_that_stops_by_itself() {
-    let place = Workplace::new();
-    place.write(
+    let place = Workplace::with(
         "s.ron",
         "(camera: (look_from: (0, 0, 5)), film: (size: (9, 9)), settings: (spp: 1), nodes: [(shape: sphere())])",
     );

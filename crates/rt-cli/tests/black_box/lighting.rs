@@ -93,8 +93,7 @@ fn notes(run: &Run, of: &str) -> Vec<String> {
 
 #[test]
 fn gltf_lights_have_physical_units() {
-    let place = Workplace::new();
-    place.write("m.gltf", lit_floor(WHITE, r#""KHR_materials_specular""#));
+    let place = Workplace::with("m.gltf", lit_floor(WHITE, r#""KHR_materials_specular""#));
     for integrator in LIGHT_TRANSPORT {
         let arguments = format!("m.gltf --size 4x4 --spp 4 --integrator {integrator}");
         let seen = mean(&place, &arguments).r;
@@ -109,8 +108,7 @@ fn gltf_lights_have_physical_units() {
 
 #[test]
 fn environment_images_replace_studio_lights() {
-    let place = Workplace::new();
-    place.write("m.gltf", unlit_floor(WHITE));
+    let place = Workplace::with("m.gltf", unlit_floor(WHITE));
     place.write("m.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n");
     place.write("sky.hdr", sky([128, 64, 32, 128]));
     for model in ["m.gltf", "m.obj"] {
@@ -150,8 +148,7 @@ fn emissive_objects_and_backgrounds_are_lights_of_a_scene() {
 
 #[test]
 fn a_white_surface_shows_its_albedo_under_every_integrator() {
-    let place = Workplace::new();
-    place.write("m.obj", sphere_obj());
+    let place = Workplace::with("m.obj", sphere_obj());
     let matte = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.8, 0.8, 1], "metallicFactor": 0, "roughnessFactor": 1}}"#;
     let wall = unlit_floor(matte).replace("\"mesh\": 0}", "\"mesh\": 0, \"rotation\": [0.70710678, 0, 0, 0.70710678]}");
     place.write("wall.gltf", wall.replace(CAMERA, r#"{"camera": 0, "translation": [0, 0, 5]}"#));
@@ -183,8 +180,7 @@ fn a_white_surface_shows_its_albedo_under_every_integrator() {
 
 #[test]
 fn bare_models_of_physical_materials_are_path_traced() {
-    let place = Workplace::new();
-    place.write("m.gltf", unlit_floor(WHITE));
+    let place = Workplace::with("m.gltf", unlit_floor(WHITE));
     place.write("pbr.obj", "mtllib pbr.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
     place.write("pbr.mtl", "newmtl m\nKd 0.8 0.8 0.8\nPr 0.5\nPm 1\n");
     place.write("phong.obj", "mtllib phong.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
@@ -227,8 +223,7 @@ fn convert_keeps_physical_materials() {
 
 #[test]
 fn exposure_suits_the_lights() {
-    let place = Workplace::new();
-    place.write("m.gltf", lit_floor(WHITE, r#""KHR_materials_specular""#));
+    let place = Workplace::with("m.gltf", lit_floor(WHITE, r#""KHR_materials_specular""#));
     place.write("sky.hdr", sky([128, 64, 32, 128]));
     let run = place.succeed("render m.gltf --size 8x8 --spp 1 -o out.png");
     assert_eq!(notes(&run, "lx; exposure").len(), 1, "{run:?}");
@@ -265,8 +260,7 @@ fn suns_without_shadows_reach_absorbing_water() {
 
 #[test]
 fn layered_materials_are_lit_once_under_distributed() {
-    let place = Workplace::new();
-    place.write("floor.gltf", unlit_floor(WHITE));
+    let place = Workplace::with("floor.gltf", unlit_floor(WHITE));
     for integrator in ["path", "direct", "distributed"] {
         let options = format!("--integrator {integrator} --background white --size 8x8 --spp 64");
         let seen = mean(&place, &format!("floor.gltf {options}")).g;
@@ -276,8 +270,7 @@ fn layered_materials_are_lit_once_under_distributed() {
 
 #[test]
 fn environment_images_replace_ambient_light_under_distributed() {
-    let place = Workplace::new();
-    place.write("sky.hdr", sky([128, 128, 128, 129]));
+    let place = Workplace::with("sky.hdr", sky([128, 128, 128, 129]));
     let scene = r#"(
         camera: (look_from: (0, 3, 0), look_at: (0, 0, 0), up: (0, 0, -1), orthographic: 1),
         background: image(file: "sky.hdr"),

@@ -78,20 +78,24 @@ impl Workplace {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
+    /// Directory with this file.
+    pub(crate) fn with(name: &str, content: impl AsRef<[u8]>) -> Self {
+        let place = Self::new();
+        place.write(name, content);
+        place
+    }
+
     /// Directory with [`SCENE`] as `scene.ron`.
     pub(crate) fn with_scene() -> Self {
-        let place = Self::new();
-        place.write("scene.ron", SCENE);
-        place
+        Self::with("scene.ron", SCENE)
     }
 
     /// Directory with [`ANIMATED`] as `m.gltf`.
     pub(crate) fn with_animated_model() -> Self {
-        let place = Self::new();
+        let place = Self::with("m.gltf", ANIMATED);
         // Three points, two times, and two places.
         let numbers: [f32; 17] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.5, 0., 0., 0., 1., 0., 0.];
         place.write("m.bin", numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>());
-        place.write("m.gltf", ANIMATED);
         place
     }
 

@@ -4,8 +4,7 @@ use crate::program::{SCENE, Workplace};
 
 #[test]
 fn three_lines_are_a_scene() {
-    let place = Workplace::new();
-    place.write("ball.ron", "(nodes: [\n    (shape: sphere()),\n])");
+    let place = Workplace::with("ball.ron", "(nodes: [\n    (shape: sphere()),\n])");
     let run = place.succeed("render ball.ron");
     assert!(run.stdout.contains("wrote ball.png (640x480, "), "{run:?}");
     assert_eq!(place.files(), ["ball.png", "ball.ron"]);
@@ -104,8 +103,7 @@ fn rounded_samples_are_announced() {
 
 #[test]
 fn a_transparent_background_becomes_alpha() {
-    let place = Workplace::new();
-    place.write("ball.ron", "(camera: (look_from: (0, 0, 5), fov: 40), nodes: [(shape: sphere())])");
+    let place = Workplace::with("ball.ron", "(camera: (look_from: (0, 0, 5), fov: 40), nodes: [(shape: sphere())])");
     place.succeed("render ball.ron --size 33x33 --background transparent");
     let film = place.film("ball.png");
     let alpha = film.alpha().expect("an alpha channel");

@@ -32,8 +32,7 @@ fn parts_in_any_order_make_the_image_of_one_run() {
 
 #[test]
 fn parts_are_developed_as_the_scene_or_the_options_of_merge_say() {
-    let place = Workplace::new();
-    place.write(
+    let place = Workplace::with(
         "scene.ron",
         crate::program::SCENE.replace("size: (48, 32)", "size: (48, 32), exposure: 1.5, tone: reinhard"),
     );

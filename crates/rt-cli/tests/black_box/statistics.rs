@@ -42,8 +42,7 @@ fn the_file_has_this_shape() {
 
 #[test]
 fn brute_force_tests_every_ray_against_every_primitive() {
-    let place = Workplace::new();
-    place.write(
+    let place = Workplace::with(
         "scene.ron",
         "(film: (size: (20, 10)), settings: (spp: 4), nodes: [
             (shape: sphere()), (shape: sphere(center: (3, 0, 0))), (shape: sphere(center: (0, 3, 0))),

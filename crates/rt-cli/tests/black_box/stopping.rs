@@ -91,8 +91,7 @@ fn statistics_are_two_lines_unless_verbose() {
 
 #[test]
 fn clamping_is_said_to_be_biased_and_counted() {
-    let place = Workplace::new();
-    place.write("room.ron", INTERIOR);
+    let place = Workplace::with("room.ron", INTERIOR);
     let run = place.succeed("render room.ron --clamp 0.02 --stats stats.json");
     assert!(run.stdout.contains("; biased: clamping to 0.02 reduced "), "{run:?}");
     let clamping = &place.json("stats.json")["clamping"];

@@ -49,8 +49,7 @@ impl Drop for ViewServer {
 impl ViewServer {
     /// Views a scene that the folder gets as `scene.ron`.
     pub(crate) fn start(scene: &str, options: &str) -> Self {
-        let place = Workplace::new();
-        place.write("scene.ron", scene);
+        let place = Workplace::with("scene.ron", scene);
         Self::start_in(place, &format!("scene.ron {options}"))
     }
 

@@ -297,8 +297,7 @@ fn an_interrupt_ends_the_program() {
 #[test]
 #[cfg(target_os = "linux")]
 fn an_interrupt_ends_a_program_whose_parent_ignores_interrupts() {
-    let place = Workplace::new();
-    place.write("scene.ron", SPHERES);
+    let place = Workplace::with("scene.ron", SPHERES);
     let mut command = Command::new("env");
     command.arg("--ignore-signal=INT").arg(env!("CARGO_BIN_EXE_rt-cli")).current_dir(place.path("."));
     command.args("view scene.ron --no-open --spp 1000000 --integrator path".split(' '));

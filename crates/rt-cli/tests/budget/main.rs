@@ -138,8 +138,7 @@ fn models_of_ten_million_triangles_are_refused_by_their_size() {
 
 #[test]
 fn textures_are_refused_by_their_header() {
-    let place = Workplace::new();
-    place.write("large.hdr", image_of(3000, 2000, 20_000));
+    let place = Workplace::with("large.hdr", image_of(3000, 2000, 20_000));
     place.write("small.hdr", image_of(100, 100, 4 * 100 * 100));
     let scene = r#"(
         camera: (look_from: (0, 0, 5), look_at: (0, 0, 0), fov: 40),
@@ -161,8 +160,7 @@ fn textures_are_refused_by_their_header() {
 
 #[test]
 fn images_to_compare_or_develop_are_refused_by_their_header() {
-    let place = Workplace::new();
-    place.write("large.hdr", image_of(3000, 2000, 20_000));
+    let place = Workplace::with("large.hdr", image_of(3000, 2000, 20_000));
     place.write("small.hdr", image_of(100, 100, 4 * 100 * 100));
     let said = refused(&place, "develop large.hdr -o a.png --memory 100M");
     assert!(said.contains("large.hdr: needs ") && said.contains("95.4 MiB"), "{said}");

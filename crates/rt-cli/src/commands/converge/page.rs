@@ -5,10 +5,7 @@ use base64::prelude::BASE64_STANDARD;
 use rt_image::metrics::{ColourScale, ErrorMap, heat_map};
 use rt_image::{Development, Image, ImageFormat, write_image};
 
-use super::reference::Reference;
-use super::run_info::RunInfo;
-use super::runner::Experiment;
-use super::summary::Summary;
+use super::report::Report;
 use super::table::{self, TextTable};
 
 /// Quantile of the errors at the end of the color scale.
@@ -53,39 +50,25 @@ const SCRIPT: &str = "
   show();
 ";
 
-#[derive(Debug)]
-pub(super) struct Page<'a> {
-    pub(super) info: &'a RunInfo,
-    pub(super) experiment: &'a Experiment,
-    pub(super) summary: &'a Summary,
-    pub(super) reference: &'a Reference,
-    /// Tone mapping of the images.
-    pub(super) development: Development,
-    /// Plot as SVG, if there is one.
-    pub(super) plot: Option<&'a str>,
-    pub(super) notes: &'a [String],
-}
-
-impl Page<'_> {
-    pub(super) fn html(&self) -> Result<String, String> {
-        let info = self.info;
-        let title = format!("{}: error against run time", info.scene);
+impl Report<'_> {
+    /// The page, with the plot as SVG if there is one.
+    pub(super) fn html(&self, plot: Option<&str>) -> Result<String, String> {
         let mut page = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>{STYLE}</style>\n<h1>{0}</h1>\n",
-            escape(&title)
+            escape(&self.title())
         );
         // Inline SVG needs no name space.
-        let plot = self.plot.unwrap_or("<p>No measurement is above the error of the reference.</p>");
+        let plot = plot.unwrap_or("<p>No measurement is above the error of the reference.</p>");
         page.push_str(&plot.replace(" xmlns=\"http://www.w3.org/2000/svg\"", ""));
-        page.push_str(&html_table(&table::methods(self.summary)));
-        page.push_str(&html_table(&table::points(self.summary, self.reference.image().is_some())));
-        for note in self.notes {
-            page.push_str(&format!("<p>{}</p>\n", escape(note)));
+        page.push_str(&html_table(&table::methods(&self.summary)));
+        page.push_str(&html_table(&table::points(&self.summary, self.reference.image().is_some())));
+        for note in self.notes() {
+            page.push_str(&format!("<p>{}</p>\n", escape(&note)));
         }
         page.push_str(&self.slider());
         page.push_str(&self.images()?);
         page.push_str(&self.error_maps()?);
-        page.push_str(&format!("<h2>Measured on</h2>\n<p>{}</p>\n", escape(&info.machine.line())));
+        page.push_str(&format!("<h2>Measured on</h2>\n<p>{}</p>\n", escape(&self.info.machine.line())));
         page.push_str(&format!("<script>{SCRIPT}</script>\n</html>\n"));
         Ok(page)
     }

@@ -8,7 +8,6 @@ use rt_image::{Development, ImageFormat, write_image};
 use rt_scene_io::Scene;
 use serde::Serialize;
 
-use super::page::Page;
 use super::plot::Plot;
 use super::reference::Reference;
 use super::run_info::{RunInfo, machine};
@@ -63,11 +62,12 @@ pub(super) struct Setting<'a> {
 
 #[derive(Debug)]
 pub(super) struct Report<'a> {
-    info: RunInfo,
-    experiment: &'a Experiment,
-    summary: Summary,
-    reference: &'a Reference,
-    development: Development,
+    pub(super) info: RunInfo,
+    pub(super) experiment: &'a Experiment,
+    pub(super) summary: Summary,
+    pub(super) reference: &'a Reference,
+    /// Tone mapping of the images.
+    pub(super) development: Development,
 }
 
 impl<'a> Report<'a> {
@@ -107,7 +107,11 @@ impl<'a> Report<'a> {
         lines.join("\n")
     }
 
-    fn notes(&self) -> Vec<String> {
+    pub(super) fn title(&self) -> String {
+        format!("{}: error against run time", self.info.scene)
+    }
+
+    pub(super) fn notes(&self) -> Vec<String> {
         let RunInfo { against, measured_against, floor, seeds, threads, width, height, left_out, .. } = &self.info;
         let mut notes = vec![format!("measured against ({against}) {measured_against}")];
         if let Some(floor) = floor {
@@ -134,22 +138,11 @@ impl<'a> Report<'a> {
     }
 
     pub(super) fn write(&self, outputs: &Outputs) -> Result<(), CliError> {
-        let title = format!("{}: error against run time", self.info.scene);
-        let plot = Plot::new(title, &self.summary, self.info.floor);
+        let plot = Plot::new(self.title(), &self.summary, self.info.floor);
         let failed = |reason| OutputError::Write { path: outputs.folder.clone(), reason };
         let svg = plot.as_ref().map(Plot::svg).transpose().map_err(failed)?;
         let film = plot.as_ref().map(Plot::film).transpose().map_err(failed)?;
-        let notes = self.notes();
-        let page = Page {
-            info: &self.info,
-            experiment: self.experiment,
-            summary: &self.summary,
-            reference: self.reference,
-            development: self.development,
-            plot: svg.as_deref(),
-            notes: &notes,
-        };
-        let html = page.html().map_err(failed)?;
+        let html = self.html(svg.as_deref()).map_err(failed)?;
         let csv = csv(&self.info, &self.summary).map_err(failed)?;
         let json = JsonFile { info: &self.info, summary: &self.summary };
         outputs.csv.write(|file| file.write_all(&csv))?;
