@@ -72,11 +72,6 @@ impl Draw {
         Frame::from_z(normal).from_local(DVec3::new(ring * cos, ring * sin, cosine))
     }
 
-    /// The seed of this run: the one given in the environment variable `RT_SEED`, or a fixed one.
-    pub fn run_seed() -> u64 {
-        std::env::var("RT_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(20_240_229)
-    }
-
     /// `x` or a number next to it.
     pub fn neighbour(&mut self, x: f64) -> f64 {
         match self.below(4) {

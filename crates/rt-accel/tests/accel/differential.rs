@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::{
@@ -9,7 +10,6 @@ use rt_accel::{
     NoProbe, Primitives, Ray, SphereTree, SplitMethod, UniformGrid, WideBvh, brute_force,
     wide::{BuildParams, Quality, SimdLevel},
 };
-use rt_tests::Draw;
 
 /// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
 fn n_rays() -> usize {

@@ -50,7 +50,7 @@ fn odd_points_and_numbers_give_nothing() {
     for sides in [EmissionSides::Front, EmissionSides::Both] {
         let lights = lights(DVec3::Z, DVec3::X, DVec3::Y, 0.5, sides);
         for light in lights.iter().filter(|light| !light.is_environment()) {
-            for point in [DVec3::NAN, DVec3::INFINITY] {
+            for point in [DVec3::NAN, DVec3::INFINITY, DVec3::MAX] {
                 let found = (light.sample_li(point, [0.5; 2]), light.pdf_li(point, DVec3::X));
                 assert_eq!(found, (None, 0.0), "{light:?} from {point}");
             }

@@ -9,8 +9,8 @@ use rt_accel::{
 };
 
 use super::{bundles, key, levels, with_odd_ones};
+use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup};
-use rt_tests::Draw;
 
 /// A set with instances, with primitives that cast no shadow, and with hits that carry instance ids.
 struct Yard<'t, T> {

@@ -1,10 +1,10 @@
 //! Batches give the results of single queries: for coherent bundles, incoherent rays and mixes, in small and large trees.
 
+use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
 use rt_accel::{Aabb, DVec3, Hit, Interval, Ray};
-use rt_tests::Draw;
 
 /// Traces a batch for closest and any hits: of trees and of small sets, which share no trait.
 macro_rules! trace_batch {

@@ -10,8 +10,8 @@ use rt_accel::{
 use rt_math::Vec3;
 
 use super::{bundles, key, levels, with_odd_ones};
+use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup};
-use rt_tests::Draw;
 
 /// Bit-identical results, and equal counters.
 #[test]

@@ -5,8 +5,8 @@ use rt_geometry::{InteractionFlags, Probe, ShapeHit, Triangle};
 use rt_math::Vec3;
 
 use super::{bundles, key, levels, with_odd_ones};
+use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup};
-use rt_tests::Draw;
 
 /// Counts the nodes of rays that the list of triangles leaves open, and of coherent packets.
 #[derive(Default)]

@@ -4,8 +4,8 @@ use rt_accel::{Accelerator, Counters, DVec3, Interval, NoProbe, Ray, SphereKerne
 use rt_math::Vec3;
 
 use super::{bundles, key, levels};
+use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup, sheet};
-use rt_tests::Draw;
 
 /// Compares batches of all sizes with single queries.
 fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {

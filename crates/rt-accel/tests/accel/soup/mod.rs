@@ -3,6 +3,7 @@
 //! The equality of accelerators must hold for any kernel that keeps the contract of `Primitives`, so accuracy does not
 //! matter here.
 
+pub(crate) mod draw;
 pub(crate) mod rays;
 pub(crate) mod structures;
 
@@ -10,7 +11,7 @@ use rt_accel::{Aabb, ClosestPoint, DVec3, Hit, Interval, PrimitiveGeometry, Prim
 use rt_geometry::WatertightRay;
 use rt_math::{SlabRay, Vec3};
 
-use rt_tests::Draw;
+use draw::Draw;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Solid {

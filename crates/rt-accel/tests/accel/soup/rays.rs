@@ -2,8 +2,8 @@
 
 use rt_accel::{Aabb, DVec3, Interval, NoProbe, Ray, SphereKernel, brute_force};
 
+use super::draw::Draw;
 use super::{Solid, Soup};
-use rt_tests::Draw;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Query {
@@ -29,7 +29,7 @@ pub(crate) fn adversarial(soup: &Soup, world: &Aabb, draw: &mut Draw) -> Query {
     }
     if draw.one_in(3) {
         let axis = draw.below(3);
-        direction[axis] = draw.neighbour(direction[axis]);
+        direction[axis] = neighbour(direction[axis], draw);
     }
     let ray = Ray::new(origin, direction);
     Query { ray, span: span(soup, &ray, draw) }
@@ -50,7 +50,7 @@ fn origin(soup: &Soup, world: &Aabb, draw: &mut Draw) -> DVec3 {
         let axis = draw.below(3);
         origin[axis] = special_point(soup, draw)[axis];
         if draw.one_in(2) {
-            origin[axis] = draw.neighbour(origin[axis]);
+            origin[axis] = neighbour(origin[axis], draw);
         }
     }
     origin
@@ -94,5 +94,14 @@ fn span(soup: &Soup, ray: &Ray, draw: &mut Draw) -> Interval {
         6 => Interval::new(0.0, 0.0),
         7 => Interval::SEGMENT,
         _ => forward,
+    }
+}
+
+fn neighbour(x: f64, draw: &mut Draw) -> f64 {
+    match draw.below(4) {
+        0 => x.next_up(),
+        1 => x.next_down(),
+        2 => x.next_up().next_up(),
+        _ => x,
     }
 }
