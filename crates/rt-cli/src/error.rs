@@ -95,7 +95,6 @@ impl CliError {
     pub(crate) fn plan(file: &Path, source: RenderError) -> Self {
         match source {
             RenderError::Crop { .. }
-            | RenderError::Threads(_)
             | RenderError::SamePasses(_)
             | RenderError::Adaptive(_)
             | RenderError::AdaptiveLens

@@ -149,7 +149,7 @@ pub enum RenderError {
     /// More memory would be needed than the budget allows.
     #[error(transparent)]
     Memory(#[from] rt_scene_io::MemoryError),
-    /// The threads could not be started.
-    #[error("worker threads cannot be started: {0}; use fewer threads")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A defect of this crate lost rows of the layers.
+    #[error("{0} rows of the layers were lost to a defect of this program; please report it")]
+    LostRows(usize),
 }

@@ -3,7 +3,6 @@
 //! They are computed from the plan in a sweep of their own, after the image or without it. So they do not change the image. For
 //! the same number of samples they are the same with every integrator, number of threads and accelerator.
 
-use rayon::prelude::*;
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_camera::PixelSampler;
 use rt_geometry::{Hit, InteractionFlags};
@@ -12,6 +11,7 @@ use rt_shading::{MaterialEvalContext, SurfaceHit, is_inside};
 
 use crate::{
     Crop, RenderError, RenderPlan,
+    parallel_for::{parallel_for, thread_count},
     work_probe::WorkProbe,
     world::{ShadedPrimitives, World},
 };
@@ -123,7 +123,7 @@ impl RenderPlan<'_> {
     /// Each pixel takes `spp` samples, but at most [`MAX_LAYER_SAMPLES`], rounded up as the sample pattern requires.
     ///
     /// # Errors
-    /// [`RenderError::Threads`] if the threads cannot be started.
+    /// [`RenderError::LostRows`] after a panic, which only a defect can cause.
     pub fn first_hit_layers(
         &self,
         layers: &[FirstHitLayer],
@@ -143,18 +143,28 @@ impl RenderPlan<'_> {
             !matches!(layer, FirstHitLayer::Depth | FirstHitLayer::Coverage | FirstHitLayer::Position)
         };
         let flags = if layers.iter().any(needs_surface) { InteractionFlags::ALL } else { InteractionFlags::NONE };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(RenderError::Threads)?;
         let spp = self.frame.sampler.round_up(spp.min(MAX_LAYER_SAMPLES));
         let sweep = Sweep { spp, sampler: self.frame.pass_sampler(0, spp), flags };
-        let row = |y: u32| {
+        let row = |(): &mut (), row: usize| {
+            let first = [x, y + row as u32];
             let sums = match &self.scene.world {
-                World::Spheres(world, structure) => self.row(world, structure, &sweep, [x, y], width),
-                World::Instances(top, levels) => self.row(&top.set(levels), &top.structure, &sweep, [x, y], width),
+                World::Spheres(world, structure) => self.row(world, structure, &sweep, first, width),
+                World::Instances(top, levels) => self.row(&top.set(levels), &top.structure, &sweep, first, width),
             };
             let channels = layers.iter().flat_map(|layer| (0..layer.channels().len()).map(move |at| (*layer, at)));
-            channels.map(|(layer, at)| sums.iter().map(|sums| self.value(sums, spp, layer, at)).collect()).collect()
+            Some(
+                channels
+                    .map(|(layer, at)| sums.iter().map(|sums| self.value(sums, spp, layer, at)).collect())
+                    .collect(),
+            )
         };
-        let rows: Vec<Vec<Vec<f32>>> = pool.install(|| (y..y + height).into_par_iter().map(row).collect());
+        let numbers: Vec<_> = (0..height as usize).collect();
+        let mut rows: Vec<Vec<Vec<f32>>> = vec![Vec::new(); numbers.len()];
+        let outcome =
+            parallel_for(thread_count(threads), &numbers, None, (|| (), row), |row, values| rows[row] = values);
+        if !outcome.lost.is_empty() {
+            return Err(RenderError::LostRows(outcome.lost.len()));
+        }
         for row in rows {
             let channels = values.iter_mut().flat_map(|values| &mut values.channels);
             channels.zip(row).for_each(|(channel, row)| channel.extend(row));

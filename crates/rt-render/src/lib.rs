@@ -75,6 +75,7 @@ mod memory;
 mod mesh_blas;
 mod object_space_aa;
 mod observer;
+mod parallel_for;
 mod part;
 mod pass_state;
 mod passes;

@@ -24,7 +24,7 @@ impl RenderPlan<'_> {
     /// Renders the image with the number of samples of the scene. The observer is called on this thread after each tile.
     ///
     /// # Errors
-    /// [`RenderError::Threads`] if the threads cannot be started.
+    /// Those of [`render_part`](Self::render_part). At present none of them can occur here.
     pub fn render(&self, options: &RunOptions<'_>, observer: impl Observer) -> Result<Rendering, RenderError> {
         Ok(self.render_part(options, None, None, observer)?.into_rendering())
     }
@@ -49,7 +49,6 @@ impl RenderPlan<'_> {
     /// render is bit-identical to an uninterrupted one, except for times and for passes that depend on the clock.
     ///
     /// # Errors
-    /// * [`RenderError::Threads`]: the threads cannot be started.
     /// * [`RenderError::TargetError`], [`RenderError::TargetShare`], [`RenderError::NoSamples`]: a number of the rule is invalid.
     /// * [`RenderError::AdaptiveUntil`]: a rule with adaptive sampling in object space.
     /// * [`RenderError::SamePasses`]: a target error, but all passes are equal.
@@ -65,7 +64,7 @@ impl RenderPlan<'_> {
         if let Some(rule) = rule {
             self.check_rule(rule, options.share)?;
         }
-        let scheduler = TileScheduler::new(self, options)?;
+        let scheduler = TileScheduler::new(self, options);
         let layout = FilmLayout::new(self, options);
         let statistics = Statistics::new(scheduler.threads(), self.build_seconds());
         if rule.is_some() || self.scene.light_sources.is_some() {

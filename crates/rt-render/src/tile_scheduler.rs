@@ -1,48 +1,36 @@
-//! Threads of a render, and the parallel loop over its tiles.
+//! Tiles and light paths of a render, in parallel.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{
-    atomic::{AtomicBool, AtomicUsize, Ordering},
-    mpsc,
-};
+use std::sync::atomic::AtomicBool;
 
 use rt_shading::LightTracingIntegrator;
 
 use crate::{
-    RenderError, RenderPlan, RunOptions,
+    RenderPlan, RunOptions,
     light_pass::{LightChunk, LightPass},
+    parallel_for::{Outcome, parallel_for, thread_count},
     passes::PassSpec,
     tile::ThreadState,
     tile_job::{TileJob, TileResult},
     tiles::{Tile, tiles},
 };
 
-/// Thread pool of a render.
+/// Threads and tiles of a render.
 pub(crate) struct TileScheduler<'p> {
     plan: &'p RenderPlan<'p>,
-    pool: rayon::ThreadPool,
+    threads: usize,
     tiles: Vec<Tile>,
     count: bool,
     interrupt: Option<&'p AtomicBool>,
 }
 
-/// Outcome of a parallel loop.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Outcome {
-    /// True if the loop was interrupted before all items were done.
-    pub(crate) interrupted: bool,
-    /// Items in which a thread panicked.
-    pub(crate) lost: Vec<usize>,
-}
-
 impl<'p> TileScheduler<'p> {
-    pub(crate) fn new(plan: &'p RenderPlan<'p>, options: &RunOptions<'p>) -> Result<Self, RenderError> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
-        Ok(Self { plan, pool, tiles: tiles(plan.frame.crop), count: options.count, interrupt: options.interrupt })
+    pub(crate) fn new(plan: &'p RenderPlan<'p>, options: &RunOptions<'p>) -> Self {
+        let threads = thread_count(options.threads);
+        Self { plan, threads, tiles: tiles(plan.frame.crop), count: options.count, interrupt: options.interrupt }
     }
 
-    pub(crate) fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+    pub(crate) const fn threads(&self) -> usize {
+        self.threads
     }
 
     /// Tiles of the plan, by index.
@@ -65,7 +53,8 @@ impl<'p> TileScheduler<'p> {
         };
         let has_pixels = |number: &usize| pass_spec.pixels_of(self.tiles[*number]).next().is_some();
         let numbers: Vec<_> = numbers.iter().copied().filter(has_pixels).collect();
-        self.parallel_for(&numbers, || ThreadState::new(self.plan), render, finished)
+        let new_state = || ThreadState::new(self.plan);
+        parallel_for(self.threads, &numbers, self.interrupt, (new_state, render), finished)
     }
 
     /// Traces all light paths of a pass. `finished` receives their splats in any order, on this thread.
@@ -75,62 +64,14 @@ impl<'p> TileScheduler<'p> {
             Some(self.plan.trace_light(pass, chunk as u64, self.count, tracer))
         };
         let chunks: Vec<_> = (0..pass.chunks() as usize).collect();
-        self.parallel_for(&chunks, tracer, trace, |_, lit| finished(lit))
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed))
-    }
-
-    /// Runs work items in parallel. Each thread has its own state and takes the next item until none is left or the loop is
-    /// interrupted. `work` returns `None` if it abandoned the item after an interrupt. A panic loses the item and replaces the
-    /// state of its thread.
-    fn parallel_for<W, T: Send>(
-        &self,
-        items: &[usize],
-        new_state: impl Fn() -> W + Sync,
-        work: impl Fn(&mut W, usize) -> Option<T> + Sync,
-        mut finished: impl FnMut(usize, T),
-    ) -> Outcome {
-        let (sender, receiver) = mpsc::channel();
-        let next = AtomicUsize::new(0);
-        let (next, new_state, work) = (&next, &new_state, &work);
-        let mut left = items.len();
-        let mut lost = Vec::new();
-        self.pool.in_place_scope(|scope| {
-            for sender in vec![sender; self.threads()] {
-                scope.spawn(move |_| {
-                    let mut state = new_state();
-                    while !self.is_interrupted() {
-                        let Some(&item) = items.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                        // Unwind safety: the state is replaced after a panic, and work changes nothing else.
-                        let done = match catch_unwind(AssertUnwindSafe(|| work(&mut state, item))) {
-                            Ok(None) => break,
-                            Ok(done) => done,
-                            Err(_) => {
-                                state = new_state();
-                                None
-                            }
-                        };
-                        // Sending cannot fail: the receiver outlives this loop.
-                        let _ = sender.send((item, done));
-                    }
-                });
-            }
-            for (item, done) in receiver {
-                left -= 1;
-                match done {
-                    Some(done) => finished(item, done),
-                    None => lost.push(item),
-                }
-            }
-        });
-        Outcome { interrupted: left > 0, lost }
+        parallel_for(self.threads, &chunks, self.interrupt, (tracer, trace), |_, lit| finished(lit))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::Ordering;
+
     use rt_scene_io::{Content, MaterialId, NamedCamera, Scene, SceneNode};
 
     use super::*;
@@ -146,37 +87,7 @@ mod tests {
         scene.appearance.materials = vec![rt_shading::Material::new("any".into(), rt_shading::Phong::default())];
         scene.nodes = vec![SceneNode::new(Content::Shape(rt_geometry::Shape::Sphere(sphere)), MaterialId(0))];
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
-        test(
-            &TileScheduler::new(&plan, &RunOptions { threads: 3, interrupt, ..RunOptions::default() })
-                .expect("threads"),
-        );
-    }
-
-    #[test]
-    fn a_panic_loses_its_item_and_replaces_the_state() {
-        with_scheduler(None, |scheduler| {
-            let items: Vec<_> = (10..90).collect();
-            let mut sum = 0;
-            // The state is true after a panic: a state that is not replaced fails the first assertion.
-            let work = |broken: &mut bool, item: usize| {
-                assert!(!core::mem::replace(broken, true), "the state of a panic is still used");
-                assert_ne!(item % 20, 7, "a defect");
-                *broken = false;
-                Some(item)
-            };
-            let mut outcome = scheduler.parallel_for(
-                &items,
-                || false,
-                work,
-                |item, done| {
-                    assert_eq!(item, done);
-                    sum += done;
-                },
-            );
-            outcome.lost.sort_unstable();
-            assert_eq!(outcome, Outcome { interrupted: false, lost: vec![27, 47, 67, 87] });
-            assert_eq!(sum, (10..90).sum::<usize>() - (27 + 47 + 67 + 87));
-        });
+        test(&TileScheduler::new(&plan, &RunOptions { threads: 3, interrupt, ..RunOptions::default() }));
     }
 
     /// The tile would take hours.
@@ -197,25 +108,6 @@ mod tests {
                 let outcome = scheduler.render_tiles(&pass_spec, &[tile], |_, _| finished += 1);
                 assert_eq!((outcome, finished), (Outcome { interrupted: true, lost: Vec::new() }, 0));
             });
-        });
-    }
-
-    #[test]
-    fn an_interruption_finishes_started_items() {
-        let interrupt = AtomicBool::new(false);
-        with_scheduler(Some(&interrupt), |scheduler| {
-            let (begun, mut finished) = (AtomicUsize::new(0), 0);
-            let work = |(): &mut (), item: usize| {
-                begun.fetch_add(1, Ordering::Relaxed);
-                if item == 5 {
-                    interrupt.store(true, Ordering::Relaxed);
-                }
-                Some(())
-            };
-            let items: Vec<_> = (0..100_000).collect();
-            let outcome = scheduler.parallel_for(&items, || (), work, |_, ()| finished += 1);
-            assert!(outcome.interrupted && outcome.lost.is_empty());
-            assert!(finished == begun.load(Ordering::Relaxed) && finished < 100_000, "{finished}");
         });
     }
 }

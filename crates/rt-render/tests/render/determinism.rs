@@ -4,7 +4,7 @@ use crate::support::{everything, film, spheres};
 use rt_camera::{Filter, SamplerKind};
 use rt_image::Image;
 use rt_math::Rgb;
-use rt_render::{Crop, PlanOptions, Quality, RenderPlan, Rendering, RunOptions, SimdLevel};
+use rt_render::{Crop, FirstHitLayer, PlanOptions, Quality, RenderPlan, Rendering, RunOptions, SimdLevel};
 use rt_scene_io::{Accel, Integrator, Scene};
 use rt_shading::ColorTexture;
 
@@ -31,6 +31,30 @@ fn threads_do_not_change_the_image() {
             assert_eq!(one.statistics.counters, many.statistics.counters, "{}: {threads} threads", scene.name);
         }
     }
+}
+
+/// A render that waits for its threads must not start another render of the caller's pool on the same stack: stacks would overflow.
+#[test]
+fn renders_on_threads_of_a_pool_do_not_nest() {
+    use rayon::prelude::*;
+    thread_local!(static RENDERS: core::cell::Cell<u32> = const { core::cell::Cell::new(0) });
+    let scene = spheres();
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let run = RunOptions { threads: 2, ..RunOptions::default() };
+    let deepest = |render: &(dyn Fn() + Sync)| {
+        let depth = |_| {
+            let depth = RENDERS.get() + 1;
+            RENDERS.set(depth);
+            render();
+            RENDERS.set(depth - 1);
+            depth
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+        pool.install(|| (0..200).into_par_iter().map(depth).max())
+    };
+    assert_eq!(deepest(&|| drop(plan.render(&run, |_| {}))), Some(1), "images");
+    let layers = [FirstHitLayer::Depth];
+    assert_eq!(deepest(&|| drop(plan.first_hit_layers(&layers, 1, 2))), Some(1), "layers");
 }
 
 #[test]
