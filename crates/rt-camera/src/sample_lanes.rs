@@ -3,7 +3,7 @@
 //! Loops over the lanes hold straight-line code on arrays, which the compiler turns into vector instructions. One lane gives the
 //! same bits as many.
 
-use rt_math::random::{mix, permute_lanes, unit};
+use rt_math::random::{mix, mix_lanes, permute_lanes, unit};
 
 use crate::{SamplerKind, blue_noise, halton, pattern::grid_side, simd::lanes, sobol};
 
@@ -131,7 +131,7 @@ impl Pattern {
             return lanes(|lane| [x[lane], y[lane]]);
         }
         let cells = permute_lanes(samples.indices, spp, keys);
-        let rows: [_; N] = lanes(|lane| cells[lane] / side);
+        let rows = quotients(&cells, side);
         let columns: [_; N] = lanes(|lane| cells[lane] - rows[lane] * side);
         if kind != SamplerKind::MultiJittered {
             return lanes(|lane| [in_stratum(columns[lane], side, x[lane]), in_stratum(rows[lane], side, y[lane])]);
@@ -168,7 +168,7 @@ impl<const N: usize> SampleLanes<N> {
     /// Random bits for all samples of a replication, in the dimension `offset` after the first.
     #[inline(always)]
     fn dimension_keys(&self, offset: u32) -> [u64; N] {
-        lanes(|lane| mix(self.keys[lane] ^ u64::from(self.dimensions[lane].wrapping_add(offset))))
+        mix_lanes(lanes(|lane| self.keys[lane] ^ u64::from(self.dimensions[lane].wrapping_add(offset))))
     }
 
     /// Random bits for each sample only.
@@ -206,9 +206,43 @@ impl<const N: usize> SampleLanes<N> {
     }
 }
 
+/// Quotients, rounded down, of numbers below the square of `divisor`.
+#[inline(always)]
+fn quotients<const N: usize>(numbers: &[u32; N], divisor: u32) -> [u32; N] {
+    if divisor > MAX_FACTOR {
+        return lanes(|lane| numbers[lane] / divisor);
+    }
+    // The factor exceeds 2³² / d by less than 1. The error n / 2³² is less than the 1 / d to the next quotient, as n d < d³ < 2³².
+    let factor = u64::from(u32::MAX / divisor) + 1;
+    lanes(|lane| (u64::from(numbers[lane]).wrapping_mul(factor) >> 32) as u32)
+}
+
+/// Divisors by which a multiplication divides exactly: the largest number whose cube is below 2³².
+const MAX_FACTOR: u32 = 1625;
+
 /// The point at `offset`, in [0, 1), of stratum number `stratum` of `count`.
 #[inline(always)]
 pub(crate) fn in_stratum(stratum: u32, count: u32, offset: f64) -> f64 {
     // The sum can round up to the end of the last stratum, which is outside [0, 1).
     ((f64::from(stratum) + offset) / f64::from(count)).min(BELOW_ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotients_are_those_of_integer_division() {
+        for divisor in (1..=MAX_FACTOR + 2).chain([u32::from(u16::MAX)]) {
+            let numbers: Vec<u32> = (0..divisor)
+                .step_by(1 + divisor as usize / 50)
+                .chain([divisor - 1])
+                .flat_map(|row| [row * divisor, row * divisor + divisor / 2, row * divisor + divisor - 1])
+                .collect();
+            for chunk in numbers.chunks_exact(3) {
+                let numbers = [chunk[0], chunk[1], chunk[2]];
+                assert_eq!(quotients(&numbers, divisor), numbers.map(|number| number / divisor), "{divisor}");
+            }
+        }
+    }
 }

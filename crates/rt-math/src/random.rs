@@ -18,6 +18,23 @@ pub fn mix(word: u64) -> u64 {
     word ^ (word >> 31)
 }
 
+/// SIMD version of [`mix`]. Equal words are mixed once.
+#[inline(always)]
+pub fn mix_lanes<const N: usize>(words: [u64; N]) -> [u64; N] {
+    let mut mixed = [0; N];
+    let mut differences = 0;
+    for lane in 1..N {
+        differences |= words[lane] ^ words[0];
+    }
+    if N > 1 && differences == 0 {
+        return [mix(words[0]); N];
+    }
+    for lane in 0..N {
+        mixed[lane] = mix(words[lane]);
+    }
+    mixed
+}
+
 /// The top 53 bits as a number in `[0, 1)`.
 #[inline]
 pub fn unit(bits: u64) -> f64 {
@@ -43,9 +60,9 @@ pub fn permute_lanes<const N: usize>(indices: [u32; N], length: u32, seeds: [u64
     let mask = u32::MAX >> (32 - bits);
     let half = (bits / 2).max(1);
     let (mut low, mut high, mut values) = ([0; N], [0; N], [0; N]);
+    let keys = mix_lanes(seeds);
     for lane in 0..N {
-        let key = mix(seeds[lane]);
-        (low[lane], high[lane]) = (key as u32, (key >> 32) as u32);
+        (low[lane], high[lane]) = (keys[lane] as u32, (keys[lane] >> 32) as u32);
     }
     for lane in 0..N {
         values[lane] = if indices[lane] < length { indices[lane] } else { indices[lane] % length };
@@ -72,14 +89,16 @@ pub fn permute_lanes<const N: usize>(indices: [u32; N], length: u32, seeds: [u64
 #[inline(always)]
 fn scramble<const N: usize>(values: &mut [u32; N], low: &[u32; N], high: &[u32; N], mask: u32, half: u32) {
     for lane in 0..N {
-        let mut value = values[lane];
-        let key = u64::from(high[lane]) << 32 | u64::from(low[lane]);
+        let (mut value, low, high) = (values[lane], low[lane], high[lane]);
+        // Halves of the key, rotated by up to 24 bits. Rotation by 32 bits exchanges the halves.
+        let low = [low, low << 8 | high >> 24, low << 16 | high >> 16, low << 24 | high >> 8];
+        let high = [high, high << 8 | low[0] >> 24, high << 16 | low[0] >> 16, high << 24 | low[0] >> 8];
         // Xor, odd multiplication and xor-shift are bijections. Multiplication carries changes to higher bits and
         // the shift to lower ones; the shortest ranges need all eight rounds.
-        for round in 0..8u32 {
-            let key = key.rotate_left(8 * round);
-            value ^= key as u32 & mask;
-            value = value.wrapping_mul((key >> 32) as u32 | 1) & mask;
+        for round in 0..8 {
+            let (added, factor) = if round < 4 { (low[round], high[round]) } else { (high[round - 4], low[round - 4]) };
+            value ^= added & mask;
+            value = value.wrapping_mul(factor | 1) & mask;
             value ^= value >> if round % 2 == 0 { half } else { 1 };
         }
         values[lane] = value;
@@ -116,6 +135,13 @@ mod tests {
     fn unit_never_reaches_one() {
         assert!(unit(u64::MAX) < 1.0);
         assert_eq!(unit(0), 0.0);
+    }
+
+    #[test]
+    fn lanes_hold_the_bits_of_their_own_words() {
+        for words in [[7; 5], [7, 7, 7, 7, 8], [1, 2, 3, 4, u64::MAX]] {
+            assert_eq!(mix_lanes(words), words.map(mix));
+        }
     }
 
     #[test]
