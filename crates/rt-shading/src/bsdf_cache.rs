@@ -2,10 +2,10 @@
 
 use crate::{
     Appearance, MaterialEvalContext,
-    bsdf::{Bsdf, OrenNayar},
+    bsdf::{Bsdf, DiffusePhong},
 };
 use rt_geometry::SurfaceInteraction;
-use rt_math::DVec3;
+use rt_math::{DVec3, Rgb};
 
 /// BSDFs of [uniform](crate::Material::is_uniform) materials, computed once and not at every hit. The default is empty: all
 /// BSDFs are computed at the hit.
@@ -13,9 +13,17 @@ use rt_math::DVec3;
 pub struct BsdfCache {
     /// BSDF by material.
     bsdfs: Vec<Option<Box<CachedBsdf>>>,
-    /// BSDF by material; `None` unless it is diffuse everywhere and the material neither emits nor transmits light.
-    diffuse: Vec<Option<OrenNayar>>,
+    /// Surface by material; `None` unless it can be shaded in lanes everywhere.
+    in_lanes: Vec<Option<LaneMaterial>>,
     n_used: usize,
+}
+
+/// Uniform material with a diffuse lobe, and perhaps a Phong lobe, that neither emits nor transmits light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneMaterial {
+    pub(crate) bsdf: DiffusePhong,
+    /// Coefficient of ambient light.
+    pub(crate) ambient: Rgb,
 }
 
 /// BSDF of a material, and the part of it without diffuse lobes.
@@ -46,11 +54,14 @@ impl BsdfCache {
                 is_cached.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), true)))
             })
             .collect();
-        let diffuse = bsdfs.iter().zip(&appearance.materials).map(|(cached, material)| {
-            let diffuse = cached.as_ref()?.bsdf.as_diffuse().filter(|diffuse| diffuse.albedo.is_finite())?;
-            (material.emission.is_zero() && !material.model.is_transmissive()).then_some(diffuse)
+        let in_lanes = bsdfs.iter().zip(&appearance.materials).map(|(cached, material)| {
+            let bsdf = cached.as_ref()?.bsdf.as_diffuse_phong()?;
+            let ambient = material.ambient(&material.to_phong(), &appearance.textures, &anywhere);
+            let is_opaque = material.emission.is_zero() && !material.model.is_transmissive();
+            is_opaque.then_some(LaneMaterial { bsdf, ambient })
         });
-        Self { diffuse: diffuse.collect(), bsdfs, n_used: materials().filter(|(is_used, _)| *is_used).count() }
+        let in_lanes = in_lanes.collect();
+        Self { in_lanes, bsdfs, n_used: materials().filter(|(is_used, _)| *is_used).count() }
     }
 
     /// Numbers of cached materials and of used materials.
@@ -58,10 +69,10 @@ impl BsdfCache {
         (self.bsdfs.iter().flatten().count(), self.n_used)
     }
 
-    /// BSDF of a material that is diffuse everywhere and neither emits nor transmits light; `None` for all others.
+    /// Surface of a material that can be shaded in lanes everywhere; `None` for all others.
     #[inline(always)]
-    pub(crate) fn diffuse(&self, material: u32) -> Option<OrenNayar> {
-        *self.diffuse.get(material as usize)?
+    pub(crate) fn in_lanes(&self, material: u32) -> Option<&LaneMaterial> {
+        self.in_lanes.get(material as usize)?.as_ref()
     }
 
     /// BSDF of a material; `None` if it must be computed at the hit.
@@ -78,7 +89,7 @@ mod tests {
         TextureId,
     };
     use rt_geometry::VertexAttributes;
-    use rt_math::{Rgb, Vec3};
+    use rt_math::Vec3;
 
     #[test]
     fn only_uniform_materials_are_cached() {

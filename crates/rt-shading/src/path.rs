@@ -1,10 +1,10 @@
 //! Path tracing in waves, with next-event estimation and MIS.
 
 mod clamp;
-mod diffuse_block;
-mod diffuse_queue;
 mod scatter;
 pub(crate) mod transport;
+mod vertex_block;
+mod vertex_queue;
 mod wave;
 
 use crate::{
@@ -12,10 +12,10 @@ use crate::{
     light::LightSet, ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
-use diffuse_queue::DiffuseQueue;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
 pub use transport::Transport;
+use vertex_queue::VertexQueue;
 use wave::{Path, ShadowRayQueue};
 
 /// Parameters of path tracing.
@@ -61,8 +61,8 @@ pub struct PathTracer<S> {
     ray_queues: RayQueues<u32>,
     next: RayQueues<u32>,
     shadows: ShadowRayQueue,
-    /// Vertices that are shaded in lanes.
-    diffuse: DiffuseQueue<S>,
+    /// Vertices that are shaded in lanes, on diffuse surfaces without and with a Phong lobe.
+    queues: [VertexQueue<S>; 2],
     /// Instruction set of lanes; `None` to shade all vertices one by one.
     lanes: Option<LaneLevel>,
     /// Instruction set of this wave; `None` with delta lights, which lanes do not sample.
@@ -95,7 +95,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             ray_queues: RayQueues::default(),
             next: RayQueues::default(),
             shadows: ShadowRayQueue::default(),
-            diffuse: DiffuseQueue::default(),
+            queues: VertexQueue::both(),
             lanes: LaneLevel::detect(),
             wave_lanes: None,
             scene_emits: false,
@@ -175,7 +175,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 None => self.shade_hit(lighting, id, ray, None, seen),
             }
         });
-        self.shade_diffuse(lighting, seen);
+        self.shade_queues(lighting, seen);
     }
 
     /// Traces the shadow rays of a wave, and starts the next wave.

@@ -99,6 +99,15 @@ impl Bxdf {
         matches!(self, Self::Lambert(_) | Self::OrenNayar(_))
     }
 
+    /// The lobe, if it is diffuse.
+    pub(crate) const fn as_diffuse(&self) -> Option<OrenNayar> {
+        match *self {
+            Self::Lambert(Lambert { albedo }) => Some(OrenNayar { albedo, roughness: 0.0 }),
+            Self::OrenNayar(oren_nayar) => Some(oren_nayar),
+            _ => None,
+        }
+    }
+
     /// True if it transmits light.
     pub fn transmits(&self) -> bool {
         matches!(self, Self::Dielectric(_) | Self::ThinGlass(_) | Self::Refraction(_))

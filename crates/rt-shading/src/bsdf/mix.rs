@@ -60,6 +60,11 @@ impl Mix {
         &self.lobes[..self.count]
     }
 
+    /// Sampling probability of each lobe.
+    pub(super) fn probabilities(&self) -> &[f64] {
+        &self.probabilities[..self.count]
+    }
+
     /// Mix of the lobes that are not diffuse; `None` if there are none.
     pub fn without_diffuse(&self) -> Option<Self> {
         let mut kept = self.lobes;

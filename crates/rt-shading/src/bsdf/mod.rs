@@ -51,6 +51,7 @@ mod albedo_table;
 mod bxdf;
 mod conductor;
 mod dielectric;
+mod diffuse_phong;
 mod dispersive_dielectric;
 mod ggx;
 mod lambert;
@@ -72,6 +73,7 @@ mod thin_glass;
 pub use bxdf::Bxdf;
 pub use conductor::{ComplexIor, Conductor, conductor_fresnel};
 pub use dielectric::Dielectric;
+pub(crate) use diffuse_phong::{DiffusePhong, DiffusePhongLanes, WeightedPhong};
 pub use dispersive_dielectric::DispersiveDielectric;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
@@ -81,7 +83,6 @@ pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
-pub(crate) use oren_nayar::oren_nayar_lanes;
 pub use phong_lobe::PhongLobe;
 pub use refraction::Refraction;
 pub use sample::{BsdfSample, Scattering};
@@ -124,6 +125,14 @@ impl<T: Into<Bxdf>> From<T> for Bsdf {
 impl From<Layered> for Bsdf {
     fn from(layered: Layered) -> Self {
         Self::Layered(layered)
+    }
+}
+
+impl From<DiffusePhong> for Bsdf {
+    fn from(DiffusePhong { diffuse, highlight }: DiffusePhong) -> Self {
+        let Some(WeightedPhong { lobe, weights: [a, b], .. }) = highlight else { return diffuse.into() };
+        // Weights of a mix are valid.
+        Mix::new(&[(a, diffuse.into()), (b, lobe.into())]).map_or(diffuse.into(), Self::Mix)
     }
 }
 
@@ -209,13 +218,14 @@ impl Bsdf {
         }
     }
 
-    /// The only lobe, if it is diffuse.
-    pub(crate) fn as_diffuse(&self) -> Option<OrenNayar> {
-        match self {
-            Self::Single(Bxdf::Lambert(lambert)) => Some(OrenNayar { albedo: lambert.albedo, roughness: 0.0 }),
-            Self::Single(Bxdf::OrenNayar(oren_nayar)) => Some(*oren_nayar),
-            _ => None,
-        }
+    /// The lobes, if they are a diffuse one, alone or followed by a Phong lobe, with finite parameters.
+    pub(crate) fn as_diffuse_phong(&self) -> Option<DiffusePhong> {
+        let lobes = match self {
+            Self::Single(lobe) => DiffusePhong::diffuse(lobe.as_diffuse()?),
+            Self::Mix(mix) => DiffusePhong::of_mix(mix)?,
+            Self::Layered(_) => return None,
+        };
+        lobes.is_finite().then_some(lobes)
     }
 
     /// True if [`Bsdf::sample`] uses its first number, which chooses a lobe.

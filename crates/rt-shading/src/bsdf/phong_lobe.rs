@@ -5,7 +5,7 @@ use super::{
     side::{Side, reflect_dir, same_side},
 };
 use core::f64::consts::TAU;
-use rt_math::{DVec3, Frame, Rgb, transcendental};
+use rt_math::{DVec3, Real, Rgb, Vector3, tangents, transcendental};
 
 /// Lobe around the mirrored direction: f = reflectance · (n + 2)/2π · cosⁿ α, where α is the angle to it.
 ///
@@ -41,10 +41,7 @@ impl PhongLobe {
     /// Implements [`super::Bsdf::sample`]; `None` for directions below the surface.
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (wo, side) = Side::of(wo, u)?;
-        let cos = transcendental::pow(u[1], 1.0 / (self.exponent() + 1.0));
-        let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
-        let (sin_phi, cos_phi) = transcendental::sincos(TAU * u[2]);
-        let wi = Frame::from_z(reflect_dir(wo)).from_local(DVec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
+        let wi = DVec3::from(phong_direction_lanes(self.clamped_exponent(), wo.into(), [u[1], u[2]]));
         if !(wi.z > 0.0) {
             return None;
         }
@@ -61,17 +58,44 @@ impl PhongLobe {
         .if_finite()
     }
 
-    fn exponent(&self) -> f64 {
+    /// Exponent within its bounds.
+    pub(crate) fn clamped_exponent(&self) -> f64 {
         if self.exponent > 0.0 { self.exponent.min(MAX_EXPONENT) } else { 0.0 }
     }
 
     fn value_with_pdf(&self, cos: f64) -> (Rgb, f64) {
-        let (n, power) = (self.exponent(), self.power(cos));
-        (self.reflectance * ((n + 2.0) / TAU * power), (n + 1.0) / TAU * power)
+        let reflectance = Vector3::from(DVec3::from(self.reflectance.to_array()));
+        let (value, pdf) = phong_lobe_lanes(reflectance, self.clamped_exponent(), cos);
+        (DVec3::from(value).to_array().into(), pdf)
     }
+}
 
-    /// cosⁿ, 0 behind the lobe.
-    fn power(&self, cos: f64) -> f64 {
-        if cos > 0.0 { transcendental::pow(cos.min(1.0), self.exponent()) } else { 0.0 }
-    }
+/// Value and density of a [`PhongLobe`], given the cosine of α, for one number or for lanes.
+#[inline(always)]
+pub(super) fn phong_lobe_lanes<R: Real>(reflectance: Vector3<R>, exponent: R, cos: R) -> (Vector3<R>, R) {
+    let (zero, one) = (cos.splat(0.0), cos.splat(1.0));
+    // 0 behind the lobe.
+    let is_before = cos.gt(zero);
+    let power = transcendental::pow(R::select(is_before, cos.min(one), one), exponent);
+    let power = R::select(is_before, power, zero);
+    let turn = cos.splat(TAU);
+    (reflectance * ((exponent + 2.0) / turn * power), (exponent + 1.0) / turn * power)
+}
+
+/// Directions sampled from Phong lobes of these exponents, for one number or for lanes. Some are below the surface.
+#[inline(always)]
+pub(super) fn phong_direction_lanes<R: Real>(exponent: R, wo: Vector3<R>, [u, v]: [R; 2]) -> Vector3<R> {
+    let one = u.splat(1.0);
+    let cos = transcendental::pow(u, one / (exponent + 1.0));
+    let sin = ((one - cos) * (one + cos)).sqrt();
+    let (sin_phi, cos_phi) = transcendental::sincos(v * TAU);
+    let axis = reflect_dir_lanes(wo);
+    let [tangent, bitangent] = tangents(axis);
+    (tangent * (sin * cos_phi) + bitangent * (sin * sin_phi) + axis * cos).try_normalize().0
+}
+
+/// Version of [`reflect_dir`] for one number or for lanes.
+#[inline(always)]
+pub(super) fn reflect_dir_lanes<R: Real>(w: Vector3<R>) -> Vector3<R> {
+    Vector3::new(-w.x, -w.y, w.z)
 }

@@ -2,15 +2,17 @@
 
 use super::{
     Clamp, Lighting, PathSettings, PathTracer, Transport,
+    vertex_block::FollowedLobes,
+    vertex_queue::VertexQueue,
     wave::{Path, PrevVertex},
 };
 use crate::{
     Seen, ShadingCounts, SurfaceHit, TriangleHit,
-    bsdf::{OrenNayar, Scattering},
-    bsdf_cache::CachedBsdf,
+    bsdf::{Bsdf, Scattering},
+    bsdf_cache::{CachedBsdf, LaneMaterial},
     hit_context::HitContext,
     interior_list::MediumInterface,
-    lanes::LANES,
+    lanes::{LANES, LaneLevel},
     medium::Medium,
     mis::power_heuristic,
     russian_roulette::russian_roulette,
@@ -72,30 +74,26 @@ impl<S: Sampler + Clone> PathTracer<S> {
             made.insert(CachedBsdf::new(bsdf, transport == Transport::Specular))
         });
         let only_reflects = transport == Transport::Specular;
-        // Ambient light stands for the background where the diffuse part is neither followed to it nor lit by samples of it.
-        let gathers_background = !lighting.appearance.background.is_black()
-            && (bsdf.is_diffuse_below_layer() || lighting.lights.environment().is_some());
-        if only_reflects && self.needs.ambient && !gathers_background {
+        if only_reflects && self.needs.ambient && !gathers_background(lighting, bsdf.is_diffuse_below_layer()) {
             let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, view.surface);
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
         if self.wave_lanes.is_some()
-            && let Some(diffuse) = bsdf.as_diffuse()
+            && let Some(bsdf) = bsdf.as_diffuse_phong()
             && interface.is_none()
-            && diffuse.albedo.is_finite()
             && view.surface.shading_normal == shading_normal
             && !(self.needs.absorption && path.medium_tracker.absorbs(materials))
         {
-            return self.diffuse.push((id, path), &view, &diffuse, ray.time, self.settings.rr_start_depth);
+            let queue = &mut self.queues[usize::from(bsdf.highlight.is_some())];
+            return queue.push((id, path), &view, &bsdf, ray.time, self.settings.rr_start_depth);
         }
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
         self.scatter(lighting, id, &vertex, interface, seen);
     }
 
-    /// Version of [`shade_hit`](Self::shade_hit) for a flat triangle, whose surface is computed in lanes if its material is uniform,
-    /// diffuse and dark.
+    /// Version of [`shade_hit`](Self::shade_hit) for a flat triangle, whose surface is computed in lanes if its material allows that.
     #[inline(always)]
     pub(super) fn shade_triangle(
         &mut self,
@@ -105,21 +103,22 @@ impl<S: Sampler + Clone> PathTracer<S> {
         hit: &TriangleHit,
         seen: &mut Seen,
     ) {
-        let Some(diffuse) = self.diffuse_in_lanes(lighting, hit.material) else {
+        let material = if self.needs.absorption { None } else { lighting.bsdfs.in_lanes(hit.material) };
+        let Some(LaneMaterial { bsdf, ambient }) = material else {
             return self.shade_hit(lighting, id, ray, Some(&mut hit.surface()), seen);
         };
         seen.hit = true;
+        let PathSettings { transport, clamp, rr_start_depth, .. } = self.settings;
         let path = &self.paths[id as usize];
-        if !path.emission_only {
-            self.diffuse.push_triangle((id, path), hit, &diffuse, ray, self.settings.rr_start_depth);
+        if path.emission_only {
+            return;
         }
-    }
-
-    /// BSDF of a material that is diffuse everywhere, where nothing else is to be computed at its hits.
-    #[inline(always)]
-    fn diffuse_in_lanes(&self, lighting: Lighting<'_>, material: u32) -> Option<OrenNayar> {
-        let has_ambient = self.needs.ambient && self.settings.transport == Transport::Specular;
-        if has_ambient || self.needs.absorption { None } else { lighting.bsdfs.diffuse(material) }
+        if self.needs.ambient && transport == Transport::Specular && !gathers_background(lighting, false) {
+            let radiance = path.throughput * *ambient * lighting.appearance.ambient;
+            seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
+        }
+        let queue = &mut self.queues[usize::from(bsdf.highlight.is_some())];
+        queue.push_triangle((id, path), hit, bsdf, ray, rr_start_depth);
     }
 
     /// Samples direct light and the next direction of the path.
@@ -135,23 +134,39 @@ impl<S: Sampler + Clone> PathTracer<S> {
         self.sample_bsdf(id, vertex, interface);
     }
 
-    /// Shades the vertices on diffuse surfaces that a wave has found.
-    pub(super) fn shade_diffuse(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
-        let Some(level) = self.wave_lanes.filter(|_| !self.diffuse.is_empty()) else { return };
-        let mut queue = core::mem::take(&mut self.diffuse);
-        let follows_diffuse = self.settings.transport != Transport::Specular;
+    /// Shades the queued vertices that a wave has found.
+    pub(super) fn shade_queues(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
+        let Some(level) = self.wave_lanes else { return };
+        let queues = core::mem::replace(&mut self.queues, VertexQueue::both());
+        self.queues = queues.map(|queue| self.shade_queue(level, lighting, queue, seen));
+    }
+
+    /// Shades the vertices of a queue, and returns it empty.
+    fn shade_queue(
+        &mut self,
+        level: LaneLevel,
+        lighting: Lighting<'_>,
+        mut queue: VertexQueue<S>,
+        seen: &mut [Seen],
+    ) -> VertexQueue<S> {
+        if queue.is_empty() {
+            return queue;
+        }
+        let lobes = queue.sampled_lobes(self.settings.transport != Transport::Specular);
         let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
-        queue.draw(&mut self.samplers, n_lights, follows_diffuse);
-        queue.shade(level, lighting.lights, follows_diffuse);
+        queue.draw(&mut self.samplers, n_lights, lobes);
+        queue.shade(level, lighting.lights, lobes);
         self.counts.lanes += queue.vertices().len().next_multiple_of(LANES) as u64;
         for (at, queued) in queue.vertices().iter().enumerate() {
             let id = queued.path;
             let Some(scattered) = queue.scattered(at) else {
                 self.samplers[id as usize] = queue.sampler_before(at);
-                let (mut surface, (direction, is_inside), diffuse) = queue.surface(at);
-                let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), diffuse.into());
+                let (mut surface, (direction, is_inside), bsdf) = queue.surface(at);
+                let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), Bsdf::from(bsdf));
                 let vertex = Vertex::new(view, &bsdf, queued.time);
-                let vertex = if follows_diffuse { vertex } else { vertex.with_sampled_lobes(None) };
+                let phong = if lobes == FollowedLobes::Phong { bsdf.without_diffuse() } else { None };
+                let vertex =
+                    if lobes == FollowedLobes::All { vertex } else { vertex.with_sampled_lobes(phong.as_ref()) };
                 self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
                 continue;
             };
@@ -181,10 +196,11 @@ impl<S: Sampler + Clone> PathTracer<S> {
             path.prev = PrevVertex { point, normal: Some(normal), pdf: Some(next.pdf) };
             path.medium_tracker.scatter(None, Scattering::Reflection);
             let ray = Ray { origin: next.origin, direction: next.direction, time: queued.time };
-            self.next.diffuse.push(ray, Interval::SPAWNED, id);
+            let next = if next.is_diffuse { &mut self.next.diffuse } else { &mut self.next.reflected };
+            next.push(ray, Interval::SPAWNED, id);
         }
         queue.clear();
-        self.diffuse = queue;
+        queue
     }
 
     /// Continues the same ray behind a null interface.
@@ -339,6 +355,14 @@ fn dimmed(radiance: Rgb, vertex: &Vertex<'_>, media: Option<[Medium; 2]>, (direc
         }
         _ => radiance,
     }
+}
+
+/// True where the diffuse part of a surface is followed to the background or lit by samples of it. Elsewhere ambient light stands for
+/// the background.
+#[inline(always)]
+fn gathers_background(lighting: Lighting<'_>, is_diffuse_below_layer: bool) -> bool {
+    let follows_background = is_diffuse_below_layer || lighting.lights.environment().is_some();
+    !lighting.appearance.background.is_black() && follows_background
 }
 
 /// Radiance after `scattered` surfaces, clamped if it is indirect.

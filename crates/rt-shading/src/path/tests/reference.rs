@@ -183,13 +183,20 @@ fn triangles() -> Scene {
         emissive(mirror, 0.0),
         emissive(diffuse(0.0), 0.0),
         emissive(MaterialModel::ThinGlass { ior: 1.5, transmittance: gray(0.8) }, 0.0),
+        Material::new(String::new(), Phong { specular: gray(0.6), exponent: 30.0, ..Phong::default() }),
+        emissive(MaterialModel::Glossy { diffuse: gray(0.5), specular: gray(0.4), exponent: 2e4 }, 0.0),
+        Material::new(
+            String::new(),
+            Phong { specular: gray(0.8), diffuse: gray(1e-3), exponent: 0.0, ..Phong::default() },
+        ),
     ];
-    let mut scene = Scene::new(materials, vec![Light::Quad(quad)]).with(floor(), 0, None);
-    for at in 0..24 {
+    let mut scene = Scene::new(materials, vec![Light::Quad(quad)]).with(floor(), 6, None);
+    scene.appearance.ambient = Rgb::gray(0.1);
+    for at in 0..36 {
         let corner = vector(at, 0) * DVec3::new(5.0, 2.0, 3.0) + DVec3::Y;
         let vertices = [corner, corner + vector(at, 3) * 2.0, corner + vector(at, 6) * 2.0];
         let triangle = rt_geometry::Triangle::new(vertices).expect("a triangle");
-        scene = scene.with(Shape::Triangle(triangle), (at % 6) as u32, None);
+        scene = scene.with(Shape::Triangle(triangle), (at % 9) as u32, None);
     }
     // Shadow rays from there start where a coordinate is 0.
     let wall = [DVec3::new(-3.0, 0.0, 0.0), DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0)];
@@ -205,9 +212,11 @@ fn every_path_between_triangles_has_the_bits_of_the_reference() {
     let mut world = Shapes(scene.shapes.0.clone());
     let distributed = [0, 4].map(|max_depth| PathSettings { max_depth, ..DISTRIBUTED });
     for settings in all_settings().chain(distributed) {
-        let (seen, _) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(3001));
+        let (seen, counts) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(3001));
         let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
         assert!(lit > 500, "{lit} of 3001, {settings:?}");
+        // Rays hit the floor, which has a highlight, more often than all else.
+        assert!(counts.lanes_used > 1500 || LaneLevel::detect().is_none(), "{counts:?}");
     }
 }
 

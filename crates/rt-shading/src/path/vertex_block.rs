@@ -1,11 +1,11 @@
 //! Blocks of four path vertices, and the stages that shade them in lanes.
 //!
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
-//! [`OrenNayar`](crate::bsdf::OrenNayar) for one path.
+//! [`Bsdf`](crate::bsdf::Bsdf) for one path.
 #![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use crate::{
-    bsdf::{HORIZON, cosine_hemisphere_lanes, oren_nayar_lanes},
+    bsdf::{DiffusePhongLanes, HORIZON, cosine_hemisphere_lanes},
     lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, get, is_zero, set, set_rgb},
     light::{LightSet, QuadLight},
     mis::power_heuristic,
@@ -14,7 +14,7 @@ use crate::{
 };
 use core::f64::consts::FRAC_1_PI;
 use rt_geometry::{offset_point, triangle_point};
-use rt_math::{Mask, Real, Rgb, Vector3, tangents};
+use rt_math::{Real, Rgb, Vector3, tangents};
 
 /// Four vertices: inputs, light samples and results.
 #[derive(Clone, Debug, Default)]
@@ -33,12 +33,16 @@ pub(super) struct Block {
     pub(super) albedo: Vector3<LaneArray>,
     /// Roughness in [0, 1], 0 for Lambert's law.
     pub(super) roughness: LaneArray,
+    /// Phong lobes, in queues of surfaces that have them.
+    pub(super) phong: PhongBlock,
     pub(super) throughput: Vector3<LaneArray>,
     pub(super) eta_scale: LaneArray,
     /// Numbers for the choice of a light, a direction to it, and the next direction of the path.
     pub(super) u_light_choice: LaneArray,
     pub(super) u_light: [LaneArray; 2],
     pub(super) u_bsdf: [LaneArray; 2],
+    /// Number for the choice of a lobe.
+    pub(super) u_lobe: LaneArray,
     /// Number for Russian roulette; −1 where it is not played.
     pub(super) u_roulette: LaneArray,
     pub(super) light: LightBlock,
@@ -54,6 +58,25 @@ pub(super) struct TriangleBlock {
     pub(super) uv: [LaneArray; 2],
     /// Directions of the rays, of any length.
     pub(super) direction: Vector3<LaneArray>,
+}
+
+/// Phong lobes of four vertices, with the weights and probabilities of [`WeightedPhong`](crate::bsdf::WeightedPhong).
+#[derive(Clone, Debug, Default)]
+pub(super) struct PhongBlock {
+    pub(super) reflectance: Vector3<LaneArray>,
+    pub(super) exponent: LaneArray,
+    pub(super) weights: [LaneArray; 2],
+    pub(super) probabilities: [LaneArray; 2],
+}
+
+/// Lobes of which the next direction is sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FollowedLobes {
+    /// None: the path ends.
+    Nothing,
+    /// The Phong lobe of surfaces that have one.
+    Phong,
+    All,
 }
 
 /// Light samples of four vertices.
@@ -80,6 +103,8 @@ pub(super) struct ScatteredBlock {
     pub(super) continued: u8,
     /// Lanes of `continued` whose path survives: it has throughput, and Russian roulette has not ended it.
     pub(super) alive: u8,
+    /// Lanes whose next direction is from the diffuse lobe.
+    pub(super) diffuse: u8,
     pub(super) shadow_origin: Vector3<LaneArray>,
     pub(super) shadow_direction: Vector3<LaneArray>,
     /// Contributions of unoccluded light.
@@ -170,28 +195,27 @@ pub(super) fn sample_quad<S: Simd>(simd: S, blocks: &mut [Block], quad: &QuadLig
     );
 }
 
-/// Evaluates the BSDF for the sampled light, and samples the next direction.
-pub(super) fn scatter<S: Simd>(simd: S, blocks: &mut [Block], follows_diffuse: bool) {
+/// Evaluates the BSDF for the sampled light, and samples the next direction. With `PHONG`, surfaces have Phong lobes.
+pub(super) fn scatter<S: Simd, const PHONG: bool>(simd: S, blocks: &mut [Block], lobes: FollowedLobes) {
     simd.vectorize(
         #[inline(always)]
         || {
             for block in blocks {
-                block.scattered = scatter_block(simd, block, follows_diffuse);
+                block.scattered = scatter_block::<S, PHONG>(simd, block, lobes);
             }
         },
     );
 }
 
 #[inline(always)]
-fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> ScatteredBlock {
+fn scatter_block<S: Simd, const PHONG: bool>(simd: S, block: &Block, lobes: FollowedLobes) -> ScatteredBlock {
     let (zero, horizon) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, HORIZON));
     let direction = Lanes::load_vector(simd, &block.direction);
     let (geometric, shading) =
         (Lanes::load_vector(simd, &block.geometric_normal), Lanes::load_vector(simd, &block.shading_normal));
     let (point, error) = (Lanes::load_vector(simd, &block.point), Lanes::load_vector(simd, &block.point_error));
     let throughput = Lanes::load_vector(simd, &block.throughput);
-    let albedo = Lanes::load_vector(simd, &block.albedo);
-    let roughness = Lanes::load(simd, &block.roughness);
+    let bsdf = load_bsdf(simd, block, PHONG);
     let side = Lanes::load(simd, &block.side);
     let is_behind = side.lt(zero);
 
@@ -214,10 +238,21 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     let cos_above = Real::select(is_above, cos, -cos);
     let (is_up, is_geometrically_up) = (cos.gt(zero), wi.dot(geometric).gt(zero));
     let sides_agree = (is_up & is_geometrically_up) | (!is_up & !is_geometrically_up);
-    let weight =
-        if follows_diffuse { power_heuristic(light_pdf, cos_above * FRAC_1_PI) } else { Lanes::splat(simd, 1.0) };
     let local = Vector3::new(wi.dot(tangent), wi.dot(bitangent), cos_above);
-    let reflected = diffuse_value(albedo, roughness, wo, local) * weight * cos.abs();
+    let weighted = if PHONG {
+        let values = bsdf.values(wo, local);
+        let all = values.diffuse + values.phong;
+        if lobes == FollowedLobes::All {
+            all * power_heuristic(light_pdf, bsdf.pdf(&values))
+        } else {
+            let one = Lanes::splat(simd, 1.0);
+            all - values.phong * (one - power_heuristic(light_pdf, values.phong_pdf))
+        }
+    } else {
+        let value = bsdf.diffuse_value(wo, local);
+        if lobes == FollowedLobes::All { value * power_heuristic(light_pdf, cos_above * FRAC_1_PI) } else { value }
+    };
+    let reflected = weighted * cos.abs();
     let is_black = is_zero(reflected);
     let lit = light_pdf.gt(zero) & sides_agree & cos_above.gt(horizon) & !is_black;
     let radiance = Lanes::load_vector(simd, &light.radiance);
@@ -241,19 +276,41 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
         direct: Lanes::store_vector(direct),
         ..ScatteredBlock::default()
     };
-    if !follows_diffuse {
+    if lobes == FollowedLobes::Nothing {
         return scattered;
     }
 
     // Next direction.
     let [u, v] = &block.u_bsdf;
-    let local = cosine_hemisphere_lanes([Lanes::load(simd, u), Lanes::load(simd, v)]);
-    let pdf = local.z * FRAC_1_PI;
+    let u = [Lanes::load(simd, u), Lanes::load(simd, v)];
+    let (local, value, pdf, is_sampled) = if PHONG {
+        let samples_diffuse = lobes == FollowedLobes::All;
+        let is_diffuse = if samples_diffuse {
+            bsdf.chooses_diffuse(Lanes::load(simd, &block.u_lobe))
+        } else {
+            LaneMask::from_bits(simd, 0)
+        };
+        scattered.diffuse = is_diffuse.bits();
+        let local = bsdf.sample(wo, is_diffuse, u);
+        let values = bsdf.values(wo, local);
+        let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
+        let (value, pdf) = if samples_diffuse {
+            (values.diffuse + values.phong, bsdf.pdf(&values))
+        } else {
+            (values.phong, values.phong_pdf)
+        };
+        let is_finite = pdf.le(Lanes::splat(simd, f64::MAX)) & value.is_finite();
+        (local, value, pdf, own_pdf.gt(zero) & pdf.gt(zero) & is_finite)
+    } else {
+        scattered.diffuse = !0;
+        let local = cosine_hemisphere_lanes(u);
+        let pdf = local.z * FRAC_1_PI;
+        (local, bsdf.diffuse_value(wo, local), pdf, pdf.gt(zero))
+    };
     let height = Real::select(is_above, local.z, -local.z);
     let next = tangent * local.x + bitangent * local.y + shading * height;
-    let continued = local.z.gt(horizon) & next.dot(towards_viewer).gt(zero);
-    let scale = local.z / pdf;
-    let after = throughput.scaled_by(diffuse_value(albedo, roughness, wo, local) * scale);
+    let continued = is_sampled & local.z.gt(horizon) & next.dot(towards_viewer).gt(zero);
+    let after = throughput.scaled_by(value * (local.z / pdf));
     let outwards = Vector3::select(next.dot(geometric).lt(zero), -geometric, geometric);
     let (next_origin, is_offset) = offset_point(point, error, geometric, outwards);
     valid = valid & (!continued | (is_offset & after.is_finite()));
@@ -275,12 +332,24 @@ fn scatter_block<S: Simd>(simd: S, block: &Block, follows_diffuse: bool) -> Scat
     scattered
 }
 
-/// f for directions above the surface. Blocks without roughness skip what is then 0.
+/// Loads the BSDFs; without `has_phong` only their diffuse lobes.
 #[inline(always)]
-fn diffuse_value<R: Real>(albedo: Vector3<R>, roughness: R, wo: Vector3<R>, wi: Vector3<R>) -> Vector3<R> {
-    if roughness.gt(roughness.splat(0.0)).any() {
-        oren_nayar_lanes(albedo, roughness, wo, wi)
-    } else {
-        albedo * roughness.splat(FRAC_1_PI)
+fn load_bsdf<S: Simd>(simd: S, block: &Block, has_phong: bool) -> DiffusePhongLanes<Lanes<S>> {
+    let zero = Lanes::splat(simd, 0.0);
+    let mut bsdf = DiffusePhongLanes {
+        albedo: Lanes::load_vector(simd, &block.albedo),
+        roughness: Lanes::load(simd, &block.roughness),
+        reflectance: Vector3::new(zero, zero, zero),
+        exponent: zero,
+        weights: [zero; 2],
+        probabilities: [zero; 2],
+    };
+    if has_phong {
+        let PhongBlock { reflectance, exponent, weights: [a, b], probabilities: [c, d] } = &block.phong;
+        bsdf.reflectance = Lanes::load_vector(simd, reflectance);
+        bsdf.exponent = Lanes::load(simd, exponent);
+        bsdf.weights = [Lanes::load(simd, a), Lanes::load(simd, b)];
+        bsdf.probabilities = [Lanes::load(simd, c), Lanes::load(simd, d)];
     }
+    bsdf
 }

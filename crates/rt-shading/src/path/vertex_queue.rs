@@ -1,4 +1,4 @@
-//! Queue of path vertices on diffuse surfaces, which are shaded in lanes.
+//! Queue of path vertices that are shaded in lanes: on diffuse surfaces, or on those with a Phong lobe, too.
 //!
 //! ```text
 //!   hits ─▶ push ─▶ draw samples ─▶ surfaces of triangles ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
@@ -8,12 +8,14 @@
 #![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use super::{
-    diffuse_block::{Block, ScatteredBlock, compute_surfaces, sample_lights, sample_quad, scatter},
+    vertex_block::{
+        Block, FollowedLobes, PhongBlock, ScatteredBlock, compute_surfaces, sample_lights, sample_quad, scatter,
+    },
     wave::Path,
 };
 use crate::{
     TriangleHit,
-    bsdf::OrenNayar,
+    bsdf::{DiffusePhong, OrenNayar, PhongLobe, WeightedPhong},
     lanes::{LANES, LaneArray, LaneLevel, get, get_rgb, set, set_rgb},
     light::{Light, LightSet},
     viewed_surface::ViewedSurface,
@@ -23,12 +25,14 @@ use rt_math::{DVec3, Ray, Rgb, Sampler};
 
 /// Vertices with their light samples and samples of the next direction.
 #[derive(Clone, Debug)]
-pub(super) struct DiffuseQueue<S> {
+pub(super) struct VertexQueue<S> {
     vertices: Vec<QueuedVertex>,
     blocks: Vec<Block>,
     /// Samplers of the paths before this queue drew from them.
     initial_samplers: Vec<S>,
     draws: Draws,
+    /// True for a queue of surfaces with a Phong lobe.
+    has_phong: bool,
 }
 
 /// Buffers for samples that are drawn together.
@@ -72,15 +76,19 @@ pub(super) struct NextRay {
     pub(super) throughput: Rgb,
     /// False if no throughput is left, or Russian roulette has ended the path.
     pub(super) is_alive: bool,
+    /// True for a direction from the diffuse lobe.
+    pub(super) is_diffuse: bool,
 }
 
-impl<S> Default for DiffuseQueue<S> {
-    fn default() -> Self {
-        Self { vertices: Vec::new(), blocks: Vec::new(), initial_samplers: Vec::new(), draws: Draws::default() }
+impl<S: Sampler + Clone> VertexQueue<S> {
+    /// Queues of surfaces without and with a Phong lobe.
+    pub(super) fn both() -> [Self; 2] {
+        [false, true].map(|has_phong| {
+            let (vertices, blocks, initial_samplers) = (Vec::new(), Vec::new(), Vec::new());
+            Self { vertices, blocks, initial_samplers, draws: Draws::default(), has_phong }
+        })
     }
-}
 
-impl<S: Sampler + Clone> DiffuseQueue<S> {
     pub(super) fn is_empty(&self) -> bool {
         self.vertices.is_empty()
     }
@@ -100,11 +108,11 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         &mut self,
         (id, path): (u32, &Path),
         view: &ViewedSurface<'_>,
-        diffuse: &OrenNayar,
+        bsdf: &DiffusePhong,
         time: f64,
         rr_start_depth: u32,
     ) {
-        let (block, lane) = self.push_path((id, path), diffuse, time, rr_start_depth);
+        let (block, lane) = self.push_path((id, path), bsdf, time, rr_start_depth);
         let surface = view.surface;
         set(&mut block.point, lane, surface.point);
         set(&mut block.point_error, lane, surface.point_error);
@@ -121,11 +129,11 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         &mut self,
         path: (u32, &Path),
         hit: &TriangleHit,
-        diffuse: &OrenNayar,
+        bsdf: &DiffusePhong,
         ray: &Ray,
         rr_start_depth: u32,
     ) {
-        let (block, lane) = self.push_path(path, diffuse, ray.time, rr_start_depth);
+        let (block, lane) = self.push_path(path, bsdf, ray.time, rr_start_depth);
         block.triangles.mask |= 1 << lane;
         let [a, b, c] = &mut block.triangles.vertices;
         set(a, lane, hit.vertices[0]);
@@ -142,7 +150,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
     fn push_path(
         &mut self,
         (id, path): (u32, &Path),
-        diffuse: &OrenNayar,
+        bsdf: &DiffusePhong,
         time: f64,
         rr_start_depth: u32,
     ) -> (&mut Block, usize) {
@@ -155,8 +163,15 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         if lane == 0 {
             block.triangles.mask = 0;
         }
-        set_rgb(&mut block.albedo, lane, diffuse.albedo);
-        block.roughness[lane] = diffuse.clamped_roughness();
+        set_rgb(&mut block.albedo, lane, bsdf.diffuse.albedo);
+        block.roughness[lane] = bsdf.diffuse.clamped_roughness();
+        if let Some(WeightedPhong { lobe, weights, probabilities }) = &bsdf.highlight {
+            let phong = &mut block.phong;
+            set_rgb(&mut phong.reflectance, lane, lobe.reflectance);
+            phong.exponent[lane] = lobe.clamped_exponent();
+            set_pair(&mut phong.weights, lane, *weights);
+            set_pair(&mut phong.probabilities, lane, *probabilities);
+        }
         set_rgb(&mut block.throughput, lane, path.throughput);
         block.eta_scale[lane] = path.eta_scale;
         let plays_roulette = path.bounces + 1 > rr_start_depth;
@@ -164,9 +179,18 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         (block, lane)
     }
 
-    /// Draws the samples of all vertices, for one of `n_lights` and, if paths follow diffuse surfaces, for the next direction.
-    pub(super) fn draw(&mut self, samplers: &mut [S], n_lights: usize, follows_diffuse: bool) {
-        let Self { vertices, blocks, initial_samplers, draws } = self;
+    /// Lobes of which the next direction is sampled, if paths follow diffuse surfaces or not.
+    pub(super) const fn sampled_lobes(&self, follows_diffuse: bool) -> FollowedLobes {
+        match (follows_diffuse, self.has_phong) {
+            (true, _) => FollowedLobes::All,
+            (false, true) => FollowedLobes::Phong,
+            (false, false) => FollowedLobes::Nothing,
+        }
+    }
+
+    /// Draws the samples of all vertices, for one of `n_lights` and for the next direction.
+    pub(super) fn draw(&mut self, samplers: &mut [S], n_lights: usize, lobes: FollowedLobes) {
+        let Self { vertices, blocks, initial_samplers, draws, has_phong } = self;
         let Draws { paths, pairs, numbers, roulette } = draws;
         paths.clear();
         paths.extend(vertices.iter().map(|vertex| vertex.path));
@@ -180,15 +204,17 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         }
         if n_lights > 1 {
             S::next_1d_batch(samplers, paths, numbers);
-            for (at, &number) in numbers.iter().enumerate() {
-                blocks[at / LANES].u_light_choice[at % LANES] = number;
-            }
+            each_number(blocks, numbers, |block| &mut block.u_light_choice);
         }
-        if !follows_diffuse {
+        if lobes == FollowedLobes::Nothing {
             return;
         }
         S::next_2d_batch(samplers, paths, pairs);
         each_pair(blocks, pairs, |block| &mut block.u_bsdf);
+        if *has_phong {
+            S::next_1d_batch(samplers, paths, numbers);
+            each_number(blocks, numbers, |block| &mut block.u_lobe);
+        }
         roulette.clear();
         roulette.extend((0..paths.len() as u32).filter(|&at| {
             let at = at as usize;
@@ -207,8 +233,8 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
         self.initial_samplers[at].clone()
     }
 
-    /// Samples lights, and the next direction of each path if it `follows_diffuse` surfaces.
-    pub(super) fn shade(&mut self, level: LaneLevel, lights: &LightSet, follows_diffuse: bool) {
+    /// Samples lights and the next direction of each path.
+    pub(super) fn shade(&mut self, level: LaneLevel, lights: &LightSet, lobes: FollowedLobes) {
         let blocks = &mut self.blocks[..self.vertices.len().div_ceil(LANES)];
         match level {
             #[cfg(target_arch = "x86_64")]
@@ -222,9 +248,11 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
             },
             _ => sample_lights(blocks, self.vertices.len(), lights),
         }
-        match level {
+        match (level, self.has_phong) {
             #[cfg(target_arch = "x86_64")]
-            LaneLevel::Avx2(simd) => scatter(simd, blocks, follows_diffuse),
+            (LaneLevel::Avx2(simd), false) => scatter::<_, false>(simd, blocks, lobes),
+            #[cfg(target_arch = "x86_64")]
+            (LaneLevel::Avx2(simd), true) => scatter::<_, true>(simd, blocks, lobes),
         }
     }
 
@@ -232,7 +260,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
     #[inline(always)]
     pub(super) fn scattered(&self, at: usize) -> Option<Scattered> {
         let lane = at % LANES;
-        let ScatteredBlock { valid, lit, continued, alive, .. } = self.blocks[at / LANES].scattered;
+        let ScatteredBlock { valid, lit, continued, alive, diffuse, .. } = self.blocks[at / LANES].scattered;
         let is = |mask: u8| mask >> lane & 1 == 1;
         let results = &self.blocks[at / LANES].scattered;
         is(valid).then(|| Scattered {
@@ -247,6 +275,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
                 pdf: results.pdf[lane],
                 throughput: get_rgb(&results.throughput, lane),
                 is_alive: is(alive),
+                is_diffuse: is(diffuse),
             }),
         })
     }
@@ -259,7 +288,7 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
     }
 
     /// Surface of a vertex, the direction from which it is seen, whether from behind, and its BSDF.
-    pub(super) fn surface(&self, at: usize) -> (SurfaceInteraction, (DVec3, bool), OrenNayar) {
+    pub(super) fn surface(&self, at: usize) -> (SurfaceInteraction, (DVec3, bool), DiffusePhong) {
         let (block, lane) = (&self.blocks[at / LANES], at % LANES);
         let (point, error) = (get(&block.point, lane), get(&block.point_error, lane));
         let surface = SurfaceInteraction {
@@ -268,16 +297,34 @@ impl<S: Sampler + Clone> DiffuseQueue<S> {
             ..SurfaceInteraction::flat(point, error, get(&block.geometric_normal, lane), [0.0; 2])
         };
         let diffuse = OrenNayar { albedo: get_rgb(&block.albedo, lane), roughness: block.roughness[lane] };
-        (surface, (get(&block.direction, lane), block.side[lane] < 0.0), diffuse)
+        let highlight = self.has_phong.then(|| {
+            let PhongBlock { reflectance, exponent, weights: [a, b], probabilities: [c, d] } = &block.phong;
+            let lobe = PhongLobe { reflectance: get_rgb(reflectance, lane), exponent: exponent[lane] };
+            WeightedPhong { lobe, weights: [a[lane], b[lane]], probabilities: [c[lane], d[lane]] }
+        });
+        (surface, (get(&block.direction, lane), block.side[lane] < 0.0), DiffusePhong { diffuse, highlight })
+    }
+}
+
+/// Stores numbers in the lanes of a field.
+fn each_number(blocks: &mut [Block], numbers: &[f64], field: impl Fn(&mut Block) -> &mut LaneArray) {
+    for (block, numbers) in blocks.iter_mut().zip(numbers.chunks(LANES)) {
+        field(block)[..numbers.len()].copy_from_slice(numbers);
     }
 }
 
 /// Stores pairs of numbers in the lanes of a field.
 fn each_pair(blocks: &mut [Block], pairs: &[[f64; 2]], field: impl Fn(&mut Block) -> &mut [LaneArray; 2]) {
     for (block, pairs) in blocks.iter_mut().zip(pairs.chunks(LANES)) {
-        let [u, v] = field(block);
+        let field = field(block);
         for (lane, pair) in pairs.iter().enumerate() {
-            [u[lane], v[lane]] = *pair;
+            set_pair(field, lane, *pair);
         }
     }
+}
+
+/// Sets the numbers of one lane.
+#[inline(always)]
+fn set_pair([a, b]: &mut [LaneArray; 2], lane: usize, pair: [f64; 2]) {
+    [a[lane], b[lane]] = pair;
 }
