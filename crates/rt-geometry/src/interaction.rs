@@ -187,7 +187,7 @@ impl ShadowRays<'_> {
 
 /// Point moved along a unit normal by its error bound, and rounded away from the surface, as by [`SurfaceInteraction::spawn_ray`].
 /// `outwards` is the normal or its opposite. Where the mask is false, the result is not valid: a coordinate is infinite, NaN, or
-/// smaller than 1e-280.
+/// smaller than 1e-280, but not 0.
 #[inline(always)]
 pub fn offset_point<R: Real>(
     point: Vector3<R>,
@@ -211,7 +211,7 @@ fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
 }
 
 /// Adds a step to each component in the direction of `side`, unless that is 0. The mask is false where a component is not finite, or so
-/// small that steps may underflow.
+/// small that steps may underflow. From 0, the step is the smallest number.
 ///
 /// The step is more than half the distance to the larger neighbour and at most slightly more than all of it. So
 /// the sum is rounded to that neighbour. The same holds for the smaller neighbour, also across a power of two. Source:
@@ -221,11 +221,18 @@ fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
 fn add_steps<R: Real>(point: Vector3<R>, side: Vector3<R>) -> (Vector3<R>, R::Mask) {
     const MIN_SIZE: f64 = 1e-280;
     const STEP: f64 = f64::EPSILON / 2.0 * (1.0 + f64::EPSILON);
-    let zero = point.x.splat(0.0);
-    let next = |x: R, side: R| x + R::select(side.eq(zero), zero, x.abs() * STEP).copysign(side);
+    #[inline(always)]
+    fn next<R: Real>(x: R, side: R) -> R {
+        let zero = x.splat(0.0);
+        let step = R::select(x.eq(zero), x.splat(f64::from_bits(1)), x.abs() * STEP);
+        R::select(side.eq(zero), x, x + step.copysign(side))
+    }
+    #[inline(always)]
+    fn is_known<R: Real>(x: R) -> R::Mask {
+        x.abs().ge(x.splat(MIN_SIZE)) | x.eq(x.splat(0.0))
+    }
     let moved = Vector3::new(next(point.x, side.x), next(point.y, side.y), next(point.z, side.z));
-    let (sizes, min) = (point.abs(), point.x.splat(MIN_SIZE));
-    (moved, sizes.x.ge(min) & sizes.y.ge(min) & sizes.z.ge(min) & point.is_finite())
+    (moved, is_known(point.x) & is_known(point.y) & is_known(point.z) & point.is_finite())
 }
 
 /// Distance of a point from its origin after mapping to the source and back, as a length in the target space. The two

@@ -5,6 +5,7 @@ mod scatter;
 pub(crate) mod transport;
 mod vertex_block;
 mod vertex_queue;
+mod vertex_stages;
 mod wave;
 
 use crate::{
@@ -65,8 +66,6 @@ pub struct PathTracer<S> {
     queues: [VertexQueue<S>; 2],
     /// Instruction set of lanes; `None` to shade all vertices one by one.
     lanes: Option<LaneLevel>,
-    /// Instruction set of this wave; `None` with delta lights, which lanes do not sample.
-    wave_lanes: Option<LaneLevel>,
     /// True if the emission of the next surface or the background may contribute.
     scene_emits: bool,
     counts: ShadingCounts,
@@ -97,7 +96,6 @@ impl<S: Sampler + Clone> PathTracer<S> {
             shadows: ShadowRayQueue::default(),
             queues: VertexQueue::both(),
             lanes: LaneLevel::detect(),
-            wave_lanes: None,
             scene_emits: false,
             counts: ShadingCounts::default(),
         }
@@ -133,8 +131,6 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let seen = &mut seen[..count];
         seen.fill(Seen::NOTHING);
         self.scene_emits = self.needs.emission || !lighting.appearance.background.is_black();
-        let has_delta_lights = lighting.lights.delta_lights().next().is_some();
-        self.wave_lanes = self.lanes.filter(|_| !has_delta_lights);
         self.start(&samplers[..count]);
         self.trace(world, lighting, RayKind::Primary, &rays[..count], |at| at as u32, seen);
         self.end_wave(world, seen);
@@ -159,7 +155,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         seen: &mut [Seen],
     ) {
         let needs = self.needs.surface();
-        if self.wave_lanes.is_none() {
+        if self.lanes.is_none() {
             return world.closest_batch(rays, kind, needs, |at, hit| {
                 let id = path(at);
                 self.shade_hit(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);

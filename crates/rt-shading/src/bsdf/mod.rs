@@ -130,9 +130,11 @@ impl From<Layered> for Bsdf {
 
 impl From<DiffusePhong> for Bsdf {
     fn from(DiffusePhong { diffuse, highlight }: DiffusePhong) -> Self {
-        let Some(WeightedPhong { lobe, weights: [a, b], .. }) = highlight else { return diffuse.into() };
+        let OrenNayar { albedo, roughness } = diffuse;
+        let diffuse: Bxdf = if roughness > 0.0 { diffuse.into() } else { Lambert { albedo }.into() };
+        let Some(WeightedPhong { lobe, weights: [a, b], .. }) = highlight else { return Self::Single(diffuse) };
         // Weights of a mix are valid.
-        Mix::new(&[(a, diffuse.into()), (b, lobe.into())]).map_or(diffuse.into(), Self::Mix)
+        Mix::new(&[(a, diffuse), (b, lobe.into())]).map_or(Self::Single(diffuse), Self::Mix)
     }
 }
 

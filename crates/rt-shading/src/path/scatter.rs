@@ -3,7 +3,7 @@
 use super::{
     Clamp, Lighting, PathSettings, PathTracer, Transport,
     vertex_block::FollowedLobes,
-    vertex_queue::VertexQueue,
+    vertex_queue::{SampledDelta, VertexQueue},
     wave::{Path, PrevVertex},
 };
 use crate::{
@@ -79,7 +79,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
-        if self.wave_lanes.is_some()
+        if self.lanes.is_some()
             && let Some(bsdf) = bsdf.as_diffuse_phong()
             && interface.is_none()
             && view.surface.shading_normal == shading_normal
@@ -136,7 +136,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Shades the queued vertices that a wave has found.
     pub(super) fn shade_queues(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
-        let Some(level) = self.wave_lanes else { return };
+        let Some(level) = self.lanes else { return };
         let queues = core::mem::replace(&mut self.queues, VertexQueue::both());
         self.queues = queues.map(|queue| self.shade_queue(level, lighting, queue, seen));
     }
@@ -154,6 +154,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         let lobes = queue.sampled_lobes(self.settings.transport != Transport::Specular);
         let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
+        let n_delta = lighting.lights.delta_lights().count();
         queue.draw(&mut self.samplers, n_lights, lobes);
         queue.shade(level, lighting.lights, lobes);
         self.counts.lanes += queue.vertices().len().next_multiple_of(LANES) as u64;
@@ -172,10 +173,24 @@ impl<S: Sampler + Clone> PathTracer<S> {
             };
             self.counts.lanes_used += 1;
             let path = &mut self.paths[id as usize];
+            let is_bounded = clamp.holds_after(path.bounces + 1);
+            for (number, light) in lighting.lights.delta_lights().enumerate() {
+                match queue.delta_light(at, number, n_delta) {
+                    SampledDelta::Unlit => {}
+                    SampledDelta::Black => self.counts.shadow_rays_skipped += u64::from(light.casts_shadows),
+                    SampledDelta::Lit { radiance, origin, direction, end } if light.casts_shadows => {
+                        let ray = Ray { origin, direction, time: queued.time };
+                        self.shadows.push((ray, Interval { max: end, ..Interval::SPAWNED }), id, radiance, is_bounded);
+                    }
+                    SampledDelta::Lit { radiance, .. } => {
+                        seen[id as usize].radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
+                    }
+                }
+            }
             if let Some((origin, direction, radiance)) = scattered.direct {
                 let span = if scattered.is_light_infinite { Interval::SPAWNED } else { Interval::SEGMENT };
                 let ray = Ray { origin, direction, time: queued.time };
-                self.shadows.push((ray, span), id, radiance, clamp.holds_after(path.bounces + 1));
+                self.shadows.push((ray, span), id, radiance, is_bounded);
             } else {
                 self.counts.shadow_rays_skipped += u64::from(n_lights > 0);
             }

@@ -241,6 +241,21 @@ fn a_black_light_gets_no_shadow_rays() {
     assert_eq!(counts.shadow_rays_skipped, 3);
 }
 
+/// Points of a floor at height 0 once were shaded one by one, because the next number after 0 was not found in lanes.
+#[test]
+fn a_floor_at_height_zero_is_shaded_in_lanes() {
+    let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("an emission");
+    let light = QuadLight::new(DVec3::new(-0.5, 2.0, -0.5), [DVec3::X, DVec3::Z], emission).expect("a light");
+    let materials = vec![Material::new(String::new(), diffuse(0.8))];
+    let mut scene = Scene::new(materials, vec![Light::Quad(light)]).with(floor(), 0, None);
+    let lights = scene.light_set();
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
+    let rays: Vec<_> = (0..40).map(|i| Ray::new(DVec3::new(0.1 * f64::from(i), 1.0, 0.3), DVec3::NEG_Y)).collect();
+    let (seen, counts) = trace(&mut scene.shapes, lighting, paths(0), &[InteriorList::default()], &rays);
+    assert!(seen.iter().all(|seen| !seen.radiance.is_black()));
+    assert!((counts.lanes_used, counts.lanes) == (40, 40) || LaneLevel::detect().is_none(), "{counts:?}");
+}
+
 #[test]
 fn a_closed_emissive_enclosure_sums_all_bounces() {
     for albedo in [0.5, 0.8] {

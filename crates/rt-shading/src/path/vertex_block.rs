@@ -1,24 +1,19 @@
-//! Blocks of four path vertices, and the stages that shade them in lanes.
-//!
-//! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
-//! [`Bsdf`](crate::bsdf::Bsdf) for one path.
+//! Blocks of four path vertices, and their shading frames in lanes.
 #![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use crate::{
-    bsdf::{DiffusePhongLanes, HORIZON, cosine_hemisphere_lanes},
-    lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, get, is_zero, set, set_rgb},
-    light::{LightSet, QuadLight},
-    mis::power_heuristic,
-    russian_roulette::survival_probability,
+    bsdf::{DiffusePhongLanes, HORIZON},
+    lanes::{LaneArray, LaneMask, Lanes, Simd},
     viewed_surface::MIN_COSINE,
 };
-use core::f64::consts::FRAC_1_PI;
-use rt_geometry::{offset_point, triangle_point};
-use rt_math::{Real, Rgb, Vector3, tangents};
+use rt_geometry::offset_point;
+use rt_math::{Real, Vector3, tangents};
 
 /// Four vertices: inputs, light samples and results.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
+    /// Lanes without a rare case so far; all others are shaded one by one.
+    pub(super) valid: u8,
     /// Hits on triangles, whose surfaces are computed in lanes.
     pub(super) triangles: TriangleBlock,
     pub(super) point: Vector3<LaneArray>,
@@ -92,6 +87,20 @@ pub(super) struct LightBlock {
     pub(super) pdf: LaneArray,
 }
 
+/// Light of one delta light at four vertices. Bit `i` of a mask is for lane `i`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct DeltaBlock {
+    /// Lanes that reflect light.
+    pub(super) lit: u8,
+    /// Lanes that the light reaches, but that reflect nothing.
+    pub(super) black: u8,
+    /// Contributions of unoccluded light.
+    pub(super) radiance: Vector3<LaneArray>,
+    /// Directions of shadow rays, and the parameters at which they end, for a light that casts shadows.
+    pub(super) shadow_direction: Vector3<LaneArray>,
+    pub(super) shadow_end: LaneArray,
+}
+
 /// Results of four vertices. Bit `i` of a mask is for lane `i`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ScatteredBlock {
@@ -115,241 +124,115 @@ pub(super) struct ScatteredBlock {
     pub(super) pdf: LaneArray,
 }
 
-/// Computes the surfaces of triangles.
-pub(super) fn compute_surfaces<S: Simd>(simd: S, blocks: &mut [Block]) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for block in blocks.iter_mut().filter(|block| block.triangles.mask != 0) {
-                compute_surface(simd, block);
-            }
-        },
-    );
+/// Shading frames of four vertices, in registers.
+pub(super) struct FrameLanes<S: Simd> {
+    pub(super) point: Vector3<Lanes<S>>,
+    pub(super) point_error: Vector3<Lanes<S>>,
+    pub(super) geometric_normal: Vector3<Lanes<S>>,
+    pub(super) shading_normal: Vector3<Lanes<S>>,
+    pub(super) tangents: [Vector3<Lanes<S>>; 2],
+    /// Directions to the viewer, above the surface.
+    pub(super) wo: Vector3<Lanes<S>>,
+    /// Geometric normals on the viewer's side.
+    pub(super) towards_viewer: Vector3<Lanes<S>>,
+    /// True where the viewer is on the side of the shading normal.
+    pub(super) is_above: LaneMask<S>,
+    /// True where directions and normals are finite.
+    pub(super) is_finite: LaneMask<S>,
+    /// Negative behind the surface.
+    side: Lanes<S>,
 }
 
-#[inline(always)]
-fn compute_surface<S: Simd>(simd: S, block: &mut Block) {
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let TriangleBlock { mask, vertices: [a, b, c], uv: [v, w], direction } = &block.triangles;
-    let vertices = [Lanes::load_vector(simd, a), Lanes::load_vector(simd, b), Lanes::load_vector(simd, c)];
-    let (point, error) = triangle_point(vertices, [Lanes::load(simd, v), Lanes::load(simd, w)]);
-    let direction = Lanes::load_vector(simd, direction);
-    let direction = direction / direction.length();
-    let normal = Lanes::load_vector(simd, &block.geometric_normal);
-    let side = Real::select(direction.dot(normal).gt(zero), -one, one);
-    let is_triangle = LaneMask::from_bits(simd, *mask);
-    replace(simd, &mut block.point, is_triangle, point);
-    replace(simd, &mut block.point_error, is_triangle, error);
-    replace(simd, &mut block.shadow_point, is_triangle, point);
-    replace(simd, &mut block.shading_normal, is_triangle, normal);
-    replace(simd, &mut block.direction, is_triangle, direction);
-    block.side = Real::select(is_triangle, side, Lanes::load(simd, &block.side)).store();
+/// Directions of light from four points, in registers.
+pub(super) struct IncidentLanes<S: Simd> {
+    /// In the shading frame, above the surface if `is_reflected`.
+    pub(super) local: Vector3<Lanes<S>>,
+    /// Absolute cosines to the shading normal.
+    pub(super) cos: Lanes<S>,
+    /// True where light arrives on the viewer's side of both normals.
+    pub(super) is_reflected: LaneMask<S>,
 }
 
-/// Replaces vectors where the mask is true.
-#[inline(always)]
-fn replace<S: Simd>(simd: S, lanes: &mut Vector3<LaneArray>, mask: LaneMask<S>, computed: Vector3<Lanes<S>>) {
-    *lanes = Lanes::store_vector(Vector3::select(mask, computed, Lanes::load_vector(simd, lanes)));
-}
-
-/// Samples one of several lights for each vertex, one vertex at a time.
-pub(super) fn sample_lights(blocks: &mut [Block], n_vertices: usize, lights: &LightSet) {
-    for at in 0..n_vertices {
-        let (block, lane) = (&mut blocks[at / LANES], at % LANES);
-        let normal = get(&block.shading_normal, lane) * block.side[lane];
-        let [u, v] = &block.u_light;
-        let sampled =
-            lights.sample_li(get(&block.point, lane), Some(normal), block.u_light_choice[lane], [u[lane], v[lane]]);
-        let light = &mut block.light;
-        light.pdf[lane] = 0.0;
-        let Some(sampled) = sampled else { continue };
-        let target = sampled.sample.shadow_target();
-        set(&mut light.direction, lane, sampled.sample.direction);
-        set(&mut light.target, lane, target.unwrap_or(sampled.sample.direction));
-        light.is_infinite[lane] = if target.is_none() { 1.0 } else { 0.0 };
-        set_rgb(&mut light.radiance, lane, sampled.sample.radiance);
-        light.pdf[lane] = sampled.pdf;
-    }
-}
-
-/// Samples the only light of a scene, a parallelogram.
-pub(super) fn sample_quad<S: Simd>(simd: S, blocks: &mut [Block], quad: &QuadLight) {
-    let Rgb { r, g, b } = quad.emission().radiance();
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let zero = Lanes::splat(simd, 0.0);
-            for block in blocks {
-                let point = Lanes::load_vector(simd, &block.point);
-                let [u, v] = &block.u_light;
-                let sampled = quad.sample_li_lanes(point, [Lanes::load(simd, u), Lanes::load(simd, v)]);
-                block.light = LightBlock {
-                    direction: Lanes::store_vector(sampled.direction),
-                    target: Lanes::store_vector(sampled.target),
-                    is_infinite: [0.0; LANES],
-                    radiance: Vector3::new([r; LANES], [g; LANES], [b; LANES]),
-                    pdf: Real::select(sampled.is_lit, sampled.pdf, zero).store(),
-                };
-            }
-        },
-    );
-}
-
-/// Evaluates the BSDF for the sampled light, and samples the next direction. With `PHONG`, surfaces have Phong lobes.
-pub(super) fn scatter<S: Simd, const PHONG: bool>(simd: S, blocks: &mut [Block], lobes: FollowedLobes) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for block in blocks {
-                block.scattered = scatter_block::<S, PHONG>(simd, block, lobes);
-            }
-        },
-    );
-}
-
-#[inline(always)]
-fn scatter_block<S: Simd, const PHONG: bool>(simd: S, block: &Block, lobes: FollowedLobes) -> ScatteredBlock {
-    let (zero, horizon) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, HORIZON));
-    let direction = Lanes::load_vector(simd, &block.direction);
-    let (geometric, shading) =
-        (Lanes::load_vector(simd, &block.geometric_normal), Lanes::load_vector(simd, &block.shading_normal));
-    let (point, error) = (Lanes::load_vector(simd, &block.point), Lanes::load_vector(simd, &block.point_error));
-    let throughput = Lanes::load_vector(simd, &block.throughput);
-    let bsdf = load_bsdf(simd, block, PHONG);
-    let side = Lanes::load(simd, &block.side);
-    let is_behind = side.lt(zero);
-
-    // Shading coordinates.
-    let mut valid = direction.is_finite() & shading.is_finite();
-    let [tangent, bitangent] = tangents(shading);
-    let cos_view = (-direction).dot(shading);
-    let min = side * MIN_COSINE;
-    let cos_view = Real::select((cos_view * side).lt(zero + MIN_COSINE), min, cos_view);
-    let is_above = cos_view.gt(zero);
-    let wo = Vector3::new((-direction).dot(tangent), (-direction).dot(bitangent), cos_view.abs());
-    let towards_viewer = Vector3::select(is_behind, -geometric, geometric);
-
-    // Light that the sampled light sends to the viewer, with its MIS weight.
-    let light = &block.light;
-    let (wi, target) = (Lanes::load_vector(simd, &light.direction), Lanes::load_vector(simd, &light.target));
-    let light_pdf = Lanes::load(simd, &light.pdf);
-    let is_infinite = Lanes::load(simd, &light.is_infinite).gt(zero);
-    let cos = wi.dot(shading);
-    let cos_above = Real::select(is_above, cos, -cos);
-    let (is_up, is_geometrically_up) = (cos.gt(zero), wi.dot(geometric).gt(zero));
-    let sides_agree = (is_up & is_geometrically_up) | (!is_up & !is_geometrically_up);
-    let local = Vector3::new(wi.dot(tangent), wi.dot(bitangent), cos_above);
-    let weighted = if PHONG {
-        let values = bsdf.values(wo, local);
-        let all = values.diffuse + values.phong;
-        if lobes == FollowedLobes::All {
-            all * power_heuristic(light_pdf, bsdf.pdf(&values))
-        } else {
-            let one = Lanes::splat(simd, 1.0);
-            all - values.phong * (one - power_heuristic(light_pdf, values.phong_pdf))
+impl Block {
+    /// Loads the BSDFs; without `has_phong` only their diffuse lobes.
+    #[inline(always)]
+    pub(super) fn load_bsdf<S: Simd>(&self, simd: S, has_phong: bool) -> DiffusePhongLanes<Lanes<S>> {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut bsdf = DiffusePhongLanes {
+            albedo: Lanes::load_vector(simd, &self.albedo),
+            roughness: Lanes::load(simd, &self.roughness),
+            reflectance: Vector3::new(zero, zero, zero),
+            exponent: zero,
+            weights: [zero; 2],
+            probabilities: [zero; 2],
+        };
+        if has_phong {
+            let PhongBlock { reflectance, exponent, weights: [a, b], probabilities: [c, d] } = &self.phong;
+            bsdf.reflectance = Lanes::load_vector(simd, reflectance);
+            bsdf.exponent = Lanes::load(simd, exponent);
+            bsdf.weights = [Lanes::load(simd, a), Lanes::load(simd, b)];
+            bsdf.probabilities = [Lanes::load(simd, c), Lanes::load(simd, d)];
         }
-    } else {
-        let value = bsdf.diffuse_value(wo, local);
-        if lobes == FollowedLobes::All { value * power_heuristic(light_pdf, cos_above * FRAC_1_PI) } else { value }
-    };
-    let reflected = weighted * cos.abs();
-    let is_black = is_zero(reflected);
-    let lit = light_pdf.gt(zero) & sides_agree & cos_above.gt(horizon) & !is_black;
-    let radiance = Lanes::load_vector(simd, &light.radiance);
-    let direct = throughput.scaled_by(reflected).scaled_by(radiance) / light_pdf;
-
-    // Shadow ray. Those to the far side are rare, and start elsewhere.
-    let shadow_point = Lanes::load_vector(simd, &block.shadow_point);
-    let lift = (shadow_point - point).dot(geometric);
-    let start = Vector3::select((lift * side).lt(zero), point, shadow_point);
-    let (shadow_origin, is_offset) = offset_point(start, error, geometric, towards_viewer);
-    let to_light = Vector3::select(is_infinite, target, target - point);
-    let leaves_behind = to_light.dot(shading).lt(zero);
-    let same_side = (leaves_behind & is_behind) | (!leaves_behind & !is_behind);
-    valid = valid & (!lit | (is_offset & same_side));
-    let shadow_direction = Vector3::select(is_infinite, target, target - shadow_origin);
-    let mut scattered = ScatteredBlock {
-        valid: valid.bits(),
-        lit: lit.bits(),
-        shadow_origin: Lanes::store_vector(shadow_origin),
-        shadow_direction: Lanes::store_vector(shadow_direction),
-        direct: Lanes::store_vector(direct),
-        ..ScatteredBlock::default()
-    };
-    if lobes == FollowedLobes::Nothing {
-        return scattered;
+        bsdf
     }
-
-    // Next direction.
-    let [u, v] = &block.u_bsdf;
-    let u = [Lanes::load(simd, u), Lanes::load(simd, v)];
-    let (local, value, pdf, is_sampled) = if PHONG {
-        let samples_diffuse = lobes == FollowedLobes::All;
-        let is_diffuse = if samples_diffuse {
-            bsdf.chooses_diffuse(Lanes::load(simd, &block.u_lobe))
-        } else {
-            LaneMask::from_bits(simd, 0)
-        };
-        scattered.diffuse = is_diffuse.bits();
-        let local = bsdf.sample(wo, is_diffuse, u);
-        let values = bsdf.values(wo, local);
-        let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
-        let (value, pdf) = if samples_diffuse {
-            (values.diffuse + values.phong, bsdf.pdf(&values))
-        } else {
-            (values.phong, values.phong_pdf)
-        };
-        let is_finite = pdf.le(Lanes::splat(simd, f64::MAX)) & value.is_finite();
-        (local, value, pdf, own_pdf.gt(zero) & pdf.gt(zero) & is_finite)
-    } else {
-        scattered.diffuse = !0;
-        let local = cosine_hemisphere_lanes(u);
-        let pdf = local.z * FRAC_1_PI;
-        (local, bsdf.diffuse_value(wo, local), pdf, pdf.gt(zero))
-    };
-    let height = Real::select(is_above, local.z, -local.z);
-    let next = tangent * local.x + bitangent * local.y + shading * height;
-    let continued = is_sampled & local.z.gt(horizon) & next.dot(towards_viewer).gt(zero);
-    let after = throughput.scaled_by(value * (local.z / pdf));
-    let outwards = Vector3::select(next.dot(geometric).lt(zero), -geometric, geometric);
-    let (next_origin, is_offset) = offset_point(point, error, geometric, outwards);
-    valid = valid & (!continued | (is_offset & after.is_finite()));
-
-    // Russian roulette.
-    let u_roulette = Lanes::load(simd, &block.u_roulette);
-    let max = after.x.max(after.y).max(after.z);
-    let survival = survival_probability(max, Lanes::load(simd, &block.eta_scale));
-    let plays = u_roulette.ge(zero);
-    let alive = continued & !is_zero(after) & (!plays | u_roulette.lt(survival));
-    let after = Vector3::select(plays, after / survival, after);
-    scattered.valid = valid.bits();
-    scattered.continued = continued.bits();
-    scattered.alive = alive.bits();
-    scattered.next_origin = Lanes::store_vector(next_origin);
-    scattered.next_direction = Lanes::store_vector(next);
-    scattered.throughput = Lanes::store_vector(after);
-    scattered.pdf = pdf.store();
-    scattered
 }
 
-/// Loads the BSDFs; without `has_phong` only their diffuse lobes.
-#[inline(always)]
-fn load_bsdf<S: Simd>(simd: S, block: &Block, has_phong: bool) -> DiffusePhongLanes<Lanes<S>> {
-    let zero = Lanes::splat(simd, 0.0);
-    let mut bsdf = DiffusePhongLanes {
-        albedo: Lanes::load_vector(simd, &block.albedo),
-        roughness: Lanes::load(simd, &block.roughness),
-        reflectance: Vector3::new(zero, zero, zero),
-        exponent: zero,
-        weights: [zero; 2],
-        probabilities: [zero; 2],
-    };
-    if has_phong {
-        let PhongBlock { reflectance, exponent, weights: [a, b], probabilities: [c, d] } = &block.phong;
-        bsdf.reflectance = Lanes::load_vector(simd, reflectance);
-        bsdf.exponent = Lanes::load(simd, exponent);
-        bsdf.weights = [Lanes::load(simd, a), Lanes::load(simd, b)];
-        bsdf.probabilities = [Lanes::load(simd, c), Lanes::load(simd, d)];
+impl<S: Simd> FrameLanes<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, block: &Block) -> Self {
+        let zero = Lanes::splat(simd, 0.0);
+        let direction = Lanes::load_vector(simd, &block.direction);
+        let geometric_normal = Lanes::load_vector(simd, &block.geometric_normal);
+        let shading_normal = Lanes::load_vector(simd, &block.shading_normal);
+        let side = Lanes::load(simd, &block.side);
+        let [tangent, bitangent] = tangents(shading_normal);
+        let cos_view = (-direction).dot(shading_normal);
+        let min = side * MIN_COSINE;
+        let cos_view = Real::select((cos_view * side).lt(zero + MIN_COSINE), min, cos_view);
+        Self {
+            point: Lanes::load_vector(simd, &block.point),
+            point_error: Lanes::load_vector(simd, &block.point_error),
+            geometric_normal,
+            shading_normal,
+            tangents: [tangent, bitangent],
+            wo: Vector3::new((-direction).dot(tangent), (-direction).dot(bitangent), cos_view.abs()),
+            towards_viewer: Vector3::select(side.lt(zero), -geometric_normal, geometric_normal),
+            is_above: cos_view.gt(zero),
+            is_finite: direction.is_finite() & shading_normal.is_finite(),
+            side,
+        }
     }
-    bsdf
+
+    /// Light from these directions.
+    #[inline(always)]
+    pub(super) fn incident(&self, simd: S, wi: Vector3<Lanes<S>>) -> IncidentLanes<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let cos = wi.dot(self.shading_normal);
+        let cos_above = Real::select(self.is_above, cos, -cos);
+        let (is_up, is_geometrically_up) = (cos.gt(zero), wi.dot(self.geometric_normal).gt(zero));
+        let sides_agree = (is_up & is_geometrically_up) | (!is_up & !is_geometrically_up);
+        let [tangent, bitangent] = self.tangents;
+        IncidentLanes {
+            local: Vector3::new(wi.dot(tangent), wi.dot(bitangent), cos_above),
+            cos: cos.abs(),
+            is_reflected: sides_agree & cos_above.gt(Lanes::splat(simd, HORIZON)),
+        }
+    }
+
+    /// Origins of shadow rays on the viewer's side, and a mask that is false where they are not valid.
+    #[inline(always)]
+    pub(super) fn shadow_origin(&self, simd: S, block: &Block) -> (Vector3<Lanes<S>>, LaneMask<S>) {
+        let shadow_point = Lanes::load_vector(simd, &block.shadow_point);
+        let lift = (shadow_point - self.point).dot(self.geometric_normal);
+        let start = Vector3::select((lift * self.side).lt(Lanes::splat(simd, 0.0)), self.point, shadow_point);
+        offset_point(start, self.point_error, self.geometric_normal, self.towards_viewer)
+    }
+
+    /// True where shadow rays in these directions start on the viewer's side. Those to the far side are rare, and start elsewhere.
+    #[inline(always)]
+    pub(super) fn starts_near(&self, simd: S, direction: Vector3<Lanes<S>>) -> LaneMask<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let (leaves_behind, is_behind) = (direction.dot(self.shading_normal).lt(zero), self.side.lt(zero));
+        (leaves_behind & is_behind) | (!leaves_behind & !is_behind)
+    }
 }

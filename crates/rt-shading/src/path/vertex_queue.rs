@@ -8,9 +8,8 @@
 #![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use super::{
-    vertex_block::{
-        Block, FollowedLobes, PhongBlock, ScatteredBlock, compute_surfaces, sample_lights, sample_quad, scatter,
-    },
+    vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock},
+    vertex_stages::{compute_surfaces, sample_delta_lights, sample_lights, sample_quad, scatter},
     wave::Path,
 };
 use crate::{
@@ -28,6 +27,8 @@ use rt_math::{DVec3, Ray, Rgb, Sampler};
 pub(super) struct VertexQueue<S> {
     vertices: Vec<QueuedVertex>,
     blocks: Vec<Block>,
+    /// For each block, light of all delta lights.
+    delta: Vec<DeltaBlock>,
     /// Samplers of the paths before this queue drew from them.
     initial_samplers: Vec<S>,
     draws: Draws,
@@ -65,6 +66,23 @@ pub(super) struct Scattered {
     pub(super) next: Option<NextRay>,
 }
 
+/// Light of a delta light at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum SampledDelta {
+    /// The light does not reach the vertex.
+    Unlit,
+    /// The vertex reflects nothing of it.
+    Black,
+    Lit {
+        /// Contribution if the light is not occluded.
+        radiance: Rgb,
+        /// Shadow ray, for a light that casts shadows, and the parameter at which it ends.
+        origin: DVec3,
+        direction: DVec3,
+        end: f64,
+    },
+}
+
 /// Ray of the next direction of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NextRay {
@@ -84,8 +102,8 @@ impl<S: Sampler + Clone> VertexQueue<S> {
     /// Queues of surfaces without and with a Phong lobe.
     pub(super) fn both() -> [Self; 2] {
         [false, true].map(|has_phong| {
-            let (vertices, blocks, initial_samplers) = (Vec::new(), Vec::new(), Vec::new());
-            Self { vertices, blocks, initial_samplers, draws: Draws::default(), has_phong }
+            let (vertices, blocks, delta, initial_samplers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+            Self { vertices, blocks, delta, initial_samplers, draws: Draws::default(), has_phong }
         })
     }
 
@@ -161,7 +179,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         self.vertices.push(QueuedVertex { path: id, time });
         let block = &mut self.blocks[at];
         if lane == 0 {
-            block.triangles.mask = 0;
+            (block.valid, block.triangles.mask) = (!0, 0);
         }
         set_rgb(&mut block.albedo, lane, bsdf.diffuse.albedo);
         block.roughness[lane] = bsdf.diffuse.clamped_roughness();
@@ -190,7 +208,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
 
     /// Draws the samples of all vertices, for one of `n_lights` and for the next direction.
     pub(super) fn draw(&mut self, samplers: &mut [S], n_lights: usize, lobes: FollowedLobes) {
-        let Self { vertices, blocks, initial_samplers, draws, has_phong } = self;
+        let Self { vertices, blocks, initial_samplers, draws, has_phong, .. } = self;
         let Draws { paths, pairs, numbers, roulette } = draws;
         paths.clear();
         paths.extend(vertices.iter().map(|vertex| vertex.path));
@@ -248,11 +266,40 @@ impl<S: Sampler + Clone> VertexQueue<S> {
             },
             _ => sample_lights(blocks, self.vertices.len(), lights),
         }
+        self.delta.clear();
+        if lights.delta_lights().next().is_some() {
+            match (level, self.has_phong) {
+                #[cfg(target_arch = "x86_64")]
+                (LaneLevel::Avx2(simd), false) => {
+                    sample_delta_lights::<_, false>(simd, blocks, lights, &mut self.delta)
+                }
+                #[cfg(target_arch = "x86_64")]
+                (LaneLevel::Avx2(simd), true) => sample_delta_lights::<_, true>(simd, blocks, lights, &mut self.delta),
+            }
+        }
         match (level, self.has_phong) {
             #[cfg(target_arch = "x86_64")]
             (LaneLevel::Avx2(simd), false) => scatter::<_, false>(simd, blocks, lobes),
             #[cfg(target_arch = "x86_64")]
             (LaneLevel::Avx2(simd), true) => scatter::<_, true>(simd, blocks, lobes),
+        }
+    }
+
+    /// Light of the delta light number `number` of `count` at the vertex `at`.
+    #[inline(always)]
+    pub(super) fn delta_light(&self, at: usize, number: usize, count: usize) -> SampledDelta {
+        let (block, lane) = (&self.delta[at / LANES * count + number], at % LANES);
+        if block.black >> lane & 1 == 1 {
+            return SampledDelta::Black;
+        }
+        if block.lit >> lane & 1 == 0 {
+            return SampledDelta::Unlit;
+        }
+        SampledDelta::Lit {
+            radiance: get_rgb(&block.radiance, lane),
+            origin: get(&self.blocks[at / LANES].scattered.shadow_origin, lane),
+            direction: get(&block.shadow_direction, lane),
+            end: block.shadow_end[lane],
         }
     }
 

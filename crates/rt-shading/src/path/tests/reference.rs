@@ -198,25 +198,49 @@ fn triangles() -> Scene {
         let triangle = rt_geometry::Triangle::new(vertices).expect("a triangle");
         scene = scene.with(Shape::Triangle(triangle), (at % 9) as u32, None);
     }
-    // Shadow rays from there start where a coordinate is 0.
+    // Rays from there start where a coordinate is too small for lanes.
     let wall = [DVec3::new(-3.0, 0.0, 0.0), DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0)];
+    let wall = wall.map(|vertex| vertex + DVec3::Z * 1e-290);
     scene.with(Shape::Triangle(rt_geometry::Triangle::new(wall).expect("a triangle")), 0, None)
 }
 
 #[test]
 fn every_path_between_triangles_has_the_bits_of_the_reference() {
-    let scene = triangles();
-    let lights = scene.light_set();
-    let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
-    let mut world = Shapes(scene.shapes.0.clone());
-    let distributed = [0, 4].map(|max_depth| PathSettings { max_depth, ..DISTRIBUTED });
-    for settings in all_settings().chain(distributed) {
-        let (seen, counts) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(3001));
-        let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
-        assert!(lit > 500, "{lit} of 3001, {settings:?}");
-        // Rays hit the floor, which has a highlight, more often than all else.
-        assert!(counts.lanes_used > 1500 || LaneLevel::detect().is_none(), "{counts:?}");
+    let mut scene = triangles();
+    let point = |x, shadow_near| {
+        let position = DVec3::new(x, 2.5, 1.5);
+        DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near }
+    };
+    let spot = DeltaLightKind::Spot {
+        position: DVec3::new(0.0, 3.0, 3.0),
+        direction: DVec3::new(0.0, -0.6, -0.8),
+        cos_inner: 0.95,
+        cos_outer: 0.8,
+        falloff: Falloff::None,
+    };
+    let sun = DeltaLightKind::Directional { direction: DVec3::new(0.6, -0.8, 0.0) };
+    let delta_lights = vec![
+        delta_light(point(2.0, 0.5), true, LightUnits::Physical),
+        delta_light(point(-2.0, 0.0), false, LightUnits::Classical),
+        delta_light(spot, true, LightUnits::Classical),
+        delta_light(sun, true, LightUnits::Classical),
+    ];
+    for (delta_lights, area_lights) in
+        [(Vec::new(), scene.lights.clone()), (delta_lights.clone(), Vec::new()), (delta_lights, scene.lights.clone())]
+    {
+        (scene.appearance.lights, scene.lights) = (delta_lights, area_lights);
+        let lights = scene.light_set();
+        let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
+        let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+        let mut world = Shapes(scene.shapes.0.clone());
+        let distributed = [0, 4].map(|max_depth| PathSettings { max_depth, ..DISTRIBUTED });
+        for settings in all_settings().chain(distributed) {
+            let (seen, counts) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(3001));
+            let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
+            assert!(lit > 500, "{lit} of 3001, {settings:?}");
+            // Rays hit the floor, which has a highlight, more often than all else.
+            assert!(counts.lanes_used > 1500 || LaneLevel::detect().is_none(), "{counts:?}");
+        }
     }
 }
 

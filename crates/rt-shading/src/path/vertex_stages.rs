@@ -1,0 +1,279 @@
+//! Stages that shade blocks of path vertices in lanes.
+//!
+//! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
+//! [`Bsdf`](crate::bsdf::Bsdf) for one path.
+#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
+
+use super::vertex_block::{
+    Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, LightBlock, ScatteredBlock, TriangleBlock,
+};
+use crate::{
+    DeltaLight,
+    bsdf::{DiffusePhongLanes, HORIZON, cosine_hemisphere_lanes},
+    lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, get, is_zero, set, set_rgb},
+    light::{LightSet, QuadLight},
+    mis::power_heuristic,
+    russian_roulette::survival_probability,
+};
+use core::f64::consts::FRAC_1_PI;
+use rt_geometry::{offset_point, triangle_point};
+use rt_math::{Real, Rgb, Vector3};
+
+/// Computes the surfaces of triangles.
+pub(super) fn compute_surfaces<S: Simd>(simd: S, blocks: &mut [Block]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for block in blocks.iter_mut().filter(|block| block.triangles.mask != 0) {
+                compute_surface(simd, block);
+            }
+        },
+    );
+}
+
+#[inline(always)]
+fn compute_surface<S: Simd>(simd: S, block: &mut Block) {
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let TriangleBlock { mask, vertices: [a, b, c], uv: [v, w], direction } = &block.triangles;
+    let vertices = [Lanes::load_vector(simd, a), Lanes::load_vector(simd, b), Lanes::load_vector(simd, c)];
+    let (point, error) = triangle_point(vertices, [Lanes::load(simd, v), Lanes::load(simd, w)]);
+    let direction = Lanes::load_vector(simd, direction);
+    let direction = direction / direction.length();
+    let normal = Lanes::load_vector(simd, &block.geometric_normal);
+    let side = Real::select(direction.dot(normal).gt(zero), -one, one);
+    let is_triangle = LaneMask::from_bits(simd, *mask);
+    replace(simd, &mut block.point, is_triangle, point);
+    replace(simd, &mut block.point_error, is_triangle, error);
+    replace(simd, &mut block.shadow_point, is_triangle, point);
+    replace(simd, &mut block.shading_normal, is_triangle, normal);
+    replace(simd, &mut block.direction, is_triangle, direction);
+    block.side = Real::select(is_triangle, side, Lanes::load(simd, &block.side)).store();
+}
+
+/// Replaces vectors where the mask is true.
+#[inline(always)]
+fn replace<S: Simd>(simd: S, lanes: &mut Vector3<LaneArray>, mask: LaneMask<S>, computed: Vector3<Lanes<S>>) {
+    *lanes = Lanes::store_vector(Vector3::select(mask, computed, Lanes::load_vector(simd, lanes)));
+}
+
+/// Samples one of several lights for each vertex, one vertex at a time.
+pub(super) fn sample_lights(blocks: &mut [Block], n_vertices: usize, lights: &LightSet) {
+    for at in 0..n_vertices {
+        let (block, lane) = (&mut blocks[at / LANES], at % LANES);
+        let normal = get(&block.shading_normal, lane) * block.side[lane];
+        let [u, v] = &block.u_light;
+        let sampled =
+            lights.sample_li(get(&block.point, lane), Some(normal), block.u_light_choice[lane], [u[lane], v[lane]]);
+        let light = &mut block.light;
+        light.pdf[lane] = 0.0;
+        let Some(sampled) = sampled else { continue };
+        let target = sampled.sample.shadow_target();
+        set(&mut light.direction, lane, sampled.sample.direction);
+        set(&mut light.target, lane, target.unwrap_or(sampled.sample.direction));
+        light.is_infinite[lane] = if target.is_none() { 1.0 } else { 0.0 };
+        set_rgb(&mut light.radiance, lane, sampled.sample.radiance);
+        light.pdf[lane] = sampled.pdf;
+    }
+}
+
+/// Samples the only light of a scene, a parallelogram.
+pub(super) fn sample_quad<S: Simd>(simd: S, blocks: &mut [Block], quad: &QuadLight) {
+    let Rgb { r, g, b } = quad.emission().radiance();
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let zero = Lanes::splat(simd, 0.0);
+            for block in blocks {
+                let point = Lanes::load_vector(simd, &block.point);
+                let [u, v] = &block.u_light;
+                let sampled = quad.sample_li_lanes(point, [Lanes::load(simd, u), Lanes::load(simd, v)]);
+                block.light = LightBlock {
+                    direction: Lanes::store_vector(sampled.direction),
+                    target: Lanes::store_vector(sampled.target),
+                    is_infinite: [0.0; LANES],
+                    radiance: Vector3::new([r; LANES], [g; LANES], [b; LANES]),
+                    pdf: Real::select(sampled.is_lit, sampled.pdf, zero).store(),
+                };
+            }
+        },
+    );
+}
+
+/// Evaluates the BSDF for all delta lights: one block of results for each block and light. With `PHONG`, surfaces have Phong lobes.
+pub(super) fn sample_delta_lights<S: Simd, const PHONG: bool>(
+    simd: S,
+    blocks: &mut [Block],
+    lights: &LightSet,
+    results: &mut Vec<DeltaBlock>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for block in blocks {
+                let frame = FrameLanes::new(simd, block);
+                let bsdf = block.load_bsdf(simd, PHONG);
+                for light in lights.delta_lights() {
+                    results.push(sample_delta_light::<S, PHONG>(simd, block, (&frame, &bsdf), light));
+                }
+            }
+        },
+    );
+}
+
+#[inline(always)]
+fn sample_delta_light<S: Simd, const PHONG: bool>(
+    simd: S,
+    block: &mut Block,
+    (frame, bsdf): (&FrameLanes<S>, &DiffusePhongLanes<Lanes<S>>),
+    light: &DeltaLight,
+) -> DeltaBlock {
+    let sample = light.sample_li_lanes(frame.point);
+    let IncidentLanes { local, cos, is_reflected } = frame.incident(simd, sample.direction);
+    let value = if PHONG {
+        let values = bsdf.values(frame.wo, local);
+        values.diffuse + values.phong
+    } else {
+        bsdf.diffuse_value(frame.wo, local)
+    };
+    // A classical surface reflects kd of a classical light, not kd / π.
+    let factor = Lanes::splat(simd, light.units.irradiance_factor());
+    let throughput = Lanes::load_vector(simd, &block.throughput);
+    let radiance = throughput.scaled_by(value * cos).scaled_by(sample.strength) * factor;
+    let lit = sample.is_lit & is_reflected & !is_zero(radiance);
+    let mut result = DeltaBlock {
+        lit: lit.bits(),
+        black: (sample.is_lit & !lit).bits(),
+        radiance: Lanes::store_vector(radiance),
+        ..DeltaBlock::default()
+    };
+    if light.casts_shadows {
+        let (origin, is_offset) = frame.shadow_origin(simd, block);
+        let (to_light, direction) = match light.kind.position() {
+            None => (sample.direction, sample.direction),
+            Some(position) => {
+                let position = Vector3::splat(cos, position);
+                (position - frame.point, position - origin)
+            }
+        };
+        block.valid &= (!lit | (is_offset & frame.starts_near(simd, to_light))).bits();
+        result.shadow_direction = Lanes::store_vector(direction);
+        result.shadow_end = light.shadow_end(direction).store();
+    }
+    result
+}
+
+/// Evaluates the BSDF for the sampled light, and samples the next direction. With `PHONG`, surfaces have Phong lobes.
+pub(super) fn scatter<S: Simd, const PHONG: bool>(simd: S, blocks: &mut [Block], lobes: FollowedLobes) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for block in blocks {
+                block.scattered = scatter_block::<S, PHONG>(simd, block, lobes);
+            }
+        },
+    );
+}
+
+#[inline(always)]
+fn scatter_block<S: Simd, const PHONG: bool>(simd: S, block: &Block, lobes: FollowedLobes) -> ScatteredBlock {
+    let (zero, horizon) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, HORIZON));
+    let frame = FrameLanes::new(simd, block);
+    let throughput = Lanes::load_vector(simd, &block.throughput);
+    let bsdf = block.load_bsdf(simd, PHONG);
+    let wo = frame.wo;
+    let mut valid = frame.is_finite & LaneMask::from_bits(simd, block.valid);
+
+    // Light that the sampled light sends to the viewer, with its MIS weight.
+    let light = &block.light;
+    let (wi, target) = (Lanes::load_vector(simd, &light.direction), Lanes::load_vector(simd, &light.target));
+    let light_pdf = Lanes::load(simd, &light.pdf);
+    let is_infinite = Lanes::load(simd, &light.is_infinite).gt(zero);
+    let IncidentLanes { local, cos, is_reflected } = frame.incident(simd, wi);
+    let weighted = if PHONG {
+        let values = bsdf.values(wo, local);
+        let all = values.diffuse + values.phong;
+        if lobes == FollowedLobes::All {
+            all * power_heuristic(light_pdf, bsdf.pdf(&values))
+        } else {
+            let one = Lanes::splat(simd, 1.0);
+            all - values.phong * (one - power_heuristic(light_pdf, values.phong_pdf))
+        }
+    } else {
+        let value = bsdf.diffuse_value(wo, local);
+        if lobes == FollowedLobes::All { value * power_heuristic(light_pdf, local.z * FRAC_1_PI) } else { value }
+    };
+    let reflected = weighted * cos;
+    let lit = light_pdf.gt(zero) & is_reflected & !is_zero(reflected);
+    let radiance = Lanes::load_vector(simd, &light.radiance);
+    let direct = throughput.scaled_by(reflected).scaled_by(radiance) / light_pdf;
+
+    // Shadow ray.
+    let (shadow_origin, is_offset) = frame.shadow_origin(simd, block);
+    let to_light = Vector3::select(is_infinite, target, target - frame.point);
+    valid = valid & (!lit | (is_offset & frame.starts_near(simd, to_light)));
+    let shadow_direction = Vector3::select(is_infinite, target, target - shadow_origin);
+    let mut scattered = ScatteredBlock {
+        valid: valid.bits(),
+        lit: lit.bits(),
+        shadow_origin: Lanes::store_vector(shadow_origin),
+        shadow_direction: Lanes::store_vector(shadow_direction),
+        direct: Lanes::store_vector(direct),
+        ..ScatteredBlock::default()
+    };
+    if lobes == FollowedLobes::Nothing {
+        return scattered;
+    }
+
+    // Next direction.
+    let [u, v] = &block.u_bsdf;
+    let u = [Lanes::load(simd, u), Lanes::load(simd, v)];
+    let (local, value, pdf, is_sampled) = if PHONG {
+        let samples_diffuse = lobes == FollowedLobes::All;
+        let is_diffuse = if samples_diffuse {
+            bsdf.chooses_diffuse(Lanes::load(simd, &block.u_lobe))
+        } else {
+            LaneMask::from_bits(simd, 0)
+        };
+        scattered.diffuse = is_diffuse.bits();
+        let local = bsdf.sample(wo, is_diffuse, u);
+        let values = bsdf.values(wo, local);
+        let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
+        let (value, pdf) = if samples_diffuse {
+            (values.diffuse + values.phong, bsdf.pdf(&values))
+        } else {
+            (values.phong, values.phong_pdf)
+        };
+        let is_finite = pdf.le(Lanes::splat(simd, f64::MAX)) & value.is_finite();
+        (local, value, pdf, own_pdf.gt(zero) & pdf.gt(zero) & is_finite)
+    } else {
+        scattered.diffuse = !0;
+        let local = cosine_hemisphere_lanes(u);
+        let pdf = local.z * FRAC_1_PI;
+        (local, bsdf.diffuse_value(wo, local), pdf, pdf.gt(zero))
+    };
+    let height = Real::select(frame.is_above, local.z, -local.z);
+    let [tangent, bitangent] = frame.tangents;
+    let next = tangent * local.x + bitangent * local.y + frame.shading_normal * height;
+    let continued = is_sampled & local.z.gt(horizon) & next.dot(frame.towards_viewer).gt(zero);
+    let after = throughput.scaled_by(value * (local.z / pdf));
+    let geometric_normal = frame.geometric_normal;
+    let outwards = Vector3::select(next.dot(geometric_normal).lt(zero), -geometric_normal, geometric_normal);
+    let (next_origin, is_offset) = offset_point(frame.point, frame.point_error, geometric_normal, outwards);
+    valid = valid & (!continued | (is_offset & after.is_finite()));
+
+    // Russian roulette.
+    let u_roulette = Lanes::load(simd, &block.u_roulette);
+    let max = after.x.max(after.y).max(after.z);
+    let survival = survival_probability(max, Lanes::load(simd, &block.eta_scale));
+    let plays = u_roulette.ge(zero);
+    let alive = continued & !is_zero(after) & (!plays | u_roulette.lt(survival));
+    let after = Vector3::select(plays, after / survival, after);
+    scattered.valid = valid.bits();
+    scattered.continued = continued.bits();
+    scattered.alive = alive.bits();
+    scattered.next_origin = Lanes::store_vector(next_origin);
+    scattered.next_direction = Lanes::store_vector(next);
+    scattered.throughput = Lanes::store_vector(after);
+    scattered.pdf = pdf.store();
+    scattered
+}
