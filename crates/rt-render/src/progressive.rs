@@ -28,7 +28,7 @@ use crate::{
 };
 
 /// A render in progress.
-pub(crate) struct Progressive<'p, O> {
+pub(crate) struct Progressive<'p> {
     pub(crate) plan: &'p RenderPlan<'p>,
     pub(crate) scheduler: &'p TileScheduler<'p>,
     pub(crate) rule: StopRule,
@@ -42,10 +42,10 @@ pub(crate) struct Progressive<'p, O> {
     pub(crate) forecast: Forecast,
     /// Fraction of converged pixels, with [`Criterion::Pixels`].
     pub(crate) converged: Option<f64>,
-    pub(crate) observer: O,
+    pub(crate) observer: &'p mut dyn Observer,
 }
 
-impl<O: Observer> Progressive<'_, O> {
+impl Progressive<'_> {
     /// Renders the fixed number of passes of the plan.
     pub(crate) fn run_fixed(&mut self) -> Stopped {
         while self.state.cursor.pass < self.plan.frame.passes {

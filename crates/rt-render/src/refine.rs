@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::{
-    Criterion, Observer, Stopped, TargetError,
+    Criterion, Stopped, TargetError,
     estimate::PixelEstimate,
     pass_state::{PassCursor, RefineStage},
     passes::PixelMask,
@@ -32,7 +32,7 @@ impl TargetError {
     }
 }
 
-impl<O: Observer> Progressive<'_, O> {
+impl Progressive<'_> {
     /// Renders passes until the target error, the time limit or the maximum number of samples is reached. The second result is
     /// the number of unconverged pixels; `None` with [`Criterion::Image`].
     pub(crate) fn refine(&mut self, target: TargetError) -> (Stopped, Option<u64>) {
@@ -180,7 +180,7 @@ impl<O: Observer> Progressive<'_, O> {
     }
 }
 
-impl<O: Observer> Progressive<'_, O> {
+impl Progressive<'_> {
     /// Total number of samples once each pixel has `decided` passes of the second stage.
     fn samples_with_new_ones(&self, decided: &[u32], last: u32) -> u64 {
         let (mut taken, mut after) = (0, vec![0u64]);

@@ -59,7 +59,18 @@ impl RenderPlan<'_> {
         options: &RunOptions<'_>,
         rule: Option<&StopRule>,
         from: Option<Checkpoint>,
-        observer: impl Observer,
+        mut observer: impl Observer,
+    ) -> Result<Part, RenderError> {
+        self.render_observed(options, rule, from, &mut observer)
+    }
+
+    /// [`render_part`](Self::render_part), compiled once for all types of observers.
+    fn render_observed(
+        &self,
+        options: &RunOptions<'_>,
+        rule: Option<&StopRule>,
+        from: Option<Checkpoint>,
+        observer: &mut dyn Observer,
     ) -> Result<Part, RenderError> {
         if let Some(rule) = rule {
             self.check_rule(rule, options.share)?;
@@ -91,7 +102,7 @@ impl RenderPlan<'_> {
     }
 
     /// Renders each tile with all of its samples. Pixel accumulators are kept for tiles in progress only.
-    fn render_tile_by_tile(&self, scheduler: &TileScheduler<'_>, mut part: Part, mut observer: impl Observer) -> Part {
+    fn render_tile_by_tile(&self, scheduler: &TileScheduler<'_>, mut part: Part, observer: &mut dyn Observer) -> Part {
         let (started, spent) = (Instant::now(), part.statistics.render_seconds);
         let pass_spec = self.frame.all_passes();
         let has_errors = part.layout.maps && pass_spec.count > 1;
@@ -134,7 +145,7 @@ impl RenderPlan<'_> {
         share: Share,
         rule: Option<&StopRule>,
         state: PassState,
-        observer: impl Observer,
+        observer: &mut dyn Observer,
     ) -> Part {
         let fixed = StopRule { max_spp: self.samples_per_pixel(), ..StopRule::default() };
         let mut render = Progressive {
