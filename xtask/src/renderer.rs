@@ -139,7 +139,8 @@ fn wait(child: &mut Child, timeout: Duration) -> std::io::Result<Exit> {
             child.wait()?;
             return Ok(Exit::TimedOut(timeout));
         }
-        thread::sleep(Duration::from_millis(5));
+        // Most programs end within some tens of milliseconds.
+        thread::sleep((started.elapsed() / 20).clamp(Duration::from_micros(500), Duration::from_millis(5)));
     }
 }
 

@@ -99,6 +99,11 @@ impl Checks {
 
     /// Adds the checks of items 0 to `count` − 1, made on all threads.
     pub(super) fn of_all(&mut self, count: u64, check: impl Fn(u64, &mut Self) + Sync) {
+        self.in_parallel(count, &check);
+    }
+
+    /// [`of_all`](Self::of_all), compiled once for all cases.
+    fn in_parallel(&mut self, count: u64, check: &(dyn Fn(u64, &mut Self) + Sync)) {
         let all = (0..count.div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {

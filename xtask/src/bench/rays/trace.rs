@@ -55,32 +55,49 @@ impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
     fn visit<T: Accelerator>(self, structure: &T) {
         let Self { mesh, method, rays, answers } = self;
         let share = method.batch.unwrap_or(SHARE);
-        let shares = rays.par_chunks(share).zip(answers.par_chunks_mut(share));
         match (method.batch, method.query) {
-            (None, Query::Closest) => shares.for_each(|(rays, answers)| {
+            (None, Query::Closest) => for_each_share(rays, answers, share, &|(), rays, answers| {
                 for (record, answer) in rays.iter().zip(answers) {
                     let (ray, span) = record.widen();
                     *answer = structure.closest(mesh, &ray, span, &mut NoProbe).into();
                 }
             }),
-            (None, Query::Occluded) => shares.for_each(|(rays, answers)| {
+            (None, Query::Occluded) => for_each_share(rays, answers, share, &|(), rays, answers| {
                 for (record, answer) in rays.iter().zip(answers) {
                     let (ray, span) = record.widen();
                     *answer = structure.occluded(mesh, &ray, span, &mut NoProbe).into();
                 }
             }),
-            (Some(_), Query::Closest) => shares.for_each_init(Batch::default, |batch, (rays, answers)| {
-                batch.fill(rays, None);
-                structure.closest_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
-                batch.store(answers);
-            }),
-            (Some(_), Query::Occluded) => shares.for_each_init(Batch::default, |batch, (rays, answers)| {
-                batch.fill(rays, false);
-                structure.occluded_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
-                batch.store(answers);
-            }),
+            (Some(_), Query::Closest) => {
+                for_each_share(rays, answers, share, &|batch: &mut Batch<_>, rays, answers| {
+                    batch.fill(rays, None);
+                    structure.closest_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
+                    batch.store(answers);
+                })
+            }
+            (Some(_), Query::Occluded) => {
+                for_each_share(rays, answers, share, &|batch: &mut Batch<_>, rays, answers| {
+                    batch.fill(rays, false);
+                    structure.occluded_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
+                    batch.store(answers);
+                })
+            }
         }
     }
+}
+
+/// Work on consecutive rays and their answers, with the state of its thread.
+type ShareWork<'w, S, A> = dyn Fn(&mut S, &[RayRecord], &mut [A]) + Sync + 'w;
+
+/// Does the work on all rays, `share` at a time. Compiled once for all accelerators, unlike the work.
+fn for_each_share<S: Default, A: Send>(
+    rays: &[RayRecord],
+    answers: &mut [A],
+    share: usize,
+    work: &ShareWork<'_, S, A>,
+) {
+    let shares = rays.par_chunks(share).zip(answers.par_chunks_mut(share));
+    shares.for_each_init(S::default, |state, (rays, answers)| work(state, rays, answers));
 }
 
 /// Scratch arrays for the rays of a batch and their hits, reused by each thread.

@@ -21,13 +21,17 @@ pub(super) struct Estimate {
     pub standard_error: f64,
 }
 
+/// Estimate by a seed.
+type SeedEstimator<'e> = dyn Fn(u64) -> Fallible<f64> + Sync + 'e;
+
 impl Estimate {
     /// Mean of `of_seed` over seeds that no estimate of another name has.
-    pub(super) fn of_seeds(
-        name: &str,
-        seeds: u64,
-        of_seed: impl Fn(u64) -> Fallible<f64> + Sync + Send,
-    ) -> Fallible<Self> {
+    pub(super) fn of_seeds(name: &str, seeds: u64, of_seed: impl Fn(u64) -> Fallible<f64> + Sync) -> Fallible<Self> {
+        Self::in_parallel(name, seeds, &of_seed)
+    }
+
+    /// [`of_seeds`](Self::of_seeds), compiled once for all estimates.
+    fn in_parallel(name: &str, seeds: u64, of_seed: &SeedEstimator<'_>) -> Fallible<Self> {
         let key = name.bytes().fold(0, |key, byte| hash(&[key, byte.into()]));
         let of_index = |index| of_seed(hash(&[key, index]));
         let values = (0..seeds).into_par_iter().map(of_index).collect::<Fallible<Vec<f64>>>()?;

@@ -182,7 +182,7 @@ fn lost_strata(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for (pattern, is_wrong) in [(SamplerKind::Jittered, false), (SamplerKind::Random, true)] {
         let below = |[x, y]: [f64; 2]| if y < 0.3 + 0.2 * x { 1.0 } else { 0.0 };
         let slope = slope(&[16, 64, 256, 1024], |spp| {
-            rmse(seeds, 0.4, |seed| Ok(mean_of(pattern, spp, seed, |sample| below(sample.next_2d()))))
+            rmse(seeds, 0.4, &|seed| Ok(mean_of(pattern, spp, seed, |sample| below(sample.next_2d()))))
         })?;
         let name = if is_wrong { "random points that pass for jittered ones" } else { "jittered points" };
         checks.note(format!("{name}: slope {slope:.3}"));

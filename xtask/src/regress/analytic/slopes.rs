@@ -44,7 +44,7 @@ fn smooth() -> Fallible<TestImage> {
 }
 
 /// Root mean square error of an image over seeds.
-pub(super) fn rmse(seeds: u64, truth: f64, of_seed: impl Fn(u64) -> Fallible<f64> + Sync + Send) -> Fallible<f64> {
+pub(super) fn rmse(seeds: u64, truth: f64, of_seed: &(dyn Fn(u64) -> Fallible<f64> + Sync)) -> Fallible<f64> {
     let values = (0..seeds).into_par_iter().map(of_seed).collect::<Fallible<Vec<f64>>>()?;
     Ok((values.iter().map(|value| (value - truth) * (value - truth)).sum::<f64>() / seeds as f64).sqrt())
 }
@@ -70,7 +70,7 @@ fn slopes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let mut note = format!("{}:", pattern.name());
         for ((what, truth, image), expected) in images.iter().zip(expected) {
             let slope =
-                slope(counts, |spp| rmse(seeds, *truth, |seed| image.mean(Integrator::Whitted, pattern, spp, seed)))?;
+                slope(counts, |spp| rmse(seeds, *truth, &|seed| image.mean(Integrator::Whitted, pattern, spp, seed)))?;
             note.push_str(&format!(" {what} {slope:+.3}"));
             let name = pattern.name();
             let what = format_args!("{name}, {what}: slope {slope:.3} instead of {expected}");

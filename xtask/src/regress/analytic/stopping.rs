@@ -121,11 +121,7 @@ fn until(
     (settings.integrator, settings.pattern, settings.seed) = (integrator, pattern, seed);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
     let rule = StopRule { target: Some(target), max_spp: 1 << 16, time: None };
-    let run = RunOptions { threads: 1, ..RunOptions::default() };
-    // On a thread of the pool, waiting for the render would start other seeds on the same stack.
-    let render = || plan.render_until(&run, &rule, |_| {});
-    let rendering = std::thread::scope(|scope| scope.spawn(render).join());
-    Ok(rendering.map_err(|_| "a render panicked")??)
+    Ok(plan.render_until(&RunOptions { threads: 1, ..RunOptions::default() }, &rule, |_| {})?)
 }
 
 /// Mean of an image over its pixels, in green.
