@@ -20,6 +20,11 @@ impl TexturePixels {
         let alpha = alpha(&image);
         Self { pixels: linear_pixels(image, linear), alpha }
     }
+
+    /// Number of pixels with a component that is NaN or infinite.
+    pub fn non_finite(&self) -> usize {
+        self.pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count()
+    }
 }
 
 fn linear_pixels(image: DynamicImage, linear: &dyn Fn(f64) -> f64) -> Vec<[f32; 3]> {

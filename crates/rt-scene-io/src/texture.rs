@@ -104,12 +104,12 @@ impl OpenedImage<'_> {
     fn decode(self, pixels: PixelEncoding) -> Result<Bitmap, TextureError> {
         let (width, height) = self.decoder.dimensions();
         let image = decode_pixels(self.decoder).map_err(|error| TextureError::Damaged(error.to_string()))?;
-        let TexturePixels { pixels, alpha } = match pixels {
+        let decoded = match pixels {
             PixelEncoding::Colors => TexturePixels::decode(image, &|signal| Encoding::Srgb.decode_signal(signal)),
             PixelEncoding::Numbers => TexturePixels::decode(image, &|signal| signal),
         };
-        match pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() {
-            0 => Ok(Bitmap { width, height, pixels, alpha }),
+        match decoded.non_finite() {
+            0 => Ok(Bitmap { width, height, pixels: decoded.pixels, alpha: decoded.alpha }),
             bad => Err(TextureError::NonFinite(bad)),
         }
     }

@@ -1,7 +1,7 @@
 //! Errors as colours.
 
 use super::ErrorMap;
-use crate::{Encoding, Image};
+use crate::{Bitmap8, Encoding, Image};
 
 /// Colours of an [`ErrorMap`] between two limits, beyond which the colour stays the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,11 +59,8 @@ fn between(colours: &[[u8; 3]], part: f64) -> [u8; 3] {
 /// An image of the errors, which the standard [`Development`](crate::Development) brings to the bytes of
 /// [`ColourScale::colour`].
 pub fn heat_map(map: &ErrorMap, scale: ColourScale, limit: f64) -> Image {
-    let mut film = Image::new(map.width(), map.height(), false);
-    for (pixel, &error) in film.pixels_mut().iter_mut().zip(map.values()) {
-        *pixel = scale.colour(f64::from(error), limit).map(|byte| Encoding::Srgb.decode(byte));
-    }
-    film
+    let bytes = map.values().iter().flat_map(|&error| scale.colour(f64::from(error), limit)).collect();
+    Bitmap8 { width: map.width(), height: map.height(), channels: 3, bytes }.decode(Encoding::Srgb)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use rt_image::{Encoding, Image};
+use rt_image::{Bitmap8, Encoding, Image};
 
 use super::log_axis::{LogAxis, exponent};
 use super::reference::Floor;
@@ -94,11 +94,7 @@ impl Plot {
         let (width, height) = SIZE;
         let mut bytes = vec![255; width as usize * height as usize * 3];
         self.draw(BitMapBackend::with_buffer(&mut bytes, SIZE).into_drawing_area())?;
-        let mut film = Image::new(width, height, false);
-        for (value, byte) in film.pixels_mut().as_flattened_mut().iter_mut().zip(bytes) {
-            *value = Encoding::Srgb.decode(byte);
-        }
-        Ok(film)
+        Ok(Bitmap8 { width, height, channels: 3, bytes }.decode(Encoding::Srgb))
     }
 
     fn draw<B: DrawingBackend>(&self, area: DrawingArea<B, Shift>) -> Result<(), String> {
