@@ -19,17 +19,22 @@ const SCENE_NAME: &str = "still_life.ron";
 const IMAGE_FILE: &str = "still_life.png";
 
 pub(super) fn run() -> Result<(), CliError> {
-    let console = Console { quiet: false };
     let started = Instant::now();
     let scene = scene()?;
+    render(&scene, started.elapsed().as_secs_f64(), Path::new(IMAGE_FILE))
+}
+
+/// Renders the scene to this file, and prints commands to try next.
+fn render(scene: &Scene, load_seconds: f64, image: &Path) -> Result<(), CliError> {
+    let console = Console { quiet: false };
     let job = Job {
         scene_file: Path::new(SCENE_NAME),
-        scene: &scene,
-        load_seconds: started.elapsed().as_secs_f64(),
+        scene,
+        load_seconds,
         options: rt_render::PlanOptions::default(),
         output: JobOutput::Image {
-            format: image_file::format_of(Path::new(IMAGE_FILE))?,
-            file: OutputFile::prepare(Path::new(IMAGE_FILE), &[])?,
+            format: image_file::format_of(image)?,
+            file: OutputFile::prepare(image, &[])?,
             aovs: Vec::new(),
         },
         stats: None,
@@ -65,12 +70,44 @@ fn next_steps() -> String {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser as _;
+
     use super::*;
+    use crate::args::Cli;
 
     #[test]
     fn the_showcase_is_a_sound_scene() {
         let scene = scene().expect("sound");
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
         assert_eq!((scene.film.width, scene.film.height), (576, 360));
+    }
+
+    #[test]
+    fn the_showcase_is_rendered_to_the_end() {
+        let mut scene = scene().expect("sound");
+        (scene.film.width, scene.film.height, scene.settings.spp) = (36, 24, 1);
+        let folder = tempfile::tempdir().expect("a folder");
+        let image = folder.path().join(IMAGE_FILE);
+        render(&scene, 0.0, &image).expect("rendered");
+        let image = rt_image::read_image(&image).expect("written");
+        assert_eq!((image.width(), image.height()), (36, 24));
+        let is_lit = |pixel: &&[f32; 3]| pixel.iter().all(|&value| value > 0.0);
+        assert!(image.pixels().iter().filter(is_lit).count() > 36 * 24 / 2);
+    }
+
+    #[test]
+    fn suggested_commands_are_valid() {
+        let text = next_steps();
+        let commands: Vec<_> = text.lines().skip_while(|line| *line != "try next").skip(1).collect();
+        assert_eq!(commands.len(), 3, "{text}");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        for command in commands {
+            let words: Vec<_> = command.split_whitespace().skip_while(|word| !word.starts_with("rt-cli")).collect();
+            // Cargo runs this test, too.
+            let words = words.into_iter().filter(|word| *word != "--");
+            Cli::try_parse_from(words.clone()).unwrap_or_else(|error| panic!("{command}: {error}"));
+            let scene = words.clone().find(|word| word.ends_with(".ron")).expect("a scene");
+            assert!(root.join(scene).is_file(), "{command}");
+        }
     }
 }

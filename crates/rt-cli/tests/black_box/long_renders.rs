@@ -2,29 +2,16 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
-use crate::program::{Run, Workplace};
+use crate::program::{Run, Workplace, signal, wait_until};
 
-/// Render of some seconds.
-const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 96 -o scene.exr";
+/// Render of a second, which many processors do not shorten.
+const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 24 --threads 2 -o scene.exr";
 
 /// Endless render of slow tiles.
 const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 -o scene.exr";
-
-fn signal(child: &Child, name: &str) {
-    let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().expect("there is a kill");
-    assert!(sent.success(), "{name} could not be sent");
-}
-
-fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let started = Instant::now();
-    while !is_so() {
-        assert!(started.elapsed() < Duration::from_secs(120), "{what} did not happen");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
 
 /// Interrupts a long render once it has written a checkpoint.
 fn interrupted(place: &Workplace, options: &str) -> Run {

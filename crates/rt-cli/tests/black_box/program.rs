@@ -4,6 +4,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use rt_image::{Development, Image, ImageFormat, read_image, write_image};
 use serde_json::Value;
@@ -70,6 +72,21 @@ impl Run {
     /// Waits for the end of the program.
     pub(crate) fn end(child: Child) -> Self {
         Self::of(child.wait_with_output().expect("it ended"))
+    }
+}
+
+/// Sends a signal to a program.
+pub(crate) fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().expect("there is a kill");
+    assert!(sent.success(), "{name} could not be sent");
+}
+
+/// Waits for something that happens within two minutes.
+pub(crate) fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let started = Instant::now();
+    while !is_so() {
+        assert!(started.elapsed() < Duration::from_secs(120), "{what} did not happen");
+        thread::sleep(Duration::from_millis(5));
     }
 }
 
@@ -184,7 +201,7 @@ impl Workplace {
         let mut child = command.spawn().expect("it starts");
         let (mut stdin, input) = (child.stdin.take().expect("a pipe"), input.to_vec());
         // It may end without reading, or write before it has read all.
-        let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
+        let writer = thread::spawn(move || drop(stdin.write_all(&input)));
         let output = child.wait_with_output().expect("it ends");
         writer.join().expect("written");
         output

@@ -59,7 +59,7 @@ fn a_target_has_a_cap_that_is_named() {
 fn the_worst_pixel_of_the_cornell_box_does_not_decide() {
     let place = Workplace::with_scene();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/lecture/cornell.ron");
-    let run = place.succeed(&format!("render {scene} --size 64x64 --target-error 5% --stats stats.json"));
+    let run = place.succeed(&format!("render {scene} --size 32x32 --target-error 5% --stats stats.json"));
     let stats = place.json("stats.json");
     let reached = stats["estimated_error"]["relative_rmse"].as_f64().expect("a number");
     assert!((0.03..=0.05).contains(&reached), "{reached}: {run:?}");
