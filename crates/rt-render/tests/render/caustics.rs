@@ -352,7 +352,7 @@ fn passes_until_time_or_error_have_light_paths_too() {
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
     let rule = StopRule { max_spp: 64, ..StopRule::default() };
     let until = plan.render_until(&RunOptions { maps: true, ..RunOptions::default() }, &rule, |_| {}).expect("threads");
-    scene.settings.spp = 4096;
+    scene.settings.spp = 512;
     let (_, whole) = scores(&until, &render(&scene));
     assert!(whole.abs() < 4.5, "{whole}");
 }

@@ -77,9 +77,9 @@ pub(crate) fn spheres() -> Scene {
     }
 }
 
-/// A bumpy sheet of 2·16² triangles over [−1, 1]², smooth and textured.
+/// A bumpy sheet of 2·8² triangles over [−1, 1]², smooth and textured: too many to be inlined, and few for brute force.
 fn sheet() -> TriangleMesh {
-    const N: u32 = 16;
+    const N: u32 = 8;
     let mut data = MeshData::default();
     for j in 0..=N {
         for i in 0..=N {
