@@ -73,18 +73,17 @@ fn the_second_signal_stops_at_once() {
     assert_eq!(place.files(), ["scene.ron"]);
 }
 
-/// Render whose tiles take long enough for a second signal.
-#[cfg(unix)]
-const SLOW: &str = "render scene.ron --integrator path --spp 1500 -o scene.exr";
-
 /// Sends signals by a shell command, in which `$1` is the process, and waits for the end.
 #[cfg(unix)]
 fn signalled(words: &str) -> (Workplace, Run) {
     use std::os::unix::process::CommandExt;
+    // Tiles take long enough for a second signal.
+    let spp = if words.contains("sleep") { 1500 } else { 400 };
+    let slow = format!("render scene.ron --integrator path --spp {spp} --threads 2 -o scene.exr");
     let place = Workplace::with_scene();
     // The parent of the tests may ignore SIGHUP.
     let mut command = Command::new("env");
-    command.arg("--default-signal=HUP").arg(env!("CARGO_BIN_EXE_rt-cli")).args(SLOW.split_whitespace());
+    command.arg("--default-signal=HUP").arg(env!("CARGO_BIN_EXE_rt-cli")).args(slow.split_whitespace());
     command.args(["--checkpoint-every", "1ms"]).current_dir(place.path("")).process_group(0);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
