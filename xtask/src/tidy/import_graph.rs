@@ -113,7 +113,7 @@ impl<'s> Crate<'s> {
                 _ => {}
             }
         }
-        for path in paths(&this.code) {
+        for path in paths(&this.code).into_iter().collect::<BTreeSet<_>>() {
             if let Some(Target::Item(file)) = self.resolve(module, &path, 0) {
                 files.insert(file);
             }

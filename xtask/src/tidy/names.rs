@@ -9,9 +9,9 @@ use super::{
 
 /// Identifiers with a banned word, and the terms to use.
 pub(super) fn banned<'s>(tokens: &[Token<'s>]) -> BTreeMap<&'s str, (usize, &'static str)> {
-    let mut found = BTreeMap::new();
+    let (mut found, mut seen) = (BTreeMap::new(), BTreeSet::new());
     for token in tokens.iter().filter(|token| token.kind == Kind::Word) {
-        if found.contains_key(token.text) {
+        if !seen.insert(token.text) {
             continue;
         }
         let words = words(token.text).join(" ");
