@@ -209,7 +209,7 @@ impl<const N: usize> SampleLanes<N> {
 /// Quotients, rounded down, of numbers below the square of `divisor`.
 #[inline(always)]
 fn quotients<const N: usize>(numbers: &[u32; N], divisor: u32) -> [u32; N] {
-    if divisor > MAX_FACTOR {
+    if divisor > MAX_DIVISOR {
         return lanes(|lane| numbers[lane] / divisor);
     }
     // The factor exceeds 2³² / d by less than 1. The error n / 2³² is less than the 1 / d to the next quotient, as n d < d³ < 2³².
@@ -217,8 +217,8 @@ fn quotients<const N: usize>(numbers: &[u32; N], divisor: u32) -> [u32; N] {
     lanes(|lane| (u64::from(numbers[lane]).wrapping_mul(factor) >> 32) as u32)
 }
 
-/// Divisors by which a multiplication divides exactly: the largest number whose cube is below 2³².
-const MAX_FACTOR: u32 = 1625;
+/// Largest divisor for which a product gives exact quotients: the largest number whose cube is below 2³².
+const MAX_DIVISOR: u32 = 1625;
 
 /// The point at `offset`, in [0, 1), of stratum number `stratum` of `count`.
 #[inline(always)]
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn quotients_are_those_of_integer_division() {
-        for divisor in (1..=MAX_FACTOR + 2).chain([u32::from(u16::MAX)]) {
+        for divisor in (1..=MAX_DIVISOR + 2).chain([u32::from(u16::MAX)]) {
             let numbers: Vec<u32> = (0..divisor)
                 .step_by(1 + divisor as usize / 50)
                 .chain([divisor - 1])

@@ -2,7 +2,6 @@
 //!
 //! Code in lanes is generic over [`Real`]. It must be `#[inline(always)]` up to the `vectorize` around a stage: only inlined code is
 //! compiled for the instruction set. Closures of `array::map` and `array::from_fn` are not inlined, so that loops are written out.
-#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 pub(crate) use fearless_simd::Simd;

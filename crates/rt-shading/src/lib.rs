@@ -50,6 +50,10 @@
 //! ```
 
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(target_arch = "x86_64"),
+    allow(dead_code, unused_imports, unused_variables, unreachable_code, reason = "lanes need AVX2")
+)]
 
 mod alpha;
 mod ambient_occlusion;

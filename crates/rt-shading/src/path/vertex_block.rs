@@ -1,5 +1,4 @@
 //! Blocks of four path vertices, and their shading frames in lanes.
-#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use crate::{
     bsdf::{DiffusePhongLanes, HORIZON},
@@ -71,6 +70,7 @@ pub(super) enum FollowedLobes {
     Nothing,
     /// The Phong lobe of surfaces that have one.
     Phong,
+    /// All lobes of the surface.
     All,
 }
 

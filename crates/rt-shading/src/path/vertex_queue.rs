@@ -5,7 +5,6 @@
 //! ```
 //!
 //! Lanes in which a rare case occurs are marked, and shaded one by one.
-#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use super::{
     vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock},

@@ -2,7 +2,6 @@
 //!
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
 //! [`Bsdf`](crate::bsdf::Bsdf) for one path.
-#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use super::vertex_block::{
     Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, LightBlock, ScatteredBlock, TriangleBlock,

@@ -6,7 +6,6 @@
 //! ```
 //!
 //! Results have the bits of [`Whitted::shade`]. Lanes in which a rare case occurs are shaded one by one.
-#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use super::{
     Whitted,

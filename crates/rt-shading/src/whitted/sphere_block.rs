@@ -1,5 +1,4 @@
 //! Blocks of four hits on spheres, and what is computed for them in lanes.
-#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "lanes need AVX2"))]
 
 use super::{uniform_phong::UniformPhong, wave::TreePath};
 use crate::{
