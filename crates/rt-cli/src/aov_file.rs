@@ -1,9 +1,10 @@
 //! Per-pixel outputs other than radiance.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use rt_image::{Development, Image, ImageFormat, Layer, write_image, write_layers};
-use rt_render::{FirstHitLayer, LayerValues, Rendering};
+use rt_render::{FilmLayers, FirstHitLayer, LayerValues, Rendering};
 
 use crate::args::{Aov, AovArg, AovContent, LayerList};
 use crate::error::CliError;
@@ -54,7 +55,7 @@ impl AovFile {
         self.content.needs_maps()
     }
 
-    /// Layers of first hits to compute from the plan.
+    /// Layers of first hits in the file.
     pub(crate) fn first_hit_layers(&self) -> &[FirstHitLayer] {
         match &self.content {
             AovContent::Map(_) => &[],
@@ -83,19 +84,17 @@ impl AovFile {
         pixels.saturating_mul(4 * (of_hits + of_maps + 4) as u64)
     }
 
-    /// Writes the file, if need be to a fallback directory. `values` are the layers of first hits, and `attributes` describe
-    /// the render.
+    /// Writes the file, if need be to a fallback directory. `attributes` describe the render.
     pub(crate) fn write(
         &self,
         rendering: &Rendering,
-        values: Vec<LayerValues>,
         attributes: &[(&str, String)],
         fallback_dirs: &[PathBuf],
     ) -> Result<(), OutputError> {
         match &self.content {
             AovContent::Map(map) => self.write_map(*map, rendering, fallback_dirs),
             AovContent::Layers(list) => {
-                let layers = layers(list, rendering, values);
+                let layers = layers(list, rendering);
                 self.output
                     .write_with_fallback(fallback_dirs, |file| write_layers(&rendering.film, &layers, attributes, file))
             }
@@ -121,21 +120,21 @@ impl AovFile {
 }
 
 /// All layers of a file with the names of their channels.
-fn layers(list: &LayerList, rendering: &Rendering, values: Vec<LayerValues>) -> Vec<Layer> {
-    let mut layers: Vec<Layer> = values
-        .into_iter()
-        .map(|LayerValues { layer, channels }| Layer {
-            name: layer.name().to_owned(),
-            channels: layer.channels().iter().map(|&name| name.to_owned()).zip(channels).collect(),
-        })
-        .collect();
+fn layers<'a>(list: &LayerList, rendering: &'a Rendering) -> Vec<Layer<'a>> {
+    let of_film = rendering.layers.as_ref().map_or(&[][..], FilmLayers::values);
+    let of_hits = list.first_hit.iter().filter_map(|&layer| of_film.iter().find(|values| values.layer == layer));
+    let borrowed = |LayerValues { layer, channels }: &'a LayerValues| Layer {
+        name: layer.name(),
+        channels: layer.channels().iter().copied().zip(channels.iter().map(Cow::from)).collect(),
+    };
+    let mut layers: Vec<Layer<'_>> = of_hits.map(borrowed).collect();
     let plane = |film: &Image, at: usize| film.pixels().iter().map(|pixel| pixel[at]).collect();
     if let Some(counts) = rendering.sample_counts.as_ref().filter(|_| list.samples) {
-        layers.push(Layer { name: "samples".to_owned(), channels: vec![("V".to_owned(), plane(counts, 0))] });
+        layers.push(Layer { name: "samples", channels: vec![("V", plane(counts, 0))] });
     }
     if let Some(errors) = rendering.standard_error.as_ref().filter(|_| list.stderr || list.is_all) {
-        let channels = ["R", "G", "B"].into_iter().enumerate().map(|(at, name)| (name.to_owned(), plane(errors, at)));
-        layers.push(Layer { name: "stderr".to_owned(), channels: channels.collect() });
+        let channels = ["R", "G", "B"].into_iter().enumerate().map(|(at, name)| (name, plane(errors, at)));
+        layers.push(Layer { name: "stderr", channels: channels.collect() });
     }
     layers
 }

@@ -6,7 +6,9 @@ use std::time::Instant;
 
 use rt_camera::FilmSettings;
 use rt_image::{ImageFormat, write_image};
-use rt_render::{Crop, Part, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Share, StopRule, Stopped};
+use rt_render::{
+    Crop, FirstHitLayer, Part, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Share, StopRule, Stopped,
+};
 use rt_scene_io::Scene;
 
 use crate::aov_file::AovFile;
@@ -71,6 +73,17 @@ impl JobOutput {
         }
     }
 
+    /// Layers of first hits in any of the files.
+    fn layers(&self) -> Vec<FirstHitLayer> {
+        let mut layers = Vec::new();
+        for &layer in self.aovs().iter().flat_map(AovFile::first_hit_layers) {
+            if !layers.contains(&layer) {
+                layers.push(layer);
+            }
+        }
+        layers
+    }
+
     /// True if standard errors and sample counts are kept. `merge` may ask for those of a part.
     fn needs_maps(&self) -> bool {
         matches!(self, Self::Part(_)) || self.aovs().iter().any(AovFile::needs_maps)
@@ -105,8 +118,8 @@ impl Job<'_> {
         let (stopped, missing_tiles) = (part.stopped(), part.missing_tiles());
         let is_written = matches!(self.output, JobOutput::Image { .. }) || missing_tiles == 0;
         let mut results = vec![self.write_part(&part, &fallback_dirs)];
-        let rendering = part.into_rendering();
-        results.extend(self.write_images(&plan, &rendering, &fallback_dirs));
+        let mut rendering = part.into_rendering();
+        results.extend(self.write_images(&plan, &mut rendering, &fallback_dirs));
         if let Some(display) = display {
             display.finish(&rendering.film);
         }
@@ -180,20 +193,20 @@ impl Job<'_> {
     fn write_images(
         &self,
         plan: &RenderPlan<'_>,
-        rendering: &Rendering,
+        rendering: &mut Rendering,
         fallback_dirs: &[PathBuf],
     ) -> Vec<Result<(), OutputError>> {
         let JobOutput::Image { format, file, aovs } = &self.output else { return Vec::new() };
         let development = &self.scene.film.development;
         let image =
             file.write_with_fallback(fallback_dirs, |file| write_image(&rendering.film, development, *format, file));
+        let completed = plan.complete_layers(rendering, self.threads);
         let attributes = self.attributes(plan, rendering);
-        let write = |aov: &AovFile| {
-            let values =
-                plan.first_hit_layers(aov.first_hit_layers(), rendering.samples_per_pixel.max, self.threads).map_err(
-                    |error| OutputError::Write { path: aov.output().path().to_owned(), reason: error.to_string() },
-                )?;
-            aov.write(rendering, values, &attributes, fallback_dirs)
+        let write = |aov: &AovFile| match &completed {
+            Err(error) if !aov.first_hit_layers().is_empty() => {
+                Err(OutputError::Write { path: aov.output().path().to_owned(), reason: error.to_string() })
+            }
+            _ => aov.write(rendering, &attributes, fallback_dirs),
         };
         core::iter::once(image).chain(aovs.iter().map(write)).collect()
     }
@@ -351,12 +364,14 @@ impl Job<'_> {
             }
             checkpointer = Some(writer);
         }
+        let layers = self.output.layers();
         let run = RunOptions {
             threads: self.threads,
             count: self.stats.is_some(),
             maps: self.output.needs_maps(),
             share: self.share(),
             interrupt: Some(guard.flag()),
+            layers: &layers,
         };
         let (quiet, fallback_dirs) = (self.console.quiet, fallback_dirs.to_vec());
         let mut observer = RenderObserver::new(quiet, earlier.as_ref(), checkpointer, fallback_dirs, display);

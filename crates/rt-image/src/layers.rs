@@ -4,6 +4,7 @@
 //! itself have no prefix. All are 32-bit floats, also numbers of objects, because Blender and Nuke show no others. The data
 //! are compressed without loss.
 
+use std::borrow::Cow;
 use std::io::{Cursor, Write};
 
 use exr::prelude::{
@@ -15,11 +16,11 @@ use crate::{Image, ImageFileError, ImageFormat};
 
 /// Values per pixel under one name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Layer {
+pub struct Layer<'a> {
     /// Name, such as `normal`.
-    pub name: String,
+    pub name: &'a str,
     /// Channels with their names, such as `X`, and one value per pixel, row by row.
-    pub channels: Vec<(String, Vec<f32>)>,
+    pub channels: Vec<(&'a str, Cow<'a, [f32]>)>,
 }
 
 /// Writes an image with layers, and texts such as the name of the program as attributes, to an OpenEXR file.
@@ -29,7 +30,7 @@ pub struct Layer {
 /// [`ImageFileError::Write`] if the writer fails.
 pub fn write_layers(
     image: &Image,
-    layers: &[Layer],
+    layers: &[Layer<'_>],
     attributes: &[(&str, String)],
     mut writer: impl Write,
 ) -> Result<(), ImageFileError> {
@@ -50,7 +51,7 @@ pub fn write_layers(
             if values.len() != count {
                 return Err(refused(format!("{name}.{component} has {} values for {count} pixels", values.len())));
             }
-            channels.push(channel(&format!("{name}.{component}"), values.clone()));
+            channels.push(channel(&format!("{name}.{component}"), values.to_vec()));
         }
     }
     let mut described = LayerAttributes::default();
@@ -111,15 +112,15 @@ mod tests {
         film
     }
 
-    fn depth() -> Layer {
-        Layer { name: "depth".to_owned(), channels: vec![("Z".to_owned(), vec![1.0, 2.0, 3.5, 1e10, 0.0, 7.0])] }
+    fn depth() -> Layer<'static> {
+        Layer { name: "depth", channels: vec![("Z", vec![1.0, 2.0, 3.5, 1e10, 0.0, 7.0].into())] }
     }
 
     #[test]
     fn names_values_and_attributes_are_read_back() {
         let normal = |at: usize| (0..6).map(|i| (i * 3 + at) as f32 / 7.0).collect::<Vec<f32>>();
-        let channels = ["X", "Y", "Z"].into_iter().enumerate().map(|(at, name)| (name.to_owned(), normal(at)));
-        let layers = [depth(), Layer { name: "normal".to_owned(), channels: channels.collect() }];
+        let channels = ["X", "Y", "Z"].into_iter().enumerate().map(|(at, name)| (name, normal(at).into()));
+        let layers = [depth(), Layer { name: "normal", channels: channels.collect() }];
         let mut bytes = Vec::new();
         write_layers(&film(), &layers, &[("renderer", "rt 1".to_owned())], &mut bytes).expect("written");
         let reader = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
@@ -128,7 +129,7 @@ mod tests {
         let names: Vec<String> = layer.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
         assert_eq!(names, ["A", "B", "G", "R", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);
         let values: Vec<f32> = layer.channel_data.list[4].sample_data.values_as_f32().collect();
-        assert_eq!(values, depth().channels[0].1);
+        assert_eq!(values, *depth().channels[0].1);
         let values: Vec<f32> = layer.channel_data.list[6].sample_data.values_as_f32().collect();
         assert_eq!(values, normal(1));
         let attribute = layer.attributes.other.get(&Text::from("renderer"));
@@ -158,7 +159,7 @@ mod tests {
 
     #[test]
     fn names_in_any_script_are_stored_as_utf_8() {
-        let layer = Layer { name: "tiefe é 深度".to_owned(), ..depth() };
+        let layer = Layer { name: "tiefe é 深度", ..depth() };
         let mut bytes = Vec::new();
         write_layers(&film(), &[layer], &[("scene", "日本 é".to_owned())], &mut bytes).expect("written");
         for name in ["tiefe é 深度.Z", "日本 é"] {
@@ -168,7 +169,7 @@ mod tests {
 
     #[test]
     fn layers_of_another_size_are_refused() {
-        let short = Layer { name: "depth".to_owned(), channels: vec![("Z".to_owned(), vec![1.0])] };
+        let short = Layer { name: "depth", channels: vec![("Z", vec![1.0].into())] };
         let refused = write_layers(&film(), &[short], &[], Vec::new()).expect_err("five values are missing");
         assert!(refused.to_string().contains("depth.Z has 1 values for 6 pixels"), "{refused}");
         assert!(write_layers(&Image::new(0, 0, false), &[], &[], Vec::new()).is_err());

@@ -14,3 +14,10 @@ pub struct Crop {
     /// Height, at least 1.
     pub height: u32,
 }
+
+impl Crop {
+    /// Index of a pixel of the image among those of the crop, row by row.
+    pub(crate) const fn pixel_index(self, [x, y]: [u32; 2]) -> usize {
+        (y - self.y) as usize * self.width as usize + (x - self.x) as usize
+    }
+}

@@ -149,7 +149,7 @@ pub enum RenderError {
     /// More memory would be needed than the budget allows.
     #[error(transparent)]
     Memory(#[from] rt_scene_io::MemoryError),
-    /// A defect of this crate lost rows of the layers.
-    #[error("{0} rows of the layers were lost to a defect of this program; please report it")]
-    LostRows(usize),
+    /// A defect of this crate lost the layers of this number of tiles.
+    #[error("the layers lack {0} tiles because of a defect of this program; please report it")]
+    LostTiles(usize),
 }

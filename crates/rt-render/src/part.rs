@@ -32,6 +32,7 @@ use crate::{
     content::{check_count, check_crop, check_length, check_lost, check_share},
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
+    first_hit_layers::FilmLayers,
     tiles::{Tile, tile, tile_count, tile_number},
 };
 
@@ -151,6 +152,9 @@ pub struct Part {
     pub(crate) unconverged: Option<u64>,
     /// Indices of the tiles in which a thread panicked.
     pub(crate) lost: Vec<u32>,
+    /// Requested layers of the tiles that this run has rendered.
+    #[serde(skip)]
+    pub(crate) layers: Option<FilmLayers>,
 }
 
 /// Decoded part, not yet validated.
@@ -253,6 +257,7 @@ impl Part {
             stopped: Stopped::Interrupted,
             unconverged: None,
             lost: Vec::new(),
+            layers: None,
         }
     }
 
@@ -288,7 +293,7 @@ impl Part {
     /// # Errors
     /// [`ContentError`] for the first invalid number.
     pub fn validate(&self) -> Result<(), ContentError> {
-        let Self { layout, share, tiles, statistics, stopped: _, unconverged, lost } = self;
+        let Self { layout, share, tiles, statistics, stopped: _, unconverged, lost, layers: _ } = self;
         let crop = layout.crop;
         check_crop(crop)?;
         check_share(*share)?;
@@ -410,6 +415,7 @@ impl Part {
             unconverged: self.unconverged,
             standard_error,
             sample_counts,
+            layers: self.layers,
             lost: self.lost.iter().map(|&number| tile(self.layout.crop, number as usize).into()).collect(),
         }
     }
@@ -417,8 +423,8 @@ impl Part {
     /// Copies the values of a tile into the image. An empty list changes no pixel.
     fn copy_tile<T: Copy>(&self, number: u32, values: &[T], image: &mut [T]) {
         let crop = self.layout.crop;
-        for ([x, y], &value) in tile(crop, number as usize).pixels().zip(values) {
-            image[(y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize] = value;
+        for (at, &value) in tile(crop, number as usize).pixels().zip(values) {
+            image[crop.pixel_index(at)] = value;
         }
     }
 }

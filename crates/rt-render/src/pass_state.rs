@@ -97,7 +97,7 @@ impl PassState {
         for (number, tile) in tiles(crop).into_iter().enumerate() {
             let has_begun = begun.get(number).copied().unwrap_or(false);
             let (passes, samples) = if has_begun { (pass + 1, u32::MAX) } else { (*pass, *taken) };
-            let indices = tile.pixels().map(|at| pixel_index(crop, at));
+            let indices = tile.pixels().map(|at| crop.pixel_index(at));
             for (index, pixel) in indices.filter_map(|index| Some((index, pixels.get(index)?))) {
                 pixel.validate(index, passes, samples)?;
             }
@@ -123,7 +123,7 @@ impl PassState {
 
     /// Current pixels of a tile.
     pub(crate) fn film_tile(&self, tile: Tile) -> FilmTile {
-        let pixels = tile.pixels().filter_map(|at| self.pixels.get(pixel_index(self.layout.crop, at)));
+        let pixels = tile.pixels().filter_map(|at| self.pixels.get(self.layout.crop.pixel_index(at)));
         FilmTile::new(pixels, self.layout, self.layout.maps)
     }
 }
@@ -174,9 +174,4 @@ impl RefineStage {
             }
         }
     }
-}
-
-/// Index of a pixel of the image in a crop.
-pub(crate) const fn pixel_index(crop: Crop, [x, y]: [u32; 2]) -> usize {
-    (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize
 }

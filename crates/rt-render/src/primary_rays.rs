@@ -50,8 +50,19 @@ pub(crate) struct CameraRays<'a> {
 }
 
 impl PrimaryRayBatch {
-    const fn free_slots(&self) -> usize {
+    /// Rays with their spans.
+    pub(crate) fn rays(&self) -> &[(Ray, Interval)] {
+        &self.rays
+    }
+
+    pub(crate) const fn free_slots(&self) -> usize {
         BATCH_SIZE - self.rays.len()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.rays.clear();
+        self.weights.clear();
+        self.samplers.clear();
     }
 }
 
@@ -135,7 +146,7 @@ impl RenderPlan<'_> {
     }
 
     /// Appends `count` camera rays of a pixel to the batch, from sample `first` of a pass on.
-    fn generate(
+    pub(crate) fn generate(
         &self,
         sampler: &PixelSampler,
         [x, y]: [u32; 2],
@@ -193,7 +204,5 @@ fn trace<N: Iterator<Item = u32>>(
         accumulator.finished.camera_hits += u64::from(seen.hit);
         accumulator.add(seen, *weight);
     }
-    batch.rays.clear();
-    batch.weights.clear();
-    batch.samplers.clear();
+    batch.clear();
 }

@@ -19,7 +19,7 @@ use crate::{
     forecast::Forecast,
     observer::FilmState,
     part::FilmLayout,
-    pass_state::{PassCursor, PassState, pixel_index},
+    pass_state::{PassCursor, PassState},
     passes::{PassSpec, PixelMask},
     splats::SplatImage,
     tile_job::TileResult,
@@ -212,7 +212,7 @@ fn accumulate(
     pass_spec: &PassSpec<'_>,
 ) {
     for (at, pass) in pass_spec.pixels_of(tile.tile).zip(&tile.pixels) {
-        let index = pixel_index(layout.crop, at);
+        let index = layout.crop.pixel_index(at);
         let splatted = light.map_or(Rgb::BLACK, |light| light.radiance(index));
         let coverage = if layout.transparent { pass.coverage() } else { 1.0 };
         pixels[index].add(pass.mean() + splatted, coverage, pass_spec.spp);

@@ -8,6 +8,7 @@ use rt_shading::LightTracingIntegrator;
 use crate::{
     Criterion, Crop, Progress, RenderError, RenderPlan, Rendering, RunOptions, Share, Statistics, StopRule, Stopped,
     checkpoint::Checkpoint,
+    first_hit_layers::FilmLayers,
     forecast::Forecast,
     observer::{FilmState, Kept, Observer, RenderSnapshot},
     part::{FilmLayout, FilmTile, Part},
@@ -75,15 +76,20 @@ impl RenderPlan<'_> {
         if let Some(rule) = rule {
             self.check_rule(rule, options.share)?;
         }
-        let scheduler = TileScheduler::new(self, options);
+        let pass_by_pass = rule.is_some() || self.scene.light_sources.is_some();
+        // The first pass may have too few samples for layers.
+        let layers_of_run = if pass_by_pass { &[] } else { options.layers };
+        let scheduler = TileScheduler::new(self, &RunOptions { layers: layers_of_run, ..*options });
         let layout = FilmLayout::new(self, options);
+        let new_layers = || FilmLayers::new(self.frame.crop, options.layers, rule.is_none());
+        let layers = (!options.layers.is_empty()).then(new_layers);
         let statistics = Statistics::new(scheduler.threads(), self.build_seconds());
-        if rule.is_some() || self.scene.light_sources.is_some() {
+        if pass_by_pass {
             let state = Checkpoint::passes_of(from, layout, options.share, rule, statistics)?;
-            Ok(self.render_pass_by_pass(&scheduler, options.share, rule, state, observer))
+            Ok(Part { layers, ..self.render_pass_by_pass(&scheduler, options.share, rule, state, observer) })
         } else {
             let part = Checkpoint::part_of(from, layout, options.share, statistics)?;
-            Ok(self.render_tile_by_tile(&scheduler, part, observer))
+            Ok(self.render_tile_by_tile(&scheduler, Part { layers, ..part }, observer))
         }
     }
 
@@ -114,6 +120,9 @@ impl RenderPlan<'_> {
             numbers.iter().partition(|number| part.tiles.contains_key(&(**number as u32)));
         let mut pixels_done = done.iter().map(|&number| area(number)).sum::<u64>();
         let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
+            if let Some(layers) = &mut part.layers {
+                layers.insert(tile.tile, &tile.layers);
+            }
             part.tiles.insert(number as u32, FilmTile::new(&tile.pixels, part.layout, has_errors));
             let statistics = &mut part.statistics;
             statistics.add(&tile);

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use rt_image::Image;
 
-use crate::{Crop, ErrorEstimate, Share, Statistics, Stopped};
+use crate::{Crop, ErrorEstimate, FilmLayers, FirstHitLayer, Share, Statistics, Stopped};
 
 /// Options of a run; none changes a pixel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,6 +20,8 @@ pub struct RunOptions<'a> {
     /// Flag that interrupts the render; a signal handler or another thread may set it at any time. Tiles in progress are
     /// finished, and the render ends as [`Stopped::Interrupted`].
     pub interrupt: Option<&'a AtomicBool>,
+    /// Layers to compute with the image.
+    pub layers: &'a [FirstHitLayer],
 }
 
 /// Progress of a render.
@@ -86,6 +88,8 @@ pub struct Rendering {
     pub standard_error: Option<Image>,
     /// With [`RunOptions::maps`], the samples of each pixel, in all channels.
     pub sample_counts: Option<Image>,
+    /// Layers of [`RunOptions::layers`], if any; [`complete_layers`](crate::RenderPlan::complete_layers) computes missing values.
+    pub layers: Option<FilmLayers>,
     /// Tiles in which a thread panicked, by a defect of this program: they lack samples or are black.
     pub lost: Vec<Crop>,
 }

@@ -22,6 +22,7 @@ use crate::{
     pixel_accumulator::PixelAccumulator,
     primary_rays::PrimaryRayBatch,
     tile_job::{TileJob, TileResult},
+    tile_layers::TileLayers,
     tiles::Tile,
     tracer::SceneTracer,
     work_probe::WorkProbe,
@@ -83,16 +84,19 @@ impl RenderPlan<'_> {
             (None, Some(part)) => PrimaryTarget::Culled(part),
             (None, None) => PrimaryTarget::All(structure),
         };
+        let samples = || job.pass_spec.pixels_of(job.tile).map(|pixel| job.samples_of(pixel)).collect();
+        let layers = (!job.layers.is_empty()).then(|| TileLayers::new(self.layer_context(), job.layers, samples()));
         if primary_target.is_empty()
             && let Some(finished) = self.empty_tile(job)
         {
-            return finished;
+            return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
         }
         let ThreadState { whitted, paths, occlusion, camera, hits } = worker;
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let materials = &self.scene.appearance.materials;
         let mut tracer = SceneTracer::new(world, structure, primary_target, probe).with_buffer(core::mem::take(hits));
+        tracer.layers = layers;
         let mut result = match (&self.integrator, &self.frame.medium) {
             (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
                 whitted.set_surroundings(interior);
@@ -151,6 +155,7 @@ impl RenderPlan<'_> {
         };
         result.counters = tracer.probe.counters(tracer.rays);
         result.primary_rays_skipped = tracer.skipped;
+        result.layers = tracer.layers.take().map(|layers| layers.channels()).unwrap_or_default();
         result.shading += whitted.take_counts();
         result.shading += paths.take_counts();
         *hits = tracer.into_buffer();

@@ -8,6 +8,7 @@ use rt_shading::ShadingCounts;
 
 use crate::{
     estimate::PixelEstimate,
+    first_hit_layers::FirstHitLayer,
     passes::{PassSpec, PixelMask},
     tiles::Tile,
 };
@@ -24,11 +25,13 @@ pub(crate) struct TileJob<'a> {
     pub(crate) simple: Option<&'a PixelMask>,
     /// True once the render shall end.
     pub(crate) interrupt: Option<&'a AtomicBool>,
+    /// Layers to compute with the image.
+    pub(crate) layers: &'a [FirstHitLayer],
 }
 
 impl<'a> TileJob<'a> {
     pub(crate) const fn new(tile: Tile, pass_spec: &'a PassSpec<'a>, interrupt: Option<&'a AtomicBool>) -> Self {
-        Self { tile, pass_spec, simple: None, interrupt }
+        Self { tile, pass_spec, simple: None, interrupt, layers: &[] }
     }
 
     /// True if the interrupt was first seen, as `since` notes, longer ago than a tile may take to end.
@@ -44,6 +47,11 @@ impl<'a> TileJob<'a> {
     /// Samples per pass of a pixel.
     pub(crate) fn spp_of(&self, pixel: [u32; 2]) -> u32 {
         self.pass_spec.simple_spp.filter(|_| self.is_simple(pixel)).unwrap_or(self.pass_spec.spp)
+    }
+
+    /// Samples of a pixel in all passes.
+    pub(crate) fn samples_of(&self, pixel: [u32; 2]) -> u32 {
+        self.spp_of(pixel).saturating_mul(self.pass_spec.count)
     }
 }
 
@@ -62,6 +70,8 @@ pub(crate) struct TileResult {
     pub(crate) primary_rays_skipped: u64,
     pub(crate) shading: ShadingCounts,
     pub(crate) bad_samples: u64,
+    /// Channels of the layers; empty if none are computed with the image.
+    pub(crate) layers: Vec<Vec<f32>>,
     /// True if pixels are missing, because of an interrupt.
     pub(crate) is_abandoned: bool,
 }
@@ -81,6 +91,7 @@ impl TileResult {
             primary_rays_skipped: 0,
             shading: ShadingCounts::default(),
             bad_samples: 0,
+            layers: Vec::new(),
             is_abandoned: false,
         }
     }

@@ -6,6 +6,7 @@ use rt_shading::LightTracingIntegrator;
 
 use crate::{
     RenderPlan, RunOptions,
+    first_hit_layers::FirstHitLayer,
     light_pass::{LightChunk, LightPass},
     parallel_for::{Outcome, parallel_for, thread_count},
     passes::PassSpec,
@@ -21,12 +22,14 @@ pub(crate) struct TileScheduler<'p> {
     tiles: Vec<Tile>,
     count: bool,
     interrupt: Option<&'p AtomicBool>,
+    layers: &'p [FirstHitLayer],
 }
 
 impl<'p> TileScheduler<'p> {
     pub(crate) fn new(plan: &'p RenderPlan<'p>, options: &RunOptions<'p>) -> Self {
         let threads = thread_count(options.threads);
-        Self { plan, threads, tiles: tiles(plan.frame.crop), count: options.count, interrupt: options.interrupt }
+        let RunOptions { count, interrupt, layers, .. } = *options;
+        Self { plan, threads, tiles: tiles(plan.frame.crop), count, interrupt, layers }
     }
 
     pub(crate) const fn threads(&self) -> usize {
@@ -47,7 +50,7 @@ impl<'p> TileScheduler<'p> {
         finished: impl FnMut(usize, TileResult),
     ) -> Outcome {
         let render = |state: &mut ThreadState, number: usize| {
-            let job = TileJob::new(self.tiles[number], pass_spec, self.interrupt);
+            let job = TileJob { layers: self.layers, ..TileJob::new(self.tiles[number], pass_spec, self.interrupt) };
             let result = self.plan.render_tile(&job, self.count, state);
             (!result.is_abandoned).then_some(result)
         };

@@ -5,7 +5,7 @@ use rt_geometry::{Hit, InteractionFlags, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
 use rt_shading::{ClosestHit, LazyShape, SurfaceHit, Tracer};
 
-use crate::{frustum_cull::PrimaryTarget, work_probe::WorkProbe, world::ShadedPrimitives};
+use crate::{frustum_cull::PrimaryTarget, tile_layers::TileLayers, work_probe::WorkProbe, world::ShadedPrimitives};
 
 /// Traces and counts the rays of an integrator. The accelerator is dispatched once per batch, so that integrators are not
 /// compiled for each accelerator.
@@ -20,6 +20,8 @@ pub(crate) struct SceneTracer<'w, W> {
     pub(crate) skipped: u64,
     /// Work of the accelerator.
     pub(crate) probe: WorkProbe,
+    /// Layers that camera rays are added to.
+    pub(crate) layers: Option<TileLayers<'w>>,
     /// Buffer for the hits of a batch.
     hits: Vec<Option<Hit>>,
 }
@@ -31,7 +33,16 @@ impl<'w, W: ShadedPrimitives> SceneTracer<'w, W> {
         primary_target: PrimaryTarget<'w>,
         probe: WorkProbe,
     ) -> Self {
-        Self { world, structure, primary_target, rays: RayCounts::default(), skipped: 0, probe, hits: Vec::new() }
+        Self {
+            world,
+            structure,
+            primary_target,
+            rays: RayCounts::default(),
+            skipped: 0,
+            probe,
+            layers: None,
+            hits: Vec::new(),
+        }
     }
 
     /// Reuses the buffer of an earlier tracer.
@@ -68,6 +79,9 @@ impl<'w, W: ShadedPrimitives> SceneTracer<'w, W> {
         self.hits.clear();
         self.hits.resize(rays.len(), None);
         self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
+        if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
+            layers.add(self.world, rays, &self.hits);
+        }
         true
     }
 
@@ -84,8 +98,11 @@ impl<W: ShadedPrimitives> Tracer for SceneTracer<'_, W> {
         if self.can_skip(kind, 1) {
             return None;
         }
-        let hit = self.target(kind).closest(self.world, ray, span, &mut self.probe)?;
-        self.world.surface_at(ray, &hit, needs)
+        let hit = self.target(kind).closest(self.world, ray, span, &mut self.probe);
+        if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
+            layers.add(self.world, &[(*ray, span)], &[hit]);
+        }
+        self.world.surface_at(ray, &hit?, needs)
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {

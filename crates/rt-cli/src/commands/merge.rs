@@ -37,7 +37,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
         core::iter::once(
             output.write_with_fallback(&fallback_dirs, |file| write_image(film, &development, format, file)),
         )
-        .chain(aovs.iter().map(|aov| aov.write(&rendering, Vec::new(), &[], &fallback_dirs))),
+        .chain(aovs.iter().map(|aov| aov.write(&rendering, &[], &fallback_dirs))),
     )?;
     console.println(format_args!(
         "joined {count} parts: {} samples, {} rays, {} of rendering",

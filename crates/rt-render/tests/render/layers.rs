@@ -1,10 +1,15 @@
 //! Layers of the first surfaces that camera rays hit.
 
-use rt_camera::{CameraSettings, FovAxis, Projection, SamplerKind};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rt_camera::{CameraSettings, FovAxis, Lens, Projection, SamplerKind};
 use rt_geometry::{Cuboid, Rectangle, Shape, Sphere};
 use rt_math::{DVec3, Rgb, Transform};
-use rt_render::{Crop, FAR_DEPTH, FirstHitLayer, LayerValues, PlanOptions, RenderPlan, RunOptions};
-use rt_scene_io::{Accel, Content, Integrator, MaterialId, Scene, SceneNode};
+use rt_render::{
+    Checkpoint, Crop, FAR_DEPTH, FirstHitLayer, LayerValues, Observer, PlanOptions, RenderPlan, RenderSnapshot,
+    Rendering, RunOptions, StopRule,
+};
+use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, Scene, SceneNode};
 use rt_shading::{ColorTexture, Material, MaterialModel, light::EmissionSides};
 
 use crate::support::{everything, spheres};
@@ -167,14 +172,116 @@ fn the_back_of_an_emitter_that_emits_from_its_front_emits_nothing() {
 fn integrators_share_the_layers() {
     let mut scene = spheres();
     (scene.film.width, scene.film.height) = (24, 16);
+    scene.settings.passes = Some(2);
     let mut of = |integrator| {
         scene.settings.integrator = integrator;
         all(&RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles"), 2)
     };
     let expected = of(Integrator::Whitted);
     for integrator in [Integrator::Path, Integrator::Depth, Integrator::AmbientOcclusion] {
-        assert_eq!(of(integrator), expected, "{integrator:?}");
+        assert!(of(integrator) == expected, "{integrator:?}");
     }
+}
+
+/// Interrupts a render after two tiles and keeps them.
+struct TwoTiles<'a> {
+    tiles: u32,
+    checkpoint: Option<Checkpoint>,
+    interrupt: &'a AtomicBool,
+}
+
+impl Observer for &mut TwoTiles<'_> {
+    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
+        self.tiles += 1;
+        if self.tiles == 2 {
+            let bytes = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
+            self.checkpoint = Some(postcard::from_bytes(&bytes).expect("read"));
+            self.interrupt.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Scenes with all integrators, with more and with fewer samples than layers take, also in several passes.
+fn scenes_of_all_kinds() -> Vec<Scene> {
+    let mut scenes = Vec::new();
+    for integrator in Integrator::ALL {
+        for spp in [4, 25] {
+            let mut scene = everything();
+            (scene.film.width, scene.film.height) = (41, 24);
+            (scene.settings.integrator, scene.settings.spp) = (integrator, spp);
+            scenes.push(scene);
+        }
+    }
+    let mut adaptive = spheres();
+    adaptive.settings.spp = 25;
+    adaptive.settings.adaptive = Some(AdaptiveSampling::ObjectSpace { min_spp: Some(4) });
+    let mut with_lens = everything();
+    (with_lens.film.width, with_lens.film.height) = (41, 24);
+    with_lens.cameras[0].settings.lens = Some(Lens { radius: 0.2, focus: 9.0, blades: None, rotation: 0.0 });
+    // Most tiles are empty, or see few objects.
+    let mut small = one_sphere();
+    (small.film.width, small.film.height, small.settings.spp) = (70, 70, 9);
+    let mut empty = small.clone();
+    empty.cameras[0].settings.world_from_camera = Transform::translate(DVec3::Z * -5.0);
+    scenes.extend([adaptive, with_lens, small, empty]);
+    scenes
+}
+
+#[test]
+fn layers_of_the_image_are_those_of_rays_of_their_own() {
+    for scene in scenes_of_all_kinds() {
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let what = format!("{:?} with {} samples", scene.settings.integrator, scene.settings.spp);
+        let expected = all(&plan, 1);
+        let run = RunOptions { threads: 2, layers: FirstHitLayer::ALL, ..RunOptions::default() };
+        let mut rendering = plan.render(&run, |_| {}).expect("it renders");
+        let is_complete = scene.settings.integrator != Integrator::Caustics;
+        let before = rendering.layers.clone().expect("layers were asked for");
+        assert_eq!(before.values() == expected, is_complete, "{what}");
+        plan.complete_layers(&mut rendering, 2).expect("threads");
+        assert!(rendering.layers.is_some_and(|layers| layers.values() == expected), "{what}, completed");
+        let without = plan.render(&RunOptions::default(), |_| {}).expect("it renders");
+        assert!(without.layers.is_none() && without.film == rendering.film, "{what}");
+    }
+}
+
+#[test]
+fn layers_of_resumed_renders_are_those_of_whole_ones() {
+    for integrator in [Integrator::Whitted, Integrator::Path] {
+        let mut scene = everything();
+        (scene.settings.integrator, scene.settings.spp) = (integrator, 9);
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let interrupt = AtomicBool::new(false);
+        let mut kept = TwoTiles { tiles: 0, checkpoint: None, interrupt: &interrupt };
+        let run = RunOptions { threads: 1, layers: FirstHitLayer::ALL, ..RunOptions::default() };
+        let interrupted = RunOptions { interrupt: Some(&interrupt), ..run };
+        let part = plan.render_part(&interrupted, None, None, &mut kept).expect("it renders");
+        let (expected, mut rendering) = (all(&plan, 1), part.into_rendering());
+        let of = |rendering: &Rendering| rendering.layers.clone().expect("layers were asked for");
+        assert!(of(&rendering).values() != expected, "{integrator:?} was not interrupted");
+        plan.complete_layers(&mut rendering, 1).expect("threads");
+        assert!(of(&rendering).values() == expected, "{integrator:?}, interrupted");
+        let resumed = plan.render_part(&run, None, kept.checkpoint, |_| {}).expect("it renders");
+        let mut rendering = resumed.into_rendering();
+        assert!(of(&rendering).values() != expected, "{integrator:?} was not resumed");
+        plan.complete_layers(&mut rendering, 1).expect("threads");
+        assert!(of(&rendering).values() == expected, "{integrator:?}, resumed");
+    }
+}
+
+#[test]
+fn layers_of_a_stop_rule_take_the_largest_number_of_its_samples() {
+    let mut scene = one_sphere();
+    scene.settings.spp = 1;
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let run = RunOptions { threads: 1, layers: FirstHitLayer::ALL, ..RunOptions::default() };
+    let rule = StopRule { max_spp: 8, ..StopRule::default() };
+    let mut rendering = plan.render_until(&run, &rule, |_| {}).expect("it renders");
+    plan.complete_layers(&mut rendering, 1).expect("threads");
+    let spp = rendering.samples_per_pixel.max;
+    let expected = plan.first_hit_layers(FirstHitLayer::ALL, spp, 1).expect("threads");
+    assert!(rendering.layers.is_some_and(|layers| layers.values() == expected));
+    assert!(all(&plan, 1) != expected, "they have the one sample of the scene");
 }
 
 #[test]

@@ -73,7 +73,8 @@ fn modes() -> Vec<Mode> {
     ]
 }
 
-const RUN: RunOptions<'_> = RunOptions { threads: 2, count: true, maps: true, share: Share::ALL, interrupt: None };
+const RUN: RunOptions<'_> =
+    RunOptions { threads: 2, count: true, maps: true, share: Share::ALL, interrupt: None, layers: &[] };
 
 fn part(plan: &RenderPlan<'_>, mode: &Mode, run: &RunOptions<'_>) -> Part {
     plan.render_part(run, mode.rule.as_ref(), None, |_| {}).expect("renders")
