@@ -43,7 +43,7 @@ fn node() -> Option<Command> {
 #[test]
 fn a_browser_shows_renders_picks_and_saves() {
     let Some(chromium) = program(&CHROMIUM) else { return rt_tests::skip("there is no Chromium") };
-    let Some(mut node) = node() else { return rt_tests::skip("there is no SceneNode.js with playwright-core") };
+    let Some(mut node) = node() else { return rt_tests::skip("there is no Node.js with playwright-core") };
     let screenshots = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view_browser");
     let _ = fs::remove_dir_all(&screenshots);
     fs::create_dir_all(&screenshots).expect("a folder");
@@ -64,7 +64,7 @@ fn a_browser_shows_renders_picks_and_saves() {
     let pixels: serde_json::Value = serde_json::from_slice(&saved("pixels.json")).expect("JSON");
     let shown: Vec<u64> =
         pixels["data"].as_array().expect("bytes").iter().filter_map(serde_json::Value::as_u64).collect();
-    let film = read_image(&view.place.path("expected.png")).expect("a image");
+    let film = read_image(&view.place.path("expected.png")).expect("an image");
     let expected = Development::default().develop(&film).bytes;
     let expected: Vec<u64> =
         expected.chunks(3).flat_map(|rgb| rgb.iter().copied().chain([255])).map(u64::from).collect();
