@@ -132,7 +132,9 @@ fn layers<'a>(list: &LayerList, rendering: &'a Rendering) -> Vec<Layer<'a>> {
     if let Some(counts) = rendering.sample_counts.as_ref().filter(|_| list.samples) {
         layers.push(Layer { name: "samples", channels: vec![("V", plane(counts, 0))] });
     }
-    if let Some(errors) = rendering.standard_error.as_ref().filter(|_| list.stderr || list.is_all) {
+    // A single pass has no standard error.
+    let has_errors = list.stderr || (list.is_all && rendering.statistics.passes > 1);
+    if let Some(errors) = rendering.standard_error.as_ref().filter(|_| has_errors) {
         let channels = ["R", "G", "B"].into_iter().enumerate().map(|(at, name)| (name, plane(errors, at)));
         layers.push(Layer { name: "stderr", channels: channels.collect() });
     }

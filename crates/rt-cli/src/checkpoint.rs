@@ -76,11 +76,14 @@ impl Checkpointer {
     ) -> Result<Option<Checkpoint>, CliError> {
         let unusable = match checkpoint_file::label(&self.file, ArtifactKind::Checkpoint) {
             Ok(None) => return Ok(None),
+            Ok(Some(label)) if label.identity == self.label.identity && !(options.resume || options.restart) => {
+                checkpoint_file::read::<Checkpoint>(&self.file, ArtifactKind::Checkpoint, memory)
+                    .err()
+                    .filter(is_unusable)
+            }
             Ok(Some(label)) if label.identity == self.label.identity => None,
             Ok(Some(label)) => Some(self.foreign(label, "")),
-            Err(
-                error @ (ArtifactError::Damaged(_) | ArtifactError::Version { .. } | ArtifactError::Content { .. }),
-            ) => Some(error),
+            Err(error) if is_unusable(&error) => Some(error),
             // Links are replaced, not followed.
             Err(ArtifactError::OtherKind { .. } | ArtifactError::NotAFile(_))
                 if self.file.is_symlink() && !options.resume =>
@@ -158,6 +161,11 @@ impl Checkpointer {
     pub(crate) fn remove(&self) {
         let _ = fs::remove_file(&self.file);
     }
+}
+
+/// True for a checkpoint that cannot be continued, and is kept for the user.
+const fn is_unusable(error: &ArtifactError) -> bool {
+    matches!(error, ArtifactError::Damaged(_) | ArtifactError::Version { .. } | ArtifactError::Content { .. })
 }
 
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {

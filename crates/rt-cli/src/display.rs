@@ -70,6 +70,10 @@ impl Display {
         console: Console,
     ) -> Result<Self, CliError> {
         let refused = |error: io::Error| {
+            if error.kind() == io::ErrorKind::InvalidInput {
+                let expected = "expected HOST:PORT, such as localhost:14158";
+                return CliError::Usage(format!("--display-server {address}: {expected}"));
+            }
             let advice = "start `tev` first, or remove --display-server";
             CliError::Usage(format!("--display-server {address}: {error}; {advice}"))
         };

@@ -60,9 +60,10 @@ pub(crate) enum CliError {
     /// The parts do not make an image.
     #[error("{0}; nothing was written")]
     Join(String),
-    #[error("interrupted after {percent:.1} % of the samples; {}{}", saved(.image.as_deref()), resumption(.checkpoint))]
+    #[error("interrupted after {after}; {}{}", saved(.image.as_deref()), resumption(.checkpoint))]
     Interrupted {
-        percent: f64,
+        /// Work done so far.
+        after: String,
         image: Option<PathBuf>,
         /// Path of the checkpoint, or the reason why there is none.
         checkpoint: Option<Result<PathBuf, String>>,
@@ -91,6 +92,11 @@ pub(crate) enum CliError {
 }
 
 impl CliError {
+    /// An interrupt before the first sample.
+    pub(crate) fn interrupted_at_once() -> Self {
+        Self::Interrupted { after: "0.0 % of the samples".to_owned(), image: None, checkpoint: None }
+    }
+
     /// Error of the plan, or a usage error if only an option can cause it.
     pub(crate) fn plan(file: &Path, source: RenderError) -> Self {
         match source {

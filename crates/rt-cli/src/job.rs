@@ -97,6 +97,9 @@ impl Job<'_> {
             let part = self.output.file().path().display();
             return self.console.println(format_args!("{part} exists and is finished"));
         }
+        if let Some(folder) = self.fallback_dir.filter(|folder| !folder.is_dir()) {
+            return Err(CliError::Usage(format!("--fallback-dir {}: there is no such folder", folder.display())));
+        }
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
         self.print_notes(&plan)?;
@@ -110,7 +113,7 @@ impl Job<'_> {
         // The guard lives until everything is written, so that a signal does not discard the image.
         let guard = signals::guard();
         if signals::is_interrupted() {
-            return Err(CliError::Interrupted { percent: 0.0, image: None, checkpoint: None });
+            return Err(CliError::interrupted_at_once());
         }
         let (part, observer) = self.render(&plan, &fallback_dirs, display, &guard)?;
         let RenderObserver { checkpointer, kept, display, .. } = observer;
@@ -146,8 +149,8 @@ impl Job<'_> {
         written_all?;
         let image = is_written.then(|| self.output.file().path().to_owned());
         if stopped == Stopped::Interrupted {
-            let percent = self.percent(&plan, &rendering);
-            return Err(CliError::Interrupted { percent, image, checkpoint: kept });
+            let after = self.work_done(&plan, &rendering);
+            return Err(CliError::Interrupted { after, image, checkpoint: kept });
         }
         if self.verbose {
             self.console.println(report::statistics(&outcome, self.stats.is_some()))?;
@@ -253,11 +256,17 @@ impl Job<'_> {
         self.checkpoint.as_ref().map(|options| Label::new(kind, options.identity, self.scene_file, development))
     }
 
-    /// Percentage of the planned samples.
-    fn percent(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> f64 {
+    /// Percentage of the planned samples or, with a stop rule, samples per pixel.
+    fn work_done(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> String {
         let pixels = rendering.film.pixels().len() as f64 / f64::from(self.share().count());
-        let per_pixel = self.rule.map_or(plan.samples_per_pixel(), |rule| rule.max_spp);
-        100.0 * (rendering.statistics.samples as f64 / (pixels * f64::from(per_pixel))).min(1.0)
+        let per_pixel = rendering.statistics.samples as f64 / pixels;
+        match self.rule {
+            Some(_) => format!("{per_pixel:.1} samples per pixel"),
+            None => {
+                let percent = 100.0 * (per_pixel / f64::from(plan.samples_per_pixel())).min(1.0);
+                format!("{percent:.1} % of the samples")
+            }
+        }
     }
 
     fn share(&self) -> Share {

@@ -56,9 +56,9 @@ layers! {
     Depth = "depth", ["Z"];
     /// Hit point in world space.
     Position = "position", ["X", "Y", "Z"];
-    /// Unit shading normal in world space, with interpolated normals and normal maps.
+    /// Unit shading normal in world space, with interpolated normals and normal maps, of the side that is seen.
     Normal = "normal", ["X", "Y", "Z"];
-    /// Unit geometric normal in world space.
+    /// Unit geometric normal in world space, of the side that is seen.
     GeometricNormal = "geometric_normal", ["X", "Y", "Z"];
     /// [`Material::albedo`](rt_shading::Material::albedo).
     Albedo = "albedo", ["R", "G", "B"];
@@ -68,11 +68,12 @@ layers! {
     Emission = "emission", ["R", "G", "B"];
     /// Texture coordinates of surfaces with textures. Those of others are zero, as plans leave them out.
     Uv = "uv", ["U", "V"];
-    /// Index of the object, plus 1; 0 for none. All indices are those of the first sample that hits a surface.
+    /// Number of the shape or mesh of a node, from 1; 0 for none. All instances of a group have those of its nodes. All numbers
+    /// are those of the first sample that hits a surface.
     ObjectId = "object_id", ["V"];
     /// Index of the material in the scene, plus 1; 0 for none.
     MaterialId = "material_id", ["V"];
-    /// Index of the instance of the top level, plus 1; 0 for none.
+    /// Number of the placed shape, mesh or whole group, from 1; 0 for none.
     InstanceId = "instance_id", ["V"];
     /// Share of the samples that hit a surface.
     Coverage = "coverage", ["V"];

@@ -48,6 +48,7 @@ pub(crate) fn flatten(
         group_uses: count_group_uses(scene)?,
         group_sizes: vec![None; scene.groups.len()],
         levels: BottomLevel { textures: textures(scene), ..BottomLevel::default() },
+        next_object: 0,
     };
     let level = Level { aggregate_from_parent: AnimatedTransformChain::constant(plan_from_world), ..Level::TOP };
     let top = flattener.aggregate(&scene.nodes, level)?;
@@ -169,6 +170,8 @@ struct Flattener<'s> {
     /// Number of instances of each group with all nested groups dissolved, if known.
     group_sizes: Vec<Option<u64>>,
     levels: BottomLevel,
+    /// Number of the next shape or mesh.
+    next_object: u32,
 }
 
 impl<'s> Flattener<'s> {
@@ -278,15 +281,18 @@ impl<'s> Flattener<'s> {
             };
             check_transform(node, &here.aggregate_from_parent)?;
             open.push((node.children.iter(), here.clone()));
+            let object = instances.len() as u32;
+            let instance_id = instances.last().map_or(0, |last| last.instance_id + 1);
             match node.content {
                 Some(Content::Shape(ref shape)) => {
-                    let object = instances.len() as u32;
-                    instances.push(Instance { object, ..self.shape_instance(node, shape, &here)? });
+                    let object_id = self.number_object();
+                    let instance = self.shape_instance(node, shape, &here)?;
+                    instances.push(Instance { object, object_id, instance_id, ..instance });
                 }
                 Some(Content::Mesh(id)) => {
-                    let first = instances.len() as u32;
-                    let triangles = self.mesh_instances(node, id, &here)?;
-                    instances.extend(triangles.into_iter().map(|triangle| Instance { object: first, ..triangle }));
+                    let object_id = self.number_object();
+                    let triangles = self.mesh_instances(node, id, &here)?.into_iter();
+                    instances.extend(triangles.map(|triangle| Instance { object, object_id, instance_id, ..triangle }));
                 }
                 Some(Content::Instance(id)) => {
                     let group = group_of(self.scene, node, id)?;
@@ -295,17 +301,20 @@ impl<'s> Flattener<'s> {
                     if here.within_group || (is_static && self.group_uses[id.0 as usize] == 1) {
                         open.push((group.nodes.iter(), here));
                     } else {
-                        let object = instances.len() as u32;
-                        instances.extend(
-                            self.group_instance(node, id, group, &here)?
-                                .map(|instance| Instance { object, ..instance }),
-                        );
+                        let instance = self.group_instance(node, id, group, &here)?;
+                        instances.extend(instance.map(|instance| Instance { object, instance_id, ..instance }));
                     }
                 }
                 None => {}
             }
         }
         Ok(())
+    }
+
+    /// Number of the next shape or mesh.
+    const fn number_object(&mut self) -> u32 {
+        self.next_object += 1;
+        self.next_object - 1
     }
 
     /// Transform from the space of the node to that of the aggregate.
@@ -458,6 +467,8 @@ impl<'s> Flattener<'s> {
             casts_shadow: here.casts_shadow && !is_air,
             bounds,
             object: 0,
+            object_id: 0,
+            instance_id: 0,
             first_primitive: 0,
             light: None,
             name: Arc::from(node.name.as_str()),

@@ -25,6 +25,10 @@ pub(crate) struct Instance {
     pub(crate) bounds: Option<Aabb>,
     /// Index of the object: of its first instance, if it has several.
     pub(crate) object: u32,
+    /// Number of its shape or mesh among those of all nodes, also in groups; unused for a group.
+    pub(crate) object_id: u32,
+    /// Number of the placed shape, mesh or group in its aggregate.
+    pub(crate) instance_id: u32,
     /// Index of its first primitive within its group; 0 on the top level.
     pub(crate) first_primitive: u32,
     /// Index of its light, if it is sampled. For a group, index of its first light; instances in the group count relative to it.
@@ -132,6 +136,12 @@ impl Aggregate {
         Instances { instances: &self.instances, levels, is_flat: self.is_flat }
     }
 
+    /// Instance of a consecutive index of a primitive of the group; `None` without any instance.
+    fn hit_instance(&self, primitive: u32) -> Option<&Instance> {
+        let at = self.instances.partition_point(|instance| instance.first_primitive <= primitive).checked_sub(1)?;
+        self.instances.get(at)
+    }
+
     /// Converts a hit within the group to a hit on the group instance, by the consecutive index of the primitive.
     fn with_instance(&self, hit: Hit, instance: u32) -> Hit {
         let first = self.instances[hit.instance as usize].first_primitive;
@@ -186,6 +196,16 @@ impl Instances<'_> {
     /// Index of the hit instance.
     pub(crate) fn instance_index(&self, hit: &Hit) -> u32 {
         if self.is_flat { hit.primitive } else { hit.instance }
+    }
+
+    /// Numbers of the hit object, and of its shape, mesh or group of the top level; `None` for a hit outside of this set.
+    pub(crate) fn ids(&self, hit: &Hit) -> Option<[u32; 2]> {
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
+        let object = match instance.geometry.group() {
+            Some(level) => self.levels.groups[level as usize].hit_instance(hit.primitive)?,
+            None => instance,
+        };
+        Some([object.object_id, instance.instance_id])
     }
 
     /// Hit on an instance that is one primitive.
@@ -274,8 +294,7 @@ impl Instances<'_> {
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
-                let at = group.instances.partition_point(|p| p.first_primitive <= hit.primitive).checked_sub(1)?;
-                let inner_instance = &group.instances[at];
+                let inner_instance = group.hit_instance(hit.primitive)?;
                 let inner_hit = Hit { primitive: hit.primitive - inner_instance.first_primitive, ..*hit };
                 let local = to_local(ray, transform.as_deref());
                 let surface = inner.surface_of(inner_instance, &inner_instance.geometry, &local, &inner_hit, needs)?;

@@ -97,6 +97,7 @@ mod splats;
 mod statistics;
 mod stop;
 mod tile;
+mod tile_accumulator;
 mod tile_job;
 mod tile_layers;
 mod tile_scheduler;

@@ -6,8 +6,8 @@ use rt_shading::Seen;
 
 use crate::{
     RenderPlan,
-    estimate::PixelEstimate,
     pixel_accumulator::PixelAccumulator,
+    tile_accumulator::TileAccumulator,
     tile_job::{TileJob, TileResult},
 };
 
@@ -63,48 +63,6 @@ impl PrimaryRayBatch {
         self.rays.clear();
         self.weights.clear();
         self.samplers.clear();
-    }
-}
-
-/// Accumulates samples into passes, and passes into the pixels of a tile.
-struct TileAccumulator<N> {
-    finished: TileResult,
-    pixel: PixelAccumulator,
-    estimate: PixelEstimate,
-    /// Remaining samples of the pass.
-    remaining: u32,
-    /// Samples per pass of this pixel.
-    spp: u32,
-    /// Samples per pass of the following pixels.
-    next: N,
-    passes: u32,
-}
-
-impl<N: Iterator<Item = u32>> TileAccumulator<N> {
-    fn new(finished: TileResult, pixel: PixelAccumulator, mut next: N, passes: u32) -> Self {
-        let spp = next.next().unwrap_or(0);
-        Self { finished, pixel, estimate: PixelEstimate::default(), remaining: spp, spp, next, passes }
-    }
-
-    #[inline]
-    fn add(&mut self, seen: &Seen, weight: f64) {
-        self.pixel.add(seen, weight);
-        self.remaining -= 1;
-        if self.remaining == 0 {
-            self.finish_pass();
-        }
-    }
-
-    fn finish_pass(&mut self) {
-        self.finished.bad_samples += self.pixel.bad_samples();
-        let (radiance, coverage) = self.pixel.mean();
-        self.estimate.add(radiance, coverage, self.spp);
-        self.pixel = self.pixel.cleared();
-        if self.estimate.passes() == self.passes {
-            self.finished.push(core::mem::take(&mut self.estimate));
-            self.spp = self.next.next().unwrap_or(0);
-        }
-        self.remaining = self.spp;
     }
 }
 

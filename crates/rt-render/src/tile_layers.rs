@@ -64,7 +64,11 @@ impl<'a> TileLayers<'a> {
             for ((ray, _), hit) in rest.by_ref().take(used) {
                 let surface = hit.as_ref().and_then(|hit| Some((hit, world.surface_at(ray, hit, self.needs)?)));
                 if let Some((hit, surface)) = surface {
-                    sums.add(&self.context, ray, world.instance_at(hit), &surface);
+                    sums.add(&self.context, ray, &surface);
+                    if sums.hits == 1 {
+                        let [object, instance] = world.ids_at(hit).unwrap_or([u32::MAX; 2]);
+                        sums.ids = [object, surface.material, instance].map(|id| id.saturating_add(1));
+                    }
                 }
             }
             if count > used {
@@ -90,25 +94,23 @@ impl<'a> TileLayers<'a> {
 }
 
 impl PixelSums {
-    fn add(&mut self, context: &LayerContext<'_>, ray: &Ray, instance: u32, surface: &SurfaceHit) {
+    fn add(&mut self, context: &LayerContext<'_>, ray: &Ray, surface: &SurfaceHit) {
         let interaction = &surface.interaction;
         self.hits += 1;
         self.depth += surface.t * ray.direction.dot(context.camera.view_axis_at(ray.time));
         self.position += interaction.point;
-        self.normal += interaction.shading_normal;
-        self.geometric_normal += interaction.geometric_normal;
+        let is_inside = is_inside(ray.direction, interaction);
+        let towards_viewer = if is_inside { -1.0 } else { 1.0 };
+        self.normal += interaction.shading_normal * towards_viewer;
+        self.geometric_normal += interaction.geometric_normal * towards_viewer;
         self.uv[0] += interaction.uv[0];
         self.uv[1] += interaction.uv[1];
         let appearance = context.appearance;
         if let Some(material) = appearance.materials.get(surface.material as usize) {
-            let is_inside = is_inside(ray.direction, interaction);
             let at = MaterialEvalContext { textures: &appearance.textures, surface: interaction, ior: 1.0 };
             self.albedo += material.albedo(&at);
             self.roughness += material.roughness(&at);
             self.emission += material.emitted_radiance(&appearance.textures, interaction, is_inside);
-        }
-        if self.hits == 1 {
-            self.ids = [surface.object, surface.material, instance].map(|id| id.saturating_add(1));
         }
     }
 

@@ -73,8 +73,8 @@ pub(crate) trait ShadedPrimitives: HasForm {
     /// Hit on a triangle whose surface [`TriangleHit`] describes fully; `None` for all other hits.
     fn triangle_at(&self, hit: &Hit, needs: InteractionFlags) -> Option<TriangleHit>;
 
-    /// Index of the hit instance of the top level.
-    fn instance_at(&self, hit: &Hit) -> u32;
+    /// Numbers of the hit object, and of its shape, mesh or group of the top level; `None` for a hit outside of this set.
+    fn ids_at(&self, hit: &Hit) -> Option<[u32; 2]>;
 }
 
 impl ShadedPrimitives for Instances<'_> {
@@ -93,8 +93,8 @@ impl ShadedPrimitives for Instances<'_> {
         self.triangle(hit, needs)
     }
 
-    fn instance_at(&self, hit: &Hit) -> u32 {
-        self.instance_index(hit)
+    fn ids_at(&self, hit: &Hit) -> Option<[u32; 2]> {
+        self.ids(hit)
     }
 }
 
@@ -183,8 +183,8 @@ impl ShadedPrimitives for SphereWorld {
         None
     }
 
-    fn instance_at(&self, hit: &Hit) -> u32 {
-        hit.primitive
+    fn ids_at(&self, hit: &Hit) -> Option<[u32; 2]> {
+        Some([hit.primitive; 2])
     }
 }
 

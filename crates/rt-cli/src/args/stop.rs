@@ -11,7 +11,7 @@ use super::values;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Sampling")]
 pub(crate) struct StopArgs {
-    /// Stop after this time, such as 10s, 1.5min or 2h
+    /// Stop after this time, such as 10s, 1.5min, 1h30m or 1d
     ///
     /// A pass starts only if it is expected to finish in time. Loading and writing are not counted.
     #[arg(long, value_name = "TIME", value_parser = values::time, conflicts_with = "passes", allow_hyphen_values = true)]
@@ -60,7 +60,7 @@ pub(super) const AOV_HELP: &str = "\
 Write layers: depth,normal,albedo=FILE.exr, or one of stderr=FILE and samples=FILE in any format
 
 Layers of the first surfaces that camera rays hit: depth, position, normal, geometric_normal, albedo, roughness, emission, uv, \
-object_id, material_id, instance_id, coverage. `all` selects these, `samples` and `stderr`. The .exr file also holds the image. Its \
+object_id, material_id, instance_id, coverage. `all` selects these, `samples` and, with two passes or more, `stderr`. The .exr file also holds the image. Its \
 channels are 32-bit floats with names such as depth.Z and normal.X.
 
 `stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \

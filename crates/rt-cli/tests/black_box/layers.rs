@@ -59,6 +59,19 @@ fn open_image_io_reads_names_values_and_attributes() {
 }
 
 #[test]
+fn a_single_pass_has_no_layer_of_standard_errors() {
+    let place = Workplace::with_scene();
+    for (passes, has_errors) in [(1, false), (2, true)] {
+        place.succeed(&format!("render scene.ron --spp 4 --passes {passes} -o a.pfm --aov all=a.exr"));
+        let reader = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+        let file = reader.from_file(place.path("a.exr")).expect("an EXR file");
+        let names = file.layer_data[0].channel_data.list.iter().map(|channel| channel.name.to_string());
+        let all: Vec<_> = names.filter(|name| name.starts_with("stderr.") || name == "samples.V").collect();
+        assert_eq!(all.len(), if has_errors { 4 } else { 1 }, "{passes} passes: {all:?}");
+    }
+}
+
+#[test]
 fn scenes_and_cameras_have_names_in_any_script() {
     let place = Workplace::with(
         "日本.ron",

@@ -208,6 +208,22 @@ fn a_checkpoint_of_another_image_is_kept_aside() {
     assert_eq!(place.read("scene.part"), part);
 }
 
+/// The label, which names the image, is intact.
+#[test]
+#[cfg(unix)]
+fn a_damaged_checkpoint_of_this_image_is_kept_aside() {
+    let place = Workplace::with_scene();
+    assert_eq!(interrupted(&place, "").code, Some(130));
+    let mut damaged = place.read("scene.exr.checkpoint");
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 4;
+    place.write("scene.exr.checkpoint", &damaged);
+    let run = place.succeed(LONG);
+    assert!(run.stdout.contains("note: scene.exr.checkpoint: is damaged"), "{run:?}");
+    assert!(run.stdout.contains("it is kept as scene.exr.checkpoint.old, and this render starts"), "{run:?}");
+    assert_eq!(place.read("scene.exr.checkpoint.old"), damaged);
+}
+
 #[test]
 #[cfg(unix)]
 fn any_flipped_bit_of_a_checkpoint_is_found() {
@@ -344,6 +360,13 @@ fn spoil_the_disk(command: &str, reason: &str) {
     let whole = Workplace::with_scene();
     whole.succeed(LONG);
     assert_eq!(fs::read(saved.path()).expect("there"), whole.read("scene.exr"));
+}
+
+#[test]
+fn a_missing_fallback_directory_is_refused_before_the_render() {
+    let place = Workplace::with_scene();
+    place.fails(2, &format!("{LONG} --fallback-dir nowhere"), "--fallback-dir nowhere: there is no such folder");
+    assert_eq!(place.files(), ["scene.ron"]);
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn parts_that_make_no_sense_are_refused() {
         ("-o scene.part", "scene.part is a .part file, which needs --shard I/N"),
         ("--shard 1/2 --time 3s", "--time cannot be used with --shard"),
         ("--shard 1/2 --target-error 1%", "--target-error cannot be used with --shard"),
-        ("--shard 1/2 --aov samples=s.exr", "add it to `merge`"),
+        ("--shard 1/2 --aov samples=s.exr", "`merge` writes stderr and samples"),
         ("--checkpoint-every soon", "or never"),
         ("--resume --restart", "cannot be used with"),
     ] {

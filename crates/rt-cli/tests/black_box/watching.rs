@@ -198,7 +198,9 @@ fn without_a_viewer_nothing_is_rendered() {
         let run = place.run(&format!("render scene.ron --display-server {address}"));
         assert_eq!(run.code, Some(2), "{run:?}");
         assert!(run.stderr.starts_with(&format!("error: --display-server {address}: ")), "{run:?}");
-        assert!(run.stderr.contains("start `tev` first") && run.stderr.lines().count() == 1, "{run:?}");
+        let is_address = address == closed.to_string();
+        let advice = if is_address { "start `tev` first" } else { "expected HOST:PORT" };
+        assert!(run.stderr.contains(advice) && run.stderr.lines().count() == 1, "{run:?}");
     }
     assert_eq!(place.files(), ["scene.ron"]);
 }

@@ -1,18 +1,24 @@
 //! Layers of the first surfaces that camera rays hit.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::collections::BTreeSet;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 
 use rt_camera::{CameraSettings, FovAxis, Lens, Projection, SamplerKind};
-use rt_geometry::{Cuboid, Rectangle, Shape, Sphere};
-use rt_math::{DVec3, Rgb, Transform};
+use rt_geometry::{Cuboid, MeshData, Rectangle, Shape, Sphere, TriangleMesh};
+use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_render::{
     Checkpoint, Crop, FAR_DEPTH, FirstHitLayer, LayerValues, Observer, PlanOptions, RenderPlan, RenderSnapshot,
     Rendering, RunOptions, StopRule,
 };
-use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, Scene, SceneNode};
+use rt_scene_io::{
+    Accel, AdaptiveSampling, Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedMesh, Scene, SceneNode,
+};
 use rt_shading::{ColorTexture, Material, MaterialModel, light::EmissionSides};
 
-use crate::support::{everything, spheres};
+use crate::support::{everything, sphere, spheres};
 
 fn all(plan: &RenderPlan<'_>, threads: usize) -> Vec<LayerValues> {
     plan.first_hit_layers(FirstHitLayer::ALL, plan.samples_per_pixel(), threads).expect("threads")
@@ -65,6 +71,20 @@ fn the_middle_of_a_sphere_has_known_values() {
         let expected = if layer == FirstHitLayer::Depth { FAR_DEPTH } else { 0.0 };
         assert!(corner.iter().all(|&value| value == expected), "{layer:?} of nothing: {corner:?}");
     }
+}
+
+/// A camera inside of the sphere sees the back of its surface.
+#[test]
+fn normals_are_of_the_side_that_is_seen() {
+    let mut scene = one_sphere();
+    scene.settings.pattern = SamplerKind::Centre;
+    scene.cameras[0].settings.world_from_camera = Transform::IDENTITY;
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let layers = all(&plan, 1);
+    for layer in [FirstHitLayer::Normal, FirstHitLayer::GeometricNormal] {
+        assert_eq!(values(&layers, layer, 4 * 9 + 4), [0.0, 0.0, 1.0], "{layer:?}");
+    }
+    assert_eq!(values(&layers, FirstHitLayer::Position, 4 * 9 + 4), [0.0, 0.0, -1.0]);
 }
 
 #[test]
@@ -130,6 +150,56 @@ fn instances_have_the_same_numbers_in_trimmed_and_full_plans() {
         assert_eq!(ids[0], ids[1]);
         assert!(ids[0][0].channels[0].iter().any(|&id| id > 1.0), "one number only");
     }
+}
+
+/// A sheet of `2 n²` triangles, a sphere, and two instances of a group of a sphere and a box.
+fn objects_of_all_kinds(n: u32) -> Scene {
+    let mut data = MeshData::default();
+    for (x, y) in (0..=n).flat_map(|y| (0..=n).map(move |x| (x, y))) {
+        let [x, y] = [x, y].map(|at| 8.0 * at as f32 / n as f32 - 4.0);
+        data.positions.push(Vec3::new(x, y, -2.0));
+    }
+    for (x, y) in (0..n).flat_map(|y| (0..n).map(move |x| (x, y))) {
+        let corner = y * (n + 1) + x;
+        data.triangles.extend([[corner, corner + 1, corner + n + 2], [corner, corner + n + 2, corner + n + 1]]);
+    }
+    let mesh = TriangleMesh::build(data).expect("a mesh").0;
+    let cuboid = Cuboid::new(DVec3::splat(-0.3), DVec3::splat(0.3)).expect("a cuboid");
+    let group = vec![
+        SceneNode::new(sphere(0.0, 0.5, 0.0, 0.3), MaterialId(0)),
+        SceneNode::new(Content::Shape(Shape::Cuboid(cuboid)), MaterialId(0)),
+    ];
+    let instance = |x| SceneNode {
+        parent_from_local: Transform::translate(DVec3::X * x),
+        ..SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0))
+    };
+    let mut scene = one_sphere();
+    (scene.film.width, scene.film.height) = (48, 48);
+    scene.meshes = vec![NamedMesh { name: "sheet".to_owned(), mesh: Arc::new(mesh) }];
+    scene.groups = vec![Group { name: "pair".to_owned(), nodes: group }];
+    scene.nodes = vec![
+        SceneNode::new(Content::Mesh(MeshId(0)), MaterialId(0)),
+        instance(-0.8),
+        instance(0.8),
+        SceneNode::new(sphere(0.0, -0.8, 0.0, 0.3), MaterialId(0)),
+    ];
+    scene
+}
+
+/// Triangles of a mesh of at most 64 are inlined.
+#[test]
+fn numbers_of_objects_do_not_depend_on_inlining() {
+    let ids = [5, 6].map(|n| {
+        let scene = objects_of_all_kinds(n);
+        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let of = [FirstHitLayer::ObjectId, FirstHitLayer::InstanceId];
+        let layers = plan.first_hit_layers(&of, 1, 1).expect("threads");
+        let pixels = layers[0].channels[0].iter().zip(&layers[1].channels[0]);
+        pixels.map(|(&object, &instance)| (object as u32, instance as u32)).collect::<Vec<_>>()
+    });
+    assert!(ids[0] == ids[1]);
+    let numbers: BTreeSet<_> = ids[0].iter().copied().filter(|&ids| ids != (0, 0)).collect();
+    assert_eq!(numbers, BTreeSet::from([(1, 1), (2, 2), (3, 2), (2, 3), (3, 3), (4, 4)]));
 }
 
 #[test]

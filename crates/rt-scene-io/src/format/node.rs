@@ -38,7 +38,7 @@ pub struct Node {
     /// Default: none. Example: `shape: sphere(radius: 0.5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
-    /// Model file (OBJ or glTF) of this node, with its tree and materials, without its cameras and lights.
+    /// Model file (glTF, OBJ, PLY, STL, NFF or pbrt) of this node, with its tree and materials, without its cameras and lights.
     /// The path is relative to the folder of the scene file.
     ///
     /// Default: none. Example: `model: "chair.gltf"`.

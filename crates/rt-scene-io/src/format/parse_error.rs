@@ -65,6 +65,12 @@ impl<'t> Explainer<'t> {
             Ron::DuplicateStructField { field, .. } => {
                 ParseError::new(at, format!("the field `{field}` is given twice"))
             }
+            Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word)
+                if word.contains('-') && word.starts_with(char::is_alphabetic) =>
+            {
+                let advice = format!("names have underscores: write `{}` instead of `{word}`", word.replace('-', "_"));
+                ParseError::new(at, advice)
+            }
             Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word) => ParseError::new(
                 at,
                 format!("expected the name of a field, found `{word}` (decimals are written with a point)"),

@@ -36,7 +36,7 @@ pub(super) fn each(
     for frame in frames.indices().filter(|frame| share.holds(*frame as usize)) {
         if signals::is_interrupted() {
             // The signal came after the previous frame was finished.
-            return Err(failed(frame, CliError::Interrupted { percent: 0.0, image: None, checkpoint: None }));
+            return Err(failed(frame, CliError::interrupted_at_once()));
         }
         let args = of_frame(args, frame);
         if files.is_none() {
