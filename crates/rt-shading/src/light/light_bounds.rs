@@ -2,7 +2,7 @@
 
 use super::{Emission, EmissionSides};
 use rt_math::transcendental::{atan2, sincos};
-use rt_math::{Aabb, DVec3, Rgb};
+use rt_math::{Aabb, DVec3, Mask, Real, Rgb, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Light with a cosine below minus this certainly does not arrive; other cosines count at least as much. Sines come from
@@ -18,7 +18,7 @@ pub struct LightBounds {
     axis: DVec3,
     spread: f64,
     /// Cosine and sine of the spread.
-    edge: Angle,
+    edge: Angle<f64>,
     power: f64,
 }
 
@@ -92,19 +92,33 @@ impl LightBounds {
     ///
     /// `normal` (unit) restricts light to the side that it points to; `None` if light from all sides counts.
     pub fn importance(&self, point: DVec3, normal: Option<DVec3>) -> f64 {
-        let towards = self.around.centre() - point;
-        let radius2 = 0.25 * self.around.extent().length_squared();
+        self.importance_lanes(point.into(), normal.map(Vector3::from))
+    }
+
+    /// Version of [`importance`](Self::importance) for one number or for lanes.
+    #[inline(always)]
+    pub(super) fn importance_lanes<R: Real>(&self, point: Vector3<R>, normal: Option<Vector3<R>>) -> R {
+        let like = point.x;
+        let towards = Vector3::splat(like, self.around.centre()) - point;
+        let radius2 = like.splat(0.25 * self.around.extent().length_squared());
         let distance2 = towards.length_squared();
         // Inside of the sphere all directions are possible, and its radius stands for the distance.
-        let weakened = self.power / distance2.max(radius2).max(f64::MIN_POSITIVE);
-        if !(distance2 > radius2) {
+        let weakened = like.splat(self.power) / radius2.max(distance2).max(like.splat(f64::MIN_POSITIVE));
+        let is_outside = distance2.gt(radius2);
+        if !is_outside.any() {
             return finite(weakened);
         }
         let towards = towards / distance2.sqrt();
         let subtended = Angle::from_sine((radius2 / distance2).sqrt());
-        let leaving = Angle::from_cosine(-self.axis.dot(towards)).minus(self.edge).minus(subtended);
-        let arriving = normal.map_or(1.0, |normal| Angle::from_cosine(normal.dot(towards)).minus(subtended).cos);
-        finite(weakened * at_least(leaving.cos) * at_least(arriving))
+        let edge = Angle { cos: like.splat(self.edge.cos), sin: like.splat(self.edge.sin) };
+        let axis = Vector3::splat(like, self.axis);
+        let leaving = Angle::from_cosine(-axis.dot(towards)).minus(edge).minus(subtended);
+        let arriving = match normal {
+            Some(normal) => Angle::from_cosine(normal.dot(towards)).minus(subtended).cos,
+            None => like.splat(1.0),
+        };
+        let outside = weakened * at_least(leaving.cos) * at_least(arriving);
+        finite(R::select(is_outside, outside, weakened))
     }
 
     /// Cost of the directions in a split: the solid angle of emission, weighted by the cosine. This is M_Ω of section 4.2 of the
@@ -118,41 +132,52 @@ impl LightBounds {
     }
 }
 
-fn finite(importance: f64) -> f64 {
-    if importance.is_nan() { 0.0 } else { importance.min(f64::MAX / 4.0) }
+#[inline(always)]
+fn finite<R: Real>(importance: R) -> R {
+    let (zero, max) = (importance.splat(0.0), importance.splat(f64::MAX / 4.0));
+    R::select(importance.eq(importance), importance.min(max), zero)
 }
 
-fn at_least(cos: f64) -> f64 {
-    if cos < -MIN_COSINE { 0.0 } else { cos.max(MIN_COSINE) }
+#[inline(always)]
+fn at_least<R: Real>(cos: R) -> R {
+    let min = cos.splat(MIN_COSINE);
+    R::select(cos.lt(-min), cos.splat(0.0), min.max(cos))
 }
 
 /// An angle from 0 to π.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Angle {
-    cos: f64,
-    sin: f64,
+struct Angle<R> {
+    cos: R,
+    sin: R,
 }
 
-impl Angle {
-    fn from_cosine(cos: f64) -> Self {
-        Self { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() }
+impl<R: Real> Angle<R> {
+    #[inline(always)]
+    fn from_cosine(cos: R) -> Self {
+        Self { cos, sin: other_leg(cos) }
     }
 
     /// The angle up to π/2.
-    fn from_sine(sin: f64) -> Self {
-        Self { cos: (1.0 - sin * sin).max(0.0).sqrt(), sin }
+    #[inline(always)]
+    fn from_sine(sin: R) -> Self {
+        Self { cos: other_leg(sin), sin }
     }
 
     /// The difference, or 0 if the other is greater.
+    #[inline(always)]
     fn minus(self, other: Self) -> Self {
-        if self.cos >= other.cos {
-            return Self { cos: 1.0, sin: 0.0 };
-        }
-        Self {
-            cos: self.cos * other.cos + self.sin * other.sin,
-            sin: (self.sin * other.cos - self.cos * other.sin).max(0.0),
-        }
+        let (zero, one) = (self.cos.splat(0.0), self.cos.splat(1.0));
+        let is_less = self.cos.ge(other.cos);
+        let cos = self.cos * other.cos + self.sin * other.sin;
+        let sin = zero.max(self.sin * other.cos - self.cos * other.sin);
+        Self { cos: R::select(is_less, one, cos), sin: R::select(is_less, zero, sin) }
     }
+}
+
+/// √(1 − x²), of a sine or cosine.
+#[inline(always)]
+fn other_leg<R: Real>(x: R) -> R {
+    x.splat(0.0).max(x.splat(1.0) - x * x).sqrt()
 }
 
 /// Smallest cone around two, each an axis and an angle (algorithm 1 of the paper).

@@ -1,7 +1,8 @@
 //! Lights of a scene, and the choice of the one that is sampled.
 
 use super::{DeltaLight, Light, LightPoint, LightSample, LightTree, PowerLightSampler, SampledLight};
-use rt_math::{DVec3, Rgb};
+use crate::lanes::{LANES, LaneArray, Lanes, Simd, get};
+use rt_math::{DVec3, Rgb, Vector3};
 
 /// Distribution from which one of many area and environment lights is sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -156,6 +157,42 @@ impl LightSet {
         pdf * self.pmf(point, normal, index)
     }
 
+    /// Chooses one of the lights as [`sample_li`](Self::sample_li) does, for lanes: indices, and probabilities, which are 0 where
+    /// there is none.
+    #[inline(always)]
+    pub(crate) fn choose_lanes<S: Simd>(
+        &self,
+        simd: S,
+        point: Vector3<Lanes<S>>,
+        normal: Vector3<Lanes<S>>,
+        choice: Lanes<S>,
+    ) -> ([u32; LANES], Lanes<S>) {
+        match &self.sampler {
+            _ if self.n_sampled == 1 => ([0; LANES], Lanes::splat(simd, 1.0)),
+            LightSampler::Tree(tree) if tree.is_bounded() => tree.sample_lanes(simd, point, normal, choice),
+            _ => {
+                let vectors = [Lanes::store_vector(point), Lanes::store_vector(normal)];
+                let (lights, probabilities) = self.choose_each(&vectors, &choice.store());
+                (lights, Lanes::load(simd, &probabilities))
+            }
+        }
+    }
+
+    /// Chooses a light for each lane, one after the other, given points and normals.
+    fn choose_each(
+        &self,
+        [points, normals]: &[Vector3<LaneArray>; 2],
+        choices: &LaneArray,
+    ) -> ([u32; LANES], LaneArray) {
+        let (mut lights, mut probabilities) = ([0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            if let Some(sampled) = self.sample(get(points, lane), Some(get(normals, lane)), choices[lane]) {
+                (lights[lane], probabilities[lane]) = (sampled.index, sampled.probability);
+            }
+        }
+        (lights, probabilities)
+    }
+
     fn sample(&self, point: DVec3, normal: Option<DVec3>, u: f64) -> Option<SampledLight> {
         match &self.sampler {
             LightSampler::Power(sampler) => sampler.sample(u),
@@ -243,6 +280,47 @@ mod tests {
                 let choice = (f64::from(i) + 0.5) / 64.0;
                 let sample = |set: &LightSet| set.sample_li(DVec3::ZERO, Some(DVec3::Y), choice, [0.3, 0.6]);
                 assert_eq!(sample(&plain), sample(&mixed), "{sampling:?}");
+            }
+        }
+    }
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn lanes_choose_the_lights_of_scalars() {
+        let Some(crate::lanes::LaneLevel::Avx2(simd)) = crate::lanes::LaneLevel::detect() else { return };
+        let number = |at, dimension| rt_math::random::unit(rt_math::random::hash(&[51, at, dimension]));
+        let vector = |at, first| DVec3::from([0, 1, 2].map(|axis| number(at, first + axis) - 0.5));
+        let quads = (0..40).map(|at| {
+            let sides = if at % 3 == 0 { EmissionSides::Both } else { EmissionSides::Front };
+            let emission =
+                Emission::new(Rgb::gray(number(at, 0) * f64::from(at % 5 != 0)), sides).expect("an emission");
+            let corner = vector(at, 1) * 9.0;
+            Light::Quad(QuadLight::new(corner, [vector(at, 4), vector(at, 7)], emission).expect("a light"))
+        });
+        let quads: Vec<_> = quads.collect();
+        let sets = [quads[1..2].to_vec(), quads[1..4].to_vec(), quads[..1].to_vec(), quads.clone(), lights()];
+        for (sampling, lights) in LightSampling::ALL.into_iter().flat_map(|kind| sets.clone().map(|set| (kind, set))) {
+            let set = LightSet::new(lights, sampling, 10.0);
+            for at in 0..500 {
+                let points = core::array::from_fn(|lane| vector(at, 20 + lane as u64) * 12.0);
+                let normals = core::array::from_fn(|lane| vector(at, 30 + lane as u64).normalize());
+                let choices = core::array::from_fn(|lane| number(at, 40 + lane as u64));
+                let lanes = |v: &[DVec3; LANES]| {
+                    Lanes::load_vector(simd, &Vector3::new(v.map(|v| v.x), v.map(|v| v.y), v.map(|v| v.z)))
+                };
+                let choice = Lanes::load(simd, &choices);
+                let (found, probabilities) = set.choose_lanes(simd, lanes(&points), lanes(&normals), choice);
+                let probabilities = probabilities.store();
+                for lane in 0..LANES {
+                    let expected = match set.sampled_lights() {
+                        [_] => Some(SampledLight { index: 0, probability: 1.0 }),
+                        _ => set.sample(points[lane], Some(normals[lane]), choices[lane]),
+                    };
+                    let is_found = probabilities[lane] > 0.0;
+                    let found =
+                        is_found.then_some(SampledLight { index: found[lane], probability: probabilities[lane] });
+                    assert_eq!(found, expected, "{sampling:?}, point {at}, lane {lane}");
+                }
             }
         }
     }

@@ -5,7 +5,8 @@ mod split;
 use super::light_bounds::{LightBounds, LightExtent};
 use super::piecewise_constant::BELOW_ONE;
 use super::power_sampler::SampledLight;
-use rt_math::DVec3;
+use crate::lanes::{LANES, LaneMask, Lanes, Simd, each_lane};
+use rt_math::{DVec3, Real, Vector3};
 use split::split;
 
 /// Binary tree of [`LightBounds`] (Conty Estevez, Kulla 2018). Sampling descends from the root, into each child with a
@@ -82,12 +83,63 @@ impl LightTree {
                 Content::Light(index) => return Some(SampledLight { index, probability }),
                 Content::Halves(first) => first as usize,
             };
-            let pair = self.probabilities_of_pair(first, point, normal);
+            let pair = self.probabilities_of_pair(first, point.into(), normal.map(Vector3::from));
             let half = usize::from(u >= pair[0]);
             u = ((if half == 0 { u } else { u - pair[0] }) / pair[half]).min(BELOW_ONE);
             probability *= pair[half];
             node = self.nodes.get(first + half)?;
         }
+    }
+
+    /// True if there are lights, all of them with bounds.
+    pub(super) const fn is_bounded(&self) -> bool {
+        self.unbounded.is_empty() && !self.nodes.is_empty()
+    }
+
+    /// Version of [`sample`](Self::sample) for lanes: indices of lights, and their probabilities. The tree must be
+    /// [bounded](Self::is_bounded).
+    #[inline(always)]
+    pub(super) fn sample_lanes<S: Simd>(
+        &self,
+        simd: S,
+        point: Vector3<Lanes<S>>,
+        normal: Vector3<Lanes<S>>,
+        u: Lanes<S>,
+    ) -> ([u32; LANES], Lanes<S>) {
+        let (zero, below_one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, BELOW_ONE));
+        // One node after the other, for all lanes that have arrived there.
+        let (mut at, mut lights) = ([0usize; LANES], [0u32; LANES]);
+        let mut u = zero.max(u.min(below_one));
+        let mut probability = Lanes::splat(simd, 1.0);
+        let mut waiting = (1u8 << LANES) - 1;
+        while let Some(lane) = each_lane(waiting).next() {
+            let mut here = 0;
+            for other in each_lane(waiting) {
+                here |= u8::from(at[other] == at[lane]) << other;
+            }
+            match self.nodes[at[lane]].content {
+                Content::Light(index) => {
+                    waiting &= !here;
+                    for lane in each_lane(here) {
+                        lights[lane] = index;
+                    }
+                }
+                Content::Halves(first) => {
+                    let first = first as usize;
+                    let [a, b] = self.probabilities_of_pair(first, point, Some(normal));
+                    let (is_here, is_second) = (LaneMask::from_bits(simd, here), u.ge(a));
+                    let chosen = Real::select(is_second, b, a);
+                    let within = (Real::select(is_second, u - a, u) / chosen).min(below_one);
+                    u = Real::select(is_here, within, u);
+                    probability = Real::select(is_here, probability * chosen, probability);
+                    let seconds = is_second.bits();
+                    for lane in each_lane(here) {
+                        at[lane] = first + usize::from(seconds >> lane & 1);
+                    }
+                }
+            }
+        }
+        (lights, probability)
     }
 
     /// Probability with which [`sample`](Self::sample) selects a light for this point. It is 0 for an index out of range and
@@ -102,7 +154,8 @@ impl LightTree {
         while let Some(node) = self.nodes.get(place as usize).filter(|_| place > 0) {
             // Pairs begin at odd numbers, behind the root.
             let first = (place - 1) | 1;
-            probability *= self.probabilities_of_pair(first as usize, point, normal)[usize::from(place > first)];
+            let pair = self.probabilities_of_pair(first as usize, point.into(), normal.map(Vector3::from));
+            probability *= pair[usize::from(place > first)];
             place = node.parent;
         }
         probability
@@ -130,10 +183,15 @@ impl LightTree {
 
     /// Probabilities of two siblings. If neither can light the point, both are 1/2, so that the probabilities of all lights sum to
     /// 1. Each is a quotient, since the difference from 1 may round to 0.
-    fn probabilities_of_pair(&self, first: usize, point: DVec3, normal: Option<DVec3>) -> [f64; 2] {
-        let importance = |i| self.nodes.get(i).map_or(0.0, |node: &Node| node.bounds.importance(point, normal));
-        let (a, b) = (importance(first), importance(first + 1));
-        if a + b > 0.0 { [a / (a + b), b / (a + b)] } else { [0.5; 2] }
+    #[inline(always)]
+    fn probabilities_of_pair<R: Real>(&self, first: usize, point: Vector3<R>, normal: Option<Vector3<R>>) -> [R; 2] {
+        let (zero, half) = (point.x.splat(0.0), point.x.splat(0.5));
+        let [a, b] = match self.nodes.get(first..first + 2) {
+            Some([a, b]) => [a.bounds.importance_lanes(point, normal), b.bounds.importance_lanes(point, normal)],
+            _ => [zero; 2],
+        };
+        let is_lit = (a + b).gt(zero);
+        [R::select(is_lit, a / (a + b), half), R::select(is_lit, b / (a + b), half)]
     }
 
     /// Builds the nodes, from the root down.

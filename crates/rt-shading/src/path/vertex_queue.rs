@@ -8,14 +8,14 @@
 
 use super::{
     vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock},
-    vertex_stages::{compute_surfaces, sample_delta_lights, sample_lights, sample_quad, scatter},
+    vertex_stages::{compute_surfaces, sample_delta_lights, sample_lights, scatter},
     wave::Path,
 };
 use crate::{
     TriangleHit,
     bsdf::{DiffusePhong, OrenNayar, PhongLobe, WeightedPhong},
     lanes::{LANES, LaneArray, LaneLevel, get, get_rgb, set, set_rgb},
-    light::{Light, LightSet},
+    light::LightSet,
     viewed_surface::ViewedSurface,
 };
 use rt_geometry::SurfaceInteraction;
@@ -257,13 +257,13 @@ impl<S: Sampler + Clone> VertexQueue<S> {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => compute_surfaces(simd, blocks),
         }
-        match lights.sampled_lights() {
-            [] => blocks.iter_mut().for_each(|block| block.light.pdf = [0.0; LANES]),
-            [Light::Quad(quad)] if !quad.emission().radiance().is_black() => match level {
+        if lights.sampled_lights().is_empty() {
+            blocks.iter_mut().for_each(|block| block.light.pdf = [0.0; LANES]);
+        } else {
+            match level {
                 #[cfg(target_arch = "x86_64")]
-                LaneLevel::Avx2(simd) => sample_quad(simd, blocks, quad),
-            },
-            _ => sample_lights(blocks, self.vertices.len(), lights),
+                LaneLevel::Avx2(simd) => sample_lights(simd, blocks, self.vertices.len(), lights),
+            }
         }
         self.delta.clear();
         if lights.delta_lights().next().is_some() {

@@ -3,14 +3,12 @@
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
 //! [`Bsdf`](crate::bsdf::Bsdf) for one path.
 
-use super::vertex_block::{
-    Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, LightBlock, ScatteredBlock, TriangleBlock,
-};
+use super::vertex_block::{Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, ScatteredBlock, TriangleBlock};
 use crate::{
     DeltaLight,
     bsdf::{DiffusePhongLanes, HORIZON, cosine_hemisphere_lanes},
-    lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, get, is_zero, set, set_rgb},
-    light::{LightSet, QuadLight},
+    lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, each_lane, get, is_zero, set, set_rgb},
+    light::{Light, LightSet, QuadLight},
     mis::power_heuristic,
     russian_roulette::survival_probability,
 };
@@ -55,47 +53,77 @@ fn replace<S: Simd>(simd: S, lanes: &mut Vector3<LaneArray>, mask: LaneMask<S>, 
     *lanes = Lanes::store_vector(Vector3::select(mask, computed, Lanes::load_vector(simd, lanes)));
 }
 
-/// Samples one of several lights for each vertex, one vertex at a time.
-pub(super) fn sample_lights(blocks: &mut [Block], n_vertices: usize, lights: &LightSet) {
-    for at in 0..n_vertices {
-        let (block, lane) = (&mut blocks[at / LANES], at % LANES);
-        let normal = get(&block.shading_normal, lane) * block.side[lane];
-        let [u, v] = &block.u_light;
-        let sampled =
-            lights.sample_li(get(&block.point, lane), Some(normal), block.u_light_choice[lane], [u[lane], v[lane]]);
-        let light = &mut block.light;
-        light.pdf[lane] = 0.0;
-        let Some(sampled) = sampled else { continue };
-        let target = sampled.sample.shadow_target();
-        set(&mut light.direction, lane, sampled.sample.direction);
-        set(&mut light.target, lane, target.unwrap_or(sampled.sample.direction));
-        light.is_infinite[lane] = if target.is_none() { 1.0 } else { 0.0 };
-        set_rgb(&mut light.radiance, lane, sampled.sample.radiance);
-        light.pdf[lane] = sampled.pdf;
-    }
-}
-
-/// Samples the only light of a scene, a parallelogram.
-pub(super) fn sample_quad<S: Simd>(simd: S, blocks: &mut [Block], quad: &QuadLight) {
-    let Rgb { r, g, b } = quad.emission().radiance();
+/// Samples one of the area and environment lights for each vertex.
+pub(super) fn sample_lights<S: Simd>(simd: S, blocks: &mut [Block], n_vertices: usize, lights: &LightSet) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let zero = Lanes::splat(simd, 0.0);
-            for block in blocks {
-                let point = Lanes::load_vector(simd, &block.point);
-                let [u, v] = &block.u_light;
-                let sampled = quad.sample_li_lanes(point, [Lanes::load(simd, u), Lanes::load(simd, v)]);
-                block.light = LightBlock {
-                    direction: Lanes::store_vector(sampled.direction),
-                    target: Lanes::store_vector(sampled.target),
-                    is_infinite: [0.0; LANES],
-                    radiance: Vector3::new([r; LANES], [g; LANES], [b; LANES]),
-                    pdf: Real::select(sampled.is_lit, sampled.pdf, zero).store(),
-                };
+            for (at, block) in blocks.iter_mut().enumerate() {
+                let n_used = (n_vertices - at * LANES).min(LANES);
+                sample_light(simd, block, (1 << n_used) - 1, lights);
             }
         },
     );
+}
+
+/// Samples a light for each of the lanes: for all lanes that have chosen the same parallelogram at once, and for others one by one.
+#[inline(always)]
+fn sample_light<S: Simd>(simd: S, block: &mut Block, lanes: u8, lights: &LightSet) {
+    let point = Lanes::load_vector(simd, &block.point);
+    let normal = Lanes::load_vector(simd, &block.shading_normal) * Lanes::load(simd, &block.side);
+    let choice = Lanes::load(simd, &block.u_light_choice);
+    let (indices, probability) = lights.choose_lanes(simd, point, normal, choice);
+    block.light.pdf = [0.0; LANES];
+    let mut waiting = lanes;
+    while let Some(first) = each_lane(waiting).next() {
+        let mut same = 0;
+        for lane in each_lane(waiting) {
+            same |= u8::from(indices[lane] == indices[first]) << lane;
+        }
+        waiting &= !same;
+        match lights.sampled_lights().get(indices[first] as usize) {
+            Some(Light::Quad(quad)) if !quad.emission().radiance().is_black() => {
+                sample_quad(simd, block, (same, probability), quad);
+            }
+            Some(light) => {
+                let probability = probability.store();
+                for lane in each_lane(same) {
+                    sample_one(block, lane, probability[lane], light);
+                }
+            }
+            None => {}
+        }
+    }
+}
+
+/// Samples a light that has been chosen for one vertex.
+fn sample_one(block: &mut Block, lane: usize, probability: f64, chosen: &Light) {
+    let [u, v] = &block.u_light;
+    let Some(sample) = chosen.sample_li(get(&block.point, lane), [u[lane], v[lane]]) else { return };
+    let light = &mut block.light;
+    let target = sample.shadow_target();
+    set(&mut light.direction, lane, sample.direction);
+    set(&mut light.target, lane, target.unwrap_or(sample.direction));
+    light.is_infinite[lane] = if target.is_none() { 1.0 } else { 0.0 };
+    set_rgb(&mut light.radiance, lane, sample.radiance);
+    light.pdf[lane] = sample.pdf * probability;
+}
+
+/// Samples a parallelogram that has been chosen in these lanes.
+#[inline(always)]
+fn sample_quad<S: Simd>(simd: S, block: &mut Block, (lanes, probability): (u8, Lanes<S>), quad: &QuadLight) {
+    let point = Lanes::load_vector(simd, &block.point);
+    let [u, v] = &block.u_light;
+    let sampled = quad.sample_li_lanes(point, [Lanes::load(simd, u), Lanes::load(simd, v)]);
+    let Rgb { r, g, b } = quad.emission().radiance();
+    let radiance = Vector3::new(Lanes::splat(simd, r), Lanes::splat(simd, g), Lanes::splat(simd, b));
+    let (light, is_chosen) = (&mut block.light, LaneMask::from_bits(simd, lanes));
+    replace(simd, &mut light.direction, is_chosen, sampled.direction);
+    replace(simd, &mut light.target, is_chosen, sampled.target);
+    replace(simd, &mut light.radiance, is_chosen, radiance);
+    let (is_infinite, pdf) = (Lanes::load(simd, &light.is_infinite), Lanes::load(simd, &light.pdf));
+    light.is_infinite = Real::select(is_chosen, Lanes::splat(simd, 0.0), is_infinite).store();
+    light.pdf = Real::select(is_chosen & sampled.is_lit, sampled.pdf * probability, pdf).store();
 }
 
 /// Evaluates the BSDF for all delta lights: one block of results for each block and light. With `PHONG`, surfaces have Phong lobes.

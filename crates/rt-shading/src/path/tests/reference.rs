@@ -204,6 +204,24 @@ fn triangles() -> Scene {
     scene.with(Shape::Triangle(rt_geometry::Triangle::new(wall).expect("a triangle")), 0, None)
 }
 
+/// The light of the scene, a second one, one that faces up, a black one, and a disk.
+fn several_lights(scene: &Scene) -> Vec<Light> {
+    let quad = |corner: [f64; 3], edges, radiance, sides| {
+        let emission = Emission::new(Rgb::gray(radiance), sides).expect("an emission");
+        Light::Quad(QuadLight::new(corner.into(), edges, emission).expect("a light"))
+    };
+    let edges = [DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.1, 0.0, 0.4)];
+    let emission = Emission::new(Rgb::new(2.0, 1.0, 3.0), EmissionSides::Both).expect("an emission");
+    let disk = DiskLight::new(DVec3::new(0.0, 2.0, 3.0), DVec3::Z, 0.3, 0.1, emission).expect("a light");
+    let others = [
+        quad([2.0, 2.0, 0.0], edges, 9.0, EmissionSides::Both),
+        quad([-2.0, 0.5, 0.0], edges, 20.0, EmissionSides::Front),
+        quad([1.0, 1.5, 0.0], edges, 0.0, EmissionSides::Both),
+        Light::Disk(disk),
+    ];
+    scene.lights.iter().cloned().chain(others).collect()
+}
+
 #[test]
 fn every_path_between_triangles_has_the_bits_of_the_reference() {
     let mut scene = triangles();
@@ -226,7 +244,7 @@ fn every_path_between_triangles_has_the_bits_of_the_reference() {
         delta_light(sun, true, LightUnits::Classical),
     ];
     for (delta_lights, area_lights) in
-        [(Vec::new(), scene.lights.clone()), (delta_lights.clone(), Vec::new()), (delta_lights, scene.lights.clone())]
+        [(Vec::new(), scene.lights.clone()), (delta_lights.clone(), Vec::new()), (delta_lights, several_lights(&scene))]
     {
         (scene.appearance.lights, scene.lights) = (delta_lights, area_lights);
         let lights = scene.light_set();
