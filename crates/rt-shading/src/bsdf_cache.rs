@@ -2,7 +2,7 @@
 
 use crate::{
     Appearance, MaterialEvalContext,
-    bsdf::{Bsdf, DiffusePhong},
+    bsdf::{Bsdf, LaneSurface},
 };
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Rgb};
@@ -18,10 +18,10 @@ pub struct BsdfCache {
     n_used: usize,
 }
 
-/// Uniform material with a diffuse lobe, and perhaps a Phong lobe, that neither emits nor transmits light.
+/// Uniform material that can be shaded in lanes, and that neither emits nor transmits light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneMaterial {
-    pub(crate) bsdf: DiffusePhong,
+    pub(crate) surface: LaneSurface,
     /// Coefficient of ambient light.
     pub(crate) ambient: Rgb,
 }
@@ -32,13 +32,15 @@ pub(crate) struct CachedBsdf {
     pub(crate) bsdf: Bsdf,
     /// Result of [`Bsdf::without_diffuse`]; `None` also if unused.
     pub(crate) without_diffuse: Option<Bsdf>,
+    /// Result of [`Bsdf::as_lane_surface`].
+    pub(crate) in_lanes: Option<LaneSurface>,
 }
 
 impl CachedBsdf {
     /// Separates the diffuse lobes if they are not followed.
     pub(crate) fn new(bsdf: Bsdf, splits_diffuse: bool) -> Self {
         let without_diffuse = if splits_diffuse { bsdf.without_diffuse() } else { None };
-        Self { bsdf, without_diffuse }
+        Self { in_lanes: bsdf.as_lane_surface(), bsdf, without_diffuse }
     }
 }
 
@@ -55,10 +57,10 @@ impl BsdfCache {
             })
             .collect();
         let in_lanes = bsdfs.iter().zip(&appearance.materials).map(|(cached, material)| {
-            let bsdf = cached.as_ref()?.bsdf.as_diffuse_phong()?;
+            let surface = cached.as_ref()?.in_lanes?;
             let ambient = material.ambient(&material.to_phong(), &appearance.textures, &anywhere);
             let is_opaque = material.emission.is_zero() && !material.model.is_transmissive();
-            is_opaque.then_some(LaneMaterial { bsdf, ambient })
+            is_opaque.then_some(LaneMaterial { surface, ambient })
         });
         let in_lanes = in_lanes.collect();
         Self { in_lanes, bsdfs, n_used: materials().filter(|(is_used, _)| *is_used).count() }

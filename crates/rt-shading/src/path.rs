@@ -1,6 +1,7 @@
 //! Path tracing in waves, with next-event estimation and MIS.
 
 mod clamp;
+mod lane_bsdf;
 mod scatter;
 pub(crate) mod transport;
 mod vertex_block;
@@ -62,8 +63,8 @@ pub struct PathTracer<S> {
     ray_queues: RayQueues<u32>,
     next: RayQueues<u32>,
     shadows: ShadowRayQueue,
-    /// Vertices that are shaded in lanes, on diffuse surfaces without and with a Phong lobe.
-    queues: [VertexQueue<S>; 2],
+    /// Vertices that are shaded in lanes, one queue for each kind of surface.
+    queues: [VertexQueue<S>; 3],
     /// Instruction set of lanes; `None` to shade all vertices one by one.
     lanes: Option<LaneLevel>,
     /// True if the emission of the next surface or the background may contribute.
@@ -94,7 +95,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             ray_queues: RayQueues::default(),
             next: RayQueues::default(),
             shadows: ShadowRayQueue::default(),
-            queues: VertexQueue::both(),
+            queues: VertexQueue::all(),
             lanes: LaneLevel::detect(),
             scene_emits: false,
             counts: ShadingCounts::default(),

@@ -1,9 +1,12 @@
 //! Table of the directional albedo of a dielectric layer.
 
 use super::{Ggx, schlick::schlick_weight};
-use crate::optics;
+use crate::{
+    lanes::{LANES, Lanes, Simd},
+    optics,
+};
 use core::f64::consts::TAU;
-use rt_math::{DVec3, transcendental};
+use rt_math::{DVec3, Real, transcendental};
 use std::sync::OnceLock;
 
 const COSINES: usize = 97;
@@ -11,6 +14,9 @@ const ROUGHNESSES: usize = 65;
 
 /// Points of the Fibonacci lattice that integrates one entry, and its generator: two consecutive Fibonacci numbers.
 const LATTICE: [u32; 2] = [610, 377];
+
+/// 2⁵²: numbers above it are integers.
+const INTEGER: f64 = (1u64 << 52) as f64;
 
 /// Reflectance along the normal of a dielectric of index 1.5.
 const F0: f64 = 0.04;
@@ -32,9 +38,16 @@ struct Row {
 static ROWS: [OnceLock<Row>; ROUGHNESSES] = [const { OnceLock::new() }; ROUGHNESSES];
 
 /// Albedo of a layer of one roughness: a position between two rows of the table.
-pub(super) struct LayerAlbedo {
+#[derive(Clone, Copy)]
+pub(crate) struct LayerAlbedo {
     rows: [&'static Row; 2],
     fraction: f64,
+}
+
+impl core::fmt::Debug for LayerAlbedo {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("LayerAlbedo").field("fraction", &self.fraction).finish_non_exhaustive()
+    }
 }
 
 impl LayerAlbedo {
@@ -67,6 +80,46 @@ impl LayerAlbedo {
         let [below, above] = self.rows;
         between(below.mean, above.mean, self.fraction)
     }
+}
+
+/// Directional albedos as by [`LayerAlbedo::directional`], of the layers of the lanes; not valid where there is none.
+#[inline(always)]
+pub(super) fn directional_lanes<S: Simd>(simd: S, layers: &[Option<LayerAlbedo>; LANES], cos: Lanes<S>) -> Lanes<S> {
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let last = (COSINES - 1) as f64;
+    let x = Real::select(cos.gt(zero), cos.min(one), zero);
+    // The addition rounds to an integer.
+    let root = x.sqrt() * last;
+    let rounded = root + INTEGER - INTEGER;
+    let below = Real::select(rounded.gt(root), rounded - 1.0, rounded).min(Lanes::splat(simd, last - 1.0));
+    let (from, to) = (below / Lanes::splat(simd, last), (below + 1.0) / Lanes::splat(simd, last));
+    let (from, to) = (from * from, to * to);
+    let fraction = (x - from) / (to - from);
+    let columns = below.store();
+    let mut cells = [[[[0.0; 2]; 2]; 2]; LANES];
+    let mut between_rows = [0.0; LANES];
+    for lane in 0..LANES {
+        let (Some(layer), column) = (&layers[lane], columns[lane] as usize) else { continue };
+        for (cell, row) in cells[lane].iter_mut().zip(&layer.rows) {
+            if let Some(&[from, to]) = row.albedo.get(column..column + 2).and_then(|pair| pair.first_chunk()) {
+                *cell = [from, to];
+            }
+        }
+        between_rows[lane] = layer.fraction;
+    }
+    let [a, b, c, d] = &cells;
+    let between_rows = Lanes::load(simd, &between_rows);
+    let mut split = [zero; 2];
+    for part in 0..2 {
+        let mut of_rows = [zero; 2];
+        for row in 0..2 {
+            let from = Lanes::load(simd, &[a[row][0][part], b[row][0][part], c[row][0][part], d[row][0][part]]);
+            let to = Lanes::load(simd, &[a[row][1][part], b[row][1][part], c[row][1][part], d[row][1][part]]);
+            of_rows[row] = from + (to - from) * fraction;
+        }
+        split[part] = of_rows[0] + (of_rows[1] - of_rows[0]) * between_rows;
+    }
+    split[0] * F0 + split[1]
 }
 
 fn dielectric([along, grazing]: Split) -> f64 {

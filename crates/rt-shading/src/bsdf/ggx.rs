@@ -1,7 +1,7 @@
 //! Microfacet distribution.
 
 use core::f64::consts::{PI, TAU};
-use rt_math::{DVec3, transcendental};
+use rt_math::{DVec3, Real, Vector3, transcendental};
 
 /// The GGX distribution (Trowbridge, Reitz 1975; Walter et al. 2007) with Smith's masking-shadowing function.
 ///
@@ -52,21 +52,20 @@ impl Ggx {
         if !(m.z > 0.0) {
             return 0.0;
         }
-        let alpha2 = self.alpha * self.alpha;
         if self.along_x == self.alpha {
-            let q = m.z * m.z + (m.x * m.x + m.y * m.y) / alpha2;
-            return 1.0 / (PI * alpha2 * q * q);
+            return IsotropicGgx { alpha: self.alpha }.d(m.into());
         }
+        let alpha2 = self.alpha * self.alpha;
         let q = m.z * m.z + m.x * m.x / (self.along_x * self.along_x) + m.y * m.y / alpha2;
         1.0 / (PI * self.alpha * self.along_x * q * q)
     }
 
     /// S(w), the length of `w` on the surface stretched by α.
     pub fn stretched(&self, w: DVec3) -> f64 {
-        let alpha2 = self.alpha * self.alpha;
         if self.along_x == self.alpha {
-            return (w.z * w.z + alpha2 * (w.x * w.x + w.y * w.y)).sqrt();
+            return IsotropicGgx { alpha: self.alpha }.stretched(w.into());
         }
+        let alpha2 = self.alpha * self.alpha;
         (w.z * w.z + self.along_x * self.along_x * (w.x * w.x) + alpha2 * (w.y * w.y)).sqrt()
     }
 
@@ -86,14 +85,8 @@ impl Ggx {
     }
 
     /// [`Ggx::sample`] for a given sine and cosine of the azimuth.
-    pub(super) fn sample_at(&self, wo: DVec3, (sin_phi, cos_phi): (f64, f64), u: f64) -> DVec3 {
-        // The stretched surface is a hemisphere, of which the visible normals reflect to a spherical cap.
-        let wo = DVec3::new(self.along_x * wo.x, self.alpha * wo.y, wo.z).normalize_or(DVec3::Z);
-        let height = (1.0 - u) * (1.0 + wo.z);
-        let z = height - wo.z;
-        let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        let half = DVec3::new(sin * cos_phi + wo.x, sin * sin_phi + wo.y, height);
-        DVec3::new(self.along_x * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
+    pub(super) fn sample_at(&self, wo: DVec3, sincos: (f64, f64), u: f64) -> DVec3 {
+        visible_normal([self.along_x, self.alpha], wo.into(), sincos, u).into()
     }
 
     /// D·G₂ / (4 cos cos): the BRDF of perfectly reflecting microfacets for two directions with half vector `m`.
@@ -106,4 +99,53 @@ impl Ggx {
     pub fn reflection_pdf(&self, wo: DVec3, m: DVec3) -> f64 {
         self.d(m) / (2.0 * (wo.z + self.stretched(wo)))
     }
+}
+
+/// [`Ggx`] with the same α in all directions, for one number or for lanes.
+#[derive(Clone, Copy)]
+pub(super) struct IsotropicGgx<R: Real> {
+    pub(super) alpha: R,
+}
+
+impl<R: Real> IsotropicGgx<R> {
+    /// Version of [`Ggx::d`].
+    #[inline(always)]
+    pub(super) fn d(self, m: Vector3<R>) -> R {
+        let (zero, one) = (m.z.splat(0.0), m.z.splat(1.0));
+        let alpha2 = self.alpha * self.alpha;
+        let q = m.z * m.z + (m.x * m.x + m.y * m.y) / alpha2;
+        R::select(m.z.gt(zero), one / (alpha2 * PI * q * q), zero)
+    }
+
+    /// Version of [`Ggx::stretched`].
+    #[inline(always)]
+    pub(super) fn stretched(self, w: Vector3<R>) -> R {
+        (w.z * w.z + self.alpha * self.alpha * (w.x * w.x + w.y * w.y)).sqrt()
+    }
+
+    /// Version of [`Ggx::sample`].
+    #[inline(always)]
+    pub(super) fn sample(self, wo: Vector3<R>, [u, v]: [R; 2]) -> Vector3<R> {
+        visible_normal([self.alpha; 2], wo, transcendental::sincos(u * TAU), v)
+    }
+}
+
+/// Normal that is visible from `wo`, given α along x and y, sine and cosine of the azimuth, and a number in \[0, 1\].
+#[inline(always)]
+fn visible_normal<R: Real>(alpha: [R; 2], wo: Vector3<R>, (sin_phi, cos_phi): (R, R), u: R) -> Vector3<R> {
+    let (zero, one) = (u.splat(0.0), u.splat(1.0));
+    // The stretched surface is a hemisphere, of which the visible normals reflect to a spherical cap.
+    let wo = normalize_or_up(Vector3::new(alpha[0] * wo.x, alpha[1] * wo.y, wo.z));
+    let height = (one - u) * (one + wo.z);
+    let z = height - wo.z;
+    let sin = zero.max((one - z) * (one + z)).sqrt();
+    let half = Vector3::new(sin * cos_phi + wo.x, sin * sin_phi + wo.y, height);
+    normalize_or_up(Vector3::new(alpha[0] * half.x, alpha[1] * half.y, half.z))
+}
+
+/// Unit vector of the same direction; z if there is none.
+#[inline(always)]
+pub(super) fn normalize_or_up<R: Real>(v: Vector3<R>) -> Vector3<R> {
+    let (unit, is_valid) = v.try_normalize();
+    Vector3::select(is_valid, unit, Vector3::splat(v.x, DVec3::Z))
 }

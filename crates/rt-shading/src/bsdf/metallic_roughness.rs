@@ -103,20 +103,21 @@ impl MetallicRoughness {
         .if_finite()
     }
 
-    fn metallic(&self) -> f64 {
+    /// Metallic part, in \[0, 1\].
+    pub(super) fn clamped_metallic(&self) -> f64 {
         if self.metallic > 0.0 { self.metallic.min(1.0) } else { 0.0 }
     }
 
     /// Reflectance of the microfacets at a cosine.
     fn specular(&self, cos: f64) -> Rgb {
         let w = schlick_weight(cos);
-        let metallic = self.metallic();
+        let metallic = self.clamped_metallic();
         self.base_color.map(|f0| (1.0 - metallic) * dielectric_fresnel(cos) + metallic * (f0 + (1.0 - f0) * w))
     }
 
     /// Albedo of the diffuse lobe below the layer.
     fn diffuse(&self, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
-        let dielectric = 1.0 - self.metallic();
+        let dielectric = 1.0 - self.clamped_metallic();
         if dielectric == 0.0 {
             return Rgb::BLACK;
         }
@@ -133,7 +134,7 @@ impl MetallicRoughness {
 
     /// Probability with which `sample` chooses the specular lobe: its part of the albedo.
     fn specular_probability(&self, cos: f64) -> f64 {
-        let metallic = self.metallic();
+        let metallic = self.clamped_metallic();
         if metallic == 1.0 {
             return 1.0;
         }

@@ -57,6 +57,7 @@ mod ggx;
 mod lambert;
 mod layered;
 mod metallic_roughness;
+mod metallic_roughness_lanes;
 mod mirror;
 mod mix;
 mod oren_nayar;
@@ -80,6 +81,7 @@ pub use lambert::Lambert;
 pub(crate) use lambert::{cosine_hemisphere, cosine_hemisphere_lanes};
 pub use layered::Layered;
 pub use metallic_roughness::{Coupling, MetallicRoughness};
+pub(crate) use metallic_roughness_lanes::{RoughLayer, RoughLayerBlock, RoughLayerLanes, RoughLayerSample};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
@@ -116,6 +118,14 @@ pub enum Bsdf {
     Layered(Layered),
 }
 
+/// BSDF that is shaded in lanes.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant, reason = "both are plain data of one hit")]
+pub(crate) enum LaneSurface {
+    DiffusePhong(DiffusePhong),
+    RoughLayer(RoughLayer),
+}
+
 impl<T: Into<Bxdf>> From<T> for Bsdf {
     fn from(model: T) -> Self {
         Self::Single(model.into())
@@ -135,6 +145,15 @@ impl From<DiffusePhong> for Bsdf {
         let Some(WeightedPhong { lobe, weights: [a, b], .. }) = highlight else { return Self::Single(diffuse) };
         // Weights of a mix are valid.
         Mix::new(&[(a, diffuse), (b, lobe.into())]).map_or(Self::Single(diffuse), Self::Mix)
+    }
+}
+
+impl From<LaneSurface> for Bsdf {
+    fn from(surface: LaneSurface) -> Self {
+        match surface {
+            LaneSurface::DiffusePhong(lobes) => lobes.into(),
+            LaneSurface::RoughLayer(layer) => layer.surface.into(),
+        }
     }
 }
 
@@ -220,14 +239,18 @@ impl Bsdf {
         }
     }
 
-    /// The lobes, if they are a diffuse one, alone or followed by a Phong lobe, with finite parameters.
-    pub(crate) fn as_diffuse_phong(&self) -> Option<DiffusePhong> {
+    /// The BSDF for lanes, if it is a diffuse lobe, alone or followed by a Phong lobe, or a rough metallic-roughness surface,
+    /// with finite parameters.
+    pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
+            Self::Single(Bxdf::MetallicRoughness(surface)) => {
+                return RoughLayer::new(surface).map(LaneSurface::RoughLayer);
+            }
             Self::Single(lobe) => DiffusePhong::diffuse(lobe.as_diffuse()?),
             Self::Mix(mix) => DiffusePhong::of_mix(mix)?,
             Self::Layered(_) => return None,
         };
-        lobes.is_finite().then_some(lobes)
+        lobes.is_finite().then_some(LaneSurface::DiffusePhong(lobes))
     }
 
     /// True if [`Bsdf::sample`] uses its first number, which chooses a lobe.

@@ -3,12 +3,12 @@
 use super::{
     Clamp, Lighting, PathSettings, PathTracer, Transport,
     vertex_block::FollowedLobes,
-    vertex_queue::{SampledDelta, VertexQueue},
+    vertex_queue::{QueueKind, SampledDelta, VertexQueue},
     wave::{Path, PrevVertex},
 };
 use crate::{
     Seen, ShadingCounts, SurfaceHit, TriangleHit,
-    bsdf::{Bsdf, Scattering},
+    bsdf::{LaneSurface, Scattering},
     bsdf_cache::{CachedBsdf, LaneMaterial},
     hit_context::HitContext,
     interior_list::MediumInterface,
@@ -69,7 +69,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let shading_normal = hit.interaction.shading_normal;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let mut made = None;
-        let CachedBsdf { bsdf, without_diffuse } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
+        let CachedBsdf { bsdf, without_diffuse, in_lanes } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
             let bsdf = bsdf_at(lighting.appearance, material, &view, interface);
             made.insert(CachedBsdf::new(bsdf, transport == Transport::Specular))
         });
@@ -80,13 +80,13 @@ impl<S: Sampler + Clone> PathTracer<S> {
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
         if self.lanes.is_some()
-            && let Some(bsdf) = bsdf.as_diffuse_phong()
+            && let Some(surface) = in_lanes
             && interface.is_none()
             && view.surface.shading_normal == shading_normal
             && !(self.needs.absorption && path.medium_tracker.absorbs(materials))
         {
-            let queue = &mut self.queues[usize::from(bsdf.highlight.is_some())];
-            return queue.push((id, path), &view, &bsdf, ray.time, self.settings.rr_start_depth);
+            let queue = &mut self.queues[QueueKind::of(surface) as usize];
+            return queue.push((id, path), &view, surface, ray.time, self.settings.rr_start_depth);
         }
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
@@ -104,7 +104,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         seen: &mut Seen,
     ) {
         let material = if self.needs.absorption { None } else { lighting.bsdfs.in_lanes(hit.material) };
-        let Some(LaneMaterial { bsdf, ambient }) = material else {
+        let Some(LaneMaterial { surface, ambient }) = material else {
             return self.shade_hit(lighting, id, ray, Some(&mut hit.surface()), seen);
         };
         seen.hit = true;
@@ -113,12 +113,13 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if path.emission_only {
             return;
         }
-        if self.needs.ambient && transport == Transport::Specular && !gathers_background(lighting, false) {
+        let is_layered = matches!(surface, LaneSurface::RoughLayer(_));
+        if self.needs.ambient && transport == Transport::Specular && !gathers_background(lighting, is_layered) {
             let radiance = path.throughput * *ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
-        let queue = &mut self.queues[usize::from(bsdf.highlight.is_some())];
-        queue.push_triangle((id, path), hit, bsdf, ray, rr_start_depth);
+        let queue = &mut self.queues[QueueKind::of(surface) as usize];
+        queue.push_triangle((id, path), hit, surface, ray, rr_start_depth);
     }
 
     /// Samples direct light and the next direction of the path.
@@ -137,7 +138,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// Shades the queued vertices that a wave has found.
     pub(super) fn shade_queues(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
         let Some(level) = self.lanes else { return };
-        let queues = core::mem::replace(&mut self.queues, VertexQueue::both());
+        let queues = core::mem::replace(&mut self.queues, VertexQueue::all());
         self.queues = queues.map(|queue| self.shade_queue(level, lighting, queue, seen));
     }
 
@@ -163,11 +164,11 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let Some(scattered) = queue.scattered(at) else {
                 self.samplers[id as usize] = queue.sampler_before(at);
                 let (mut surface, (direction, is_inside), bsdf) = queue.surface(at);
-                let (view, bsdf) = (ViewedSurface::new(direction, is_inside, &mut surface), Bsdf::from(bsdf));
+                let view = ViewedSurface::new(direction, is_inside, &mut surface);
                 let vertex = Vertex::new(view, &bsdf, queued.time);
-                let phong = if lobes == FollowedLobes::Phong { bsdf.without_diffuse() } else { None };
+                let specular = if lobes == FollowedLobes::Specular { bsdf.without_diffuse() } else { None };
                 let vertex =
-                    if lobes == FollowedLobes::All { vertex } else { vertex.with_sampled_lobes(phong.as_ref()) };
+                    if lobes == FollowedLobes::All { vertex } else { vertex.with_sampled_lobes(specular.as_ref()) };
                 self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
                 continue;
             };
@@ -195,7 +196,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 self.counts.shadow_rays_skipped += u64::from(n_lights > 0);
             }
             let Some(next) = scattered.next else { continue };
-            let ends = path.bounces >= self.settings.max_depth;
+            let ends = path.bounces >= self.settings.max_depth || (lobes == FollowedLobes::Specular && next.is_diffuse);
             if ends && !self.scene_emits {
                 self.counts.depth_limited += 1;
                 continue;

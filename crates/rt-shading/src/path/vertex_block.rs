@@ -1,7 +1,7 @@
 //! Blocks of four path vertices, and their shading frames in lanes.
 
 use crate::{
-    bsdf::{DiffusePhongLanes, HORIZON},
+    bsdf::{DiffusePhongLanes, HORIZON, RoughLayerBlock},
     lanes::{LaneArray, LaneMask, Lanes, Simd},
     viewed_surface::MIN_COSINE,
 };
@@ -24,11 +24,14 @@ pub(super) struct Block {
     pub(super) direction: Vector3<LaneArray>,
     /// −1 where the surface is seen from behind, 1 elsewhere.
     pub(super) side: LaneArray,
+    /// Albedo of the diffuse lobe, or base colour.
     pub(super) albedo: Vector3<LaneArray>,
-    /// Roughness in [0, 1], 0 for Lambert's law.
+    /// Roughness: of a diffuse lobe in [0, 1], 0 for Lambert's law.
     pub(super) roughness: LaneArray,
     /// Phong lobes, in queues of surfaces that have them.
     pub(super) phong: PhongBlock,
+    /// Further parameters, in queues of metallic-roughness surfaces.
+    pub(super) layer: RoughLayerBlock,
     pub(super) throughput: Vector3<LaneArray>,
     pub(super) eta_scale: LaneArray,
     /// Numbers for the choice of a light, a direction to it, and the next direction of the path.
@@ -68,8 +71,8 @@ pub(super) struct PhongBlock {
 pub(super) enum FollowedLobes {
     /// None: the path ends.
     Nothing,
-    /// The Phong lobe of surfaces that have one.
-    Phong,
+    /// Lobes that are not diffuse, and diffuse ones below a layer. The latter end the path.
+    Specular,
     /// All lobes of the surface.
     All,
 }

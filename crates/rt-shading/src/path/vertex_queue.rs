@@ -1,4 +1,4 @@
-//! Queue of path vertices that are shaded in lanes: on diffuse surfaces, or on those with a Phong lobe, too.
+//! Queue of path vertices that are shaded in lanes, on surfaces of one kind.
 //!
 //! ```text
 //!   hits ─▶ push ─▶ draw samples ─▶ surfaces of triangles ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
@@ -7,13 +7,17 @@
 //! Lanes in which a rare case occurs are marked, and shaded one by one.
 
 use super::{
+    lane_bsdf::{Diffuse, DiffuseAndPhong},
     vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock},
     vertex_stages::{compute_surfaces, sample_delta_lights, sample_lights, scatter},
     wave::Path,
 };
 use crate::{
     TriangleHit,
-    bsdf::{DiffusePhong, OrenNayar, PhongLobe, WeightedPhong},
+    bsdf::{
+        Bsdf, Coupling, DiffusePhong, LaneSurface, MetallicRoughness, OrenNayar, PhongLobe, RoughLayerLanes,
+        WeightedPhong,
+    },
     lanes::{LANES, LaneArray, LaneLevel, get, get_rgb, set, set_rgb},
     light::LightSet,
     viewed_surface::ViewedSurface,
@@ -31,8 +35,30 @@ pub(super) struct VertexQueue<S> {
     /// Samplers of the paths before this queue drew from them.
     initial_samplers: Vec<S>,
     draws: Draws,
-    /// True for a queue of surfaces with a Phong lobe.
-    has_phong: bool,
+    kind: QueueKind,
+}
+
+/// Kind of surface that a queue holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum QueueKind {
+    /// A diffuse lobe.
+    Diffuse,
+    /// A diffuse lobe and a Phong lobe.
+    DiffusePhong,
+    /// The metallic-roughness model.
+    RoughLayer,
+}
+
+impl QueueKind {
+    /// Queue for a surface.
+    #[inline(always)]
+    pub(super) const fn of(surface: &LaneSurface) -> Self {
+        match surface {
+            LaneSurface::DiffusePhong(DiffusePhong { highlight: None, .. }) => Self::Diffuse,
+            LaneSurface::DiffusePhong(_) => Self::DiffusePhong,
+            LaneSurface::RoughLayer(_) => Self::RoughLayer,
+        }
+    }
 }
 
 /// Buffers for samples that are drawn together.
@@ -98,11 +124,11 @@ pub(super) struct NextRay {
 }
 
 impl<S: Sampler + Clone> VertexQueue<S> {
-    /// Queues of surfaces without and with a Phong lobe.
-    pub(super) fn both() -> [Self; 2] {
-        [false, true].map(|has_phong| {
+    /// Queues of all kinds, in their order.
+    pub(super) fn all() -> [Self; 3] {
+        [QueueKind::Diffuse, QueueKind::DiffusePhong, QueueKind::RoughLayer].map(|kind| {
             let (vertices, blocks, delta, initial_samplers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            Self { vertices, blocks, delta, initial_samplers, draws: Draws::default(), has_phong }
+            Self { vertices, blocks, delta, initial_samplers, draws: Draws::default(), kind }
         })
     }
 
@@ -125,7 +151,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         &mut self,
         (id, path): (u32, &Path),
         view: &ViewedSurface<'_>,
-        bsdf: &DiffusePhong,
+        bsdf: &LaneSurface,
         time: f64,
         rr_start_depth: u32,
     ) {
@@ -146,7 +172,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         &mut self,
         path: (u32, &Path),
         hit: &TriangleHit,
-        bsdf: &DiffusePhong,
+        bsdf: &LaneSurface,
         ray: &Ray,
         rr_start_depth: u32,
     ) {
@@ -167,7 +193,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
     fn push_path(
         &mut self,
         (id, path): (u32, &Path),
-        bsdf: &DiffusePhong,
+        bsdf: &LaneSurface,
         time: f64,
         rr_start_depth: u32,
     ) -> (&mut Block, usize) {
@@ -180,14 +206,23 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         if lane == 0 {
             (block.valid, block.triangles.mask) = (!0, 0);
         }
-        set_rgb(&mut block.albedo, lane, bsdf.diffuse.albedo);
-        block.roughness[lane] = bsdf.diffuse.clamped_roughness();
-        if let Some(WeightedPhong { lobe, weights, probabilities }) = &bsdf.highlight {
-            let phong = &mut block.phong;
-            set_rgb(&mut phong.reflectance, lane, lobe.reflectance);
-            phong.exponent[lane] = lobe.clamped_exponent();
-            set_pair(&mut phong.weights, lane, *weights);
-            set_pair(&mut phong.probabilities, lane, *probabilities);
+        match bsdf {
+            LaneSurface::DiffusePhong(DiffusePhong { diffuse, highlight }) => {
+                set_rgb(&mut block.albedo, lane, diffuse.albedo);
+                block.roughness[lane] = diffuse.clamped_roughness();
+                if let Some(WeightedPhong { lobe, weights, probabilities }) = highlight {
+                    let phong = &mut block.phong;
+                    set_rgb(&mut phong.reflectance, lane, lobe.reflectance);
+                    phong.exponent[lane] = lobe.clamped_exponent();
+                    set_pair(&mut phong.weights, lane, *weights);
+                    set_pair(&mut phong.probabilities, lane, *probabilities);
+                }
+            }
+            LaneSurface::RoughLayer(layer) => {
+                set_rgb(&mut block.albedo, lane, layer.surface.base_color);
+                block.roughness[lane] = layer.surface.roughness;
+                block.layer.set(lane, layer);
+            }
         }
         set_rgb(&mut block.throughput, lane, path.throughput);
         block.eta_scale[lane] = path.eta_scale;
@@ -198,16 +233,16 @@ impl<S: Sampler + Clone> VertexQueue<S> {
 
     /// Lobes of which the next direction is sampled, if paths follow diffuse surfaces or not.
     pub(super) const fn sampled_lobes(&self, follows_diffuse: bool) -> FollowedLobes {
-        match (follows_diffuse, self.has_phong) {
+        match (follows_diffuse, self.kind) {
             (true, _) => FollowedLobes::All,
-            (false, true) => FollowedLobes::Phong,
-            (false, false) => FollowedLobes::Nothing,
+            (false, QueueKind::DiffusePhong | QueueKind::RoughLayer) => FollowedLobes::Specular,
+            (false, QueueKind::Diffuse) => FollowedLobes::Nothing,
         }
     }
 
     /// Draws the samples of all vertices, for one of `n_lights` and for the next direction.
     pub(super) fn draw(&mut self, samplers: &mut [S], n_lights: usize, lobes: FollowedLobes) {
-        let Self { vertices, blocks, initial_samplers, draws, has_phong, .. } = self;
+        let Self { vertices, blocks, initial_samplers, draws, kind, .. } = self;
         let Draws { paths, pairs, numbers, roulette } = draws;
         paths.clear();
         paths.extend(vertices.iter().map(|vertex| vertex.path));
@@ -228,7 +263,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         }
         S::next_2d_batch(samplers, paths, pairs);
         each_pair(blocks, pairs, |block| &mut block.u_bsdf);
-        if *has_phong {
+        if *kind != QueueKind::Diffuse {
             S::next_1d_batch(samplers, paths, numbers);
             each_number(blocks, numbers, |block| &mut block.u_lobe);
         }
@@ -267,20 +302,26 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         }
         self.delta.clear();
         if lights.delta_lights().next().is_some() {
-            match (level, self.has_phong) {
+            match level {
                 #[cfg(target_arch = "x86_64")]
-                (LaneLevel::Avx2(simd), false) => {
-                    sample_delta_lights::<_, false>(simd, blocks, lights, &mut self.delta)
-                }
-                #[cfg(target_arch = "x86_64")]
-                (LaneLevel::Avx2(simd), true) => sample_delta_lights::<_, true>(simd, blocks, lights, &mut self.delta),
+                LaneLevel::Avx2(simd) => match self.kind {
+                    QueueKind::Diffuse => sample_delta_lights::<_, Diffuse<_>>(simd, blocks, lights, &mut self.delta),
+                    QueueKind::DiffusePhong => {
+                        sample_delta_lights::<_, DiffuseAndPhong<_>>(simd, blocks, lights, &mut self.delta)
+                    }
+                    QueueKind::RoughLayer => {
+                        sample_delta_lights::<_, RoughLayerLanes<_>>(simd, blocks, lights, &mut self.delta)
+                    }
+                },
             }
         }
-        match (level, self.has_phong) {
+        match level {
             #[cfg(target_arch = "x86_64")]
-            (LaneLevel::Avx2(simd), false) => scatter::<_, false>(simd, blocks, lobes),
-            #[cfg(target_arch = "x86_64")]
-            (LaneLevel::Avx2(simd), true) => scatter::<_, true>(simd, blocks, lobes),
+            LaneLevel::Avx2(simd) => match self.kind {
+                QueueKind::Diffuse => scatter::<_, Diffuse<_>>(simd, blocks, lobes),
+                QueueKind::DiffusePhong => scatter::<_, DiffuseAndPhong<_>>(simd, blocks, lobes),
+                QueueKind::RoughLayer => scatter::<_, RoughLayerLanes<_>>(simd, blocks, lobes),
+            },
         }
     }
 
@@ -334,7 +375,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
     }
 
     /// Surface of a vertex, the direction from which it is seen, whether from behind, and its BSDF.
-    pub(super) fn surface(&self, at: usize) -> (SurfaceInteraction, (DVec3, bool), DiffusePhong) {
+    pub(super) fn surface(&self, at: usize) -> (SurfaceInteraction, (DVec3, bool), Bsdf) {
         let (block, lane) = (&self.blocks[at / LANES], at % LANES);
         let (point, error) = (get(&block.point, lane), get(&block.point_error, lane));
         let surface = SurfaceInteraction {
@@ -342,13 +383,20 @@ impl<S: Sampler + Clone> VertexQueue<S> {
             shading_normal: get(&block.shading_normal, lane),
             ..SurfaceInteraction::flat(point, error, get(&block.geometric_normal, lane), [0.0; 2])
         };
-        let diffuse = OrenNayar { albedo: get_rgb(&block.albedo, lane), roughness: block.roughness[lane] };
-        let highlight = self.has_phong.then(|| {
+        let (color, roughness) = (get_rgb(&block.albedo, lane), block.roughness[lane]);
+        let highlight = (self.kind == QueueKind::DiffusePhong).then(|| {
             let PhongBlock { reflectance, exponent, weights: [a, b], probabilities: [c, d] } = &block.phong;
             let lobe = PhongLobe { reflectance: get_rgb(reflectance, lane), exponent: exponent[lane] };
             WeightedPhong { lobe, weights: [a[lane], b[lane]], probabilities: [c[lane], d[lane]] }
         });
-        (surface, (get(&block.direction, lane), block.side[lane] < 0.0), DiffusePhong { diffuse, highlight })
+        let bsdf = match self.kind {
+            QueueKind::RoughLayer => {
+                let (metallic, coupling) = (block.layer.metallic[lane], Coupling::Albedo);
+                MetallicRoughness { base_color: color, metallic, roughness, coupling }.into()
+            }
+            _ => DiffusePhong { diffuse: OrenNayar { albedo: color, roughness }, highlight }.into(),
+        };
+        (surface, (get(&block.direction, lane), block.side[lane] < 0.0), bsdf)
     }
 }
 

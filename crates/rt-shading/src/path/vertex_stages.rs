@@ -3,16 +3,15 @@
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
 //! [`Bsdf`](crate::bsdf::Bsdf) for one path.
 
+use super::lane_bsdf::{LaneBsdf, SampledLanes};
 use super::vertex_block::{Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, ScatteredBlock, TriangleBlock};
 use crate::{
     DeltaLight,
-    bsdf::{DiffusePhongLanes, HORIZON, cosine_hemisphere_lanes},
+    bsdf::HORIZON,
     lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, each_lane, get, is_zero, set, set_rgb},
     light::{Light, LightSet, QuadLight},
-    mis::power_heuristic,
     russian_roulette::survival_probability,
 };
-use core::f64::consts::FRAC_1_PI;
 use rt_geometry::{offset_point, triangle_point};
 use rt_math::{Real, Rgb, Vector3};
 
@@ -126,8 +125,8 @@ fn sample_quad<S: Simd>(simd: S, block: &mut Block, (lanes, probability): (u8, L
     light.pdf = Real::select(is_chosen & sampled.is_lit, sampled.pdf * probability, pdf).store();
 }
 
-/// Evaluates the BSDF for all delta lights: one block of results for each block and light. With `PHONG`, surfaces have Phong lobes.
-pub(super) fn sample_delta_lights<S: Simd, const PHONG: bool>(
+/// Evaluates the BSDF for all delta lights: one block of results for each block and light.
+pub(super) fn sample_delta_lights<S: Simd, B: LaneBsdf<S>>(
     simd: S,
     blocks: &mut [Block],
     lights: &LightSet,
@@ -138,9 +137,9 @@ pub(super) fn sample_delta_lights<S: Simd, const PHONG: bool>(
         || {
             for block in blocks {
                 let frame = FrameLanes::new(simd, block);
-                let bsdf = block.load_bsdf(simd, PHONG);
+                let bsdf = B::load(simd, block, frame.wo);
                 for light in lights.delta_lights() {
-                    results.push(sample_delta_light::<S, PHONG>(simd, block, (&frame, &bsdf), light));
+                    results.push(sample_delta_light(simd, block, (&frame, &bsdf), light));
                 }
             }
         },
@@ -148,20 +147,15 @@ pub(super) fn sample_delta_lights<S: Simd, const PHONG: bool>(
 }
 
 #[inline(always)]
-fn sample_delta_light<S: Simd, const PHONG: bool>(
+fn sample_delta_light<S: Simd, B: LaneBsdf<S>>(
     simd: S,
     block: &mut Block,
-    (frame, bsdf): (&FrameLanes<S>, &DiffusePhongLanes<Lanes<S>>),
+    (frame, bsdf): (&FrameLanes<S>, &B),
     light: &DeltaLight,
 ) -> DeltaBlock {
     let sample = light.sample_li_lanes(frame.point);
     let IncidentLanes { local, cos, is_reflected } = frame.incident(simd, sample.direction);
-    let value = if PHONG {
-        let values = bsdf.values(frame.wo, local);
-        values.diffuse + values.phong
-    } else {
-        bsdf.diffuse_value(frame.wo, local)
-    };
+    let value = bsdf.eval(local);
     // A classical surface reflects kd of a classical light, not kd / π.
     let factor = Lanes::splat(simd, light.units.irradiance_factor());
     let throughput = Lanes::load_vector(simd, &block.throughput);
@@ -189,25 +183,24 @@ fn sample_delta_light<S: Simd, const PHONG: bool>(
     result
 }
 
-/// Evaluates the BSDF for the sampled light, and samples the next direction. With `PHONG`, surfaces have Phong lobes.
-pub(super) fn scatter<S: Simd, const PHONG: bool>(simd: S, blocks: &mut [Block], lobes: FollowedLobes) {
+/// Evaluates the BSDF for the sampled light, and samples the next direction.
+pub(super) fn scatter<S: Simd, B: LaneBsdf<S>>(simd: S, blocks: &mut [Block], lobes: FollowedLobes) {
     simd.vectorize(
         #[inline(always)]
         || {
             for block in blocks {
-                block.scattered = scatter_block::<S, PHONG>(simd, block, lobes);
+                block.scattered = scatter_block::<S, B>(simd, block, lobes);
             }
         },
     );
 }
 
 #[inline(always)]
-fn scatter_block<S: Simd, const PHONG: bool>(simd: S, block: &Block, lobes: FollowedLobes) -> ScatteredBlock {
+fn scatter_block<S: Simd, B: LaneBsdf<S>>(simd: S, block: &Block, lobes: FollowedLobes) -> ScatteredBlock {
     let (zero, horizon) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, HORIZON));
     let frame = FrameLanes::new(simd, block);
     let throughput = Lanes::load_vector(simd, &block.throughput);
-    let bsdf = block.load_bsdf(simd, PHONG);
-    let wo = frame.wo;
+    let bsdf = B::load(simd, block, frame.wo);
     let mut valid = frame.is_finite & LaneMask::from_bits(simd, block.valid);
 
     // Light that the sampled light sends to the viewer, with its MIS weight.
@@ -216,19 +209,7 @@ fn scatter_block<S: Simd, const PHONG: bool>(simd: S, block: &Block, lobes: Foll
     let light_pdf = Lanes::load(simd, &light.pdf);
     let is_infinite = Lanes::load(simd, &light.is_infinite).gt(zero);
     let IncidentLanes { local, cos, is_reflected } = frame.incident(simd, wi);
-    let weighted = if PHONG {
-        let values = bsdf.values(wo, local);
-        let all = values.diffuse + values.phong;
-        if lobes == FollowedLobes::All {
-            all * power_heuristic(light_pdf, bsdf.pdf(&values))
-        } else {
-            let one = Lanes::splat(simd, 1.0);
-            all - values.phong * (one - power_heuristic(light_pdf, values.phong_pdf))
-        }
-    } else {
-        let value = bsdf.diffuse_value(wo, local);
-        if lobes == FollowedLobes::All { value * power_heuristic(light_pdf, local.z * FRAC_1_PI) } else { value }
-    };
+    let weighted = bsdf.eval_mis(local, light_pdf, lobes);
     let reflected = weighted * cos;
     let lit = light_pdf.gt(zero) & is_reflected & !is_zero(reflected);
     let radiance = Lanes::load_vector(simd, &light.radiance);
@@ -254,34 +235,12 @@ fn scatter_block<S: Simd, const PHONG: bool>(simd: S, block: &Block, lobes: Foll
     // Next direction.
     let [u, v] = &block.u_bsdf;
     let u = [Lanes::load(simd, u), Lanes::load(simd, v)];
-    let (local, value, pdf, is_sampled) = if PHONG {
-        let samples_diffuse = lobes == FollowedLobes::All;
-        let is_diffuse = if samples_diffuse {
-            bsdf.chooses_diffuse(Lanes::load(simd, &block.u_lobe))
-        } else {
-            LaneMask::from_bits(simd, 0)
-        };
-        scattered.diffuse = is_diffuse.bits();
-        let local = bsdf.sample(wo, is_diffuse, u);
-        let values = bsdf.values(wo, local);
-        let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
-        let (value, pdf) = if samples_diffuse {
-            (values.diffuse + values.phong, bsdf.pdf(&values))
-        } else {
-            (values.phong, values.phong_pdf)
-        };
-        let is_finite = pdf.le(Lanes::splat(simd, f64::MAX)) & value.is_finite();
-        (local, value, pdf, own_pdf.gt(zero) & pdf.gt(zero) & is_finite)
-    } else {
-        scattered.diffuse = !0;
-        let local = cosine_hemisphere_lanes(u);
-        let pdf = local.z * FRAC_1_PI;
-        (local, bsdf.diffuse_value(wo, local), pdf, pdf.gt(zero))
-    };
+    let SampledLanes { local, value, pdf, is_valid, diffuse } = bsdf.sample(Lanes::load(simd, &block.u_lobe), u, lobes);
+    scattered.diffuse = diffuse;
     let height = Real::select(frame.is_above, local.z, -local.z);
     let [tangent, bitangent] = frame.tangents;
     let next = tangent * local.x + bitangent * local.y + frame.shading_normal * height;
-    let continued = is_sampled & local.z.gt(horizon) & next.dot(frame.towards_viewer).gt(zero);
+    let continued = is_valid & local.z.gt(horizon) & next.dot(frame.towards_viewer).gt(zero);
     let after = throughput.scaled_by(value * (local.z / pdf));
     let geometric_normal = frame.geometric_normal;
     let outwards = Vector3::select(next.dot(geometric_normal).lt(zero), -geometric_normal, geometric_normal);

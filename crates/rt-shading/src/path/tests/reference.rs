@@ -97,6 +97,7 @@ fn exhibition() -> Scene {
         emissive(MaterialModel::Layered(coated.into()), 0.02),
         solid(MaterialModel::Layered(dispersive.into()), InteriorMedium::clear(1.5)),
         Material::new(String::new(), Phong { specular: gray(0.3), mirror: gray(0.2), ..Phong::default() }),
+        emissive(metallic_roughness(0.3, 0.2), 0.02),
     ];
     let mut scene = Scene::new(materials, lights)
         .with(super::floor(), 0, None)
@@ -113,6 +114,7 @@ fn exhibition() -> Scene {
         ([1.2, 0.35, 1.3], 0.3, 9),
         ([0.1, 0.4, 1.6], 0.4, 10),
         ([2.6, 0.5, -0.9], 0.5, 11),
+        ([-2.4, 0.6, -1.0], 0.6, 12),
         // A solid of air around all.
         ([0.0, 0.5, 0.0], 3.6, 4),
     ] {
@@ -167,6 +169,11 @@ fn every_path_has_the_bits_of_the_reference() {
     }
 }
 
+fn metallic_roughness(metallic: f64, roughness: f64) -> MaterialModel {
+    let base_color = ColorTexture::Constant(Rgb::new(0.9, 0.5, 0.1));
+    MaterialModel::MetallicRoughness { base_color, metallic, roughness }
+}
+
 /// Triangles of all materials, some of which emit light, above a plane; a quad is the light.
 fn triangles() -> Scene {
     let number = |at, dimension| random::unit(random::hash(&[43, at, dimension]));
@@ -189,6 +196,9 @@ fn triangles() -> Scene {
             String::new(),
             Phong { specular: gray(0.8), diffuse: gray(1e-3), exponent: 0.0, ..Phong::default() },
         ),
+        emissive(metallic_roughness(0.0, 0.3), 0.0),
+        emissive(metallic_roughness(1.0, 0.1), 0.0),
+        emissive(metallic_roughness(0.4, 1.0), 0.3),
     ];
     let mut scene = Scene::new(materials, vec![Light::Quad(quad)]).with(floor(), 6, None);
     scene.appearance.ambient = Rgb::gray(0.1);
@@ -196,7 +206,7 @@ fn triangles() -> Scene {
         let corner = vector(at, 0) * DVec3::new(5.0, 2.0, 3.0) + DVec3::Y;
         let vertices = [corner, corner + vector(at, 3) * 2.0, corner + vector(at, 6) * 2.0];
         let triangle = rt_geometry::Triangle::new(vertices).expect("a triangle");
-        scene = scene.with(Shape::Triangle(triangle), (at % 9) as u32, None);
+        scene = scene.with(Shape::Triangle(triangle), (at % 12) as u32, None);
     }
     // Rays from there start where a coordinate is too small for lanes.
     let wall = [DVec3::new(-3.0, 0.0, 0.0), DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0)];
@@ -258,6 +268,34 @@ fn every_path_between_triangles_has_the_bits_of_the_reference() {
             assert!(lit > 500, "{lit} of 3001, {settings:?}");
             // Rays hit the floor, which has a highlight, more often than all else.
             assert!(counts.lanes_used > 1500 || LaneLevel::detect().is_none(), "{counts:?}");
+        }
+    }
+}
+
+/// Metallic-roughness surfaces alone, textured and not, of all roughnesses, in a scene where nothing else emits light.
+#[test]
+fn metallic_roughness_in_lanes_has_the_bits_of_the_reference() {
+    for (at, roughness) in [0.0, 0.02, 0.1, 0.5, 0.98, 1.0, 3.0, f64::NAN].into_iter().enumerate() {
+        let metallic = [0.0, 0.5, 1.0][at % 3];
+        let base = LayeredBase::MetallicRoughness {
+            base_color: ColorTexture::Textured(TextureId(0), Rgb::new(0.9, 0.8, 0.2)),
+            metallic: FloatTexture::Constant(1.0 - metallic),
+            roughness: FloatTexture::Constant(roughness),
+        };
+        let textured = MaterialModel::Layered(LayeredSurface::new(base).into());
+        let materials = vec![emissive(metallic_roughness(metallic, roughness), 0.0), emissive(textured, 0.0)];
+        let mut scene = Scene::new(materials, triangles().lights).with(floor(), 0, None);
+        for x in [-1.5, 0.0, 1.5] {
+            scene = scene.with(sphere_at([x, 0.7, 0.2], 0.7), 1, None);
+        }
+        scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 0.25 }];
+        scene.appearance.ambient = Rgb::gray(0.1);
+        let (lights, bsdfs) = (scene.light_set(), BsdfCache::new(&scene.appearance, |_| true));
+        let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+        for settings in [paths(0), paths(4), DISTRIBUTED] {
+            let (_, counts) = trace(&mut scene.shapes, lighting, settings, &[InteriorList::default()], &views(1001));
+            let is_rough = roughness > 0.01;
+            assert!(!is_rough || counts.lanes_used > 700 || LaneLevel::detect().is_none(), "{settings:?}: {counts:?}");
         }
     }
 }
