@@ -31,7 +31,7 @@ pub(crate) fn thread_count(threads: usize) -> usize {
 /// loop is interrupted. `work` returns `None` if it abandoned the item after an interrupt. A panic loses the item and replaces the
 /// state of its thread. `finished` receives the results in any order, on this thread.
 ///
-/// If the system refuses threads, fewer share the work, or this thread does all of it.
+/// If the system refuses threads, fewer share the work, or this thread does all of it. This thread also does a single item.
 pub(crate) fn parallel_for<W, T: Send>(
     threads: usize,
     items: &[usize],
@@ -64,7 +64,9 @@ pub(crate) fn parallel_for<W, T: Send>(
     thread::scope(|scope| {
         let run = &run;
         let start = |sender| thread::Builder::new().spawn_scoped(scope, move || run(sender));
-        let started = vec![sender.clone(); threads.min(items.len())].into_iter().map_while(|sender| start(sender).ok());
+        // Starting a thread takes longer than a pass over a small image.
+        let useful = if items.len() > 1 { threads.min(items.len()) } else { 0 };
+        let started = vec![sender.clone(); useful].into_iter().map_while(|sender| start(sender).ok());
         if started.count() == 0 {
             run(sender);
         } else {
@@ -126,12 +128,16 @@ mod tests {
     }
 
     #[test]
-    fn without_threads_the_caller_does_all_work() {
+    fn the_caller_does_a_single_item_and_without_threads_all_of_them() {
         let caller = thread::current().id();
         let work = |(): &mut (), item: usize| Some((item, thread::current().id()));
         let mut results = Vec::new();
         let outcome = parallel_for(0, &[3, 1, 2], None, (|| (), work), |item, done| results.push((item, done)));
         assert_eq!(outcome, Outcome::default());
         assert_eq!(results, [3, 1, 2].map(|item| (item, (item, caller))));
+        results.clear();
+        let work = |(): &mut (), item: usize| Some((item, thread::current().id()));
+        parallel_for(8, &[5], None, (|| (), work), |item, done| results.push((item, done)));
+        assert_eq!(results, [(5, (5, caller))]);
     }
 }
