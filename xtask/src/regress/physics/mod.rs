@@ -32,7 +32,10 @@ const SHARED: &str = "../shared/reference/physics/pairs";
 const CONVENTIONS: &str = "tests/physics/conventions.json";
 
 /// Work per pair without `--full`.
-const REDUCED: Effort = Effort::Reduced { seeds: 8, divisor: 4 };
+const REDUCED: Effort = Effort::Reduced { seeds: 8, divisor: 4, min_samples: 16 };
+/// Work that a pair outside of the project starts with. If it fails, it is compared again with [`REDUCED`]: means of few
+/// samples may be skewed.
+const FIRST: Effort = Effort::Reduced { seeds: 8, divisor: 16, min_samples: 4 };
 
 /// One unit per pair, and one that plants faults. Pairs of the project take precedence over others of the same name.
 pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Box<dyn Unit>>, TaskError> {
@@ -98,7 +101,32 @@ impl Unit for PairUnit {
 
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let pair = Pair::load(&self.folder)?;
-        let (ours, reference) = both(context, folder, &self.folder, &pair)?;
+        let efforts: &[Effort] = match (context.full, self.is_own) {
+            (true, _) => &[Effort::Full],
+            (false, true) => &[REDUCED],
+            (false, false) => &[FIRST, REDUCED],
+        };
+        for &effort in efforts {
+            *findings = Findings::default();
+            self.compare(context, folder, &pair, effort, findings)?;
+            if findings.problems.is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PairUnit {
+    fn compare(
+        &self,
+        context: &Context,
+        folder: &Path,
+        pair: &Pair,
+        effort: Effort,
+        findings: &mut Findings,
+    ) -> Result<(), TaskError> {
+        let (ours, reference) = both(context, folder, &self.folder, (pair, effort))?;
         let comparison = Comparison::of(&ours, &reference, pair.tolerance());
         let differs = !comparison.problems.is_empty();
         match pair.expect {
@@ -129,8 +157,8 @@ impl Unit for PairUnit {
             (Expect::Known, true) => "differs, known",
             (Expect::Agree | Expect::Known, _) => "agrees",
         };
-        let Pair { note, kind, .. } = pair;
         let (name, is_own) = (self.pair_name(), self.is_own);
+        let (note, kind) = (pair.note.clone(), pair.kind.clone());
         let row = PairRow { name, is_own, kind, note, comparison, verdict };
         findings.note(row.line());
         findings.pair = Some(row);
@@ -167,7 +195,8 @@ impl Unit for PlantedFault {
         for name in SOUND {
             let pair_folder = context.workspace.root.join(OWN).join(name);
             let pair = Pair::load(&pair_folder)?;
-            let (ours, reference) = both(context, folder, &pair_folder, &pair)?;
+            let effort = effort(context.full);
+            let (ours, reference) = both(context, folder, &pair_folder, (&pair, effort))?;
             for (factor, is_sound) in [(1.0, true), (FAULT, false), (1.0 / FAULT, false)] {
                 let problems = Comparison::of(&ours, &reference.scaled([factor; 3]), pair.tolerance()).problems;
                 if problems.is_empty() != is_sound {
@@ -215,9 +244,8 @@ fn both(
     context: &Context,
     folder: &Path,
     pair_folder: &Path,
-    pair: &Pair,
+    (pair, effort): (&Pair, Effort),
 ) -> Result<(BlockMeans, BlockMeans), TaskError> {
-    let effort = effort(context.full);
     let series = pair.series(pair_folder, effort);
     let ours = render(context, folder, &series, pair.block)?;
     let shape = |renders: &[Blocks]| renders.first().map_or([0; 2], |render| [render.rows, render.columns]);

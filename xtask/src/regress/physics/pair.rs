@@ -103,23 +103,21 @@ pub(super) struct Series {
 pub(super) enum Effort {
     /// Seeds and samples of `pair.json`.
     Full,
-    /// At most so many seeds, and samples per pixel divided by this number.
-    Reduced { seeds: u32, divisor: u32 },
+    /// At most so many seeds, and samples per pixel divided by this number. At least `min_samples` are left, unless the pair
+    /// has fewer itself.
+    Reduced { seeds: u32, divisor: u32, min_samples: u32 },
 }
 
 impl std::fmt::Display for Effort {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Full => write!(f, "all seeds and samples"),
-            Self::Reduced { seeds, divisor } => {
+            Self::Reduced { seeds, divisor, .. } => {
                 write!(f, "{seeds} seeds and 1/{divisor} of the samples per pixel or fewer")
             }
         }
     }
 }
-
-/// Minimum samples per pixel that [`Effort::Reduced`] leaves, unless the pair has fewer itself.
-const MIN_SAMPLES: u32 = 16;
 
 impl Pair {
     /// Reads `pair.json` in `folder`.
@@ -170,8 +168,8 @@ impl Effort {
     fn samples(self, spp: Option<u32>, reduced: Option<u32>) -> Option<u32> {
         match self {
             Self::Full => spp,
-            Self::Reduced { divisor, .. } => {
-                reduced.or_else(|| spp.map(|spp| (spp / divisor).max(spp.min(MIN_SAMPLES))))
+            Self::Reduced { divisor, min_samples, .. } => {
+                reduced.or_else(|| spp.map(|spp| (spp / divisor).max(spp.min(min_samples))))
             }
         }
     }
@@ -324,7 +322,7 @@ mod tests {
 
     #[test]
     fn reduced_effort_keeps_some_samples() {
-        let effort = Effort::Reduced { seeds: 8, divisor: 4 };
+        let effort = Effort::Reduced { seeds: 8, divisor: 4, min_samples: 16 };
         assert_eq!([16, 8, 4].map(|seeds| effort.seeds(seeds)), [8, 8, 4]);
         let samples = [256, 64, 32, 4].map(|spp| effort.samples(Some(spp), None));
         assert_eq!(samples, [Some(64), Some(16), Some(16), Some(4)]);
