@@ -4,11 +4,15 @@
 
 use std::{
     fs,
+    num::NonZero,
     path::{Path, PathBuf},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
     time::{Duration, Instant},
 };
-
-use rayon::prelude::*;
 
 use self::unit::{Context, Findings, Outcome, Unit, Verdict, count, summary};
 use crate::{error::TaskError, files, renderer::Renderer, workspace::Workspace};
@@ -82,12 +86,7 @@ pub(crate) fn run(workspace: Workspace, options: &RegressOptions) -> Result<bool
     let folder = workspace.fresh_folder("regress")?;
     let renderer = Renderer::new(program, if options.full { FULL_TIMEOUT } else { TIMEOUT });
     let context = Context { workspace, renderer, bless: options.bless, full: options.full };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs).build();
-    let pool = pool.map_err(TaskError::other)?;
-    let (alone, together): (Vec<_>, Vec<_>) = units.into_iter().partition(|unit| unit.runs_in_process());
-    let run = |unit: &dyn Unit| run_unit(unit, &context, &folder);
-    let mut outcomes: Vec<Outcome> = pool.install(|| together.par_iter().map(|unit| run(unit.as_ref())).collect());
-    outcomes.extend(alone.iter().map(|unit| pool.install(|| run(unit.as_ref()))));
+    let outcomes = run_all(&units, options.jobs, &|unit| run_unit(unit, &context, &folder))?;
 
     let page = folder.join("index.html");
     files::write(&page, report::html(&outcomes)?)?;
@@ -111,13 +110,44 @@ fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn 
     // The long ones come first, so that they do not run alone at the end.
     units.push(Box::new(minray::Minray));
     units.extend(table1_counts::units());
+    units.extend(analytic::units());
+    units.extend(numerics::units());
     units.extend(same_image::units(workspace)?);
     units.extend(kills::units());
     units.extend(physics::units(workspace, options.pairs.as_deref())?);
     units.extend(golden::units(workspace)?);
-    units.extend(numerics::units());
-    units.extend(analytic::units());
     Ok(units)
+}
+
+/// Runs all units, `jobs` at a time (0: one per processor), in their order. Loops within a unit share a processor, unless there
+/// are fewer units than processors. Outcomes are in the order of the units.
+fn run_all(
+    units: &[Box<dyn Unit>],
+    jobs: usize,
+    run: &(dyn Fn(&dyn Unit) -> Outcome + Sync),
+) -> Result<Vec<Outcome>, TaskError> {
+    let processors = thread::available_parallelism().map_or(1, NonZero::get);
+    let jobs = if jobs == 0 { processors } else { jobs }.min(units.len()).max(1);
+    let pool = || rayon::ThreadPoolBuilder::new().num_threads((processors / jobs).max(1)).build();
+    let pools = (0..jobs).map(|_| pool()).collect::<Result<Vec<_>, _>>().map_err(TaskError::other)?;
+    let next = AtomicUsize::new(0);
+    let outcomes = Mutex::new(Vec::new());
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(unit) = units.get(index) else { break };
+            let outcome = run(unit.as_ref());
+            outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((index, outcome));
+        }
+    };
+    thread::scope(|scope| {
+        for pool in &pools {
+            scope.spawn(|| pool.install(work));
+        }
+    });
+    let mut outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
+    outcomes.sort_by_key(|(index, _)| *index);
+    Ok(outcomes.into_iter().map(|(_, outcome)| outcome).collect())
 }
 
 /// Runs one unit. Errors are findings, so that the other units run.
@@ -155,7 +185,39 @@ fn print(outcome: &Outcome) {
 
 #[cfg(test)]
 mod tests {
-    use super::matches;
+    use super::*;
+
+    /// A unit that notes the threads of its loops.
+    struct Loops(usize);
+
+    impl Unit for Loops {
+        fn name(&self) -> String {
+            self.0.to_string()
+        }
+
+        fn run(&self, _: &Context, _: &Path, _: &mut Findings) -> Result<(), TaskError> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn units_share_the_processors_and_outcomes_keep_their_order() {
+        let processors = thread::available_parallelism().map_or(1, NonZero::get);
+        for (units, jobs, threads) in [(50, 0, 1), (50, 3, (processors / 3).max(1)), (1, 0, processors), (0, 0, 0)] {
+            let units: Vec<_> = (0..units).map(|index| Box::new(Loops(index)) as Box<dyn Unit>).collect();
+            let run = |unit: &dyn Unit| {
+                assert_eq!(rayon::current_num_threads(), threads);
+                Outcome { name: unit.name(), findings: Findings::default(), seconds: 0.0 }
+            };
+            let outcomes = run_all(&units, jobs, &run).unwrap();
+            assert!(
+                outcomes
+                    .iter()
+                    .map(|outcome| &outcome.name)
+                    .eq(&units.iter().map(|unit| unit.name()).collect::<Vec<_>>())
+            );
+        }
+    }
 
     #[test]
     fn a_suite_is_a_prefix_and_other_filters_are_found_anywhere() {

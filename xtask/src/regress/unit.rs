@@ -19,8 +19,7 @@ pub(super) trait Unit: Sync {
     /// Unique; slashes make folders.
     fn name(&self) -> String;
 
-    /// True if it calls the crates on all processors instead of the program. It then runs alone, for meaningful
-    /// seconds.
+    /// True if it calls the crates instead of the program.
     fn runs_in_process(&self) -> bool {
         false
     }
