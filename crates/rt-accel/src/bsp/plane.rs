@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn boxes_on_one_side_are_entered_within_the_interval_of_that_side() {
         let mut n_sides = [0; 2];
-        for i in 0..2_000_000 {
+        for i in 0..200_000 {
             let Case { own, bounds, ray, plane } = case(i);
             if !(bounds.is_finite() && crate::ray_query::is_finite(&ray) && plane.is_valid()) {
                 continue;
@@ -235,7 +235,7 @@ mod tests {
                 n_sides[usize::from(above == from_above)] += 1;
             }
         }
-        assert!(n_sides.iter().all(|&n| n > 50_000), "{n_sides:?}");
+        assert!(n_sides.iter().all(|&n| n > 5_000), "{n_sides:?}");
     }
 
     #[test]

@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn nodes_are_entered_no_later_and_left_no_earlier_than_padded_bounds() {
         let mut n_hits = 0;
-        for i in 0..400_000 {
+        for i in 0..100_000 {
             let scale = [1.0, 1e-4, 1e3, 1e7, 1e300, 1e-300][(i % 6) as usize];
             let offset = f64::min([0.0, 1.0, 1e7, 1e15][(i / 6 % 4) as usize] * scale, 1e300);
             let point = |k: u64| DVec3::from_array([0, 1, 2].map(|axis| hostile([i, k, axis], scale))) + offset;
@@ -380,7 +380,7 @@ mod tests {
                 n_hits += 1;
             }
         }
-        assert!(n_hits > 100_000, "{n_hits} hits");
+        assert!(n_hits > 25_000, "{n_hits} hits");
     }
 
     #[test]

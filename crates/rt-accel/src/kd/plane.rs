@@ -97,7 +97,7 @@ mod tests {
         let values =
             [0.0, -0.0, 1.0, -1.0, 0.3, -0.7, 1.0 + f64::EPSILON, 1e-300, 5e-324, -1e-310, 1e17, 1e300, -3e307];
         let mut n_sides = [0; 2];
-        for i in 0..2_000_000 {
+        for i in 0..200_000 {
             let draw = |k: u64| {
                 let bits = hash(&[i, k]);
                 let value = values[(bits % values.len() as u64) as usize];
@@ -128,7 +128,7 @@ mod tests {
                 n_sides[usize::from(above == from_above)] += 1;
             }
         }
-        assert!(n_sides.iter().all(|&n| n > 50_000), "{n_sides:?}");
+        assert!(n_sides.iter().all(|&n| n > 5_000), "{n_sides:?}");
     }
 
     #[test]

@@ -160,7 +160,7 @@ mod tests {
     /// Checks the proof at the top of this file with hostile numbers, without tolerance.
     fn try_out<V: BoundingVolume>() {
         let (mut n_hits, mut n_culled, mut n_late) = (0, 0, 0);
-        for i in 0..600_000 {
+        for i in 0..100_000 {
             let boxes = boxes(i);
             if !boxes.iter().all(Aabb::is_finite) {
                 continue;
@@ -183,7 +183,7 @@ mod tests {
                 n_hits += 1;
             }
         }
-        assert!(n_hits > 200_000 && n_culled > 200_000 && n_late > 100_000, "{n_hits} {n_culled} {n_late}");
+        assert!(n_hits > 30_000 && n_culled > 30_000 && n_late > 15_000, "{n_hits} {n_culled} {n_late}");
     }
 
     #[test]

@@ -155,14 +155,13 @@ fn ten_boxes_in_two_heaps_become_two_leaves() {
 #[test]
 fn any_number_of_threads_grows_the_same_tree() {
     for quality in QUALITIES {
-        let references = soup(100_000, 5, 1.0);
+        // Enough for parallel partitions.
+        let references = soup(70_000, 5, 1.0);
         let with_threads = |count| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("a pool");
             pool.install(|| build(&references, &with_quality(quality)))
         };
-        let alone = with_threads(1);
-        assert_eq!(with_threads(2), alone);
-        assert_eq!(with_threads(3), alone);
+        assert_eq!(with_threads(3), with_threads(1));
     }
 }
 
