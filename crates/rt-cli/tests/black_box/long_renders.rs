@@ -56,6 +56,8 @@ fn sigterm_interrupts_as_well() {
     signal(&child, "TERM");
     let run = Run::end(child);
     assert_eq!(run.code, Some(130), "{run:?}");
+    // A stop rule knows no total.
+    assert!(run.stderr.contains(" samples per pixel; the image was written to scene.exr"), "{run:?}");
     assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint", "scene.ron"]);
 }
 

@@ -26,6 +26,7 @@ fn syntax_and_names() {
         "(nodes: 3)",
         "(nodes: [], film: (size: (-1, 3)))",
         "(nodes: [(shape: sphere(radius: 1,5))])",
+        "(nodes: [], settings: (integrator: path-caustics))",
         "(nodes: [(shape: sphere(radius: 1.5)])",
         "(nodes: [(shape: sphere(center: (0, 0)))])",
         "(nodes: [(shape: sphere(raduis: 1))])",
