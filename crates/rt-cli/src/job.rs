@@ -97,9 +97,6 @@ impl Job<'_> {
             let part = self.output.file().path().display();
             return self.console.println(format_args!("{part} exists and is finished"));
         }
-        if let Some(folder) = self.fallback_dir.filter(|folder| !folder.is_dir()) {
-            return Err(CliError::Usage(format!("--fallback-dir {}: there is no such folder", folder.display())));
-        }
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
         self.print_notes(&plan)?;
@@ -109,7 +106,7 @@ impl Job<'_> {
                 return Err(CliError::Warnings { file: self.scene_file.to_owned(), count: 1 });
             }
         }
-        let fallback_dirs = fallback_dirs(self.fallback_dir);
+        let fallback_dirs = fallback_dirs(self.fallback_dir)?;
         // The guard lives until everything is written, so that a signal does not discard the image.
         let guard = signals::guard();
         if signals::is_interrupted() {

@@ -151,9 +151,12 @@ impl OutputFile {
     }
 }
 
-/// Fallback directories, the given one first.
-pub(crate) fn fallback_dirs(fallback: Option<&Path>) -> Vec<PathBuf> {
-    fallback.map(Path::to_owned).into_iter().chain([env::temp_dir(), PathBuf::from(".")]).collect()
+/// Fallback directories, the given one first; it must exist.
+pub(crate) fn fallback_dirs(fallback: Option<&Path>) -> Result<Vec<PathBuf>, CliError> {
+    if let Some(folder) = fallback.filter(|folder| !folder.is_dir()) {
+        return Err(CliError::Usage(format!("--fallback-dir {}: there is no such folder", folder.display())));
+    }
+    Ok(fallback.map(Path::to_owned).into_iter().chain([env::temp_dir(), PathBuf::from(".")]).collect())
 }
 
 /// Collects the errors of several files.

@@ -1,9 +1,9 @@
 //! Layers: attributes of the surfaces that camera rays hit first.
 //!
-//! A render with a fixed number of samples computes them from the hits of its camera rays. Tiles of a checkpoint, and renders
-//! pass by pass, take camera rays of their own, after the image (`layer_pass.rs`). Both give the same numbers, and neither
-//! changes the image. For the same samples and passes, layers are the same with every integrator, number of threads and
-//! accelerator.
+//! A render with a fixed number of samples computes them from the hits of its camera rays. For tiles of a checkpoint, and with
+//! light tracing, the same camera rays are traced again after the image (`layer_pass.rs`). A render with a stop rule traces
+//! other camera rays. None of this changes the image. For the same samples and passes, layers are the same with every
+//! integrator, number of threads and accelerator.
 
 use rt_geometry::InteractionFlags;
 

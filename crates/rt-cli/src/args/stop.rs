@@ -60,8 +60,8 @@ pub(super) const AOV_HELP: &str = "\
 Write layers: depth,normal,albedo=FILE.exr, or one of stderr=FILE and samples=FILE in any format
 
 Layers of the first surfaces that camera rays hit: depth, position, normal, geometric_normal, albedo, roughness, emission, uv, \
-object_id, material_id, instance_id, coverage. `all` selects these, `samples` and, with two passes or more, `stderr`. The .exr file also holds the image. Its \
-channels are 32-bit floats with names such as depth.Z and normal.X.
+object_id, material_id, instance_id, coverage. `all` selects these, `samples` and, with two passes or more, `stderr`. The .exr file also holds the \
+image. Its channels are 32-bit floats with names such as depth.Z and normal.X.
 
 `stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
 needs at least two passes. `samples` is the number of samples, in all channels. Either may be written alone to any image format: .exr, \

@@ -32,7 +32,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     }
     let mut development = label.development();
     settings::apply_development(&args.development, &mut development);
-    let fallback_dirs = fallback_dirs(args.fallback.dir.as_deref());
+    let fallback_dirs = fallback_dirs(args.fallback.dir.as_deref())?;
     write_all(
         core::iter::once(
             output.write_with_fallback(&fallback_dirs, |file| write_image(film, &development, format, file)),

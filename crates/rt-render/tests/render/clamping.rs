@@ -84,7 +84,7 @@ fn clamped_images_are_never_brighter_and_less_noisy() {
     };
     let lost = 1.0 - mean(&on) / mean(&off);
     assert!(lost > 0.001 && (clamping.lost_share / lost - 1.0).abs() < 1e-3, "{} and {lost}", clamping.lost_share);
-    let rmse = |rendering: &Rendering| rendering.error.expect("four passes").rmse;
+    let rmse = |rendering: &Rendering| rendering.error.expect("several passes").rmse;
     assert!(rmse(&on) < 0.9 * rmse(&off), "{} and {}", rmse(&on), rmse(&off));
 }
 

@@ -16,12 +16,12 @@ use rt_math::{Mask, Real, Vector3};
 
 /// Rough [`MetallicRoughness`] with [`Coupling::Albedo`] and finite parameters, and the albedo of its layer.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RoughLayer {
+pub(crate) struct MetallicRoughnessLayer {
     pub(crate) surface: MetallicRoughness,
     pub(crate) albedo: LayerAlbedo,
 }
 
-impl RoughLayer {
+impl MetallicRoughnessLayer {
     /// The surface, if it can be shaded in lanes.
     pub(super) fn new(surface: &MetallicRoughness) -> Option<Self> {
         let MetallicRoughness { base_color, coupling, roughness, .. } = *surface;
@@ -31,9 +31,9 @@ impl RoughLayer {
     }
 }
 
-/// Parameters of four [`RoughLayer`]s.
+/// Parameters of four [`MetallicRoughnessLayer`]s.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct RoughLayerBlock {
+pub(crate) struct MetallicRoughnessBlock {
     /// In \[0, 1\].
     pub(crate) metallic: LaneArray,
     albedos: [Option<LayerAlbedo>; LANES],
@@ -41,10 +41,10 @@ pub(crate) struct RoughLayerBlock {
     transmitted: LaneArray,
 }
 
-impl RoughLayerBlock {
+impl MetallicRoughnessBlock {
     /// Sets the parameters of one lane.
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, layer: &RoughLayer) {
+    pub(crate) fn set(&mut self, lane: usize, layer: &MetallicRoughnessLayer) {
         self.metallic[lane] = layer.surface.clamped_metallic();
         self.albedos[lane] = Some(layer.albedo);
         self.transmitted[lane] = 1.0 - layer.albedo.mean();
@@ -52,7 +52,7 @@ impl RoughLayerBlock {
 }
 
 /// Four surfaces from the side of their viewers.
-pub(crate) struct RoughLayerLanes<S: Simd> {
+pub(crate) struct MetallicRoughnessLanes<S: Simd> {
     simd: S,
     albedos: [Option<LayerAlbedo>; LANES],
     /// 1 − Ē.
@@ -70,19 +70,19 @@ pub(crate) struct RoughLayerLanes<S: Simd> {
 }
 
 /// Directions sampled from these surfaces.
-pub(crate) struct RoughLayerSample<S: Simd> {
+pub(crate) struct MetallicRoughnessSample<S: Simd> {
     pub(crate) wi: Vector3<Lanes<S>>,
     pub(crate) value: Vector3<Lanes<S>>,
     pub(crate) pdf: Lanes<S>,
     pub(crate) is_diffuse: LaneMask<S>,
 }
 
-impl<S: Simd> RoughLayerLanes<S> {
+impl<S: Simd> MetallicRoughnessLanes<S> {
     /// Surfaces of these colours and roughnesses, seen from directions above the surface.
     #[inline(always)]
     pub(crate) fn new(
         simd: S,
-        block: &RoughLayerBlock,
+        block: &MetallicRoughnessBlock,
         base_color: Vector3<Lanes<S>>,
         roughness: Lanes<S>,
         wo: Vector3<Lanes<S>>,
@@ -135,7 +135,7 @@ impl<S: Simd> RoughLayerLanes<S> {
 
     /// Samples directions, some of which are below the surface, by numbers for the choice of a lobe and for the direction.
     #[inline(always)]
-    pub(crate) fn sample(&self, u_lobe: Lanes<S>, u: [Lanes<S>; 2]) -> RoughLayerSample<S> {
+    pub(crate) fn sample(&self, u_lobe: Lanes<S>, u: [Lanes<S>; 2]) -> MetallicRoughnessSample<S> {
         let is_diffuse = !u_lobe.lt(self.chance);
         let mut m = self.wo;
         let mut wi = self.wo;
@@ -149,6 +149,6 @@ impl<S: Simd> RoughLayerLanes<S> {
             m = Vector3::select(is_diffuse, normalize_or_up(self.wo + diffuse), m);
         }
         let (value, pdf) = self.value_with_pdf(wi, m);
-        RoughLayerSample { wi, value, pdf, is_diffuse }
+        MetallicRoughnessSample { wi, value, pdf, is_diffuse }
     }
 }

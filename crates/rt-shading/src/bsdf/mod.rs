@@ -81,7 +81,9 @@ pub use lambert::Lambert;
 pub(crate) use lambert::{cosine_hemisphere, cosine_hemisphere_lanes};
 pub use layered::Layered;
 pub use metallic_roughness::{Coupling, MetallicRoughness};
-pub(crate) use metallic_roughness_lanes::{RoughLayer, RoughLayerBlock, RoughLayerLanes, RoughLayerSample};
+pub(crate) use metallic_roughness_lanes::{
+    MetallicRoughnessBlock, MetallicRoughnessLanes, MetallicRoughnessLayer, MetallicRoughnessSample,
+};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
@@ -123,7 +125,7 @@ pub enum Bsdf {
 #[allow(clippy::large_enum_variant, reason = "both are plain data of one hit")]
 pub(crate) enum LaneSurface {
     DiffusePhong(DiffusePhong),
-    RoughLayer(RoughLayer),
+    MetallicRoughness(MetallicRoughnessLayer),
 }
 
 impl<T: Into<Bxdf>> From<T> for Bsdf {
@@ -152,7 +154,7 @@ impl From<LaneSurface> for Bsdf {
     fn from(surface: LaneSurface) -> Self {
         match surface {
             LaneSurface::DiffusePhong(lobes) => lobes.into(),
-            LaneSurface::RoughLayer(layer) => layer.surface.into(),
+            LaneSurface::MetallicRoughness(layer) => layer.surface.into(),
         }
     }
 }
@@ -244,7 +246,7 @@ impl Bsdf {
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {
-                return RoughLayer::new(surface).map(LaneSurface::RoughLayer);
+                return MetallicRoughnessLayer::new(surface).map(LaneSurface::MetallicRoughness);
             }
             Self::Single(lobe) => DiffusePhong::diffuse(lobe.as_diffuse()?),
             Self::Mix(mix) => DiffusePhong::of_mix(mix)?,

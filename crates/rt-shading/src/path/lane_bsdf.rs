@@ -2,7 +2,7 @@
 
 use super::vertex_block::{Block, FollowedLobes};
 use crate::{
-    bsdf::{DiffusePhongLanes, RoughLayerLanes, RoughLayerSample, cosine_hemisphere_lanes},
+    bsdf::{DiffusePhongLanes, MetallicRoughnessLanes, MetallicRoughnessSample, cosine_hemisphere_lanes},
     lanes::{LaneMask, Lanes, Simd},
     mis::power_heuristic,
 };
@@ -117,7 +117,7 @@ impl<S: Simd> LaneBsdf<S> for DiffuseAndPhong<S> {
     }
 }
 
-impl<S: Simd> LaneBsdf<S> for RoughLayerLanes<S> {
+impl<S: Simd> LaneBsdf<S> for MetallicRoughnessLanes<S> {
     #[inline(always)]
     fn load(simd: S, block: &Block, wo: Vector3<Lanes<S>>) -> Self {
         let (color, roughness) = (Lanes::load_vector(simd, &block.albedo), Lanes::load(simd, &block.roughness));
@@ -138,7 +138,8 @@ impl<S: Simd> LaneBsdf<S> for RoughLayerLanes<S> {
 
     #[inline(always)]
     fn sample(&self, u_lobe: Lanes<S>, u: [Lanes<S>; 2], _: FollowedLobes) -> SampledLanes<S> {
-        let RoughLayerSample { wi: local, value, pdf, is_diffuse } = RoughLayerLanes::sample(self, u_lobe, u);
+        let MetallicRoughnessSample { wi: local, value, pdf, is_diffuse } =
+            MetallicRoughnessLanes::sample(self, u_lobe, u);
         let is_valid = is_density(pdf) & value.is_finite() & local.is_finite();
         SampledLanes { local, value, pdf, is_valid, diffuse: is_diffuse.bits() }
     }

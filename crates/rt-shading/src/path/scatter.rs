@@ -113,7 +113,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if path.emission_only {
             return;
         }
-        let is_layered = matches!(surface, LaneSurface::RoughLayer(_));
+        let is_layered = matches!(surface, LaneSurface::MetallicRoughness(_));
         if self.needs.ambient && transport == Transport::Specular && !gathers_background(lighting, is_layered) {
             let radiance = path.throughput * *ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);

@@ -1,7 +1,7 @@
 //! Blocks of four path vertices, and their shading frames in lanes.
 
 use crate::{
-    bsdf::{DiffusePhongLanes, HORIZON, RoughLayerBlock},
+    bsdf::{DiffusePhongLanes, HORIZON, MetallicRoughnessBlock},
     lanes::{LaneArray, LaneMask, Lanes, Simd},
     viewed_surface::MIN_COSINE,
 };
@@ -31,7 +31,7 @@ pub(super) struct Block {
     /// Phong lobes, in queues of surfaces that have them.
     pub(super) phong: PhongBlock,
     /// Further parameters, in queues of metallic-roughness surfaces.
-    pub(super) layer: RoughLayerBlock,
+    pub(super) layer: MetallicRoughnessBlock,
     pub(super) throughput: Vector3<LaneArray>,
     pub(super) eta_scale: LaneArray,
     /// Numbers for the choice of a light, a direction to it, and the next direction of the path.

@@ -15,7 +15,7 @@ use super::{
 use crate::{
     TriangleHit,
     bsdf::{
-        Bsdf, Coupling, DiffusePhong, LaneSurface, MetallicRoughness, OrenNayar, PhongLobe, RoughLayerLanes,
+        Bsdf, Coupling, DiffusePhong, LaneSurface, MetallicRoughness, MetallicRoughnessLanes, OrenNayar, PhongLobe,
         WeightedPhong,
     },
     lanes::{LANES, LaneArray, LaneLevel, get, get_rgb, set, set_rgb},
@@ -46,7 +46,7 @@ pub(super) enum QueueKind {
     /// A diffuse lobe and a Phong lobe.
     DiffusePhong,
     /// The metallic-roughness model.
-    RoughLayer,
+    MetallicRoughness,
 }
 
 impl QueueKind {
@@ -56,7 +56,7 @@ impl QueueKind {
         match surface {
             LaneSurface::DiffusePhong(DiffusePhong { highlight: None, .. }) => Self::Diffuse,
             LaneSurface::DiffusePhong(_) => Self::DiffusePhong,
-            LaneSurface::RoughLayer(_) => Self::RoughLayer,
+            LaneSurface::MetallicRoughness(_) => Self::MetallicRoughness,
         }
     }
 }
@@ -126,7 +126,7 @@ pub(super) struct NextRay {
 impl<S: Sampler + Clone> VertexQueue<S> {
     /// Queues of all kinds, in their order.
     pub(super) fn all() -> [Self; 3] {
-        [QueueKind::Diffuse, QueueKind::DiffusePhong, QueueKind::RoughLayer].map(|kind| {
+        [QueueKind::Diffuse, QueueKind::DiffusePhong, QueueKind::MetallicRoughness].map(|kind| {
             let (vertices, blocks, delta, initial_samplers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
             Self { vertices, blocks, delta, initial_samplers, draws: Draws::default(), kind }
         })
@@ -218,7 +218,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
                     set_pair(&mut phong.probabilities, lane, *probabilities);
                 }
             }
-            LaneSurface::RoughLayer(layer) => {
+            LaneSurface::MetallicRoughness(layer) => {
                 set_rgb(&mut block.albedo, lane, layer.surface.base_color);
                 block.roughness[lane] = layer.surface.roughness;
                 block.layer.set(lane, layer);
@@ -235,7 +235,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
     pub(super) const fn sampled_lobes(&self, follows_diffuse: bool) -> FollowedLobes {
         match (follows_diffuse, self.kind) {
             (true, _) => FollowedLobes::All,
-            (false, QueueKind::DiffusePhong | QueueKind::RoughLayer) => FollowedLobes::Specular,
+            (false, QueueKind::DiffusePhong | QueueKind::MetallicRoughness) => FollowedLobes::Specular,
             (false, QueueKind::Diffuse) => FollowedLobes::Nothing,
         }
     }
@@ -309,8 +309,8 @@ impl<S: Sampler + Clone> VertexQueue<S> {
                     QueueKind::DiffusePhong => {
                         sample_delta_lights::<_, DiffuseAndPhong<_>>(simd, blocks, lights, &mut self.delta)
                     }
-                    QueueKind::RoughLayer => {
-                        sample_delta_lights::<_, RoughLayerLanes<_>>(simd, blocks, lights, &mut self.delta)
+                    QueueKind::MetallicRoughness => {
+                        sample_delta_lights::<_, MetallicRoughnessLanes<_>>(simd, blocks, lights, &mut self.delta)
                     }
                 },
             }
@@ -320,7 +320,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
             LaneLevel::Avx2(simd) => match self.kind {
                 QueueKind::Diffuse => scatter::<_, Diffuse<_>>(simd, blocks, lobes),
                 QueueKind::DiffusePhong => scatter::<_, DiffuseAndPhong<_>>(simd, blocks, lobes),
-                QueueKind::RoughLayer => scatter::<_, RoughLayerLanes<_>>(simd, blocks, lobes),
+                QueueKind::MetallicRoughness => scatter::<_, MetallicRoughnessLanes<_>>(simd, blocks, lobes),
             },
         }
     }
@@ -390,7 +390,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
             WeightedPhong { lobe, weights: [a[lane], b[lane]], probabilities: [c[lane], d[lane]] }
         });
         let bsdf = match self.kind {
-            QueueKind::RoughLayer => {
+            QueueKind::MetallicRoughness => {
                 let (metallic, coupling) = (block.layer.metallic[lane], Coupling::Albedo);
                 MetallicRoughness { base_color: color, metallic, roughness, coupling }.into()
             }
