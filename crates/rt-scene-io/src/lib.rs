@@ -83,6 +83,8 @@ mod nff;
 mod obj;
 #[cfg(feature = "format")]
 mod options;
+#[cfg(any(feature = "gltf", feature = "ply"))]
+mod parser_message;
 #[cfg(feature = "pbrt")]
 mod pbrt;
 #[cfg(feature = "ply")]

@@ -28,7 +28,7 @@ impl Write for Escaped<'_, '_> {
 }
 
 /// Text of at most 40 characters for messages.
-#[cfg(any(feature = "gltf", feature = "obj"))]
+#[cfg(any(feature = "gltf", feature = "obj", feature = "ply", feature = "stl"))]
 pub(crate) fn shortened(text: &str) -> String {
     if text.chars().count() <= 40 { text.to_owned() } else { text.chars().take(40).chain(['…']).collect() }
 }

@@ -97,7 +97,7 @@ pub(crate) fn include_cycle() -> Vec<Input> {
     let groups = "groups: {\"a\": [(instance: \"b\")], \"b\": [(instance: \"a\")]}";
     vec![
         with(groups).refused(&["scene.ron", "groups contain each other"]),
-        Input::node("model: \"scene.ron\"").refused(&["scene.ron", "no known extension"]),
+        Input::node("model: \"scene.ron\"").refused(&["nodes[0].model: `scene.ron` is a scene file"]),
     ]
 }
 
@@ -106,7 +106,7 @@ pub(crate) fn include_depth() -> Vec<Input> {
     vec![
         Input::node("model: \"other.ron\"")
             .with_file("other.ron", "(nodes: [])")
-            .refused(&["other.ron", "no known extension"]),
+            .refused(&["nodes[0].model: `other.ron` is a scene file, and `model` takes .obj"]),
     ]
 }
 

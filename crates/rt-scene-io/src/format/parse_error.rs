@@ -203,9 +203,14 @@ impl<'t> Explainer<'t> {
             (Some(Key::Index(_)), Notation::Json) => &path[..path.len() - 1],
             _ => &path[..],
         };
-        let context = self.schema.slot(path).and_then(|slot| slot.definition).unwrap_or_default();
+        let slot = self.schema.slot(path);
+        let context = slot.as_ref().and_then(|slot| slot.definition).unwrap_or_default();
         let place = field_of(path).map_or_else(String::new, |field| format!(" for `{field}`"));
-        let hint = self.hint(context, found, known);
+        // The parser lists aliases as well, the schema does not.
+        let choices = slot.map(|slot| slot.choices()).unwrap_or_default();
+        let is_alias = |word: &&&str| !choices.is_empty() && !choices.iter().any(|(name, _)| name == *word);
+        let named: Vec<&str> = known.iter().filter(|word| !is_alias(word)).copied().collect();
+        let hint = self.hint(context, found, if named.is_empty() { known } else { &named });
         ParseError::new(at, format!("unknown choice `{found}`{place}{hint}"))
     }
 

@@ -11,6 +11,7 @@ use super::{
     node_pose::{Pose, Property},
 };
 use crate::error::ErrorAt;
+use crate::parser_message::plain;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Warning};
 
 /// An animation as the file has it. The `gltf` crate insists on targets that extensions replace.
@@ -94,7 +95,7 @@ fn animate(
     for index in chosen(list, options.animation.as_deref()).at(buffers.path(), "animations")? {
         let place = format!("animations[{index}]");
         let animation = AnimationJson::deserialize(&list[index])
-            .map_err(|error| LoadErrorKind::Syntax(error.to_string()).at(buffers.path(), place.as_str()))?;
+            .map_err(|error| LoadErrorKind::Syntax(plain(&error.to_string())).at(buffers.path(), place.as_str()))?;
         for (c, channel) in animation.channels.iter().enumerate() {
             let place = format!("{place}.channels[{c}]");
             // Without a node the target belongs to an extension.

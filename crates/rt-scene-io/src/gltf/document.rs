@@ -14,6 +14,7 @@ use serde_json::Value;
 use super::attribute_rules;
 use crate::diagnostics::Diagnostics;
 use crate::error::ErrorAt;
+use crate::parser_message::plain;
 use crate::sanitize::shortened;
 use crate::{LoadError, LoadErrorKind, Location, Warning, limits};
 
@@ -81,9 +82,8 @@ fn syntax(error: &serde_json::Error, path: &Path) -> LoadError {
 
 /// Message without a line.
 fn message(error: &serde_json::Error) -> String {
-    let mut message = error.to_string();
-    message.truncate(message.rfind(" at line ").unwrap_or(message.len()));
-    message
+    let message = error.to_string();
+    plain(message.rfind(" at line ").map_or(message.as_str(), |end| &message[..end]))
 }
 
 /// Writes whole numbers as integers: JSON treats `1.0` and `1` alike, but the types of the `gltf` crate do not. The JSON parser
@@ -294,14 +294,14 @@ mod tests {
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0.0}}]}]}"#;
         let parsed = parse(json.as_bytes(), Path::new("m.gltf"), &mut Vec::new()).expect("the same as 0 and 3");
         assert_eq!(parsed.document.accessors().next().map(|accessor| accessor.count()), Some(3));
-        assert!(refused(&json.replace("3e0", "3.5")).contains("invalid type: floating point `3.5`, expected u64"));
+        assert!(refused(&json.replace("3e0", "3.5")).contains("found `3.5`, expected a whole number from 0 up"));
     }
 
     #[test]
     fn broken_text_is_located() {
         assert_eq!(refused("{\n \"asset\": }"), "m.gltf:2:11: expected value");
         let wrong = "{\"asset\": {\"version\": \"2.0\"},\n\"nodes\": 3}";
-        assert!(refused(wrong).starts_with("m.gltf:2:10: invalid type: integer `3`"), "{}", refused(wrong));
+        assert!(refused(wrong).starts_with("m.gltf:2:10: found `3`, expected"), "{}", refused(wrong));
         assert!(refused(&"[".repeat(100_000)).contains("recursion limit"));
     }
 

@@ -10,6 +10,7 @@ use super::{
     accessor::{normalised, unit_integer},
     buffers::Buffers,
 };
+use crate::parser_message::plain;
 use crate::{LoadError, LoadErrorKind, limits};
 
 pub(super) const NAME: &str = "KHR_draco_mesh_compression";
@@ -34,7 +35,7 @@ impl DecodedPrimitive {
         let Some(object) = primitive.extension_value(NAME) else { return Ok(None) };
         let fail = |message: String| fail(message, buffers.path(), place);
         let DracoExtension { buffer_view, attributes: ids } =
-            DracoExtension::deserialize(object).map_err(|error| fail(error.to_string()))?;
+            DracoExtension::deserialize(object).map_err(|error| fail(plain(&error.to_string())))?;
         let view = buffers.document().views().nth(buffer_view);
         let view = view.ok_or_else(|| fail(format!("there is no bufferView {buffer_view}")))?;
         let limits =

@@ -5,6 +5,7 @@ use rt_math::Transform;
 use serde::Deserialize;
 
 use super::{accessor::read_vectors, buffers::Buffers, node_pose::transform};
+use crate::parser_message::plain;
 use crate::{LoadError, LoadErrorKind};
 
 pub(super) const NAME: &str = "EXT_mesh_gpu_instancing";
@@ -31,7 +32,7 @@ pub(super) fn placements(node: &Node<'_>, buffers: &Buffers<'_>) -> Result<Optio
     let fail = |message: String| {
         LoadErrorKind::Syntax(message).at(buffers.path(), format!("nodes[{}].extensions.{NAME}", node.index()))
     };
-    let Instancing { attributes } = Instancing::deserialize(object).map_err(|error| fail(error.to_string()))?;
+    let Instancing { attributes } = Instancing::deserialize(object).map_err(|error| fail(plain(&error.to_string())))?;
     let document = buffers.document();
     let translations = read::<3>(attributes.translation, document, buffers, &fail)?;
     let rotations = read::<4>(attributes.rotation, document, buffers, &fail)?;

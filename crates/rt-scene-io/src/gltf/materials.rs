@@ -15,6 +15,7 @@ use super::{
     primitive::RequiredAttributes,
     textures::{GltfTextures, PixelEncoding, UvSets, image_texture},
 };
+use crate::parser_message::plain;
 use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, Model};
 
 /// A material as primitives need it.
@@ -78,7 +79,7 @@ impl<'a> MaterialReader<'a> {
         let Some(index) = material.index() else { return Ok(MaterialJson::default()) };
         let json = &self.textures.document.as_json().materials[index];
         let refuse = |error: serde_json::Error| {
-            LoadErrorKind::Syntax(error.to_string()).at(self.textures.path(), format!("materials[{index}]"))
+            LoadErrorKind::Syntax(plain(&error.to_string())).at(self.textures.path(), format!("materials[{index}]"))
         };
         MaterialJson::of(json).map_err(refuse)
     }

@@ -10,6 +10,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::LoadErrorKind;
+use crate::parser_message::plain;
 
 /// The names of the extension, before and after it was ratified.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
@@ -53,7 +54,7 @@ pub(super) fn decoded_bytes(object: &Value) -> u64 {
 /// Decodes a view, given the content of all buffers.
 pub(super) fn decode(object: &Value, buffers: &[Option<Cow<'_, [u8]>>]) -> Result<Vec<u8>, LoadErrorKind> {
     let syntax = |message: String| LoadErrorKind::Syntax(message);
-    let view = MeshoptExtension::deserialize(object).map_err(|error| syntax(error.to_string()))?;
+    let view = MeshoptExtension::deserialize(object).map_err(|error| syntax(plain(&error.to_string())))?;
     let Some(Some(data)) = buffers.get(view.buffer) else {
         return Err(syntax(format!("the buffer {} has no data", view.buffer)));
     };
@@ -125,7 +126,7 @@ mod tests {
         assert!(refused("byteStride", json!(0)).contains("byteStride"));
         assert!(refused("mode", json!("NOISE")).contains("mode NOISE"));
         assert!(refused("filter", json!("BLUR")).contains("filter BLUR"));
-        assert!(refused("byteLength", json!(-1)).contains("invalid value"));
+        assert!(refused("byteLength", json!(-1)).contains("found `-1`, expected a whole number from 0 up"));
         for length in 0..stream.len() {
             refused("byteLength", json!(length));
         }

@@ -3,6 +3,7 @@
 use gltf::{Document, Material, Primitive};
 use serde::Deserialize;
 
+use crate::parser_message::plain;
 use crate::{LoadError, LoadErrorKind};
 use std::path::Path;
 
@@ -36,7 +37,7 @@ pub(super) fn find(name: &str, document: &Document, path: &Path) -> Result<usize
     let place = format!("extensions.{NAME}");
     let variants = match document.extension_value(NAME).map(Variants::deserialize) {
         Some(Ok(list)) => list.variants,
-        Some(Err(error)) => return Err(LoadErrorKind::Syntax(error.to_string()).at(path, place)),
+        Some(Err(error)) => return Err(LoadErrorKind::Syntax(plain(&error.to_string())).at(path, place)),
         None => Vec::new(),
     };
     variants.iter().position(|variant| variant.name == name).ok_or_else(|| {
@@ -58,7 +59,7 @@ pub(super) fn material<'a>(
     };
     let fail = |reason: LoadErrorKind| reason.at(path, format!("{place}.extensions.{NAME}"));
     let Mappings { mappings } =
-        Mappings::deserialize(object).map_err(|error| fail(LoadErrorKind::Syntax(error.to_string())))?;
+        Mappings::deserialize(object).map_err(|error| fail(LoadErrorKind::Syntax(plain(&error.to_string()))))?;
     let Some(mapping) = mappings.iter().find(|mapping| mapping.variants.contains(&variant)) else {
         return Ok(primitive.material());
     };

@@ -23,6 +23,8 @@ use self::rows::{FaceCorners, PlyVertices, Rows, STRIPS, Skipped, TriangleStrips
 use crate::error::ErrorAt;
 use crate::files::refuse_utf16;
 use crate::memory::{FileSample, load_within_budget};
+use crate::parser_message::plain;
+use crate::sanitize::shortened;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
 
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
@@ -141,7 +143,7 @@ fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<P
     let read = &bytes[..(bytes.len() - rest.len()).min(bytes.len() - 1)];
     let message = match error.0.kind() {
         std::io::ErrorKind::UnexpectedEof => "the file ends too early".to_owned(),
-        _ => error.0.to_string(),
+        _ => explained(&error.0.to_string(), read),
     };
     match format {
         // The end of the line of the last word may have been read with it.
@@ -151,6 +153,34 @@ fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<P
         }
         Some(_) => LoadErrorKind::Syntax(format!("{message} (before byte {})", read.len())).at(path, ""),
     }
+}
+
+/// Message of `serde-ply` with the offending word, the last one that was read, and what is expected.
+fn explained(message: &str, read: &[u8]) -> String {
+    let last = read.trim_ascii_end().rsplit(u8::is_ascii_whitespace).next().unwrap_or_default();
+    let word = shortened(&String::from_utf8_lossy(last));
+    let name = |start: &str| message.strip_prefix(start).map(shortened);
+    if let Some(kind) = message.strip_prefix("Failed to parse ").and_then(|rest| rest.strip_suffix(" from ASCII")) {
+        return match kind {
+            "f32" | "f64" => format!("`{word}` is not a number"),
+            "u8" => format!("`{word}` is not a whole number from 0 to 255"),
+            "u16" => format!("`{word}` is not a whole number from 0 to 65535"),
+            "u32" => format!("`{word}` is not a whole number from 0 to 4294967295"),
+            _ => format!("`{word}` is not a whole number that fits the type of its property"),
+        };
+    }
+    if let Some(count) = name("Invalid element count: ") {
+        return format!("`{count}` is not a number of rows; expected a whole number from 0 up");
+    }
+    if let Some(kind) = name("Unknown scalar type: ") {
+        return format!(
+            "unknown type `{kind}`; known are `char`, `uchar`, `short`, `ushort`, `int`, `uint`, `float`, `double`"
+        );
+    }
+    if let Some(format) = name("Unknown format: ") {
+        return format!("unknown format `{format}`; known are `ascii`, `binary_little_endian`, `binary_big_endian`");
+    }
+    plain(message)
 }
 
 fn mesh_data(

@@ -103,11 +103,23 @@ fn headers_that_promise_too_much_are_refused_at_once() {
 fn every_bad_line_is_named() {
     let cases = [
         (SQUARE.replace("ply\n", "plx\n"), "m.ply:1: File must start with 'ply'"),
-        (SQUARE.replace("float y", "flaot y"), "m.ply:6: Unknown scalar type: flaot"),
+        (
+            SQUARE.replace("float y", "flaot y"),
+            "m.ply:6: unknown type `flaot`; known are `char`, `uchar`, `short`, `ushort`, `int`, `uint`, `float`, `double`",
+        ),
         (SQUARE.replace("float z", "float w"), "m.ply: the element `vertex` has no property `z`"),
         (SQUARE.replace("element vertex", "element vortex"), "m.ply: the header has no element `vertex`"),
-        (SQUARE.replace("1 1 0\n", "1 x 0\n"), "m.ply:13: Failed to parse f32 from ASCII"),
-        (SQUARE.replace("4 0 1 2 3", "4 0 1 -2 3"), "m.ply:15: invalid value: integer `-2`, expected u32"),
+        (SQUARE.replace("1 1 0\n", "1 x 0\n"), "m.ply:13: `x` is not a number"),
+        (SQUARE.replace("4 0 1 2 3", "4 0 1 -2 3"), "m.ply:15: found `-2`, expected a whole number from 0 up"),
+        (
+            SQUARE.replace("4 0 1 2 3", "4 0 1 2.5 3"),
+            "m.ply:15: `2.5` is not a whole number that fits the type of its property",
+        ),
+        (SQUARE.replace("4 0 1 2 3", "400 0 1 2 3"), "m.ply:15: `400` is not a whole number from 0 to 255"),
+        (
+            SQUARE.replace("vertex 4", "vertex many"),
+            "m.ply:4: `many` is not a number of rows; expected a whole number from 0 up",
+        ),
         (SQUARE.replace("4 0 1 2 3", "5 0 1 2 3"), "m.ply:15: the file ends too early"),
     ];
     for (text, expected) in cases {

@@ -1,8 +1,11 @@
 //! Model files within a scene.
 
+use std::ffi::OsStr;
+
 use super::node::Objects;
+use crate::load_model::KNOWN_EXTENSIONS;
 use crate::memory::tree_bytes;
-use crate::{Content, LoadError, MaterialId, MeshId, Model, SceneNode, load_model, resolve_path};
+use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, SceneNode, load_model, resolve_path};
 
 impl Objects<'_> {
     /// The tree of a model file, with the materials of the model or all in the one that is given.
@@ -28,6 +31,14 @@ impl Objects<'_> {
     fn load(&mut self, path: &str, reference: &str) -> Option<Model> {
         let file = resolve_path(reference, self.source, self.options);
         let file = self.report.check(format_args!("{path}.model"), file)?;
+        let is_scene = |extension: &OsStr| ["ron", "json"].iter().any(|known| extension.eq_ignore_ascii_case(known));
+        if file.extension().is_some_and(is_scene) {
+            let rule = format!(
+                "is a scene file, and `model` takes {KNOWN_EXTENSIONS}; copy its nodes and materials into this scene"
+            );
+            let refused = LoadErrorKind::BadReference { reference: reference.to_owned(), rule };
+            return self.report.check(format_args!("{path}.model"), Err(refused));
+        }
         match load_model(&file, &self.shutter.for_models(self.options)) {
             Ok(model) => Some(model),
             Err(error) => {

@@ -41,6 +41,13 @@ impl<'a> AsciiReader<'a> {
         if read.is_empty() || read.ends_with(b"\n") { ends.max(1) } else { ends + 1 }
     }
 
+    /// Text of [`line`](Self::line).
+    pub(super) fn last_line(&self) -> &'a [u8] {
+        let read = &self.bytes[..self.next];
+        let read = read.strip_suffix(b"\n").unwrap_or(read);
+        read.rsplit(|byte| *byte == b'\n').next().unwrap_or_default()
+    }
+
     fn next_line(&self) -> &'a [u8] {
         let rest = &self.bytes[self.next..];
         let length = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
@@ -48,7 +55,7 @@ impl<'a> AsciiReader<'a> {
     }
 
     /// Goes to the lines after the next one that is not empty; false at the end of the file.
-    pub(super) fn begin_solid(&mut self) -> Result<bool, (usize, io::Error)> {
+    pub(super) fn begin_solid(&mut self) -> Result<bool, (usize, String)> {
         while self.next < self.bytes.len() {
             let line = self.next_line();
             self.next += line.len();
@@ -59,8 +66,7 @@ impl<'a> AsciiReader<'a> {
                     return Ok(true);
                 }
                 _ => {
-                    let message = "expected `solid` or the end of the file";
-                    return Err((self.line(), io::Error::new(io::ErrorKind::InvalidData, message)));
+                    return Err((self.line(), "expected `solid` or the end of the file".to_owned()));
                 }
             }
         }

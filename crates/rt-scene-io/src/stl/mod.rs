@@ -16,6 +16,7 @@ use self::ascii_reader::AsciiReader;
 use crate::error::ErrorAt;
 use crate::files::refuse_utf16;
 use crate::memory::{FileSample, load_within_budget};
+use crate::sanitize::shortened;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
 
 /// Bytes before the facets of a binary file: a comment and the number of facets.
@@ -64,7 +65,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
             read_binary(bytes, &mut mesh).map_err(|error| LoadErrorKind::Syntax(error.to_string()).at(path, ""))?;
         }
         _ if begins_as_text => read_text(&bytes, &mut mesh)
-            .map_err(|(line, error)| LoadErrorKind::Syntax(error.to_string()).at(path, Location::Line(line)))?,
+            .map_err(|(line, message)| LoadErrorKind::Syntax(message).at(path, Location::Line(line)))?,
         _ => {
             let rule = "is not an STL file: it is too short for a binary file and does not begin with `solid`";
             return Err(LoadErrorKind::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, ""));
@@ -112,16 +113,44 @@ fn read_binary(mut bytes: Vec<u8>, mesh: &mut WeldedMesh) -> io::Result<()> {
     Ok(())
 }
 
-/// Reads all solids of a text file; an error comes with its line.
-fn read_text(bytes: &[u8], mesh: &mut WeldedMesh) -> Result<(), (usize, io::Error)> {
+/// Reads all solids of a text file; the message of an error comes with its line.
+fn read_text(bytes: &[u8], mesh: &mut WeldedMesh) -> Result<(), (usize, String)> {
     let mut lines = AsciiReader::of(bytes);
     while lines.begin_solid()? {
         // The reader ends at the end of a solid.
         let result = stl_io::create_stl_reader(&mut lines)
             .and_then(|mut facets| facets.try_for_each(|facet| facet.map(|facet| mesh.add(facet.vertices))));
-        result.map_err(|error| (lines.line(), error))?;
+        result.map_err(|error| (lines.line(), explained(&error, lines.last_line())))?;
     }
     Ok(())
+}
+
+/// Message of `stl_io` with the text of the line, and what is expected.
+fn explained(error: &io::Error, line: &[u8]) -> String {
+    if error.kind() == io::ErrorKind::UnexpectedEof {
+        return "the file ends too early; expected `endsolid` at its end".to_owned();
+    }
+    let message = error.to_string();
+    let line = String::from_utf8_lossy(line.trim_ascii());
+    let expected = if message.starts_with("invalid facet header") {
+        "`facet normal X Y Z` or `endsolid`"
+    } else if message.starts_with("vertex f32") {
+        "`vertex X Y Z`"
+    } else if message.contains("\"outer\"") {
+        "`outer loop`"
+    } else if message.contains("expected [\"endloop") {
+        "`endloop`"
+    } else if message.contains("expected [\"endfacet") {
+        "`endfacet`"
+    } else {
+        let is_bad = |word: &&str| !word.parse().is_ok_and(f32::is_finite);
+        let keywords = if line.starts_with(['f', 'F']) { 2 } else { 1 };
+        return match line.split_whitespace().skip(keywords).find(is_bad) {
+            Some(word) => format!("`{}` is not a finite number", shortened(word)),
+            None => message,
+        };
+    };
+    format!("expected {expected}, found `{}`", shortened(&line))
 }
 
 #[cfg(test)]
