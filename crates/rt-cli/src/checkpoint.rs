@@ -39,7 +39,7 @@ impl CheckpointOptions {
 
 /// `--checkpoint`, or the name of the image with `.checkpoint` appended.
 pub(crate) fn default_path(args: &CheckpointArgs, output: &OutputFile) -> Option<PathBuf> {
-    args.checkpoint.clone().or_else(|| (!output.is_stdout()).then(|| with_suffix(output.path(), ".checkpoint")))
+    args.checkpoint.clone().or_else(|| output.is_file().then(|| with_suffix(output.path(), ".checkpoint")))
 }
 
 /// Writer of the checkpoints of one render.
@@ -57,10 +57,6 @@ impl Checkpointer {
     pub(crate) fn new(file: &Path, options: &CheckpointOptions, label: Label, console: Console) -> Self {
         let interval = options.interval;
         Self { file: file.to_owned(), interval, label, last: Instant::now(), console, has_warned: false }
-    }
-
-    pub(crate) fn file(&self) -> &Path {
-        &self.file
     }
 
     /// Reads the checkpoint of an earlier run to continue, within `memory` bytes. A checkpoint of another image, or an unusable one,

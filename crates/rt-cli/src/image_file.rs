@@ -9,7 +9,7 @@ use rt_image::{
 };
 
 use crate::error::CliError;
-use crate::output::refuse_terminal;
+use crate::output::{is_null_device, refuse_terminal};
 use crate::stdin::{self, is_dash};
 
 /// Maximum side of a JPEG in pixels: its header has 16 bits.
@@ -20,13 +20,27 @@ pub(crate) fn format_of(path: &Path) -> Result<ImageFormat, CliError> {
     ImageFormat::from_path(path).map_err(|error| CliError::Usage(error.to_string()))
 }
 
-/// The given format, or else that of the file extension; PNG for standard output.
+/// Usual extension of a format.
+pub(crate) fn extension_of(format: ImageFormat) -> &'static str {
+    format.extensions().first().copied().unwrap_or_default()
+}
+
+/// The given format, or else that of the file extension; PNG for standard output and the null device. They must not contradict.
 pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<ImageFormat, CliError> {
     refuse_terminal(path)?;
-    match given {
-        Some(format) => Ok(format),
-        None if is_dash(path) => Ok(ImageFormat::Png),
-        None => format_of(path),
+    match (given, ImageFormat::from_path(path)) {
+        (Some(format), Ok(named)) if named != format => {
+            let extension = extension_of(format);
+            let (path, other) = (path.display(), path.with_extension(extension));
+            let other = other.display();
+            let message = format!(
+                "--output-format {extension} contradicts the extension of {path}; remove it, or name the file {other}"
+            );
+            Err(CliError::Usage(message))
+        }
+        (Some(format), _) => Ok(format),
+        (None, _) if is_dash(path) || is_null_device(path) => Ok(ImageFormat::Png),
+        (None, _) => format_of(path),
     }
 }
 

@@ -39,9 +39,10 @@ pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console
             options.background = Some(color);
         }
     }
-    let scene = load(&args.scene, &options)?;
+    let mut scene = load(&args.scene, &options)?;
     warn(&scene.warnings, console);
     let mut files = options.referenced.paths();
+    scene.notes.extend(unused_options(args, &options, &files));
     if args.piped.is_none() {
         files.push(args.scene.clone());
     }
@@ -49,6 +50,29 @@ pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console
     let environment = env.map(|file| environment(file, &options)).transpose()?;
     files.extend(env.map(Path::to_owned));
     Ok(Input { scene, environment, files, options })
+}
+
+/// Notes about options that do not apply to the scene, which refers to `files`.
+fn unused_options(args: &InputArgs, options: &LoadOptions, files: &[PathBuf]) -> Vec<String> {
+    let scene = args.scene.display();
+    let has_extension = |file: &Path, known: [&str; 2]| {
+        file.extension().is_some_and(|extension| known.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+    };
+    let is_gltf = |file: &PathBuf| has_extension(file, ["gltf", "glb"]);
+    let is_still = options.animation_end.seconds().is_none();
+    let mut notes = Vec::new();
+    if is_still && args.at_time.is_some() {
+        notes.push(format!("--at-time and --frames have no effect: nothing in {scene} is animated."));
+    } else if is_still && args.timing.fps.total_cmp(&LoadOptions::DEFAULT_FPS).is_ne() {
+        notes.push("--fps has no effect: no animation is shown; --frames and --at-time choose a time.".to_owned());
+    }
+    if args.variant.is_some() && !files.iter().chain([&args.scene]).any(is_gltf) {
+        notes.push(format!("--variant has no effect: {scene} has no glTF model."));
+    }
+    if args.ground && has_extension(&args.scene, ["ron", "json"]) {
+        notes.push("--ground has no effect on scene files.".to_owned());
+    }
+    notes
 }
 
 fn environment(file: &Path, options: &LoadOptions) -> Result<Background, CliError> {

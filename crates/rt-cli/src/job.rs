@@ -358,18 +358,6 @@ impl Job<'_> {
         display: Option<Display>,
         guard: &SignalGuard,
     ) -> Result<(Part, RenderObserver), CliError> {
-        let (mut earlier, mut checkpointer) = (None, None);
-        if let (Some(options), Some(label)) = (&self.checkpoint, self.label(ArtifactKind::Checkpoint))
-            && let Some(file) = &options.file
-        {
-            let writer = Checkpointer::new(file, options, label, self.console);
-            earlier = writer.earlier(options, self.options.memory)?;
-            if let Some(earlier) = &earlier {
-                let (samples, file) = (earlier.samples(), file.display());
-                self.console.println(format_args!("note: continues from {file}, with {samples} samples"))?;
-            }
-            checkpointer = Some(writer);
-        }
         let layers = self.output.layers();
         let run = RunOptions {
             threads: self.threads,
@@ -379,16 +367,26 @@ impl Job<'_> {
             interrupt: Some(guard.flag()),
             layers: &layers,
         };
+        let (mut earlier, mut checkpointer) = (None, None);
+        if let (Some(options), Some(label)) = (&self.checkpoint, self.label(ArtifactKind::Checkpoint))
+            && let Some(file) = &options.file
+        {
+            let writer = Checkpointer::new(file, options, label, self.console);
+            earlier = writer.earlier(options, self.options.memory)?;
+            if let Some(earlier) = &earlier {
+                if !plan.accepts(earlier, &run, self.rule.as_ref()) {
+                    return Err(ArtifactError::OtherOptions(file.clone()).into());
+                }
+                let (samples, file) = (earlier.samples(), file.display());
+                self.console.println(format_args!("note: continues from {file}, with {samples} samples"))?;
+            }
+            checkpointer = Some(writer);
+        }
         let (quiet, fallback_dirs) = (self.console.quiet, fallback_dirs.to_vec());
         let mut observer = RenderObserver::new(quiet, earlier.as_ref(), checkpointer, fallback_dirs, display);
         let part = plan.render_part(&run, self.rule.as_ref(), earlier, &mut observer);
         observer.progress.finish();
-        let part = part.map_err(|error| match (error, &observer.checkpointer) {
-            (RenderError::Checkpoint, Some(checkpointer)) => {
-                ArtifactError::OtherOptions(checkpointer.file().to_owned()).into()
-            }
-            (error, _) => CliError::plan(self.scene_file, error),
-        })?;
+        let part = part.map_err(|error| CliError::plan(self.scene_file, error))?;
         Ok((part, observer))
     }
 

@@ -25,7 +25,20 @@ pub(crate) struct OutputFile {
     /// Path with symbolic links followed.
     target: PathBuf,
     folder: PathBuf,
-    is_stdout: bool,
+    destination: Destination,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Destination {
+    File,
+    Stdout,
+    /// The null device: nothing is kept.
+    Null,
+}
+
+/// True for the device that discards what is written to it.
+pub(crate) fn is_null_device(path: &Path) -> bool {
+    cfg!(unix) && path == Path::new("/dev/null")
 }
 
 const STDOUT: &str = "standard output";
@@ -60,8 +73,12 @@ impl OutputFile {
                 path: PathBuf::from(STDOUT),
                 target: PathBuf::from("stdout"),
                 folder: env::temp_dir(),
-                is_stdout: true,
+                destination: Destination::Stdout,
             });
+        }
+        if is_null_device(path) {
+            let path = path.to_owned();
+            return Ok(Self { target: path.clone(), path, folder: env::temp_dir(), destination: Destination::Null });
         }
         if target.file_name().is_none() {
             return Err(OutputError::NoName(path.to_owned()));
@@ -86,7 +103,7 @@ impl OutputFile {
         match tempfile::tempfile_in(folder) {
             Ok(_) => {
                 clear_away(folder, &target);
-                Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target, is_stdout: false })
+                Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target, destination: Destination::File })
             }
             Err(source) => Err(OutputError::Folder { path: path.to_owned(), folder: folder.to_owned(), source }),
         }
@@ -96,13 +113,18 @@ impl OutputFile {
         &self.path
     }
 
-    pub(crate) const fn is_stdout(&self) -> bool {
-        self.is_stdout
+    pub(crate) fn is_stdout(&self) -> bool {
+        self.destination == Destination::Stdout
+    }
+
+    /// False for standard output and the null device.
+    pub(crate) fn is_file(&self) -> bool {
+        self.destination == Destination::File
     }
 
     pub(crate) fn is_same_file(&self, other: &Self) -> bool {
-        if self.is_stdout || other.is_stdout {
-            return self.is_stdout && other.is_stdout;
+        if !self.is_file() || !other.is_file() {
+            return self.is_stdout() && other.is_stdout();
         }
         let location = |file: &Self| Some((file.folder.canonicalize().ok()?, file.target.file_name()?.to_owned()));
         location(self) == location(other)
@@ -112,10 +134,10 @@ impl OutputFile {
         &self,
         content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
     ) -> Result<(), OutputError> {
-        let written = if self.is_stdout {
-            write_to_stdout(content)
-        } else {
-            write_atomically(&self.target, &self.folder, content)
+        let written = match self.destination {
+            Destination::File => write_atomically(&self.target, &self.folder, content),
+            Destination::Stdout => write_to_stdout(content),
+            Destination::Null => anonymous(content).map(drop),
         };
         written.map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
     }
@@ -138,7 +160,7 @@ impl OutputFile {
 
     /// Checks the free disk space; an older file stays until the new one is complete.
     pub(crate) fn check_space(&self, bytes: u64) -> Result<(), OutputError> {
-        if self.is_stdout {
+        if !self.is_file() {
             return Ok(());
         }
         match fs4::available_space(&self.folder) {
@@ -174,13 +196,19 @@ pub(crate) fn refuse_terminal(path: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Writes complete content to standard output. A broken pipe is not an error.
-fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>) -> Result<(), String> {
+/// Temporary file without a name.
+fn anonymous<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>) -> Result<File, String> {
     let mut file = tempfile::tempfile().map_err(|error| error.to_string())?;
     let mut writer = BufWriter::new(&mut file);
     content(&mut writer).map_err(|error| error.to_string())?;
     writer.flush().map_err(|error| error.to_string())?;
     drop(writer);
+    Ok(file)
+}
+
+/// Writes complete content to standard output. A broken pipe is not an error.
+fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>) -> Result<(), String> {
+    let mut file = anonymous(content)?;
     let mut stdout = io::stdout().lock();
     let copied = file.rewind().and_then(|()| io::copy(&mut file, &mut stdout)).and_then(|_| stdout.flush());
     match copied {
@@ -462,6 +490,9 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn devices_are_never_replaced() {
-        assert!(matches!(prepare(Path::new("/dev/null")), Err(OutputError::NotAFile(_))));
+        assert!(matches!(prepare(Path::new("/dev/zero")), Err(OutputError::NotAFile(_))));
+        let null = prepare(Path::new("/dev/null")).expect("fit");
+        null.write(text("discarded")).expect("written");
+        assert!(!null.is_same_file(&null) && !Path::new("/dev/null").is_file());
     }
 }

@@ -32,7 +32,7 @@ pub(crate) fn statistics(outcome: &Outcome<'_>, costs: bool) -> String {
     }
     lines.extend(left_out(&outcome.plan.explain()));
     lines.extend(shared_out(outcome));
-    lines.push(error(outcome));
+    lines.extend(outcome.rendering.error.as_ref().map(|estimate| error(outcome, estimate)));
     lines.join("\n")
 }
 
@@ -109,27 +109,26 @@ pub(crate) fn shown_percent(share: f64) -> f64 {
 /// Estimated error relative to the mean, or the reason for its absence.
 fn short_error(outcome: &Outcome<'_>) -> String {
     match &outcome.rendering.error {
-        Some(error) => {
-            let [low, high] = error.relative_interval().map(|share| 100.0 * share);
-            let percent = 100.0 * error.relative_rmse();
-            format!("relative RMSE {percent:.2} % (95 %: {low:.2} to {high:.2} %){}", bias(outcome))
-        }
+        Some(error) => relative_error(error) + &bias(outcome),
         None => no_error(outcome),
     }
 }
 
-/// Estimated error in all units, or the reason for its absence.
-fn error(outcome: &Outcome<'_>) -> String {
-    match outcome.rendering.error {
-        Some(ErrorEstimate { rmse, interval: [low, high], relative, mean, .. }) => {
-            format!(
-                "estimated RMSE {rmse:.3e} (95 %: {low:.3e} to {high:.3e}), mean {mean:.3e}, square root of relMSE {:.2} %{}",
-                100.0 * relative,
-                bias(outcome)
-            )
-        }
-        None => no_error(outcome),
-    }
+/// Estimated error relative to the mean.
+pub(crate) fn relative_error(error: &ErrorEstimate) -> String {
+    let [low, high] = error.relative_interval().map(|share| 100.0 * share);
+    let percent = 100.0 * error.relative_rmse();
+    format!("relative RMSE {percent:.2} % (95 %: {low:.2} to {high:.2} %)")
+}
+
+/// Estimated error in all units.
+fn error(outcome: &Outcome<'_>, estimate: &ErrorEstimate) -> String {
+    let ErrorEstimate { rmse, interval: [low, high], relative, mean, .. } = estimate;
+    format!(
+        "estimated RMSE {rmse:.3e} (95 %: {low:.3e} to {high:.3e}), mean {mean:.3e}, square root of relMSE {:.2} %{}",
+        100.0 * relative,
+        bias(outcome)
+    )
 }
 
 fn bias(outcome: &Outcome<'_>) -> String {

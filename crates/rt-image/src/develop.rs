@@ -32,10 +32,10 @@ impl Default for Development {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DevelopmentError {
     /// The exposure (the value, in stops) is not usable.
-    #[error("the exposure is {0} stops; it must lie between -1000 and 1000")]
+    #[error("the exposure is {0:?} stops; it must lie between -1000 and 1000")]
     Exposure(f64),
     /// The exponent of a power-law encoding (the value) is not usable.
-    #[error("gamma is {0}; it must lie between 0.01 and 100")]
+    #[error("gamma is {0:?}; it must lie between 0.01 and 100")]
     Gamma(f64),
 }
 

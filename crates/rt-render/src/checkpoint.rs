@@ -78,6 +78,14 @@ impl Checkpoint {
         }
     }
 
+    /// True if a render of this layout, share and rule can resume from here.
+    pub(crate) fn fits(&self, layout: FilmLayout, share: Share, rule: Option<&StopRule>, pass_by_pass: bool) -> bool {
+        match &self.0 {
+            State::Tiles(part) => !pass_by_pass && part.fits(layout, share),
+            State::Passes(state) => pass_by_pass && state.fits(layout, share, rule),
+        }
+    }
+
     /// Film of a render tile by tile: that of a matching checkpoint, or an empty one.
     pub(crate) fn part_of(
         from: Option<Self>,
@@ -87,7 +95,7 @@ impl Checkpoint {
     ) -> Result<Part, RenderError> {
         match from {
             None => Ok(Part::empty(layout, share, statistics)),
-            Some(Self(State::Tiles(mut part))) if part.layout == layout && part.share == share => {
+            Some(Self(State::Tiles(mut part))) if part.fits(layout, share) => {
                 part.statistics = part.statistics.continued(&statistics);
                 Ok(part)
             }

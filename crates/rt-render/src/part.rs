@@ -247,6 +247,11 @@ fn missing(shares: &[u32], count: u32) -> String {
 }
 
 impl Part {
+    /// True if a render of this layout and share can resume from here.
+    pub(crate) fn fits(&self, layout: FilmLayout, share: Share) -> bool {
+        self.layout == layout && self.share == share
+    }
+
     /// Part without finished tiles.
     pub(crate) fn empty(layout: FilmLayout, share: Share, statistics: Statistics) -> Self {
         Self {

@@ -65,6 +65,16 @@ impl RenderPlan<'_> {
         self.render_observed(options, rule, from, &mut observer)
     }
 
+    /// True if [`render_part`](Self::render_part) with these options and this rule can resume from `checkpoint`: size, share, rule
+    /// and options are the same.
+    pub fn accepts(&self, checkpoint: &Checkpoint, options: &RunOptions<'_>, rule: Option<&StopRule>) -> bool {
+        checkpoint.fits(FilmLayout::new(self, options), options.share, rule, self.is_pass_by_pass(rule))
+    }
+
+    const fn is_pass_by_pass(&self, rule: Option<&StopRule>) -> bool {
+        rule.is_some() || self.scene.light_sources.is_some()
+    }
+
     /// [`render_part`](Self::render_part), compiled once for all types of observers.
     fn render_observed(
         &self,
@@ -76,7 +86,7 @@ impl RenderPlan<'_> {
         if let Some(rule) = rule {
             self.check_rule(rule, options.share)?;
         }
-        let pass_by_pass = rule.is_some() || self.scene.light_sources.is_some();
+        let pass_by_pass = self.is_pass_by_pass(rule);
         // The first pass may have too few samples for layers.
         let layers_of_run = if pass_by_pass { &[] } else { options.layers };
         let scheduler = TileScheduler::new(self, &RunOptions { layers: layers_of_run, ..*options });

@@ -20,6 +20,16 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
         (None, true) => PathBuf::from("scene.ron"),
         (None, false) => args.output.clone(),
     };
+    let contradicts = |format: &&String| {
+        let extension = args.output.extension();
+        is_scene_file(&args.output) && extension.is_some_and(|extension| !extension.eq_ignore_ascii_case(format))
+    };
+    if let Some(format) = args.output_format.as_ref().filter(contradicts) {
+        let output = args.output.display();
+        let message =
+            format!("--output-format {format} contradicts the extension of {output}; remove it, or rename the file");
+        return Err(CliError::Usage(message));
+    }
     if !is_scene_file(&name) {
         let message = format!("unknown format of `{}`: use .ron or .json", args.output.display());
         return Err(CliError::Usage(message));

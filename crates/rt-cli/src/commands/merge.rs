@@ -13,7 +13,7 @@ use crate::checkpoint_file::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::output::{OutputFile, fallback_dirs, write_all};
-use crate::{image_file, memory, settings};
+use crate::{image_file, memory, report, settings};
 
 pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     let console = Console { quiet: args.quiet };
@@ -46,8 +46,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
         HumanDuration(std::time::Duration::try_from_secs_f64(statistics.render_seconds).unwrap_or_default()),
     ))?;
     if let Some(error) = &rendering.error {
-        let [low, high] = error.interval;
-        console.println(format_args!("estimated RMSE {:.3e} (95 %: {low:.3e} to {high:.3e})", error.rmse))?;
+        console.println(report::relative_error(error))?;
     }
     console.println(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
 }

@@ -17,7 +17,7 @@ use crate::identity::Identity;
 use crate::image_file;
 use crate::input::{self, Input};
 use crate::job::{Job, JobOutput};
-use crate::output::{OutputFile, refuse_terminal};
+use crate::output::{OutputFile, is_null_device, refuse_terminal};
 use crate::output_error::OutputError;
 use crate::settings::{self, Overrides};
 use crate::stdin::is_dash;
@@ -39,10 +39,10 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();
     let shard = args.checkpoint.shard;
-    let path = args.output.clone().unwrap_or_else(|| default_output(scene_file, shard));
+    let path = args.output.clone().unwrap_or_else(|| default_output(scene_file, shard, args.output_format));
     let kind = OutputKind::of(&path, shard, args.output_format)?;
-    if is_dash(&path) && args.checkpoint.resume && args.checkpoint.checkpoint.is_none() {
-        let message = "--resume requires --checkpoint FILE for an image on standard output";
+    if (is_dash(&path) || is_null_device(&path)) && args.checkpoint.resume && args.checkpoint.checkpoint.is_none() {
+        let message = "--resume requires --checkpoint FILE for an image on standard output or the null device";
         return Err(CliError::Usage(message.to_owned()));
     }
 
@@ -125,6 +125,7 @@ fn refuse_for_parts(args: &RenderArgs) -> Result<(), CliError> {
         ("--time", args.stop.time.is_some()),
         ("--target-error", args.stop.target_error.is_some()),
         ("--aov", !args.aov.is_empty()),
+        ("--output-format", args.output_format.is_some()),
     ];
     match whole.into_iter().find(|(_, is_given)| *is_given && args.checkpoint.shard.is_some()) {
         None => Ok(()),
@@ -161,11 +162,11 @@ impl OutputKind {
 
 const PART: &str = "part";
 
-/// Name of the scene with `.png` or the index of the part, in the current directory.
-fn default_output(scene: &Path, shard: Option<Share>) -> PathBuf {
+/// Name of the scene with the extension of the format or the index of the part, in the current directory.
+fn default_output(scene: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> PathBuf {
     let mut name = scene.file_stem().unwrap_or_default().to_owned();
     match shard {
-        None => name.push(".png"),
+        None => name.push(format!(".{}", image_file::extension_of(format.unwrap_or(ImageFormat::Png)))),
         Some(share) => name.push(format!(".{}-of-{}.{PART}", share.index() + 1, share.count())),
     }
     PathBuf::from(name)
@@ -180,8 +181,9 @@ mod tests {
         for (scene, image) in
             [("a/b.ron", "b.png"), ("/x/c.tar.gltf", "c.tar.png"), ("d", "d.png"), ("e.png.ron", "e.png.png")]
         {
-            assert_eq!(default_output(Path::new(scene), None), Path::new(image));
+            assert_eq!(default_output(Path::new(scene), None, None), Path::new(image));
         }
-        assert_eq!(default_output(Path::new("a/b.ron"), Share::new(2, 8)), Path::new("b.3-of-8.part"));
+        assert_eq!(default_output(Path::new("a/b.ron"), None, Some(ImageFormat::Exr)), Path::new("b.exr"));
+        assert_eq!(default_output(Path::new("a/b.ron"), Share::new(2, 8), None), Path::new("b.3-of-8.part"));
     }
 }

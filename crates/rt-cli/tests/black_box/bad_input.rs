@@ -139,6 +139,10 @@ fn wrong_usage_ends_with_code_2() {
             ("two in one", GOOD, "render scene.ron -o older.png --stats ./older.png"),
             ("no such root", GOOD, "render scene.ron --asset-root missing"),
             ("developed twice", GOOD, "develop older.png -o a.exr"),
+            ("two formats", GOOD, "render scene.ron -o a.png --output-format exr"),
+            ("two formats of a scene", GOOD, "convert scene.ron -o a.ron --output-format json"),
+            ("format of a part", GOOD, "render scene.ron --shard 1/2 --output-format exr"),
+            ("huge exposure", GOOD, "render scene.ron --exposure 1e308"),
         ],
     );
     insta::assert_snapshot!(said);

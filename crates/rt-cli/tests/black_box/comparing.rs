@@ -106,7 +106,8 @@ fn every_metric_has_a_threshold() {
     let report = report(&place, "a.exr b.exr");
     for (name, value) in report["metrics"].as_object().expect("by name") {
         if name == "coverage" {
-            place.succeed("compare a.exr b.exr --metric coverage");
+            let refused = "--metric coverage requires an image with an alpha channel";
+            place.fails(2, "compare a.exr b.exr --metric coverage", refused);
             continue;
         }
         let value = value.as_f64().expect("a number");

@@ -98,9 +98,23 @@ fn images_go_to_standard_output_without_reports() {
         assert!(stderr(&piped).contains("wrote standard output (48x32, "), "{}", stderr(&piped));
     }
     assert_eq!(place.files(), ["file.exr", "file.jpg", "file.png", "scene.ron"]);
-    // --output-format overrides the extension.
-    place.succeed("render scene.ron -o odd.name --output-format exr");
-    assert!(place.read("odd.name") == place.read("file.exr"));
+    // --output-format stands for an extension.
+    for (options, name) in [("-o odd.name", "odd.name"), ("", "scene.exr"), ("--frames 7", "scene-0007.exr")] {
+        place.succeed(&format!("render scene.ron --output-format exr {options}"));
+        assert!(place.read(name) == place.read("file.exr"), "{name}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn the_null_device_takes_images_and_statistics() {
+    let place = Workplace::with_scene();
+    for options in ["", "--output-format exr --stats /dev/null"] {
+        let run = place.succeed(&format!("render scene.ron -o /dev/null {options}"));
+        assert!(run.stdout.contains("wrote /dev/null (48x32, "), "{run:?}");
+    }
+    place.fails(2, "render scene.ron -o /dev/null --resume", "--resume requires --checkpoint FILE");
+    assert_eq!(place.files(), ["scene.ron"]);
 }
 
 #[test]

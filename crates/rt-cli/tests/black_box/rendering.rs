@@ -202,3 +202,30 @@ fn older_spellings_of_options_and_values_are_accepted() {
     }
     assert!(place.read("stderr.pfm") == place.read("variance.pfm"));
 }
+
+#[test]
+fn options_without_effect_are_noted() {
+    let place = Workplace::with_scene();
+    place.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for (arguments, note) in [
+        ("scene.ron --at-time 1", "--at-time and --frames have no effect: nothing in scene.ron is animated."),
+        ("m.obj --frames 3", "--at-time and --frames have no effect: nothing in m.obj is animated."),
+        ("scene.ron --fps 12", "--fps has no effect: no animation is shown; --frames and --at-time choose a time."),
+        ("m.obj --variant blue", "--variant has no effect: m.obj has no glTF model."),
+        ("scene.ron --ground", "--ground has no effect on scene files."),
+    ] {
+        let run = place.succeed(&format!("render {arguments} --size 8x8 --spp 1 -o out.png"));
+        assert!(run.stdout.contains(&format!("note: {note}\n")), "{arguments}: {run:?}");
+    }
+    let animated = Workplace::with_animated_model();
+    for arguments in ["m.gltf --at-time 0.25", "m.gltf --at-time 0.25 --fps 12 --shutter 0,0.5"] {
+        let run = animated.succeed(&format!("render {arguments} --size 8x8 --spp 1 -o out.png"));
+        assert!(!run.stdout.contains("no effect"), "{arguments}: {run:?}");
+    }
+}
+
+#[test]
+fn a_missing_error_estimate_is_explained_once() {
+    let run = Workplace::with_scene().succeed("render scene.ron --verbose");
+    assert_eq!(run.stdout.matches("no error estimate: needs at least two passes").count(), 1, "{run:?}");
+}

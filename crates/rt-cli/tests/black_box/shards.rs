@@ -1,6 +1,6 @@
 //! Images of which several machines render a part each.
 
-use crate::program::Workplace;
+use crate::program::{Run, Workplace};
 
 const RENDER: &str = "render scene.ron --size 100x70 --integrator path --spp 16";
 
@@ -21,10 +21,12 @@ fn parts(order: &[u32], count: u32) -> String {
 fn parts_in_any_order_make_the_image_of_one_run() {
     let place = with_parts(5, "");
     let whole = Workplace::with_scene();
-    whole.succeed(&format!("{RENDER} -o scene.exr --aov samples=samples.exr --aov stderr=variance.pfm"));
+    let one = whole.succeed(&format!("{RENDER} -o scene.exr --aov samples=samples.exr --aov stderr=variance.pfm"));
     let aovs = "--aov samples=samples.exr --aov stderr=variance.pfm";
     let run = place.succeed(&format!("merge {} -o scene.exr {aovs}", parts(&[4, 1, 5, 3, 2], 5)));
     assert!(run.stdout.starts_with("joined 5 parts: 112,000 samples"), "{run:?}");
+    let error = |run: &Run| run.stdout.lines().find(|line| line.starts_with("relative RMSE")).map(str::to_owned);
+    assert!(error(&run).is_some() && error(&run) == error(&one), "the same measure: {run:?} {one:?}");
     for file in ["scene.exr", "samples.exr", "variance.pfm"] {
         assert_eq!(place.read(file), whole.read(file), "{file}");
     }

@@ -19,7 +19,9 @@ pub(super) fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict
     };
     match measures.value(metric) {
         Some(value) => Ok(Verdict { metric, value, threshold }),
-        None if metric == Metric::Coverage => Ok(Verdict { metric, value: 0.0, threshold }),
+        None if metric == Metric::Coverage => {
+            Err(CliError::Usage("--metric coverage requires an image with an alpha channel".to_owned()))
+        }
         None => {
             Err(CliError::Usage(format!("--metric {} requires images of at least 11 by 11 pixels", name_of(metric))))
         }

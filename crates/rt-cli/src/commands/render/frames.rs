@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use rt_image::ImageFormat;
 use rt_render::Share;
-
 use rt_scene_io::InputHashes;
 
 use crate::args::{AovArg, CheckpointArgs, Frames, InputArgs, RenderArgs, RunArgs};
@@ -11,7 +11,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::frame_log::FrameLog;
 use crate::identity::Identity;
-use crate::{input, signals};
+use crate::{image_file, input, signals};
 
 /// Renders the frames in order; stops at the first failure.
 pub(super) fn each(
@@ -23,6 +23,10 @@ pub(super) fn each(
     let say = |frame: u32, what: String| console.println(format_args!("frame {frame} of {frames}{what}"));
     let at = |frame: u32| format!(", at {:.3} s", args.input.timing.time_of(frame));
     let share = args.checkpoint.shard.unwrap_or(Share::ALL);
+    if !frames.indices().any(|frame| share.holds(frame as usize)) {
+        let (number, count) = (share.index() + 1, share.count());
+        return console.println(format_args!("note: part {number} of {count} has none of the frames {frames}"));
+    }
     if frames.is_single() {
         // A single frame has no frame log.
         return frames.indices().filter(|frame| share.holds(*frame as usize)).try_for_each(|frame| {
@@ -121,11 +125,12 @@ fn refuse_shared_files(args: &RenderArgs) -> Result<(), CliError> {
     }
 }
 
-/// Pattern of the image names: `--output`, or the name of the scene with `-####.png`.
+/// Pattern of the image names: `--output`, or the name of the scene with `-####` and the extension of the format.
 fn output(args: &RenderArgs) -> PathBuf {
     args.output.clone().unwrap_or_else(|| {
         let mut name = args.input.scene.file_stem().unwrap_or_default().to_owned();
-        name.push("-####.png");
+        let format = args.output_format.unwrap_or(ImageFormat::Png);
+        name.push(format!("-####.{}", image_file::extension_of(format)));
         PathBuf::from(name)
     })
 }
