@@ -69,6 +69,8 @@ pub(crate) enum CliError {
         checkpoint: Option<Result<PathBuf, String>>,
     },
     /// A panic in a worker thread.
+    #[error("interrupted after {measured} of {planned} sample counts; {}", measurements(*measured, folder))]
+    MeasurementInterrupted { measured: usize, planned: usize, folder: PathBuf },
     #[error(
         "internal error: {tiles} tiles failed and are black or incomplete; please report this bug and attach the scene; {}{}",
         saved(.image.as_deref()), retry(.checkpoint)
@@ -123,7 +125,7 @@ impl CliError {
             #[cfg(feature = "view")]
             Self::Server(..) => 4,
             Self::Damaged { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
-            Self::Interrupted { .. } => INTERRUPTED_EXIT_CODE,
+            Self::Interrupted { .. } | Self::MeasurementInterrupted { .. } => INTERRUPTED_EXIT_CODE,
         })
     }
 }
@@ -133,6 +135,13 @@ fn saved(image: Option<&Path>) -> String {
         || "no image was written".to_owned(),
         |file| format!("the image was written to {}", file.display()),
     )
+}
+
+fn measurements(measured: usize, folder: &Path) -> String {
+    match measured {
+        0 => "nothing was written".to_owned(),
+        _ => format!("their results were written to {}", folder.display()),
+    }
 }
 
 fn resumption(checkpoint: &Option<Result<PathBuf, String>>) -> String {

@@ -26,6 +26,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::input;
 use crate::progress::ProgressDisplay;
+use crate::signals;
 
 pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     let clock = Clock::start(args.run.time);
@@ -45,16 +46,35 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     let planned = extent.samples(&methods);
     let progress = ProgressDisplay::new(args.run.quiet, 0, 0);
     let threads = args.run.threads.unwrap_or(0).into();
-    let mut runner = BenchRunner::new(&args.input.scene, threads, clock, progress, planned);
+    // The guard lives until everything is written, so that a signal does not discard the measurements.
+    let guard = signals::guard();
+    let mut runner = BenchRunner::new(&args.input.scene, threads, clock, guard.flag(), progress, planned);
+    let interrupted = |measured: usize| {
+        let folder = outputs.folder.clone();
+        CliError::MeasurementInterrupted { measured, planned: args.spp.0.len(), folder }
+    };
     let reference = match given {
         Some(reference) => reference,
-        None => split_reference::render(&mut runner, &methods, args.spp.0[args.spp.0.len() - 1], planned)?,
+        None => {
+            let max_spp = args.spp.0[args.spp.0.len() - 1];
+            match split_reference::render(&mut runner, &methods, max_spp, planned) {
+                Err(CliError::Interrupted { .. }) => {
+                    runner.close();
+                    return Err(interrupted(0));
+                }
+                reference => reference?,
+            }
+        }
     };
     let setting = Setting { args, scene, kind, reference: &reference, development };
     let experiment = runner::run(&mut runner, &mut methods, extent, &reference, |so_far| {
         Report::new(setting, so_far).write(&outputs)
     })?;
     runner.close();
+    let measured = args.spp.0.len() - experiment.left_out.len();
+    if measured == 0 {
+        return Err(interrupted(0));
+    }
     let report = Report::new(setting, &experiment);
     report.write(&outputs)?;
     console.println(report.text())?;
@@ -63,7 +83,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
         let bad = experiment.bad_samples;
         console.warn(format_args!("{bad} samples were NaN, infinite or negative and count as black"));
     }
-    Ok(())
+    if experiment.is_interrupted { Err(interrupted(measured)) } else { Ok(()) }
 }
 
 /// Kind of reference: the given one, or the best available.

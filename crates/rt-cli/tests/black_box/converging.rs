@@ -5,7 +5,7 @@ use std::fmt::Write;
 use rt_image::Image;
 use serde_json::Value;
 
-use crate::program::{Run, Workplace};
+use crate::program::{Run, Workplace, signal, wait_until};
 
 /// Edges and a smooth area: half of the pixels are noisy.
 const SCENE: &str = r#"(
@@ -175,6 +175,34 @@ fn the_time_limit_reports_skipped_sample_counts() {
     let points = report["methods"][0]["points"].as_array().expect("a list").len();
     let left_out = report["left_out"].as_array().expect("a list").len();
     assert!(points > 0 && points + left_out == 31, "{points} {left_out}");
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_keeps_the_complete_sample_counts() {
+    let place = Workplace::with("half.ron", HALF);
+    // The last sample count takes hours.
+    let child = place.spawn("converge half.ron --spp 4,16,1073741824 --seeds 2 -o out");
+    wait_until("two sample counts", || {
+        std::fs::read_to_string(place.path("out/converge.csv")).is_ok_and(|csv| csv.lines().count() == 3)
+    });
+    signal(&child, "INT");
+    let run = Run::end(child);
+    assert_eq!(run.code, Some(130), "{run:?}");
+    assert_eq!(run.stderr, "error: interrupted after 2 of 3 sample counts; their results were written to out\n");
+    assert!(run.stdout.contains("an interrupt skipped 1073741824 samples per pixel"), "{run:?}");
+    assert_eq!(place.json("out/converge.json")["left_out"], serde_json::json!([1_073_741_824]));
+    // Within the first sample count, and within the reference.
+    for options in ["", "--reference-kind split"] {
+        let child = place.spawn(&format!("converge half.ron --spp 1073741824 --seeds 2 -o none {options}"));
+        wait_until("the directory", || place.path("none").exists());
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        signal(&child, "INT");
+        let run = Run::end(child);
+        let expected = "error: interrupted after 0 of 1 sample counts; nothing was written\n";
+        assert_eq!((run.code, run.stderr.as_str()), (Some(130), expected), "{run:?}");
+        assert_eq!(place.path("none").read_dir().expect("a directory").count(), 0);
+    }
 }
 
 /// Report without values that depend on times.

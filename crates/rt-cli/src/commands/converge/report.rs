@@ -132,7 +132,8 @@ impl<'a> Report<'a> {
         }
         if !left_out.is_empty() {
             let list = left_out.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-            notes.push(format!("the time limit skipped {list} samples per pixel"));
+            let reason = if self.experiment.is_interrupted { "an interrupt" } else { "the time limit" };
+            notes.push(format!("{reason} skipped {list} samples per pixel"));
         }
         notes
     }

@@ -20,7 +20,7 @@ pub(super) struct RunInfo {
     pub(super) seeds: u32,
     pub(super) threads: usize,
     pub(super) machine: Machine,
-    /// Samples per pixel beyond the time limit.
+    /// Samples per pixel beyond the time limit, or after an interrupt.
     pub(super) left_out: Vec<u32>,
     pub(super) bad_samples: u64,
 }

@@ -1,10 +1,11 @@
 //! Runner of an experiment: renders every method at every sample count with every seed, within a time limit.
 
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
 use rt_image::Image;
-use rt_render::{Progress, RenderPlan, RunOptions};
+use rt_render::{Progress, RenderPlan, RunOptions, Stopped};
 use serde::Serialize;
 
 use super::methods::{Method, MethodName};
@@ -20,6 +21,8 @@ pub(super) struct BenchRunner<'a> {
     /// Number of threads; 0 for one per processor.
     pub(super) threads: usize,
     pub(super) clock: Clock,
+    /// Flag that a signal sets.
+    interrupt: &'static AtomicBool,
     progress: ProgressDisplay,
     /// Samples and rays of all finished renders.
     samples: u64,
@@ -74,17 +77,22 @@ impl<'a> BenchRunner<'a> {
         scene_file: &'a std::path::Path,
         threads: usize,
         clock: Clock,
+        interrupt: &'static AtomicBool,
         progress: ProgressDisplay,
         total_samples: u64,
     ) -> Self {
-        Self { scene_file, threads, clock, progress, samples: 0, rays: 0, total_samples }
+        Self { scene_file, threads, clock, interrupt, progress, samples: 0, rays: 0, total_samples }
     }
 
+    /// Renders an image.
+    ///
+    /// # Errors
+    /// [`CliError`] if the method cannot be rendered, or after a signal.
     pub(super) fn render(&mut self, method: &mut Method, spp: u32, seed: u64) -> Result<TimedRender, CliError> {
         let failed = |error| CliError::plan(self.scene_file, error);
         (method.scene.settings.spp, method.scene.settings.seed) = (spp, seed);
         let plan = RenderPlan::compile(&method.scene, &method.options).map_err(failed)?;
-        let run = RunOptions { threads: self.threads, ..RunOptions::default() };
+        let run = RunOptions { threads: self.threads, interrupt: Some(self.interrupt), ..RunOptions::default() };
         let (samples, rays, total_samples) = (self.samples, self.rays, self.total_samples);
         let progress = &mut self.progress;
         let started = ProcessTime::now();
@@ -98,6 +106,9 @@ impl<'a> BenchRunner<'a> {
         });
         let cpu_seconds = started.elapsed().as_secs_f64();
         let rendering = rendering.map_err(failed)?;
+        if rendering.stopped == Stopped::Interrupted {
+            return Err(CliError::interrupted_at_once());
+        }
         let statistics = &rendering.statistics;
         self.samples += statistics.samples;
         self.rays += statistics.counters.total().rays;
@@ -124,8 +135,9 @@ impl<'a> BenchRunner<'a> {
 #[derive(Debug)]
 pub(super) struct Experiment {
     pub(super) methods: Vec<Measured>,
-    /// Samples per pixel beyond the time limit.
+    /// Samples per pixel beyond the time limit, or after an interrupt.
     pub(super) left_out: Vec<u32>,
+    pub(super) is_interrupted: bool,
     /// NaN, infinite or negative samples in all renders; they count as black.
     pub(super) bad_samples: u64,
     pub(super) threads: usize,
@@ -194,8 +206,8 @@ impl Extent<'_> {
     }
 }
 
-/// Runs the experiment within the time limit. A sample count is measured with all methods and seeds, or skipped; the first is always
-/// measured. `after` is called after each one.
+/// Runs the experiment within the time limit, or until a signal. A sample count is measured with all methods and seeds, or skipped;
+/// a time limit never skips the first. `after` is called after each one.
 ///
 /// Methods take turns, so that other load on the machine affects all of them.
 pub(super) fn run(
@@ -206,8 +218,13 @@ pub(super) fn run(
     mut after: impl FnMut(&Experiment) -> Result<(), CliError>,
 ) -> Result<Experiment, CliError> {
     let empty = |method: &Method| Measured { name: method.name.clone(), points: Vec::new(), images: [None, None] };
-    let mut experiment =
-        Experiment { methods: methods.iter().map(empty).collect(), left_out: Vec::new(), bad_samples: 0, threads: 0 };
+    let mut experiment = Experiment {
+        methods: methods.iter().map(empty).collect(),
+        left_out: Vec::new(),
+        is_interrupted: false,
+        bad_samples: 0,
+        threads: 0,
+    };
     let first_seeds: Vec<u64> = methods.iter().map(|method| method.scene.settings.seed).collect();
     let mut costs: Vec<Option<Cost>> = vec![None; methods.len()];
     for (wave, &spp) in extent.series.iter().enumerate() {
@@ -223,7 +240,13 @@ pub(super) fn run(
                 }
                 let started = runner.clock.elapsed();
                 let seed = first_seeds[index].wrapping_add(number.into());
-                let timed = runner.render(method, spp, seed)?;
+                let timed = match runner.render(method, spp, seed) {
+                    Err(CliError::Interrupted { .. }) => {
+                        (experiment.is_interrupted, is_complete) = (true, false);
+                        break 'wave;
+                    }
+                    timed => timed?,
+                };
                 points[index].add(&timed, seed, reference, method)?;
                 let samples = method.samples(spp) as f64;
                 let elapsed = runner.clock.elapsed() - started;

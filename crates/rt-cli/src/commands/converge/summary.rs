@@ -187,7 +187,7 @@ mod tests {
     const EXACT: Floor = Floor { mse: 0.0, relative_mse: 0.0, mean_error: 0.0 };
 
     fn experiment(methods: Vec<Measured>) -> Experiment {
-        Experiment { methods, left_out: Vec::new(), bad_samples: 0, threads: 1 }
+        Experiment { methods, left_out: Vec::new(), is_interrupted: false, bad_samples: 0, threads: 1 }
     }
 
     #[test]
