@@ -1,6 +1,7 @@
 //! Checkpoints: periodic snapshots of an unfinished render.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::identity::Identity;
 use crate::output::{self, OutputFile};
+use crate::saved_checkpoint::SavedCheckpoint;
 
 /// Checkpointing and sharing of a render.
 #[derive(Debug)]
@@ -146,11 +148,14 @@ impl Checkpointer {
         output::write_over_link(&self.file, |file| checkpoint_file::write(file, &self.label, kept))
     }
 
-    /// Writes the last checkpoint, if need be to a fallback directory, and returns its path.
-    pub(crate) fn write_last(&self, kept: &Kept<'_>, fallback_dirs: &[PathBuf]) -> Result<PathBuf, String> {
-        let Err(reason) = self.write(kept) else { return Ok(self.file.clone()) };
-        output::write_elsewhere(&self.file, fallback_dirs, |file| checkpoint_file::write(file, &self.label, kept))
-            .ok_or(reason)
+    /// Writes the last checkpoint, if need be to a fallback directory.
+    pub(crate) fn write_last(&self, kept: &Kept<'_>, fallback_dirs: &[PathBuf]) -> Result<SavedCheckpoint, String> {
+        let Err(reason) = self.write(kept) else {
+            return Ok(SavedCheckpoint { file: self.file.clone(), is_elsewhere: false });
+        };
+        let write = |file: &mut BufWriter<&mut File>| checkpoint_file::write(file, &self.label, kept);
+        let file = output::write_elsewhere(&self.file, fallback_dirs, write).ok_or(reason)?;
+        Ok(SavedCheckpoint { file, is_elsewhere: true })
     }
 
     /// Removes the checkpoint of a finished render. A failure is harmless: `--resume` would find all tiles finished.

@@ -12,6 +12,7 @@ use rt_scene_io::{LoadError, MemoryError};
 
 use crate::artifact_error::ArtifactError;
 use crate::output_error::OutputError;
+use crate::saved_checkpoint::SavedCheckpoint;
 
 /// Exit code of an interrupted command: 128 + SIGINT, as in shells.
 pub(crate) const INTERRUPTED_EXIT_CODE: u8 = 130;
@@ -48,7 +49,7 @@ pub(crate) enum CliError {
     #[error("{}: {count} {}; fix the scene, or remove --strict", file.display(), if *count == 1 { "warning" } else { "warnings" })]
     Warnings { file: PathBuf, count: usize },
     /// A frame of an animation failed; earlier ones are finished.
-    #[error("frame {frame}: {source}")]
+    #[error("frame {frame}: {source}{}", single_frame(*frame, source))]
     Frame { frame: u32, source: Box<Self> },
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -65,17 +66,17 @@ pub(crate) enum CliError {
         /// Work done so far.
         after: String,
         image: Option<PathBuf>,
-        /// Path of the checkpoint, or the reason why there is none.
-        checkpoint: Option<Result<PathBuf, String>>,
+        /// Its checkpoint, or the reason why there is none.
+        checkpoint: Option<Result<SavedCheckpoint, String>>,
     },
-    /// A panic in a worker thread.
     #[error("interrupted after {measured} of {planned} sample counts; {}", measurements(*measured, folder))]
     MeasurementInterrupted { measured: usize, planned: usize, folder: PathBuf },
+    /// A panic in a worker thread.
     #[error(
         "internal error: {tiles} tiles failed and are black or incomplete; please report this bug and attach the scene; {}{}",
         saved(.image.as_deref()), retry(.checkpoint)
     )]
-    Lost { tiles: usize, image: Option<PathBuf>, checkpoint: Option<Result<PathBuf, String>> },
+    Lost { tiles: usize, image: Option<PathBuf>, checkpoint: Option<Result<SavedCheckpoint, String>> },
     /// The server of `view` cannot listen.
     #[cfg(feature = "view")]
     #[error("cannot listen on {0}: {1}; choose another --port or --bind")]
@@ -144,17 +145,30 @@ fn measurements(measured: usize, folder: &Path) -> String {
     }
 }
 
-fn resumption(checkpoint: &Option<Result<PathBuf, String>>) -> String {
+fn resumption(checkpoint: &Option<Result<SavedCheckpoint, String>>) -> String {
     match checkpoint {
-        Some(Ok(file)) => format!("; --resume continues from {}", file.display()),
+        Some(Ok(checkpoint)) => format!("; {}", checkpoint.advice("continues")),
         Some(Err(reason)) => format!("; it cannot be resumed, because no checkpoint could be written: {reason}"),
         None => String::new(),
     }
 }
 
-fn retry(checkpoint: &Option<Result<PathBuf, String>>) -> String {
+fn retry(checkpoint: &Option<Result<SavedCheckpoint, String>>) -> String {
     match checkpoint {
-        Some(Ok(file)) => format!("; --resume renders them again, from {}", file.display()),
+        Some(Ok(checkpoint)) => format!("; {}", checkpoint.advice("renders them again")),
+        _ => String::new(),
+    }
+}
+
+/// Option for the frame of a checkpoint that is named without `####`.
+fn single_frame(frame: u32, source: &CliError) -> String {
+    match source {
+        CliError::Interrupted { checkpoint: Some(Ok(checkpoint)), .. }
+        | CliError::Lost { checkpoint: Some(Ok(checkpoint)), .. }
+            if checkpoint.is_elsewhere =>
+        {
+            format!(" with --frames {frame}")
+        }
         _ => String::new(),
     }
 }

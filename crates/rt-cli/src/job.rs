@@ -139,9 +139,7 @@ impl Job<'_> {
         }
         let written_all = write_all(results);
         if let (Err(_), Some(Ok(checkpoint))) = (&written_all, &kept) {
-            let checkpoint = checkpoint.display();
-            self.console
-                .warn(format_args!("the render is not finished; --resume continues from the checkpoint {checkpoint}"));
+            self.console.warn(format_args!("the render is not finished; {}", checkpoint.advice("continues")));
         }
         written_all?;
         let image = is_written.then(|| self.output.file().path().to_owned());

@@ -48,6 +48,7 @@ mod processor;
 mod progress;
 mod render_observer;
 mod report;
+mod saved_checkpoint;
 mod settings;
 mod signals;
 mod stats;

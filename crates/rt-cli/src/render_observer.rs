@@ -7,13 +7,14 @@ use rt_render::{Checkpoint, Kept, Observer, RenderSnapshot};
 use crate::checkpoint::Checkpointer;
 use crate::display::Display;
 use crate::progress::ProgressDisplay;
+use crate::saved_checkpoint::SavedCheckpoint;
 
 pub(crate) struct RenderObserver {
     pub(crate) progress: ProgressDisplay,
     pub(crate) checkpointer: Option<Checkpointer>,
     fallback_dirs: Vec<PathBuf>,
-    /// Path of the last checkpoint of an unfinished render, or the reason why it could not be written.
-    pub(crate) kept: Option<Result<PathBuf, String>>,
+    /// Last checkpoint of an unfinished render, or the reason why it could not be written.
+    pub(crate) kept: Option<Result<SavedCheckpoint, String>>,
     pub(crate) display: Option<Display>,
 }
 

@@ -312,6 +312,40 @@ fn an_image_whose_directory_is_gone_goes_to_the_fallback() {
 }
 
 #[test]
+#[cfg(unix)]
+fn the_advice_after_an_interrupt_finds_the_checkpoint_of_the_fallback() {
+    let whole = Workplace::with_scene();
+    whole.succeed(LONG);
+    // The checkpoint goes to the fallback alone, with the image, or as one of many frames.
+    for (output, frame, code) in
+        [("scene.exr", "", 130), ("saved/scene.exr", "", 4), ("scene-##.exr", "--frames 0", 130)]
+    {
+        let place = Workplace::with_scene();
+        for folder in ["saved", "refuge"] {
+            fs::create_dir(place.path(folder)).expect("created");
+        }
+        let command = LONG.replace("-o scene.exr", &format!("-o {output}"));
+        let checkpoint = if frame.is_empty() { "saved/kept" } else { "saved/##" };
+        let frames = if frame.is_empty() { "" } else { "--frames 0..2" };
+        let options = format!("--fallback-dir refuge --checkpoint-every 1ms --checkpoint {checkpoint} {frames}");
+        let child = place.spawn(&format!("{command} {options}"));
+        wait_until("a checkpoint", || place.path("saved").read_dir().is_ok_and(|mut files| files.next().is_some()));
+        fs::rename(place.path("saved"), place.path("gone")).expect("renamed");
+        signal(&child, "INT");
+        let run = Run::end(child);
+        assert_eq!(run.code, Some(code), "{run:?}");
+        let (_, advice) = run.stderr.split_once("; --resume --checkpoint ").expect("an advice");
+        let (file, after) = advice.split_once(" continues").expect("an advice");
+        let end = if frame.is_empty() { "\n" } else { " with --frames 0\n" };
+        assert!(file.starts_with("refuge/rt-cli-") && after.starts_with(end), "{run:?}");
+        fs::create_dir(place.path("saved")).expect("created");
+        let resumed = place.succeed(&format!("{command} --resume --checkpoint {file} {frame}"));
+        assert!(resumed.stdout.contains(&format!("note: continues from {file}")), "{resumed:?}");
+        assert_eq!(place.read(&output.replace("##", "00")), whole.read("scene.exr"), "{output}");
+    }
+}
+
+#[test]
 #[cfg(target_os = "linux")]
 fn an_image_for_a_full_disk_goes_to_the_fallback() {
     spoil_the_disk(
