@@ -10,6 +10,7 @@ use rt_render::{
     Crop, FirstHitLayer, Part, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Share, StopRule, Stopped,
 };
 use rt_scene_io::Scene;
+use serde_json::Value;
 
 use crate::aov_file::AovFile;
 use crate::artifact_error::{ArtifactError, ArtifactKind};
@@ -220,6 +221,14 @@ impl Job<'_> {
             ("spp", rendering.samples_per_pixel.mean.to_string()),
             ("seed", settings.seed.to_string()),
         ];
+        let layers = self.output.layers();
+        if layers.contains(&FirstHitLayer::ObjectId) {
+            attributes.push(("objects", numbered_names(plan.object_names())));
+        }
+        if layers.contains(&FirstHitLayer::MaterialId) {
+            let names = self.scene.appearance.materials.iter().map(|material| material.name.clone());
+            attributes.push(("materials", numbered_names(names)));
+        }
         let identity = self.checkpoint.as_ref().map(|options| ("sceneHash", options.identity.to_string()));
         attributes.extend(identity);
         attributes
@@ -400,4 +409,10 @@ impl Job<'_> {
         self.console.warn(damaged);
         Ok(())
     }
+}
+
+/// Names by number as JSON. Numbers begin at 1; 0 is where nothing is hit.
+fn numbered_names(names: impl IntoIterator<Item = String>) -> String {
+    let named = names.into_iter().map(Value::String);
+    Value::Array(core::iter::once(Value::Null).chain(named).collect()).to_string()
 }

@@ -95,26 +95,25 @@ pub(crate) fn group_of<'s>(scene: &'s Scene, node: &SceneNode, id: GroupId) -> R
     })
 }
 
-/// Name of the node of a shape, by the index of the shape in the order of [`Flattener::collect`].
+/// Names of the nodes of all shapes, in the order of [`Flattener::collect`].
 ///
 /// The scene must have no meshes, and all of its groups must be dissolved.
-pub(crate) fn name_of_shape(scene: &Scene, index: u32) -> Option<&str> {
-    let mut shapes_before = index;
+pub(crate) fn names_of_shapes(scene: &Scene) -> impl Iterator<Item = &str> {
     let mut open = vec![scene.nodes.iter()];
-    while let Some(nodes) = open.last_mut() {
-        let Some(node) = nodes.next() else {
-            open.pop();
-            continue;
-        };
-        open.push(node.children.iter());
-        match node.content {
-            Some(Content::Shape(_)) if shapes_before == 0 => return Some(&node.name),
-            Some(Content::Shape(_)) => shapes_before -= 1,
-            Some(Content::Instance(id)) => open.push(scene.groups.get(id.0 as usize)?.nodes.iter()),
-            Some(Content::Mesh(_)) | None => {}
+    core::iter::from_fn(move || {
+        loop {
+            let Some(node) = open.last_mut()?.next() else {
+                open.pop();
+                continue;
+            };
+            open.push(node.children.iter());
+            match node.content {
+                Some(Content::Shape(_)) => return Some(node.name.as_str()),
+                Some(Content::Instance(id)) => open.push(scene.groups.get(id.0 as usize)?.nodes.iter()),
+                Some(Content::Mesh(_)) | None => {}
+            }
         }
-    }
-    None
+    })
 }
 
 /// Position of the traversal.

@@ -40,7 +40,8 @@ impl RenderPlan<'_> {
         match &self.scene.world {
             World::Spheres(world, structure) => {
                 let name = |hit: &Hit| {
-                    flatten::name_of_shape(self.scene.source, hit.primitive).map(|name| vec![name.to_owned()])
+                    let mut names = flatten::names_of_shapes(self.scene.source);
+                    names.nth(hit.primitive as usize).map(|name| vec![name.to_owned()])
                 };
                 self.pick_in(world, structure, &ray, name)
             }
@@ -49,6 +50,27 @@ impl RenderPlan<'_> {
                 self.pick_in(&world, &top.structure, &ray, |hit| world.names_at(hit))
             }
         }
+    }
+
+    /// Names of all objects, in the order of their numbers in [`FirstHitLayer::ObjectId`](crate::FirstHitLayer::ObjectId), which
+    /// begin at 1. The name of a number without an object is empty.
+    pub fn object_names(&self) -> Vec<String> {
+        let (top, levels) = match &self.scene.world {
+            World::Spheres(..) => {
+                return flatten::names_of_shapes(self.scene.source).map(str::to_owned).collect();
+            }
+            World::Instances(top, levels) => (top, levels),
+        };
+        let mut names = Vec::new();
+        let all = core::iter::once(top).chain(&levels.groups).flat_map(|aggregate| &aggregate.instances);
+        for instance in all.filter(|instance| instance.geometry.group().is_none()) {
+            let id = instance.object_id as usize;
+            if names.len() <= id {
+                names.resize(id + 1, String::new());
+            }
+            names[id] = instance.name.to_string();
+        }
+        names
     }
 
     fn pick_in<W: ShadedPrimitives>(

@@ -11,6 +11,10 @@ const CHANNELS: &str = "R, G, B, albedo.R, albedo.G, albedo.B, coverage.V, depth
     geometric_normal.X, geometric_normal.Y, geometric_normal.Z, instance_id.V, material_id.V, normal.X, normal.Y, normal.Z, \
     object_id.V, position.X, position.Y, position.Z, roughness.V, samples.V, stderr.R, stderr.G, stderr.B, uv.U, uv.V";
 
+/// Names by number, as OpenImageIO prints them.
+const OBJECTS: &str = r#"objects: "[null,"ball"]""#;
+const MATERIALS: &str = r#"materials: "[null,"red"]""#;
+
 #[test]
 fn layers_leave_the_image_alone_and_hold_it() {
     let place = Workplace::with_scene();
@@ -35,7 +39,7 @@ fn open_image_io_reads_names_values_and_attributes() {
         "s.ron",
         "(camera: (look_from: (0, 0, 5), look_at: (0, 0, 0)), film: (size: (9, 9)),
           materials: {\"red\": diffuse(albedo: (0.75, 0.25, 0))},
-          nodes: [(shape: sphere(), material: \"red\")])",
+          nodes: [(name: \"ball\", shape: sphere(), material: \"red\")])",
     );
     place.succeed("render s.ron --spp 4 --passes 2 --sampler jittered --seed 7 -o a.exr --aov all=layers.exr");
     let oiio = |arguments: &[&str]| {
@@ -46,7 +50,9 @@ fn open_image_io_reads_names_values_and_attributes() {
     let info = oiio(&["--info", "-v", "layers.exr"]);
     assert!(info.contains("9 x    9, 30 channel, float openexr"), "{info}");
     assert!(info.contains(&format!("channel list: {CHANNELS}\n")), "{info}");
-    for attribute in ["renderer: \"rt ", "scene: \"s\"", "seed: \"7\"", "spp: \"8\"", "sceneHash: \""] {
+    for attribute in
+        ["renderer: \"rt ", "scene: \"s\"", "seed: \"7\"", "spp: \"8\"", "sceneHash: \"", OBJECTS, MATERIALS]
+    {
         assert!(info.contains(attribute), "{attribute}: {info}");
     }
     let channels = "depth.Z,albedo.R,albedo.G,material_id.V";
