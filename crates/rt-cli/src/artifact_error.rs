@@ -22,6 +22,8 @@ pub(crate) enum ArtifactError {
     NotAFile(PathBuf),
     #[error("{}: {cause}", file.display())]
     Memory { file: PathBuf, cause: MemoryError },
+    #[error("{}: another render uses this checkpoint; wait for its end, or choose another --checkpoint", .0.display())]
+    InUse(PathBuf),
     /// The hash is right, and a value is not.
     #[error("{}: is not a valid {kind}: {reason}", file.display())]
     Content { file: PathBuf, kind: ArtifactKind, reason: String },

@@ -1,6 +1,6 @@
 //! Checkpoints: periodic snapshots of an unfinished render.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -53,25 +53,29 @@ pub(crate) struct Checkpointer {
     last: Instant,
     console: Console,
     has_warned: bool,
+    /// The checkpoint on disk, open and locked, so that no other render uses it. Only on Unix: elsewhere, open files cannot be
+    /// replaced.
+    held: Option<File>,
 }
 
 impl Checkpointer {
     pub(crate) fn new(file: &Path, options: &CheckpointOptions, label: Label, console: Console) -> Self {
         let interval = options.interval;
-        Self { file: file.to_owned(), interval, label, last: Instant::now(), console, has_warned: false }
+        Self { file: file.to_owned(), interval, label, last: Instant::now(), console, has_warned: false, held: None }
     }
 
     /// Reads the checkpoint of an earlier run to continue, within `memory` bytes. A checkpoint of another image, or an unusable one,
     /// is moved aside with a note.
     ///
     /// # Errors
-    /// [`CliError`] if the file is not a checkpoint, or cannot be continued. Also if it is of this image, and neither `--resume`
-    /// nor `--restart` is given.
+    /// [`CliError`] if the file is not a checkpoint, is in use by another render, or cannot be continued. Also if it is of this
+    /// image, and neither `--resume` nor `--restart` is given.
     pub(crate) fn earlier(
-        &self,
+        &mut self,
         options: &CheckpointOptions,
         memory: Option<u64>,
     ) -> Result<Option<Checkpoint>, CliError> {
+        self.held = self.lock()?;
         let unusable = match checkpoint_file::label(&self.file, ArtifactKind::Checkpoint) {
             Ok(None) => return Ok(None),
             Ok(Some(label)) if label.identity == self.label.identity && !(options.resume || options.restart) => {
@@ -144,12 +148,33 @@ impl Checkpointer {
         self.last = Instant::now();
     }
 
-    fn write(&self, kept: &Kept<'_>) -> Result<(), String> {
-        output::write_over_link(&self.file, |file| checkpoint_file::write(file, &self.label, kept))
+    fn write(&mut self, kept: &Kept<'_>) -> Result<(), String> {
+        if self.held.is_none() {
+            self.lock().map_err(|error| error.to_string())?;
+        }
+        let file = output::write_over_link(&self.file, |file| checkpoint_file::write(file, &self.label, kept))?;
+        self.held = cfg!(unix).then_some(file);
+        Ok(())
+    }
+
+    /// Locks the file on disk, if there is one.
+    ///
+    /// # Errors
+    /// [`ArtifactError::InUse`] if another render holds the lock. Systems without locks give none.
+    fn lock(&self) -> Result<Option<File>, ArtifactError> {
+        // Opening a pipe would block.
+        if !cfg!(unix) || !self.file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+            return Ok(None);
+        }
+        let Ok(file) = File::open(&self.file) else { return Ok(None) };
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => Err(ArtifactError::InUse(self.file.clone())),
+            _ => Ok(Some(file)),
+        }
     }
 
     /// Writes the last checkpoint, if need be to a fallback directory.
-    pub(crate) fn write_last(&self, kept: &Kept<'_>, fallback_dirs: &[PathBuf]) -> Result<SavedCheckpoint, String> {
+    pub(crate) fn write_last(&mut self, kept: &Kept<'_>, fallback_dirs: &[PathBuf]) -> Result<SavedCheckpoint, String> {
         let Err(reason) = self.write(kept) else {
             return Ok(SavedCheckpoint { file: self.file.clone(), is_elsewhere: false });
         };
@@ -160,7 +185,10 @@ impl Checkpointer {
 
     /// Removes the checkpoint of a finished render. A failure is harmless: `--resume` would find all tiles finished.
     pub(crate) fn remove(&self) {
-        let _ = fs::remove_file(&self.file);
+        // Otherwise the file, if there is one, is that of another render.
+        if self.held.is_some() || !cfg!(unix) {
+            let _ = fs::remove_file(&self.file);
+        }
     }
 }
 

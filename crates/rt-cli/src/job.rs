@@ -378,7 +378,7 @@ impl Job<'_> {
         if let (Some(options), Some(label)) = (&self.checkpoint, self.label(ArtifactKind::Checkpoint))
             && let Some(file) = &options.file
         {
-            let writer = Checkpointer::new(file, options, label, self.console);
+            let mut writer = Checkpointer::new(file, options, label, self.console);
             earlier = writer.earlier(options, self.options.memory)?;
             if let Some(earlier) = &earlier {
                 if !plan.accepts(earlier, &run, self.rule.as_ref()) {

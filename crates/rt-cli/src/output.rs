@@ -135,7 +135,7 @@ impl OutputFile {
         content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
     ) -> Result<(), OutputError> {
         let written = match self.destination {
-            Destination::File => write_atomically(&self.target, &self.folder, content),
+            Destination::File => write_atomically(&self.target, &self.folder, content).map(drop),
             Destination::Stdout => write_to_stdout(content),
             Destination::Null => anonymous(content).map(drop),
         };
@@ -217,11 +217,12 @@ fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -
     }
 }
 
-/// Writes a file atomically; a link of its name is replaced, not followed.
+/// Writes a file atomically; a link of its name is replaced, not followed. Returns the file, which is locked where the system
+/// has locks.
 pub(crate) fn write_over_link<E: Display>(
     target: &Path,
     content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
-) -> Result<(), String> {
+) -> Result<File, String> {
     write_atomically(target, folder_of(target), content)
 }
 
@@ -266,12 +267,12 @@ fn write_atomically<E: Display>(
     target: &Path,
     folder: &Path,
     content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
-) -> Result<(), String> {
+) -> Result<File, String> {
     let mut file = temporary_file(folder, target).map_err(|error| error.to_string())?;
     fill(&mut file, content)?;
-    replace(target, file).map_err(|error| error.to_string())?;
+    let file = replace(target, file).map_err(|error| error.to_string())?;
     sync_folder(folder);
-    Ok(())
+    Ok(file)
 }
 
 /// Synchronises a directory. Some systems refuse that, which is harmless: the file itself is complete.
@@ -280,13 +281,12 @@ fn sync_folder(folder: &Path) {
 }
 
 /// Renames a finished file over an older one, and keeps its permissions.
-fn replace(target: &Path, file: NamedTempFile) -> io::Result<()> {
+fn replace(target: &Path, file: NamedTempFile) -> io::Result<File> {
     if let Some(older) = fs::symlink_metadata(target).ok().filter(fs::Metadata::is_file) {
         file.as_file().set_permissions(older.permissions())?;
     }
     file.as_file().sync_all()?;
-    file.persist(target)?;
-    Ok(())
+    Ok(file.persist(target)?)
 }
 
 /// Extension of unfinished files.

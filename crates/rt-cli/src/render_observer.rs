@@ -44,6 +44,6 @@ impl Observer for &mut RenderObserver {
     }
 
     fn unfinished(&mut self, kept: &Kept<'_>) {
-        self.kept = self.checkpointer.as_ref().map(|checkpointer| checkpointer.write_last(kept, &self.fallback_dirs));
+        self.kept = self.checkpointer.as_mut().map(|checkpointer| checkpointer.write_last(kept, &self.fallback_dirs));
     }
 }
