@@ -81,12 +81,7 @@ impl Ggx {
 
     /// Normal that is visible from `wo` (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023).
     pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
-        self.sample_at(wo, transcendental::sincos(TAU * u[0]), u[1])
-    }
-
-    /// [`Ggx::sample`] for a given sine and cosine of the azimuth.
-    pub(super) fn sample_at(&self, wo: DVec3, sincos: (f64, f64), u: f64) -> DVec3 {
-        visible_normal([self.along_x, self.alpha], wo.into(), sincos, u).into()
+        visible_normal([self.along_x, self.alpha], wo.into(), transcendental::sincos(TAU * u[0]), u[1]).into()
     }
 
     /// D·G₂ / (4 cos cos): the BRDF of perfectly reflecting microfacets for two directions with half vector `m`.
@@ -132,7 +127,7 @@ impl<R: Real> IsotropicGgx<R> {
 
 /// Normal that is visible from `wo`, given α along x and y, sine and cosine of the azimuth, and a number in \[0, 1\].
 #[inline(always)]
-fn visible_normal<R: Real>(alpha: [R; 2], wo: Vector3<R>, (sin_phi, cos_phi): (R, R), u: R) -> Vector3<R> {
+pub(super) fn visible_normal<R: Real>(alpha: [R; 2], wo: Vector3<R>, (sin_phi, cos_phi): (R, R), u: R) -> Vector3<R> {
     let (zero, one) = (u.splat(0.0), u.splat(1.0));
     // The stretched surface is a hemisphere, of which the visible normals reflect to a spherical cap.
     let wo = normalize_or_up(Vector3::new(alpha[0] * wo.x, alpha[1] * wo.y, wo.z));

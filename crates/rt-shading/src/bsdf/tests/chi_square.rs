@@ -24,8 +24,8 @@ pub(super) fn chi_square(
     pdf: impl Fn(DVec3) -> f64,
     sample: impl Fn([f64; 3]) -> Option<BsdfSample>,
 ) -> Outcome {
-    // A part of a cell may be wrong by 0.04 of the samples.
-    let integrals = sphere.integrals_within(1e-6, 1, pdf);
+    // A part of a cell may be wrong by 0.4 of the samples.
+    let integrals = sphere.integrals_within(1e-5, 1, pdf);
     let total: f64 = integrals.iter().sum();
     let mut counts = vec![0.0; CELLS];
     let mut rest = 0.0;

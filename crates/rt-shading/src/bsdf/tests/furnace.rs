@@ -3,7 +3,7 @@
 
 use super::*;
 
-const SAMPLES: u64 = 40_000;
+const SAMPLES: u64 = 20_000;
 
 /// Mean and standard error of what a surface reflects and transmits of the furnace's light.
 struct Brightness {
