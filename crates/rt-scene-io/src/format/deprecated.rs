@@ -48,10 +48,26 @@ fn choice_after(text: &str, key: usize) -> (usize, &str) {
     (text.len() - value.len(), &value[..end])
 }
 
+/// True if the word occurs before or after a colon, or next to a comment, and not only as part of a longer word.
+fn has_word(text: &str, word: &str) -> bool {
+    let is_mark = |byte: u8| matches!(byte, b':' | b'/');
+    text.match_indices(word).any(|(start, _)| {
+        let (before, after) = (&text.as_bytes()[..start], &text.as_bytes()[start + word.len()..]);
+        let is_part = |byte: Option<&u8>| byte.is_some_and(|&byte| byte.is_ascii_alphanumeric() || byte == b'_');
+        let is_blank = |byte: &&u8| byte.is_ascii_whitespace() || **byte == b'"';
+        let next = after.iter().find(|byte| !is_blank(byte));
+        let last = before.iter().rfind(|byte| !is_blank(byte));
+        !is_part(before.last())
+            && !is_part(after.first())
+            && [last, next].into_iter().flatten().any(|&byte| is_mark(byte))
+    })
+}
+
 /// One warning per deprecated spelling in the sound text of a scene. `file` is named in them.
 pub(super) fn warnings(text: &str, file: &str) -> Vec<Warning> {
     let mut found: [Option<(usize, usize)>; DEPRECATED.len()] = [None; DEPRECATED.len()];
-    if !DEPRECATED.iter().any(|spelling| text.contains(spelling.old)) {
+    // Most scenes have none, and a search is faster than the scanner.
+    if !DEPRECATED.iter().any(|spelling| has_word(text, spelling.old)) {
         return Vec::new();
     }
     Cursor::walk(text, text.len(), |cursor, name, at| {
@@ -139,6 +155,17 @@ mod tests {
             assert_eq!(SceneFile { warnings: Vec::new(), ..read }, present);
             let json = format!(r#"{{"nodes": [], "settings": {{"{field}" : "{old}"}}}}"#);
             assert_eq!(parse_json(&json, Path::new("s.json")).expect("a scene").warnings.len(), 1);
+        }
+    }
+
+    #[test]
+    fn parts_of_words_are_no_words() {
+        use super::has_word;
+        for text in ["(depth: 3)", "{\"depth\" : 3}", "integrator:depth,", "depth/* c */: 3"] {
+            assert!(has_word(text, "depth"), "{text}");
+        }
+        for text in ["max_depth: 3", "depths: 3", "(\"depth\", 3)", "depth of field, (fov: 3)", ""] {
+            assert!(!has_word(text, "depth"), "{text}");
         }
     }
 
