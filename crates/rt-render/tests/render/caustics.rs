@@ -64,7 +64,7 @@ fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<SceneNode>, lig
         film: FilmSettings { width: 16, height: 16, ..FilmSettings::default() },
         settings: RenderSettings {
             integrator: Integrator::Caustics,
-            spp: 4 << 10,
+            spp: 1 << 10,
             passes: Some(16),
             ..RenderSettings::default()
         },
@@ -193,6 +193,10 @@ fn a_flat_mirror_reflects_each_kind_of_light() {
         let mut scene = scene(camera, materials.clone(), nodes.clone(), vec![light(kind)]);
         // Exclude interreflection between ceiling and mirror.
         scene.settings.depth = 1;
+        // Few of its paths meet the ceiling.
+        if what == "sun" {
+            scene.settings.spp *= 4;
+        }
         assert_shows(&scene, 2.0, truth, what);
     }
 }
@@ -232,7 +236,7 @@ fn comparable() -> Scene {
     ];
     let mut scene = scene(camera, materials, nodes(&contents), vec![]);
     scene.appearance.background = Background::Constant(Rgb::gray(0.05));
-    scene.settings = RenderSettings { spp: 2048, passes: Some(16), depth: 7, ..scene.settings };
+    scene.settings = RenderSettings { spp: 1024, passes: Some(16), depth: 7, ..scene.settings };
     (scene.film.width, scene.film.height) = (24, 16);
     scene.meshes = everything().meshes;
     if let Some(sheet) = scene.nodes.last_mut() {
@@ -276,7 +280,7 @@ fn caustics_agree_with_path_tracing() {
     );
     // The test is meaningful only if much of the light arrives by caustics.
     let mut direct = caustics.clone();
-    direct.settings.depth = 1;
+    (direct.settings.depth, direct.settings.spp) = (1, 256);
     let (blocks, whole) = scores(&render(&direct), &one);
     assert!(largest(&blocks) > 20.0 && whole.abs() > 20.0, "{blocks:.1?}, all {whole:.1}");
 }
@@ -290,9 +294,8 @@ fn small() -> Scene {
 
 #[test]
 fn threads_structures_and_trimming_change_no_bit() {
-    for mut scene in [small(), comparable()] {
-        scene.settings.spp = 8;
-        scene.settings.passes = Some(2);
+    for (turn, mut scene) in [small(), comparable()].into_iter().enumerate() {
+        (scene.settings.spp, scene.settings.passes) = (4, Some(2));
         let render = |scene: &Scene, plan: PlanOptions, threads| {
             let run = RunOptions { threads, count: true, ..RunOptions::default() };
             RenderPlan::compile(scene, &plan).expect("compiles").render(&run, |_| {}).expect("threads start")
@@ -304,7 +307,7 @@ fn threads_structures_and_trimming_change_no_bit() {
         let many = render(&scene, PlanOptions::default(), 3);
         assert_eq!((&one.film, one.statistics.counters), (&many.film, many.statistics.counters), "threads");
         assert_eq!(one.film, render(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 2).film, "trimming");
-        for accel in [Accel::Linear, Accel::Grid, Accel::Bvh, Accel::Kd] {
+        for &accel in &[Accel::Linear, Accel::Grid, Accel::Bvh, Accel::Kd][2 * turn..][..2] {
             scene.settings.accel = accel;
             assert_eq!(one.film, film(&scene), "{accel:?}");
         }

@@ -55,6 +55,7 @@ fn drink() -> Scene {
 #[test]
 fn trimming_threads_and_structures_do_not_change_nested_glass() {
     let mut scene = drink();
+    scene.settings.spp = 1;
     let image = film(&scene);
     let full = PlanOptions { full: true, ..PlanOptions::default() };
     assert_same(&image, &film_with(&scene, full, 0), "full plan");
