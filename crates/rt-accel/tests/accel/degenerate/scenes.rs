@@ -166,7 +166,7 @@ fn a_teapot_in_a_stadium_costs_the_tree_little() {
     let mut draw = Draw::new(4);
     let stadium = Aabb::new(DVec3::splat(-5e5), DVec3::splat(5e5));
     let mut soup = Soup(vec![Solid::Box(stadium)]);
-    for _ in 0..100_000 {
+    for _ in 0..20_000 {
         let corner = draw.point();
         soup.0.push(Solid::Box(Aabb::new(corner, corner + 1e-3)));
     }
@@ -186,7 +186,7 @@ fn trees_over_powers_of_two_stay_shallow() {
     let at = |x: f64| Solid::Box(Aabb::new(DVec3::new(x, 0.0, 0.0), DVec3::new(x, 1e-3 * x.abs(), 0.0)));
     let one_sided = Soup((0..1075).map(|i| at(exp2(-i))).collect());
     // Around the centre of the tree all of f32's exponents are there to split by, and each place is crowded.
-    let two_sided = Soup((-140..120).flat_map(|i| [exp2(i), -exp2(i)]).flat_map(|x| [at(x); 100]).collect());
+    let two_sided = Soup((-140..120).flat_map(|i| [exp2(i), -exp2(i)]).flat_map(|x| [at(x); 50]).collect());
     for (soup, min_depth) in [(one_sided, 10), (two_sided, 45)] {
         let all = Structures::build(&soup);
         let depth = all.bvh().build_stats().max_depth;
@@ -222,7 +222,7 @@ fn unbounded_primitives_are_found_behind_and_before_others() {
 fn culling_is_as_good_far_from_the_origin_as_at_it() {
     for offset in [0.0, 1e3, 1e5, 1e7] {
         let offset = DVec3::new(1.0, -0.7, 0.3) * offset;
-        let soup = Soup::spheres(20_000, &mut Draw::new(8)).moved(offset);
+        let soup = Soup::spheres(5000, &mut Draw::new(8)).moved(offset);
         let all = Structures::build(&soup);
         let rays = rays_at(&Aabb::new(offset - 1.0, offset + 1.0), 200);
         for ray in &rays {
