@@ -140,8 +140,8 @@ fn enclosure() -> Fallible<TestImage> {
 /// Images of one pixel, which alone controls the stopping, and of many pixels that share it. With stopping per pixel,
 /// the bias must be detected.
 fn bias(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
-    let small = conditions.count(300, 40_000);
-    let large = conditions.count(8, 1500);
+    let small = conditions.count(200, 40_000);
+    let large = conditions.count(5, 1500);
     let by_pixel = conditions.count(1500, 40_000);
     let corner = coverage::half_plane(0.0, 0.1)?;
     let edge = coverage::half_plane(0.3, 0.2)?;
@@ -182,7 +182,7 @@ fn bias(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 
 /// The true relative error of a room, of which each pixel shows 2, lies within the interval of the estimate, and at the target.
 fn reached(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
-    let seeds = conditions.count(40, 2000);
+    let seeds = conditions.count(20, 2000);
     let enclosure = enclosure()?;
     let (mut covered, mut tried) = (0.0, 0.0);
     for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
