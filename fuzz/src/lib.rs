@@ -111,8 +111,8 @@ pub fn go_on(checkpoint: &Checkpoint) {
         for maps in [false, true] {
             let run = RunOptions { threads: 1, maps, ..RunOptions::default() };
             for rule in [None, Some(&growing)] {
-                if let Ok(part) = plan.render_part(&run, rule, Some(checkpoint.clone()), |_| {}) {
-                    let rendering = part.into_rendering();
+                if let Ok(shard) = plan.render_shard(&run, rule, Some(checkpoint.clone()), |_| {}) {
+                    let rendering = shard.into_rendering();
                     assert!(rendering.statistics.samples >= checkpoint.samples(), "counts never fall");
                 }
             }

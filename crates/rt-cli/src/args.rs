@@ -79,7 +79,7 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     /// Tone-map a linear image: exposure, tone curve, gamma
     Develop(DevelopArgs),
-    /// Join the parts of an image rendered with --shard
+    /// Merge the shards of an image rendered with --shard
     #[command(long_about = merge::MERGE_HELP)]
     Merge(MergeArgs),
     /// Measure the difference from a reference image: errors, PSNR, SSIM, FLIP, heat map

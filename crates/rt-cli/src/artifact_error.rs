@@ -1,4 +1,4 @@
-//! Errors of checkpoints and parts.
+//! Errors of checkpoints and shards.
 
 use std::io;
 use std::path::PathBuf;
@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 pub(crate) enum ArtifactKind {
     /// State of an unfinished render.
     Checkpoint,
-    /// Finished share of an image.
-    Part,
+    /// Finished shard of an image.
+    Shard,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -46,7 +46,7 @@ impl core::fmt::Display for ArtifactKind {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Checkpoint => "checkpoint",
-            Self::Part => "part of an image",
+            Self::Shard => "part of an image",
         })
     }
 }

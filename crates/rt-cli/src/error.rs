@@ -58,7 +58,7 @@ pub(crate) enum CliError {
     Outputs(Vec<OutputError>),
     #[error(transparent)]
     Artifact(#[from] ArtifactError),
-    /// The parts do not make an image.
+    /// The shards do not make an image.
     #[error("{0}; nothing was written")]
     Join(String),
     #[error("interrupted after {after}; {}{}", saved(.image.as_deref()), resumption(.checkpoint))]
@@ -109,7 +109,7 @@ impl CliError {
             | RenderError::AdaptiveLens
             | RenderError::AdaptiveMotion
             | RenderError::AdaptiveUntil
-            | RenderError::SharedUntil => Self::Usage(source.to_string()),
+            | RenderError::ShardWithStopRule => Self::Usage(source.to_string()),
             source => Self::Plan { file: file.to_owned(), source },
         }
     }

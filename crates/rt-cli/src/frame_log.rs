@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use rt_render::Share;
+use rt_render::ShardSpec;
 
 use crate::args::Frames;
 use crate::artifact_error::ArtifactError;
@@ -36,7 +36,7 @@ impl FrameLog {
     ///
     /// # Errors
     /// [`CliError`] if the log cannot be written, or is not a log.
-    pub(crate) fn open(pattern: &Path, shard: Option<Share>, own: Frames, resume: bool) -> Result<Self, CliError> {
+    pub(crate) fn open(pattern: &Path, shard: Option<ShardSpec>, own: Frames, resume: bool) -> Result<Self, CliError> {
         let output = OutputFile::prepare_over_link(&log_path(pattern, shard), &[])?;
         let DoneFrames { frames } = read(output.path())?;
         let (stale, frames) = frames.into_iter().partition(|(frame, _)| !resume && own.contains(*frame));
@@ -130,11 +130,11 @@ const fn lock(_path: &Path) -> Option<File> {
 }
 
 /// Name pattern with `.frames.json` appended.
-fn log_path(pattern: &Path, shard: Option<Share>) -> PathBuf {
+fn log_path(pattern: &Path, shard: Option<ShardSpec>) -> PathBuf {
     let mut name = pattern.as_os_str().to_owned();
     match shard {
         None => name.push(".frames.json"),
-        Some(share) => name.push(format!(".frames.{}-of-{}.json", share.index() + 1, share.count())),
+        Some(spec) => name.push(format!(".frames.{}-of-{}.json", spec.index() + 1, spec.count())),
     }
     PathBuf::from(name)
 }

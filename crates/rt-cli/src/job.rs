@@ -7,15 +7,16 @@ use std::time::Instant;
 use rt_camera::FilmSettings;
 use rt_image::{ImageFormat, write_image};
 use rt_render::{
-    Crop, FirstHitLayer, Part, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Share, StopRule, Stopped,
+    Crop, FirstHitLayer, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Shard, ShardSpec, StopRule,
+    Stopped,
 };
 use rt_scene_io::Scene;
 use serde_json::Value;
 
 use crate::aov_file::AovFile;
 use crate::artifact_error::{ArtifactError, ArtifactKind};
-use crate::checkpoint::{CheckpointOptions, Checkpointer};
-use crate::checkpoint_file::{self, Label};
+use crate::checkpoint_format::{self, Label};
+use crate::checkpointer::{CheckpointOptions, Checkpointer};
 use crate::console::Console;
 use crate::display::Display;
 use crate::error::CliError;
@@ -56,21 +57,21 @@ pub(crate) enum JobOutput {
         file: OutputFile,
         aovs: Vec<AovFile>,
     },
-    /// Share of an image.
-    Part(OutputFile),
+    /// Shard of an image.
+    Shard(OutputFile),
 }
 
 impl JobOutput {
     pub(crate) const fn file(&self) -> &OutputFile {
         match self {
-            Self::Image { file, .. } | Self::Part(file) => file,
+            Self::Image { file, .. } | Self::Shard(file) => file,
         }
     }
 
     fn aovs(&self) -> &[AovFile] {
         match self {
             Self::Image { aovs, .. } => aovs,
-            Self::Part(_) => &[],
+            Self::Shard(_) => &[],
         }
     }
 
@@ -85,9 +86,9 @@ impl JobOutput {
         layers
     }
 
-    /// True if standard errors and sample counts are kept. `merge` may ask for those of a part.
+    /// True if standard errors and sample counts are kept. `merge` may ask for those of a shard.
     fn needs_maps(&self) -> bool {
-        matches!(self, Self::Part(_)) || self.aovs().iter().any(AovFile::needs_maps)
+        matches!(self, Self::Shard(_)) || self.aovs().iter().any(AovFile::needs_maps)
     }
 }
 
@@ -95,8 +96,8 @@ impl Job<'_> {
     /// Renders, writes the image and the statistics, and reports.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         if self.is_done()? {
-            let part = self.output.file().path().display();
-            return self.console.println(format_args!("{part} exists and is finished"));
+            let shard = self.output.file().path().display();
+            return self.console.println(format_args!("{shard} exists and is finished"));
         }
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
@@ -113,13 +114,13 @@ impl Job<'_> {
         if signals::is_interrupted() {
             return Err(CliError::interrupted_at_once());
         }
-        let (part, observer) = self.render(&plan, &fallback_dirs, display, &guard)?;
+        let (shard, observer) = self.render(&plan, &fallback_dirs, display, &guard)?;
         let RenderObserver { checkpointer, kept, display, .. } = observer;
         let written = Instant::now();
-        let (stopped, missing_tiles) = (part.stopped(), part.missing_tiles());
+        let (stopped, missing_tiles) = (shard.stopped(), shard.missing_tiles());
         let is_written = matches!(self.output, JobOutput::Image { .. }) || missing_tiles == 0;
-        let mut results = vec![self.write_part(&part, &fallback_dirs)];
-        let mut rendering = part.into_rendering();
+        let mut results = vec![self.write_shard(&shard, &fallback_dirs)];
+        let mut rendering = shard.into_rendering();
         results.extend(self.write_images(&plan, &mut rendering, &fallback_dirs));
         if let Some(display) = display {
             display.finish(&rendering.film);
@@ -179,10 +180,10 @@ impl Job<'_> {
         }
     }
 
-    fn write_part(&self, part: &Part, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
-        match (&self.output, self.label(ArtifactKind::Part)) {
-            (JobOutput::Part(file), Some(label)) if part.missing_tiles() == 0 => {
-                file.write_with_fallback(fallback_dirs, |file| checkpoint_file::write(file, &label, part))
+    fn write_shard(&self, shard: &Shard, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
+        match (&self.output, self.label(ArtifactKind::Shard)) {
+            (JobOutput::Shard(file), Some(label)) if shard.missing_tiles() == 0 => {
+                file.write_with_fallback(fallback_dirs, |file| checkpoint_format::write(file, &label, shard))
             }
             _ => Ok(()),
         }
@@ -234,17 +235,17 @@ impl Job<'_> {
         attributes
     }
 
-    /// True if the part exists already: finished, and of this image.
+    /// True if the shard exists already: finished, and of this image.
     fn is_done(&self) -> Result<bool, CliError> {
-        let (JobOutput::Part(output), Some(options)) = (&self.output, &self.checkpoint) else {
+        let (JobOutput::Shard(output), Some(options)) = (&self.output, &self.checkpoint) else {
             return Ok(false);
         };
         if !options.resume || !output.path().exists() {
             return Ok(false);
         }
-        let (label, part) = checkpoint_file::read::<Part>(output.path(), ArtifactKind::Part, self.options.memory)?;
-        if label.identity != options.identity || Some(part.share()) != options.share {
-            // A checkpoint of this part is newer than the older part.
+        let (label, shard) = checkpoint_format::read::<Shard>(output.path(), ArtifactKind::Shard, self.options.memory)?;
+        if label.identity != options.identity || Some(shard.spec()) != options.shard {
+            // A checkpoint of this shard is newer than the older shard.
             if options.file.as_ref().is_some_and(|checkpoint| checkpoint.exists()) {
                 return Ok(false);
             }
@@ -252,7 +253,7 @@ impl Job<'_> {
             let file = output.path().to_owned();
             return Err(ArtifactError::Foreign { file, scene: label.scene, advice }.into());
         }
-        Ok(part.missing_tiles() == 0)
+        Ok(shard.missing_tiles() == 0)
     }
 
     fn label(&self, kind: ArtifactKind) -> Option<Label> {
@@ -262,7 +263,7 @@ impl Job<'_> {
 
     /// Percentage of the planned samples or, with a stop rule, samples per pixel.
     fn work_done(&self, plan: &RenderPlan<'_>, rendering: &Rendering) -> String {
-        let pixels = rendering.film.pixels().len() as f64 / f64::from(self.share().count());
+        let pixels = rendering.film.pixels().len() as f64 / f64::from(self.shard().count());
         let per_pixel = rendering.statistics.samples as f64 / pixels;
         match self.rule {
             Some(_) => format!("{per_pixel:.1} samples per pixel"),
@@ -273,8 +274,8 @@ impl Job<'_> {
         }
     }
 
-    fn share(&self) -> Share {
-        self.checkpoint.as_ref().and_then(|options| options.share).unwrap_or_default()
+    fn shard(&self) -> ShardSpec {
+        self.checkpoint.as_ref().and_then(|options| options.shard).unwrap_or_default()
     }
 
     /// Prints the output path, the cost, and the estimated error.
@@ -290,10 +291,10 @@ impl Job<'_> {
                     report::samples(rendering)
                 )
             }
-            JobOutput::Part(_) => {
-                let share = self.share();
-                let (number, count) = (share.index() + 1, share.count());
-                format!("{path} (part {number} of {count}; `merge` joins them)")
+            JobOutput::Shard(_) => {
+                let spec = self.shard();
+                let (number, count) = (spec.index() + 1, spec.count());
+                format!("{path} (shard {number} of {count}; `merge` combines them)")
             }
         };
         self.console.println(format_args!("wrote {what} {}", report::effort(outcome)))?;
@@ -364,13 +365,13 @@ impl Job<'_> {
         fallback_dirs: &[PathBuf],
         display: Option<Display>,
         guard: &SignalGuard,
-    ) -> Result<(Part, RenderObserver), CliError> {
+    ) -> Result<(Shard, RenderObserver), CliError> {
         let layers = self.output.layers();
         let run = RunOptions {
             threads: self.threads,
             count: self.stats.is_some(),
             maps: self.output.needs_maps(),
-            share: self.share(),
+            shard: self.shard(),
             interrupt: Some(guard.flag()),
             layers: &layers,
         };
@@ -391,10 +392,10 @@ impl Job<'_> {
         }
         let (quiet, fallback_dirs) = (self.console.quiet, fallback_dirs.to_vec());
         let mut observer = RenderObserver::new(quiet, earlier.as_ref(), checkpointer, fallback_dirs, display);
-        let part = plan.render_part(&run, self.rule.as_ref(), earlier, &mut observer);
+        let shard = plan.render_shard(&run, self.rule.as_ref(), earlier, &mut observer);
         observer.progress.finish();
-        let part = part.map_err(|error| CliError::plan(self.scene_file, error))?;
-        Ok((part, observer))
+        let shard = shard.map_err(|error| CliError::plan(self.scene_file, error))?;
+        Ok((shard, observer))
     }
 
     /// Warns of bad samples; an error with `--strict`.

@@ -13,7 +13,7 @@
 //! rt-cli view scene.ron                   interactive view in the browser
 //! rt-cli explain scene.ron                prints the render plan: used and removed features, with reasons
 //! rt-cli check scene.ron                  checks the numerical health of a scene
-//! rt-cli merge *.part -o image.exr        joins the parts of a distributed render
+//! rt-cli merge *.part -o image.exr        merges the shards of a distributed render
 //! rt-cli compare a.exr b.exr              measures the difference of two images
 //! rt-cli converge scene.ron --vary ...    measures error against run time
 //! rt-cli --help                           lists all commands
@@ -27,8 +27,8 @@
 mod aov_file;
 mod args;
 mod artifact_error;
-mod checkpoint;
-mod checkpoint_file;
+mod checkpoint_format;
+mod checkpointer;
 mod commands;
 mod console;
 #[cfg_attr(not(feature = "display"), path = "no_display.rs")]

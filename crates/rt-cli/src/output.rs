@@ -61,7 +61,7 @@ impl OutputFile {
         Self::prepare_target(path, followed(path)?, inputs)
     }
 
-    /// Version of [`Self::prepare`] that replaces links. For predictable names: checkpoints, parts and frame logs.
+    /// Version of [`Self::prepare`] that replaces links. For predictable names: checkpoints, shards and frame logs.
     pub(crate) fn prepare_over_link(path: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         Self::prepare_target(path, path.to_owned(), inputs)
     }

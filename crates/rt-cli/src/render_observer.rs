@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use rt_render::{Checkpoint, Kept, Observer, RenderSnapshot};
+use rt_render::{Checkpoint, CheckpointRef, Observer, RenderSnapshot};
 
-use crate::checkpoint::Checkpointer;
+use crate::checkpointer::Checkpointer;
 use crate::display::Display;
 use crate::progress::ProgressDisplay;
 use crate::saved_checkpoint::SavedCheckpoint;
@@ -43,7 +43,7 @@ impl Observer for &mut RenderObserver {
         }
     }
 
-    fn unfinished(&mut self, kept: &Kept<'_>) {
+    fn unfinished(&mut self, kept: &CheckpointRef<'_>) {
         self.kept = self.checkpointer.as_mut().map(|checkpointer| checkpointer.write_last(kept, &self.fallback_dirs));
     }
 }

@@ -20,7 +20,7 @@ pub(crate) struct Overrides<'a> {
     pub(crate) memory: Option<u64>,
     /// Keep sums of each pixel, for stop rules and per-pixel outputs.
     pub(crate) progressive: bool,
-    /// Keep maps of standard errors and sample counts, for parts.
+    /// Keep maps of standard errors and sample counts, for shards.
     pub(crate) maps: bool,
 }
 

@@ -3,7 +3,7 @@
 use rt_camera::{Camera, Projection};
 use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
-use rt_shading::{InteriorList, Material, Tracer};
+use rt_shading::{InteriorList, Material, SceneQueries};
 
 use crate::{
     frustum_cull::PrimaryTarget, instance::uses_material, tracer::SceneTracer, work_probe::WorkProbe, world::World,
@@ -50,7 +50,13 @@ impl CameraMedium {
     }
 
     /// Sets `interior` to the dielectrics around the origin of a camera ray.
-    pub(crate) fn find(&self, world: &mut impl Tracer, materials: &[Material], ray: &Ray, interior: &mut InteriorList) {
+    pub(crate) fn find(
+        &self,
+        world: &mut impl SceneQueries,
+        materials: &[Material],
+        ray: &Ray,
+        interior: &mut InteriorList,
+    ) {
         match self {
             Self::Constant(all) => interior.clone_from(all),
             Self::PerRay(bounds) => interior.find_enclosing_media_within(*bounds, world, materials, ray),

@@ -3,12 +3,12 @@
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, Kept, RenderError, Share, Statistics, StopRule, observer,
-    part::{FilmLayout, Part, decode_unchecked},
+    CheckpointRef, ContentError, RenderError, ShardSpec, Statistics, StopRule, observer,
     pass_state::PassState,
+    shard::{FilmLayout, Shard, decode_unchecked},
 };
 
-/// State of an unfinished render, deserialised from a [`Kept`](crate::Kept).
+/// State of an unfinished render, deserialised from a [`CheckpointRef`](crate::CheckpointRef).
 ///
 /// The caller must ensure that a render resumes with the same scene. This crate checks the image size and the options only.
 ///
@@ -18,7 +18,7 @@ pub struct Checkpoint(State);
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum State {
-    Tiles(#[serde(deserialize_with = "decode_unchecked")] Part),
+    Tiles(#[serde(deserialize_with = "decode_unchecked")] Shard),
     Passes(PassState),
 }
 
@@ -57,7 +57,7 @@ impl Checkpoint {
     /// [`ContentError`] for the first invalid number.
     pub fn validate(&self) -> Result<(), ContentError> {
         match &self.0 {
-            State::Tiles(part) => part.validate(),
+            State::Tiles(shard) => shard.validate(),
             State::Passes(state) => state.validate(),
         }
     }
@@ -65,7 +65,7 @@ impl Checkpoint {
     /// Camera samples taken so far.
     pub const fn samples(&self) -> u64 {
         match &self.0 {
-            State::Tiles(part) => part.statistics.samples,
+            State::Tiles(shard) => shard.statistics.samples,
             State::Passes(state) => state.statistics.samples,
         }
     }
@@ -73,31 +73,37 @@ impl Checkpoint {
     /// Rays traced so far, of all kinds.
     pub fn rays(&self) -> u64 {
         match &self.0 {
-            State::Tiles(part) => part.statistics.counters.total().rays,
+            State::Tiles(shard) => shard.statistics.counters.total().rays,
             State::Passes(state) => state.statistics.counters.total().rays,
         }
     }
 
-    /// True if a render of this layout, share and rule can resume from here.
-    pub(crate) fn fits(&self, layout: FilmLayout, share: Share, rule: Option<&StopRule>, pass_by_pass: bool) -> bool {
+    /// True if a render of this layout, shard and rule can resume from here.
+    pub(crate) fn fits(
+        &self,
+        layout: FilmLayout,
+        spec: ShardSpec,
+        rule: Option<&StopRule>,
+        pass_by_pass: bool,
+    ) -> bool {
         match &self.0 {
-            State::Tiles(part) => !pass_by_pass && part.fits(layout, share),
-            State::Passes(state) => pass_by_pass && state.fits(layout, share, rule),
+            State::Tiles(shard) => !pass_by_pass && shard.fits(layout, spec),
+            State::Passes(state) => pass_by_pass && state.fits(layout, spec, rule),
         }
     }
 
     /// Film of a render tile by tile: that of a matching checkpoint, or an empty one.
-    pub(crate) fn part_of(
+    pub(crate) fn shard_of(
         from: Option<Self>,
         layout: FilmLayout,
-        share: Share,
+        spec: ShardSpec,
         statistics: Statistics,
-    ) -> Result<Part, RenderError> {
+    ) -> Result<Shard, RenderError> {
         match from {
-            None => Ok(Part::empty(layout, share, statistics)),
-            Some(Self(State::Tiles(mut part))) if part.fits(layout, share) => {
-                part.statistics = part.statistics.continued(&statistics);
-                Ok(part)
+            None => Ok(Shard::empty(layout, spec, statistics)),
+            Some(Self(State::Tiles(mut shard))) if shard.fits(layout, spec) => {
+                shard.statistics = shard.statistics.continued(&statistics);
+                Ok(shard)
             }
             Some(_) => Err(RenderError::Checkpoint),
         }
@@ -107,13 +113,13 @@ impl Checkpoint {
     pub(crate) fn passes_of(
         from: Option<Self>,
         layout: FilmLayout,
-        share: Share,
+        spec: ShardSpec,
         rule: Option<&StopRule>,
         statistics: Statistics,
     ) -> Result<PassState, RenderError> {
         match from {
-            None => Ok(PassState::new(layout, share, rule, statistics)),
-            Some(Self(State::Passes(mut state))) if state.fits(layout, share, rule) => {
+            None => Ok(PassState::new(layout, spec, rule, statistics)),
+            Some(Self(State::Passes(mut state))) if state.fits(layout, spec, rule) => {
                 state.statistics = state.statistics.continued(&statistics);
                 Ok(state)
             }
@@ -122,11 +128,11 @@ impl Checkpoint {
     }
 }
 
-impl Kept<'_> {
+impl CheckpointRef<'_> {
     /// Copy of the state as a checkpoint.
     pub fn to_checkpoint(&self) -> Checkpoint {
         Checkpoint(match self.0 {
-            observer::FilmState::Tiles(part) => State::Tiles(part.clone()),
+            observer::FilmState::Tiles(shard) => State::Tiles(shard.clone()),
             observer::FilmState::Passes(passes) => State::Passes(passes.clone()),
         })
     }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use rt_scene_io::{Integrator, MaterialId, Scene};
-use rt_shading::{Appearance, BsdfCache, LightSources, Material, Needs, light::LightSet};
+use rt_shading::{Appearance, BsdfCache, LightSources, Material, ShadingFeatures, light::LightSet};
 
 use crate::{
     RenderError, RenderSpace,
@@ -34,7 +34,7 @@ pub(crate) struct CompiledScene<'s> {
     pub(crate) bsdfs: BsdfCache,
     /// Lights that light tracing starts from, if the integrator traces light.
     pub(crate) light_sources: Option<LightSources>,
-    pub(crate) features: Needs,
+    pub(crate) features: ShadingFeatures,
     /// True if a material in use emits light.
     has_emission: bool,
     /// True if a material in use mirrors or refracts.
@@ -89,7 +89,7 @@ impl<'s> CompiledScene<'s> {
             lights,
             bsdfs,
             light_sources,
-            features: if trims_shading { used_features } else { Needs::ALL },
+            features: if trims_shading { used_features } else { ShadingFeatures::ALL },
             has_emission: used_features.emission,
             has_specular: used_features.reflection || used_features.refraction,
         })
@@ -129,7 +129,7 @@ fn used_materials(scene: &Scene, top: &Aggregate, levels: &BottomLevel, medium: 
 }
 
 /// Features of shading that objects in the world use.
-fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool]) -> Needs {
+fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool]) -> ShadingFeatures {
     let mut casts_shadow = false;
     let mut shading_normals = false;
     for instance in top.all_instances(levels) {
@@ -141,6 +141,6 @@ fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool])
         };
         shading_normals |= !mesh.data().normals.is_empty();
     }
-    let features = Needs::of(&scene.appearance, |material| used[material]);
-    Needs { shadows: features.shadows && casts_shadow, shading_normals, ..features }
+    let features = ShadingFeatures::of(&scene.appearance, |material| used[material]);
+    ShadingFeatures { shadows: features.shadows && casts_shadow, shading_normals, ..features }
 }

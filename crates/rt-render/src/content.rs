@@ -1,12 +1,12 @@
-//! Checks of decoded parts and checkpoints: numbers that would overflow, or that contradict each other.
+//! Checks of decoded shards and checkpoints: numbers that would overflow, or that contradict each other.
 //!
 //! The hash at the end of a file detects damage. It does not detect crafted files, as it has no key.
 
 use rt_image::Image;
 
-use crate::{Crop, Share, tiles::tile_count};
+use crate::{Crop, ShardSpec, tiles::tile_count};
 
-/// Maximum of counts in the statistics of a part or checkpoint, and of their sums over all parts of an image. Adding a few of
+/// Maximum of counts in the statistics of a shard or checkpoint, and of their sums over all shards of an image. Adding a few of
 /// them does not overflow.
 pub(crate) const MAX_COUNT: u64 = 1 << 60;
 
@@ -16,18 +16,18 @@ pub(crate) const MAX_THREADS: u64 = 1 << 30;
 /// Largest index of a pass. The next higher bit marks the second stage of adaptive sampling.
 pub(crate) const MAX_PASSES: u32 = (1 << 31) - 1;
 
-/// First invalid number of a decoded part or checkpoint.
+/// First invalid number of a decoded shard or checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContentError {
     /// The rendered area is empty, or exceeds [`Image::MAX_PIXELS`].
     #[error("the area of {}x{} pixels at {},{} is empty or too large", .0.width, .0.height, .0.x, .0.y)]
     Crop(Crop),
-    /// The share does not exist; with its index and the number of shares.
-    #[error("share {0} of {1} does not exist")]
-    Share(u32, u32),
-    /// A tile lies outside of the image or the share; with its number.
-    #[error("tile {0} lies outside of the image or share")]
+    /// The shard does not exist; with its index and the number of shards.
+    #[error("shard {0} of {1} does not exist")]
+    ShardSpec(u32, u32),
+    /// A tile lies outside of the image or the shard; with its number.
+    #[error("tile {0} lies outside of the image or shard")]
     Tile(u32),
     /// A tile is listed twice; with its number.
     #[error("tile {0} is listed twice")]
@@ -50,7 +50,7 @@ pub enum ContentError {
     /// The sample or pass count of a pixel exceeds the total of all passes so far; with its index.
     #[error("pixel {0} has more samples than the passes so far took")]
     Pixel(usize),
-    /// A count exceeds its limit, or the counts of all parts together do.
+    /// A count exceeds its limit, or the counts of all shards together do.
     #[error("the number of {name} is {value}; it must be at most {max}")]
     Count {
         /// Name of the count.
@@ -81,11 +81,11 @@ pub(crate) fn check_crop(crop: Crop) -> Result<(), ContentError> {
     if fits { Ok(()) } else { Err(ContentError::Crop(crop)) }
 }
 
-/// Checks that a share exists.
-pub(crate) fn check_share(share: Share) -> Result<(), ContentError> {
-    match Share::new(share.index(), share.count()) {
+/// Checks that a shard exists.
+pub(crate) fn check_shard_spec(spec: ShardSpec) -> Result<(), ContentError> {
+    match ShardSpec::new(spec.index(), spec.count()) {
         Some(_) => Ok(()),
-        None => Err(ContentError::Share(share.index(), share.count())),
+        None => Err(ContentError::ShardSpec(spec.index(), spec.count())),
     }
 }
 

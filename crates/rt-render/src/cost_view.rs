@@ -2,21 +2,21 @@
 
 use rt_geometry::{InteractionFlags, RayKind, RayStats};
 use rt_math::{Interval, Ray, Rgb};
-use rt_shading::{Seen, Tracer};
+use rt_shading::{RadianceSample, SceneQueries};
 
 use crate::{tracer::SceneTracer, world::ShadedPrimitives};
 
 /// Traversal cost of a camera ray as a colour: nodes plus primitive tests, on a logarithmic scale.
 ///
 /// Black is 1 step, white 1024 or more; between them are blue, red and yellow.
-pub(crate) fn cost<W: ShadedPrimitives>(tracer: &mut SceneTracer<'_, W>, ray: &Ray) -> Seen {
+pub(crate) fn cost<W: ShadedPrimitives>(tracer: &mut SceneTracer<'_, W>, ray: &Ray) -> RadianceSample {
     let work = |tally: RayStats| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
     let needs = InteractionFlags::NONE;
     let hit = tracer.closest(ray, Interval::FORWARD, RayKind::Primary, needs);
     let steps = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary)) - before;
     let heat = (rt_math::transcendental::log2(steps.max(1) as f64) / 10.0).min(1.0);
-    Seen { radiance: heat_colour(heat), hit: hit.is_some() }
+    RadianceSample { radiance: heat_colour(heat), hit: hit.is_some() }
 }
 
 fn heat_colour(heat: f64) -> Rgb {

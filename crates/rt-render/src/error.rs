@@ -140,10 +140,10 @@ pub enum RenderError {
         "adaptive sampling in object space needs a fixed number of samples; remove the time limit and the target error"
     )]
     AdaptiveUntil,
-    /// A share of the tiles with a stop rule.
-    #[error("a share of the tiles needs a fixed number of samples; remove the time limit and the target error")]
-    SharedUntil,
-    /// The checkpoint belongs to a render of another size, share, rule or options.
+    /// A shard with a stop rule.
+    #[error("a shard needs a fixed number of samples; remove the time limit and the target error")]
+    ShardWithStopRule,
+    /// The checkpoint belongs to a render of another size, shard, rule or options.
     #[error("the checkpoint is of another image, or was made with other options; use those options, or start over")]
     Checkpoint,
     /// More memory would be needed than the budget allows.

@@ -111,16 +111,16 @@ impl ErrorSums {
         check_number("the sum of the radiance", radiance.abs())
     }
 
-    /// Sums over all parts of the image. Their last digits depend on the order of the parts.
-    pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
-        parts.into_iter().fold(Self::default(), |all, part| Self {
-            pixels: all.pixels + part.pixels,
-            squares: all.squares + part.squares,
-            spread_of_estimate: all.spread_of_estimate + part.spread_of_estimate,
-            spread_of_error: all.spread_of_error + part.spread_of_error,
-            relative: all.relative + part.relative,
-            largest: all.largest.max(part.largest),
-            radiance: all.radiance + part.radiance,
+    /// Sums over all shards of the image. Their last digits depend on the order of the shards.
+    pub(crate) fn merged(shards: impl IntoIterator<Item = Self>) -> Self {
+        shards.into_iter().fold(Self::default(), |all, shard| Self {
+            pixels: all.pixels + shard.pixels,
+            squares: all.squares + shard.squares,
+            spread_of_estimate: all.spread_of_estimate + shard.spread_of_estimate,
+            spread_of_error: all.spread_of_error + shard.spread_of_error,
+            relative: all.relative + shard.relative,
+            largest: all.largest.max(shard.largest),
+            radiance: all.radiance + shard.radiance,
         })
     }
 
@@ -249,9 +249,9 @@ mod tests {
             pixels.iter().for_each(|pixel| sums.add(pixel));
             sums
         };
-        let joined = ErrorSums::joined([of(&pixels[..3]), of(&pixels[3..])]);
-        let (whole, joined) = (of(&pixels).estimate().expect("passes"), joined.estimate().expect("passes"));
-        assert!((whole.rmse - joined.rmse).abs() < 1e-15 && whole.largest == joined.largest);
+        let merged = ErrorSums::merged([of(&pixels[..3]), of(&pixels[3..])]);
+        let (whole, merged) = (of(&pixels).estimate().expect("passes"), merged.estimate().expect("passes"));
+        assert!((whole.rmse - merged.rmse).abs() < 1e-15 && whole.largest == merged.largest);
         assert!(whole.interval[0] < whole.rmse && whole.rmse < whole.interval[1]);
     }
 }

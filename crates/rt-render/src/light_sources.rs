@@ -1,7 +1,7 @@
 //! Lights that light tracing starts from, and the specular objects that it aims at.
 
 use rt_geometry::Shape;
-use rt_shading::{Appearance, LightSources, TargetSphere, Targets, light::LightSet};
+use rt_shading::{Appearance, LightSources, ProjectionMap, TargetSphere, light::LightSet};
 
 use crate::{
     camera_medium::bounds_of_dielectrics,
@@ -22,7 +22,7 @@ pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &
                 centre: sphere.centre(),
                 radius: sphere.radius(),
             };
-            Targets::new(sharp.map(sphere).collect())
+            ProjectionMap::new(sharp.map(sphere).collect())
         }
         World::Instances(top, levels) => targets(&top.instances, levels, &may_be_delta),
     };
@@ -31,7 +31,7 @@ pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &
     (!sources.is_empty()).then_some(sources)
 }
 
-fn targets(instances: &[Instance], levels: &BottomLevel, may_be_delta: &impl Fn(u32) -> bool) -> Targets {
+fn targets(instances: &[Instance], levels: &BottomLevel, may_be_delta: &impl Fn(u32) -> bool) -> ProjectionMap {
     let sphere = |instance: &Instance| match &instance.geometry {
         InstanceGeometry::Shape(Shape::Sphere(sphere)) => {
             Some(TargetSphere { centre: sphere.centre(), radius: sphere.radius() })
@@ -41,5 +41,5 @@ fn targets(instances: &[Instance], levels: &BottomLevel, may_be_delta: &impl Fn(
             .map(|bounds| TargetSphere { centre: bounds.centre(), radius: 0.5 * bounds.extent().length() }),
     };
     let sharp = instances.iter().filter(|instance| uses_material(instance, levels, may_be_delta));
-    sharp.map(sphere).collect::<Option<Vec<_>>>().map_or(Targets::EVERYWHERE, Targets::new)
+    sharp.map(sphere).collect::<Option<Vec<_>>>().map_or(ProjectionMap::EVERYWHERE, ProjectionMap::new)
 }

@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use crate::{
     Crop, ErrorEstimate, Progress,
-    part::{FilmLayout, FilmTile, Part},
     pass_state::PassState,
+    shard::{FilmLayout, FilmTile, Shard},
     tiles::Tile,
 };
 
@@ -16,7 +16,7 @@ pub trait Observer {
     fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>);
 
     /// Called at the end of a resumable render: one that was interrupted, or in which a thread panicked.
-    fn unfinished(&mut self, _kept: &Kept<'_>) {}
+    fn unfinished(&mut self, _kept: &CheckpointRef<'_>) {}
 }
 
 impl<F: FnMut(Progress)> Observer for F {
@@ -34,13 +34,13 @@ pub struct RenderSnapshot<'a> {
 
 /// Serialisable view of the film. It is deserialised as a [`Checkpoint`](crate::Checkpoint).
 #[derive(Clone, Copy, Serialize)]
-pub struct Kept<'a>(pub(crate) FilmState<'a>);
+pub struct CheckpointRef<'a>(pub(crate) FilmState<'a>);
 
 /// Film of a running render, borrowed for a checkpoint.
 #[derive(Clone, Copy, Serialize)]
 pub(crate) enum FilmState<'a> {
     /// Tile by tile: finished tiles with all of their samples.
-    Tiles(&'a Part),
+    Tiles(&'a Shard),
     /// Pass by pass: all pixels after some passes.
     Passes(&'a PassState),
 }
@@ -70,7 +70,7 @@ impl RenderSnapshot<'_> {
     /// Current image; unrendered tiles are black. Copies all pixels.
     pub fn film(&self) -> Image {
         match self.state {
-            FilmState::Tiles(part) => part.film(),
+            FilmState::Tiles(shard) => shard.film(),
             FilmState::Passes(passes) => passes.film(),
         }
     }
@@ -85,20 +85,20 @@ impl RenderSnapshot<'_> {
     }
 
     /// State of the render for a checkpoint.
-    pub const fn checkpoint(&self) -> Kept<'_> {
-        Kept(self.state)
+    pub const fn checkpoint(&self) -> CheckpointRef<'_> {
+        CheckpointRef(self.state)
     }
 
     fn layout(&self) -> &FilmLayout {
         match self.state {
-            FilmState::Tiles(part) => &part.layout,
+            FilmState::Tiles(shard) => &shard.layout,
             FilmState::Passes(passes) => &passes.layout,
         }
     }
 
     fn film_tile(&self) -> FilmTile {
         match self.state {
-            FilmState::Tiles(part) => part.tile(self.tile).cloned().unwrap_or_default(),
+            FilmState::Tiles(shard) => shard.tile(self.tile).cloned().unwrap_or_default(),
             FilmState::Passes(passes) => passes.film_tile(self.tile),
         }
     }

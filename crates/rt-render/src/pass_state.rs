@@ -4,11 +4,11 @@ use rt_image::Image;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ContentError, Crop, Share, Statistics, StopRule, Stopped, TargetError,
-    content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_share},
+    ContentError, Crop, ShardSpec, Statistics, StopRule, Stopped, TargetError,
+    content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_shard_spec},
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
-    part::{FilmLayout, FilmTile, rounded, rounded_coverage},
+    shard::{FilmLayout, FilmTile, rounded, rounded_coverage},
     tiles::{Tile, tile_count, tiles},
 };
 
@@ -19,7 +19,7 @@ const SECOND_STAGE: u32 = 1 << 31;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PassState {
     pub(crate) layout: FilmLayout,
-    share: Share,
+    spec: ShardSpec,
     mode: PassMode,
     /// All pixels, row by row.
     pub(crate) pixels: Vec<PixelEstimate>,
@@ -58,11 +58,11 @@ pub(crate) struct PassCursor {
 
 impl PassState {
     /// State before the first pass.
-    pub(crate) fn new(layout: FilmLayout, share: Share, rule: Option<&StopRule>, statistics: Statistics) -> Self {
+    pub(crate) fn new(layout: FilmLayout, spec: ShardSpec, rule: Option<&StopRule>, statistics: Statistics) -> Self {
         let Crop { width, height, .. } = layout.crop;
         Self {
             layout,
-            share,
+            spec,
             mode: PassMode::new(rule),
             pixels: vec![PixelEstimate::default(); width as usize * height as usize],
             statistics,
@@ -73,18 +73,18 @@ impl PassState {
         }
     }
 
-    /// True if a render of this layout, share and rule can resume from here.
-    pub(crate) fn fits(&self, layout: FilmLayout, share: Share, rule: Option<&StopRule>) -> bool {
-        self.layout == layout && self.share == share && self.mode == PassMode::new(rule)
+    /// True if a render of this layout, shard and rule can resume from here.
+    pub(crate) fn fits(&self, layout: FilmLayout, spec: ShardSpec, rule: Option<&StopRule>) -> bool {
+        self.layout == layout && self.spec == spec && self.mode == PassMode::new(rule)
     }
 
     /// Checks all numbers of a decoded state.
     pub(crate) fn validate(&self) -> Result<(), ContentError> {
-        let Self { layout, share, mode: _, pixels, statistics, cursor, seconds_per_sample, error, lost } = self;
+        let Self { layout, spec, mode: _, pixels, statistics, cursor, seconds_per_sample, error, lost } = self;
         let PassCursor { pass, taken, begun, stage } = cursor;
         let crop = layout.crop;
         check_crop(crop)?;
-        check_share(*share)?;
+        check_shard_spec(*spec)?;
         let area = crop.width as usize * crop.height as usize;
         let of = || "the image".to_owned();
         check_length("pixels", of, pixels.len(), area)?;

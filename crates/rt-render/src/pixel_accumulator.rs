@@ -1,7 +1,7 @@
 //! Accumulator of the samples of a pixel.
 
 use rt_math::Rgb;
-use rt_shading::Seen;
+use rt_shading::RadianceSample;
 
 /// Accumulator of the samples of a pixel.
 #[derive(Clone, Copy)]
@@ -24,11 +24,11 @@ impl PixelAccumulator {
 
     /// Adds a sample with the weight that the filter gives it. One that is not a radiance is counted, and black.
     #[inline]
-    pub(crate) fn add(&mut self, seen: &Seen, weight: f64) {
-        let is_bad = !is_radiance(seen.radiance);
+    pub(crate) fn add(&mut self, sample: &RadianceSample, weight: f64) {
+        let is_bad = !is_radiance(sample.radiance);
         self.bad_samples += u64::from(is_bad);
-        let radiance = if is_bad { Rgb::BLACK } else { seen.radiance };
-        let shows = seen.hit || !self.transparent;
+        let radiance = if is_bad { Rgb::BLACK } else { sample.radiance };
+        let shows = sample.hit || !self.transparent;
         self.lobes[usize::from(weight < 0.0)].add(shows.then_some(radiance), weight.abs());
     }
 

@@ -29,7 +29,7 @@ pub struct PlanOptions {
     pub memory: Option<u64>,
     /// True if the render is progressive. More memory is then kept per pixel; only the memory prediction depends on it.
     pub progressive: bool,
-    /// True if maps of standard errors and sample counts are kept, as parts of an image do. Only the memory prediction depends
+    /// True if maps of standard errors and sample counts are kept, as shards of an image do. Only the memory prediction depends
     /// on it.
     pub maps: bool,
 }

@@ -2,7 +2,7 @@
 
 use rt_camera::{PixelSampler, SampleStream};
 use rt_math::{DVec2, Interval, Ray, Rgb, Sampler};
-use rt_shading::Seen;
+use rt_shading::RadianceSample;
 
 use crate::{
     RenderPlan,
@@ -37,7 +37,7 @@ pub(crate) struct PrimaryRayBatch {
     rays: Vec<(Ray, Interval)>,
     /// Filter weight of each sample.
     weights: Vec<f64>,
-    seen: Vec<Seen>,
+    seen: Vec<RadianceSample>,
     /// Samplers of the integrator; empty if it uses none.
     samplers: Vec<SampleStream>,
 }
@@ -73,7 +73,7 @@ impl RenderPlan<'_> {
         &self,
         job: &TileJob<'_>,
         batch: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(&CameraRays<'_>, &mut [Seen]),
+        mut radiance: impl FnMut(&CameraRays<'_>, &mut [RadianceSample]),
     ) -> TileResult {
         let pass_spec = job.pass_spec;
         let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
@@ -150,9 +150,9 @@ fn trace<N: Iterator<Item = u32>>(
     batch: &mut PrimaryRayBatch,
     accumulator: &mut TileAccumulator<N>,
     backdrop: Option<Rgb>,
-    radiance: &mut impl FnMut(&CameraRays<'_>, &mut [Seen]),
+    radiance: &mut impl FnMut(&CameraRays<'_>, &mut [RadianceSample]),
 ) {
-    batch.seen.resize(batch.rays.len(), Seen::NOTHING);
+    batch.seen.resize(batch.rays.len(), RadianceSample::MISS);
     radiance(&CameraRays { rays: &batch.rays, samplers: &batch.samplers }, &mut batch.seen);
     for (seen, weight) in batch.seen.iter_mut().zip(&batch.weights) {
         match backdrop {

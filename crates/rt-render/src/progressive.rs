@@ -12,15 +12,15 @@ use rt_camera::SamplerKind;
 use rt_math::Rgb;
 
 use crate::{
-    Criterion, Crop, Observer, Part, PassProgress, Progress, RenderPlan, RenderSnapshot, Share, Statistics, StopRule,
-    Stopped, TargetError, Towards,
+    Criterion, Crop, Observer, PassProgress, Progress, RenderPlan, RenderSnapshot, Shard, ShardSpec, Statistics,
+    StopRule, Stopped, TargetError, Towards,
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
     forecast::Forecast,
     observer::FilmState,
-    part::FilmLayout,
     pass_state::{PassCursor, PassState},
     passes::{PassSpec, PixelMask},
+    shard::FilmLayout,
     splats::SplatImage,
     tile_job::TileResult,
     tile_scheduler::TileScheduler,
@@ -189,17 +189,17 @@ impl Progressive<'_> {
         self.state.statistics.samples
     }
 
-    /// Converts the film to the film tiles of its share.
-    pub(crate) fn finish(self, share: Share, stopped: Stopped, unconverged: Option<u64>) -> Part {
+    /// Converts the film to the film tiles of its shard.
+    pub(crate) fn finish(self, spec: ShardSpec, stopped: Stopped, unconverged: Option<u64>) -> Shard {
         let (state, seconds) = (&self.state, self.elapsed().as_secs_f64());
-        let mut part = Part::empty(state.layout, share, Statistics { render_seconds: seconds, ..state.statistics });
+        let mut shard = Shard::empty(state.layout, spec, Statistics { render_seconds: seconds, ..state.statistics });
         for number in self.tiles {
-            part.tiles.insert(number as u32, state.film_tile(self.scheduler.tiles()[number]));
+            shard.tiles.insert(number as u32, state.film_tile(self.scheduler.tiles()[number]));
         }
         let mut lost = state.lost.clone();
         lost.sort_unstable();
         lost.dedup();
-        Part { stopped, unconverged, lost, ..part }
+        Shard { stopped, unconverged, lost, ..shard }
     }
 }
 

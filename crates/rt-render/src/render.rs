@@ -6,14 +6,15 @@ use rt_math::Rgb;
 use rt_shading::LightTracingIntegrator;
 
 use crate::{
-    Criterion, Crop, Progress, RenderError, RenderPlan, Rendering, RunOptions, Share, Statistics, StopRule, Stopped,
+    Criterion, Crop, Progress, RenderError, RenderPlan, Rendering, RunOptions, ShardSpec, Statistics, StopRule,
+    Stopped,
     checkpoint::Checkpoint,
     first_hit_layers::FilmLayers,
     forecast::Forecast,
-    observer::{FilmState, Kept, Observer, RenderSnapshot},
-    part::{FilmLayout, FilmTile, Part},
+    observer::{CheckpointRef, FilmState, Observer, RenderSnapshot},
     pass_state::PassState,
     progressive::Progressive,
+    shard::{FilmLayout, FilmTile, Shard},
     splats::SplatImage,
     tile::ThreadState,
     tile_job::TileJob,
@@ -25,26 +26,26 @@ impl RenderPlan<'_> {
     /// Renders the image with the number of samples of the scene. The observer is called on this thread after each tile.
     ///
     /// # Errors
-    /// Those of [`render_part`](Self::render_part). At present none of them can occur here.
+    /// Those of [`render_shard`](Self::render_shard). At present none of them can occur here.
     pub fn render(&self, options: &RunOptions<'_>, observer: impl Observer) -> Result<Rendering, RenderError> {
-        Ok(self.render_part(options, None, None, observer)?.into_rendering())
+        Ok(self.render_shard(options, None, None, observer)?.into_rendering())
     }
 
     /// Renders pass by pass until the stop rule applies; ignores the number of samples in the scene. The observer is called on
     /// this thread after each tile.
     ///
     /// # Errors
-    /// Those of [`render_part`](Self::render_part).
+    /// Those of [`render_shard`](Self::render_shard).
     pub fn render_until(
         &self,
         options: &RunOptions<'_>,
         rule: &StopRule,
         observer: impl Observer,
     ) -> Result<Rendering, RenderError> {
-        Ok(self.render_part(options, Some(rule), None, observer)?.into_rendering())
+        Ok(self.render_shard(options, Some(rule), None, observer)?.into_rendering())
     }
 
-    /// Renders the tiles of [`RunOptions::share`], and resumes from a checkpoint if one is given.
+    /// Renders the tiles of [`RunOptions::shard`], and resumes from a checkpoint if one is given.
     ///
     /// Without a rule, pixels take the number of samples of the scene. With a rule, passes follow until it applies. A resumed
     /// render is bit-identical to an uninterrupted one, except for times and for passes that depend on the clock.
@@ -53,38 +54,38 @@ impl RenderPlan<'_> {
     /// * [`RenderError::TargetError`], [`RenderError::TargetShare`], [`RenderError::NoSamples`]: a number of the rule is invalid.
     /// * [`RenderError::AdaptiveUntil`]: a rule with adaptive sampling in object space.
     /// * [`RenderError::SamePasses`]: a target error, but all passes are equal.
-    /// * [`RenderError::SharedUntil`]: a rule with a share of the tiles.
-    /// * [`RenderError::Checkpoint`]: the checkpoint has another size, share, rule or options.
-    pub fn render_part(
+    /// * [`RenderError::ShardWithStopRule`]: a rule with a shard.
+    /// * [`RenderError::Checkpoint`]: the checkpoint has another size, shard, rule or options.
+    pub fn render_shard(
         &self,
         options: &RunOptions<'_>,
         rule: Option<&StopRule>,
         from: Option<Checkpoint>,
         mut observer: impl Observer,
-    ) -> Result<Part, RenderError> {
+    ) -> Result<Shard, RenderError> {
         self.render_observed(options, rule, from, &mut observer)
     }
 
-    /// True if [`render_part`](Self::render_part) with these options and this rule can resume from `checkpoint`: size, share, rule
+    /// True if [`render_shard`](Self::render_shard) with these options and this rule can resume from `checkpoint`: size, shard, rule
     /// and options are the same.
     pub fn accepts(&self, checkpoint: &Checkpoint, options: &RunOptions<'_>, rule: Option<&StopRule>) -> bool {
-        checkpoint.fits(FilmLayout::new(self, options), options.share, rule, self.is_pass_by_pass(rule))
+        checkpoint.fits(FilmLayout::new(self, options), options.shard, rule, self.is_pass_by_pass(rule))
     }
 
     const fn is_pass_by_pass(&self, rule: Option<&StopRule>) -> bool {
         rule.is_some() || self.scene.light_sources.is_some()
     }
 
-    /// [`render_part`](Self::render_part), compiled once for all types of observers.
+    /// [`render_shard`](Self::render_shard), compiled once for all types of observers.
     fn render_observed(
         &self,
         options: &RunOptions<'_>,
         rule: Option<&StopRule>,
         from: Option<Checkpoint>,
         observer: &mut dyn Observer,
-    ) -> Result<Part, RenderError> {
+    ) -> Result<Shard, RenderError> {
         if let Some(rule) = rule {
-            self.check_rule(rule, options.share)?;
+            self.check_rule(rule, options.shard)?;
         }
         let pass_by_pass = self.is_pass_by_pass(rule);
         // The first pass may have too few samples for layers.
@@ -95,15 +96,15 @@ impl RenderPlan<'_> {
         let layers = (!options.layers.is_empty()).then(new_layers);
         let statistics = Statistics::new(scheduler.threads(), self.build_seconds());
         if pass_by_pass {
-            let state = Checkpoint::passes_of(from, layout, options.share, rule, statistics)?;
-            Ok(Part { layers, ..self.render_pass_by_pass(&scheduler, options.share, rule, state, observer) })
+            let state = Checkpoint::passes_of(from, layout, options.shard, rule, statistics)?;
+            Ok(Shard { layers, ..self.render_pass_by_pass(&scheduler, options.shard, rule, state, observer) })
         } else {
-            let part = Checkpoint::part_of(from, layout, options.share, statistics)?;
-            Ok(self.render_tile_by_tile(&scheduler, Part { layers, ..part }, observer))
+            let shard = Checkpoint::shard_of(from, layout, options.shard, statistics)?;
+            Ok(self.render_tile_by_tile(&scheduler, Shard { layers, ..shard }, observer))
         }
     }
 
-    fn check_rule(&self, rule: &StopRule, share: Share) -> Result<(), RenderError> {
+    fn check_rule(&self, rule: &StopRule, spec: ShardSpec) -> Result<(), RenderError> {
         rule.validate()?;
         if self.frame.simple_pass_spp.is_some() {
             return Err(RenderError::AdaptiveUntil);
@@ -111,30 +112,35 @@ impl RenderPlan<'_> {
         if rule.target.is_some() && !self.passes_differ() {
             return Err(RenderError::SamePasses(self.frame.sampler.name()));
         }
-        if share != Share::ALL {
-            return Err(RenderError::SharedUntil);
+        if spec != ShardSpec::ALL {
+            return Err(RenderError::ShardWithStopRule);
         }
         Ok(())
     }
 
     /// Renders each tile with all of its samples. Pixel accumulators are kept for tiles in progress only.
-    fn render_tile_by_tile(&self, scheduler: &TileScheduler<'_>, mut part: Part, observer: &mut dyn Observer) -> Part {
-        let (started, spent) = (Instant::now(), part.statistics.render_seconds);
+    fn render_tile_by_tile(
+        &self,
+        scheduler: &TileScheduler<'_>,
+        mut shard: Shard,
+        observer: &mut dyn Observer,
+    ) -> Shard {
+        let (started, spent) = (Instant::now(), shard.statistics.render_seconds);
         let pass_spec = self.frame.all_passes();
-        let has_errors = part.layout.maps && pass_spec.count > 1;
-        let is_of_share = |number: &usize| part.share.holds(*number);
-        let numbers: Vec<_> = (0..scheduler.tiles().len()).filter(is_of_share).collect();
+        let has_errors = shard.layout.maps && pass_spec.count > 1;
+        let is_of_shard = |number: &usize| shard.spec.holds(*number);
+        let numbers: Vec<_> = (0..scheduler.tiles().len()).filter(is_of_shard).collect();
         let area = |number: usize| scheduler.tiles()[number].area();
         let pixels = numbers.iter().map(|&number| area(number)).sum::<u64>();
         let (done, left): (Vec<_>, Vec<_>) =
-            numbers.iter().partition(|number| part.tiles.contains_key(&(**number as u32)));
+            numbers.iter().partition(|number| shard.tiles.contains_key(&(**number as u32)));
         let mut pixels_done = done.iter().map(|&number| area(number)).sum::<u64>();
         let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
-            if let Some(layers) = &mut part.layers {
+            if let Some(layers) = &mut shard.layers {
                 layers.insert(tile.tile, &tile.layers);
             }
-            part.tiles.insert(number as u32, FilmTile::new(&tile.pixels, part.layout, has_errors));
-            let statistics = &mut part.statistics;
+            shard.tiles.insert(number as u32, FilmTile::new(&tile.pixels, shard.layout, has_errors));
+            let statistics = &mut shard.statistics;
             statistics.add(&tile);
             statistics.render_seconds = spent + started.elapsed().as_secs_f64();
             pixels_done += tile.pixels.len() as u64;
@@ -144,16 +150,16 @@ impl RenderPlan<'_> {
             };
             let rays = statistics.counters.total().rays;
             let progress = Progress { samples: statistics.samples, total_samples, rays, pass: None };
-            observer.tile_done(&RenderSnapshot { progress, tile: tile.tile, state: FilmState::Tiles(&part) });
+            observer.tile_done(&RenderSnapshot { progress, tile: tile.tile, state: FilmState::Tiles(&shard) });
         });
-        part.statistics.passes = self.frame.passes;
-        part.statistics.render_seconds = spent + started.elapsed().as_secs_f64();
-        part.stopped = if outcome.interrupted { Stopped::Interrupted } else { Stopped::Samples };
-        part.lost = outcome.lost.iter().map(|&number| number as u32).collect();
+        shard.statistics.passes = self.frame.passes;
+        shard.statistics.render_seconds = spent + started.elapsed().as_secs_f64();
+        shard.stopped = if outcome.interrupted { Stopped::Interrupted } else { Stopped::Samples };
+        shard.lost = outcome.lost.iter().map(|&number| number as u32).collect();
         if outcome.interrupted || !outcome.lost.is_empty() {
-            observer.unfinished(&Kept(FilmState::Tiles(&part)));
+            observer.unfinished(&CheckpointRef(FilmState::Tiles(&shard)));
         }
-        part
+        shard
     }
 
     /// Renders passes over the whole image: a fixed number without a rule, or until the rule applies. The splats of one pass are
@@ -161,11 +167,11 @@ impl RenderPlan<'_> {
     pub(crate) fn render_pass_by_pass(
         &self,
         scheduler: &TileScheduler<'_>,
-        share: Share,
+        spec: ShardSpec,
         rule: Option<&StopRule>,
         state: PassState,
         observer: &mut dyn Observer,
-    ) -> Part {
+    ) -> Shard {
         let fixed = StopRule { max_spp: self.samples_per_pixel(), ..StopRule::default() };
         let mut render = Progressive {
             plan: self,
@@ -173,7 +179,7 @@ impl RenderPlan<'_> {
             rule: rule.copied().unwrap_or(fixed),
             started: Instant::now(),
             spent: Duration::try_from_secs_f64(state.statistics.render_seconds).unwrap_or_default(),
-            tiles: (0..scheduler.tiles().len()).filter(|number| share.holds(*number)).collect(),
+            tiles: (0..scheduler.tiles().len()).filter(|number| spec.holds(*number)).collect(),
             state,
             forecast: Forecast::default(),
             converged: None,
@@ -188,9 +194,9 @@ impl RenderPlan<'_> {
             }
         };
         if stopped == Stopped::Interrupted {
-            render.observer.unfinished(&Kept(FilmState::Passes(&render.state)));
+            render.observer.unfinished(&CheckpointRef(FilmState::Passes(&render.state)));
         }
-        render.finish(share, stopped, unconverged)
+        render.finish(spec, stopped, unconverged)
     }
 
     /// Radiance of one pixel, not rounded to `f32`. Coordinates count from the upper left corner of the whole image; `None`

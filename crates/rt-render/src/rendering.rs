@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use rt_image::Image;
 
-use crate::{Crop, ErrorEstimate, FilmLayers, FirstHitLayer, Share, Statistics, Stopped};
+use crate::{Crop, ErrorEstimate, FilmLayers, FirstHitLayer, ShardSpec, Statistics, Stopped};
 
 /// Options of a run; none changes a pixel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -15,8 +15,8 @@ pub struct RunOptions<'a> {
     pub count: bool,
     /// Keep the standard error and the sample count of each pixel.
     pub maps: bool,
-    /// Share of the tiles to render.
-    pub share: Share,
+    /// Tiles to render.
+    pub shard: ShardSpec,
     /// Flag that interrupts the render; a signal handler or another thread may set it at any time. Tiles in progress are
     /// finished, and the render ends as [`Stopped::Interrupted`].
     pub interrupt: Option<&'a AtomicBool>,

@@ -9,7 +9,8 @@ use rt_geometry::Hit;
 use rt_math::Ray;
 use rt_scene_io::Integrator;
 use rt_shading::{
-    Background, InteriorList, Lighting, OcclusionWave, PathTracer, ReferencePathTracer, Seen, ShadingCounts, Whitted,
+    Background, InteriorList, Lighting, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
+    Whitted,
 };
 
 use crate::{
@@ -167,7 +168,7 @@ impl RenderPlan<'_> {
         &self,
         job: &TileJob<'_>,
         camera: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(&Ray) -> Seen,
+        mut radiance: impl FnMut(&Ray) -> RadianceSample,
     ) -> TileResult {
         self.sample_tile(job, camera, |batch, seen| {
             for ((ray, _), seen) in batch.rays.iter().zip(seen) {
@@ -209,7 +210,7 @@ impl RenderPlan<'_> {
         let pixel_of = |spp: u32| {
             let mut pass = PixelAccumulator::new(self.frame.transparent);
             for _ in 0..spp {
-                pass.add(&Seen { radiance: self.frame.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
+                pass.add(&RadianceSample { radiance: self.frame.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
             }
             let mut pixel = PixelEstimate::default();
             for _ in 0..pass_spec.count {

@@ -1,6 +1,6 @@
 //! Film accumulation of a tile: samples into passes, and passes into pixels.
 
-use rt_shading::Seen;
+use rt_shading::RadianceSample;
 
 use crate::{estimate::PixelEstimate, pixel_accumulator::PixelAccumulator, tile_job::TileResult};
 
@@ -26,8 +26,8 @@ impl<N: Iterator<Item = u32>> TileAccumulator<N> {
 
     /// Adds the next sample, with its filter weight.
     #[inline]
-    pub(crate) fn add(&mut self, seen: &Seen, weight: f64) {
-        self.pixel.add(seen, weight);
+    pub(crate) fn add(&mut self, sample: &RadianceSample, weight: f64) {
+        self.pixel.add(sample, weight);
         self.remaining -= 1;
         if self.remaining == 0 {
             self.finish_pass();

@@ -3,7 +3,7 @@
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, InteractionFlags, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
-use rt_shading::{ClosestHit, LazyShape, SurfaceHit, Tracer};
+use rt_shading::{ClosestHit, LazyShape, SceneQueries, SurfaceHit};
 
 use crate::{frustum_cull::PrimaryTarget, tile_layers::TileLayers, work_probe::WorkProbe, world::ShadedPrimitives};
 
@@ -93,7 +93,7 @@ impl<'w, W: ShadedPrimitives> SceneTracer<'w, W> {
     }
 }
 
-impl<W: ShadedPrimitives> Tracer for SceneTracer<'_, W> {
+impl<W: ShadedPrimitives> SceneQueries for SceneTracer<'_, W> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         if self.can_skip(kind, 1) {
             return None;

@@ -1,7 +1,7 @@
 //! Ambient occlusion.
 
 use crate::{
-    Seen, Tracer,
+    RadianceSample, SceneQueries,
     bsdf::cosine_hemisphere,
     viewed_surface::{ViewedSurface, is_inside},
 };
@@ -31,16 +31,16 @@ impl OcclusionWave {
     pub fn radiance_of<S: Sampler + Clone>(
         &mut self,
         view: &AmbientOcclusion,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         rays: &[(Ray, Interval)],
         samplers: &[S],
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         self.rays.clear();
         self.places.clear();
         let needs = InteractionFlags { shading_normal: true, ..InteractionFlags::NONE };
         world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
-            seen[at] = Seen { radiance: Rgb::WHITE, hit: hit.is_some() };
+            seen[at] = RadianceSample { radiance: Rgb::WHITE, hit: hit.is_some() };
             let (Some(hit), Some(sampler)) = (hit, samplers.get(at)) else { return };
             let ray = &rays[at].0;
             let direction = ray.direction.normalize();

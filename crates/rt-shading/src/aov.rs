@@ -1,6 +1,6 @@
 //! Views of the first surface: properties of its geometry.
 
-use crate::{Seen, SurfaceHit, Tracer};
+use crate::{RadianceSample, SceneQueries, SurfaceHit};
 use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
@@ -23,14 +23,14 @@ pub enum AovIntegrator {
 
 impl AovIntegrator {
     /// Computes the result of camera rays: `seen[i]` answers `rays[i]`.
-    pub fn radiance_of(&self, world: &mut impl Tracer, rays: &[(Ray, Interval)], seen: &mut [Seen]) {
+    pub fn radiance_of(&self, world: &mut impl SceneQueries, rays: &[(Ray, Interval)], seen: &mut [RadianceSample]) {
         let needs = InteractionFlags {
             uv: matches!(self, Self::Uv | Self::Normals),
             shading_normal: matches!(self, Self::Normals),
             detail: matches!(self, Self::Normals),
         };
         world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
-            seen[at] = hit.map_or(Seen::NOTHING, |hit| Seen { radiance: self.shown(hit), hit: true });
+            seen[at] = hit.map_or(RadianceSample::MISS, |hit| RadianceSample { radiance: self.shown(hit), hit: true });
         });
     }
 

@@ -1,7 +1,7 @@
 //! Context of a ray-surface hit: material, side and the media on both sides.
 
 use crate::{
-    Material, Needs, SurfaceHit,
+    Material, ShadingFeatures, SurfaceHit,
     interior_list::{InterfaceEvent, InteriorList, MediumEntry, MediumInterface},
     viewed_surface::is_inside,
 };
@@ -36,8 +36,8 @@ pub(crate) enum SurfaceTransmission {
 impl SurfaceTransmission {
     /// Transmission through surfaces of a material.
     #[inline]
-    pub(crate) fn of(needs: &Needs, material: &Material) -> Self {
-        if !needs.refraction {
+    pub(crate) fn of(features: &ShadingFeatures, material: &Material) -> Self {
+        if !features.refraction {
             Self::None
         } else if material.interior.is_some() {
             Self::Solid
@@ -82,12 +82,17 @@ impl SurfaceTransmission {
 impl<'m> HitContext<'m> {
     /// Context of a hit; `None` if the surface has no material.
     #[inline]
-    pub(crate) fn new(needs: &Needs, materials: &'m [Material], ray: &Ray, hit: &SurfaceHit) -> Option<Self> {
+    pub(crate) fn new(
+        features: &ShadingFeatures,
+        materials: &'m [Material],
+        ray: &Ray,
+        hit: &SurfaceHit,
+    ) -> Option<Self> {
         let material = materials.get(hit.material as usize)?;
         let length = ray.direction.length();
         let direction = ray.direction / length;
         let is_inside = is_inside(direction, &hit.interaction);
-        Some(Self { material, direction, length, is_inside, transmission: SurfaceTransmission::of(needs, material) })
+        Some(Self { material, direction, length, is_inside, transmission: SurfaceTransmission::of(features, material) })
     }
 
     /// Media on both sides of the surface, given the interior list of the ray. `None` where scattered light

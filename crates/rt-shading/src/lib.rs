@@ -13,18 +13,18 @@
 //! **Owns** materials ([`Material`], [`MaterialModel`]) and their [`bsdf`]s, lights ([`light`]), textures, and reflection and
 //! refraction ([`optics`]). It has nested dielectrics ([`InteriorList`]) and the integrators ([`Whitted`], [`PathTracer`],
 //! [`LightTracingIntegrator`], [`AovIntegrator`]).
-//! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`Tracer`].
+//! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`SceneQueries`].
 //!
 //! **Read first** `reference.rs`: [`ReferencePathTracer`] is a path integrator for one path at a time, as in textbooks.
 //!
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
 //! use rt_math::{DVec3, Interval, Ray, Rgb};
-//! use rt_shading::{Appearance, Background, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Needs, Phong, SurfaceHit, Tracer, Whitted};
+//! use rt_shading::{Appearance, Background, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, ShadingFeatures, Phong, SurfaceHit, SceneQueries, Whitted};
 //!
 //! // A world of one sphere, lit from the camera.
 //! struct OneSphere(Shape);
-//! impl Tracer for OneSphere {
+//! impl SceneQueries for OneSphere {
 //!     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
 //!         let hit = self.0.intersect(ray, span)?;
 //!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0, light: None })
@@ -43,7 +43,7 @@
 //!     background: Background::Constant(Rgb::BLACK),
 //! };
 //! let mut world = OneSphere(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.0, -5.0), 1.0)?));
-//! let mut whitted = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true));
+//! let mut whitted = Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true));
 //! let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
 //! assert!((seen.radiance.r - 0.7).abs() < 1e-12);
 //! # Ok::<(), rt_geometry::ShapeError>(())
@@ -75,7 +75,6 @@ mod material_model;
 mod medium;
 mod medium_tracker;
 mod mis;
-mod needs;
 mod normal_map;
 pub mod optics;
 mod path;
@@ -83,10 +82,11 @@ mod phong;
 mod ray_queues;
 mod reference;
 mod russian_roulette;
+mod scene_queries;
+mod shading_features;
 mod surface_features;
 mod texture;
 mod to_phong;
-mod tracer;
 mod vertex;
 mod viewed_surface;
 mod whitted;
@@ -103,17 +103,17 @@ pub use interior_list::InteriorList;
 pub use layered_surface::{LayeredBase, LayeredSurface};
 pub use light::{DeltaLiSample, DeltaLight, DeltaLightKind, Falloff, Light, LightUnits};
 pub use light_tracing::{
-    CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, TargetSphere, Targets,
+    CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, ProjectionMap, TargetSphere,
 };
 pub use material::Material;
 pub use material_model::MaterialModel;
 pub use medium::InteriorMedium;
-pub use needs::Needs;
 pub use normal_map::NormalMap;
 pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use phong::{Highlight, Phong, Transmission};
 pub use reference::ReferencePathTracer;
+pub use scene_queries::{ClosestHit, LazyShape, RadianceSample, SceneQueries, SphereHit, SurfaceHit, TriangleHit};
+pub use shading_features::ShadingFeatures;
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
-pub use tracer::{ClosestHit, LazyShape, Seen, SphereHit, SurfaceHit, Tracer, TriangleHit};
 pub use viewed_surface::is_inside;
 pub use whitted::{ShadingCounts, Whitted};

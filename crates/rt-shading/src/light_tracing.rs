@@ -1,15 +1,15 @@
 //! Light tracing in waves: caustics by paths from the lights.
 
+mod projection_map;
 mod scatter;
 mod sources;
-mod targets;
 mod wave;
 
+pub use projection_map::{ProjectionMap, TargetSphere};
 pub use sources::LightSources;
-pub use targets::{TargetSphere, Targets};
 
 use crate::{
-    Lighting, Needs, ShadingCounts, Tracer,
+    Lighting, SceneQueries, ShadingCounts, ShadingFeatures,
     path::PathSettings,
     ray_queues::{RayQueue, RayQueues},
 };
@@ -71,7 +71,7 @@ pub struct LightTracingScene<'a> {
 #[derive(Clone, Debug)]
 pub struct LightTracingIntegrator<S> {
     settings: PathSettings,
-    needs: Needs,
+    features: ShadingFeatures,
     paths: Vec<LightPath<S>>,
     connections: Vec<Connection>,
     /// Rays of the current wave.
@@ -84,10 +84,10 @@ pub struct LightTracingIntegrator<S> {
 
 impl<S: Sampler> LightTracingIntegrator<S> {
     /// Integrator with these settings. It computes only the features of `needs`.
-    pub fn new(settings: PathSettings, needs: Needs) -> Self {
+    pub fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
         Self {
             settings,
-            needs,
+            features,
             paths: Vec::new(),
             connections: Vec::new(),
             ray_queues: RayQueues::default(),
@@ -109,7 +109,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
     /// give non-finite contributions, which the caller handles.
     pub fn trace(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         scene: LightTracingScene<'_>,
         samplers: impl IntoIterator<Item = (S, f64)>,
         sample_wi: impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
@@ -122,7 +122,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         while !self.ray_queues.is_empty() {
             let ray_queues = core::mem::take(&mut self.ray_queues);
             for (kind, queue) in ray_queues.queues() {
-                world.closest_batch(&queue.rays, kind, self.needs.surface(), |at, hit| {
+                world.closest_batch(&queue.rays, kind, self.features.surface(), |at, hit| {
                     if let Some(hit) = hit {
                         self.shade_hit(scene.lighting, queue.paths[at], &queue.rays[at].0, hit, &sample_wi);
                     }
@@ -138,21 +138,21 @@ impl<S: Sampler> LightTracingIntegrator<S> {
     /// Traces the rays to the camera, through null interfaces.
     fn resolve_connections(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         lighting: Lighting<'_>,
         splat: &mut impl FnMut(DVec2, Rgb),
     ) {
         let mut queue = core::mem::take(&mut self.to_camera);
         while !queue.rays.is_empty() {
             let next = &mut self.to_camera;
-            let (connections, counts, needs) = (&mut self.connections, &mut self.counts, &self.needs);
-            world.closest_batch(&queue.rays, rt_geometry::RayKind::Shadow, self.needs.surface(), |at, hit| {
+            let (connections, counts, features) = (&mut self.connections, &mut self.counts, &self.features);
+            world.closest_batch(&queue.rays, rt_geometry::RayKind::Shadow, self.features.surface(), |at, hit| {
                 let (id, ray) = (queue.paths[at], &queue.rays[at].0);
                 let connection = &mut connections[id as usize];
                 match hit {
-                    None => splat(connection.raster, connection.arriving(lighting, needs, ray)),
+                    None => splat(connection.raster, connection.arriving(lighting, features, ray)),
                     Some(hit) => {
-                        if let Some(min) = connection.skip_interface(lighting, needs, ray, hit, counts) {
+                        if let Some(min) = connection.skip_interface(lighting, features, ray, hit, counts) {
                             next.push(*ray, Interval { min, ..Interval::SEGMENT }, id);
                         }
                     }

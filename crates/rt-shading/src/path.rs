@@ -10,8 +10,8 @@ mod vertex_stages;
 mod wave;
 
 use crate::{
-    Appearance, BsdfCache, ClosestHit, InteriorList, LazyShape, Needs, Seen, ShadingCounts, Tracer, lanes::LaneLevel,
-    light::LightSet, ray_queues::RayQueues,
+    Appearance, BsdfCache, ClosestHit, InteriorList, LazyShape, RadianceSample, SceneQueries, ShadingCounts,
+    ShadingFeatures, lanes::LaneLevel, light::LightSet, ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
 use rt_geometry::RayKind;
@@ -53,7 +53,7 @@ pub struct PathSettings {
 #[derive(Clone, Debug)]
 pub struct PathTracer<S> {
     settings: PathSettings,
-    needs: Needs,
+    features: ShadingFeatures,
     /// Media around the camera: one list for all paths, or one for each.
     surroundings: Vec<InteriorList>,
     paths: Vec<Path>,
@@ -85,10 +85,10 @@ pub struct Lighting<'a> {
 
 impl<S: Sampler + Clone> PathTracer<S> {
     /// Integrator with these settings. It computes only the features of `needs`.
-    pub fn new(settings: PathSettings, needs: Needs) -> Self {
+    pub fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
         Self {
             settings,
-            needs,
+            features,
             surroundings: Vec::new(),
             paths: Vec::new(),
             samplers: Vec::new(),
@@ -122,16 +122,16 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// shortest slice are unchanged. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         lighting: Lighting<'_>,
         rays: &[(Ray, Interval)],
         samplers: &[S],
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         let count = rays.len().min(samplers.len()).min(seen.len());
         let seen = &mut seen[..count];
-        seen.fill(Seen::NOTHING);
-        self.scene_emits = self.needs.emission || !lighting.appearance.background.is_black();
+        seen.fill(RadianceSample::MISS);
+        self.scene_emits = self.features.emission || !lighting.appearance.background.is_black();
         self.start(&samplers[..count]);
         self.trace(world, lighting, RayKind::Primary, &rays[..count], |at| at as u32, seen);
         self.end_wave(world, seen);
@@ -148,14 +148,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// Traces rays of one kind; `path` maps the index of a ray to that of its path.
     fn trace(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         lighting: Lighting<'_>,
         kind: RayKind,
         rays: &[(Ray, Interval)],
         path: impl Fn(usize) -> u32,
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
-        let needs = self.needs.surface();
+        let needs = self.features.surface();
         if self.lanes.is_none() {
             return world.closest_batch(rays, kind, needs, |at, hit| {
                 let id = path(at);
@@ -176,7 +176,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     }
 
     /// Traces the shadow rays of a wave, and starts the next wave.
-    fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
+    fn end_wave(&mut self, world: &mut impl SceneQueries, seen: &mut [RadianceSample]) {
         let (clamp, counts) = (self.settings.clamp, &mut self.counts);
         let bounded = |radiance| clamp.bounded(radiance, counts);
         self.shadows.resolve(|rays, blocked| world.occluded_batch(rays, blocked), bounded, seen);
@@ -191,7 +191,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         self.paths.truncate(samplers.len());
         self.paths.iter_mut().for_each(Path::reset);
         self.paths.resize_with(samplers.len(), Path::default);
-        if self.needs.refraction {
+        if self.features.refraction {
             for (path, surroundings) in self.paths.iter_mut().zip(self.surroundings.iter().cycle()) {
                 path.medium_tracker.interior.clone_from(surroundings);
             }

@@ -12,14 +12,14 @@
 //! ```
 //!
 //! [`PathTracer`](crate::PathTracer) takes the same steps for many paths at a time. Both return the same bits for every path, as tests
-//! verify. This file evaluates every feature ([`Needs::ALL`]) and computes each BSDF at the hit. It thus also verifies that features
+//! verify. This file evaluates every feature ([`ShadingFeatures::ALL`]) and computes each BSDF at the hit. It thus also verifies that features
 //! left out of a plan, and cached BSDFs, change no bit.
 //!
 //! Read next: `mis.rs` (weights), `bsdf/mod.rs` (BSDFs), `light/light_set.rs` (lights), `vertex.rs`, `hit_context.rs` (sides and
 //! media of a surface), and then the waves: `path.rs`, `path/scatter.rs`.
 
 use crate::{
-    InteriorList, Lighting, Needs, PathSettings, Seen, ShadingCounts, Tracer, Transport,
+    InteriorList, Lighting, PathSettings, RadianceSample, SceneQueries, ShadingCounts, ShadingFeatures, Transport,
     bsdf::Scattering,
     hit_context::HitContext,
     medium::Medium,
@@ -52,7 +52,7 @@ pub struct ReferencePathTracer<'a> {
 /// State of a path between two vertices.
 struct PathState {
     /// Radiance so far.
-    seen: Seen,
+    seen: RadianceSample,
     /// Throughput (β): factor of further radiance.
     throughput: Rgb,
     /// Accumulated η² of refraction, which Russian roulette excludes from the throughput (pbrt's `etaScale`).
@@ -78,7 +78,7 @@ struct LightSampleContext {
 
 impl ReferencePathTracer<'_> {
     /// Estimates the radiance along a camera ray, whose direction need not be of unit length. Non-finite scenes give non-finite radiance.
-    pub fn li(&mut self, world: &mut impl Tracer, ray: &Ray, sampler: &mut impl Sampler) -> Seen {
+    pub fn li(&mut self, world: &mut impl SceneQueries, ray: &Ray, sampler: &mut impl Sampler) -> RadianceSample {
         let Lighting { appearance, lights, .. } = self.lighting;
         let PathSettings { max_depth, rr_start_depth, transport, .. } = self.settings;
         let materials = &appearance.materials;
@@ -86,14 +86,14 @@ impl ReferencePathTracer<'_> {
         let (mut ray, mut span, mut kind) = (*ray, Interval::FORWARD, RayKind::Primary);
         loop {
             // Find the closest surface. On a miss, add the radiance of the environment.
-            let Some(mut hit) = world.closest(&ray, span, kind, Needs::ALL.surface()) else {
+            let Some(mut hit) = world.closest(&ray, span, kind, ShadingFeatures::ALL.surface()) else {
                 let direction = ray.direction;
                 let weight = path.mis_weight(|from| lights.pdf_li_environment(from.point, from.normal, direction));
                 let radiance = path.throughput * weight * appearance.background.radiance(direction);
                 self.add(radiance, path.bounces, &mut path);
                 return path.seen;
             };
-            let Some(context) = HitContext::new(&Needs::ALL, materials, &ray, &hit) else {
+            let Some(context) = HitContext::new(&ShadingFeatures::ALL, materials, &ray, &hit) else {
                 path.seen.hit = true;
                 return path.seen;
             };
@@ -172,7 +172,7 @@ impl ReferencePathTracer<'_> {
     /// Next-event estimation: adds the light of all delta lights, and of one area or environment light.
     fn sample_direct_lighting(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         vertex: &Vertex<'_>,
         media: [Medium; 2],
         sampler: &mut impl Sampler,
@@ -247,7 +247,7 @@ impl PathState {
     fn new(surroundings: &InteriorList) -> Self {
         let mut media = MediumTracker::default();
         media.interior.clone_from(surroundings);
-        let (seen, throughput) = (Seen::NOTHING, Rgb::WHITE);
+        let (seen, throughput) = (RadianceSample::MISS, Rgb::WHITE);
         Self { seen, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
     }
 

@@ -9,7 +9,8 @@ mod uniform_phong;
 mod wave;
 
 use crate::{
-    Appearance, ClosestHit, InteriorList, LazyShape, Needs, Seen, Tracer, lanes::LaneLevel, ray_queues::RayQueues,
+    Appearance, ClosestHit, InteriorList, LazyShape, RadianceSample, SceneQueries, ShadingFeatures, lanes::LaneLevel,
+    ray_queues::RayQueues,
 };
 pub use counts::ShadingCounts;
 use direct_lighting::DirectLighting;
@@ -34,7 +35,7 @@ use wave::{RayTree, TreePath};
 pub struct Whitted {
     max_depth: u32,
     min_contribution: f64,
-    needs: Needs,
+    features: ShadingFeatures,
     /// Media around the camera.
     surroundings: InteriorList,
     /// Rays of the current wave.
@@ -58,11 +59,11 @@ pub struct Whitted {
 impl Whitted {
     /// Integrator of up to `max_depth` bounces after the first hit. Rays whose weight in the pixel is below `min_contribution` in all
     /// components are not traced. It computes only the features of `needs`.
-    pub fn new(max_depth: u32, min_contribution: f64, needs: Needs) -> Self {
+    pub fn new(max_depth: u32, min_contribution: f64, features: ShadingFeatures) -> Self {
         Self {
             max_depth,
             min_contribution,
-            needs,
+            features,
             surroundings: InteriorList::default(),
             wave: RayQueues::default(),
             next: RayQueues::default(),
@@ -81,7 +82,7 @@ impl Whitted {
     /// appearance.
     pub fn shade_in_lanes(&mut self, appearance: &Appearance) {
         self.lanes = LaneLevel::detect();
-        self.phongs = UniformPhong::of_all(appearance, &self.needs);
+        self.phongs = UniformPhong::of_all(appearance, &self.features);
     }
 
     /// Sets the media around the camera; air by default.
@@ -100,8 +101,8 @@ impl Whitted {
     }
 
     /// Version of [`radiance_of`](Self::radiance_of) for one camera ray.
-    pub fn radiance(&mut self, world: &mut impl Tracer, appearance: &Appearance, ray: &Ray) -> Seen {
-        let mut seen = [Seen::NOTHING];
+    pub fn radiance(&mut self, world: &mut impl SceneQueries, appearance: &Appearance, ray: &Ray) -> RadianceSample {
+        let mut seen = [RadianceSample::MISS];
         self.radiance_of(world, appearance, &[(*ray, Interval::FORWARD)], &mut seen);
         seen[0]
     }
@@ -110,14 +111,14 @@ impl Whitted {
     /// give non-finite radiance, which the caller handles.
     pub fn radiance_of(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         appearance: &Appearance,
         rays: &[(Ray, Interval)],
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         let count = rays.len().min(seen.len());
         let (rays, seen) = (&rays[..count], &mut seen[..count]);
-        seen.fill(Seen::NOTHING);
+        seen.fill(RadianceSample::MISS);
         self.start(count);
         self.direct_lighting.start(appearance.lights.len());
         let camera_paths = core::mem::take(&mut self.camera_paths);
@@ -141,7 +142,7 @@ impl Whitted {
             let camera_path = |at| TreePath { sample: at, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
             self.camera_paths.extend((self.camera_paths.len() as u32..count as u32).map(camera_path));
         }
-        if self.needs.refraction {
+        if self.features.refraction {
             for sample in &mut self.samples[..count] {
                 sample.interior.clone_from(&self.surroundings);
             }
@@ -151,14 +152,14 @@ impl Whitted {
     /// Traces rays of one kind, and shades their hits.
     fn intersect_and_shade(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         appearance: &Appearance,
         kind: RayKind,
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         let Some(level) = self.lanes else {
-            return world.closest_batch(rays, kind, self.needs.surface(), |at, hit| {
+            return world.closest_batch(rays, kind, self.features.surface(), |at, hit| {
                 let path = paths[at];
                 let (ray, seen) = (&rays[at].0, &mut seen[path.sample as usize]);
                 match hit {
@@ -170,7 +171,7 @@ impl Whitted {
         world.closest_hits(
             rays,
             kind,
-            (self.needs.surface(), LazyShape::Sphere),
+            (self.features.surface(), LazyShape::Sphere),
             // Inlined, so that a hit on a sphere stays in registers until it is in the queue.
             #[inline(always)]
             |at, hit| match hit {
@@ -197,7 +198,7 @@ impl Whitted {
         path: TreePath,
         ray: &Ray,
         hit: ClosestHit<'_>,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         match hit {
             ClosestHit::Sphere(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
@@ -213,7 +214,7 @@ impl Whitted {
     }
 
     /// Traces the shadow rays of a wave, and fills the next one.
-    fn end_wave(&mut self, world: &mut impl Tracer, seen: &mut [Seen]) {
+    fn end_wave(&mut self, world: &mut impl SceneQueries, seen: &mut [RadianceSample]) {
         self.direct_lighting.resolve(self.lanes, |rays, blocked| world.occluded_batch(rays, blocked), seen);
         self.next_wave();
     }

@@ -2,7 +2,7 @@
 
 use rt_geometry::{Hit, InteractionFlags, NoProbe, Primitives, RayKind, intersect_primitive};
 use rt_math::{Interval, Ray, SlabRay};
-use rt_shading::{SurfaceHit, Tracer, light::LightId};
+use rt_shading::{SceneQueries, SurfaceHit, light::LightId};
 use rt_tests::ShapeSet;
 
 /// Shapes and all closest-hit rays that were traced.
@@ -14,7 +14,7 @@ pub(super) struct ShapeTracer {
     pub rays: Vec<Ray>,
 }
 
-impl Tracer for ShapeTracer {
+impl SceneQueries for ShapeTracer {
     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.rays.push(*ray);
         let slab = SlabRay::new(ray);

@@ -9,9 +9,9 @@ use crate::top_down::{MIN_FORKED, Split, Subtree, build_top_down};
 use crate::{BuildError, traversal::MAX_DEPTH};
 
 /// Maximum number of planes and references per primitive, in addition, and in total.
-const MOST_PER_PRIMITIVE: u64 = 16;
-const MOST_BESIDES: u64 = 4096;
-const MOST: u64 = 1 << 31;
+const MAX_NODES_PER_PRIMITIVE: u64 = 16;
+const EXTRA_NODES: u64 = 4096;
+const MAX_NODES: u64 = 1 << 31;
 
 /// Selects splitting planes. A pure function of its arguments, so that the tree depends on the primitives alone.
 pub(crate) trait SplitHeuristic<C>: Sync {
@@ -37,7 +37,7 @@ pub(crate) struct Task<C> {
 impl<C: SplitPlane> Task<C> {
     fn whole(boxes: &PrimBounds) -> Self {
         let count = boxes.bounded.len() as u64;
-        let budget = (MOST_PER_PRIMITIVE * count + MOST_BESIDES).min(MOST).max(count);
+        let budget = (MAX_NODES_PER_PRIMITIVE * count + EXTRA_NODES).min(MAX_NODES).max(count);
         Self {
             items: (0..count as u32).collect(),
             cell: boxes.union,
@@ -89,8 +89,8 @@ impl<C: SplitPlane> BspPartition<C> {
     pub(crate) fn build<P: Primitives>(primitives: &P, heuristic: &impl SplitHeuristic<C>) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
         let count = boxes.bounded.len();
-        if count as u64 > MOST {
-            return Err(BuildError::TooMany { count: count as u64, limit: MOST });
+        if count as u64 > MAX_NODES {
+            return Err(BuildError::TooMany { count: count as u64, limit: MAX_NODES });
         }
         let items = &boxes.bounded;
         let Subtree { nodes, indices, .. } = build_top_down(Task::whole(&boxes), &|task: Task<C>, indices| {
@@ -137,7 +137,7 @@ mod tests {
                 BspTree::build(&Boxes(&heap)).expect("boxes").build_stats(),
             ] {
                 assert!(
-                    (stats.references + stats.nodes) as u64 <= MOST_PER_PRIMITIVE * count + MOST_BESIDES,
+                    (stats.references + stats.nodes) as u64 <= MAX_NODES_PER_PRIMITIVE * count + EXTRA_NODES,
                     "{stats:?}"
                 );
                 assert!(stats.max_depth as u32 <= MAX_DEPTH && stats.leaves > 1, "{stats:?}");

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use rt_render::Share;
+use rt_render::ShardSpec;
 
 use super::values::{self, CheckpointInterval};
 
@@ -32,11 +32,11 @@ pub(crate) struct CheckpointArgs {
     #[command(flatten)]
     pub(crate) fallback: FallbackArgs,
 
-    /// Render part I of N of the tiles to a .part file; with --frames, every N-th frame
+    /// Render shard I of N of the tiles to a .part file; with --frames, every N-th frame
     ///
-    /// `merge` joins the parts to an image that is bit-identical to that of a single run.
-    #[arg(long, value_name = "I/N", value_parser = values::share, allow_hyphen_values = true)]
-    pub(crate) shard: Option<Share>,
+    /// `merge` combines the shards to an image that is bit-identical to that of a single run.
+    #[arg(long, value_name = "I/N", value_parser = values::shard_spec, allow_hyphen_values = true)]
+    pub(crate) shard: Option<ShardSpec>,
 }
 
 #[derive(Clone, Debug, Args)]

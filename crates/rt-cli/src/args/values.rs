@@ -13,7 +13,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rt_camera::FilmSettings;
 use rt_image::{Development, Encoding, ImageFormat, ToneCurve, metrics::Flip};
 use rt_math::{DVec3, Rgb};
-use rt_render::{Crop, FirstHitLayer, Share, SimdLevel};
+use rt_render::{Crop, FirstHitLayer, ShardSpec, SimdLevel};
 use rt_scene_io::LoadErrorKind;
 
 use crate::image_file::is_developed;
@@ -227,13 +227,13 @@ pub(super) fn checkpoint_interval(text: &str) -> Result<CheckpointInterval, Stri
     }
 }
 
-/// Part I of N; I starts at 1.
-pub(super) fn share(text: &str) -> Result<Share, String> {
+/// Shard I of N; I starts at 1.
+pub(super) fn shard_spec(text: &str) -> Result<ShardSpec, String> {
     let numbers =
         text.split_once('/').and_then(|(index, count)| Some((index.parse::<u32>().ok()?, count.parse().ok()?)));
     numbers
-        .and_then(|(index, count)| Share::new(index.checked_sub(1)?, count))
-        .ok_or_else(|| format!("expected part/parts, such as 1/8 to 8/8, with at most {} parts", Share::MOST))
+        .and_then(|(index, count)| ShardSpec::new(index.checked_sub(1)?, count))
+        .ok_or_else(|| format!("expected I/N, such as 1/8 to 8/8, with at most {} shards", ShardSpec::MAX_COUNT))
 }
 
 /// Percentage greater than zero, as a fraction.
@@ -282,7 +282,7 @@ pub(super) fn aov(text: &str) -> Result<AovArg, String> {
     Ok(AovArg { content: AovContent::Layers(list), file: file.into() })
 }
 
-/// `NAME=FILE`, for quantities that parts of an image hold.
+/// `NAME=FILE`, for quantities that shards of an image hold.
 pub(super) fn aov_of_parts(text: &str) -> Result<AovArg, String> {
     match aov(text)? {
         AovArg { content: AovContent::Layers(_), .. } => {

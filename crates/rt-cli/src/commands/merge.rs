@@ -1,15 +1,15 @@
-//! `merge`: joins the parts of an image.
+//! `merge`: combines the shards of an image.
 
 use std::path::{Path, PathBuf};
 
 use indicatif::{HumanCount, HumanDuration};
 use rt_image::write_image;
-use rt_render::{JoinError, Part, Rendering};
+use rt_render::{MergeError, Rendering, Shard};
 
 use crate::aov_file::AovFile;
 use crate::args::MergeArgs;
 use crate::artifact_error::{ArtifactError, ArtifactKind};
-use crate::checkpoint_file::{self, Label};
+use crate::checkpoint_format::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::output::{OutputFile, fallback_dirs, write_all};
@@ -21,9 +21,9 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     let output = OutputFile::prepare(&args.output, &args.parts)?;
     let aovs = AovFile::prepare_all(&args.aov, &args.parts, &[&output])?;
 
-    let (label, parts) = read(&args.parts, args.memory.limit())?;
-    let count = parts.len();
-    let rendering = Part::join(parts).map_err(|error| named(&args.parts, error))?.into_rendering();
+    let (label, shards) = read(&args.parts, args.memory.limit())?;
+    let count = shards.len();
+    let rendering = Shard::merge(shards).map_err(|error| named(&args.parts, error))?.into_rendering();
     let Rendering { film, statistics, .. } = &rendering;
     let size = [film.width(), film.height()];
     image_file::check(format, size, film.alpha().is_some())?;
@@ -40,7 +40,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
         .chain(aovs.iter().map(|aov| aov.write(&rendering, &[], &fallback_dirs))),
     )?;
     console.println(format_args!(
-        "joined {count} parts: {} samples, {} rays, {} of rendering",
+        "merged {count} shards: {} samples, {} rays, {} of rendering",
         HumanCount(statistics.samples),
         HumanCount(statistics.counters.total().rays),
         HumanDuration(std::time::Duration::try_from_secs_f64(statistics.render_seconds).unwrap_or_default()),
@@ -51,71 +51,72 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     console.println(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
 }
 
-/// Reads all parts, and the label of the one with the lowest number. Predicts the memory of the parts from the file sizes, and that of the image from the first
-/// part.
-fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Part>), CliError> {
-    let Some(first) = files.first() else { return Err(named(files, JoinError::Nothing)) };
-    let lengths = files.iter().map(|file| checkpoint_file::length(file)).collect::<Result<Vec<_>, _>>()?;
-    let decoded = lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(checkpoint_file::decoded_bytes(length)));
+/// Reads all shards, and the label of the one with the lowest number. Predicts the memory of the shards from the file sizes, and that of the image from the first
+/// shard.
+fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), CliError> {
+    let Some(first) = files.first() else { return Err(named(files, MergeError::Nothing)) };
+    let lengths = files.iter().map(|file| checkpoint_format::length(file)).collect::<Result<Vec<_>, _>>()?;
+    let decoded =
+        lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(checkpoint_format::decoded_bytes(length)));
     let reading = lengths.iter().copied().max().unwrap_or(0);
     let of_parts =
-        [(format!("the content of {} parts", files.len()), decoded), ("the part being read".to_owned(), reading)];
+        [(format!("the content of {} shards", files.len()), decoded), ("the shard being read".to_owned(), reading)];
     let mut label: Option<(u32, Label)> = None;
-    let mut parts = Vec::with_capacity(files.len());
+    let mut shards = Vec::with_capacity(files.len());
     for file in files {
-        // Report files that are not parts before the memory limit.
-        checkpoint_file::label(file, ArtifactKind::Part)?;
+        // Report files that are not shards before the memory limit.
+        checkpoint_format::label(file, ArtifactKind::Shard)?;
         if label.is_none() {
             memory::check(memory, first, &of_parts)?;
         }
-        let (of_part, part) = checkpoint_file::read::<Part>(file, ArtifactKind::Part, memory)?;
-        let number = part.share().index();
+        let (of_shard, shard) = checkpoint_format::read::<Shard>(file, ArtifactKind::Shard, memory)?;
+        let number = shard.spec().index();
         match &mut label {
-            Some((_, label)) if label.identity != of_part.identity => return Err(foreign(file, of_part.scene)),
-            Some(lowest) if number < lowest.0 => *lowest = (number, of_part),
+            Some((_, label)) if label.identity != of_shard.identity => return Err(foreign(file, of_shard.scene)),
+            Some(lowest) if number < lowest.0 => *lowest = (number, of_shard),
             Some(_) => {}
             None => {
-                // No part is read while the image is made. Encoding copies the colors.
-                let bytes = part.rendering_bytes();
+                // No shard is read while the image is made. Encoding copies the colors.
+                let bytes = shard.rendering_bytes();
                 let image = ("the image".to_owned(), bytes.saturating_add(bytes / 2));
                 memory::check(memory, first, &[of_parts[0].clone(), image])?;
-                label = Some((number, of_part));
+                label = Some((number, of_shard));
             }
         }
-        parts.push(part);
+        shards.push(shard);
     }
-    label.map(|(_, label)| (label, parts)).ok_or_else(|| named(files, JoinError::Nothing))
+    label.map(|(_, label)| (label, shards)).ok_or_else(|| named(files, MergeError::Nothing))
 }
 
 fn foreign(file: &Path, scene: String) -> CliError {
-    ArtifactError::Foreign { file: file.to_owned(), scene, advice: " from those of the earlier parts" }.into()
+    ArtifactError::Foreign { file: file.to_owned(), scene, advice: " from those of the earlier shards" }.into()
 }
 
 /// Replaces list indices of the error by file names.
-fn named(files: &[PathBuf], error: JoinError) -> CliError {
+fn named(files: &[PathBuf], error: MergeError) -> CliError {
     let name = |number: usize| files.get(number).map(|file| file.display().to_string()).unwrap_or_default();
     CliError::Join(match error {
-        JoinError::Damaged(part, reason) => {
-            format!("{}: is not a valid part, or does not fit the earlier parts: {reason}", name(part))
+        MergeError::Damaged(shard, reason) => {
+            format!("{}: is not a valid shard, or does not fit the earlier shards: {reason}", name(shard))
         }
-        JoinError::Foreign(part) => {
+        MergeError::Foreign(shard) => {
             format!(
-                "{}: has another size, or was made with other options (use --stats for all parts, or for none)",
-                name(part)
+                "{}: has another size, or was made with other options (use --stats for all shards, or for none)",
+                name(shard)
             )
         }
-        JoinError::Shares { part, count, expected } => {
+        MergeError::ShardCounts { shard, count, expected } => {
             format!(
-                "{}: is one of {count} parts, but {} is one of {expected}; merge parts of one render",
-                name(part),
+                "{}: is one of {count} shards, but {} is one of {expected}; merge shards of one render",
+                name(shard),
                 name(0)
             )
         }
-        JoinError::Doubled(one, other) => {
-            format!("{} and {} are the same part; remove one of them", name(one), name(other))
+        MergeError::Doubled(one, other) => {
+            format!("{} and {} are the same shard; remove one of them", name(one), name(other))
         }
-        JoinError::Unfinished { part, missing } => {
-            format!("{}: lacks {missing} of its tiles; finish it with --resume", name(part))
+        MergeError::Unfinished { shard, missing } => {
+            format!("{}: lacks {missing} of its tiles; finish it with --resume", name(shard))
         }
         error => error.to_string(),
     })

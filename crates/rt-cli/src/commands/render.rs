@@ -1,4 +1,4 @@
-//! `render`: an image of a scene, or a part of it.
+//! `render`: an image of a scene, or a shard of it.
 
 mod frames;
 
@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use rt_image::ImageFormat;
-use rt_render::Share;
+use rt_render::ShardSpec;
 
 use crate::aov_file::AovFile;
 use crate::args::{CheckpointArgs, FrameChoice, RenderArgs};
-use crate::checkpoint::{self, CheckpointOptions};
+use crate::checkpointer::{self, CheckpointOptions};
 use crate::console::{Console, reserve_stdout};
 use crate::error::CliError;
 use crate::identity::Identity;
@@ -65,7 +65,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
 
     let file = match kind {
         OutputKind::Image(_) => OutputFile::prepare(&path, &files)?,
-        OutputKind::Part => OutputFile::prepare_over_link(&path, &files)?,
+        OutputKind::Shard => OutputFile::prepare_over_link(&path, &files)?,
     };
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
@@ -84,7 +84,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         fallback_dir: args.checkpoint.fallback.dir.as_deref(),
         output: match kind {
             OutputKind::Image(format) => JobOutput::Image { format, file, aovs },
-            OutputKind::Part => JobOutput::Part(file),
+            OutputKind::Shard => JobOutput::Shard(file),
         },
         stats,
         rule,
@@ -105,7 +105,7 @@ fn prepare_checkpoint(
     stats: Option<&OutputFile>,
     inputs: &[PathBuf],
 ) -> Result<Option<OutputFile>, CliError> {
-    let Some(path) = checkpoint::default_path(args, output) else { return Ok(None) };
+    let Some(path) = checkpointer::default_path(args, output) else { return Ok(None) };
     match OutputFile::prepare_over_link(&path, inputs) {
         Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => {
             Err(CliError::Usage(format!(
@@ -119,7 +119,7 @@ fn prepare_checkpoint(
     }
 }
 
-/// Refuses options that need the whole image for a part.
+/// Refuses options that need the whole image for a shard.
 fn refuse_for_parts(args: &RenderArgs) -> Result<(), CliError> {
     let whole = [
         ("--time", args.stop.time.is_some()),
@@ -140,17 +140,17 @@ fn refuse_for_parts(args: &RenderArgs) -> Result<(), CliError> {
 
 enum OutputKind {
     Image(ImageFormat),
-    Part,
+    Shard,
 }
 
 impl OutputKind {
-    fn of(path: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> Result<Self, CliError> {
+    fn of(path: &Path, shard: Option<ShardSpec>, format: Option<ImageFormat>) -> Result<Self, CliError> {
         let is_part = path.extension().is_some_and(|extension| extension == PART) || (shard.is_some() && is_dash(path));
         match (shard, is_part) {
-            (Some(_), true) => refuse_terminal(path).map(|()| Self::Part),
+            (Some(_), true) => refuse_terminal(path).map(|()| Self::Shard),
             (None, false) => Ok(Self::Image(image_file::chosen_format(path, format)?)),
             (Some(_), false) => Err(CliError::Usage(format!(
-                "--shard writes .part files, not {}; `merge` joins them to an image",
+                "--shard writes .part files, not {}; `merge` combines them to an image",
                 path.display()
             ))),
             (None, true) => {
@@ -162,12 +162,12 @@ impl OutputKind {
 
 const PART: &str = "part";
 
-/// Name of the scene with the extension of the format or the index of the part, in the current directory.
-fn default_output(scene: &Path, shard: Option<Share>, format: Option<ImageFormat>) -> PathBuf {
+/// Name of the scene with the extension of the format or the index of the shard, in the current directory.
+fn default_output(scene: &Path, shard: Option<ShardSpec>, format: Option<ImageFormat>) -> PathBuf {
     let mut name = scene.file_stem().unwrap_or_default().to_owned();
     match shard {
         None => name.push(format!(".{}", image_file::extension_of(format.unwrap_or(ImageFormat::Png)))),
-        Some(share) => name.push(format!(".{}-of-{}.{PART}", share.index() + 1, share.count())),
+        Some(spec) => name.push(format!(".{}-of-{}.{PART}", spec.index() + 1, spec.count())),
     }
     PathBuf::from(name)
 }
@@ -184,6 +184,6 @@ mod tests {
             assert_eq!(default_output(Path::new(scene), None, None), Path::new(image));
         }
         assert_eq!(default_output(Path::new("a/b.ron"), None, Some(ImageFormat::Exr)), Path::new("b.exr"));
-        assert_eq!(default_output(Path::new("a/b.ron"), Share::new(2, 8), None), Path::new("b.3-of-8.part"));
+        assert_eq!(default_output(Path::new("a/b.ron"), ShardSpec::new(2, 8), None), Path::new("b.3-of-8.part"));
     }
 }

@@ -5,7 +5,7 @@ use std::os::unix::fs::symlink;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use rt_render::Part;
+use rt_render::Shard;
 use serde_json::Value;
 
 use crate::program::{Run, Workplace};
@@ -25,7 +25,7 @@ struct PartFile {
 impl PartFile {
     fn read(bytes: &[u8]) -> Self {
         let content = &bytes[..bytes.len() - HASH];
-        let decode = |at: usize| match postcard::take_from_bytes::<Part>(&content[at..]) {
+        let decode = |at: usize| match postcard::take_from_bytes::<Shard>(&content[at..]) {
             Ok((part, [])) => Some((at, part)),
             _ => None,
         };
@@ -39,7 +39,7 @@ impl PartFile {
         const MARK: u64 = 0x7A11_7A11_7A11;
         let mut part = self.part.clone();
         *part.pointer_mut(number).unwrap_or_else(|| panic!("{number}")) = MARK.into();
-        let part: Part = serde_json::from_value(part).expect("a part");
+        let part: Shard = serde_json::from_value(part).expect("a part");
         let content = postcard::to_stdvec(&part).expect("written");
         let mark = postcard::to_stdvec(&MARK).expect("written");
         let at = content.windows(mark.len()).position(|bytes| bytes == mark).expect("the mark");
@@ -69,7 +69,8 @@ fn crafted_parts_are_refused() {
     let part = PartFile::read(&place.read("1.part"));
     assert_eq!(
         part.file(
-            &postcard::to_stdvec(&serde_json::from_value::<Part>(part.part.clone()).expect("a part")).expect("written")
+            &postcard::to_stdvec(&serde_json::from_value::<Shard>(part.part.clone()).expect("a part"))
+                .expect("written")
         ),
         place.read("1.part")
     );

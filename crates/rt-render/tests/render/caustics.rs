@@ -323,8 +323,8 @@ fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
         let crop = Crop { x: 5, y: 3, width: 12, height: 9 };
         let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
         let plan = RenderPlan::compile(&scene, &options).expect("compiles");
-        let part = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
-        for (i, pixel) in part.pixels().iter().enumerate() {
+        let shard = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
+        for (i, pixel) in shard.pixels().iter().enumerate() {
             let (x, y) = (crop.x + i as u32 % crop.width, crop.y + i as u32 / crop.width);
             assert_eq!(*pixel, whole.pixels()[(y * whole.width() + x) as usize], "{filter:?}: pixel {x}, {y}");
         }

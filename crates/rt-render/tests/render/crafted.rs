@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rt_camera::SamplerKind;
 use rt_render::{
-    Checkpoint, ContentError, Criterion, JoinError, Observer, Part, PlanOptions, RenderPlan, RenderSnapshot,
-    RunOptions, Share, StopRule, TargetError, UncheckedCheckpoint, UncheckedPart,
+    Checkpoint, ContentError, Criterion, MergeError, Observer, PlanOptions, RenderPlan, RenderSnapshot, RunOptions,
+    Shard, ShardSpec, StopRule, TargetError, UncheckedCheckpoint, UncheckedShard,
 };
 use rt_scene_io::{Integrator, Scene};
 use serde_json::{Number, Value, json};
@@ -98,39 +98,39 @@ fn crafted_numbers_of_parts_are_refused_or_harmless() {
         let scene = scene(integrator);
         let plan = RenderPlan::compile(&scene, &PlanOptions { transparent: true, ..PlanOptions::default() });
         let plan = plan.expect("compiles");
-        let part = |index| {
-            let share = Share::new(index, 2).expect("a share");
-            let run = RunOptions { threads: 1, count: true, share, ..RunOptions::default() };
-            plan.render_part(&run, None, None, |_| {}).expect("renders")
+        let shard = |index| {
+            let spec = ShardSpec::new(index, 2).expect("a shard");
+            let run = RunOptions { threads: 1, count: true, shard: spec, ..RunOptions::default() };
+            plan.render_shard(&run, None, None, |_| {}).expect("renders")
         };
-        let [crafted, other] = [0, 1].map(part);
+        let [crafted, other] = [0, 1].map(shard);
         let written = serde_json::to_value(&crafted).expect("numbers");
-        assert_eq!(serde_json::from_value::<Part>(written.clone()).expect("sound"), crafted);
+        assert_eq!(serde_json::from_value::<Shard>(written.clone()).expect("sound"), crafted);
         let (mut refused, mut used) = (0, 0);
         for_each_variant(&written, |what, changed| {
-            let Ok(unchecked) = serde_json::from_value::<UncheckedPart>(changed.clone()) else { return };
+            let Ok(unchecked) = serde_json::from_value::<UncheckedShard>(changed.clone()) else { return };
             let checked = unchecked.check();
-            assert_eq!(serde_json::from_value::<Part>(changed).is_ok(), checked.is_ok(), "{what}");
-            let Ok(part) = checked else {
+            assert_eq!(serde_json::from_value::<Shard>(changed).is_ok(), checked.is_ok(), "{what}");
+            let Ok(shard) = checked else {
                 refused += 1;
                 return;
             };
             used += 1;
             // A larger image with missing tiles is valid as well.
-            let (missing, bytes) = (part.missing_tiles(), part.rendering_bytes());
-            let rendering = part.clone().into_rendering();
+            let (missing, bytes) = (shard.missing_tiles(), shard.rendering_bytes());
+            let rendering = shard.clone().into_rendering();
             assert_eq!(
                 rendering.film.pixels().len() as u64,
                 bytes / if rendering.film.alpha().is_some() { 16 } else { 12 },
                 "{what}"
             );
-            assert!(missing == 0 || Part::join(vec![part.clone()]).is_err(), "{what}");
+            assert!(missing == 0 || Shard::merge(vec![shard.clone()]).is_err(), "{what}");
             // Sums over both parts are at least the counts of each.
             let samples = rendering.statistics.samples;
-            if let Ok(joined) = Part::join(vec![part, other.clone()]) {
-                let joined = joined.into_rendering().statistics;
-                assert!(joined.samples > samples, "{what}");
-                assert!(joined.render_seconds.is_finite() && joined.counters.total().rays < 1 << 63, "{what}");
+            if let Ok(merged) = Shard::merge(vec![shard, other.clone()]) {
+                let merged = merged.into_rendering().statistics;
+                assert!(merged.samples > samples, "{what}");
+                assert!(merged.render_seconds.is_finite() && merged.counters.total().rays < 1 << 63, "{what}");
             }
         });
         assert!(refused > 100 && used > 100, "{refused} refused, {used} used");
@@ -141,15 +141,15 @@ fn crafted_numbers_of_parts_are_refused_or_harmless() {
 fn counts_of_parts_that_overflowed_together_are_refused() {
     let scene = scene(Integrator::Path);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
-    let parts = [0, 1].map(|index| {
-        let run = RunOptions { share: Share::new(index, 2).expect("a share"), ..RunOptions::default() };
-        let part = plan.render_part(&run, None, None, |_| {}).expect("renders");
-        let mut written = serde_json::to_value(&part).expect("numbers");
+    let shards = [0, 1].map(|index| {
+        let run = RunOptions { shard: ShardSpec::new(index, 2).expect("a shard"), ..RunOptions::default() };
+        let shard = plan.render_shard(&run, None, None, |_| {}).expect("renders");
+        let mut written = serde_json::to_value(&shard).expect("numbers");
         *written.pointer_mut("/statistics/counters/by_kind/1/rays").expect("rays") = json!((1_u64 << 60) - 1);
-        serde_json::from_value::<Part>(written).expect("each is possible")
+        serde_json::from_value::<Shard>(written).expect("each is possible")
     });
-    let refused = Part::join(parts.to_vec());
-    assert!(matches!(refused, Err(JoinError::Damaged(1, ContentError::Count { .. }))), "{refused:?}");
+    let refused = Shard::merge(shards.to_vec());
+    assert!(matches!(refused, Err(MergeError::Damaged(1, ContentError::Count { .. }))), "{refused:?}");
 }
 
 /// Saves a checkpoint after some tiles and interrupts the render.
@@ -195,12 +195,12 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
         let mut tiles_in_all = 0;
         let count = |_| tiles_in_all += 1;
         let run = RunOptions { threads: 1, ..RunOptions::default() };
-        plan.render_part(&run, rule.as_ref(), None, count).expect("renders");
+        plan.render_shard(&run, rule.as_ref(), None, count).expect("renders");
         let interrupt = AtomicBool::new(false);
         let tiles_left = tiles.min(tiles_in_all - 1);
         let mut keeper = Keeper { tiles_left, checkpoint: Value::Null, interrupt: &interrupt };
         let interrupted = RunOptions { interrupt: Some(&interrupt), ..run };
-        plan.render_part(&interrupted, rule.as_ref(), None, &mut keeper).expect("renders");
+        plan.render_shard(&interrupted, rule.as_ref(), None, &mut keeper).expect("renders");
         let (mut refused, mut used) = (0, 0);
         for_each_variant(&keeper.checkpoint, |what, changed| {
             let Ok(unchecked) = serde_json::from_value::<UncheckedCheckpoint>(changed.clone()) else { return };
@@ -212,8 +212,8 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
             };
             used += 1;
             let (samples, rays) = (checkpoint.samples(), checkpoint.rays());
-            if let Ok(part) = plan.render_part(&run, rule.as_ref(), Some(checkpoint), |_| {}) {
-                let statistics = part.into_rendering().statistics;
+            if let Ok(shard) = plan.render_shard(&run, rule.as_ref(), Some(checkpoint), |_| {}) {
+                let statistics = shard.into_rendering().statistics;
                 assert!(statistics.samples >= samples && statistics.counters.total().rays >= rays, "{what}");
             }
         });
@@ -227,18 +227,18 @@ fn seeds_of_the_fuzz_targets_are_sound() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds"));
     let scene = scene(Integrator::Path);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
-    let run = |share| RunOptions { threads: 1, maps: true, share, ..RunOptions::default() };
+    let run = |spec| RunOptions { threads: 1, maps: true, shard: spec, ..RunOptions::default() };
     if std::env::var_os("WRITE_SEEDS").is_some() {
         for index in [0, 1] {
-            let run = run(Share::new(index, 2).expect("a share"));
-            let part = plan.render_part(&run, None, None, |_| {}).expect("renders");
+            let run = run(ShardSpec::new(index, 2).expect("a shard"));
+            let shard = plan.render_shard(&run, None, None, |_| {}).expect("renders");
             let file = folder.join(format!("part/{}-of-2.part", index + 1));
-            std::fs::write(file, postcard::to_stdvec(&part).expect("written")).expect("written");
+            std::fs::write(file, postcard::to_stdvec(&shard).expect("written")).expect("written");
         }
         for (name, rule) in [("tiles", None), ("passes", Some(StopRule { max_spp: 4, ..StopRule::default() }))] {
             let mut written = Vec::new();
             let keep = Writer(&mut written);
-            plan.render_part(&run(Share::ALL), rule.as_ref(), None, keep).expect("renders");
+            plan.render_shard(&run(ShardSpec::ALL), rule.as_ref(), None, keep).expect("renders");
             std::fs::write(folder.join(format!("checkpoint/{name}.checkpoint")), written).expect("written");
         }
     }
@@ -246,10 +246,10 @@ fn seeds_of_the_fuzz_targets_are_sound() {
         let entries = std::fs::read_dir(folder.join(name)).expect("a folder");
         entries.map(|entry| std::fs::read(entry.expect("an entry").path()).expect("a file")).collect::<Vec<_>>()
     };
-    let (parts, checkpoints) = (files("part"), files("checkpoint"));
-    assert!(parts.len() >= 2 && checkpoints.len() >= 2);
-    for part in parts {
-        postcard::from_bytes::<UncheckedPart>(&part).expect("run it with WRITE_SEEDS=1").check().expect("sound");
+    let (shards, checkpoints) = (files("part"), files("checkpoint"));
+    assert!(shards.len() >= 2 && checkpoints.len() >= 2);
+    for shard in shards {
+        postcard::from_bytes::<UncheckedShard>(&shard).expect("run it with WRITE_SEEDS=1").check().expect("sound");
     }
     for checkpoint in checkpoints {
         postcard::from_bytes::<UncheckedCheckpoint>(&checkpoint)

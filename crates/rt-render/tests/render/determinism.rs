@@ -107,10 +107,10 @@ fn a_crop_is_a_part_of_the_whole() {
     scene.film.filter = Filter::Mitchell;
     let whole = film(&scene);
     let crop = Crop { x: 17, y: 5, width: 30, height: 21 };
-    let part = render(&scene, PlanOptions { crop: Some(crop), ..PlanOptions::default() }, RunOptions::default()).film;
+    let shard = render(&scene, PlanOptions { crop: Some(crop), ..PlanOptions::default() }, RunOptions::default()).film;
     for y in 0..crop.height {
         for x in 0..crop.width {
-            let inside = part.pixels()[(y * crop.width + x) as usize];
+            let inside = shard.pixels()[(y * crop.width + x) as usize];
             let outside = whole.pixels()[((y + crop.y) * whole.width() + x + crop.x) as usize];
             assert_eq!(inside, outside, "pixel {x}, {y} of the crop");
         }

@@ -94,8 +94,8 @@ fn coverage_is_partial_at_the_silhouette_only() {
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     let layers = all(&plan, 1);
     let coverage: Vec<f32> = (0..81).map(|pixel| values(&layers, FirstHitLayer::Coverage, pixel)[0]).collect();
-    let partial = coverage.iter().filter(|&&share| share > 0.0 && share < 1.0).count();
-    let covered = coverage.iter().filter(|&&share| share == 1.0).count();
+    let partial = coverage.iter().filter(|&&spec| spec > 0.0 && spec < 1.0).count();
+    let covered = coverage.iter().filter(|&&spec| spec == 1.0).count();
     assert!(partial >= 8 && covered >= 4, "{coverage:?}");
     for pixel in (0..81).filter(|&pixel| coverage[pixel] > 0.0) {
         let normal = DVec3::from_slice(
@@ -129,10 +129,10 @@ fn layers_do_not_depend_on_threads_accelerator_trimming_or_crop() {
     let crop = Crop { x: 5, y: 7, width: 9, height: 4 };
     let cropped = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
     let cropped = RenderPlan::compile(&scene, &cropped).expect("the scene compiles");
-    for (whole, part) in expected.iter().zip(all(&cropped, 2)) {
-        for (whole, part) in whole.channels.iter().zip(part.channels) {
+    for (whole, shard) in expected.iter().zip(all(&cropped, 2)) {
+        for (whole, shard) in whole.channels.iter().zip(shard.channels) {
             let rows = (0..4).flat_map(|y| &whole[(7 + y) * 32 + 5..][..9]);
-            assert!(rows.eq(&part), "{crop:?}");
+            assert!(rows.eq(&shard), "{crop:?}");
         }
     }
 }
@@ -325,13 +325,13 @@ fn layers_of_resumed_renders_are_those_of_whole_ones() {
         let mut kept = TwoTiles { tiles: 0, checkpoint: None, interrupt: &interrupt };
         let run = RunOptions { threads: 1, layers: FirstHitLayer::ALL, ..RunOptions::default() };
         let interrupted = RunOptions { interrupt: Some(&interrupt), ..run };
-        let part = plan.render_part(&interrupted, None, None, &mut kept).expect("it renders");
-        let (expected, mut rendering) = (all(&plan, 1), part.into_rendering());
+        let shard = plan.render_shard(&interrupted, None, None, &mut kept).expect("it renders");
+        let (expected, mut rendering) = (all(&plan, 1), shard.into_rendering());
         let of = |rendering: &Rendering| rendering.layers.clone().expect("layers were asked for");
         assert!(of(&rendering).values() != expected, "{integrator:?} was not interrupted");
         plan.complete_layers(&mut rendering, 1).expect("threads");
         assert!(of(&rendering).values() == expected, "{integrator:?}, interrupted");
-        let resumed = plan.render_part(&run, None, kept.checkpoint, |_| {}).expect("it renders");
+        let resumed = plan.render_shard(&run, None, kept.checkpoint, |_| {}).expect("it renders");
         let mut rendering = resumed.into_rendering();
         assert!(of(&rendering).values() != expected, "{integrator:?} was not resumed");
         plan.complete_layers(&mut rendering, 1).expect("threads");

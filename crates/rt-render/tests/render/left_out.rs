@@ -3,12 +3,12 @@
 use crate::support::{everything, sphere, spheres};
 use rt_geometry::RayKind;
 use rt_math::Rgb;
-use rt_render::{PlanOptions, RenderPlan, RunOptions, Share, Statistics};
+use rt_render::{PlanOptions, RenderPlan, RunOptions, ShardSpec, Statistics};
 use rt_scene_io::{Accel, MaterialId, Scene, SceneNode};
 use rt_shading::{ColorTexture, ShadingCounts};
 
 const COUNT: RunOptions<'_> =
-    RunOptions { threads: 1, count: true, maps: false, share: Share::ALL, interrupt: None, layers: &[] };
+    RunOptions { threads: 1, count: true, maps: false, shard: ShardSpec::ALL, interrupt: None, layers: &[] };
 
 fn statistics(scene: &Scene) -> Statistics {
     let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");

@@ -265,10 +265,10 @@ fn sample_counts_are_independent_of_threads_accelerators_and_crops() {
             check(&render(&other), accel.name());
         }
         let crop = Crop { x: 13, y: 9, width: 21, height: 18 };
-        let part = render_with(&scene, &PlanOptions { crop: Some(crop), ..PlanOptions::default() }, 2);
+        let shard = render_with(&scene, &PlanOptions { crop: Some(crop), ..PlanOptions::default() }, 2);
         let width = expected.film.width() as usize;
         let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
-        for (at, (count, pixel)) in counts(&part).into_iter().zip(part.film.pixels()).enumerate() {
+        for (at, (count, pixel)) in counts(&shard).into_iter().zip(shard.film.pixels()).enumerate() {
             let [x, y] = [13 + at % 21, 9 + at / 21];
             assert_eq!(count, counts(&expected)[y * width + x]);
             assert!(same_bits(*pixel, expected.film.pixels()[y * width + x]), "{} {x} {y}", scene.name);

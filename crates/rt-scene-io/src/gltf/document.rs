@@ -94,8 +94,9 @@ fn normalize_integers(value: &mut Value) {
         Value::Object(map) => map.values_mut().for_each(normalize_integers),
         Value::Number(number) => {
             // Beyond this, a number with a fraction no longer has one.
-            const MOST: f64 = 9_007_199_254_740_992.0;
-            let whole = number.as_f64().filter(|x| number.is_f64() && x.trunc() == *x && (0.0..=MOST).contains(x));
+            const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
+            let whole =
+                number.as_f64().filter(|x| number.is_f64() && x.trunc() == *x && (0.0..=MAX_EXACT_INTEGER).contains(x));
             if let Some(whole) = whole {
                 *number = (whole as u64).into();
             }

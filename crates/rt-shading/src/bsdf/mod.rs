@@ -62,11 +62,11 @@ mod mirror;
 mod mix;
 mod oren_nayar;
 mod phong_lobe;
-mod refraction;
 mod sample;
 mod schlick;
 mod sheen;
 mod side;
+mod specular_transmission;
 #[cfg(test)]
 mod tests;
 mod thin_glass;
@@ -88,10 +88,10 @@ pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
 pub use phong_lobe::PhongLobe;
-pub use refraction::Refraction;
 pub use sample::{BsdfSample, Scattering};
 pub use sheen::Sheen;
 pub(crate) use side::HORIZON;
+pub use specular_transmission::Refraction;
 pub use thin_glass::ThinGlass;
 
 use rt_math::{DVec3, Rgb};

@@ -98,7 +98,7 @@ fn lists_come_off_the_stack_as_they_were_put_on() {
 fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
     // From inside of 0 and 1, through a body 2 that is entered and left on the way, and an opaque one that is not there.
     struct Way(Vec<(u32, u32, bool)>);
-    impl Tracer for Way {
+    impl SceneQueries for Way {
         fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             let at = if span.min > 0.0 { span.min as usize } else { 0 };
             let &(object, material, leaving) = self.0.get(at)?;

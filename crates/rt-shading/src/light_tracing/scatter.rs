@@ -6,7 +6,7 @@ use super::{
     wave::{Connection, LightPath},
 };
 use crate::{
-    Lighting, SurfaceHit, Tracer,
+    Lighting, SceneQueries, SurfaceHit,
     bsdf::{BsdfSample, Scattering},
     hit_context::HitContext,
     interior_list::MediumInterface,
@@ -30,7 +30,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
     /// Starts a path.
     pub(super) fn sample_le(
         &mut self,
-        world: &mut impl Tracer,
+        world: &mut impl SceneQueries,
         scene: LightTracingScene<'_>,
         mut sampler: S,
         time: f64,
@@ -38,7 +38,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         let Some(sample) = scene.sources.sample_le(scene.lighting, time, &mut sampler) else { return };
         let LeSample { ray, span, power, no_falloff } = sample;
         let mut medium_tracker = MediumTracker::default();
-        if self.needs.refraction {
+        if self.features.refraction {
             let materials = &scene.lighting.appearance.materials;
             medium_tracker.interior.find_enclosing_media_within(scene.sources.bodies(), world, materials, &ray);
         }
@@ -65,14 +65,14 @@ impl<S: Sampler> LightTracingIntegrator<S> {
     ) {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
-        let Some(context) = HitContext::new(&self.needs, materials, ray, hit) else { return };
+        let Some(context) = HitContext::new(&self.features, materials, ray, hit) else { return };
         let interface = context.interface(&mut path.medium_tracker.interior, materials, hit.body());
         let is_visible = context.is_visible(interface.as_ref());
         let HitContext { material, direction, length, is_inside, .. } = context;
         if !is_visible {
             return self.skip_interface(hit, ray, length, interface.as_ref(), id);
         }
-        if self.needs.absorption {
+        if self.features.absorption {
             path.medium_tracker.absorb(materials, interface.as_ref(), hit.t, length, &mut path.throughput);
         }
         if let Some(distance) = &mut path.no_falloff_distance {

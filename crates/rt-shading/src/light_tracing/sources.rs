@@ -1,6 +1,6 @@
 //! Lights that light tracing starts paths from.
 
-use super::targets::{DirectionSample, Targets, within_cone};
+use super::projection_map::{DirectionSample, ProjectionMap, within_cone};
 use crate::{
     Lighting,
     bsdf::cosine_hemisphere,
@@ -27,7 +27,7 @@ use rt_math::{Aabb, Frame, Interval, Ray, Rgb, Sampler};
 #[derive(Clone, Debug)]
 pub struct LightSources {
     sampler: PowerLightSampler,
-    targets: Targets,
+    targets: ProjectionMap,
     /// Length of the diagonal around all that is bounded.
     reach: f64,
     /// Bounds of dielectrics.
@@ -48,7 +48,7 @@ pub(super) struct LeSample {
 impl LightSources {
     /// Lights of a scene whose specular surfaces are the targets. `bounds` contains all that is bounded, and `bodies` all
     /// dielectrics.
-    pub fn new(lights: &LightSet, targets: Targets, bounds: Aabb, bodies: Aabb) -> Self {
+    pub fn new(lights: &LightSet, targets: ProjectionMap, bounds: Aabb, bodies: Aabb) -> Self {
         let reach = if bounds.is_empty() { 1.0 } else { bounds.extent().length() };
         let power = |light: &Light| match light {
             Light::Environment(_) => Rgb::BLACK,
@@ -65,7 +65,7 @@ impl LightSources {
     }
 
     /// Targets of the paths.
-    pub const fn targets(&self) -> &Targets {
+    pub const fn targets(&self) -> &ProjectionMap {
         &self.targets
     }
 
@@ -126,7 +126,7 @@ impl LightSources {
 }
 
 /// Power by which a delta light is sampled; black for one that starts no paths.
-fn power(light: &DeltaLight, targets: &Targets, reach: f64) -> Rgb {
+fn power(light: &DeltaLight, targets: &ProjectionMap, reach: f64) -> Rgb {
     let measure = match light.emitted_rays() {
         _ if !light.casts_shadows => 0.0,
         EmittedRays::Parallel { .. } => targets.area(),

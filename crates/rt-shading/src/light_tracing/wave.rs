@@ -1,6 +1,8 @@
 //! State of light paths between vertices, and of connections to the camera.
 
-use crate::{Lighting, Needs, ShadingCounts, SurfaceHit, hit_context::HitContext, medium_tracker::MediumTracker};
+use crate::{
+    Lighting, ShadingCounts, ShadingFeatures, SurfaceHit, hit_context::HitContext, medium_tracker::MediumTracker,
+};
 use rt_math::{DVec2, Ray, Rgb};
 
 /// State of a light path.
@@ -29,8 +31,8 @@ pub(super) struct Connection {
 
 impl Connection {
     /// Contribution after absorption along the ray.
-    pub(super) fn arriving(&mut self, lighting: Lighting<'_>, needs: &Needs, ray: &Ray) -> Rgb {
-        if needs.absorption {
+    pub(super) fn arriving(&mut self, lighting: Lighting<'_>, features: &ShadingFeatures, ray: &Ray) -> Rgb {
+        if features.absorption {
             let materials = &lighting.appearance.materials;
             self.medium_tracker.absorb(materials, None, 1.0, ray.direction.length(), &mut self.light);
         }
@@ -41,13 +43,13 @@ impl Connection {
     pub(super) fn skip_interface(
         &mut self,
         lighting: Lighting<'_>,
-        needs: &Needs,
+        features: &ShadingFeatures,
         ray: &Ray,
         hit: &SurfaceHit,
         counts: &mut ShadingCounts,
     ) -> Option<f64> {
         let materials = &lighting.appearance.materials;
-        let context = HitContext::new(needs, materials, ray, hit)?;
+        let context = HitContext::new(features, materials, ray, hit)?;
         let interface = context.interface(&mut self.medium_tracker.interior, materials, hit.body());
         if context.is_visible(interface.as_ref()) {
             return None;

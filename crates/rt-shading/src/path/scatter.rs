@@ -7,7 +7,7 @@ use super::{
     wave::{Path, PrevVertex},
 };
 use crate::{
-    Seen, ShadingCounts, SurfaceHit, TriangleHit,
+    RadianceSample, ShadingCounts, SurfaceHit, TriangleHit,
     bsdf::{LaneSurface, Scattering},
     bsdf_cache::{CachedBsdf, LaneMaterial},
     hit_context::HitContext,
@@ -29,7 +29,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         id: u32,
         ray: &Ray,
         hit: Option<&mut SurfaceHit>,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         let PathSettings { transport, clamp, .. } = self.settings;
         let path = &mut self.paths[id as usize];
@@ -40,7 +40,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         };
         let materials = &lighting.appearance.materials;
-        let Some(context) = HitContext::new(&self.needs, materials, ray, hit) else {
+        let Some(context) = HitContext::new(&self.features, materials, ray, hit) else {
             seen.hit = true;
             return;
         };
@@ -52,10 +52,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return self.skip_interface(hit, ray, length, interface, id, seen);
         }
         seen.hit = true;
-        if self.needs.absorption {
+        if self.features.absorption {
             path.medium_tracker.absorb(materials, interface, hit.t, length, &mut path.throughput);
         }
-        if self.needs.emission {
+        if self.features.emission {
             let emitted = material.emitted_radiance(&lighting.appearance.textures, &hit.interaction, is_inside);
             let is_omitted = transport == Transport::NonCaustic && path.is_caustic_of(hit);
             if !emitted.is_black() && !is_omitted {
@@ -74,7 +74,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             made.insert(CachedBsdf::new(bsdf, transport == Transport::Specular))
         });
         let only_reflects = transport == Transport::Specular;
-        if only_reflects && self.needs.ambient && !gathers_background(lighting, bsdf.is_diffuse_below_layer()) {
+        if only_reflects && self.features.ambient && !gathers_background(lighting, bsdf.is_diffuse_below_layer()) {
             let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, view.surface);
             let radiance = path.throughput * ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
@@ -83,7 +83,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             && let Some(surface) = in_lanes
             && interface.is_none()
             && view.surface.shading_normal == shading_normal
-            && !(self.needs.absorption && path.medium_tracker.absorbs(materials))
+            && !(self.features.absorption && path.medium_tracker.absorbs(materials))
         {
             let queue = &mut self.queues[QueueKind::of(surface) as usize];
             return queue.push((id, path), &view, surface, ray.time, self.settings.rr_start_depth);
@@ -101,9 +101,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         id: u32,
         ray: &Ray,
         hit: &TriangleHit,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
-        let material = if self.needs.absorption { None } else { lighting.bsdfs.in_lanes(hit.material) };
+        let material = if self.features.absorption { None } else { lighting.bsdfs.in_lanes(hit.material) };
         let Some(LaneMaterial { surface, ambient }) = material else {
             return self.shade_hit(lighting, id, ray, Some(&mut hit.surface()), seen);
         };
@@ -114,7 +114,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return;
         }
         let is_layered = matches!(surface, LaneSurface::MetallicRoughness(_));
-        if self.needs.ambient && transport == Transport::Specular && !gathers_background(lighting, is_layered) {
+        if self.features.ambient && transport == Transport::Specular && !gathers_background(lighting, is_layered) {
             let radiance = path.throughput * *ambient * lighting.appearance.ambient;
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
@@ -129,14 +129,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
         id: u32,
         vertex: &Vertex<'_>,
         interface: Option<&MediumInterface>,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         self.sample_direct_lighting(lighting, id, vertex, interface, seen);
         self.sample_bsdf(id, vertex, interface);
     }
 
     /// Shades the queued vertices that a wave has found.
-    pub(super) fn shade_queues(&mut self, lighting: Lighting<'_>, seen: &mut [Seen]) {
+    pub(super) fn shade_queues(&mut self, lighting: Lighting<'_>, seen: &mut [RadianceSample]) {
         let Some(level) = self.lanes else { return };
         let queues = core::mem::replace(&mut self.queues, VertexQueue::all());
         self.queues = queues.map(|queue| self.shade_queue(level, lighting, queue, seen));
@@ -148,7 +148,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         level: LaneLevel,
         lighting: Lighting<'_>,
         mut queue: VertexQueue<S>,
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) -> VertexQueue<S> {
         if queue.is_empty() {
             return queue;
@@ -227,7 +227,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         length: f64,
         interface: Option<&MediumInterface>,
         id: u32,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         let path = &mut self.paths[id as usize];
         seen.hit |= path.medium_tracker.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
@@ -246,13 +246,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
         id: u32,
         vertex: &Vertex<'_>,
         interface: Option<&MediumInterface>,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         if vertex.bsdf.is_delta() {
             return;
         }
         let path = &self.paths[id as usize];
-        let media = self.needs.absorption.then(|| path.medium_tracker.media(&lighting.appearance.materials, interface));
+        let media =
+            self.features.absorption.then(|| path.medium_tracker.media(&lighting.appearance.materials, interface));
         self.sample_delta_lights(lighting, id, vertex, media, seen);
         self.sample_light(lighting, id, vertex, media);
     }
@@ -264,7 +265,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         id: u32,
         vertex: &Vertex<'_>,
         media: Option<[Medium; 2]>,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         let clamp = self.settings.clamp;
         let path = &self.paths[id as usize];

@@ -33,7 +33,7 @@ impl Sampler for Independent {
 #[derive(Default)]
 struct Shapes(Vec<(Shape, u32, Option<u32>)>);
 
-impl Tracer for Shapes {
+impl SceneQueries for Shapes {
     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         let hits = self.0.iter().enumerate();
         let hits = hits.filter_map(|(object, (shape, ..))| Some((object, shape.intersect(ray, span)?)));
@@ -131,17 +131,17 @@ impl Scene {
 /// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference,
 /// in SIMD lanes and without. There is one list of surroundings for all rays, or one for each.
 fn trace(
-    world: &mut impl Tracer,
+    world: &mut impl SceneQueries,
     lighting: Lighting<'_>,
     settings: PathSettings,
     surroundings: &[InteriorList],
     rays: &[Ray],
-) -> (Vec<Seen>, ShadingCounts) {
+) -> (Vec<RadianceSample>, ShadingCounts) {
     let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
     let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
     let [(seen, counts), (of_scalars, counts_of_scalars)] = [true, false].map(|in_lanes| {
-        let mut seen = vec![Seen::NOTHING; rays.len()];
-        let mut wave = PathTracer::new(settings, Needs::of(lighting.appearance, |_| true));
+        let mut seen = vec![RadianceSample::MISS; rays.len()];
+        let mut wave = PathTracer::new(settings, ShadingFeatures::of(lighting.appearance, |_| true));
         wave.set_lanes(in_lanes);
         wave.set_surroundings(surroundings);
         wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
@@ -167,12 +167,12 @@ fn trace(
     (seen, counts)
 }
 
-fn bits(seen: &Seen) -> ([u64; 3], bool) {
+fn bits(seen: &RadianceSample) -> ([u64; 3], bool) {
     (seen.radiance.to_array().map(f64::to_bits), seen.hit)
 }
 
 /// Mean of the green channel, and its standard error.
-fn mean_and_error(seen: &[Seen]) -> (f64, f64) {
+fn mean_and_error(seen: &[RadianceSample]) -> (f64, f64) {
     let n = seen.len() as f64;
     let mean = seen.iter().map(|seen| seen.radiance.g).sum::<f64>() / n;
     let spread = seen.iter().map(|seen| (seen.radiance.g - mean) * (seen.radiance.g - mean)).sum::<f64>();
@@ -335,8 +335,8 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
     let (mean, _) = scene.estimate(unending, ray, 4);
     let left = rt_math::transcendental::pow(0.95, 40.0);
     assert!((mean - left).abs() < 1e-12, "{mean} is not {left}");
-    let needs = Needs::of(&scene.appearance, |_| true);
-    let seen = crate::Whitted::new(100, 0.0, needs).radiance(&mut scene.shapes, &scene.appearance, &ray);
+    let features = ShadingFeatures::of(&scene.appearance, |_| true);
+    let seen = crate::Whitted::new(100, 0.0, features).radiance(&mut scene.shapes, &scene.appearance, &ray);
     assert!((seen.radiance.g - left).abs() < 1e-12, "{seen:?} is not {left}");
 }
 
@@ -357,8 +357,8 @@ fn delta_lights_are_as_bright_as_under_whitted() {
     let classical = Phong { diffuse: gray(0.4), ambient: ColorTexture::ZERO, ..Phong::default() };
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
     scene.appearance.lights = vec![light];
-    let needs = Needs::of(&scene.appearance, |_| true);
-    let whitted = crate::Whitted::new(0, 0.0, needs).radiance(&mut scene.shapes, &scene.appearance, &at_origin());
+    let features = ShadingFeatures::of(&scene.appearance, |_| true);
+    let whitted = crate::Whitted::new(0, 0.0, features).radiance(&mut scene.shapes, &scene.appearance, &at_origin());
     for settings in [paths(0), paths(3), DISTRIBUTED] {
         let (mean, error) = scene.estimate(settings, at_origin(), 4);
         assert!((mean / whitted.radiance.g - 1.0).abs() < 1e-12 && error < 1e-15, "{mean}: {whitted:?}");
@@ -373,17 +373,17 @@ fn what_is_seen_does_not_depend_on_the_wave() {
         Scene::new(vec![emissive(diffuse(0.7), 0.0), emissive(diffuse(0.3), 0.1)], vec![Light::Disk(light)])
             .with(floor(), 0, None)
             .with(sphere(0.5), 1, None);
-    let needs = Needs::of(&scene.appearance, |_| true);
+    let features = ShadingFeatures::of(&scene.appearance, |_| true);
     let ray =
         |i: u32| (Ray::new(DVec3::new(3.0, 1.0, 0.1 * f64::from(i)), DVec3::new(-3.0, -1.0, 0.0)), Interval::FORWARD);
     let rays: Vec<_> = (0..20).map(ray).collect();
     let samplers: Vec<_> = (0..20).map(|key| Independent { key, dimension: 0 }).collect();
     let lights = scene.light_set();
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
-    let mut together = vec![Seen::NOTHING; 20];
-    PathTracer::new(paths(6), needs).radiance_of(&mut scene.shapes, lighting, &rays, &samplers, &mut together);
-    let mut one_by_one = vec![Seen::NOTHING; 20];
-    let mut tracer = PathTracer::new(paths(6), needs);
+    let mut together = vec![RadianceSample::MISS; 20];
+    PathTracer::new(paths(6), features).radiance_of(&mut scene.shapes, lighting, &rays, &samplers, &mut together);
+    let mut one_by_one = vec![RadianceSample::MISS; 20];
+    let mut tracer = PathTracer::new(paths(6), features);
     for i in 0..20 {
         tracer.radiance_of(&mut scene.shapes, lighting, &rays[i..=i], &samplers[i..=i], &mut one_by_one[i..=i]);
     }

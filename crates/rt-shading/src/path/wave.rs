@@ -1,6 +1,6 @@
 //! State of paths between vertices, and the queue of shadow rays.
 
-use crate::{Seen, SurfaceHit, medium_tracker::MediumTracker};
+use crate::{RadianceSample, SurfaceHit, medium_tracker::MediumTracker};
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// Previous vertex of a path, for the MIS weights of lights that it hits.
@@ -87,7 +87,7 @@ impl ShadowRayQueue {
         &mut self,
         mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]),
         mut bounded: impl FnMut(Rgb) -> Rgb,
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         if self.rays.is_empty() {
             return;

@@ -5,7 +5,7 @@ use super::{
     wave::TreePath,
 };
 use crate::{
-    Seen,
+    RadianceSample,
     lanes::{LANES, LaneArray, LaneLevel, LaneMask, Lanes, Simd, each_lane, get, get_rgb},
 };
 use rt_math::{Interval, Ray, Rgb, Vector3};
@@ -128,7 +128,7 @@ impl DirectLighting {
         &mut self,
         level: Option<LaneLevel>,
         mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]),
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         for ShadowBatch { rays, blocked } in &mut self.shadows {
             blocked.clear();
@@ -166,7 +166,7 @@ impl DirectLighting {
     }
 
     #[inline(always)]
-    fn resolve_blocks<S: Simd>(&self, simd: S, seen: &mut [Seen]) {
+    fn resolve_blocks<S: Simd>(&self, simd: S, seen: &mut [RadianceSample]) {
         for (at, block) in self.blocks.iter().enumerate() {
             let mut radiance = Lanes::load_vector(simd, &block.radiance);
             let reflected = &self.reflected_blocks[at * self.n_lights..(at + 1) * self.n_lights];

@@ -59,7 +59,7 @@ impl RandomSpheres {
     }
 }
 
-impl Tracer for RandomSpheres {
+impl SceneQueries for RandomSpheres {
     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
         Some(self.hit(ray, span)?.surface(ray))
     }
@@ -166,7 +166,7 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOu
     let vector = |at, k| DVec3::new(number(at, k), number(at, k + 1), number(at, k + 2)) * across(at);
     let ray = |at| Ray { time: number(at, 6), ..Ray::new(vector(at, 0), vector(at, 3)) };
     let rays: Vec<_> = (0..n_rays).map(|at| (ray(at), Interval::FORWARD)).collect();
-    let mut seen = vec![Seen::NOTHING; rays.len()];
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
     let n_materials = appearance.materials.len() as u32;
     let mut world = RandomSpheres { n_materials, ..RandomSpheres::default() };
     whitted.radiance_of(&mut world, appearance, &rays, &mut seen);
@@ -186,9 +186,9 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOu
 }
 
 /// Outcomes in lanes and one by one; both one by one without AVX2.
-fn both(depth: u32, needs: Needs, appearance: &Appearance, n_rays: u32) -> [LaneOutcome; 2] {
+fn both(depth: u32, features: ShadingFeatures, appearance: &Appearance, n_rays: u32) -> [LaneOutcome; 2] {
     [true, false].map(|in_lanes| {
-        let mut whitted = Whitted::new(depth, 0.01, needs);
+        let mut whitted = Whitted::new(depth, 0.01, features);
         if in_lanes {
             whitted.shade_in_lanes(appearance);
             if whitted.lanes.is_none() {
@@ -202,25 +202,25 @@ fn both(depth: u32, needs: Needs, appearance: &Appearance, n_rays: u32) -> [Lane
 #[test]
 fn lanes_have_the_bits_of_scalars() {
     let appearance = appearance();
-    for needs in [
-        Needs::ALL,
-        Needs { shadows: false, ambient: false, ..Needs::ALL },
-        Needs { highlights: false, fresnel: false, ..Needs::ALL },
-        Needs { reflection: false, absorption: false, ..Needs::ALL },
-        Needs { refraction: false, ..Needs::ALL },
+    for features in [
+        ShadingFeatures::ALL,
+        ShadingFeatures { shadows: false, ambient: false, ..ShadingFeatures::ALL },
+        ShadingFeatures { highlights: false, fresnel: false, ..ShadingFeatures::ALL },
+        ShadingFeatures { reflection: false, absorption: false, ..ShadingFeatures::ALL },
+        ShadingFeatures { refraction: false, ..ShadingFeatures::ALL },
     ] {
         for n_rays in [1, 2, 3, 4, 5, 63, 64, 65, 130, 6001] {
-            let [in_lanes, by_itself] = both(3, needs, &appearance, n_rays);
-            assert_eq!(in_lanes.0, by_itself.0, "radiance of {n_rays} rays, {needs:?}");
-            assert_eq!(in_lanes.1, by_itself.1, "counts of {n_rays} rays, {needs:?}");
-            assert!(in_lanes.2 == by_itself.2, "shadow rays of {n_rays} rays, {needs:?}");
+            let [in_lanes, by_itself] = both(3, features, &appearance, n_rays);
+            assert_eq!(in_lanes.0, by_itself.0, "radiance of {n_rays} rays, {features:?}");
+            assert_eq!(in_lanes.1, by_itself.1, "counts of {n_rays} rays, {features:?}");
+            assert!(in_lanes.2 == by_itself.2, "shadow rays of {n_rays} rays, {features:?}");
         }
     }
 }
 
 #[test]
 fn the_spheres_of_these_tests_have_all_cases() {
-    let (seen, counts, shadow_rays) = both(3, Needs::ALL, &appearance(), 6001)[0].clone();
+    let (seen, counts, shadow_rays) = both(3, ShadingFeatures::ALL, &appearance(), 6001)[0].clone();
     assert!(counts.highlights > 5000 && counts.shadow_rays_skipped > 5000 && counts.refractions > 1000, "{counts:?}");
     assert!(counts.passages > 100 && counts.absorption > 100 && counts.fresnel > 500, "{counts:?}");
     let n =
@@ -234,7 +234,7 @@ fn the_spheres_of_these_tests_have_all_cases() {
 #[test]
 fn scenes_without_lights_have_the_bits_of_scalars() {
     let appearance = Appearance { lights: Vec::new(), ..appearance() };
-    let [in_lanes, by_itself] = both(2, Needs::ALL, &appearance, 101);
+    let [in_lanes, by_itself] = both(2, ShadingFeatures::ALL, &appearance, 101);
     assert!(in_lanes == by_itself && in_lanes.2.is_empty());
 }
 
@@ -250,7 +250,7 @@ fn weights_beyond_numbers_have_the_results_of_scalars() {
     for (phong, interior) in [(endless, Some(InteriorMedium::clear(1.5))), (nothing, None), (negative, None)] {
         appearance.materials.push(Material { interior, ..Material::new(String::new(), phong) });
     }
-    let [in_lanes, by_itself] = both(4, Needs::ALL, &appearance, 3001).map(|(seen, counts, shadow_rays)| {
+    let [in_lanes, by_itself] = both(4, ShadingFeatures::ALL, &appearance, 3001).map(|(seen, counts, shadow_rays)| {
         // The bits of a NaN may differ.
         let is_nan = |bits: &u64| f64::from_bits(*bits).is_nan();
         let seen: Vec<_> =

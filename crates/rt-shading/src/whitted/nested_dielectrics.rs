@@ -24,7 +24,7 @@ impl ShapeList {
     }
 }
 
-impl Tracer for ShapeList {
+impl SceneQueries for ShapeList {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         self.rays.push((kind, *ray));
         let hits = self.shapes.iter().enumerate().filter_map(|(i, (shape, _))| Some((i, shape.intersect(ray, span)?)));
@@ -93,9 +93,10 @@ struct Look {
 /// Looks along a ray, with all of shading and with what is needed.
 fn look(shapes: &[(Shape, u32)], appearance: &Appearance, depth: u32, ray: &Ray) -> Look {
     let mut world = ShapeList::new(shapes.to_vec());
-    let mut whitted = Whitted::new(depth, 0.0, Needs::of(appearance, |_| true));
+    let mut whitted = Whitted::new(depth, 0.0, ShadingFeatures::of(appearance, |_| true));
     let seen = whitted.radiance(&mut world, appearance, ray);
-    let full = Whitted::new(depth, 0.0, Needs::ALL).radiance(&mut ShapeList::new(shapes.to_vec()), appearance, ray);
+    let full =
+        Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(&mut ShapeList::new(shapes.to_vec()), appearance, ray);
     assert_eq!(seen, full, "trimmed and full shading must agree to the bit");
     Look { seen: seen.radiance, world, counts: whitted.counts() }
 }
@@ -215,12 +216,12 @@ fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
 #[test]
 fn smoke_is_seen_though_its_surface_is_not() {
     let appearance = white_walls(&[body(1.0, 0.5, 0)]);
-    let mut whitted = Whitted::new(0, 0.0, Needs::of(&appearance, |_| true));
+    let mut whitted = Whitted::new(0, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let mut world = ShapeList::new(vec![(sphere(0.0, 0.0, 0.0, 1.0), 0)]);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z));
     assert!(seen.hit && (seen.radiance.r - exp(-1.0)).abs() < 1e-15);
     let air = white_walls(&[body(1.0, 0.0, 0)]);
-    let mut whitted = Whitted::new(0, 0.0, Needs::of(&air, |_| true));
+    let mut whitted = Whitted::new(0, 0.0, ShadingFeatures::of(&air, |_| true));
     assert!(!whitted.radiance(&mut world, &air, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z)).hit);
 }
 
@@ -287,7 +288,8 @@ fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
         let distance = 0.9999 * (f64::from(i) / 1e4).sqrt();
         let ray = Ray::new(DVec3::new(cos * distance, sin * distance, 7.0), DVec3::NEG_Z);
         let mut world = ShapeList::new(shapes.to_vec());
-        let seen = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true)).radiance(&mut world, &appearance, &ray);
+        let seen =
+            Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true)).radiance(&mut world, &appearance, &ray);
         assert_eq!(seen.radiance, Rgb::gray(0.25), "ray {i}");
     }
 }
@@ -317,7 +319,7 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     interior.find_enclosing_media(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
     assert!(!interior.is_empty());
     for surroundings in [&interior, &InteriorList::filled_with(0)] {
-        let mut whitted = Whitted::new(5, 0.0, Needs::of(&appearance, |_| true));
+        let mut whitted = Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true));
         whitted.set_surroundings(surroundings);
         let seen = whitted.radiance(&mut world, &appearance, &ray).radiance;
         let in_glass = asin(sin(20f64.to_radians()) * 1.33 / 1.5);
@@ -381,7 +383,7 @@ fn an_edge_that_two_triangles_share_is_entered_once() {
 #[test]
 fn a_ray_through_endlessly_many_surfaces_ends() {
     struct Sheets(u32);
-    impl Tracer for Sheets {
+    impl SceneQueries for Sheets {
         fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             self.0 += 1;
             let t = span.min.floor() + 1.0;
@@ -394,7 +396,7 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
         }
     }
     let appearance = white_walls(&[body(1.0, 0.0, 0)]);
-    let mut whitted = Whitted::new(7, 0.0, Needs::of(&appearance, |_| true));
+    let mut whitted = Whitted::new(7, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let mut world = Sheets(0);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!((seen.radiance, whitted.counts().depth_limited), (Rgb::BLACK, 1));

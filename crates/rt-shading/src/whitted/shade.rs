@@ -2,7 +2,7 @@
 
 use super::{Whitted, wave::TreePath};
 use crate::{
-    Appearance, Material, Phong, Seen, SurfaceHit,
+    Appearance, Material, Phong, RadianceSample, SurfaceHit,
     hit_context::{HitContext, MAX_NULL_INTERFACES},
     interior_list::MediumInterface,
     medium, optics,
@@ -19,10 +19,10 @@ impl Whitted {
         mut path: TreePath,
         ray: &Ray,
         hit: &mut SurfaceHit,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         let interior = &mut self.samples[path.sample as usize].interior;
-        let Some(context) = HitContext::new(&self.needs, &appearance.materials, ray, hit) else {
+        let Some(context) = HitContext::new(&self.features, &appearance.materials, ray, hit) else {
             seen.hit = true;
             return self.ended.push(path.sample);
         };
@@ -33,7 +33,7 @@ impl Whitted {
             return self.skip_interface(hit, ray, interface, way, path, seen);
         }
         seen.hit = true;
-        if self.needs.absorption {
+        if self.features.absorption {
             let interior = &self.samples[path.sample as usize].interior;
             let medium = interface.map_or_else(|| interior.medium(&appearance.materials), |c| c.before);
             self.absorb(&mut path.weight, medium.absorption, way);
@@ -48,7 +48,13 @@ impl Whitted {
 
     /// Adds the background to the radiance of a path that hits nothing, and ends the path.
     #[inline(always)]
-    pub(super) fn leave_scene(&mut self, appearance: &Appearance, path: &TreePath, ray: &Ray, seen: &mut Seen) {
+    pub(super) fn leave_scene(
+        &mut self,
+        appearance: &Appearance,
+        path: &TreePath,
+        ray: &Ray,
+        seen: &mut RadianceSample,
+    ) {
         seen.radiance += path.weight * appearance.background.radiance(ray.direction);
         self.ended.push(path.sample);
     }
@@ -61,7 +67,7 @@ impl Whitted {
         interface: Option<&MediumInterface>,
         way: f64,
         mut path: TreePath,
-        seen: &mut Seen,
+        seen: &mut RadianceSample,
     ) {
         if let Some(interface) = interface {
             if interface.before.absorption != interface.after.absorption {
@@ -103,17 +109,17 @@ impl Whitted {
         let surface = view.surface;
         let textures = &appearance.textures;
         let mut radiance = Rgb::BLACK;
-        if self.needs.emission {
+        if self.features.emission {
             radiance += material.emitted_radiance(textures, surface, view.is_inside);
         }
-        if self.needs.ambient {
+        if self.features.ambient {
             radiance += material.ambient(phong, textures, surface) * appearance.ambient;
         }
         let diffuse = phong.diffuse.at(textures, surface);
-        let specular = if self.needs.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
+        let specular = if self.features.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
         for (number, light) in appearance.lights.iter().enumerate() {
-            let shadowed = self.needs.shadows && light.casts_shadows;
+            let shadowed = self.features.shadows && light.casts_shadows;
             if light.is_behind(surface.point.into(), view.normal.into()) {
                 self.counts.shadow_rays_skipped += u64::from(shadowed);
                 continue;
@@ -121,7 +127,7 @@ impl Whitted {
             let lit = light.sample_li(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
             let reflected = lit.map_or(Rgb::BLACK, |lit| {
                 let mut reflectance = diffuse * view.normal.dot(lit.direction);
-                if self.needs.highlights && !specular.is_black() {
+                if self.features.highlights && !specular.is_black() {
                     self.counts.highlights += 1;
                     let strength =
                         phong.highlight.strength(view.normal, -view.direction, lit.direction, phong.exponent);
@@ -167,7 +173,7 @@ impl Whitted {
         if let (Some(interface), Some(transmission)) = (interface, &phong.transmission) {
             self.counts.refractions += 1;
             let eta = interface.before.ior / interface.after.ior;
-            if self.needs.fresnel && transmission.fresnel {
+            if self.features.fresnel && transmission.fresnel {
                 self.counts.fresnel += 1;
                 reflected_part =
                     if interface.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
@@ -179,7 +185,7 @@ impl Whitted {
                 refracted = direction.map(|direction| (interface, direction, bounced(weight)));
             }
         }
-        let mirrored = self.needs.reflection.then(|| {
+        let mirrored = self.features.reflection.then(|| {
             self.counts.mirrors += 1;
             path.weight * phong.mirror.at(textures, surface) * reflected_part
         });

@@ -14,7 +14,7 @@ use super::{
     wave::TreePath,
 };
 use crate::{
-    Appearance, Seen,
+    Appearance, RadianceSample,
     hit_context::SurfaceTransmission,
     lanes::{LANES, LaneLevel, Simd, each_lane, get_rgb, set_rgb},
     medium::absorb,
@@ -28,7 +28,7 @@ impl Whitted {
         level: LaneLevel,
         appearance: &Appearance,
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         if self.spheres.is_empty() {
             return;
@@ -46,7 +46,7 @@ impl Whitted {
         appearance: &Appearance,
         hits: &[QueuedHit],
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         match level {
             #[cfg(target_arch = "x86_64")]
@@ -65,7 +65,7 @@ impl Whitted {
         appearance: &Appearance,
         hits: &[QueuedHit],
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
-        seen: &mut [Seen],
+        seen: &mut [RadianceSample],
     ) {
         for hits in hits.chunks(LANES) {
             let valid = self.shade_block(simd, appearance, hits, (rays, paths));
@@ -91,19 +91,19 @@ impl Whitted {
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
     ) -> u8 {
         let mut block = SphereBlock::new(simd, hits, (rays, paths), self.max_depth);
-        if self.needs.refraction {
+        if self.features.refraction {
             self.find_interfaces(appearance, hits, &mut block, paths);
         }
         let (phongs, [a, b, c, d]) = (&self.phongs, four(hits));
         let phongs = [phong(phongs, a), phong(phongs, b), phong(phongs, c), phong(phongs, d)];
-        let secondary = block.secondary_rays(simd, phongs, (&self.needs, self.min_contribution));
+        let secondary = block.secondary_rays(simd, phongs, (&self.features, self.min_contribution));
         block.exclude_grazing_lights(simd, &appearance.lights);
         let radiance = block.radiance(simd, phongs);
 
         let phongs = PhongLanes::new(simd, phongs);
         let near_origin = block.near_origin();
         for (number, light) in appearance.lights.iter().enumerate() {
-            let shadowed = self.needs.shadows && light.casts_shadows;
+            let shadowed = self.features.shadows && light.casts_shadows;
             let reflected = block.reflect(simd, light, &phongs);
             self.counts.highlights += u64::from(reflected.highlights.count_ones());
             if shadowed {
@@ -136,7 +136,7 @@ impl Whitted {
                 continue;
             };
             let surface = phong.interface;
-            if surface == SurfaceTransmission::None && (interior.is_empty() || !self.needs.absorption) {
+            if surface == SurfaceTransmission::None && (interior.is_empty() || !self.features.absorption) {
                 continue;
             }
             let interface = surface.interface(interior, materials, body, block.inside >> lane & 1 == 1);
@@ -145,7 +145,7 @@ impl Whitted {
                 block.valid &= !(1 << lane);
                 continue;
             }
-            if self.needs.absorption {
+            if self.features.absorption {
                 let around = interface.map_or_else(|| interior.medium(materials), |c| c.before);
                 let way = (t - path.start) * block.length[lane];
                 let mut weight = path.weight;
@@ -176,7 +176,7 @@ impl Whitted {
         self.counts.depth_limited += count(ends & secondary.is_specular);
         self.counts.refractions += count(continues & block.transmits);
         self.counts.fresnel += count(continues & secondary.fresnel);
-        self.counts.mirrors += if self.needs.reflection { count(continues) } else { 0 };
+        self.counts.mirrors += if self.features.reflection { count(continues) } else { 0 };
 
         let (mirrored, refracted) = (continues & secondary.mirrored.mask, continues & secondary.refracted.mask);
         let bounced = |lane: usize, rays: &RayBlock| {

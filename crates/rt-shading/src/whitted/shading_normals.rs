@@ -16,7 +16,7 @@ struct Facet {
     met: bool,
 }
 
-impl Tracer for Facet {
+impl SceneQueries for Facet {
     fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
         if self.met {
             self.later.push((kind, *ray));
@@ -49,7 +49,7 @@ fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<Delta
         ..Appearance::default()
     };
     let mut world = Facet { shading_normal, later: vec![], shadow_rays: vec![], met: false };
-    let mut whitted = Whitted::new(1, 0.0, Needs::of(&appearance, |_| true));
+    let mut whitted = Whitted::new(1, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(-direction, direction));
     (seen.radiance, world)
 }

@@ -2,7 +2,7 @@
 
 use super::{uniform_phong::UniformPhong, wave::TreePath};
 use crate::{
-    DeltaLight, Needs, SphereHit,
+    DeltaLight, ShadingFeatures, SphereHit,
     interior_list::MediumEntry,
     lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, get, is_zero},
     optics,
@@ -203,7 +203,7 @@ impl<S: Simd> SphereBlock<S> {
         &mut self,
         simd: S,
         phongs: [&UniformPhong; LANES],
-        (needs, min_contribution): (&Needs, f64),
+        (features, min_contribution): (&ShadingFeatures, f64),
     ) -> SecondaryRays {
         let &SurfaceLanes { point, error, outside, normal, direction, is_inside, near_origin } = &self.surface;
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -218,7 +218,7 @@ impl<S: Simd> SphereBlock<S> {
             let [a, b, c, d] = phongs;
             let has_fresnel = transmits & (a.fresnel_bit(0) | b.fresnel_bit(1) | c.fresnel_bit(2) | d.fresnel_bit(3));
             let is_fresnel = LaneMask::from_bits(simd, has_fresnel);
-            if needs.fresnel && has_fresnel != 0 {
+            if features.fresnel && has_fresnel != 0 {
                 rays.fresnel = has_fresnel;
                 let reflectance = Real::select(is_null, zero, optics::fresnel(-direction.dot(normal), eta));
                 reflected_part = Real::select(is_fresnel, reflectance, one);
@@ -240,7 +240,7 @@ impl<S: Simd> SphereBlock<S> {
         }
         let mirror = gather_vector!(simd, phongs, |phong| phong.mirror, r g b);
         rays.is_specular = transmits | (!is_zero(mirror)).bits();
-        if needs.reflection && self.continues != 0 {
+        if features.reflection && self.continues != 0 {
             let weight = weight.scaled_by(mirror) * reflected_part;
             let (is_significant, is_known) = is_significant(weight, min_contribution);
             let mirrored = optics::reflect_lanes(direction, normal);

@@ -23,7 +23,7 @@ impl Echo {
     }
 }
 
-impl Tracer for Echo {
+impl SceneQueries for Echo {
     fn closest(&mut self, ray: &Ray, _: Interval, kind: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
         self.traced.push(kind);
         if self.traced.len() as u32 > self.bounces {
@@ -70,12 +70,12 @@ fn walls_of(material: Material) -> Appearance {
 }
 
 fn look(world: &mut Echo, appearance: &Appearance, depth: u32) -> (f64, ShadingCounts) {
-    let needs = Needs::of(appearance, |_| true);
-    let mut whitted = Whitted::new(depth, 0.0, needs);
+    let features = ShadingFeatures::of(appearance, |_| true);
+    let mut whitted = Whitted::new(depth, 0.0, features);
     let ray = Ray::new(DVec3::ZERO, DVec3::new(0.0, 0.0, -3.0));
     let trimmed = whitted.radiance(world, appearance, &ray).radiance;
     let mut again = Echo { traced: vec![], shadow_rays: 0, ..*world };
-    let full = Whitted::new(depth, 0.0, Needs::ALL).radiance(&mut again, appearance, &ray).radiance;
+    let full = Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(&mut again, appearance, &ray).radiance;
     assert_eq!(trimmed, full, "trimmed and full shading must agree to the bit");
     (trimmed.r, whitted.counts())
 }
@@ -107,7 +107,7 @@ fn depth_counts_bounces_after_the_first_hit() {
 fn faint_rays_are_not_followed() {
     let appearance = glowing_mirror();
     let mut world = Echo::new(u32::MAX);
-    let mut whitted = Whitted::new(1000, 0.1, Needs::ALL);
+    let mut whitted = Whitted::new(1000, 0.1, ShadingFeatures::ALL);
     let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!(seen.radiance.r, 1.875);
     assert_eq!(world.traced.len(), 4);
@@ -134,7 +134,7 @@ fn absorption_follows_beers_law() {
     let clear = Transmission { coefficient: gray(1.0), fresnel: false };
     let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
     let appearance = white_walls_with(Phong { transmission: Some(clear), ..BARE }, tinted);
-    let mut whitted = Whitted::new(2, 0.0, Needs::of(&appearance, |_| true));
+    let mut whitted = Whitted::new(2, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
     let seen = whitted.radiance(&mut Echo::new(2), &appearance, &ray).radiance;
     let expected = Rgb::new(exp(-1.0), 1.0, exp(-2.0));
@@ -150,7 +150,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
     let core = Material::new("core".into(), Phong { mirror: gray(1.0), ..BARE });
     appearance.materials.push(Material { emission: gray(1.0), ..core });
     struct Paperweight(u32);
-    impl Tracer for Paperweight {
+    impl SceneQueries for Paperweight {
         fn closest(&mut self, ray: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             self.0 += 1;
             // The glass, the core, and the glass again from inside.
@@ -168,7 +168,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
             false
         }
     }
-    let mut whitted = Whitted::new(9, 0.0, Needs::of(&appearance, |_| true));
+    let mut whitted = Whitted::new(9, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let seen = whitted.radiance(&mut Paperweight(0), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z)).radiance;
     // The core's own light goes 2 units through the glass, the mirrored room's goes 4.
     let expected = Rgb::new(exp(-1.0) + exp(-2.0), 2.0, exp(-2.0) + exp(-4.0));
@@ -182,7 +182,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
     let phong = Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE };
     let appearance = white_walls_with(phong, InteriorMedium::clear(0.2));
     struct Tilted(u32);
-    impl Tracer for Tilted {
+    impl SceneQueries for Tilted {
         fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
             self.0 += 1;
             let normal = DVec3::new(0.8, 0.0, 0.6);
@@ -193,7 +193,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
             false
         }
     }
-    let mut whitted = Whitted::new(3, 0.0, Needs::of(&appearance, |_| true));
+    let mut whitted = Whitted::new(3, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let seen = whitted.radiance(&mut Tilted(0), &appearance, &Ray::new(DVec3::Z, DVec3::NEG_Z));
     assert_eq!(seen.radiance, Rgb::gray(0.2), "the mirrored part alone");
 }

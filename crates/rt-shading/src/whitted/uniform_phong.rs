@@ -1,7 +1,7 @@
 //! Phong models of uniform materials, in the form that lanes read.
 
 use crate::{
-    Appearance, ColorTexture, FloatTexture, Highlight, Material, Needs, hit_context::SurfaceTransmission,
+    Appearance, ColorTexture, FloatTexture, Highlight, Material, ShadingFeatures, hit_context::SurfaceTransmission,
     light::EmissionSides,
 };
 use rt_math::{Real, Rgb, Vector3};
@@ -36,11 +36,11 @@ impl UniformPhong {
     };
 
     /// Models of all materials; `None` for those that are shaded one by one.
-    pub(super) fn of_all(appearance: &Appearance, needs: &Needs) -> Vec<Option<Self>> {
-        appearance.materials.iter().map(|material| Self::of(material, appearance, needs)).collect()
+    pub(super) fn of_all(appearance: &Appearance, features: &ShadingFeatures) -> Vec<Option<Self>> {
+        appearance.materials.iter().map(|material| Self::of(material, appearance, features)).collect()
     }
 
-    fn of(material: &Material, appearance: &Appearance, needs: &Needs) -> Option<Self> {
+    fn of(material: &Material, appearance: &Appearance, features: &ShadingFeatures) -> Option<Self> {
         let phong = material.to_phong();
         let constant = |texture: ColorTexture| match texture {
             ColorTexture::Constant(rgb) => Some(rgb),
@@ -55,19 +55,19 @@ impl UniformPhong {
         };
         let emission = constant(material.emission)?;
         let radiance = |emission: Rgb| {
-            let emitted = if needs.emission { Rgb::BLACK + emission } else { Rgb::BLACK };
-            if needs.ambient { emitted + ambient * appearance.ambient } else { emitted }
+            let emitted = if features.emission { Rgb::BLACK + emission } else { Rgb::BLACK };
+            if features.ambient { emitted + ambient * appearance.ambient } else { emitted }
         };
         let back = if material.emission_sides == EmissionSides::Front { Rgb::BLACK } else { emission };
         Some(Self {
             radiance: [radiance(emission), radiance(back)],
             diffuse: constant(phong.diffuse)?,
-            specular: if needs.highlights { constant(phong.specular)? } else { Rgb::BLACK },
+            specular: if features.highlights { constant(phong.specular)? } else { Rgb::BLACK },
             exponent: phong.exponent,
             highlight: phong.highlight,
             mirror: constant(phong.mirror)?,
             transmission,
-            interface: SurfaceTransmission::of(needs, material),
+            interface: SurfaceTransmission::of(features, material),
         })
     }
 

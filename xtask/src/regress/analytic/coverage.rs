@@ -8,7 +8,7 @@ use rt_scene_io::Integrator;
 
 use super::{
     Case, Checks, Conditions, Fallible, cases, closed_form,
-    estimate::{Estimate, MOST},
+    estimate::{Estimate, MAX_Z},
     test_image::{DARK, TestImage},
 };
 
@@ -104,7 +104,7 @@ fn half_jittered(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let name = pattern.name();
         let z = Estimate::of_seeds(name, seeds, of_seed)?.z(1.0 / 3.0);
         checks.note(format!("x < 1/3 by 16 {name} samples: z = {z:+.2}"));
-        checks.check((z.abs() > MOST) == pattern.is_biased(), || format!("{name}: z = {z}"));
+        checks.check((z.abs() > MAX_Z) == pattern.is_biased(), || format!("{name}: z = {z}"));
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use rt_math::random::hash;
 use super::{Checks, Fallible};
 
 /// Maximum deviation of a sound estimate, in standard errors.
-pub(super) const MOST: f64 = 5.0;
+pub(super) const MAX_Z: f64 = 5.0;
 
 /// Closed forms and f64 sums agree to this part of the truth; less than it is not noise.
 const ROUNDING: f64 = 1e-10;
@@ -74,7 +74,7 @@ pub(super) fn hold(
         let z = found.z(truth);
         note.push_str(&format!(" {} {z:+.2}", pattern.name()));
         let Estimate { mean, standard_error } = found;
-        checks.limit(z, MOST, format_args!("{name}: {mean:e} ± {standard_error:.1e} instead of {truth:e}"));
+        checks.limit(z, MAX_Z, format_args!("{name}: {mean:e} ± {standard_error:.1e} instead of {truth:e}"));
     }
     checks.note(note);
     Ok(())

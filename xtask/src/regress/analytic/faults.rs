@@ -16,7 +16,7 @@ use super::{
     area_light::{ALBEDO, AreaLight, Receiver, irradiance_from},
     cases,
     enclosures::Enclosure,
-    estimate::{Estimate, MOST, mean_of},
+    estimate::{Estimate, MAX_Z, mean_of},
     faulty_samplers::{self, PATTERN, SPP, area_light},
     slopes::{TOLERANCE, rmse, slope},
 };
@@ -81,8 +81,8 @@ fn faults(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         };
         let (right, wrong) = (z(false)?, z(true)?);
         checks.note(format!("{what}: z = {wrong:+.1}; without it {right:+.2}"));
-        checks.check(right.abs() <= MOST, || format!("the right twin of {what}: z = {right}"));
-        checks.check(wrong.abs() > MOST, || format!("{what} is not found: z = {wrong}"));
+        checks.check(right.abs() <= MAX_Z, || format!("the right twin of {what}: z = {right}"));
+        checks.check(wrong.abs() > MAX_Z, || format!("{what} is not found: z = {wrong}"));
     }
     Ok(())
 }

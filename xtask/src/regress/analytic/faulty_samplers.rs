@@ -6,8 +6,8 @@ use rt_camera::{PixelSampler, SamplerKind};
 use rt_geometry::{InsideRule, Plane, Polygon, Shape};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
-    Appearance, BsdfCache, Clamp, ColorTexture, Lighting, Material, Needs, PathSettings, PathTracer, Phong, Seen,
-    Transport,
+    Appearance, BsdfCache, Clamp, ColorTexture, Lighting, Material, PathSettings, PathTracer, Phong, RadianceSample,
+    ShadingFeatures, Transport,
     light::{EmissionSides, LightSampling, LightSet},
 };
 use rt_tests::ShapeSet;
@@ -119,7 +119,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream)
     let settings = PathSettings { max_depth: 2, rr_start_depth: 3, transport: Transport::Full, clamp: Clamp::NONE };
     let bsdfs = BsdfCache::new(&appearance, |_| true);
     let lighting = Lighting { appearance: &appearance, lights: &lights, bsdfs: &bsdfs };
-    let mut paths = PathTracer::new(settings, Needs::of(&appearance, |_| true));
+    let mut paths = PathTracer::new(settings, ShadingFeatures::of(&appearance, |_| true));
     let sampler = PixelSampler::new(PATTERN, SPP, seed);
     let (mut rays, mut samplers) = (Vec::new(), Vec::new());
     for index in 0..sampler.spp() {
@@ -128,7 +128,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream)
         rays.push((Ray::new(DVec3::new(x - 0.5, y - 0.5, 0.5), DVec3::NEG_Z), Interval::FORWARD));
         samplers.push(sample);
     }
-    let mut seen = vec![Seen::NOTHING; rays.len()];
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
     paths.radiance_of(&mut world, lighting, &rays, &samplers, &mut seen);
     let sum: f64 = seen.iter().map(|seen| seen.radiance.g).sum();
     Ok(sum / rays.len() as f64 * PI / ALBEDO)

@@ -14,7 +14,7 @@ use super::{
     Case, Checks, Conditions, Fallible,
     area_light::tuple,
     cases,
-    estimate::{Estimate, MOST, hold, mean_of},
+    estimate::{Estimate, MAX_Z, hold, mean_of},
     reflectance::{dielectric_fresnel, facets, metal_fresnel, phong, transmission},
     test_image::TestImage,
 };
@@ -138,7 +138,7 @@ fn furnace(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
                 let found = Estimate::of_seeds(&name, seeds, mean)?;
                 let z = found.z(truth);
                 note.push_str(&format!(" {z:+.1}"));
-                checks.limit(z, MOST, format_args!("{name}: {found:?} instead of {truth}"));
+                checks.limit(z, MAX_Z, format_args!("{name}: {found:?} instead of {truth}"));
             }
         }
         checks.note(note);

@@ -13,7 +13,7 @@ use rt_scene_io::Integrator;
 use super::{
     Case, Checks, Conditions, Fallible, cases, coverage,
     enclosures::Enclosure,
-    estimate::{Estimate, MOST},
+    estimate::{Estimate, MAX_Z},
     test_image::TestImage,
 };
 
@@ -164,7 +164,7 @@ fn bias(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
                 let (z, percent) = (found.z(truth), 100.0 * (found.mean / truth - 1.0));
                 let error = 100.0 * found.standard_error / truth;
                 checks.note(format!("{name}: {percent:+.4} % ± {error:.4} %, z {z:+.2}"));
-                checks.limit(z, MOST, format_args!("{name}: {percent:+.4} % ± {error:.4} %"));
+                checks.limit(z, MAX_Z, format_args!("{name}: {percent:+.4} % ± {error:.4} %"));
             }
         }
     }
@@ -176,7 +176,7 @@ fn bias(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let found = Estimate::of_seeds(name, by_pixel, mean)?;
     let (z, percent) = (found.z(0.05), 100.0 * (found.mean / 0.05 - 1.0));
     checks.note(format!("{name}: {percent:+.4} %, z {z:+.2}"));
-    checks.check(z.abs() > MOST, || format!("{name}: z = {z:+.2}, and a bias is there to be found"));
+    checks.check(z.abs() > MAX_Z, || format!("{name}: z = {z:+.2}, and a bias is there to be found"));
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use rt_math::{
     transcendental::{asin, atan, cos, sin, sincos, tan},
 };
 use rt_shading::{
-    Appearance, Background, ColorTexture, Highlight, InteriorMedium, Material, Needs, Phong, ShadingCounts,
+    Appearance, Background, ColorTexture, Highlight, InteriorMedium, Material, Phong, ShadingCounts, ShadingFeatures,
     Transmission, Whitted, optics,
 };
 use rt_tests::{Draw, ShapeSet};
@@ -65,7 +65,7 @@ fn look(shapes: &[(Shape, Material)], background: Background, depth: u32, ray: &
     let appearance = Appearance { materials, background, ..Appearance::default() };
     let set = ShapeSet::of_shapes(shapes.iter().map(|(shape, _)| shape.clone()));
     let mut world = ShapeTracer { set, ..ShapeTracer::default() };
-    let mut whitted = Whitted::new(depth, 0.0, Needs::of(&appearance, |_| true));
+    let mut whitted = Whitted::new(depth, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let radiance = whitted.radiance(&mut world, &appearance, ray).radiance;
     Look { radiance, rays: world.rays, counts: whitted.counts() }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rt_image::ImageFormat;
-use rt_render::Share;
+use rt_render::ShardSpec;
 use rt_scene_io::InputHashes;
 
 use crate::args::{AovArg, CheckpointArgs, Frames, InputArgs, RenderArgs, RunArgs};
@@ -22,14 +22,14 @@ pub(super) fn each(
     let console = Console { quiet: args.run.quiet };
     let say = |frame: u32, what: String| console.println(format_args!("frame {frame} of {frames}{what}"));
     let at = |frame: u32| format!(", at {:.3} s", args.input.timing.time_of(frame));
-    let share = args.checkpoint.shard.unwrap_or(Share::ALL);
-    if !frames.indices().any(|frame| share.holds(frame as usize)) {
-        let (number, count) = (share.index() + 1, share.count());
+    let spec = args.checkpoint.shard.unwrap_or(ShardSpec::ALL);
+    if !frames.indices().any(|frame| spec.holds(frame as usize)) {
+        let (number, count) = (spec.index() + 1, spec.count());
         return console.println(format_args!("note: part {number} of {count} has none of the frames {frames}"));
     }
     if frames.is_single() {
         // A single frame has no frame log.
-        return frames.indices().filter(|frame| share.holds(*frame as usize)).try_for_each(|frame| {
+        return frames.indices().filter(|frame| spec.holds(*frame as usize)).try_for_each(|frame| {
             say(frame, at(frame))?;
             render(&of_frame(args, frame)).map_err(|source| failed(frame, source))
         });
@@ -37,7 +37,7 @@ pub(super) fn each(
     refuse_shared_files(args)?;
     let mut log = FrameLog::open(&output(args), args.checkpoint.shard, frames, args.checkpoint.resume)?;
     let mut files = None;
-    for frame in frames.indices().filter(|frame| share.holds(*frame as usize)) {
+    for frame in frames.indices().filter(|frame| spec.holds(*frame as usize)) {
         if signals::is_interrupted() {
             // The signal came after the previous frame was finished.
             return Err(failed(frame, CliError::interrupted_at_once()));

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use bytesize::ByteSize;
 use rt_image::Image;
 use rt_render::{
-    Checkpoint, Crop, ErrorEstimate, Kept, MemoryPrediction, Observer, RenderError, RenderPlan, RenderSnapshot,
-    RunOptions, StopRule, Stopped,
+    Checkpoint, CheckpointRef, Crop, ErrorEstimate, MemoryPrediction, Observer, RenderError, RenderPlan,
+    RenderSnapshot, RunOptions, StopRule, Stopped,
 };
 use rt_scene_io::Integrator;
 
@@ -96,7 +96,7 @@ impl Renderer<'_> {
         loop {
             canvas.resumed = Instant::now();
             let from = canvas.checkpoint.take();
-            let rendering = canvas.plan.render_part(&run, Some(&rule), from, &mut canvas)?.into_rendering();
+            let rendering = canvas.plan.render_shard(&run, Some(&rule), from, &mut canvas)?.into_rendering();
             if rendering.stopped != Stopped::Interrupted {
                 canvas.film = rendering.film;
                 canvas.image.spp = rendering.samples_per_pixel.min;
@@ -217,7 +217,7 @@ impl Observer for &mut Canvas<'_> {
         }
     }
 
-    fn unfinished(&mut self, kept: &Kept<'_>) {
+    fn unfinished(&mut self, kept: &CheckpointRef<'_>) {
         // An outdated view does not go on.
         if !self.shared.is_outdated() {
             self.checkpoint = Some(kept.to_checkpoint());

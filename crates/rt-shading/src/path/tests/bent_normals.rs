@@ -10,7 +10,7 @@ struct Tilted {
     normal: DVec3,
 }
 
-impl Tracer for Tilted {
+impl SceneQueries for Tilted {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         let mut hit = self.shapes.closest(ray, span, kind, needs)?;
         if hit.object == 0 {
@@ -53,8 +53,8 @@ fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, cou
 
 fn whitted(scene: &Scene, normal: DVec3, wo: DVec3) -> f64 {
     let mut world = Tilted { shapes: Shapes(scene.shapes.0.clone()), normal };
-    let needs = Needs::of(&scene.appearance, |_| true);
-    crate::Whitted::new(3, 0.0, needs).radiance(&mut world, &scene.appearance, &towards_wall(wo)).radiance.g
+    let features = ShadingFeatures::of(&scene.appearance, |_| true);
+    crate::Whitted::new(3, 0.0, features).radiance(&mut world, &scene.appearance, &towards_wall(wo)).radiance.g
 }
 
 /// A unit vector above the wall at the cosine `y`.

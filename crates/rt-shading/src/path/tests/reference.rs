@@ -25,7 +25,7 @@ fn all_settings() -> impl Iterator<Item = PathSettings> {
 /// Shapes with shading normals that vary from point to point, by up to about 30 degrees.
 struct BentNormals(Shapes);
 
-impl Tracer for BentNormals {
+impl SceneQueries for BentNormals {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         let mut hit = self.0.closest(ray, span, kind, needs)?;
         let SurfaceInteraction { point, shading_normal, .. } = &mut hit.interaction;

@@ -107,7 +107,7 @@ pub enum LazyShape {
 }
 
 /// The world of an integrator: it answers ray queries and counts them.
-pub trait Tracer {
+pub trait SceneQueries {
     /// Closest surface along the ray within `span`, with the needed data; `None` for a miss. The ray counts
     /// as one of its `kind`.
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit>;
@@ -115,17 +115,17 @@ pub trait Tracer {
     /// True if something that casts shadows lies on the ray within `span`.
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool;
 
-    /// [`closest`](Self::closest) for many rays of one kind: calls `met` with the index of each ray and its hit, in
+    /// [`closest`](Self::closest) for many rays of one kind: calls `on_hit` with the index of each ray and its hit, in
     /// their order. Override it where many are faster together.
     fn closest_batch(
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
         needs: InteractionFlags,
-        mut met: impl FnMut(usize, Option<&mut SurfaceHit>),
+        mut on_hit: impl FnMut(usize, Option<&mut SurfaceHit>),
     ) {
         for (at, (ray, span)) in rays.iter().enumerate() {
-            met(at, self.closest(ray, *span, kind, needs).as_mut());
+            on_hit(at, self.closest(ray, *span, kind, needs).as_mut());
         }
     }
 
@@ -136,9 +136,9 @@ pub trait Tracer {
         rays: &[(Ray, Interval)],
         kind: RayKind,
         (needs, _): (InteractionFlags, LazyShape),
-        mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
+        mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) {
-        self.closest_batch(rays, kind, needs, |at, hit| met(at, hit.map(ClosestHit::Surface)));
+        self.closest_batch(rays, kind, needs, |at, hit| on_hit(at, hit.map(ClosestHit::Surface)));
     }
 
     /// [`occluded`](Self::occluded) for many rays: `blocked[i]` answers `rays[i]`.
@@ -151,14 +151,14 @@ pub trait Tracer {
 
 /// Result of a camera ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct RadianceSample {
     /// Radiance towards the camera.
     pub radiance: Rgb,
     /// False if the camera ray left the world, and `radiance` is the background's.
     pub hit: bool,
 }
 
-impl Seen {
+impl RadianceSample {
     /// Black, without a hit.
-    pub const NOTHING: Self = Self { radiance: Rgb::BLACK, hit: false };
+    pub const MISS: Self = Self { radiance: Rgb::BLACK, hit: false };
 }

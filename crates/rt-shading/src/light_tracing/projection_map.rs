@@ -24,7 +24,7 @@ pub struct TargetSphere {
 ///   p(ω) = (number of spheres that ω hits) / Σ Ω
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Targets {
+pub struct ProjectionMap {
     spheres: Vec<TargetSphere>,
     is_everywhere: bool,
 }
@@ -36,7 +36,7 @@ pub(super) struct DirectionSample<T> {
     pub(super) pdf: f64,
 }
 
-impl Targets {
+impl ProjectionMap {
     /// All directions: some specular surfaces are unbounded.
     pub const EVERYWHERE: Self = Self { spheres: Vec::new(), is_everywhere: true };
 
@@ -153,9 +153,9 @@ mod tests {
     use super::*;
     use rt_math::random::{hash, unit};
 
-    fn spheres() -> Targets {
+    fn spheres() -> ProjectionMap {
         let sphere = |x: f64, radius: f64| TargetSphere { centre: DVec3::new(x, 0.0, 0.0), radius };
-        Targets::new(vec![sphere(4.0, 1.0), sphere(5.0, 1.5), sphere(-9.0, 0.5)])
+        ProjectionMap::new(vec![sphere(4.0, 1.0), sphere(5.0, 1.5), sphere(-9.0, 0.5)])
     }
 
     fn numbers(count: u64) -> impl Iterator<Item = [f64; 3]> {
@@ -198,14 +198,14 @@ mod tests {
     #[test]
     fn from_within_and_to_everywhere_no_direction_is_better_than_others() {
         assert_eq!(spheres().sample_direction(DVec3::X * 4.5, 0.5, [0.5; 2]), None);
-        assert_eq!(Targets::EVERYWHERE.sample_direction(DVec3::ZERO, 0.5, [0.5; 2]), None);
-        assert!(Targets::new(vec![TargetSphere { centre: DVec3::ZERO, radius: f64::INFINITY }]).is_everywhere());
-        assert!(Targets::new(vec![]).is_empty() && !spheres().is_empty());
+        assert_eq!(ProjectionMap::EVERYWHERE.sample_direction(DVec3::ZERO, 0.5, [0.5; 2]), None);
+        assert!(ProjectionMap::new(vec![TargetSphere { centre: DVec3::ZERO, radius: f64::INFINITY }]).is_everywhere());
+        assert!(ProjectionMap::new(vec![]).is_empty() && !spheres().is_empty());
     }
 
     #[test]
     fn many_balls_become_one_around_them() {
         let many: Vec<_> = (0..40).map(|i| TargetSphere { centre: DVec3::X * f64::from(i), radius: 0.5 }).collect();
-        assert_eq!(Targets::new(many).spheres, [TargetSphere { centre: DVec3::X * 19.5, radius: 20.0 }]);
+        assert_eq!(ProjectionMap::new(many).spheres, [TargetSphere { centre: DVec3::X * 19.5, radius: 20.0 }]);
     }
 }

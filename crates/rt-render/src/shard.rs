@@ -9,17 +9,17 @@
 //! |---|---|---|
 //! | pixel accumulator | pixel | filtered sum of a pass; mean and standard error over passes ([`PixelEstimate`]) |
 //! | film tile | tile | radiance rounded to `f32`; optional alpha, standard errors and sample counts ([`FilmTile`]) |
-//! | film | render | tile by tile: finished film tiles ([`Part`]); pass by pass: all pixel accumulators (`PassState`) |
+//! | film | render | tile by tile: finished film tiles ([`Shard`]); pass by pass: all pixel accumulators (`PassState`) |
 //! | image | file | all pixels, row by row ([`Image`]) |
 //!
 //! Threads return the pixel accumulators of a tile with its counters (`TileResult`). Checkpoints are serialised films.
-//! Several machines each render a share of the tiles:
+//! Several machines each render a shard:
 //!
 //! ```text
-//!   share 1 of 3:  ▓░░▓░░▓░░      share 2 of 3:  ░▓░░▓░░▓░      share 3 of 3:  ░░▓░░▓░░▓
+//!   shard 1 of 3:  ▓░░▓░░▓░░      shard 2 of 3:  ░▓░░▓░░▓░      shard 3 of 3:  ░░▓░░▓░░▓
 //! ```
 //!
-//! One machine renders all samples of a tile. The joined image is bit-identical to that of a single machine.
+//! One machine renders all samples of a tile. The merged image is bit-identical to that of a single machine.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -28,15 +28,15 @@ use rt_math::Rgb;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, Share, Statistics, Stopped,
-    content::{check_count, check_crop, check_length, check_lost, check_share},
+    ContentError, Crop, RenderPlan, Rendering, RunOptions, SampleRange, ShardSpec, Statistics, Stopped,
+    content::{check_count, check_crop, check_length, check_lost, check_shard_spec},
     error_estimate::ErrorSums,
     estimate::PixelEstimate,
     first_hit_layers::FilmLayers,
     tiles::{Tile, tile, tile_count, tile_number},
 };
 
-/// Layout of a film: its area and optional channels. Parts that are joined have the same layout.
+/// Layout of a film: its area and optional channels. Shards that are merged have the same layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct FilmLayout {
     pub(crate) crop: Crop,
@@ -137,14 +137,14 @@ impl FilmTile {
     }
 }
 
-/// Film of a share of the tiles of an image, with its statistics. Parts are written to files and joined to the whole image.
+/// Film of a shard of an image, with its statistics. Shards are written to files and merged to the whole image.
 ///
-/// Deserialisation runs [`validate`](Self::validate); [`UncheckedPart`] reports the reason of an error.
+/// Deserialisation runs [`validate`](Self::validate); [`UncheckedShard`] reports the reason of an error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self")]
-pub struct Part {
+pub struct Shard {
     pub(crate) layout: FilmLayout,
-    pub(crate) share: Share,
+    pub(crate) spec: ShardSpec,
     /// Finished tiles by index.
     pub(crate) tiles: BTreeMap<u32, FilmTile>,
     pub(crate) statistics: Statistics,
@@ -157,106 +157,106 @@ pub struct Part {
     pub(crate) layers: Option<FilmLayers>,
 }
 
-/// Decoded part, not yet validated.
+/// Decoded shard, not yet validated.
 #[derive(Debug)]
-pub struct UncheckedPart(Part);
+pub struct UncheckedShard(Shard);
 
-impl UncheckedPart {
-    /// Validates the part.
+impl UncheckedShard {
+    /// Validates the shard.
     ///
     /// # Errors
     /// [`ContentError`] for the first invalid number.
-    pub fn check(self) -> Result<Part, ContentError> {
+    pub fn check(self) -> Result<Shard, ContentError> {
         self.0.validate()?;
         Ok(self.0)
     }
 }
 
-impl<'de> Deserialize<'de> for UncheckedPart {
+impl<'de> Deserialize<'de> for UncheckedShard {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         decode_unchecked(deserializer).map(Self)
     }
 }
 
-impl<'de> Deserialize<'de> for Part {
+impl<'de> Deserialize<'de> for Shard {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let part = decode_unchecked(deserializer)?;
-        part.validate().map_err(D::Error::custom)?;
-        Ok(part)
+        let shard = decode_unchecked(deserializer)?;
+        shard.validate().map_err(D::Error::custom)?;
+        Ok(shard)
     }
 }
 
-impl Serialize for Part {
+impl Serialize for Shard {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         // Calls the inherent function that serde derives, not this one.
-        Part::serialize(self, serializer)
+        Shard::serialize(self, serializer)
     }
 }
 
-/// Decodes a part without validation.
-pub(crate) fn decode_unchecked<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Part, D::Error> {
+/// Decodes a shard without validation.
+pub(crate) fn decode_unchecked<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Shard, D::Error> {
     // Calls the inherent function that serde derives, not the method of the trait.
-    Part::deserialize(deserializer)
+    Shard::deserialize(deserializer)
 }
 
-/// Reason that parts cannot be joined.
+/// Reason that shards cannot be merged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum JoinError {
-    /// There are no parts.
-    #[error("no parts are given; give at least one")]
+pub enum MergeError {
+    /// There are no shards.
+    #[error("no shards are given; give at least one")]
     Nothing,
-    /// A number of the part is invalid, or its sum with the parts before it; with the index in the list.
-    #[error("part number {}: {}", .0 + 1, .1)]
+    /// A number of the shard is invalid, or its sum with the shards before it; with the index in the list.
+    #[error("shard number {}: {}", .0 + 1, .1)]
     Damaged(usize, ContentError),
-    /// A part has another layout than the first; with its index in the list.
-    #[error("part number {} is of another size, or was made with other options; render all parts with the same options", .0 + 1)]
+    /// A shard has another layout than the first; with its index in the list.
+    #[error("shard number {} is of another size, or was made with other options; render all shards with the same options", .0 + 1)]
     Foreign(usize),
-    /// A part belongs to another number of shares than the first.
-    #[error("part number {} is one of {} parts, but the first is one of {}; join parts of one render", .part + 1, .count, .expected)]
-    Shares {
+    /// A shard belongs to another number of shards than the first.
+    #[error("shard number {} is one of {} shards, but the first is one of {}; merge shards of one render", .shard + 1, .count, .expected)]
+    ShardCounts {
         /// Index in the list.
-        part: usize,
-        /// Its number of shares.
+        shard: usize,
+        /// Its number of shards.
         count: u32,
-        /// Number of shares of the first part.
+        /// Number of shards of the first shard.
         expected: u32,
     },
-    /// Two parts are the same share; with their indices in the list.
-    #[error("parts number {} and {} are the same part; remove one of them", .0 + 1, .1 + 1)]
+    /// Two are the same shard; with their indices in the list.
+    #[error("shards number {} and {} are the same shard; remove one of them", .0 + 1, .1 + 1)]
     Doubled(usize, usize),
-    /// The part lacks tiles of its share: it was interrupted, or a thread panicked.
-    #[error("part number {} lacks {} of its tiles; finish it with --resume, or render it again", .part + 1, .missing)]
+    /// It lacks tiles: it was interrupted, or a thread panicked.
+    #[error("shard number {} lacks {} of its tiles; finish it with --resume, or render it again", .shard + 1, .missing)]
     Unfinished {
         /// Index in the list.
-        part: usize,
+        shard: usize,
         /// Number of missing tiles.
         missing: usize,
     },
-    /// Shares are missing; with their indices and the number of shares.
+    /// Shards are missing; with their indices and the number of shards.
     #[error("{}", missing(.0, *.1))]
     Missing(Vec<u32>, u32),
 }
 
-/// Lists missing shares, the first 20 by index.
-fn missing(shares: &[u32], count: u32) -> String {
+/// Lists missing shards, the first 20 by index.
+fn missing(specs: &[u32], count: u32) -> String {
     const NAMED: usize = 20;
-    let named: Vec<_> = shares.iter().take(NAMED).map(|share| format!("{}/{count}", share + 1)).collect();
-    let more = shares.len().saturating_sub(NAMED);
+    let named: Vec<_> = specs.iter().take(NAMED).map(|spec| format!("{}/{count}", spec + 1)).collect();
+    let more = specs.len().saturating_sub(NAMED);
     let and = if more > 0 { format!(", and {more} more") } else { String::new() };
-    format!("{} of {count} parts are missing: {}{and}; render them", shares.len(), named.join(", "))
+    format!("{} of {count} shards are missing: {}{and}; render them", specs.len(), named.join(", "))
 }
 
-impl Part {
+impl Shard {
     /// True if a render of this layout and share can resume from here.
-    pub(crate) fn fits(&self, layout: FilmLayout, share: Share) -> bool {
-        self.layout == layout && self.share == share
+    pub(crate) fn fits(&self, layout: FilmLayout, spec: ShardSpec) -> bool {
+        self.layout == layout && self.spec == spec
     }
 
-    /// Part without finished tiles.
-    pub(crate) fn empty(layout: FilmLayout, share: Share, statistics: Statistics) -> Self {
+    /// Shard without finished tiles.
+    pub(crate) fn empty(layout: FilmLayout, spec: ShardSpec, statistics: Statistics) -> Self {
         Self {
             layout,
-            share,
+            spec,
             tiles: BTreeMap::new(),
             statistics,
             stopped: Stopped::Interrupted,
@@ -266,9 +266,9 @@ impl Part {
         }
     }
 
-    /// Share of the tiles of the image.
-    pub const fn share(&self) -> Share {
-        self.share
+    /// Which of the shards it is.
+    pub const fn spec(&self) -> ShardSpec {
+        self.spec
     }
 
     /// Bytes of the images of [`into_rendering`](Self::into_rendering): radiance, alpha, standard errors and sample counts.
@@ -283,10 +283,10 @@ impl Part {
         self.stopped
     }
 
-    /// Number of unfinished tiles of the share: those not rendered before an interruption, and those in which a thread panicked.
+    /// Number of unfinished tiles of the shard: those not rendered before an interruption, and those in which a thread panicked.
     /// After an interruption between passes over the image, no tile counts as finished.
     pub fn missing_tiles(&self) -> usize {
-        let all = self.share.tile_count(tile_count(self.layout.crop));
+        let all = self.spec.tile_count(tile_count(self.layout.crop));
         let lost: BTreeSet<_> = self.lost.iter().collect();
         let finished = self.tiles.keys().filter(|number| !lost.contains(number)).count();
         let is_between_passes = self.stopped == Stopped::Interrupted && finished == all;
@@ -298,13 +298,13 @@ impl Part {
     /// # Errors
     /// [`ContentError`] for the first invalid number.
     pub fn validate(&self) -> Result<(), ContentError> {
-        let Self { layout, share, tiles, statistics, stopped: _, unconverged, lost, layers: _ } = self;
+        let Self { layout, spec, tiles, statistics, stopped: _, unconverged, lost, layers: _ } = self;
         let crop = layout.crop;
         check_crop(crop)?;
-        check_share(*share)?;
+        check_shard_spec(*spec)?;
         let mut samples = 0_u64;
         for (&number, pixels) in tiles {
-            if !share.holds(number as usize) || number as usize >= tile_count(crop) {
+            if !spec.holds(number as usize) || number as usize >= tile_count(crop) {
                 return Err(ContentError::Tile(number));
             }
             pixels.validate(number, tile(crop, number as usize), layout)?;
@@ -322,47 +322,47 @@ impl Part {
         check_count("pixels that have not converged", unconverged.unwrap_or(0), pixels)
     }
 
-    /// Joins all shares of an image, in any order. The caller must ensure that all parts show the same scene.
+    /// Merges all shards of an image, in any order. The caller must ensure that all shards show the same scene.
     ///
     /// # Errors
-    /// [`JoinError`] names the part that is missing, duplicated, unfinished, or of another image.
-    pub fn join(parts: Vec<Self>) -> Result<Self, JoinError> {
+    /// [`MergeError`] names the shard that is missing, duplicated, unfinished, or of another image.
+    pub fn merge(shards: Vec<Self>) -> Result<Self, MergeError> {
         let (layout, count) =
-            parts.first().map(|first| (first.layout, first.share.count())).ok_or(JoinError::Nothing)?;
-        let mut part_of_share = BTreeMap::new();
-        for (number, part) in parts.iter().enumerate() {
-            part.validate().map_err(|error| JoinError::Damaged(number, error))?;
-            if part.layout != layout {
-                return Err(JoinError::Foreign(number));
+            shards.first().map(|first| (first.layout, first.spec.count())).ok_or(MergeError::Nothing)?;
+        let mut shard_of_spec = BTreeMap::new();
+        for (number, shard) in shards.iter().enumerate() {
+            shard.validate().map_err(|error| MergeError::Damaged(number, error))?;
+            if shard.layout != layout {
+                return Err(MergeError::Foreign(number));
             }
-            if part.share.count() != count {
-                return Err(JoinError::Shares { part: number, count: part.share.count(), expected: count });
+            if shard.spec.count() != count {
+                return Err(MergeError::ShardCounts { shard: number, count: shard.spec.count(), expected: count });
             }
-            if let Some(other) = part_of_share.insert(part.share.index(), number) {
-                return Err(JoinError::Doubled(other, number));
+            if let Some(other) = shard_of_spec.insert(shard.spec.index(), number) {
+                return Err(MergeError::Doubled(other, number));
             }
-            match part.missing_tiles() {
+            match shard.missing_tiles() {
                 0 => {}
-                missing => return Err(JoinError::Unfinished { part: number, missing }),
+                missing => return Err(MergeError::Unfinished { shard: number, missing }),
             }
         }
-        if part_of_share.len() < count as usize {
-            return Err(JoinError::Missing(
-                (0..count).filter(|share| !part_of_share.contains_key(share)).collect(),
+        if shard_of_spec.len() < count as usize {
+            return Err(MergeError::Missing(
+                (0..count).filter(|spec| !shard_of_spec.contains_key(spec)).collect(),
                 count,
             ));
         }
-        let mut parts = parts.into_iter().enumerate();
-        let (_, mut joined) = parts.next().ok_or(JoinError::Nothing)?;
-        for (number, part) in parts {
-            joined.tiles.extend(part.tiles);
+        let mut shards = shards.into_iter().enumerate();
+        let (_, mut merged) = shards.next().ok_or(MergeError::Nothing)?;
+        for (number, shard) in shards {
+            merged.tiles.extend(shard.tiles);
             // The sum of two valid counts does not overflow. It is validated before the next one is added.
-            joined.statistics.join(&part.statistics);
-            joined.statistics.validate().map_err(|error| JoinError::Damaged(number, error))?;
-            joined.lost.extend(part.lost);
+            merged.statistics.join(&shard.statistics);
+            merged.statistics.validate().map_err(|error| MergeError::Damaged(number, error))?;
+            merged.lost.extend(shard.lost);
         }
-        joined.share = Share::ALL;
-        Ok(joined)
+        merged.spec = ShardSpec::ALL;
+        Ok(merged)
     }
 
     /// Film tile, if it is finished.
@@ -383,7 +383,7 @@ impl Part {
         film
     }
 
-    /// Image, statistics and error estimate of the part; unfinished tiles are black.
+    /// Image, statistics and error estimate of the shard; unfinished tiles are black.
     pub fn into_rendering(mut self) -> Rendering {
         let Crop { width, height, .. } = self.layout.crop;
         let finished = || self.tiles.values();
@@ -391,7 +391,7 @@ impl Part {
         let max = finished().map(|tile| tile.range[1]).max().unwrap_or(0);
         let pixels = finished().map(|tile| tile.pixels.len()).sum::<usize>();
         let mean = finished().map(|tile| tile.samples).sum::<u64>() as f64 / pixels.max(1) as f64;
-        let error = ErrorSums::joined(finished().map(|tile| tile.error)).estimate();
+        let error = ErrorSums::merged(finished().map(|tile| tile.error)).estimate();
         let mut film = Image::new(width, height, self.layout.transparent);
         let constant = |value: f32| {
             let mut map = Image::new(width, height, false);

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rt_camera::SamplerKind;
 use rt_math::random::hash;
 use rt_render::{
-    Checkpoint, JoinError, Observer, Part, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions,
-    Share, StopRule, Stopped, TargetError,
+    Checkpoint, MergeError, Observer, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions,
+    Shard, ShardSpec, StopRule, Stopped, TargetError,
 };
 use rt_scene_io::{AdaptiveSampling, Integrator, Scene};
 
@@ -76,10 +76,10 @@ fn modes() -> Vec<Mode> {
 }
 
 const RUN: RunOptions<'_> =
-    RunOptions { threads: 2, count: true, maps: true, share: Share::ALL, interrupt: None, layers: &[] };
+    RunOptions { threads: 2, count: true, maps: true, shard: ShardSpec::ALL, interrupt: None, layers: &[] };
 
-fn part(plan: &RenderPlan<'_>, mode: &Mode, run: &RunOptions<'_>) -> Part {
-    plan.render_part(run, mode.rule.as_ref(), None, |_| {}).expect("renders")
+fn shard(plan: &RenderPlan<'_>, mode: &Mode, run: &RunOptions<'_>) -> Shard {
+    plan.render_shard(run, mode.rule.as_ref(), None, |_| {}).expect("renders")
 }
 
 /// Compares all results that are independent of interruptions; times are not.
@@ -95,7 +95,7 @@ fn assert_same(one: &Rendering, other: &Rendering, what: &str) {
 fn resumed_renders_are_bit_identical() {
     for (number, mode) in modes().iter().enumerate() {
         let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
-        let whole = part(&plan, mode, &RUN).into_rendering();
+        let whole = shard(&plan, mode, &RUN).into_rendering();
         let mut kills_in_all = 0;
         // Short renders can finish before the interrupt takes effect, most often on a busy machine.
         for seed in 0..60u64 {
@@ -112,8 +112,8 @@ fn resumed_renders_are_bit_identical() {
                 let mut killer =
                     Killer { kept_after, killed_after, tiles: 0, checkpoint: Vec::new(), interrupt: &interrupt };
                 let run = RunOptions { interrupt: Some(&interrupt), ..RUN };
-                let part = plan.render_part(&run, mode.rule.as_ref(), from, &mut killer).expect("renders");
-                let rendering = part.into_rendering();
+                let shard = plan.render_shard(&run, mode.rule.as_ref(), from, &mut killer).expect("renders");
+                let rendering = shard.into_rendering();
                 if rendering.stopped != Stopped::Interrupted {
                     break rendering;
                 }
@@ -155,8 +155,8 @@ fn snapshots_contain_the_pixels_of_finished_tiles() {
         let film = &mode.scene.film;
         let mut copier = TileCopier(vec![[0.0; 3]; (film.width * film.height) as usize], film.width);
         let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
-        let part = plan.render_part(&RUN, mode.rule.as_ref(), None, &mut copier).expect("renders");
-        assert_eq!(part.into_rendering().film.pixels(), copier.0, "{}", mode.name);
+        let shard = plan.render_shard(&RUN, mode.rule.as_ref(), None, &mut copier).expect("renders");
+        assert_eq!(shard.into_rendering().film.pixels(), copier.0, "{}", mode.name);
     }
 }
 
@@ -164,21 +164,21 @@ fn snapshots_contain_the_pixels_of_finished_tiles() {
 fn joined_shares_are_bit_identical_to_one_render() {
     for mode in modes().iter().filter(|mode| mode.rule.is_none()) {
         let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
-        let whole = part(&plan, mode, &RUN).into_rendering();
+        let whole = shard(&plan, mode, &RUN).into_rendering();
         // Light paths belong to no tile: each part traces all of them.
         let traces_all = mode.scene.settings.integrator == Integrator::Caustics;
         for &count in if traces_all { &[1, 3][..] } else { &[1, 3, 100] } {
-            let share = |index| Share::new(index, count).expect("a share");
-            let mut parts: Vec<_> =
-                (0..count).map(|index| part(&plan, mode, &RunOptions { share: share(index), ..RUN })).collect();
+            let spec = |index| ShardSpec::new(index, count).expect("a shard");
+            let mut shards: Vec<_> =
+                (0..count).map(|index| shard(&plan, mode, &RunOptions { shard: spec(index), ..RUN })).collect();
             // The order of parts does not matter, and they survive serialisation.
-            parts.sort_by_key(|part| hash(&[u64::from(part.share().index())]));
-            let written = postcard::to_stdvec(&parts).expect("written");
-            let parts: Vec<Part> = postcard::from_bytes(&written).expect("read");
-            let joined = Part::join(parts).expect("all are there").into_rendering();
-            assert_same(&whole, &joined, &format!("{} in {count} parts", mode.name));
+            shards.sort_by_key(|shard| hash(&[u64::from(shard.spec().index())]));
+            let written = postcard::to_stdvec(&shards).expect("written");
+            let shards: Vec<Shard> = postcard::from_bytes(&written).expect("read");
+            let merged = Shard::merge(shards).expect("all are there").into_rendering();
+            assert_same(&whole, &merged, &format!("{} in {count} shards", mode.name));
             if !traces_all {
-                assert_eq!(whole.statistics.counters, joined.statistics.counters);
+                assert_eq!(whole.statistics.counters, merged.statistics.counters);
             }
         }
     }
@@ -188,27 +188,28 @@ fn joined_shares_are_bit_identical_to_one_render() {
 fn join_errors_name_the_part() {
     let mode = &modes()[0];
     let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
-    let of = |index, count| part(&plan, mode, &RunOptions { share: Share::new(index, count).expect("a share"), ..RUN });
+    let of =
+        |index, count| shard(&plan, mode, &RunOptions { shard: ShardSpec::new(index, count).expect("a shard"), ..RUN });
     let [a, b, c] = [0, 1, 2].map(|index| of(index, 3));
-    assert_eq!(Part::join(vec![]), Err(JoinError::Nothing));
-    assert_eq!(Part::join(vec![a.clone(), c.clone()]), Err(JoinError::Missing(vec![1], 3)));
-    assert_eq!(Part::join(vec![a.clone(), b.clone(), a.clone()]), Err(JoinError::Doubled(0, 2)));
-    let other = JoinError::Shares { part: 1, count: 4, expected: 3 };
-    assert_eq!(Part::join(vec![a.clone(), of(1, 4), c.clone()]), Err(other));
+    assert_eq!(Shard::merge(vec![]), Err(MergeError::Nothing));
+    assert_eq!(Shard::merge(vec![a.clone(), c.clone()]), Err(MergeError::Missing(vec![1], 3)));
+    assert_eq!(Shard::merge(vec![a.clone(), b.clone(), a.clone()]), Err(MergeError::Doubled(0, 2)));
+    let other = MergeError::ShardCounts { shard: 1, count: 4, expected: 3 };
+    assert_eq!(Shard::merge(vec![a.clone(), of(1, 4), c.clone()]), Err(other));
     let mut small = mode.scene.clone();
     small.film.width -= 1;
     let foreign = RenderPlan::compile(&small, &PlanOptions::default()).expect("compiles");
-    let foreign = part(&foreign, mode, &RunOptions { share: Share::new(1, 3).expect("a share"), ..RUN });
-    assert_eq!(Part::join(vec![a.clone(), foreign, c.clone()]), Err(JoinError::Foreign(1)));
+    let foreign = shard(&foreign, mode, &RunOptions { shard: ShardSpec::new(1, 3).expect("a shard"), ..RUN });
+    assert_eq!(Shard::merge(vec![a.clone(), foreign, c.clone()]), Err(MergeError::Foreign(1)));
 
     // Interrupt before the start: after a tile, other threads could already have finished the rest.
     let interrupt = AtomicBool::new(true);
-    let run = RunOptions { interrupt: Some(&interrupt), share: Share::new(1, 3).expect("a share"), ..RUN };
-    let unfinished = plan.render_part(&run, None, None, |_| {}).expect("renders");
+    let run = RunOptions { interrupt: Some(&interrupt), shard: ShardSpec::new(1, 3).expect("a shard"), ..RUN };
+    let unfinished = plan.render_shard(&run, None, None, |_| {}).expect("renders");
     let missing = unfinished.missing_tiles();
     assert!(missing > 0);
-    assert_eq!(Part::join(vec![c, a, unfinished]), Err(JoinError::Unfinished { part: 2, missing }));
-    let message = JoinError::Missing(vec![0, 4], 8).to_string();
+    assert_eq!(Shard::merge(vec![c, a, unfinished]), Err(MergeError::Unfinished { shard: 2, missing }));
+    let message = MergeError::Missing(vec![0, 4], 8).to_string();
     assert_eq!(message, "2 of 8 parts are missing: 1/8, 5/8; render them");
 }
 
@@ -218,13 +219,13 @@ fn interrupted_parts_of_passes_are_unfinished() {
     assert_eq!(mode.name, "caustics");
     let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
     let interrupt = AtomicBool::new(true);
-    let parts = [0, 1].map(|index| {
-        let run = RunOptions { interrupt: Some(&interrupt), share: Share::new(index, 2).expect("a share"), ..RUN };
-        plan.render_part(&run, None, None, |_| {}).expect("renders")
+    let shards = [0, 1].map(|index| {
+        let run = RunOptions { interrupt: Some(&interrupt), shard: ShardSpec::new(index, 2).expect("a shard"), ..RUN };
+        plan.render_shard(&run, None, None, |_| {}).expect("renders")
     });
-    let missing = parts[0].missing_tiles();
+    let missing = shards[0].missing_tiles();
     assert!(missing > 0);
-    assert_eq!(Part::join(parts.to_vec()), Err(JoinError::Unfinished { part: 0, missing }));
+    assert_eq!(Shard::merge(shards.to_vec()), Err(MergeError::Unfinished { shard: 0, missing }));
 }
 
 #[test]
@@ -235,7 +236,7 @@ fn checkpoints_of_other_renders_are_refused() {
         let mut killer =
             Killer { kept_after: 1, killed_after: 1, tiles: 0, checkpoint: Vec::new(), interrupt: &interrupt };
         let run = RunOptions { interrupt: Some(&interrupt), ..run };
-        plan.render_part(&run, mode.rule.as_ref(), None, &mut killer).expect("renders");
+        plan.render_shard(&run, mode.rule.as_ref(), None, &mut killer).expect("renders");
         killer.checkpoint
     };
     let modes = modes();
@@ -243,7 +244,7 @@ fn checkpoints_of_other_renders_are_refused() {
     let try_in = |checkpoint: &[u8], mode: &Mode, run: RunOptions<'_>| {
         let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
         let from = postcard::from_bytes(checkpoint).expect("read");
-        plan.render_part(&run, mode.rule.as_ref(), Some(from), |_| {}).map(|_| ())
+        plan.render_shard(&run, mode.rule.as_ref(), Some(from), |_| {}).map(|_| ())
     };
     let kept = keep(plain, &PlanOptions::default(), RUN);
     assert!(try_in(&kept, plain, RUN).is_ok());
@@ -251,7 +252,7 @@ fn checkpoints_of_other_renders_are_refused() {
         (growing, RUN),
         (plain, RunOptions { maps: false, ..RUN }),
         (plain, RunOptions { count: false, ..RUN }),
-        (plain, RunOptions { share: Share::new(1, 2).expect("a share"), ..RUN }),
+        (plain, RunOptions { shard: ShardSpec::new(1, 2).expect("a shard"), ..RUN }),
     ] {
         assert!(matches!(try_in(&kept, mode, run), Err(RenderError::Checkpoint)), "{}", mode.name);
     }
@@ -266,8 +267,11 @@ fn checkpoints_of_other_renders_are_refused() {
 fn a_share_takes_a_fixed_number_of_samples() {
     let modes = modes();
     let plan = RenderPlan::compile(&modes[4].scene, &PlanOptions::default()).expect("compiles");
-    let run = RunOptions { share: Share::new(0, 2).expect("a share"), ..RUN };
-    let refused = plan.render_part(&run, modes[4].rule.as_ref(), None, |_| {});
-    assert!(matches!(refused, Err(RenderError::SharedUntil)));
-    assert_eq!((Share::new(2, 2), Share::new(0, 0), Share::new(0, Share::MOST + 1)), (None, None, None));
+    let run = RunOptions { shard: ShardSpec::new(0, 2).expect("a shard"), ..RUN };
+    let refused = plan.render_shard(&run, modes[4].rule.as_ref(), None, |_| {});
+    assert!(matches!(refused, Err(RenderError::ShardWithStopRule)));
+    assert_eq!(
+        (ShardSpec::new(2, 2), ShardSpec::new(0, 0), ShardSpec::new(0, ShardSpec::MAX_COUNT + 1)),
+        (None, None, None)
+    );
 }

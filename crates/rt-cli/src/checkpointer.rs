@@ -5,11 +5,11 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use rt_render::{Checkpoint, Kept, RenderSnapshot, Share};
+use rt_render::{Checkpoint, CheckpointRef, RenderSnapshot, ShardSpec};
 
 use crate::args::{CheckpointArgs, CheckpointInterval};
 use crate::artifact_error::{ArtifactError, ArtifactKind};
-use crate::checkpoint_file::{self, Label};
+use crate::checkpoint_format::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::identity::Identity;
@@ -25,7 +25,7 @@ pub(crate) struct CheckpointOptions {
     /// Path of the checkpoint; `None` for an image on standard output without `--checkpoint`.
     pub(crate) file: Option<PathBuf>,
     interval: Option<Duration>,
-    pub(crate) share: Option<Share>,
+    pub(crate) shard: Option<ShardSpec>,
 }
 
 impl CheckpointOptions {
@@ -34,8 +34,8 @@ impl CheckpointOptions {
             CheckpointInterval::Time(time) => Some(time),
             CheckpointInterval::Never => None,
         };
-        let CheckpointArgs { resume, restart, shard: share, .. } = *args;
-        Self { identity, resume, restart, file: default_path(args, output), interval, share }
+        let CheckpointArgs { resume, restart, shard, .. } = *args;
+        Self { identity, resume, restart, file: default_path(args, output), interval, shard }
     }
 }
 
@@ -76,10 +76,10 @@ impl Checkpointer {
         memory: Option<u64>,
     ) -> Result<Option<Checkpoint>, CliError> {
         self.held = self.lock()?;
-        let unusable = match checkpoint_file::label(&self.file, ArtifactKind::Checkpoint) {
+        let unusable = match checkpoint_format::label(&self.file, ArtifactKind::Checkpoint) {
             Ok(None) => return Ok(None),
             Ok(Some(label)) if label.identity == self.label.identity && !(options.resume || options.restart) => {
-                checkpoint_file::read::<Checkpoint>(&self.file, ArtifactKind::Checkpoint, memory)
+                checkpoint_format::read::<Checkpoint>(&self.file, ArtifactKind::Checkpoint, memory)
                     .err()
                     .filter(is_unusable)
             }
@@ -98,7 +98,7 @@ impl Checkpointer {
             _ if options.restart => Ok(None),
             _ if options.resume => {
                 let (label, checkpoint) =
-                    checkpoint_file::read::<Checkpoint>(&self.file, ArtifactKind::Checkpoint, memory)?;
+                    checkpoint_format::read::<Checkpoint>(&self.file, ArtifactKind::Checkpoint, memory)?;
                 if label.identity != self.label.identity {
                     return Err(self.foreign(label, "; start over with --restart").into());
                 }
@@ -148,11 +148,11 @@ impl Checkpointer {
         self.last = Instant::now();
     }
 
-    fn write(&mut self, kept: &Kept<'_>) -> Result<(), String> {
+    fn write(&mut self, kept: &CheckpointRef<'_>) -> Result<(), String> {
         if self.held.is_none() {
             self.lock().map_err(|error| error.to_string())?;
         }
-        let file = output::write_over_link(&self.file, |file| checkpoint_file::write(file, &self.label, kept))?;
+        let file = output::write_over_link(&self.file, |file| checkpoint_format::write(file, &self.label, kept))?;
         self.held = cfg!(unix).then_some(file);
         Ok(())
     }
@@ -174,11 +174,15 @@ impl Checkpointer {
     }
 
     /// Writes the last checkpoint, if need be to a fallback directory.
-    pub(crate) fn write_last(&mut self, kept: &Kept<'_>, fallback_dirs: &[PathBuf]) -> Result<SavedCheckpoint, String> {
+    pub(crate) fn write_last(
+        &mut self,
+        kept: &CheckpointRef<'_>,
+        fallback_dirs: &[PathBuf],
+    ) -> Result<SavedCheckpoint, String> {
         let Err(reason) = self.write(kept) else {
             return Ok(SavedCheckpoint { file: self.file.clone(), is_elsewhere: false });
         };
-        let write = |file: &mut BufWriter<&mut File>| checkpoint_file::write(file, &self.label, kept);
+        let write = |file: &mut BufWriter<&mut File>| checkpoint_format::write(file, &self.label, kept);
         let file = output::write_elsewhere(&self.file, fallback_dirs, write).ok_or(reason)?;
         Ok(SavedCheckpoint { file, is_elsewhere: true })
     }

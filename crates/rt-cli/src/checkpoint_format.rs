@@ -1,4 +1,4 @@
-//! File format of checkpoints and of parts of an image.
+//! File format of checkpoints and of shards of an image.
 //!
 //! ```text
 //!   "rt-cli kept 1\n" | label | content | BLAKE3 hash of all before
@@ -11,7 +11,7 @@ use std::io::{self, BufWriter, ErrorKind, Read as _, Write};
 use std::path::Path;
 
 use rt_image::{Development, Dither, Encoding};
-use rt_render::{Checkpoint, ContentError, Part, UncheckedCheckpoint, UncheckedPart};
+use rt_render::{Checkpoint, ContentError, Shard, UncheckedCheckpoint, UncheckedShard};
 use rt_scene_io::MemoryError;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -99,10 +99,10 @@ pub(crate) trait Content: Sized {
     fn check(unchecked: Self::Unchecked) -> Result<Self, ContentError>;
 }
 
-impl Content for Part {
-    type Unchecked = UncheckedPart;
+impl Content for Shard {
+    type Unchecked = UncheckedShard;
 
-    fn check(unchecked: UncheckedPart) -> Result<Self, ContentError> {
+    fn check(unchecked: UncheckedShard) -> Result<Self, ContentError> {
         unchecked.check()
     }
 }

@@ -6,7 +6,7 @@ use rt_math::Rgb;
 
 /// Parts of shading that a scene uses. Parts that are `false` are not computed; the image is bit-identical.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Needs {
+pub struct ShadingFeatures {
     /// A light casts shadows.
     pub shadows: bool,
     /// A material reflects ambient light.
@@ -31,7 +31,7 @@ pub struct Needs {
     pub detail: bool,
 }
 
-impl Needs {
+impl ShadingFeatures {
     /// All features, needed or not.
     pub const ALL: Self = Self {
         shadows: true,
