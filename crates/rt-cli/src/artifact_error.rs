@@ -46,7 +46,7 @@ impl core::fmt::Display for ArtifactKind {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Checkpoint => "checkpoint",
-            Self::Shard => "part of an image",
+            Self::Shard => "shard of an image",
         })
     }
 }

@@ -266,7 +266,7 @@ impl Shard {
         }
     }
 
-    /// Which of the shards it is.
+    /// Its index and the number of shards.
     pub const fn spec(&self) -> ShardSpec {
         self.spec
     }

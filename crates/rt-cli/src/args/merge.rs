@@ -25,7 +25,7 @@ pub(crate) struct MergeArgs {
     pub(crate) output_format: Option<ImageFormat>,
 
     /// Write an additional image: stderr=FILE (standard error) or samples=FILE (sample count)
-    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov_of_parts, long_help = super::stop::MAP_HELP)]
+    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov_of_shards, long_help = super::stop::MAP_HELP)]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]
@@ -43,7 +43,7 @@ pub(crate) struct MergeArgs {
 }
 
 pub(super) const MERGE_HELP: &str = "\
-Join the parts of an image rendered with --shard I/N
+Merge the shards of an image rendered with --shard I/N
 
-The image is bit-identical to that of a single run on one machine. All N parts must be given once each, in any order, finished, and \
-of the same scene, options and program version. If a part is missing, repeated or of another image, nothing is written (exit code 3).";
+The image is bit-identical to that of a single run on one machine. All N shards must be given once each, in any order, finished, and \
+of the same scene, options and program version. If a shard is missing, repeated or of another image, nothing is written (exit code 3).";

@@ -283,7 +283,7 @@ pub(super) fn aov(text: &str) -> Result<AovArg, String> {
 }
 
 /// `NAME=FILE`, for quantities that shards of an image hold.
-pub(super) fn aov_of_parts(text: &str) -> Result<AovArg, String> {
+pub(super) fn aov_of_shards(text: &str) -> Result<AovArg, String> {
     match aov(text)? {
         AovArg { content: AovContent::Layers(_), .. } => {
             Err("expected stderr=FILE or samples=FILE; only `render` writes other layers".to_owned())
@@ -448,7 +448,7 @@ mod tests {
         for (name, kind) in [("samples", Aov::Samples), ("stderr", Aov::Stderr), ("variance", Aov::Stderr)] {
             let expected = AovArg { content: AovContent::Map(kind), file: "a=b.exr".into() };
             assert_eq!(aov(&format!("{name}=a=b.exr")), Ok(expected.clone()));
-            assert_eq!(aov_of_parts(&format!("{name}=a=b.exr")), Ok(expected));
+            assert_eq!(aov_of_shards(&format!("{name}=a=b.exr")), Ok(expected));
         }
         for bad in ["", "samples", "samples=", "=a.exr", "variance a.exr", "depth=a.png", "depth,=a.exr", "deep=a.exr"]
         {
@@ -468,7 +468,7 @@ mod tests {
         let all = layers("all,stderr=a.exr");
         assert_eq!((&all.first_hit[..], all.samples, all.stderr), (FirstHitLayer::ALL, true, true));
         assert!(aov("depht=a.exr").unwrap_err().starts_with("unknown layer `depht`; did you mean `depth`?"));
-        assert!(aov_of_parts("depth=a.exr").is_err());
+        assert!(aov_of_shards("depth=a.exr").is_err());
     }
 
     #[test]

@@ -59,7 +59,7 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), C
     let decoded =
         lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(checkpoint_format::decoded_bytes(length)));
     let reading = lengths.iter().copied().max().unwrap_or(0);
-    let of_parts =
+    let of_shards =
         [(format!("the content of {} shards", files.len()), decoded), ("the shard being read".to_owned(), reading)];
     let mut label: Option<(u32, Label)> = None;
     let mut shards = Vec::with_capacity(files.len());
@@ -67,7 +67,7 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), C
         // Report files that are not shards before the memory limit.
         checkpoint_format::label(file, ArtifactKind::Shard)?;
         if label.is_none() {
-            memory::check(memory, first, &of_parts)?;
+            memory::check(memory, first, &of_shards)?;
         }
         let (of_shard, shard) = checkpoint_format::read::<Shard>(file, ArtifactKind::Shard, memory)?;
         let number = shard.spec().index();
@@ -79,7 +79,7 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), C
                 // No shard is read while the image is made. Encoding copies the colors.
                 let bytes = shard.rendering_bytes();
                 let image = ("the image".to_owned(), bytes.saturating_add(bytes / 2));
-                memory::check(memory, first, &[of_parts[0].clone(), image])?;
+                memory::check(memory, first, &[of_shards[0].clone(), image])?;
                 label = Some((number, of_shard));
             }
         }

@@ -35,7 +35,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), CliError> {
 }
 
 fn image(args: &RenderArgs) -> Result<(), CliError> {
-    refuse_for_parts(args)?;
+    refuse_for_shards(args)?;
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();
     let shard = args.checkpoint.shard;
@@ -120,7 +120,7 @@ fn prepare_checkpoint(
 }
 
 /// Refuses options that need the whole image for a shard.
-fn refuse_for_parts(args: &RenderArgs) -> Result<(), CliError> {
+fn refuse_for_shards(args: &RenderArgs) -> Result<(), CliError> {
     let whole = [
         ("--time", args.stop.time.is_some()),
         ("--target-error", args.stop.target_error.is_some()),

@@ -168,6 +168,6 @@ fn machines_share_frames_out() {
 fn a_share_without_frames_is_noted() {
     let place = Workplace::with_animated_model();
     let run = place.succeed("render m.gltf --frames 0..2 --shard 4/8 -o out-##.png");
-    assert_eq!(run.stdout, "note: part 4 of 8 has none of the frames 0..2\n");
+    assert_eq!(run.stdout, "note: shard 4 of 8 has none of the frames 0..2\n");
     assert_eq!(place.files(), ["m.bin", "m.gltf"]);
 }

@@ -29,7 +29,7 @@ impl PartFile {
             Ok((part, [])) => Some((at, part)),
             _ => None,
         };
-        let (at, part) = (MAGIC..content.len()).find_map(decode).expect("a part");
+        let (at, part) = (MAGIC..content.len()).find_map(decode).expect("a shard");
         Self { label: content[..at].to_vec(), part: serde_json::to_value(part).expect("numbers") }
     }
 
@@ -39,7 +39,7 @@ impl PartFile {
         const MARK: u64 = 0x7A11_7A11_7A11;
         let mut part = self.part.clone();
         *part.pointer_mut(number).unwrap_or_else(|| panic!("{number}")) = MARK.into();
-        let part: Shard = serde_json::from_value(part).expect("a part");
+        let part: Shard = serde_json::from_value(part).expect("a shard");
         let content = postcard::to_stdvec(&part).expect("written");
         let mark = postcard::to_stdvec(&MARK).expect("written");
         let at = content.windows(mark.len()).position(|bytes| bytes == mark).expect("the mark");
@@ -69,7 +69,7 @@ fn crafted_parts_are_refused() {
     let part = PartFile::read(&place.read("1.part"));
     assert_eq!(
         part.file(
-            &postcard::to_stdvec(&serde_json::from_value::<Shard>(part.part.clone()).expect("a part"))
+            &postcard::to_stdvec(&serde_json::from_value::<Shard>(part.part.clone()).expect("a shard"))
                 .expect("written")
         ),
         place.read("1.part")
@@ -87,7 +87,7 @@ fn crafted_parts_are_refused() {
             for order in ["crafted.part 2.part", "2.part crafted.part"] {
                 let run = place.run(&format!("merge {order} -o scene.exr"));
                 assert_eq!(run.code, Some(3), "{number} = {value}: {run:?}");
-                let is_reported = run.stderr.contains("crafted.part: is not a valid part of an image: the number of");
+                let is_reported = run.stderr.contains("crafted.part: is not a valid shard of an image: the number of");
                 assert!(is_reported && run.stderr.lines().count() == 1, "{number} = {value}: {run:?}");
                 assert!(!place.path("scene.exr").exists());
             }

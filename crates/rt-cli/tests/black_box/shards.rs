@@ -8,7 +8,10 @@ fn with_parts(count: u32, options: &str) -> Workplace {
     let place = Workplace::with_scene();
     for part in 1..=count {
         let run = place.succeed(&format!("{RENDER} {options} --shard {part}/{count}"));
-        assert!(run.stdout.contains(&format!("wrote scene.{part}-of-{count}.part (part {part} of {count}")), "{run:?}");
+        assert!(
+            run.stdout.contains(&format!("wrote scene.{part}-of-{count}.part (shard {part} of {count}")),
+            "{run:?}"
+        );
     }
     place
 }
@@ -24,7 +27,7 @@ fn parts_in_any_order_make_the_image_of_one_run() {
     let one = whole.succeed(&format!("{RENDER} -o scene.exr --aov samples=samples.exr --aov stderr=variance.pfm"));
     let aovs = "--aov samples=samples.exr --aov stderr=variance.pfm";
     let run = place.succeed(&format!("merge {} -o scene.exr {aovs}", parts(&[4, 1, 5, 3, 2], 5)));
-    assert!(run.stdout.starts_with("joined 5 parts: 112,000 samples"), "{run:?}");
+    assert!(run.stdout.starts_with("merged 5 shards: 112,000 samples"), "{run:?}");
     let error = |run: &Run| run.stdout.lines().find(|line| line.starts_with("relative RMSE")).map(str::to_owned);
     assert!(error(&run).is_some() && error(&run) == error(&one), "the same measure: {run:?} {one:?}");
     for file in ["scene.exr", "samples.exr", "variance.pfm"] {
@@ -69,14 +72,14 @@ fn what_is_missing_doubled_or_foreign_is_named() {
     let all = parts(&[1, 2, 3], 3);
     let two = parts(&[1, 3], 3);
     for (files, message) in [
-        (two.clone(), "1 of 3 parts are missing: 2/3; render them".to_owned()),
-        (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same part".to_owned()),
+        (two.clone(), "1 of 3 shards are missing: 2/3; render them".to_owned()),
+        (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same shard".to_owned()),
         (format!("{two} foreign.part"), "foreign.part: is of another image".to_owned()),
-        (format!("{two} half.part"), "half.part: is one of 2 parts, but scene.1-of-3.part is one of 3".to_owned()),
-        (format!("{two} text.part"), "text.part: is not a part of an image".to_owned()),
+        (format!("{two} half.part"), "half.part: is one of 2 shards, but scene.1-of-3.part is one of 3".to_owned()),
+        (format!("{two} text.part"), "text.part: is not a shard of an image".to_owned()),
         (format!("{two} damaged.part"), "damaged.part: is damaged".to_owned()),
         (format!("{two} nowhere.part"), "nowhere.part: cannot be read".to_owned()),
-        (format!("{two} scene.ron"), "scene.ron: is not a part of an image".to_owned()),
+        (format!("{two} scene.ron"), "scene.ron: is not a shard of an image".to_owned()),
     ] {
         let run = place.run(&format!("merge {files} -o scene.exr"));
         assert_eq!(run.code, Some(3), "{files}: {run:?}");
@@ -112,10 +115,10 @@ fn a_part_that_is_there_is_not_rendered_again() {
 fn parts_that_make_no_sense_are_refused() {
     let place = Workplace::with_scene();
     for (options, message) in [
-        ("--shard 0/8", "expected part/parts, such as 1/8 to 8/8"),
-        ("--shard 9/8", "expected part/parts"),
-        ("--shard 1/0", "expected part/parts"),
-        ("--shard one", "expected part/parts"),
+        ("--shard 0/8", "expected I/N, such as 1/8 to 8/8"),
+        ("--shard 9/8", "expected I/N"),
+        ("--shard 1/0", "expected I/N"),
+        ("--shard one", "expected I/N"),
         ("--shard 1/8 -o scene.png", "--shard writes .part files, not scene.png"),
         ("-o scene.part", "scene.part is a .part file, which needs --shard I/N"),
         ("--shard 1/2 --time 3s", "--time cannot be used with --shard"),

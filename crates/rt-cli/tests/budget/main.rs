@@ -219,7 +219,7 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
     assert!(said.contains("for the content of 2 parts"), "{said}");
     let resumed = "render scene.ron --size 1000x800 --spp 1 --shard 1/2 --resume --memory 1GiB";
     let said = refused(&place, &format!("{resumed} -o long.part"));
-    assert!(said.contains("for the part of an image long.part"), "{said}");
+    assert!(said.contains("for the shard of an image long.part"), "{said}");
 }
 
 /// A black Radiance image that claims this size, with so many bytes of pixels.
