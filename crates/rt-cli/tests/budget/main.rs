@@ -203,7 +203,7 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
         place.succeed(&format!("render scene.ron --size 1000x800 --spp 1 --shard {part}/2 -o {part}.part"));
     }
     let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 12M");
-    assert!(said.contains("1.part: needs ") && said.contains("for the content of 2 parts"), "{said}");
+    assert!(said.contains("1.part: needs ") && said.contains("for the content of 2 shards"), "{said}");
     let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 30M");
     assert!(said.contains("for the image"), "{said}");
     let at_rest = peak(&place, "--version");
@@ -214,9 +214,9 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
     File::open(place.path("1.part")).and_then(|mut file| file.read_exact(&mut head)).expect("read");
     sparse(&place, "long.part", &head, 1 << 40);
     let said = refused(&place, "merge long.part 2.part -o a.exr --memory 1GiB");
-    assert!(said.contains("for the content of 2 parts"), "{said}");
+    assert!(said.contains("for the content of 2 shards"), "{said}");
     let said = refused(&place, "merge 1.part long.part -o a.exr --memory 1GiB");
-    assert!(said.contains("for the content of 2 parts"), "{said}");
+    assert!(said.contains("for the content of 2 shards"), "{said}");
     let resumed = "render scene.ron --size 1000x800 --spp 1 --shard 1/2 --resume --memory 1GiB";
     let said = refused(&place, &format!("{resumed} -o long.part"));
     assert!(said.contains("for the shard of an image long.part"), "{said}");

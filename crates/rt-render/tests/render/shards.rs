@@ -210,7 +210,7 @@ fn join_errors_name_the_part() {
     assert!(missing > 0);
     assert_eq!(Shard::merge(vec![c, a, unfinished]), Err(MergeError::Unfinished { shard: 2, missing }));
     let message = MergeError::Missing(vec![0, 4], 8).to_string();
-    assert_eq!(message, "2 of 8 parts are missing: 1/8, 5/8; render them");
+    assert_eq!(message, "2 of 8 shards are missing: 1/8, 5/8; render them");
 }
 
 #[test]
