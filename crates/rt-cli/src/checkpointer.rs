@@ -149,6 +149,7 @@ impl Checkpointer {
     }
 
     fn write(&mut self, kept: &CheckpointRef<'_>) -> Result<(), String> {
+        // Another render may have written it since this one began.
         if self.held.is_none() {
             self.lock().map_err(|error| error.to_string())?;
         }

@@ -247,7 +247,7 @@ fn missing(specs: &[u32], count: u32) -> String {
 }
 
 impl Shard {
-    /// True if a render of this layout and share can resume from here.
+    /// True if a render of this layout and choice of tiles can resume from here.
     pub(crate) fn fits(&self, layout: FilmLayout, spec: ShardSpec) -> bool {
         self.layout == layout && self.spec == spec
     }

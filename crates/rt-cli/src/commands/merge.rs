@@ -51,8 +51,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     console.println(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
 }
 
-/// Reads all shards, and the label of the one with the lowest number. Predicts the memory of the shards from the file sizes, and that of the image from the first
-/// shard.
+/// Reads all shards, and the label of the one with the lowest number. Predicts the memory of the shards from the file sizes, and
+/// that of the image from the first shard.
 fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), CliError> {
     let Some(first) = files.first() else { return Err(named(files, MergeError::Nothing)) };
     let lengths = files.iter().map(|file| checkpoint_format::length(file)).collect::<Result<Vec<_>, _>>()?;

@@ -1,4 +1,4 @@
-//! Images of which several machines render a part each.
+//! Images of which several machines render a shard each.
 
 use crate::program::{Run, Workplace};
 

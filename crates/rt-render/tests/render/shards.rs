@@ -1,4 +1,4 @@
-//! Interrupted and resumed renders, and images joined from parts.
+//! Interrupted and resumed renders, and images merged from shards.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -165,13 +165,13 @@ fn joined_shares_are_bit_identical_to_one_render() {
     for mode in modes().iter().filter(|mode| mode.rule.is_none()) {
         let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
         let whole = shard(&plan, mode, &RUN).into_rendering();
-        // Light paths belong to no tile: each part traces all of them.
+        // Light paths belong to no tile: each shard traces all of them.
         let traces_all = mode.scene.settings.integrator == Integrator::Caustics;
         for &count in if traces_all { &[1, 3][..] } else { &[1, 3, 100] } {
             let spec = |index| ShardSpec::new(index, count).expect("a shard");
             let mut shards: Vec<_> =
                 (0..count).map(|index| shard(&plan, mode, &RunOptions { shard: spec(index), ..RUN })).collect();
-            // The order of parts does not matter, and they survive serialisation.
+            // The order of shards does not matter, and they survive serialisation.
             shards.sort_by_key(|shard| hash(&[u64::from(shard.spec().index())]));
             let written = postcard::to_stdvec(&shards).expect("written");
             let shards: Vec<Shard> = postcard::from_bytes(&written).expect("read");

@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn lanes_integrate_the_same_bits() {
         for (cos, roughness) in [(0.0, 0.1), (0.01, 1.0), (0.3, 0.05), (1.0, 0.6)] {
-            let (lattice, alpha) = (lattice(), Ggx::from_roughness(roughness).unwrap().alpha());
+            let (lattice, alpha) = (lattice(), Ggx::from_roughness(roughness).expect("rough").alpha());
             let cos = f64::max(cos, 1e-6);
             let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
             let sum = weight_of_points(alpha, wo, &lattice).map(|sum| (sum / lattice.len() as f64).to_bits());
