@@ -3,8 +3,6 @@
 //! MacDonald and Booth, "Heuristics for ray tracing using space subdivision", 1990; Wald, "On fast Construction of
 //! SAH-based Bounding Volume Hierarchies", 2007.
 
-use core::cmp::Ordering;
-
 use glam::DVec3;
 use rt_math::Aabb;
 
@@ -42,8 +40,8 @@ pub(crate) trait BuildBounds: Copy {
     /// Axis of the largest extent, and whether that is positive.
     fn widest_axis(&self) -> (usize, bool);
 
-    /// Total order of two points along an axis.
-    fn order(a: Self::Vector, b: Self::Vector, axis: usize) -> Ordering;
+    /// Coordinate of a point along an axis.
+    fn coordinate(point: Self::Vector, axis: usize) -> f64;
 
     /// Number of bins per unit of length, if this box is divided evenly on each axis.
     fn bin_scale(&self) -> Self::Vector;
@@ -74,8 +72,8 @@ impl BuildBounds for Aabb {
         (extent.max_position(), extent.cmpgt(DVec3::ZERO).any())
     }
 
-    fn order(a: DVec3, b: DVec3, axis: usize) -> Ordering {
-        a[axis].total_cmp(&b[axis])
+    fn coordinate(point: DVec3, axis: usize) -> f64 {
+        point[axis]
     }
 
     fn bin_scale(&self) -> DVec3 {
@@ -88,7 +86,7 @@ impl BuildBounds for Aabb {
 }
 
 /// Primitive, or part of one, in the set that is split.
-pub(crate) trait BuildItem {
+pub(crate) trait BuildItem: Copy {
     type Bounds: BuildBounds;
 
     fn bounds(&self) -> &Self::Bounds;
@@ -124,12 +122,20 @@ pub(crate) fn centroid_bounds<I: BuildItem>(items: &[I]) -> I::Bounds {
 /// Returns the size of the first half.
 pub(crate) fn median_split<I: BuildItem>(items: &mut [I], centroids: &I::Bounds) -> usize {
     if let (axis, true) = centroids.widest_axis() {
-        items.sort_unstable_by(|a, b| {
-            let by_centroid = I::Bounds::order(a.bounds().centroid(), b.bounds().centroid(), axis);
-            by_centroid.then_with(|| a.index().cmp(&b.index()))
-        });
+        let key = |(place, item): (usize, &I)| {
+            (I::Bounds::coordinate(item.bounds().centroid(), axis), item.index(), place as u32)
+        };
+        let mut order: Vec<_> = items.iter().enumerate().map(key).collect();
+        sort_by_coordinate(&mut order);
+        let sorted: Vec<_> = order.iter().map(|&(_, _, place)| items[place as usize]).collect();
+        items.copy_from_slice(&sorted);
     }
     items.len() / 2
+}
+
+/// Sorts coordinates, indices and places. It is not generic, so that the sort is compiled once.
+fn sort_by_coordinate(order: &mut [(f64, u32, u32)]) {
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
 }
 
 /// Moves the items for which `is_left` holds to the front, in a fixed order, and counts them.

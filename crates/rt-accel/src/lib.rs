@@ -58,6 +58,7 @@ pub mod guide;
 mod kd;
 mod linear;
 mod node_ref;
+mod parallel_for;
 mod prim_bounds;
 mod ray_query;
 mod region;

@@ -166,17 +166,22 @@ impl<'h> AllHits<'h> {
 
     /// Sorts the hits and removes duplicates.
     pub(crate) fn finish(&mut self) {
-        self.hits.sort_unstable_by(|a, b| {
-            if a.precedes(b) {
-                Ordering::Less
-            } else if b.precedes(a) {
-                Ordering::Greater
-            } else {
-                Ordering::Equal
-            }
-        });
+        sort_hits(self.hits);
         self.hits.dedup_by(|a, b| is_same(a, b));
     }
+}
+
+/// Sorts hits by `t`, ties by instance and primitive.
+pub(crate) fn sort_hits(hits: &mut [Hit]) {
+    hits.sort_unstable_by(|a, b| {
+        if a.precedes(b) {
+            Ordering::Less
+        } else if b.precedes(a) {
+            Ordering::Greater
+        } else {
+            Ordering::Equal
+        }
+    });
 }
 
 /// True if both records are of one hit.

@@ -1,6 +1,7 @@
 //! Top-down construction of binary trees, on one thread or on several, with the same result.
 
 use crate::node_ref::NodeRef;
+use crate::parallel_for::parallel_for_each;
 
 /// Node of a tree in depth-first order, the left child first.
 pub(crate) trait TreeNode: Sized + Send {
@@ -49,14 +50,23 @@ pub(crate) fn build_top_down<N: TreeNode, T: Send>(
     task: T,
     split: &(impl Fn(T, &mut Vec<u32>) -> Option<Split<N::Payload, T>> + Sync),
 ) -> Subtree<N> {
-    let mut tree = Subtree { nodes: Vec::new(), indices: Vec::new(), root: NodeRef::leaf(0, 0), height: 0 };
-    (tree.root, tree.height) = tree.grow(task, split);
-    tree.nodes.shrink_to_fit();
-    tree.indices.shrink_to_fit();
+    let mut tree = Subtree::new();
+    tree.build(task, split);
     tree
 }
 
 impl<N: TreeNode> Subtree<N> {
+    const fn new() -> Self {
+        Self { nodes: Vec::new(), indices: Vec::new(), root: NodeRef::leaf(0, 0), height: 0 }
+    }
+
+    /// Builds the tree of a task into this empty one.
+    fn build<T: Send>(&mut self, task: T, split: &(impl Fn(T, &mut Vec<u32>) -> Option<Split<N::Payload, T>> + Sync)) {
+        (self.root, self.height) = self.grow(task, split);
+        self.nodes.shrink_to_fit();
+        self.indices.shrink_to_fit();
+    }
+
     /// Appends the tree of a task; returns its root and height.
     fn grow<T: Send>(
         &mut self,
@@ -70,8 +80,10 @@ impl<N: TreeNode> Subtree<N> {
         let index = self.nodes.len();
         self.nodes.push(N::inner(payload));
         let [left, right] = if is_large {
-            let (left, right) = join(|| build_top_down(left, split), || build_top_down(right, split));
-            [left, right].map(|part| self.append(part))
+            let mut parts = [Self::new(), Self::new()];
+            let tasks = [left, right].into_iter().zip(&mut parts).collect();
+            parallel_for_each(tasks, |(task, part): (T, &mut Self)| part.build(task, split));
+            parts.map(|part| self.append(part))
         } else {
             let left = self.grow(left, split);
             [left, self.grow(right, split)]
@@ -100,14 +112,6 @@ impl<N: TreeNode> Subtree<N> {
         self.indices.extend(part.indices);
         (part.root.shifted(nodes, indices), part.height)
     }
-}
-
-#[cfg(feature = "parallel")]
-use rayon::join;
-
-#[cfg(not(feature = "parallel"))]
-fn join<A, B>(first: impl FnOnce() -> A, second: impl FnOnce() -> B) -> (A, B) {
-    (first(), second())
 }
 
 /// Split of a slice after its first `middle` items.

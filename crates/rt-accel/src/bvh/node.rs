@@ -19,8 +19,6 @@
 //! `leave(node) ≥ leave(padded bounds)`. There is no tolerance to choose. A scene far from the origin is as good as one
 //! at it, as `p` and `q` are small numbers there.
 
-use core::cmp::Ordering;
-
 use glam::{DVec3, Vec3A};
 use rt_math::{Aabb, FAR_FACTOR, Interval, SlabRay};
 
@@ -127,8 +125,8 @@ impl BuildBounds for Aabb32 {
         (extent.max_position(), extent.cmpgt(Vec3A::ZERO).any())
     }
 
-    fn order(a: Vec3A, b: Vec3A, axis: usize) -> Ordering {
-        a[axis].total_cmp(&b[axis])
+    fn coordinate(point: Vec3A, axis: usize) -> f64 {
+        f64::from(point[axis])
     }
 
     fn bin_scale(&self) -> Vec3A {

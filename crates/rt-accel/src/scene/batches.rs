@@ -13,6 +13,8 @@ use rt_math::{Interval, Ray};
 use super::ray_queries::Scene;
 use crate::Accelerator;
 use crate::batch::{BatchError, HitBatch, RayBatch};
+#[cfg(feature = "parallel")]
+use crate::parallel_for::{parallel_for_each, parallel_map};
 
 /// Rays that are gathered at a time.
 const CHUNK: usize = 1024;
@@ -188,11 +190,9 @@ impl Scene<'_> {
         }
         let n = range.len() / 2;
         let middle = range.start + n;
-        let (mut left, mut right) = hits.split_at(n);
-        rayon::join(
-            || self.par_closest_range(rays, range.start..middle, &mut left),
-            || self.par_closest_range(rays, middle..range.end, &mut right),
-        );
+        let (left, right) = hits.split_at(n);
+        let tasks = vec![(range.start..middle, left), (middle..range.end, right)];
+        parallel_for_each(tasks, |(range, mut hits)| self.par_closest_range(rays, range, &mut hits));
     }
 
     /// [`occluded_batch`](Self::occluded_batch) on the threads of the current rayon pool.
@@ -201,9 +201,8 @@ impl Scene<'_> {
     ///
     /// Those of [`occluded_batch`](Self::occluded_batch).
     pub fn par_occluded_batch(&self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> Result<(), BatchError> {
-        use rayon::prelude::*;
         check_occluded(rays, occluded)?;
-        occluded.par_chunks_mut(RAYS_PER_TASK).enumerate().for_each(|(i, occluded)| {
+        parallel_for_each(occluded.chunks_mut(RAYS_PER_TASK).enumerate().collect(), |(i, occluded)| {
             let first = i * RAYS_PER_TASK;
             self.occluded_range(rays, first..first + occluded.len(), occluded);
         });
@@ -212,11 +211,9 @@ impl Scene<'_> {
 
     /// [`all_hits_batch`](Self::all_hits_batch) on the threads of the current rayon pool.
     pub fn par_all_hits_batch(&self, rays: &RayBatch<'_>) -> HitLists {
-        use rayon::prelude::*;
         let n_tasks = rays.len().div_ceil(CHUNK);
         let task = |i: usize| self.all_hits_range(rays, i * CHUNK..rays.len().min((i + 1) * CHUNK));
-        let parts: Vec<HitLists> = (0..n_tasks).into_par_iter().map(task).collect();
-        parts.into_iter().fold(HitLists::empty(), HitLists::append)
+        parallel_map(n_tasks, task).into_iter().fold(HitLists::empty(), HitLists::append)
     }
 
     /// [`count_hits_batch`](Self::count_hits_batch) on the threads of the current rayon pool.
@@ -225,9 +222,9 @@ impl Scene<'_> {
     ///
     /// Those of [`count_hits_batch`](Self::count_hits_batch).
     pub fn par_count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
-        use rayon::prelude::*;
         check_counts(rays, counts)?;
-        counts.par_chunks_mut(CHUNK).enumerate().for_each(|(i, counts)| self.count_range(rays, i * CHUNK, counts));
+        let tasks = counts.chunks_mut(CHUNK).enumerate().collect();
+        parallel_for_each(tasks, |(i, counts)| self.count_range(rays, i * CHUNK, counts));
         Ok(())
     }
 }

@@ -10,6 +10,7 @@ use super::geometry::Blas;
 use super::instances::{Instance, Instances};
 use super::refit_tree::RefitTree;
 use crate::Accelerator;
+use crate::ray_query::sort_hits;
 use crate::wide::BuildParams;
 
 /// Meshes and spheres that rays are traced against: two levels of [`WideBvh`](crate::WideBvh).
@@ -81,9 +82,7 @@ impl<'a> Scene<'a> {
             ControlFlow::<(), f64>::Continue(f64::INFINITY)
         };
         self.tree.bvh.visit_candidates(&self.top_level(), ray, span, visit, &mut NoProbe);
-        hits.sort_unstable_by(|a, b| {
-            a.t.total_cmp(&b.t).then((a.instance, a.primitive).cmp(&(b.instance, b.primitive)))
-        });
+        sort_hits(hits);
     }
 
     /// The geometry, if instance 0 is the only one and not transformed: rays skip the top level.

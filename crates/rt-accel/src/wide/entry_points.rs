@@ -66,7 +66,7 @@ impl EntryPoints {
         // SAFETY: the first `len` entries are within the array, and written.
         let subtrees: &mut [EntryPoint] =
             unsafe { slice::from_raw_parts_mut(self.subtrees.as_mut_ptr().cast(), self.len) };
-        subtrees.sort_unstable_by(|a, b| a.t_near.total_cmp(&b.t_near));
+        sort_by_distance(subtrees);
         n_nodes
     }
 
@@ -95,4 +95,9 @@ impl EntryPoints {
             }
         }
     }
+}
+
+/// It is not generic, so that the sort is compiled once.
+fn sort_by_distance(subtrees: &mut [EntryPoint]) {
+    subtrees.sort_unstable_by(|a, b| a.t_near.total_cmp(&b.t_near));
 }

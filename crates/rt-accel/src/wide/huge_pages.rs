@@ -2,6 +2,8 @@
 
 use core::mem::MaybeUninit;
 
+use crate::parallel_for::parallel_for_each;
+
 /// Allocates capacity in pages of 2 MiB, if the system has them and the capacity is large enough.
 pub(super) fn with_huge_pages<T>(count: usize) -> Vec<T> {
     #[cfg_attr(
@@ -35,9 +37,9 @@ where
     }
     let fill = |(part, slot)| fill(part, emptied(slot, &empty));
     if count < MIN_SHARED {
-        slots.into_iter().for_each(fill)
+        slots.into_iter().for_each(fill);
     } else {
-        for_each(slots, fill)
+        parallel_for_each(slots, fill);
     }
     // SAFETY: the parts cover exactly `count` items, which fit the allocation, and all are written.
     unsafe { all.set_len(count) };
@@ -51,17 +53,6 @@ fn emptied<'r, T: Clone>(slot: &'r mut [MaybeUninit<T>], empty: &T) -> &'r mut [
     }
     // SAFETY: all items have just been written.
     unsafe { core::slice::from_raw_parts_mut(slot.as_mut_ptr().cast(), slot.len()) }
-}
-
-#[cfg(feature = "parallel")]
-fn for_each<T: Send>(all: Vec<T>, each: impl Fn(T) + Sync + Send) {
-    use rayon::prelude::*;
-    all.into_par_iter().for_each(each);
-}
-
-#[cfg(not(feature = "parallel"))]
-fn for_each<T: Send>(all: Vec<T>, each: impl Fn(T)) {
-    all.into_iter().for_each(each);
 }
 
 /// Requests huge pages for untouched memory. A failure is harmless.

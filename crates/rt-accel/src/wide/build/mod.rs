@@ -4,7 +4,6 @@ mod binary;
 mod binning;
 mod collapse;
 mod config;
-mod in_order;
 mod leaf_policy;
 mod parallel;
 #[cfg(feature = "parallel")]

@@ -7,6 +7,7 @@ use super::config::BuildConfig;
 use super::reference::PrimRange;
 use super::top_down::BuildRange;
 use crate::bvh::Aabb32;
+use crate::parallel_for::parallel_for_each;
 
 /// Ranges of at most this size are one task, whose references and nodes fit the cache of one core.
 const TASK: usize = 4096;
@@ -38,6 +39,12 @@ pub(super) struct NodeId {
 enum TopNode {
     Inner(Aabb32, Box<[TopNode; 2]>),
     Task(Aabb32, BinaryTree, Costs),
+}
+
+impl TopNode {
+    fn empty() -> Self {
+        Self::Task(Aabb32::EMPTY, BinaryTree::default(), Costs::NONE)
+    }
 }
 
 impl SubtreeSet {
@@ -129,9 +136,10 @@ fn build_top(set: BuildRange<'_>, config: &BuildConfig) -> TopNode {
         let (_, costs) = tree.grow(set, config, &mut Bins::new());
         return TopNode::Task(bounds, tree, costs);
     }
-    let [left, right] = split(set, config);
-    let (left, right) = join(|| build_top(left, config), || build_top(right, config));
-    TopNode::Inner(bounds, Box::new([left, right]))
+    let mut children = Box::new([TopNode::empty(), TopNode::empty()]);
+    let tasks = split(set, config).into_iter().zip(&mut *children).collect();
+    parallel_for_each(tasks, |(side, child)| *child = build_top(side, config));
+    TopNode::Inner(bounds, children)
 }
 
 fn split<'a>(set: BuildRange<'a>, config: &BuildConfig) -> [BuildRange<'a>; 2] {
@@ -140,12 +148,4 @@ fn split<'a>(set: BuildRange<'a>, config: &BuildConfig) -> [BuildRange<'a>; 2] {
         return super::parallel_partition::split(set, config);
     }
     set.split(config, &mut Bins::new())
-}
-
-#[cfg(feature = "parallel")]
-use rayon::join;
-
-#[cfg(not(feature = "parallel"))]
-fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
-    (a(), b())
 }

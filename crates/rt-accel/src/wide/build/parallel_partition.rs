@@ -1,12 +1,11 @@
 //! Splits a large range on several threads, with the result of one thread.
 
-use rayon::prelude::*;
-
 use super::binning::{BestSplit, BinSplit, Bins};
 use super::config::BuildConfig;
 use super::reference::PrimRef;
 use super::top_down::{BuildRange, PrimInfo, scatter};
 use crate::bvh::Aabb32;
+use crate::parallel_for::{parallel_for_each, parallel_map};
 
 /// References per task.
 const CHUNK: usize = 16384;
@@ -23,13 +22,12 @@ struct Move<'a> {
 /// Parallel version of [`BuildRange::split`]. Bins may be filled in any order, and references keep theirs.
 pub(super) fn split<'a>(set: BuildRange<'a>, config: &BuildConfig) -> [BuildRange<'a>; 2] {
     let Some(binning) = set.binning(config) else { return set.halve() };
-    let fill = |chunk: &[PrimRef]| {
+    let parts = map_chunks(set.references, |chunk| {
         let mut bins = Bins::new();
         bins.reset(binning);
         bins.add(chunk);
         bins
-    };
-    let parts: Vec<_> = set.references.par_chunks(CHUNK).map(fill).collect();
+    });
     let mut bins = Bins::new();
     bins.reset(binning);
     parts.iter().for_each(|part| bins.merge(part));
@@ -48,10 +46,16 @@ fn partition(from: &[PrimRef], to: &mut [PrimRef], middle: usize, cut: &BinSplit
         (left, right) = (left_rest, right_rest);
         moves.push(Move { from, to: [to_left, to_right] });
     }
-    moves
-        .into_par_iter()
-        .map(|Move { from, to }| scatter(from, cut, to))
-        .reduce(|| [Aabb32::EMPTY; 2], |a, b| [a[0].union(b[0]), a[1].union(b[1])])
+    let mut centroids = vec![[Aabb32::EMPTY; 2]; moves.len()];
+    let tasks = moves.into_iter().zip(&mut centroids).collect();
+    parallel_for_each(tasks, |(Move { from, to }, centroids)| *centroids = scatter(from, cut, to));
+    centroids.iter().fold([Aabb32::EMPTY; 2], |a, b| [a[0].union(b[0]), a[1].union(b[1])])
+}
+
+/// Results of a function for all chunks of references, in order.
+fn map_chunks<R: Send>(references: &[PrimRef], each: impl Fn(&[PrimRef]) -> R + Sync) -> Vec<R> {
+    let chunk = |i: usize| &references[i * CHUNK..references.len().min((i + 1) * CHUNK)];
+    parallel_map(references.len().div_ceil(CHUNK), |i| each(chunk(i)))
 }
 
 impl PrimInfo {
@@ -60,7 +64,7 @@ impl PrimInfo {
         if references.len() <= CHUNK {
             return Self::of(references);
         }
-        references.par_chunks(CHUNK).map(Self::of).reduce(|| Self::EMPTY, Self::union)
+        map_chunks(references, Self::of).into_iter().fold(Self::EMPTY, Self::union)
     }
 }
 

@@ -7,8 +7,8 @@ use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
 use super::config::BuildConfig;
-use super::in_order::in_order;
 use super::reference::PrimRef;
+use crate::parallel_for::parallel_map;
 use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::{BuildError, bvh::Aabb32, wide::huge_pages::filled, wide::leaf::GeometryCounts};
 
@@ -115,8 +115,8 @@ fn run(at: usize, count: u32) -> Range<u32> {
 }
 
 /// Maps all ranges of primitives, in order.
-fn in_runs<T: Send>(count: u32, each: impl Fn(Range<u32>) -> T + Sync + Send) -> Vec<T> {
-    in_order(count.div_ceil(RUN) as usize, |at| each(run(at, count)))
+fn in_runs<T: Send>(count: u32, each: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
+    parallel_map(count.div_ceil(RUN) as usize, |at| each(run(at, count)))
 }
 
 #[cfg(test)]

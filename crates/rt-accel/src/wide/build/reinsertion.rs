@@ -102,15 +102,16 @@ impl ParentLinkedBvh {
 
     /// Reinserts the largest nodes; true if any was moved.
     fn pass(&mut self, moved: f64) -> bool {
-        let mut largest: Vec<_> = (1..self.nodes.len() as u32).map(|number| (self.area(number), number)).collect();
+        // Areas are not negative, so that their bits are in the order of their values.
+        let key = |number| (u64::from(!self.area(number).to_bits()) << 32) | u64::from(number);
+        let mut largest: Vec<u64> = (1..self.nodes.len() as u32).map(key).collect();
         let count = (self.nodes.len() as f64 * moved).ceil() as usize;
-        let order = |a: &(f32, u32), b: &(f32, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
         if count < largest.len() {
-            largest.select_nth_unstable_by(count, order);
+            largest.select_nth_unstable(count);
             largest.truncate(count);
         }
-        largest.sort_unstable_by(order);
-        largest.iter().fold(false, |any, &(_, number)| self.reinsert_node(number) || any)
+        largest.sort_unstable();
+        largest.iter().filter(|&&key| self.reinsert_node(key as u32)).count() > 0
     }
 
     fn node(&self, number: u32) -> &LinkedNode {

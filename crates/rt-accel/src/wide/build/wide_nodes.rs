@@ -2,9 +2,9 @@
 
 use super::binary::Content;
 use super::collapse::{ChildSlot, WIDTH};
-use super::in_order::in_order;
 use super::parallel::{NodeId, SubtreeSet};
 use super::reference::PrimRange;
+use crate::parallel_for::parallel_map;
 use crate::wide::huge_pages::filled;
 use crate::wide::leaf::{LeafKind, LeafOrder};
 use crate::wide::node::{Child, WideNode};
@@ -59,8 +59,9 @@ impl WideBuilder<'_> {
             ChildSlot::Node(from_left) => self.part(PendingNode { from_left, ..first }, TOP),
             ChildSlot::Leaf | ChildSlot::Open(_) => self.single_leaf(root),
         };
-        let below =
-            in_order(top.deferred.len(), |at| self.part(PendingNode { parent: (0, 0), ..top.deferred[at] }, u32::MAX));
+        let below = parallel_map(top.deferred.len(), |at| {
+            self.part(PendingNode { parent: (0, 0), ..top.deferred[at] }, u32::MAX)
+        });
         join(top, below)
     }
 
