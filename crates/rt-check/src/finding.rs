@@ -1,5 +1,6 @@
 //! Kinds of findings, and the findings of all checks.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// Importance of a finding.
@@ -216,12 +217,13 @@ pub(crate) const MAX_LISTED: u64 = 8;
 #[derive(Debug, Default)]
 pub(crate) struct Findings {
     pub(crate) listed: Vec<Finding>,
-    pub(crate) counts: BTreeMap<(Severity, Kind), u64>,
+    /// Numbers of findings, in the order of a report.
+    pub(crate) counts: BTreeMap<(Reverse<Severity>, Kind), u64>,
 }
 
 impl Findings {
     pub(crate) fn add(&mut self, finding: Finding) {
-        let count = self.counts.entry((finding.severity, finding.kind)).or_default();
+        let count = self.counts.entry((Reverse(finding.severity), finding.kind)).or_default();
         *count += 1;
         if *count <= MAX_LISTED {
             self.listed.push(finding);

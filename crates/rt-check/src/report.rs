@@ -32,13 +32,9 @@ impl Report {
     pub(crate) fn new(measures: Measures, findings: Findings) -> Self {
         let Findings { mut listed, counts } = findings;
         listed.sort_by(|a, b| b.severity.cmp(&a.severity).then(a.kind.cmp(&b.kind)));
-        let mut more: Vec<More> = counts
-            .into_iter()
-            .filter(|(_, count)| *count > MAX_LISTED)
-            .map(|((severity, kind), count)| More { severity, kind, count: count - MAX_LISTED })
-            .collect();
-        more.sort_by(|a, b| b.severity.cmp(&a.severity).then(a.kind.cmp(&b.kind)));
-        Self { measures, findings: listed, more }
+        let more = counts.into_iter().filter(|(_, count)| *count > MAX_LISTED);
+        let more = more.map(|((severity, kind), count)| More { severity: severity.0, kind, count: count - MAX_LISTED });
+        Self { measures, findings: listed, more: more.collect() }
     }
 
     /// Number of findings of a severity, listed or not.

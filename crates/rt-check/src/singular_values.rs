@@ -38,7 +38,11 @@ pub(crate) fn singular_values(linear: &DMat3) -> [f64; 3] {
         }
     }
     let mut lengths = columns.map(|column| column.length() * scale);
-    lengths.sort_by(|a, b| b.total_cmp(a));
+    for (before, after) in [(0, 1), (1, 2), (0, 1)] {
+        if lengths[before].total_cmp(&lengths[after]).is_lt() {
+            lengths.swap(before, after);
+        }
+    }
     lengths
 }
 

@@ -50,23 +50,14 @@ impl Topology {
 /// Edges with their lower vertex first, and a flag for the direction from the higher vertex. Duplicate triangles count
 /// once.
 fn directed_edges(welded: &Welded) -> Vec<((u32, u32), bool)> {
-    let mut triangles: Vec<[u32; 3]> = welded
-        .triangles
-        .iter()
-        .map(|&[a, b, c]| {
-            if a < b && a < c {
-                [a, b, c]
-            } else if b < c {
-                [b, c, a]
-            } else {
-                [c, a, b]
-            }
-        })
-        .collect();
-    triangles.sort_unstable();
+    let mut triangles = welded.sorted_keys();
     triangles.dedup();
     let edge = |a: u32, b: u32| if a < b { ((a, b), false) } else { ((b, a), true) };
-    triangles.iter().flat_map(|&[a, b, c]| [edge(a, b), edge(b, c), edge(c, a)]).collect()
+    let edges = |&[a, b, c, reversed]: &[u32; 4]| {
+        let [b, c] = if reversed == 1 { [c, b] } else { [b, c] };
+        [edge(a, b), edge(b, c), edge(c, a)]
+    };
+    triangles.iter().flat_map(edges).collect()
 }
 
 /// Signed volume. It is computed relative to the centre of the mesh: a distant origin costs no digits.

@@ -19,24 +19,12 @@ pub(crate) fn check(named: &NamedMesh, welded: &Welded, findings: &mut Findings)
     uneven(named, findings);
 }
 
-/// Triangle rotated to start with its lowest corner, with a flag for a swap that sorted the other two.
-fn canonical(mut triangle: [u32; 3]) -> ([u32; 3], bool) {
-    let first = (0..3).fold(0, |i, k| if triangle[k] < triangle[i] { k } else { i });
-    triangle.rotate_left(first);
-    let turned = triangle[1] > triangle[2];
-    if turned {
-        triangle.swap(1, 2);
-    }
-    (triangle, turned)
-}
-
 /// Numbers of triangles that repeat an earlier one: with the same front, and back to back.
 fn count_duplicates(welded: &Welded) -> (usize, usize) {
-    let mut keys: Vec<_> = welded.triangles.iter().map(|triangle| canonical(*triangle)).collect();
-    keys.sort_unstable();
+    let keys = welded.sorted_keys();
     let (mut same, mut opposite) = (0, 0);
-    for twins in keys.chunk_by(|a, b| a.0 == b.0) {
-        let turned = twins.iter().filter(|(_, turned)| *turned).count();
+    for twins in keys.chunk_by(|a, b| a[..3] == b[..3]) {
+        let turned = twins.iter().filter(|key| key[3] == 1).count();
         let straight = twins.len() - turned;
         same += straight.saturating_sub(1) + turned.saturating_sub(1);
         opposite += usize::from(turned > 0 && straight > 0);

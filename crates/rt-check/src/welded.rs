@@ -1,7 +1,7 @@
 //! Welding: merges vertices that files split by normals or texture coordinates.
 
 use rt_geometry::{MeshData, TriangleMesh};
-use rt_math::DVec3;
+use rt_math::{DVec3, Vec3};
 
 /// Triangles of a mesh after merging vertices at the same position.
 #[derive(Debug)]
@@ -13,16 +13,33 @@ pub(crate) struct Welded {
 impl Welded {
     pub(crate) fn new(data: &MeshData) -> Self {
         // Adding 0 makes −0 a 0.
-        let key = |i: &u32| data.positions[*i as usize].to_array().map(|x| (x + 0.0).to_bits());
-        let mut order: Vec<u32> = (0..data.positions.len() as u32).collect();
-        order.sort_unstable_by_key(|i| (key(i), *i));
-        let mut first = vec![0; order.len()];
-        for same in order.chunk_by(|a, b| key(a) == key(b)) {
-            for &vertex in same {
-                first[vertex as usize] = same[0];
+        let bits = |x: f32| (x + 0.0).to_bits();
+        let key = |(p, i): (&Vec3, u32)| [bits(p.x), bits(p.y), bits(p.z), i];
+        let mut vertices: Vec<_> = data.positions.iter().zip(0..).map(key).collect();
+        vertices.sort_unstable();
+        let mut first = vec![0; vertices.len()];
+        for same in vertices.chunk_by(|a, b| a[..3] == b[..3]) {
+            for &[.., vertex] in same {
+                first[vertex as usize] = same[0][3];
             }
         }
         Self { triangles: data.triangles.iter().map(|corners| corners.map(|i| first[i as usize])).collect() }
+    }
+
+    /// For each triangle its corners in increasing order, and 1 if that reverses its orientation, else 0; sorted.
+    pub(crate) fn sorted_keys(&self) -> Vec<[u32; 4]> {
+        let key = |triangle: &[u32; 3]| {
+            let mut corners = *triangle;
+            let first = (0..3).fold(0, |i, k| if corners[k] < corners[i] { k } else { i });
+            corners.rotate_left(first);
+            match corners {
+                [a, b, c] if b > c => [a, c, b, 1],
+                [a, b, c] => [a, b, c, 0],
+            }
+        };
+        let mut keys: Vec<_> = self.triangles.iter().map(key).collect();
+        keys.sort_unstable();
+        keys
     }
 }
 

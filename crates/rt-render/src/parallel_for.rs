@@ -3,8 +3,10 @@
 //! The threads belong to no pool. A thread of a rayon pool that waits for another pool starts other work of its own pool
 //! meanwhile. Many renders of one caller could therefore nest on one stack.
 
+use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{
+    Mutex, PoisonError,
     atomic::{AtomicBool, AtomicUsize, Ordering},
     mpsc,
 };
@@ -39,10 +41,13 @@ pub(crate) fn parallel_for<W, T: Send>(
     (new_state, work): (impl Fn() -> W + Sync, impl Fn(&mut W, usize) -> Option<T> + Sync),
     mut finished: impl FnMut(usize, T),
 ) -> Outcome {
+    // The channel announces results. One that carried them would be compiled for each type.
+    let results = Mutex::new(VecDeque::new());
+    let queue = || results.lock().unwrap_or_else(PoisonError::into_inner);
     let (sender, receiver) = mpsc::channel();
     let next = AtomicUsize::new(0);
     let is_interrupted = || interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
-    let run = |sender: mpsc::Sender<(usize, Option<T>)>| {
+    let run = |sender: mpsc::Sender<()>| {
         let mut state = new_state();
         while !is_interrupted() {
             let Some(&item) = items.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
@@ -55,8 +60,9 @@ pub(crate) fn parallel_for<W, T: Send>(
                     None
                 }
             };
+            queue().push_back((item, done));
             // Sending cannot fail: the receiver outlives this loop.
-            let _ = sender.send((item, done));
+            let _ = sender.send(());
         }
     };
     let mut left = items.len();
@@ -72,11 +78,13 @@ pub(crate) fn parallel_for<W, T: Send>(
         } else {
             drop(sender);
         }
-        for (item, done) in receiver {
-            left -= 1;
-            match done {
-                Some(done) => finished(item, done),
-                None => lost.push(item),
+        for () in receiver {
+            let result = queue().pop_front();
+            left -= usize::from(result.is_some());
+            match result {
+                Some((item, Some(done))) => finished(item, done),
+                Some((item, None)) => lost.push(item),
+                None => {}
             }
         }
     });

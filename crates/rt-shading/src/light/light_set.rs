@@ -75,9 +75,10 @@ impl LightSet {
     ///
     /// `scene_radius` (world units) determines the power of environment lights. Rays that miss the scene hit the first
     /// of them.
-    pub fn new(mut lights: Vec<Light>, sampling: LightSampling, scene_radius: f64) -> Self {
-        lights.sort_by_key(Light::is_delta);
-        let n_sampled = lights.partition_point(|light| !light.is_delta());
+    pub fn new(lights: Vec<Light>, sampling: LightSampling, scene_radius: f64) -> Self {
+        let (delta, mut lights): (Vec<_>, Vec<_>) = lights.into_iter().partition(Light::is_delta);
+        let n_sampled = lights.len();
+        lights.extend(delta);
         let sampled = &lights[..n_sampled];
         let power = |light: &Light| light.power(scene_radius);
         let uniform = |light: &Light| if power(light).is_black() { Rgb::BLACK } else { Rgb::WHITE };

@@ -26,8 +26,10 @@ pub(super) fn split(node: &LightBounds, lights: &mut [(LightBounds, u32)]) -> us
     }
     let Some((_, axis, last)) = best else { return lights.len() / 2 };
     let is_first = |light: &(LightBounds, u32)| bucket_of(&centres, axis, &light.0) <= last;
-    lights.sort_by_key(|light| !is_first(light));
-    lights.partition_point(is_first)
+    let (first, second): (Vec<_>, Vec<_>) = lights.iter().partition(|light| is_first(light));
+    let n_first = first.len();
+    lights.copy_from_slice(&[first, second].concat());
+    n_first
 }
 
 /// Costs of splits behind a bucket, for those with lights on both sides.
