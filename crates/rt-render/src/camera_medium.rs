@@ -52,7 +52,7 @@ impl CameraMedium {
     /// Sets `interior` to the dielectrics around the origin of a camera ray.
     pub(crate) fn find(
         &self,
-        world: &mut impl SceneQueries,
+        world: &mut dyn SceneQueries,
         materials: &[Material],
         ray: &Ray,
         interior: &mut InteriorList,

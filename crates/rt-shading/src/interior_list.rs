@@ -103,7 +103,7 @@ impl InteriorList {
 
     /// Finds the dielectrics around the origin of a ray: those that the ray leaves, up to infinity, without having entered
     /// them. Replaces the list.
-    pub fn find_enclosing_media(&mut self, world: &mut impl SceneQueries, materials: &[Material], ray: &Ray) {
+    pub fn find_enclosing_media(&mut self, world: &mut dyn SceneQueries, materials: &[Material], ray: &Ray) {
         self.entries.clear();
         // Dielectrics around the origin come first in the list, then those that the ray entered.
         let mut around = 0;
@@ -132,7 +132,7 @@ impl InteriorList {
     pub fn find_enclosing_media_within(
         &mut self,
         reach: Aabb,
-        world: &mut impl SceneQueries,
+        world: &mut dyn SceneQueries,
         materials: &[Material],
         ray: &Ray,
     ) {

@@ -78,7 +78,7 @@ struct LightSampleContext {
 
 impl ReferencePathTracer<'_> {
     /// Estimates the radiance along a camera ray, whose direction need not be of unit length. Non-finite scenes give non-finite radiance.
-    pub fn li(&mut self, world: &mut impl SceneQueries, ray: &Ray, sampler: &mut impl Sampler) -> RadianceSample {
+    pub fn li(&mut self, world: &mut dyn SceneQueries, ray: &Ray, sampler: &mut dyn Sampler) -> RadianceSample {
         let Lighting { appearance, lights, .. } = self.lighting;
         let PathSettings { max_depth, rr_start_depth, transport, .. } = self.settings;
         let materials = &appearance.materials;
@@ -172,10 +172,10 @@ impl ReferencePathTracer<'_> {
     /// Next-event estimation: adds the light of all delta lights, and of one area or environment light.
     fn sample_direct_lighting(
         &mut self,
-        world: &mut impl SceneQueries,
+        world: &mut dyn SceneQueries,
         vertex: &Vertex<'_>,
         media: [Medium; 2],
-        sampler: &mut impl Sampler,
+        sampler: &mut dyn Sampler,
         path: &mut PathState,
     ) {
         if vertex.bsdf.is_delta() {

@@ -8,7 +8,7 @@ const MAX_SURVIVAL: f64 = 0.999;
 
 /// Russian roulette (Arvo, Kirk 1990): returns true if the path survives, and divides its throughput by the probability. `eta_scale`
 /// converts radiance in a medium to radiance in air.
-pub(crate) fn russian_roulette(throughput: &mut Rgb, eta_scale: f64, sampler: &mut impl Sampler) -> bool {
+pub(crate) fn russian_roulette(throughput: &mut Rgb, eta_scale: f64, sampler: &mut (impl Sampler + ?Sized)) -> bool {
     let survival = survival_probability(throughput.max_component(), eta_scale);
     if sampler.next_1d() >= survival {
         return false;

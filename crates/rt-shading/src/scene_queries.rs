@@ -123,7 +123,9 @@ pub trait SceneQueries {
         kind: RayKind,
         needs: InteractionFlags,
         mut on_hit: impl FnMut(usize, Option<&mut SurfaceHit>),
-    ) {
+    ) where
+        Self: Sized,
+    {
         for (at, (ray, span)) in rays.iter().enumerate() {
             on_hit(at, self.closest(ray, *span, kind, needs).as_mut());
         }
@@ -137,7 +139,9 @@ pub trait SceneQueries {
         kind: RayKind,
         (needs, _): (InteractionFlags, LazyShape),
         mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
-    ) {
+    ) where
+        Self: Sized,
+    {
         self.closest_batch(rays, kind, needs, |at, hit| on_hit(at, hit.map(ClosestHit::Surface)));
     }
 
