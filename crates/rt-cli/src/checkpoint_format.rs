@@ -1,7 +1,7 @@
 //! File format of checkpoints and of shards of an image.
 //!
 //! ```text
-//!   "rt-cli kept 1\n" | label | content | BLAKE3 hash of all before
+//!   "rt-cli checkpoint 2\n" | label | content | 128-bit XXH3 hash of all before
 //! ```
 //!
 //! Label and content are encoded by postcard. The hash detects any flipped bit before the content is decoded.
@@ -15,14 +15,16 @@ use rt_render::{Checkpoint, ContentError, Shard, UncheckedCheckpoint, UncheckedS
 use rt_scene_io::MemoryError;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::Xxh3;
 
 use crate::args::{tone_name, tone_of_name};
 use crate::artifact_error::{ArtifactError, ArtifactKind};
-use crate::identity::Identity;
+use crate::identity::{Identity, hash_bytes};
 
-const MAGIC: &[u8] = b"rt-cli kept 1\n";
+const MAGIC: &[u8] = b"rt-cli checkpoint 2\n";
 
-const HASH: usize = blake3::OUT_LEN;
+/// Size of the hash in bytes.
+const HASH: usize = 16;
 
 /// Maximum size of a label in bytes.
 const MAX_LABEL: u64 = 8192;
@@ -157,12 +159,12 @@ pub(crate) fn label(file: &Path, kind: ArtifactKind) -> Result<Option<Label>, Ar
 }
 
 pub(crate) fn write(file: impl Write, label: &Label, content: &impl Serialize) -> Result<(), String> {
-    let mut hashed = BufWriter::with_capacity(1 << 18, Hashed { file, hasher: blake3::Hasher::new() });
+    let mut hashed = BufWriter::with_capacity(1 << 18, Hashed { file, hasher: Xxh3::new() });
     hashed.write_all(MAGIC).map_err(|error| error.to_string())?;
     write_postcard(&mut hashed, label)?;
     write_postcard(&mut hashed, content)?;
     let Hashed { mut file, hasher } = hashed.into_inner().map_err(|error| error.error().to_string())?;
-    file.write_all(hasher.finalize().as_bytes()).map_err(|error| error.to_string())
+    file.write_all(&hasher.digest128().to_le_bytes()).map_err(|error| error.to_string())
 }
 
 /// Encodes a value. Postcard drops the reason of a failed write, so that it is stored here.
@@ -202,7 +204,7 @@ pub(crate) fn read<T: Content>(
     check_memory(file, kind, length, memory)?;
     reader.read_to_end(&mut bytes).map_err(failed)?;
     let (content, hash) = bytes.split_last_chunk::<HASH>().ok_or_else(damaged)?;
-    if blake3::Hasher::new().update_rayon(content).finalize() != *hash {
+    if hash_bytes(content) != *hash {
         return Err(damaged());
     }
     let content = content.get(MAGIC.len()..).ok_or_else(damaged)?;
@@ -236,7 +238,7 @@ pub(crate) const fn decoded_bytes(length: u64) -> u64 {
 /// Writer that hashes its output.
 struct Hashed<W> {
     file: W,
-    hasher: blake3::Hasher,
+    hasher: Xxh3,
 }
 
 impl<W: Write> Write for Hashed<W> {

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 /// Maximum size of a frame log in bytes: that of 10⁶ frames.
 pub(crate) const MAX_LOG_BYTES: u64 = 1 << 27;
 
-const IDENTITY_DIGITS: usize = 64;
+/// Hexadecimal digits of an identity: 128 bits.
+const IDENTITY_DIGITS: usize = 32;
 
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -7,17 +7,18 @@ use std::path::{Path, PathBuf};
 
 use rt_scene_io::{InputHashes, LoadErrorKind};
 use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 
 use crate::args::{ImageArgs, InputArgs};
 use crate::error::CliError;
 use crate::stdin::{self, is_dash};
 
-/// Size of the blocks that are hashed in parallel, in bytes.
-const BLOCK: usize = 1 << 24;
+/// Size of the blocks that are read and hashed, in bytes.
+const BLOCK: usize = 1 << 20;
 
 /// Hash of the program version, of all input files, and of the options that change the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Identity([u8; 32]);
+pub(crate) struct Identity([u8; 16]);
 
 impl Identity {
     /// Identity of an image with these options and input files, some with `known` hashes. Files are named relative to the scene, so
@@ -34,7 +35,7 @@ impl Identity {
         let mut named = named.collect::<Result<Vec<_>, CliError>>()?;
         named.sort_unstable();
         named.dedup();
-        let mut hasher = blake3::Hasher::new();
+        let mut hasher = Xxh3::new();
         let mut add = |bytes: &[u8]| {
             hasher.update(&(bytes.len() as u64).to_le_bytes());
             hasher.update(bytes);
@@ -48,14 +49,15 @@ impl Identity {
             add(name.as_bytes());
             add(hash);
         }
-        Ok(Self(*hasher.finalize().as_bytes()))
+        Ok(Self(hasher.digest128().to_le_bytes()))
     }
 
     /// Identity with further options.
     pub(crate) fn with(&self, options: &str) -> Self {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&self.0).update(options.as_bytes());
-        Self(*hasher.finalize().as_bytes())
+        let mut hasher = Xxh3::new();
+        hasher.update(&self.0);
+        hasher.update(options.as_bytes());
+        Self(hasher.digest128().to_le_bytes())
     }
 }
 
@@ -71,12 +73,12 @@ fn name_in(folder: &Path, file: &Path) -> String {
 }
 
 /// Hash of the content of a file that has been read.
-pub(crate) fn hash_bytes(bytes: &[u8]) -> [u8; 32] {
-    *blake3::Hasher::new().update_rayon(bytes).finalize().as_bytes()
+pub(crate) fn hash_bytes(bytes: &[u8]) -> [u8; 16] {
+    xxh3_128(bytes).to_le_bytes()
 }
 
 /// Hash of a file: the known one, or else that of its present content.
-fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], CliError> {
+fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 16], CliError> {
     if let Some(hash) = known.get(file) {
         return Ok(hash);
     }
@@ -84,14 +86,14 @@ fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 32], CliError> {
     if is_dash(file) {
         return Ok(hash_bytes(&stdin::content(None, None)?));
     }
-    let mut hasher = blake3::Hasher::new();
+    let mut hasher = Xxh3::new();
     let mut reader = File::open(file).map_err(failed)?;
     let mut block = Vec::new();
     while reader.by_ref().take(BLOCK as u64).read_to_end(&mut block).map_err(failed)? > 0 {
-        hasher.update_rayon(&block);
+        hasher.update(&block);
         block.clear();
     }
-    Ok(*hasher.finalize().as_bytes())
+    Ok(hasher.digest128().to_le_bytes())
 }
 
 /// Text of all options that change the image. The patterns are exhaustive, so that a new option cannot be forgotten.

@@ -123,7 +123,7 @@ impl ReferencedFiles {
 }
 
 /// Function that hashes the content of a file.
-pub type Hasher = fn(&[u8]) -> [u8; 32];
+pub type Hasher = fn(&[u8]) -> [u8; 16];
 
 /// Hashes of input files, computed from the bytes that loading reads, so that no file is read twice. Clones share one list.
 ///
@@ -131,7 +131,7 @@ pub type Hasher = fn(&[u8]) -> [u8; 32];
 #[derive(Clone, Debug, Default)]
 pub struct InputHashes {
     hasher: Option<Hasher>,
-    hashes: Arc<Mutex<BTreeMap<PathBuf, [u8; 32]>>>,
+    hashes: Arc<Mutex<BTreeMap<PathBuf, [u8; 16]>>>,
 }
 
 impl InputHashes {
@@ -141,7 +141,7 @@ impl InputHashes {
     }
 
     /// Hash of a file; `None` if it was not read.
-    pub fn get(&self, path: &Path) -> Option<[u8; 32]> {
+    pub fn get(&self, path: &Path) -> Option<[u8; 16]> {
         let path = path.canonicalize().ok()?;
         self.hashes.lock().unwrap_or_else(PoisonError::into_inner).get(&path).copied()
     }

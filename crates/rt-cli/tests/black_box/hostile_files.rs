@@ -12,9 +12,9 @@ use crate::program::{Run, Workplace};
 
 const RENDER: &str = "render scene.ron --size 20x18 --spp 1";
 
-const MAGIC: usize = b"rt-cli kept 1\n".len();
+const MAGIC: usize = b"rt-cli checkpoint 2\n".len();
 
-const HASH: usize = blake3::OUT_LEN;
+const HASH: usize = 16;
 
 /// Part file: label, content and hash.
 struct PartFile {
@@ -50,8 +50,8 @@ impl PartFile {
 
     fn file(&self, content: &[u8]) -> Vec<u8> {
         let bytes = [&self.label, content].concat();
-        let hash = blake3::hash(&bytes);
-        [&bytes[..], hash.as_bytes()].concat()
+        let hash = xxhash_rust::xxh3::xxh3_128(&bytes).to_le_bytes();
+        [&bytes[..], &hash].concat()
     }
 }
 
