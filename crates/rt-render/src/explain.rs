@@ -247,13 +247,13 @@ impl RenderPlan<'_> {
         let sources = self.scene.light_sources.as_ref()?;
         let [width, height] = self.frame.size.map(u64::from);
         let paths = width * height * u64::from(self.frame.pass_spp);
-        let targets = if sources.targets().is_everywhere() {
+        let directions = if sources.projection_map().is_everywhere() {
             "in all directions, because a specular surface is unbounded".to_owned()
         } else {
-            let spheres = count(sources.targets().len(), "bounding sphere", "bounding spheres");
+            let spheres = count(sources.projection_map().len(), "bounding sphere", "bounding spheres");
             format!("towards {spheres} of specular surfaces")
         };
-        Some(format!("light tracing: {paths} light paths per pass, emitted {targets}"))
+        Some(format!("light tracing: {paths} light paths per pass, emitted {directions}"))
     }
 
     fn structures(&self) -> Vec<String> {
@@ -494,7 +494,7 @@ impl RenderPlan<'_> {
             return of("light paths", "no light that can be sampled illuminates a specular surface");
         };
         let is_sun = |light: &DeltaLight| light.kind.position().is_none() && light.casts_shadows;
-        if sources.targets().is_everywhere() && self.scene.appearance.lights.iter().any(is_sun) {
+        if sources.projection_map().is_everywhere() && self.scene.appearance.lights.iter().any(is_sun) {
             return of("light paths of directional lights", "a specular surface is unbounded");
         }
         match self.scene.lights.environment() {

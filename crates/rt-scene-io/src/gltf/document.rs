@@ -118,12 +118,14 @@ fn check_version(value: &Value) -> Result<(), LoadErrorKind> {
     let field = |name: &str| asset.and_then(|asset| asset.get(name)).and_then(Value::as_str);
     let Some(version) = field("version") else {
         // In glTF 1.0 the version was optional, and lists were maps.
-        let reason = if value.get("meshes").is_some_and(Value::is_object) {
-            LoadErrorKind::Unsupported("glTF version 1.0".to_owned())
-        } else {
-            LoadErrorKind::Syntax("is missing; it must be \"2.0\"".to_owned())
+        if value.get("meshes").is_some_and(Value::is_object) {
+            return Err(LoadErrorKind::Unsupported("glTF version 1.0".to_owned()));
+        }
+        let problem = match asset.and_then(|asset| asset.get("version")) {
+            Some(_) => "must be a string: \"2.0\"",
+            None => "is missing; it must be \"2.0\"",
         };
-        return Err(reason);
+        return Err(LoadErrorKind::Syntax(problem.to_owned()));
     };
     let min_version = field("minVersion").unwrap_or("2.0");
     match version.split_once('.') {
@@ -272,6 +274,7 @@ mod tests {
         let later = r#""version": "2.1", "minVersion": "2.1""#;
         assert_eq!(asset(later), "m.gltf: asset.version: glTF of at least version 2.1 is not supported");
         assert_eq!(refused("{}"), "m.gltf: asset.version: is missing; it must be \"2.0\"");
+        assert_eq!(asset(r#""version": 2.0"#), "m.gltf: asset.version: must be a string: \"2.0\"");
         assert_eq!(refused(r#"{"meshes": {}}"#), "m.gltf: asset.version: glTF version 1.0 is not supported");
     }
 

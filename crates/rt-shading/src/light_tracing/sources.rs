@@ -27,7 +27,7 @@ use rt_math::{Aabb, Frame, Interval, Ray, Rgb, Sampler};
 #[derive(Clone, Debug)]
 pub struct LightSources {
     sampler: PowerLightSampler,
-    targets: ProjectionMap,
+    projection_map: ProjectionMap,
     /// Length of the diagonal around all that is bounded.
     reach: f64,
     /// Bounds of dielectrics.
@@ -46,27 +46,27 @@ pub(super) struct LeSample {
 }
 
 impl LightSources {
-    /// Lights of a scene whose specular surfaces are the targets. `bounds` contains all that is bounded, and `bodies` all
+    /// Lights of a scene, and the map of its specular surfaces. `bounds` contains all that is bounded, and `bodies` all
     /// dielectrics.
-    pub fn new(lights: &LightSet, targets: ProjectionMap, bounds: Aabb, bodies: Aabb) -> Self {
+    pub fn new(lights: &LightSet, projection_map: ProjectionMap, bounds: Aabb, bodies: Aabb) -> Self {
         let reach = if bounds.is_empty() { 1.0 } else { bounds.extent().length() };
         let power = |light: &Light| match light {
             Light::Environment(_) => Rgb::BLACK,
-            Light::Delta(light) => power(light, &targets, reach),
+            Light::Delta(light) => power(light, &projection_map, reach),
             light => light.power(reach),
         };
         let sampler = PowerLightSampler::new(lights.lights().iter().map(power));
-        Self { sampler, targets, reach, bodies }
+        Self { sampler, projection_map, reach, bodies }
     }
 
-    /// True if no light can reach a target.
+    /// True if no light can reach a specular surface.
     pub fn is_empty(&self) -> bool {
-        self.targets.is_empty() || self.sampler.sample(0.5).is_none()
+        self.projection_map.is_empty() || self.sampler.sample(0.5).is_none()
     }
 
-    /// Targets of the paths.
-    pub const fn targets(&self) -> &ProjectionMap {
-        &self.targets
+    /// The surfaces at which paths are aimed.
+    pub const fn projection_map(&self) -> &ProjectionMap {
+        &self.projection_map
     }
 
     /// Bounds of dielectrics.
@@ -77,7 +77,7 @@ impl LightSources {
     /// Samples the first ray of a path at a time; `None` if it would leave through the wrong side of its light.
     pub(super) fn sample_le(&self, lighting: Lighting<'_>, time: f64, sampler: &mut impl Sampler) -> Option<LeSample> {
         let choice = self.sampler.sample(sampler.next_1d())?;
-        let target = if self.targets.len() > 1 { sampler.next_1d() } else { 0.0 };
+        let target = if self.projection_map.len() > 1 { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
         let sample = match lighting.lights.lights().get(choice.index as usize)? {
             Light::Delta(light) => self.sample_le_delta(light, target, u),
@@ -89,7 +89,7 @@ impl LightSources {
 
     fn sample_le_area(&self, from: &LightLeSample, target: f64, u: [f64; 2]) -> Option<LeSample> {
         let normal = from.surface.geometric_normal;
-        let sample = self.targets.sample_direction(from.surface.point, target, u).or_else(|| {
+        let sample = self.projection_map.sample_direction(from.surface.point, target, u).or_else(|| {
             let local = cosine_hemisphere(u);
             Some(DirectionSample { at: Frame::from_z(normal).from_local(local), pdf: local.z * FRAC_1_PI })
         })?;
@@ -105,7 +105,7 @@ impl LightSources {
     fn sample_le_delta(&self, light: &DeltaLight, target: f64, u: [f64; 2]) -> Option<LeSample> {
         let (position, axis, one_minus_cos, start, falloff) = match light.emitted_rays() {
             EmittedRays::Parallel { direction } => {
-                let sample = self.targets.sample_disk(direction, target, u)?;
+                let sample = self.projection_map.sample_disk(direction, target, u)?;
                 let ray = Ray::new(sample.at - direction * self.reach, direction);
                 let power = light.intensity * (light.units.irradiance_factor() / sample.pdf);
                 return Some(LeSample { ray, span: Interval::FORWARD, power, no_falloff: false });
@@ -114,7 +114,7 @@ impl LightSources {
                 (position, axis, one_minus_cos, start, falloff)
             }
         };
-        let sample = self.targets.sample_direction(position, target, u).unwrap_or_else(|| DirectionSample {
+        let sample = self.projection_map.sample_direction(position, target, u).unwrap_or_else(|| DirectionSample {
             at: within_cone(axis, one_minus_cos, u),
             pdf: 1.0 / (TAU * one_minus_cos),
         });
@@ -126,10 +126,10 @@ impl LightSources {
 }
 
 /// Power by which a delta light is sampled; black for one that starts no paths.
-fn power(light: &DeltaLight, targets: &ProjectionMap, reach: f64) -> Rgb {
+fn power(light: &DeltaLight, projection_map: &ProjectionMap, reach: f64) -> Rgb {
     let measure = match light.emitted_rays() {
         _ if !light.casts_shadows => 0.0,
-        EmittedRays::Parallel { .. } => targets.area(),
+        EmittedRays::Parallel { .. } => projection_map.area(),
         EmittedRays::Cone { one_minus_cos, falloff, .. } => {
             let at_distance = if falloff == Falloff::None { reach * reach } else { 1.0 };
             TAU * one_minus_cos * at_distance
