@@ -67,24 +67,9 @@ impl CameraMedium {
 fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> InteriorList {
     let materials = &scene.appearance.materials;
     let mut interior = InteriorList::default();
-    match world {
-        World::Spheres(world, structure) => {
-            interior.find_enclosing_media(
-                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), WorkProbe::default()),
-                materials,
-                ray,
-            );
-        }
-        World::Instances(top, levels) => {
-            let world = &top.set(levels);
-            let structure = &top.structure;
-            interior.find_enclosing_media(
-                &mut SceneTracer::new(world, structure, PrimaryTarget::All(structure), WorkProbe::default()),
-                materials,
-                ray,
-            );
-        }
-    }
+    let (world, structure) = (world.instances(), &world.top.structure);
+    let mut tracer = SceneTracer::new(&world, structure, PrimaryTarget::All(structure), WorkProbe::default());
+    interior.find_enclosing_media(&mut tracer, materials, ray);
     interior
 }
 
@@ -92,15 +77,7 @@ fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> InteriorList {
 pub(crate) fn bounds_of_dielectrics(materials: &[Material], world: &World) -> Aabb {
     let is_transparent = |material: u32| materials.get(material as usize).is_some_and(|m| m.interior.is_some());
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
-    match world {
-        World::Spheres(world, _) => {
-            let spheres = world.spheres.as_slice().iter().zip(&world.materials);
-            let transparent = spheres.filter(|(_, material)| is_transparent(**material));
-            transparent.fold(Aabb::EMPTY, |sum, (sphere, _)| sum.union(sphere.bounds()))
-        }
-        World::Instances(top, levels) => {
-            let transparent = top.instances.iter().filter(|instance| uses_material(instance, levels, &is_transparent));
-            transparent.fold(Aabb::EMPTY, |sum, instance| sum.union(instance.bounds.unwrap_or(everywhere)))
-        }
-    }
+    let World { top, levels } = world;
+    let transparent = top.instances.iter().filter(|instance| uses_material(instance, levels, &is_transparent));
+    transparent.fold(Aabb::EMPTY, |sum, instance| sum.union(instance.bounds.unwrap_or(everywhere)))
 }

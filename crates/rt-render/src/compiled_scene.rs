@@ -67,7 +67,7 @@ impl<'s> CompiledScene<'s> {
         }
         let used = used_materials(source, &top, &levels, medium);
         let used_features = features(source, &top, &levels, &used);
-        let world = if options.full { World::Instances(top, levels) } else { World::specialise(top, levels) };
+        let world = World { top, levels };
         // The reference leaves out no feature of shading, so that a comparison with `path` tests what `path` leaves out.
         let trims_shading = !options.full && integrator != Integrator::PathReference;
         let bsdfs = if integrator.samples_area_lights() && trims_shading {

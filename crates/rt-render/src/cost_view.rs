@@ -4,12 +4,12 @@ use rt_geometry::{InteractionFlags, RayKind, RayStats};
 use rt_math::{Interval, Ray, Rgb};
 use rt_shading::{RadianceSample, SceneQueries};
 
-use crate::{tracer::SceneTracer, world::ShadedPrimitives};
+use crate::tracer::SceneTracer;
 
 /// Traversal cost of a camera ray as a colour: nodes plus primitive tests, on a logarithmic scale.
 ///
 /// Black is 1 step, white 1024 or more; between them are blue, red and yellow.
-pub(crate) fn cost<W: ShadedPrimitives>(tracer: &mut SceneTracer<'_, W>, ray: &Ray) -> RadianceSample {
+pub(crate) fn cost(tracer: &mut SceneTracer<'_>, ray: &Ray) -> RadianceSample {
     let work = |tally: RayStats| tally.nodes + tally.tests;
     let before = work(tracer.probe.counters(tracer.rays).of(RayKind::Primary));
     let needs = InteractionFlags::NONE;

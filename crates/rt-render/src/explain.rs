@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fmt};
 
 use rt_accel::{Accelerator as _, AnyAccelerator};
-use rt_geometry::{Primitives as _, Shape};
+use rt_geometry::Shape;
 use rt_scene_io::{Integrator, LightSampling};
 use rt_shading::{DeltaLight, PathSettings, Transport};
 
@@ -88,21 +88,11 @@ struct SceneCounts {
 
 impl SceneCounts {
     fn of(world: &World) -> Self {
-        match world {
-            World::Spheres(world, _) => {
-                let shadowless = world.casts_shadow.iter().filter(|casts| !**casts).count();
-                let plain = world.textured.iter().filter(|textured| !**textured).count();
-                Self { spheres: world.materials.len(), shadowless, plain, ..Self::default() }
-            }
-            World::Instances(top, levels) => {
-                let mut counts = Self { meshes: levels.meshes.len(), groups: levels.groups.len(), ..Self::default() };
-                counts.mesh_triangles = levels.meshes.iter().map(|m| m.mesh.data().triangles.len()).sum();
-                for instance in top.instances.iter().chain(levels.groups.iter().flat_map(|g| &g.instances)) {
-                    counts.add(instance);
-                }
-                counts
-            }
-        }
+        let World { top, levels } = world;
+        let mut counts = Self { meshes: levels.meshes.len(), groups: levels.groups.len(), ..Self::default() };
+        counts.mesh_triangles = levels.meshes.iter().map(|m| m.mesh.data().triangles.len()).sum();
+        top.all_instances(levels).for_each(|instance| counts.add(instance));
+        counts
     }
 
     fn add(&mut self, instance: &Instance) {
@@ -233,7 +223,8 @@ impl RenderPlan<'_> {
         if self.frame.camera.moves() {
             lines.push("animated camera: camera rays are tested against all objects".to_owned());
         }
-        if let (IntegratorState::Path(_), World::Instances(top, levels)) = (&self.integrator, &self.scene.world) {
+        if let IntegratorState::Path(_) = &self.integrator {
+            let World { top, levels } = &self.scene.world;
             let light = find_animated_light(self.scene.source, top, levels);
             lines.extend(light.map(|name| {
                 format!("moving emitters, such as '{name}': found by BSDF samples, not sampled explicitly")
@@ -280,24 +271,15 @@ impl RenderPlan<'_> {
                 reason(visible),
             ))
         };
-        let mut lines = Vec::new();
-        match &self.scene.world {
-            World::Spheres(world, structure) => {
-                lines.push(line("accelerator", structure, world.len(), reason(accel_options, world)));
-                lines.push("  all primitives are spheres: stored as one array of centres and radii".to_owned());
-                lines.extend(visible(&|visible| visible.reason(accel_options, world)));
-            }
-            World::Instances(top, levels) => {
-                lines.push(aggregate("accelerator", top, levels));
-                lines.extend(visible(&|visible| visible.reason(accel_options, &top.set(levels))));
-                lines.extend(levels.groups.iter().map(|group| aggregate("  group", group, levels)));
-                lines.extend(levels.meshes.iter().map(|level| {
-                    let reason = reason(accel_options, &*level.mesh);
-                    let kind = if level.alpha_test.is_some() { "  mesh with alpha test" } else { "  mesh" };
-                    line(kind, &level.structure, level.mesh.data().triangles.len(), reason)
-                }));
-            }
-        }
+        let World { top, levels } = &self.scene.world;
+        let mut lines = vec![aggregate("accelerator", top, levels)];
+        lines.extend(visible(&|visible| visible.reason(accel_options, &top.set(levels))));
+        lines.extend(levels.groups.iter().map(|group| aggregate("  group", group, levels)));
+        lines.extend(levels.meshes.iter().map(|level| {
+            let reason = reason(accel_options, &*level.mesh);
+            let kind = if level.alpha_test.is_some() { "  mesh with alpha test" } else { "  mesh" };
+            line(kind, &level.structure, level.mesh.data().triangles.len(), reason)
+        }));
         if self.frame.culls_tiles {
             lines.push(format!(
                 "  tiles with at most {MAX_LINEAR} objects, or {MAX_LINEAR_SPHERES} spheres, in view: brute force for camera rays"
@@ -317,14 +299,10 @@ impl RenderPlan<'_> {
 
     fn has_wide_tree(&self) -> bool {
         let is_wide = |structure: &AnyAccelerator| matches!(structure, AnyAccelerator::Wide(_));
-        match &self.scene.world {
-            World::Spheres(_, structure) => is_wide(structure),
-            World::Instances(top, levels) => {
-                is_wide(&top.structure)
-                    || levels.groups.iter().any(|group| is_wide(&group.structure))
-                    || levels.meshes.iter().any(|mesh| is_wide(&mesh.structure))
-            }
-        }
+        let World { top, levels } = &self.scene.world;
+        is_wide(&top.structure)
+            || levels.groups.iter().any(|group| is_wide(&group.structure))
+            || levels.meshes.iter().any(|mesh| is_wide(&mesh.structure))
     }
 
     fn light(&self) -> Vec<String> {
@@ -407,8 +385,7 @@ impl RenderPlan<'_> {
         let whitted = self.integrator_kind() == Integrator::Whitted;
         let lit = !self.scene.appearance.lights.is_empty();
         let n = &self.scene.features;
-        let linear = matches!(&self.scene.world, World::Spheres(_, AnyAccelerator::Linear(_)))
-            || matches!(&self.scene.world, World::Instances(top, _) if matches!(top.structure, AnyAccelerator::Linear(_)));
+        let linear = matches!(self.scene.world.top.structure, AnyAccelerator::Linear(_));
         let geometry = [
             (triangles == 0, "triangles", "the scene has none"),
             (

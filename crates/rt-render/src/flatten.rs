@@ -95,27 +95,6 @@ pub(crate) fn group_of<'s>(scene: &'s Scene, node: &SceneNode, id: GroupId) -> R
     })
 }
 
-/// Names of the nodes of all shapes, in the order of [`Flattener::collect`].
-///
-/// The scene must have no meshes, and all of its groups must be dissolved.
-pub(crate) fn names_of_shapes(scene: &Scene) -> impl Iterator<Item = &str> {
-    let mut open = vec![scene.nodes.iter()];
-    core::iter::from_fn(move || {
-        loop {
-            let Some(node) = open.last_mut()?.next() else {
-                open.pop();
-                continue;
-            };
-            open.push(node.children.iter());
-            match node.content {
-                Some(Content::Shape(_)) => return Some(node.name.as_str()),
-                Some(Content::Instance(id)) => open.push(scene.groups.get(id.0 as usize)?.nodes.iter()),
-                Some(Content::Mesh(_)) | None => {}
-            }
-        }
-    })
-}
-
 /// Position of the traversal.
 #[derive(Clone, Debug)]
 struct Level {

@@ -17,7 +17,6 @@ use crate::{
     frustum_cull::VisibleSet,
     passes::{PassSpec, default_passes, pass_seed},
     plan_options::PlanOptions,
-    world::World,
 };
 
 /// Validated camera in render space, with the size and crop of its image.
@@ -128,10 +127,7 @@ impl Frame {
         };
         if may_cull {
             let volume = frame.view_volume(crop);
-            let visible = match world {
-                World::Spheres(world, _) => VisibleSet::build(compiled.accel, world, &volume),
-                World::Instances(top, levels) => VisibleSet::build(compiled.accel, &top.set(levels), &volume),
-            };
+            let visible = VisibleSet::build(compiled.accel, &world.instances(), &volume);
             frame.visible = visible.map_err(|source| RenderError::Build { object: scene.name.clone(), source })?;
         }
         Ok(frame)

@@ -1,6 +1,6 @@
 //! Layers of tiles that have none after a render, with camera rays of their own.
 
-use rt_accel::{Accelerator, AnyAccelerator};
+use rt_accel::Accelerator;
 use rt_geometry::Hit;
 
 use crate::{
@@ -13,7 +13,6 @@ use crate::{
     tile_layers::{LayerContext, TileLayers},
     tiles::tiles,
     work_probe::WorkProbe,
-    world::{ShadedPrimitives, World},
 };
 
 impl RenderPlan<'_> {
@@ -68,12 +67,7 @@ impl RenderPlan<'_> {
         let (layers, tiles) = (film.layers(), tiles(self.frame.crop));
         let trace = |batch: &mut PrimaryRayBatch, number: usize| {
             let job = TileJob::new(tiles[number], &pass_spec, None);
-            Some(match &self.scene.world {
-                World::Spheres(world, structure) => self.trace_layers(world, structure, &job, &layers, batch),
-                World::Instances(top, levels) => {
-                    self.trace_layers(&top.set(levels), &top.structure, &job, &layers, batch)
-                }
-            })
+            Some(self.trace_layers(&job, &layers, batch))
         };
         let missing = film.missing_tiles();
         let finished = |number: usize, channels: Vec<Vec<f32>>| film.insert(tiles[number], &channels);
@@ -82,14 +76,8 @@ impl RenderPlan<'_> {
     }
 
     /// Channels of the layers of a tile, from the first camera rays of its pixels.
-    fn trace_layers<W: ShadedPrimitives>(
-        &self,
-        world: &W,
-        structure: &AnyAccelerator,
-        job: &TileJob<'_>,
-        layers: &[FirstHitLayer],
-        batch: &mut PrimaryRayBatch,
-    ) -> Vec<Vec<f32>> {
+    fn trace_layers(&self, job: &TileJob<'_>, layers: &[FirstHitLayer], batch: &mut PrimaryRayBatch) -> Vec<Vec<f32>> {
+        let (world, structure) = (&self.scene.world.instances(), &self.scene.world.top.structure);
         let pass_spec = job.pass_spec;
         let simple = pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
         let job = &TileJob { simple: simple.as_ref(), ..*job };

@@ -1,6 +1,5 @@
 //! Passes of light tracing: caustics, traced from the lights to the camera.
 
-use rt_accel::AnyAccelerator;
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
 use rt_geometry::Counters;
 use rt_math::{Sampler, random::hash};
@@ -13,7 +12,6 @@ use crate::{
     splats::{Splat, splat},
     tracer::SceneTracer,
     work_probe::WorkProbe,
-    world::{ShadedPrimitives, World},
 };
 
 /// Paths per work item.
@@ -65,31 +63,13 @@ impl RenderPlan<'_> {
         count: bool,
         tracer: &mut LightTracingIntegrator<SampleStream>,
     ) -> LightChunk {
-        let probe = WorkProbe::new(count);
-        match &self.scene.world {
-            World::Spheres(world, structure) => self.trace_light_in(world, structure, probe, pass, chunk, tracer),
-            World::Instances(top, levels) => {
-                let world = &top.set(levels);
-                self.trace_light_in(world, &top.structure, probe, pass, chunk, tracer)
-            }
-        }
-    }
-
-    fn trace_light_in<W: ShadedPrimitives>(
-        &self,
-        world: &W,
-        structure: &AnyAccelerator,
-        probe: WorkProbe,
-        pass: LightPass,
-        chunk: u64,
-        tracer: &mut LightTracingIntegrator<SampleStream>,
-    ) -> LightChunk {
         let mut lit =
             LightChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
         let Some(sources) = &self.scene.light_sources else { return lit };
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
-        let mut world = SceneTracer::new(world, structure, PrimaryTarget::All(structure), probe);
+        let (world, structure) = (self.scene.world.instances(), &self.scene.world.top.structure);
+        let mut world = SceneTracer::new(&world, structure, PrimaryTarget::All(structure), WorkProbe::new(count));
         // Always Sobol' points: unlike camera samples, light paths are not arranged in pixels.
         let seed = hash(&[pass_seed(self.frame.seed, pass.pass), LIGHT_PATHS]);
         let sampler = PixelSampler::new(SamplerKind::Sobol, 1, seed);

@@ -14,18 +14,7 @@ pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &
     let may_be_delta = |material: u32| {
         appearance.materials.get(material as usize).is_some_and(|material| material.model.may_be_delta())
     };
-    let targets = match world {
-        World::Spheres(world, _) => {
-            let sharp = world.spheres.as_slice().iter().zip(&world.materials);
-            let sharp = sharp.filter(|(_, material)| may_be_delta(**material));
-            let sphere = |(sphere, _): (&rt_geometry::Sphere, _)| TargetSphere {
-                centre: sphere.centre(),
-                radius: sphere.radius(),
-            };
-            ProjectionMap::new(sharp.map(sphere).collect())
-        }
-        World::Instances(top, levels) => targets(&top.instances, levels, &may_be_delta),
-    };
+    let targets = targets(&world.top.instances, &world.levels, &may_be_delta);
     let bodies = bounds_of_dielectrics(&appearance.materials, world);
     let sources = LightSources::new(lights, targets, world.bounds(), bodies);
     (!sources.is_empty()).then_some(sources)

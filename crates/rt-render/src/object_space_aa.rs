@@ -23,7 +23,7 @@ use core::ops::ControlFlow;
 
 use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_camera::ViewVolume;
-use rt_geometry::{Hit, padded_bounds};
+use rt_geometry::{Hit, Primitives as _, padded_bounds};
 use rt_math::{Interval, Ray};
 use rt_shading::Background;
 
@@ -31,8 +31,8 @@ use patch::SurfacePatch;
 use shaft::{LightShaft, Occlusion};
 
 use crate::{
-    Crop, RenderPlan, camera_medium::CameraMedium, frustum_cull::FrustumRegion, passes::PixelMask,
-    primitive_form::PrimitiveForm, tiles::Tile, world::ShadedPrimitives,
+    Crop, RenderPlan, camera_medium::CameraMedium, frustum_cull::FrustumRegion, instance::Instances, passes::PixelMask,
+    primitive_form::PrimitiveForm, tiles::Tile,
 };
 
 /// Side of the largest blocks, in pixels.
@@ -66,9 +66,9 @@ struct PyramidHit {
 }
 
 /// Classifier of the pixels of a tile: simple ones have no edge.
-struct PixelClassifier<'a, W> {
+struct PixelClassifier<'a> {
     plan: &'a RenderPlan<'a>,
-    world: &'a W,
+    world: &'a Instances<'a>,
     structure: &'a AnyAccelerator,
     tile: Tile,
     simple: Vec<bool>,
@@ -76,12 +76,7 @@ struct PixelClassifier<'a, W> {
 
 impl RenderPlan<'_> {
     /// Pixels of a tile without an edge: they show one evenly lit smooth surface, or only the background.
-    pub(crate) fn simple_pixels<W: ShadedPrimitives>(
-        &self,
-        tile: Tile,
-        world: &W,
-        structure: &AnyAccelerator,
-    ) -> PixelMask {
+    pub(crate) fn simple_pixels(&self, tile: Tile, world: &Instances<'_>, structure: &AnyAccelerator) -> PixelMask {
         let simple = vec![false; tile.width as usize * tile.height as usize];
         let mut classifier = PixelClassifier { plan: self, world, structure, tile, simple };
         if matches!(&self.frame.medium, CameraMedium::Constant(interior) if interior.is_empty()) {
@@ -127,14 +122,14 @@ impl PixelBlock {
 
 impl Pyramid {
     /// True only if no ray of the pyramid hits the primitive.
-    fn misses<W: ShadedPrimitives>(&self, world: &W, index: u32) -> bool {
+    fn misses(&self, world: &Instances<'_>, index: u32) -> bool {
         match world.form(index) {
             PrimitiveForm::Sphere { centre, radius } => self.volume.excludes_sphere(centre, radius),
             _ => padded_bounds(world, index).is_some_and(|own| self.volume.excludes(&own)),
         }
     }
 
-    fn hit_by_edges<W: ShadedPrimitives>(&self, world: &W, index: u32) -> PyramidHit {
+    fn hit_by_edges(&self, world: &Instances<'_>, index: u32) -> PyramidHit {
         let hits = self.edges.map(|ray| world.intersect(index, &ray, Interval::FORWARD));
         PyramidHit { index, form: world.form(index), hits }
     }
@@ -148,13 +143,7 @@ impl PyramidHit {
     }
 
     /// True if the patch occludes the whole primitive.
-    fn is_behind<W: ShadedPrimitives>(
-        &self,
-        world: &W,
-        volume: &ViewVolume,
-        patch: &SurfacePatch,
-        front: &Self,
-    ) -> bool {
+    fn is_behind(&self, world: &Instances<'_>, volume: &ViewVolume, patch: &SurfacePatch, front: &Self) -> bool {
         match self.form {
             // Over the image, inverse depth is concave for the patch and linear for a plane.
             PrimitiveForm::Plane { .. } => {
@@ -173,7 +162,7 @@ impl PyramidHit {
     }
 }
 
-impl<W: ShadedPrimitives> PixelClassifier<'_, W> {
+impl PixelClassifier<'_> {
     /// Classifies the pixels of a largest block.
     fn classify(&mut self, block: PixelBlock) {
         let pyramid = self.plan.pyramid(block);

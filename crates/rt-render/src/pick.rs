@@ -1,15 +1,10 @@
 //! Picking: object, material and point at a pixel.
 
-use rt_accel::{Accelerator, AnyAccelerator};
+use rt_accel::Accelerator;
 use rt_geometry::{Hit, InteractionFlags};
-use rt_math::{DVec2, DVec3, Interval, Ray};
+use rt_math::{DVec2, DVec3, Interval};
 
-use crate::{
-    RenderPlan, flatten,
-    instance::Instances,
-    work_probe::WorkProbe,
-    world::{ShadedPrimitives, World},
-};
+use crate::{RenderPlan, instance::Instances, work_probe::WorkProbe, world::World};
 
 /// Closest hit of the ray through the middle of a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,33 +32,26 @@ impl RenderPlan<'_> {
         let raster = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
         let time = if self.frame.has_motion { self.frame.camera.shutter_time(0.5) } else { 0.0 };
         let ray = self.frame.camera.ray(raster, time);
-        match &self.scene.world {
-            World::Spheres(world, structure) => {
-                let name = |hit: &Hit| {
-                    let mut names = flatten::names_of_shapes(self.scene.source);
-                    names.nth(hit.primitive as usize).map(|name| vec![name.to_owned()])
-                };
-                self.pick_in(world, structure, &ray, name)
-            }
-            World::Instances(top, levels) => {
-                let world = top.set(levels);
-                self.pick_in(&world, &top.structure, &ray, |hit| world.names_at(hit))
-            }
-        }
+        let (world, structure) = (self.scene.world.instances(), &self.scene.world.top.structure);
+        let hit = structure.closest(&world, &ray, Interval::new(0.0, f64::INFINITY), &mut WorkProbe::default())?;
+        let surface = world.surface(&ray, &hit, InteractionFlags::ALL)?;
+        let material = self.scene.source.appearance.materials.get(surface.material as usize);
+        Some(PickResult {
+            object: world.names_at(&hit)?,
+            material: material.map_or_else(String::new, |material| material.name.clone()),
+            t: surface.t,
+            distance: surface.t * ray.direction.length(),
+            point: surface.interaction.point + self.scene.space.origin(),
+            normal: surface.interaction.shading_normal,
+        })
     }
 
     /// Names of all objects, in the order of their numbers in [`FirstHitLayer::ObjectId`](crate::FirstHitLayer::ObjectId), which
     /// begin at 1. The name of a number without an object is empty.
     pub fn object_names(&self) -> Vec<String> {
-        let (top, levels) = match &self.scene.world {
-            World::Spheres(..) => {
-                return flatten::names_of_shapes(self.scene.source).map(str::to_owned).collect();
-            }
-            World::Instances(top, levels) => (top, levels),
-        };
+        let World { top, levels } = &self.scene.world;
         let mut names = Vec::new();
-        let all = core::iter::once(top).chain(&levels.groups).flat_map(|aggregate| &aggregate.instances);
-        for instance in all.filter(|instance| instance.geometry.group().is_none()) {
+        for instance in top.all_instances(levels).filter(|instance| instance.geometry.group().is_none()) {
             let id = instance.object_id as usize;
             if names.len() <= id {
                 names.resize(id + 1, String::new());
@@ -71,26 +59,6 @@ impl RenderPlan<'_> {
             names[id] = instance.name.to_string();
         }
         names
-    }
-
-    fn pick_in<W: ShadedPrimitives>(
-        &self,
-        world: &W,
-        structure: &AnyAccelerator,
-        ray: &Ray,
-        names: impl Fn(&Hit) -> Option<Vec<String>>,
-    ) -> Option<PickResult> {
-        let hit = structure.closest(world, ray, Interval::new(0.0, f64::INFINITY), &mut WorkProbe::default())?;
-        let surface = world.surface_at(ray, &hit, InteractionFlags::ALL)?;
-        let material = self.scene.source.appearance.materials.get(surface.material as usize);
-        Some(PickResult {
-            object: names(&hit)?,
-            material: material.map_or_else(String::new, |material| material.name.clone()),
-            t: surface.t,
-            distance: surface.t * ray.direction.length(),
-            point: surface.interaction.point + self.scene.space.origin(),
-            normal: surface.interaction.shading_normal,
-        })
     }
 }
 

@@ -1,7 +1,9 @@
 //! Form of a primitive, known without a ray.
 
-use rt_geometry::{Primitives, Shape, TransformedShape};
+use rt_geometry::{Shape, TransformedShape};
 use rt_math::DVec3;
+
+use crate::instance::{InstanceGeometry, Instances};
 
 /// Form of a primitive in the space of the world, as needed by the tests of adaptive sampling in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,13 +20,24 @@ pub(crate) enum PrimitiveForm {
     Other,
 }
 
-/// Primitives whose form is known.
-pub(crate) trait HasForm: Primitives {
-    /// Form of a primitive.
-    fn form(&self, index: u32) -> PrimitiveForm;
+impl Instances<'_> {
+    /// Form of an instance.
+    pub(crate) fn form(&self, index: u32) -> PrimitiveForm {
+        match &self.instances[index as usize].geometry {
+            InstanceGeometry::Shape(shape) => PrimitiveForm::of(shape),
+            InstanceGeometry::TransformedShape(placed) => PrimitiveForm::of_placed(placed),
+            InstanceGeometry::Triangle(mesh, ..) if mesh.data().normals.is_empty() => PrimitiveForm::Flat,
+            InstanceGeometry::Triangle(..)
+            | InstanceGeometry::Mesh(..)
+            | InstanceGeometry::Group(..)
+            | InstanceGeometry::Animated(_) => PrimitiveForm::Other,
+        }
+    }
 
-    /// True if the primitive, or part of it, casts a shadow.
-    fn casts_shadow(&self, index: u32) -> bool;
+    /// True if the instance, or part of it, casts a shadow.
+    pub(crate) fn casts_shadow(&self, index: u32) -> bool {
+        self.instances[index as usize].casts_shadow
+    }
 }
 
 impl PrimitiveForm {

@@ -19,6 +19,7 @@ use crate::{
     cost_view::cost,
     estimate::PixelEstimate,
     frustum_cull::{self, PrimaryTarget},
+    instance::Instances,
     integrator::IntegratorState,
     pixel_accumulator::PixelAccumulator,
     primary_rays::PrimaryRayBatch,
@@ -27,7 +28,6 @@ use crate::{
     tiles::Tile,
     tracer::SceneTracer,
     work_probe::WorkProbe,
-    world::{ShadedPrimitives, World},
 };
 
 /// Buffers that a thread reuses from tile to tile.
@@ -60,23 +60,10 @@ impl ThreadState {
 }
 
 impl RenderPlan<'_> {
-    /// Dispatches to the concrete type of the world.
+    /// Renders a tile; counts the work of accelerators if `count` is true.
     pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
         let probe = WorkProbe::new(count || self.integrator_kind() == Integrator::Cost);
-        match &self.scene.world {
-            World::Spheres(world, structure) => self.with_world(world, structure, probe, job, worker),
-            World::Instances(top, levels) => self.with_world(&top.set(levels), &top.structure, probe, job, worker),
-        }
-    }
-
-    fn with_world<W: ShadedPrimitives>(
-        &self,
-        world: &W,
-        structure: &AnyAccelerator,
-        probe: WorkProbe,
-        job: &TileJob<'_>,
-        worker: &mut ThreadState,
-    ) -> TileResult {
+        let (world, structure) = (&self.scene.world.instances(), &self.scene.world.top.structure);
         let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
         let job = &TileJob { simple: simple.as_ref(), ..*job };
         let few = self.visible_in_tile(job.tile, world, structure);
@@ -178,12 +165,7 @@ impl RenderPlan<'_> {
     }
 
     /// Objects in view of the tile, if their number is small.
-    fn visible_in_tile<W: ShadedPrimitives>(
-        &self,
-        tile: Tile,
-        world: &W,
-        structure: &AnyAccelerator,
-    ) -> Option<SmallSet> {
+    fn visible_in_tile(&self, tile: Tile, world: &Instances<'_>, structure: &AnyAccelerator) -> Option<SmallSet> {
         let Tile { x, y, width, height } = tile;
         let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
         let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;

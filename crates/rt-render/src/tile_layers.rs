@@ -7,7 +7,7 @@ use rt_shading::{Appearance, MaterialEvalContext, SurfaceHit, is_inside};
 
 use crate::{
     first_hit_layers::{FAR_DEPTH, FirstHitLayer, MAX_LAYER_SAMPLES},
-    world::ShadedPrimitives,
+    instance::Instances,
 };
 
 /// Layers of a tile. Receives the hits of all camera rays in the order of pixels and samples.
@@ -55,18 +55,18 @@ impl<'a> TileLayers<'a> {
     }
 
     /// Adds the next camera rays.
-    pub(crate) fn add(&mut self, world: &impl ShadedPrimitives, rays: &[(Ray, Interval)], hits: &[Option<Hit>]) {
+    pub(crate) fn add(&mut self, world: &Instances<'_>, rays: &[(Ray, Interval)], hits: &[Option<Hit>]) {
         let mut rest = rays.iter().zip(hits);
         while let (true, Some(&samples)) = (rest.len() > 0, self.samples.get(self.next.0)) {
             let count = rest.len().min((samples - self.next.1) as usize);
             let used = count.min(MAX_LAYER_SAMPLES.saturating_sub(self.next.1) as usize);
             let sums = &mut self.sums[self.next.0];
             for ((ray, _), hit) in rest.by_ref().take(used) {
-                let surface = hit.as_ref().and_then(|hit| Some((hit, world.surface_at(ray, hit, self.needs)?)));
+                let surface = hit.as_ref().and_then(|hit| Some((hit, world.surface(ray, hit, self.needs)?)));
                 if let Some((hit, surface)) = surface {
                     sums.add(&self.context, ray, &surface);
                     if sums.hits == 1 {
-                        let [object, instance] = world.ids_at(hit).unwrap_or([u32::MAX; 2]);
+                        let [object, instance] = world.ids(hit).unwrap_or([u32::MAX; 2]);
                         sums.ids = [object, surface.material, instance].map(|id| id.saturating_add(1));
                     }
                 }

@@ -5,12 +5,12 @@ use rt_geometry::{Hit, InteractionFlags, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
 use rt_shading::{ClosestHit, LazyShape, SceneQueries, SurfaceHit};
 
-use crate::{frustum_cull::PrimaryTarget, tile_layers::TileLayers, work_probe::WorkProbe, world::ShadedPrimitives};
+use crate::{frustum_cull::PrimaryTarget, instance::Instances, tile_layers::TileLayers, work_probe::WorkProbe};
 
 /// Traces and counts the rays of an integrator. The accelerator is dispatched once per batch, so that integrators are not
 /// compiled for each accelerator.
-pub(crate) struct SceneTracer<'w, W> {
-    pub(crate) world: &'w W,
+pub(crate) struct SceneTracer<'w> {
+    pub(crate) world: &'w Instances<'w>,
     pub(crate) structure: &'w AnyAccelerator,
     /// Objects that camera rays are tested against.
     pub(crate) primary_target: PrimaryTarget<'w>,
@@ -26,9 +26,9 @@ pub(crate) struct SceneTracer<'w, W> {
     hits: Vec<Option<Hit>>,
 }
 
-impl<'w, W: ShadedPrimitives> SceneTracer<'w, W> {
+impl<'w> SceneTracer<'w> {
     pub(crate) fn new(
-        world: &'w W,
+        world: &'w Instances<'w>,
         structure: &'w AnyAccelerator,
         primary_target: PrimaryTarget<'w>,
         probe: WorkProbe,
@@ -93,7 +93,7 @@ impl<'w, W: ShadedPrimitives> SceneTracer<'w, W> {
     }
 }
 
-impl<W: ShadedPrimitives> SceneQueries for SceneTracer<'_, W> {
+impl SceneQueries for SceneTracer<'_> {
     fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
         if self.can_skip(kind, 1) {
             return None;
@@ -102,7 +102,7 @@ impl<W: ShadedPrimitives> SceneQueries for SceneTracer<'_, W> {
         if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
             layers.add(self.world, &[(*ray, span)], &[hit]);
         }
-        self.world.surface_at(ray, &hit?, needs)
+        self.world.surface(ray, &hit?, needs)
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -123,7 +123,7 @@ impl<W: ShadedPrimitives> SceneQueries for SceneTracer<'_, W> {
         }
         for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
             match hit {
-                Some(hit) => on_hit(at, self.world.surface_at(ray, hit, needs).as_mut()),
+                Some(hit) => on_hit(at, self.world.surface(ray, hit, needs).as_mut()),
                 None => on_hit(at, None),
             }
         }
@@ -147,19 +147,19 @@ impl<W: ShadedPrimitives> SceneQueries for SceneTracer<'_, W> {
             };
             match lazy {
                 LazyShape::Sphere => {
-                    if let Some(sphere) = &self.world.sphere_at(hit, needs) {
+                    if let Some(sphere) = &self.world.sphere(hit, needs) {
                         on_hit(at, Some(ClosestHit::Sphere(sphere)));
                         continue;
                     }
                 }
                 LazyShape::Triangle => {
-                    if let Some(triangle) = &self.world.triangle_at(hit, needs) {
+                    if let Some(triangle) = &self.world.triangle(hit, needs) {
                         on_hit(at, Some(ClosestHit::Triangle(triangle)));
                         continue;
                     }
                 }
             }
-            on_hit(at, self.world.surface_at(ray, hit, needs).as_mut().map(ClosestHit::Surface));
+            on_hit(at, self.world.surface(ray, hit, needs).as_mut().map(ClosestHit::Surface));
         }
     }
 

@@ -4,7 +4,7 @@ use rt_geometry::{Hit, InteractionFlags};
 use rt_math::{DVec3, Ray, transcendental::pow};
 use rt_shading::{Appearance, ColorTexture, DeltaLight, Material, Phong};
 
-use crate::{primitive_form::PrimitiveForm, world::ShadedPrimitives};
+use crate::{instance::Instances, primitive_form::PrimitiveForm};
 
 /// Maximum variation of the directions of shading within a patch, in radians; times √n for a highlight of exponent n.
 ///
@@ -46,12 +46,7 @@ struct Corner {
 
 impl SurfacePatch {
     /// Patch of the corner hits; `None` if the surface can have an edge between them, or if the bounding sphere is too large.
-    pub(super) fn new<W: ShadedPrimitives>(
-        world: &W,
-        index: u32,
-        rays: &[Ray; 4],
-        hits: &[Option<Hit>; 4],
-    ) -> Option<Self> {
+    pub(super) fn new(world: &Instances<'_>, index: u32, rays: &[Ray; 4], hits: &[Option<Hit>; 4]) -> Option<Self> {
         let form = world.form(index);
         let [Some(a), Some(b), Some(c), Some(d)] = *hits else { return None };
         let hits = [a, b, c, d];
@@ -67,7 +62,7 @@ impl SurfacePatch {
         let needs = InteractionFlags::NONE;
         let mut material = None;
         let mut corner = |at: usize| {
-            let surface = world.surface_at(&rays[at], &hits[at], needs)?;
+            let surface = world.surface(&rays[at], &hits[at], needs)?;
             material = Some(surface.material);
             let to_viewer = -rays[at].direction.normalize_or_zero();
             let normal = surface.interaction.geometric_normal;

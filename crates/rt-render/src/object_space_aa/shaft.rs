@@ -15,7 +15,7 @@ use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 use rt_shading::DeltaLight;
 
 use super::patch::SurfacePatch;
-use crate::primitive_form::{HasForm, PrimitiveForm};
+use crate::{instance::Instances, primitive_form::PrimitiveForm};
 
 /// All segments from a patch to a delta light.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ impl LightShaft {
     }
 
     /// Occlusion by all primitives except that of the patch, which is convex and does not occlude itself.
-    pub(super) fn blocked<W: HasForm>(&self, world: &W, structure: &AnyAccelerator, excluded: u32) -> Occlusion {
+    pub(super) fn blocked(&self, world: &Instances<'_>, structure: &AnyAccelerator, excluded: u32) -> Occlusion {
         let mut blocked = Occlusion::Nowhere;
         structure.visit_overlapping(world, self, |index| {
             if index != excluded && world.casts_shadow(index) {
