@@ -65,7 +65,7 @@
 mod blue_noise;
 mod camera;
 mod camera_error;
-mod film;
+mod film_settings;
 mod filter;
 mod halton;
 mod lens;
@@ -79,7 +79,7 @@ mod view_volume;
 
 pub use camera::{Camera, CameraSettings, CameraWiSample, FovAxis, Projection};
 pub use camera_error::CameraError;
-pub use film::{FilmError, FilmSettings};
+pub use film_settings::{FilmError, FilmSettings};
 pub use filter::Filter;
 pub use lens::Lens;
 pub use pattern::SamplerKind;

@@ -135,7 +135,7 @@ fn check_camera(
     measures: &CameraMeasures,
     findings: &mut Findings,
 ) {
-    let mut add = |kind, values: &[_], message| findings.add(Finding::new(kind, &measures.name, values, message));
+    let finding = |kind, values: &[_], message| Finding::new(kind, &measures.name, values, message);
     let bounds = objects.bounds();
     let extent = bounds.extent().max_element();
     let distance = (bounds.centre() - eye).length();
@@ -143,21 +143,29 @@ fn check_camera(
     let pixels = extent / footprint(camera, size * 0.5, &ray, distance / ray.direction.length());
     if !bounds.is_empty() && pixels < TOO_SMALL {
         let message = format!("the scene is {distance:.3e} away, and covers {pixels:.3} pixels");
-        add(Kind::CameraFar, &[("distance", distance), ("pixels", pixels)], message);
-    } else if measures.hits == 0 && !objects.list.is_empty() {
+        findings.add(finding(Kind::CameraFar, &[("distance", distance), ("pixels", pixels)], message));
+    } else if measures.hits == 0 {
         let rays = measures.rays;
-        let message = format!("none of {rays} rays hits an object; the centre of the scene is {distance:.3e} away");
-        add(Kind::CameraSeesNothing, &[("rays", rays as f64)], message);
+        let nothing = |message| finding(Kind::CameraSeesNothing, &[("rays", rays as f64)], message);
+        findings.add(if objects.list.is_empty() {
+            nothing("the scene has no objects".to_owned()).with_advice("add nodes with shapes or models")
+        } else {
+            nothing(format!("none of {rays} rays hits an object; the centre of the scene is {distance:.3e} away"))
+        });
     }
     if measures.pixel_angle > 0.0 && measures.pixel_angle < NARROW {
         let angle = measures.pixel_angle.to_degrees();
         let message = format!("neighbouring rays are {angle:.3e} degrees apart");
-        add(Kind::NarrowView, &[("pixel_angle", angle)], message);
+        findings.add(finding(Kind::NarrowView, &[("pixel_angle", angle)], message));
     }
     let (error, pixels) = (measures.position_error, measures.position_error_in_pixels);
     if pixels > VISIBLE {
         let message = format!("rounding may move visible points by {error:.3e}, {pixels:.3} pixels");
-        add(Kind::CameraPrecision, &[("position_error", error), ("position_error_in_pixels", pixels)], message);
+        findings.add(finding(
+            Kind::CameraPrecision,
+            &[("position_error", error), ("position_error_in_pixels", pixels)],
+            message,
+        ));
     }
 }
 
@@ -185,6 +193,13 @@ mod tests {
         let tangent = 0.2 / 0.96f64.sqrt() / tan(20f64.to_radians());
         let share = seen.hits as f64 / seen.rays as f64;
         assert!((share - std::f64::consts::FRAC_PI_4 * tangent * tangent).abs() < 0.01, "{seen:?}");
+    }
+
+    #[test]
+    fn a_scene_without_objects_shows_nothing() {
+        let mut scene = empty();
+        scene.cameras = vec![camera(DVec3::Z * 5.0, DVec3::ZERO)];
+        assert_eq!(only(&scene, Kind::CameraSeesNothing).message, "the scene has no objects");
     }
 
     #[test]

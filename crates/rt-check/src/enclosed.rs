@@ -103,7 +103,7 @@ mod tests {
         let finding = only(&scene, Kind::CameraInside);
         assert_eq!((finding.severity, finding.object.as_str()), (Severity::Warning, "main"));
         scene.appearance.lights = vec![point_light(DVec3::X, 0.0)];
-        assert_eq!(only(&scene, Kind::CameraInside).severity, Severity::Info);
+        assert_eq!(only(&scene, Kind::CameraInside).severity, Severity::Note);
     }
 
     #[test]

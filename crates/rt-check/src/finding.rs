@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// Worth knowing; the image is right.
-    Info,
+    Note,
     /// The image is probably not the intended one, or loses digits.
     Warning,
     /// The scene cannot be rendered.
@@ -15,10 +15,10 @@ pub enum Severity {
 }
 
 impl Severity {
-    /// "error", "warning" or "info".
+    /// "error", "warning" or "note".
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Info => "info",
+            Self::Note => "note",
             Self::Warning => "warning",
             Self::Error => "error",
         }
@@ -68,9 +68,9 @@ kinds! {
     /// The loader fixed or skipped something.
     LoadWarning = "load-warning", Warning, "fix the file if the image should show the object";
     /// Largest and smallest objects are too far apart in size.
-    DynamicRange = "dynamic-range", Info, "remove invisibly small objects, or enlarge them";
+    DynamicRange = "dynamic-range", Note, "remove invisibly small objects, or enlarge them";
     /// The scene lies far from the origin compared to its size.
-    FarFromOrigin = "far-from-origin", Info,
+    FarFromOrigin = "far-from-origin", Note,
         "move the scene to the origin; subtract an integer from all positions, which is exact";
     /// A mesh lies so far from its own origin that its `f32` vertices are coarse.
     CoarseVertices = "coarse-vertices", Warning,
@@ -79,44 +79,44 @@ kinds! {
     IllConditioned = "ill-conditioned-transform", Warning,
         "use more similar scale factors, or a flat shape instead of a flattened one";
     /// A transform mirrors.
-    Mirrored = "mirrored", Info, "no action: the front stays the front; text in textures is mirrored";
+    Mirrored = "mirrored", Note, "no action: the front stays the front; text in textures is mirrored";
     /// Vertex normals under a transform that stretches.
-    StretchedNormals = "stretched-normals", Info,
+    StretchedNormals = "stretched-normals", Note,
         "no action: normals are transformed by the inverse transpose and stay perpendicular to the surface";
     /// Two triangles of a mesh with the same corners and the same front.
     DuplicateTriangles = "duplicate-triangles", Warning,
         "remove them: they cost time, and rays enter dielectrics twice; the triangle of the lower index is visible";
     /// Two triangles of a mesh with the same corners, back to back.
-    OppositeTriangles = "opposite-triangles", Info,
+    OppositeTriangles = "opposite-triangles", Note,
         "remove one of each pair: surfaces are two-sided";
     /// Triangles that are far longer than high.
-    SliverTriangles = "sliver-triangles", Info,
+    SliverTriangles = "sliver-triangles", Note,
         "remesh the surface, or merge close vertices: the normal of a sliver is inaccurate";
     /// Edges of a mesh of very different lengths.
-    UnevenTriangles = "uneven-triangles", Info,
+    UnevenTriangles = "uneven-triangles", Note,
         "split it into meshes of similar triangles if rendering is slow, above all with a grid";
     /// A polygon whose corners do not lie in one plane.
-    NonPlanarPolygon = "non-planar-polygon", Info,
+    NonPlanarPolygon = "non-planar-polygon", Note,
         "move the corners into one plane, or split the polygon into triangles; the limit is 1e-6";
     /// A polygon whose edges cross.
     SelfIntersectingPolygon = "self-intersecting-polygon", Warning,
         "reorder the corners, or split it into simple polygons";
     /// Neighbouring triangles whose fronts disagree.
-    InconsistentWinding = "inconsistent-winding", Info,
+    InconsistentWinding = "inconsistent-winding", Note,
         "orient all triangles counter-clockwise as seen from outside; dielectrics need it, other surfaces are two-sided";
     /// Edges with more than two triangles.
-    NonManifoldEdges = "non-manifold-edges", Info,
+    NonManifoldEdges = "non-manifold-edges", Note,
         "split the mesh at these edges if it is a solid; a surface needs no action";
     /// Edges with one triangle: the mesh has a border.
-    OpenEdges = "open-edges", Info,
+    OpenEdges = "open-edges", Note,
         "close the mesh and weld its vertices if it is a solid; a surface needs no action";
     /// A closed mesh whose front is inside.
-    InsideOut = "inside-out", Info, "reverse all triangles: a dielectric would have its inside outside";
+    InsideOut = "inside-out", Note, "reverse all triangles: a dielectric would have its inside outside";
     /// A transmissive surface that encloses no volume.
     OpenGlass = "open-glass", Warning,
         "close it, or give it a thickness; set `ior: 1` for a window that does not refract";
     /// A transparent surface that touches another one exactly.
-    TouchingGlass = "touching-glass", Info,
+    TouchingGlass = "touching-glass", Note,
         "let the two overlap slightly, or leave a gap: rays then hit each surface";
     /// Vertex normals that point to the back of their triangle.
     OpposedNormals = "opposed-normals", Warning,
@@ -124,10 +124,10 @@ kinds! {
     /// A textured mesh without texture coordinates.
     MissingUvs = "missing-uvs", Warning, "give it texture coordinates, or a material without texture";
     /// Triangles of a textured mesh without area in the texture.
-    DegenerateUvs = "degenerate-uvs", Info,
+    DegenerateUvs = "degenerate-uvs", Note,
         "unwrap them if they should show more than a line or a point of the texture";
     /// Overlapping surfaces in one plane.
-    CoincidentSurfaces = "coincident-surfaces", Info,
+    CoincidentSurfaces = "coincident-surfaces", Note,
         "move one of them, or list the visible one first";
     /// No ray of the camera hits an object.
     CameraSeesNothing = "camera-sees-nothing", Warning,
@@ -147,12 +147,12 @@ kinds! {
     /// A light is so far away that its directions lose digits.
     LightFar = "light-far", Warning, "use a directional light: at this distance its rays are parallel";
     /// A material reflects more light than arrives.
-    EnergyGain = "energy-gain", Info,
+    EnergyGain = "energy-gain", Note,
         "reduce `specular` or increase `exponent` for physical light; `whitted` needs no action";
     /// An unused material, mesh or group.
-    Unused = "unused", Info, "remove it, or correct the name that should refer to it";
+    Unused = "unused", Note, "remove it, or correct the name that should refer to it";
     /// A check stopped at its limit of time.
-    LimitReached = "limit-reached", Info, "check parts of the scene one by one for a complete report";
+    LimitReached = "limit-reached", Note, "check parts of the scene one by one for a complete report";
 }
 
 /// A measured number with its name.
@@ -201,7 +201,7 @@ impl Finding {
 
     /// Makes this a warning if a condition holds, and a note otherwise.
     pub(crate) fn warn_if(self, is_warning: bool) -> Self {
-        Self { severity: if is_warning { Severity::Warning } else { Severity::Info }, ..self }
+        Self { severity: if is_warning { Severity::Warning } else { Severity::Note }, ..self }
     }
 
     /// Replaces the usual advice.

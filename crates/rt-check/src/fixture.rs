@@ -86,7 +86,7 @@ pub(crate) fn of_kind(scene: &Scene, kind: Kind) -> Vec<Finding> {
 #[track_caller]
 pub(crate) fn only(scene: &Scene, kind: Kind) -> Finding {
     let report = check(scene);
-    let others: Vec<_> = report.findings.iter().filter(|f| f.kind != kind && f.severity > Severity::Info).collect();
+    let others: Vec<_> = report.findings.iter().filter(|f| f.kind != kind && f.severity > Severity::Note).collect();
     assert!(others.is_empty(), "{others:#?}");
     let mut found: Vec<_> = report.findings.into_iter().filter(|finding| finding.kind == kind).collect();
     assert_eq!(found.len(), 1, "{found:#?}");

@@ -180,14 +180,14 @@ mod tests {
         let mut scene = empty();
         scene.nodes = vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::Y * 2.0, 1e-8)];
         let finding = only(&scene, Kind::DynamicRange);
-        assert_eq!(finding.severity, Severity::Info);
+        assert_eq!(finding.severity, Severity::Note);
         assert!((finding.values[0].value - 1.5e8).abs() < 1e3, "{finding:?}");
         scene.nodes[1] = sphere(DVec3::Y * 2.0, 1e-13);
         assert_eq!(only(&scene, Kind::DynamicRange).severity, Severity::Warning);
 
         scene.nodes = vec![sphere(DVec3::X * 4e7, 1.0)];
         let finding = only(&scene, Kind::FarFromOrigin);
-        assert_eq!(finding.severity, Severity::Info);
+        assert_eq!(finding.severity, Severity::Note);
         assert!((finding.values[0].value - 2e7).abs() < 1.0, "{finding:?}");
         scene.nodes = vec![sphere(DVec3::X * 4e10, 1.0)];
         assert_eq!(only(&scene, Kind::FarFromOrigin).severity, Severity::Warning);

@@ -68,6 +68,6 @@ impl fmt::Display for Report {
         };
         let errors = count(Severity::Error, "error", "errors");
         let warnings = count(Severity::Warning, "warning", "warnings");
-        writeln!(f, "{errors}, {warnings}, {}", count(Severity::Info, "note", "notes"))
+        writeln!(f, "{errors}, {warnings}, {}", count(Severity::Note, "note", "notes"))
     }
 }

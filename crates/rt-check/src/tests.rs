@@ -48,10 +48,10 @@ fn many_findings_of_one_kind_are_counted() {
         node.parent_from_local = rt_math::Transform::scale(DVec3::new(1.0, -1.0, 1.0)).unwrap();
     }
     let report = check(&scene);
-    let more = More { severity: Severity::Info, kind: Kind::Mirrored, count: 132 };
+    let more = More { severity: Severity::Note, kind: Kind::Mirrored, count: 132 };
     assert_eq!(report.more, [more]);
-    assert_eq!(report.count(Severity::Info), 140 + 2, "and two unused materials");
+    assert_eq!(report.count(Severity::Note), 140 + 2, "and two unused materials");
     let text = report.to_string();
-    assert!(text.contains("info[mirrored] and 132 more\n"), "{text}");
+    assert!(text.contains("note[mirrored] and 132 more\n"), "{text}");
     assert!(text.ends_with("0 errors, 0 warnings, 142 notes\n"), "{text}");
 }

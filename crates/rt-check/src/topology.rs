@@ -147,7 +147,7 @@ mod tests {
         let mut node = add_mesh(&mut scene, data);
         scene.nodes = vec![node.clone()];
         let finding = only(&scene, Kind::InsideOut);
-        assert_eq!((finding.severity, finding.values), (Severity::Info, vec![value("volume", -1.0)]));
+        assert_eq!((finding.severity, finding.values), (Severity::Note, vec![value("volume", -1.0)]));
         node.material = GLASS;
         scene.nodes = vec![node];
         assert_eq!(only(&scene, Kind::InsideOut).severity, Severity::Warning);

@@ -90,6 +90,6 @@ mod tests {
         scene.nodes = vec![node];
         let finding = only(&scene, Kind::StretchedNormals);
         assert_eq!(finding.values, [value("condition", 4.0)]);
-        assert_eq!(finding.severity, Severity::Info);
+        assert_eq!(finding.severity, Severity::Note);
     }
 }

@@ -349,8 +349,12 @@ impl Job<'_> {
         if requested == taken {
             return Ok(());
         }
-        let sampler = self.scene.settings.pattern.name();
-        self.console.println(format_args!("note: {sampler} takes {taken} samples per pixel rather than {requested}"))
+        let (sampler, passes) = (self.scene.settings.pattern.name(), plan.passes());
+        let how = match passes {
+            1 => format!("the sampler {sampler} does not support fewer"),
+            passes => format!("{passes} passes of {} {sampler} samples", taken / passes),
+        };
+        self.console.println(format_args!("note: {taken} samples per pixel instead of {requested}: {how}"))
     }
 
     fn connect(&self, server: &str) -> Result<Display, CliError> {

@@ -59,6 +59,7 @@ pub(crate) fn stop_reason_and_error(outcome: &Outcome<'_>) -> String {
 fn clamped(clamping: &Clamping) -> String {
     let Clamping { bound, contributions, lost_share } = *clamping;
     let (contributions, percent) = (HumanCount(contributions), 100.0 * lost_share);
+    let bound = if bound < 1e-4 { format!("{bound:e}") } else { bound.to_string() };
     format!("biased: clamping to {bound} reduced {contributions} contributions and took {percent:.2} % of the light")
 }
 

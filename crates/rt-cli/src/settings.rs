@@ -32,6 +32,12 @@ pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Sce
     replace(&mut settings.spp, args.spp);
     settings.passes = args.passes.or(settings.passes);
     settings.adaptive = adaptive(args, settings.adaptive)?;
+    if let Some(min_spp) = args.min_spp.filter(|min_spp| *min_spp > settings.spp) {
+        let spp = settings.spp;
+        return Err(CliError::Usage(format!(
+            "--min-spp {min_spp} exceeds the {spp} samples per pixel; lower it, or raise --spp"
+        )));
+    }
     replace(&mut settings.depth, args.max_depth);
     replace(&mut settings.seed, args.seed);
     settings.clamp = args.clamp.or(settings.clamp);

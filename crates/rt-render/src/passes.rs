@@ -19,7 +19,8 @@ use crate::tiles::Tile;
 ///
 /// `stochastic` is true for integrators that sample directions. Two passes estimate their noise. More would estimate it better,
 /// but stratify the samples of a pixel less. Four are taken from 16 samples on if two would need more samples, as 2 × 9 for 16
-/// samples in square patterns. Other integrators take one pass, which keeps the full stratification at edges.
+/// samples in square patterns, and one if two would double the samples. Other integrators take one pass, which keeps the full
+/// stratification at edges.
 pub const fn default_passes(pattern: SamplerKind, spp: u32, stochastic: bool) -> u32 {
     let of_two = pattern.round_up(spp.div_ceil(2)).saturating_mul(2);
     let of_four = pattern.round_up(spp.div_ceil(4)).saturating_mul(4);
@@ -27,6 +28,7 @@ pub const fn default_passes(pattern: SamplerKind, spp: u32, stochastic: bool) ->
         _ if !stochastic => 1,
         0..2 => 1,
         16.. if of_four < of_two => 4,
+        of_one if of_two / 2 >= of_one => 1,
         _ => 2,
     }
 }
@@ -100,7 +102,7 @@ mod tests {
             assert_eq!(default_passes(pattern, 1, true), 1);
         }
         assert_eq!([2, 15, 16, 1024].map(|spp| default_passes(SamplerKind::Sobol, spp, true)), [2; 4]);
-        assert_eq!([4, 16, 64].map(|spp| default_passes(SamplerKind::Jittered, spp, true)), [2, 4, 4]);
+        assert_eq!([4, 8, 16, 64].map(|spp| default_passes(SamplerKind::Jittered, spp, true)), [1, 2, 4, 4]);
         assert_eq!(default_passes(SamplerKind::Jittered, 18, true), 2, "twice nine are eighteen");
     }
 

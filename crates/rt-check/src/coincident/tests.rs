@@ -57,7 +57,7 @@ fn two_sheets_are_seen_from_both_sides() {
     let finding = only(&scene_of(vec![sheet.clone(), rectangle]), Kind::CoincidentSurfaces);
     assert_eq!(finding.values[1].value, finding.values[0].value);
     let same = only(&scene_of(vec![sheet.clone(), sheet]), Kind::CoincidentSurfaces);
-    assert_eq!(same.severity, Severity::Info, "they look the same");
+    assert_eq!(same.severity, Severity::Note, "they look the same");
 }
 
 #[test]
@@ -96,9 +96,9 @@ fn glass_that_touches_is_named() {
     let first = only(&scene_of(vec![glass.clone(), floor(0.0)]), Kind::TouchingGlass);
     assert_eq!((first.severity, first.values[0]), (Severity::Warning, value("faces", 2.0)));
     let second = only(&scene_of(vec![floor(0.0), glass.clone()]), Kind::TouchingGlass);
-    assert_eq!(second.severity, Severity::Info, "light stops at the floor");
+    assert_eq!(second.severity, Severity::Note, "light stops at the floor");
     let above = solid(DVec3::new(-0.5, 1.0, -0.5), DVec3::new(0.5, 2.0, 0.5), GLASS);
-    assert_eq!(only(&scene_of(vec![glass, above]), Kind::TouchingGlass).severity, Severity::Info);
+    assert_eq!(only(&scene_of(vec![glass, above]), Kind::TouchingGlass).severity, Severity::Note);
 }
 
 #[test]
@@ -112,5 +112,5 @@ fn a_mesh_that_lies_in_itself_is_noted() {
     let node = add_mesh(&mut scene, data);
     scene.nodes = vec![node];
     let finding = only(&scene, Kind::CoincidentSurfaces);
-    assert_eq!((finding.severity, finding.values[0].value), (Severity::Info, 2.0));
+    assert_eq!((finding.severity, finding.values[0].value), (Severity::Note, 2.0));
 }

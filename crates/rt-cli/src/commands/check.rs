@@ -55,7 +55,7 @@ fn report_json(scene: &str, report: &Report) -> Value {
             .collect::<Vec<_>>(),
         "errors": report.count(Severity::Error),
         "warnings": report.count(Severity::Warning),
-        "notes": report.count(Severity::Info),
+        "notes": report.count(Severity::Note),
     })
 }
 

@@ -257,8 +257,8 @@ pub enum Shape {
     ///
     /// Example: `triangle((0, 0, 0), (1, 0, 0), (0, 1, 0))`.
     Triangle([f64; 3], [f64; 3], [f64; 3]),
-    /// A flat four-cornered face by its corners, counter-clockwise seen from the front. Its texture coordinates are
-    /// (0, 0), (1, 0), (1, 1) and (0, 1) at the corners.
+    /// A four-cornered face by its corners, counter-clockwise seen from the front. It is two triangles with the diagonal
+    /// from the first to the third corner. Its texture coordinates are (0, 0), (1, 0), (1, 1) and (0, 1) at the corners.
     ///
     /// Example: `quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0))`.
     Quad([f32; 3], [f32; 3], [f32; 3], [f32; 3]),

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::error::ErrorAt;
 use crate::parser_message::plain;
-use crate::{LoadError, LoadErrorKind, LoadOptions, Warning};
+use crate::{LoadError, LoadErrorKind, LoadOptions, Model, Warning};
 
 /// An animation as the file has it. The `gltf` crate insists on targets that extensions replace.
 #[derive(Deserialize)]
@@ -58,21 +58,19 @@ pub(super) fn poses(
     animations: &Value,
     buffers: &Buffers<'_>,
     options: &LoadOptions,
-    warnings: &mut Vec<Warning>,
+    model: &mut Model,
 ) -> Result<(Pose, Option<Pose>), LoadError> {
     let list = animations.as_array().map_or(&[][..], Vec::as_slice);
-    let mut warn = |message: &str| {
-        warnings.push(Warning { place: "animations".to_owned(), message: message.to_owned() });
-    };
     let mut opens = Pose::rest(document);
     let Some([opens_at, closes_at]) = options.shutter_interval() else {
         if !list.is_empty() {
-            warn("no time is given: the model is in its rest pose");
+            model.notes.push("The model is animated: it is shown in its rest pose.".to_owned());
         }
         return Ok((opens, None));
     };
     if list.is_empty() {
-        warn("the file has no animation: the model is in its rest pose");
+        let message = "the file has no animation: the model is in its rest pose".to_owned();
+        model.warnings.push(Warning { place: "animations".to_owned(), message });
         return Ok((opens, None));
     }
     animate(&mut opens, list, opens_at, buffers, options)?;

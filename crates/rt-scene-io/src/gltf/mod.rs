@@ -93,7 +93,7 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
     let document = &parsed.document;
     let variant = options.variant.as_deref().map(|name| variants::find(name, document, path)).transpose()?;
     let buffers = Buffers::load(document, container.blob, path, options)?;
-    let (pose, later) = animation::poses(document, &parsed.animations, &buffers, options, &mut model.warnings)?;
+    let (pose, later) = animation::poses(document, &parsed.animations, &buffers, options, &mut model)?;
     let worlds = |pose: &Pose| if document.skins().len() > 0 { pose.worlds(document) } else { Vec::new() };
     let mut meshes = Meshes {
         buffers: &buffers,

@@ -339,7 +339,7 @@ fn nodes_are_posed_at_a_moment() {
     );
     let place = |model: Model| model.nodes[0].parent_from_local.point(DVec3::X);
     let rest_model = arrays.model(&rest);
-    assert_eq!(rest_model.warnings[0].message, "no time is given: the model is in its rest pose");
+    assert_eq!(rest_model.notes, ["The model is animated: it is shown in its rest pose."]);
     assert_eq!(place(rest_model), DVec3::new(2.0, 0.0, 0.0));
     assert_eq!(place(arrays.at(1.0, &rest)), DVec3::new(4.0, 0.0, 0.0));
     assert!((place(arrays.at(9.0, &rest)) - DVec3::new(4.0, 2.0, 0.0)).length() < 1e-6);

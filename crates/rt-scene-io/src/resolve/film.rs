@@ -1,13 +1,13 @@
-//! The image and the settings.
+//! Settings of the image.
 
 use rt_camera::{FilmSettings, Filter};
 use rt_image::{Development, Dither, Encoding};
 use rt_math::DVec2;
 
-use super::value::{not_negative, positive, within};
+use super::value::{positive, within};
 use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{AdaptiveSampling, Integrator, LoadErrorKind, RenderSettings, limits};
+use crate::{LoadErrorKind, limits};
 
 /// The image. A field that is wrong keeps its default after it is reported.
 pub(super) fn film(report: &mut Diagnostics, film: &format::Film) -> FilmSettings {
@@ -52,38 +52,4 @@ fn size((width, height): (u64, u64)) -> Result<(u32, u32), LoadErrorKind> {
     }
     // Both fit, because their product does.
     Ok((width as u32, height as u32))
-}
-
-/// The settings. A field that is wrong keeps its default after it is reported.
-pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, default: Integrator) -> RenderSettings {
-    let spp = report.check("settings.spp", within(settings.spp, 1, limits::SAMPLES)).unwrap_or(1);
-    let passes = settings.passes.and_then(|passes| report.check("settings.passes", within(passes, 1, limits::PASSES)));
-    let adaptive = settings.adaptive.map(|format::Adaptive::ObjectSpace { min_spp }| {
-        let min_spp =
-            min_spp.and_then(|spp| report.check("settings.adaptive.min_spp", within(spp, 1, limits::SAMPLES)));
-        AdaptiveSampling::ObjectSpace { min_spp: min_spp.map(|spp| spp as u32) }
-    });
-    let depth = report.check("settings.max_depth", within(settings.max_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
-    report.check("settings.min_contribution", not_negative(settings.min_contribution));
-    let rr_start_depth =
-        report.check("settings.rr_start_depth", within(settings.rr_start_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
-    let clamp = settings.clamp.and_then(|clamp| report.check("settings.clamp", positive(clamp)));
-    let occlusion_distance = settings
-        .occlusion_distance
-        .map_or(Some(f64::INFINITY), |distance| report.check("settings.occlusion_distance", positive(distance)));
-    RenderSettings {
-        integrator: settings.integrator.unwrap_or(default),
-        pattern: settings.sampler.into(),
-        spp: spp as u32,
-        passes: passes.map(|passes| passes as u32),
-        adaptive,
-        depth: depth as u32,
-        min_contribution: settings.min_contribution,
-        accel: settings.accel,
-        seed: settings.seed,
-        light_sampling: settings.light_sampling.into(),
-        rr_start_depth: rr_start_depth as u32,
-        clamp,
-        occlusion_distance: occlusion_distance.unwrap_or(f64::INFINITY),
-    }
 }

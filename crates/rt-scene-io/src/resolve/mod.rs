@@ -15,6 +15,7 @@ mod material;
 mod material_model;
 mod models;
 mod node;
+mod settings;
 mod shape;
 mod shutter;
 mod texture;
@@ -86,7 +87,7 @@ pub(crate) fn resolve_with(
     let background = light::background(&mut report, fields.background.as_ref(), &mut textures);
     let film = film::film(&mut report, &fields.film);
     let cameras = camera::cameras(&mut report, &fields.cameras, &film, &media, &shutter);
-    let settings = film::settings(&mut report, &file.settings, default_integrator);
+    let settings = settings::settings(&mut report, &file.settings, default_integrator);
     let is_chosen = options.integrator.is_none() && file.settings.integrator.is_none();
     if is_chosen && settings.integrator != Integrator::Whitted {
         notes.push(format!(

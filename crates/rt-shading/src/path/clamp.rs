@@ -5,27 +5,27 @@ use rt_math::Rgb;
 
 /// Bound on a contribution of indirect light to a pixel.
 ///
-/// Light is *indirect* if two or more surfaces have scattered it on its way to the camera. Direct light is exempt, whether sampled by
+/// Light is *indirect* if two or more surfaces have scattered it on its path to the camera. Direct light is exempt, whether sampled by
 /// the light or by the BSDF. A contribution whose largest component exceeds the bound is scaled so that this component equals it,
 /// which keeps the hue. Rare bright paths (fireflies) lose most; the mean of a pixel loses light, and the image is biased.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clamp {
     /// Largest component of a contribution, in units of radiance; infinite for none.
-    most: f64,
+    max: f64,
 }
 
 impl Clamp {
     /// No bound.
-    pub const NONE: Self = Self { most: f64::INFINITY };
+    pub const NONE: Self = Self { max: f64::INFINITY };
 
     /// Bound in units of radiance; `None` unless it is finite and above 0.
-    pub fn new(most: f64) -> Option<Self> {
-        (most.is_finite() && most > 0.0).then_some(Self { most })
+    pub fn new(max: f64) -> Option<Self> {
+        (max.is_finite() && max > 0.0).then_some(Self { max })
     }
 
     /// Bound in units of radiance; `None` if there is none.
     pub fn bound(self) -> Option<f64> {
-        self.is_set().then_some(self.most)
+        self.is_set().then_some(self.max)
     }
 
     /// True if contributions of paths that this many surfaces have scattered are bounded.
@@ -36,30 +36,33 @@ impl Clamp {
 
     #[inline(always)]
     fn is_set(self) -> bool {
-        self.most < f64::INFINITY
+        self.max < f64::INFINITY
     }
 
     /// Contribution within the bound. Non-finite contributions are unchanged.
     #[inline(never)]
     pub(crate) fn bounded(self, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
         let largest = contribution.max_component();
-        if !(largest > self.most && largest < f64::INFINITY) {
+        if !(largest > self.max && largest < f64::INFINITY) {
             return contribution;
         }
         counts.clamped += 1;
-        let bounded = contribution * (self.most / largest);
+        let bounded = contribution * (self.max / largest);
         let lost = contribution - bounded;
-        let in_units = (lost.r + lost.g + lost.b) / 3.0 / self.most * Self::UNITS;
+        let in_units = (lost.r + lost.g + lost.b) / 3.0 / self.unit();
         counts.clamped_units = counts.clamped_units.saturating_add(in_units as u64);
         bounded
     }
 
-    /// Units of the bound for sums of lost light: integer sums do not depend on the order.
-    const UNITS: f64 = 65536.0;
+    /// Unit of sums of lost light: integer sums do not depend on the order. A tiny bound has no tiny unit, because sums would
+    /// exceed 64 bits.
+    const fn unit(self) -> f64 {
+        self.max.max(1e-3) / 65536.0
+    }
 
     /// Total radiance, mean of channels, that clamping has removed.
     pub fn lost(self, counts: &ShadingCounts) -> f64 {
-        if self.is_set() { counts.clamped_units as f64 / Self::UNITS * self.most } else { 0.0 }
+        if self.is_set() { counts.clamped_units as f64 * self.unit() } else { 0.0 }
     }
 }
 
@@ -82,6 +85,16 @@ mod tests {
         assert_eq!((counts.clamped, clamp.lost(&counts)), (1, 3.0));
         assert!(clamp.bounded(Rgb::gray(f64::INFINITY), &mut counts).r.is_infinite(), "bad samples are told elsewhere");
         assert_eq!(counts.clamped, 1);
+    }
+
+    #[test]
+    fn lost_light_of_a_tiny_bound_is_not_lost_in_the_sum() {
+        let (mut counts, clamp) = (ShadingCounts::default(), Clamp::new(1e-300).expect("positive"));
+        for _ in 0..1000 {
+            clamp.bounded(Rgb::gray(3.0), &mut counts);
+        }
+        let lost = clamp.lost(&counts);
+        assert!((lost / 3000.0 - 1.0).abs() < 1e-6, "{lost}");
     }
 
     #[test]

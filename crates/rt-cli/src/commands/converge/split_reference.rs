@@ -49,19 +49,25 @@ pub(super) fn render(
     runner.set_total_samples(planned + 2 * method.samples(spp));
     let a = runner.render(&mut method, spp, seed)?;
     let b = runner.render(&mut method, spp, seed.wrapping_add(1))?;
-    let samples = 2 * u64::from(a.spp);
+    let measured =
+        methods.iter().map(|method| method.scene.settings.pattern.round_up(max_spp)).max().unwrap_or(max_spp);
     let note = format!(
-        "two halves of {} samples per pixel each by {} and {}, together {:.0} times the largest measured count of {max_spp}",
+        "two halves of {} samples per pixel each by {} and {}, together {} times the largest measured count of {measured}",
         a.spp,
         method.name.integrator,
         method.name.sampler,
-        samples as f64 / f64::from(max_spp),
+        times(2.0 * f64::from(a.spp) / f64::from(measured)),
     );
     Reference::of_halves(&a.film, &b.film, note).map_err(|source| CliError::Pair {
         test: "one half of the reference".into(),
         reference: "the other".into(),
         source,
     })
+}
+
+/// Two digits of a ratio.
+fn times(ratio: f64) -> String {
+    if ratio < 10.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
 }
 
 /// Wall-clock time of one sample per pixel, measured with growing sample counts until a render takes a hundredth of the limit.
