@@ -53,14 +53,15 @@ pub(crate) struct Checkpointer {
     last: Instant,
     console: Console,
     has_warned: bool,
-    /// File next to the checkpoint that is locked, so that no other render uses the checkpoint; `None` where it cannot be locked.
-    lock: Option<File>,
+    /// The checkpoint on disk, open and locked, so that no other render uses it. Only on Unix: elsewhere, open files cannot be
+    /// replaced.
+    held: Option<File>,
 }
 
 impl Checkpointer {
     pub(crate) fn new(file: &Path, options: &CheckpointOptions, label: Label, console: Console) -> Self {
         let interval = options.interval;
-        Self { file: file.to_owned(), interval, label, last: Instant::now(), console, has_warned: false, lock: None }
+        Self { file: file.to_owned(), interval, label, last: Instant::now(), console, has_warned: false, held: None }
     }
 
     /// Reads the checkpoint of an earlier run to continue, within `memory` bytes. A checkpoint of another image, or an unusable one,
@@ -74,7 +75,7 @@ impl Checkpointer {
         options: &CheckpointOptions,
         memory: Option<u64>,
     ) -> Result<Option<Checkpoint>, CliError> {
-        self.lock = self.take_lock()?;
+        self.held = self.lock()?;
         let unusable = match checkpoint_format::label(&self.file, ArtifactKind::Checkpoint) {
             Ok(None) => return Ok(None),
             Ok(Some(label)) if label.identity == self.label.identity && !(options.resume || options.restart) => {
@@ -148,28 +149,28 @@ impl Checkpointer {
     }
 
     fn write(&mut self, kept: &CheckpointRef<'_>) -> Result<(), String> {
-        output::write_over_link(&self.file, |file| checkpoint_format::write(file, &self.label, kept)).map(|_| ())
+        // Another render may have written it since this one began.
+        if self.held.is_none() {
+            self.lock().map_err(|error| error.to_string())?;
+        }
+        let file = output::write_over_link(&self.file, |file| checkpoint_format::write(file, &self.label, kept))?;
+        self.held = cfg!(unix).then_some(file);
+        Ok(())
     }
 
-    fn lock_file(&self) -> PathBuf {
-        with_suffix(&self.file, ".lock")
-    }
-
-    /// Locks the file that guards the checkpoint. The checkpoint itself may not exist yet, and is replaced when it is written.
+    /// Locks the file on disk, if there is one.
     ///
     /// # Errors
-    /// [`ArtifactError::InUse`] if another render holds the lock. Systems and directories without locks give none.
-    fn take_lock(&self) -> Result<Option<File>, ArtifactError> {
-        let path = self.lock_file();
-        // Opening a pipe would block, and links are not followed.
-        if path.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
+    /// [`ArtifactError::InUse`] if another render holds the lock. Systems without locks give none.
+    fn lock(&self) -> Result<Option<File>, ArtifactError> {
+        // Opening a pipe would block.
+        if !cfg!(unix) || !self.file.metadata().is_ok_and(|metadata| metadata.is_file()) {
             return Ok(None);
         }
-        let Ok(file) = File::options().write(true).create(true).truncate(false).open(&path) else { return Ok(None) };
+        let Ok(file) = File::open(&self.file) else { return Ok(None) };
         match file.try_lock() {
-            Ok(()) => Ok(Some(file)),
             Err(TryLockError::WouldBlock) => Err(ArtifactError::InUse(self.file.clone())),
-            Err(TryLockError::Error(_)) => Ok(None),
+            _ => Ok(Some(file)),
         }
     }
 
@@ -189,14 +190,9 @@ impl Checkpointer {
 
     /// Removes the checkpoint of a finished render. A failure is harmless: `--resume` would find all tiles finished.
     pub(crate) fn remove(&self) {
-        let _ = fs::remove_file(&self.file);
-    }
-}
-
-impl Drop for Checkpointer {
-    fn drop(&mut self) {
-        if self.lock.is_some() {
-            let _ = fs::remove_file(self.lock_file());
+        // Otherwise the file, if there is one, is that of another render.
+        if self.held.is_some() || !cfg!(unix) {
+            let _ = fs::remove_file(&self.file);
         }
     }
 }

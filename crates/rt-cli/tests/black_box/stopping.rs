@@ -80,7 +80,7 @@ fn statistics_are_two_lines_unless_verbose() {
         assert!(lines[0].starts_with("wrote scene.png (48x32, ") && lines[0].ends_with(" Mrays/s"), "{lines:?}");
     }
     let noted = lines("--sampler jittered --spp 5");
-    assert!(noted.len() == 3 && noted[0].starts_with("note: jittered takes 9 samples"), "{noted:?}");
+    assert!(noted.len() == 3 && noted[0].starts_with("note: 9 samples per pixel"), "{noted:?}");
     for option in ["-v", "--verbose"] {
         let all = lines(option);
         let has = |text: &str| all.iter().any(|line| line.contains(text));
