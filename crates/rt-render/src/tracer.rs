@@ -145,21 +145,15 @@ impl SceneQueries for SceneTracer<'_> {
                 on_hit(at, None);
                 continue;
             };
-            match lazy {
-                LazyShape::Sphere => {
-                    if let Some(sphere) = &self.world.sphere(hit, needs) {
-                        on_hit(at, Some(ClosestHit::Sphere(sphere)));
-                        continue;
-                    }
-                }
-                LazyShape::Triangle => {
-                    if let Some(triangle) = &self.world.triangle(hit, needs) {
-                        on_hit(at, Some(ClosestHit::Triangle(triangle)));
-                        continue;
-                    }
-                }
+            if lazy == LazyShape::SphereOrTriangle
+                && let Some(triangle) = &self.world.triangle(hit, needs)
+            {
+                on_hit(at, Some(ClosestHit::Triangle(triangle)));
+            } else if let Some(sphere) = &self.world.sphere(hit, needs) {
+                on_hit(at, Some(ClosestHit::Sphere(sphere)));
+            } else {
+                on_hit(at, self.world.surface(ray, hit, needs).as_mut().map(ClosestHit::Surface));
             }
-            on_hit(at, self.world.surface(ray, hit, needs).as_mut().map(ClosestHit::Surface));
         }
     }
 

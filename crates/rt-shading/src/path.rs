@@ -17,7 +17,7 @@ pub use clamp::Clamp;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
 pub use transport::Transport;
-use vertex_queue::VertexQueue;
+use vertex_queue::{LazyHit, VertexQueue};
 use wave::{Path, ShadowRayQueue};
 
 /// Parameters of path tracing.
@@ -158,18 +158,22 @@ impl<S: Sampler + Clone> PathTracer<S> {
         let needs = self.features.surface();
         if self.lanes.is_none() {
             return world.closest_batch(rays, kind, needs, |at, hit| {
-                let id = path(at);
-                self.shade_hit(lighting, id, &rays[at].0, hit, &mut seen[id as usize]);
+                let (id, ray) = (path(at), &rays[at].0);
+                let seen = &mut seen[id as usize];
+                match hit {
+                    Some(hit) => self.shade_hit(lighting, id, ray, hit, seen),
+                    None => self.shade_miss(lighting, id, ray, seen),
+                }
             });
         }
-        world.closest_hits(rays, kind, (needs, LazyShape::Triangle), |at, hit| {
+        world.closest_hits(rays, kind, (needs, LazyShape::SphereOrTriangle), |at, hit| {
             let (id, ray) = (path(at), &rays[at].0);
             let seen = &mut seen[id as usize];
             match hit {
-                Some(ClosestHit::Triangle(hit)) => self.shade_triangle(lighting, id, ray, hit, seen),
-                Some(ClosestHit::Surface(hit)) => self.shade_hit(lighting, id, ray, Some(hit), seen),
-                Some(ClosestHit::Sphere(hit)) => self.shade_hit(lighting, id, ray, Some(&mut hit.surface(ray)), seen),
-                None => self.shade_hit(lighting, id, ray, None, seen),
+                Some(ClosestHit::Triangle(hit)) => self.shade_lazily(lighting, id, ray, LazyHit::Triangle(hit), seen),
+                Some(ClosestHit::Sphere(hit)) => self.shade_lazily(lighting, id, ray, LazyHit::Sphere(hit), seen),
+                Some(ClosestHit::Surface(hit)) => self.shade_hit(lighting, id, ray, hit, seen),
+                None => self.shade_miss(lighting, id, ray, seen),
             }
         });
         self.shade_queues(lighting, seen);

@@ -102,8 +102,8 @@ pub enum ClosestHit<'h> {
 pub enum LazyShape {
     /// [`ClosestHit::Sphere`] instead of [`ClosestHit::Surface`].
     Sphere,
-    /// [`ClosestHit::Triangle`] instead of [`ClosestHit::Surface`].
-    Triangle,
+    /// [`ClosestHit::Sphere`] or [`ClosestHit::Triangle`] instead of [`ClosestHit::Surface`].
+    SphereOrTriangle,
 }
 
 /// The world of an integrator: it answers ray queries and counts them.

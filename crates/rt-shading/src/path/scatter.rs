@@ -3,11 +3,11 @@
 use super::{
     Clamp, Lighting, PathSettings, PathTracer, Transport,
     vertex_block::FollowedLobes,
-    vertex_queue::{QueueKind, SampledDelta, VertexQueue},
+    vertex_queue::{LazyHit, QueueKind, SampledDelta, VertexQueue},
     wave::{Path, PrevVertex},
 };
 use crate::{
-    RadianceSample, ShadingCounts, SurfaceHit, TriangleHit,
+    RadianceSample, ShadingCounts, SurfaceHit,
     bsdf::{LaneSurface, Scattering},
     bsdf_cache::{CachedBsdf, LaneMaterial},
     hit_context::HitContext,
@@ -22,23 +22,26 @@ use crate::{
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 impl<S: Sampler + Clone> PathTracer<S> {
+    /// Adds the background behind all surfaces to the radiance of a path.
+    #[inline(always)]
+    pub(super) fn shade_miss(&mut self, lighting: Lighting<'_>, id: u32, ray: &Ray, seen: &mut RadianceSample) {
+        let path = &self.paths[id as usize];
+        let throughput = path.throughput * mis_weight_env(lighting, path, ray.direction);
+        let radiance = throughput * lighting.appearance.background.radiance(ray.direction);
+        seen.radiance += clamped(self.settings.clamp, path.bounces, radiance, &mut self.counts);
+    }
+
     /// Adds emission at the hit of a ray, samples direct light there, and samples the next ray of the path.
     pub(super) fn shade_hit(
         &mut self,
         lighting: Lighting<'_>,
         id: u32,
         ray: &Ray,
-        hit: Option<&mut SurfaceHit>,
+        hit: &mut SurfaceHit,
         seen: &mut RadianceSample,
     ) {
         let PathSettings { transport, clamp, .. } = self.settings;
         let path = &mut self.paths[id as usize];
-        let Some(hit) = hit else {
-            let throughput = path.throughput * mis_weight_env(lighting, path, ray.direction);
-            let radiance = throughput * lighting.appearance.background.radiance(ray.direction);
-            seen.radiance += clamped(clamp, path.bounces, radiance, &mut self.counts);
-            return;
-        };
         let materials = &lighting.appearance.materials;
         let Some(context) = HitContext::new(&self.features, materials, ray, hit) else {
             seen.hit = true;
@@ -93,19 +96,19 @@ impl<S: Sampler + Clone> PathTracer<S> {
         self.scatter(lighting, id, &vertex, interface, seen);
     }
 
-    /// Version of [`shade_hit`](Self::shade_hit) for a flat triangle, whose surface is computed in lanes if its material allows that.
+    /// Version of [`shade_hit`](Self::shade_hit) for a shape whose surface is computed in lanes if its material allows that.
     #[inline(always)]
-    pub(super) fn shade_triangle(
+    pub(super) fn shade_lazily(
         &mut self,
         lighting: Lighting<'_>,
         id: u32,
         ray: &Ray,
-        hit: &TriangleHit,
+        hit: LazyHit<'_>,
         seen: &mut RadianceSample,
     ) {
-        let material = if self.features.absorption { None } else { lighting.bsdfs.in_lanes(hit.material) };
+        let material = if self.features.absorption { None } else { lighting.bsdfs.in_lanes(hit.material()) };
         let Some(LaneMaterial { surface, ambient }) = material else {
-            return self.shade_hit(lighting, id, ray, Some(&mut hit.surface()), seen);
+            return self.shade_hit(lighting, id, ray, &mut hit.surface(ray), seen);
         };
         seen.hit = true;
         let PathSettings { transport, clamp, rr_start_depth, .. } = self.settings;
@@ -119,7 +122,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             seen.radiance += clamped(clamp, path.bounces + 1, radiance, &mut self.counts);
         }
         let queue = &mut self.queues[QueueKind::of(surface) as usize];
-        queue.push_triangle((id, path), hit, surface, ray, rr_start_depth);
+        queue.push_hit((id, path), hit, surface, ray, rr_start_depth);
     }
 
     /// Samples direct light and the next direction of the path.

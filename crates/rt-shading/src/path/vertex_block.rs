@@ -13,8 +13,8 @@ use rt_math::{Real, Vector3, tangents};
 pub(super) struct Block {
     /// Lanes without a rare case so far; all others are shaded one by one.
     pub(super) valid: u8,
-    /// Hits on triangles, whose surfaces are computed in lanes.
-    pub(super) triangles: TriangleBlock,
+    /// Shapes whose surfaces are computed in lanes.
+    pub(super) shapes: ShapeBlock,
     pub(super) point: Vector3<LaneArray>,
     pub(super) point_error: Vector3<LaneArray>,
     pub(super) shadow_point: Vector3<LaneArray>,
@@ -46,13 +46,16 @@ pub(super) struct Block {
     pub(super) scattered: ScatteredBlock,
 }
 
-/// Triangles of four hits. Bit `i` of the mask is for lane `i`; the numbers of others are left over.
+/// Shapes of four hits. Bit `i` of a mask is for lane `i`; the numbers of lanes in no mask are left over.
 #[derive(Clone, Debug, Default)]
-pub(super) struct TriangleBlock {
-    pub(super) mask: u8,
-    pub(super) vertices: [Vector3<LaneArray>; 3],
-    /// Barycentric weights of the second and third vertex.
-    pub(super) uv: [LaneArray; 2],
+pub(super) struct ShapeBlock {
+    /// Lanes with a triangle, and with a sphere.
+    pub(super) triangles: u8,
+    pub(super) spheres: u8,
+    /// Vertices of a triangle, or centre of a sphere and origin of the ray.
+    pub(super) points: [Vector3<LaneArray>; 3],
+    /// Barycentric weights of the second and third vertex, or radius and ray parameter.
+    pub(super) numbers: [LaneArray; 2],
     /// Directions of the rays, of any length.
     pub(super) direction: Vector3<LaneArray>,
 }

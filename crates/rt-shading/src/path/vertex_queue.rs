@@ -1,19 +1,19 @@
 //! Queue of path vertices that are shaded in lanes, on surfaces of one kind.
 //!
 //! ```text
-//!   hits ─▶ push ─▶ draw samples ─▶ surfaces of triangles ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
+//!   hits ─▶ push ─▶ draw samples ─▶ surfaces of shapes ─▶ sample lights ─▶ scatter ─▶ shadow rays, next rays
 //! ```
 //!
 //! Lanes in which a rare case occurs are marked, and shaded one by one.
 
 use super::{
     lane_bsdf::{Diffuse, DiffuseAndPhong},
-    vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock},
+    vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock, ShapeBlock},
     vertex_stages::{compute_surfaces, sample_delta_lights, sample_lights, scatter},
     wave::Path,
 };
 use crate::{
-    TriangleHit,
+    SphereHit, SurfaceHit, TriangleHit,
     bsdf::{
         Bsdf, Coupling, DiffusePhong, LaneSurface, MetallicRoughness, MetallicRoughnessLanes, OrenNayar, PhongLobe,
         WeightedPhong,
@@ -57,6 +57,33 @@ impl QueueKind {
             LaneSurface::DiffusePhong(DiffusePhong { highlight: None, .. }) => Self::Diffuse,
             LaneSurface::DiffusePhong(_) => Self::DiffusePhong,
             LaneSurface::MetallicRoughness(_) => Self::MetallicRoughness,
+        }
+    }
+}
+
+/// Hit whose surface can be computed in lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LazyHit<'h> {
+    Triangle(&'h TriangleHit),
+    Sphere(&'h SphereHit),
+}
+
+impl LazyHit<'_> {
+    /// Index of the material.
+    #[inline(always)]
+    pub(super) const fn material(self) -> u32 {
+        match self {
+            Self::Triangle(hit) => hit.material,
+            Self::Sphere(hit) => hit.material,
+        }
+    }
+
+    /// The surface, without texture coordinates.
+    #[inline(always)]
+    pub(super) fn surface(self, ray: &Ray) -> SurfaceHit {
+        match self {
+            Self::Triangle(hit) => hit.surface(),
+            Self::Sphere(hit) => hit.surface(ray),
         }
     }
 }
@@ -166,26 +193,35 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         block.side[lane] = if view.is_inside { -1.0 } else { 1.0 };
     }
 
-    /// Version of [`push`](Self::push) for a hit of a ray on a triangle, whose surface is computed later.
+    /// Version of [`push`](Self::push) for a hit of a ray whose surface is computed later.
     #[inline(always)]
-    pub(super) fn push_triangle(
+    pub(super) fn push_hit(
         &mut self,
         path: (u32, &Path),
-        hit: &TriangleHit,
+        hit: LazyHit<'_>,
         bsdf: &LaneSurface,
         ray: &Ray,
         rr_start_depth: u32,
     ) {
         let (block, lane) = self.push_path(path, bsdf, ray.time, rr_start_depth);
-        block.triangles.mask |= 1 << lane;
-        let [a, b, c] = &mut block.triangles.vertices;
-        set(a, lane, hit.vertices[0]);
-        set(b, lane, hit.vertices[1]);
-        set(c, lane, hit.vertices[2]);
-        let [v, w] = &mut block.triangles.uv;
-        [v[lane], w[lane]] = hit.uv;
-        set(&mut block.triangles.direction, lane, ray.direction);
-        set(&mut block.geometric_normal, lane, hit.normal);
+        let ShapeBlock { triangles, spheres, points: [a, b, c], numbers, direction } = &mut block.shapes;
+        set(direction, lane, ray.direction);
+        match hit {
+            LazyHit::Triangle(hit) => {
+                *triangles |= 1 << lane;
+                set(a, lane, hit.vertices[0]);
+                set(b, lane, hit.vertices[1]);
+                set(c, lane, hit.vertices[2]);
+                set_pair(numbers, lane, hit.uv);
+                set(&mut block.geometric_normal, lane, hit.normal);
+            }
+            LazyHit::Sphere(hit) => {
+                *spheres |= 1 << lane;
+                set(a, lane, hit.sphere.centre());
+                set(b, lane, ray.origin);
+                set_pair(numbers, lane, [hit.sphere.radius(), hit.t]);
+            }
+        }
     }
 
     /// Appends a vertex without its surface.
@@ -204,7 +240,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         self.vertices.push(QueuedVertex { path: id, time });
         let block = &mut self.blocks[at];
         if lane == 0 {
-            (block.valid, block.triangles.mask) = (!0, 0);
+            (block.valid, block.shapes.triangles, block.shapes.spheres) = (!0, 0, 0);
         }
         match bsdf {
             LaneSurface::DiffusePhong(DiffusePhong { diffuse, highlight }) => {

@@ -4,7 +4,7 @@
 //! [`Bsdf`](crate::bsdf::Bsdf) for one path.
 
 use super::lane_bsdf::{LaneBsdf, SampledLanes};
-use super::vertex_block::{Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, ScatteredBlock, TriangleBlock};
+use super::vertex_block::{Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, ScatteredBlock, ShapeBlock};
 use crate::{
     DeltaLight,
     bsdf::HORIZON,
@@ -12,38 +12,72 @@ use crate::{
     light::{Light, LightSet, QuadLight},
     russian_roulette::survival_probability,
 };
-use rt_geometry::{offset_point, triangle_point};
-use rt_math::{Real, Rgb, Vector3};
+use rt_geometry::{offset_point, sphere_point, triangle_point};
+use rt_math::{DVec3, Mask, Real, Rgb, Vector3};
 
-/// Computes the surfaces of triangles.
+/// Computes the surfaces of shapes.
 pub(super) fn compute_surfaces<S: Simd>(simd: S, blocks: &mut [Block]) {
     simd.vectorize(
         #[inline(always)]
         || {
-            for block in blocks.iter_mut().filter(|block| block.triangles.mask != 0) {
-                compute_surface(simd, block);
+            for block in blocks {
+                if block.shapes.triangles != 0 {
+                    compute_triangles(simd, block);
+                }
+                if block.shapes.spheres != 0 {
+                    compute_spheres(simd, block);
+                }
             }
         },
     );
 }
 
 #[inline(always)]
-fn compute_surface<S: Simd>(simd: S, block: &mut Block) {
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let TriangleBlock { mask, vertices: [a, b, c], uv: [v, w], direction } = &block.triangles;
+fn compute_triangles<S: Simd>(simd: S, block: &mut Block) {
+    let ShapeBlock { triangles, points: [a, b, c], numbers: [v, w], .. } = &block.shapes;
     let vertices = [Lanes::load_vector(simd, a), Lanes::load_vector(simd, b), Lanes::load_vector(simd, c)];
     let (point, error) = triangle_point(vertices, [Lanes::load(simd, v), Lanes::load(simd, w)]);
-    let direction = Lanes::load_vector(simd, direction);
-    let direction = direction / direction.length();
     let normal = Lanes::load_vector(simd, &block.geometric_normal);
+    let is_triangle = LaneMask::from_bits(simd, *triangles);
+    replace_surface(simd, block, is_triangle, [point, error, normal]);
+}
+
+/// Computes the surfaces of spheres as [`Sphere::surface`](rt_geometry::Sphere::surface).
+#[inline(always)]
+fn compute_spheres<S: Simd>(simd: S, block: &mut Block) {
+    let ShapeBlock { spheres, points: [centre, origin, _], numbers: [radius, t], direction, .. } = &block.shapes;
+    let (centre, origin) = (Lanes::load_vector(simd, centre), Lanes::load_vector(simd, origin));
+    let direction = Lanes::load_vector(simd, direction);
+    let (mut normal, has_normal) = ((origin - centre) + direction * Lanes::load(simd, t)).try_normalize();
+    if !has_normal.all() {
+        let (unit, has_length) = direction.try_normalize();
+        let unit = Vector3::select(has_length, unit, Vector3::splat(direction.x, DVec3::Y));
+        normal = Vector3::select(has_normal, normal, -unit);
+    }
+    let is_sphere = LaneMask::from_bits(simd, *spheres);
+    let (point, error) = sphere_point(centre, Lanes::load(simd, radius), normal);
+    replace(simd, &mut block.geometric_normal, is_sphere, normal);
+    replace_surface(simd, block, is_sphere, [point, error, normal]);
+}
+
+/// Replaces flat surfaces where the mask is true, by points, their errors and unit normals.
+#[inline(always)]
+fn replace_surface<S: Simd>(
+    simd: S,
+    block: &mut Block,
+    mask: LaneMask<S>,
+    [point, error, normal]: [Vector3<Lanes<S>>; 3],
+) {
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let direction = Lanes::load_vector(simd, &block.shapes.direction);
+    let direction = direction / direction.length();
     let side = Real::select(direction.dot(normal).gt(zero), -one, one);
-    let is_triangle = LaneMask::from_bits(simd, *mask);
-    replace(simd, &mut block.point, is_triangle, point);
-    replace(simd, &mut block.point_error, is_triangle, error);
-    replace(simd, &mut block.shadow_point, is_triangle, point);
-    replace(simd, &mut block.shading_normal, is_triangle, normal);
-    replace(simd, &mut block.direction, is_triangle, direction);
-    block.side = Real::select(is_triangle, side, Lanes::load(simd, &block.side)).store();
+    replace(simd, &mut block.point, mask, point);
+    replace(simd, &mut block.point_error, mask, error);
+    replace(simd, &mut block.shadow_point, mask, point);
+    replace(simd, &mut block.shading_normal, mask, normal);
+    replace(simd, &mut block.direction, mask, direction);
+    block.side = Real::select(mask, side, Lanes::load(simd, &block.side)).store();
 }
 
 /// Replaces vectors where the mask is true.
