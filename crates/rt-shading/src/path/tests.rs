@@ -4,7 +4,7 @@ mod reference;
 use super::*;
 use crate::{
     Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
-    MaterialModel, Phong, ReferencePathTracer, SurfaceHit, Transmission, TriangleHit,
+    MaterialModel, Phong, ReferencePathTracer, SphereHit, SurfaceHit, Transmission, TriangleHit,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, QuadLight},
 };
 use core::f64::consts::PI;
@@ -44,7 +44,7 @@ impl SceneQueries for Shapes {
         Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, light })
     }
 
-    /// Leaves surfaces of triangles to the integrator.
+    /// Leaves surfaces of triangles and spheres to the integrator.
     fn closest_hits(
         &mut self,
         rays: &[(Ray, Interval)],
@@ -59,7 +59,12 @@ impl SceneQueries for Shapes {
                 continue;
             };
             match &self.0[surface.object as usize].0 {
-                Shape::Triangle(triangle) if lazy == LazyShape::Triangle && !needs.uv => {
+                Shape::Sphere(sphere) if !needs.uv => {
+                    let SurfaceHit { t, object, material, light, .. } = *surface;
+                    let sphere = SphereHit { t, sphere: *sphere, object, material, light };
+                    met(at, Some(ClosestHit::Sphere(&sphere)));
+                }
+                Shape::Triangle(triangle) if lazy == LazyShape::SphereOrTriangle && !needs.uv => {
                     let uv = triangle.intersect(ray, *span).expect("it is the closest hit").uv;
                     let normal = surface.interaction.geometric_normal;
                     let SurfaceHit { t, object, material, light, .. } = *surface;

@@ -9,7 +9,7 @@
 use super::{
     lane_bsdf::{Diffuse, DiffuseAndPhong},
     vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock, ShapeBlock},
-    vertex_stages::{compute_surfaces, sample_delta_lights, sample_lights, scatter},
+    vertex_stages::{compute_surfaces, sample_lights, scatter},
     wave::Path,
 };
 use crate::{
@@ -336,27 +336,16 @@ impl<S: Sampler + Clone> VertexQueue<S> {
                 LaneLevel::Avx2(simd) => sample_lights(simd, blocks, self.vertices.len(), lights),
             }
         }
-        self.delta.clear();
-        if lights.delta_lights().next().is_some() {
-            match level {
-                #[cfg(target_arch = "x86_64")]
-                LaneLevel::Avx2(simd) => match self.kind {
-                    QueueKind::Diffuse => sample_delta_lights::<_, Diffuse<_>>(simd, blocks, lights, &mut self.delta),
-                    QueueKind::DiffusePhong => {
-                        sample_delta_lights::<_, DiffuseAndPhong<_>>(simd, blocks, lights, &mut self.delta)
-                    }
-                    QueueKind::MetallicRoughness => {
-                        sample_delta_lights::<_, MetallicRoughnessLanes<_>>(simd, blocks, lights, &mut self.delta)
-                    }
-                },
-            }
-        }
+        let delta = &mut self.delta;
+        delta.clear();
         match level {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => match self.kind {
-                QueueKind::Diffuse => scatter::<_, Diffuse<_>>(simd, blocks, lobes),
-                QueueKind::DiffusePhong => scatter::<_, DiffuseAndPhong<_>>(simd, blocks, lobes),
-                QueueKind::MetallicRoughness => scatter::<_, MetallicRoughnessLanes<_>>(simd, blocks, lobes),
+                QueueKind::Diffuse => scatter::<_, Diffuse<_>>(simd, blocks, lights, delta, lobes),
+                QueueKind::DiffusePhong => scatter::<_, DiffuseAndPhong<_>>(simd, blocks, lights, delta, lobes),
+                QueueKind::MetallicRoughness => {
+                    scatter::<_, MetallicRoughnessLanes<_>>(simd, blocks, lights, delta, lobes)
+                }
             },
         }
     }

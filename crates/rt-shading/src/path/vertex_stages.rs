@@ -159,27 +159,6 @@ fn sample_quad<S: Simd>(simd: S, block: &mut Block, (lanes, probability): (u8, L
     light.pdf = Real::select(is_chosen & sampled.is_lit, sampled.pdf * probability, pdf).store();
 }
 
-/// Evaluates the BSDF for all delta lights: one block of results for each block and light.
-pub(super) fn sample_delta_lights<S: Simd, B: LaneBsdf<S>>(
-    simd: S,
-    blocks: &mut [Block],
-    lights: &LightSet,
-    results: &mut Vec<DeltaBlock>,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for block in blocks {
-                let frame = FrameLanes::new(simd, block);
-                let bsdf = B::load(simd, block, frame.wo);
-                for light in lights.delta_lights() {
-                    results.push(sample_delta_light(simd, block, (&frame, &bsdf), light));
-                }
-            }
-        },
-    );
-}
-
 #[inline(always)]
 fn sample_delta_light<S: Simd, B: LaneBsdf<S>>(
     simd: S,
@@ -217,24 +196,39 @@ fn sample_delta_light<S: Simd, B: LaneBsdf<S>>(
     result
 }
 
-/// Evaluates the BSDF for the sampled light, and samples the next direction.
-pub(super) fn scatter<S: Simd, B: LaneBsdf<S>>(simd: S, blocks: &mut [Block], lobes: FollowedLobes) {
+/// Evaluates the BSDF for all delta lights and for the sampled light, and samples the next direction. Appends one block of results
+/// for each block and delta light.
+pub(super) fn scatter<S: Simd, B: LaneBsdf<S>>(
+    simd: S,
+    blocks: &mut [Block],
+    lights: &LightSet,
+    delta: &mut Vec<DeltaBlock>,
+    lobes: FollowedLobes,
+) {
     simd.vectorize(
         #[inline(always)]
         || {
             for block in blocks {
-                block.scattered = scatter_block::<S, B>(simd, block, lobes);
+                let frame = FrameLanes::new(simd, block);
+                let bsdf = B::load(simd, block, frame.wo);
+                for light in lights.delta_lights() {
+                    delta.push(sample_delta_light(simd, block, (&frame, &bsdf), light));
+                }
+                block.scattered = scatter_block(simd, block, (&frame, &bsdf), lobes);
             }
         },
     );
 }
 
 #[inline(always)]
-fn scatter_block<S: Simd, B: LaneBsdf<S>>(simd: S, block: &Block, lobes: FollowedLobes) -> ScatteredBlock {
+fn scatter_block<S: Simd, B: LaneBsdf<S>>(
+    simd: S,
+    block: &Block,
+    (frame, bsdf): (&FrameLanes<S>, &B),
+    lobes: FollowedLobes,
+) -> ScatteredBlock {
     let (zero, horizon) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, HORIZON));
-    let frame = FrameLanes::new(simd, block);
     let throughput = Lanes::load_vector(simd, &block.throughput);
-    let bsdf = B::load(simd, block, frame.wo);
     let mut valid = frame.is_finite & LaneMask::from_bits(simd, block.valid);
 
     // Light that the sampled light sends to the viewer, with its MIS weight.

@@ -174,8 +174,8 @@ fn metallic_roughness(metallic: f64, roughness: f64) -> MaterialModel {
     MaterialModel::MetallicRoughness { base_color, metallic, roughness }
 }
 
-/// Triangles of all materials, some of which emit light, above a plane; a quad is the light.
-fn triangles() -> Scene {
+/// Triangles and spheres of all materials, some of which emit light, above a plane; a quad is the light.
+fn triangles_and_spheres() -> Scene {
     let number = |at, dimension| random::unit(random::hash(&[43, at, dimension]));
     let vector = |at, first| DVec3::new(number(at, first), number(at, first + 1), number(at, first + 2)) - 0.5;
     let emission = Emission::new(Rgb::new(7.0, 5.0, 3.0), EmissionSides::Both).expect("an emission");
@@ -207,6 +207,8 @@ fn triangles() -> Scene {
         let vertices = [corner, corner + vector(at, 3) * 2.0, corner + vector(at, 6) * 2.0];
         let triangle = rt_geometry::Triangle::new(vertices).expect("a triangle");
         scene = scene.with(Shape::Triangle(triangle), (at % 12) as u32, None);
+        let center = vector(at + 36, 0) * DVec3::new(5.0, 2.0, 3.0) + DVec3::Y;
+        scene = scene.with(sphere_at(center.to_array(), 0.1 + 0.2 * number(at, 9)), (at % 12) as u32, None);
     }
     // Rays from there start where a coordinate is too small for lanes.
     let wall = [DVec3::new(-3.0, 0.0, 0.0), DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0)];
@@ -233,8 +235,8 @@ fn several_lights(scene: &Scene) -> Vec<Light> {
 }
 
 #[test]
-fn every_path_between_triangles_has_the_bits_of_the_reference() {
-    let mut scene = triangles();
+fn every_path_between_triangles_and_spheres_has_the_bits_of_the_reference() {
+    let mut scene = triangles_and_spheres();
     let point = |x, shadow_near| {
         let position = DVec3::new(x, 2.5, 1.5);
         DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near }
@@ -284,7 +286,7 @@ fn metallic_roughness_in_lanes_has_the_bits_of_the_reference() {
         };
         let textured = MaterialModel::Layered(LayeredSurface::new(base).into());
         let materials = vec![emissive(metallic_roughness(metallic, roughness), 0.0), emissive(textured, 0.0)];
-        let mut scene = Scene::new(materials, triangles().lights).with(floor(), 0, None);
+        let mut scene = Scene::new(materials, triangles_and_spheres().lights).with(floor(), 0, None);
         for x in [-1.5, 0.0, 1.5] {
             scene = scene.with(sphere_at([x, 0.7, 0.2], 0.7), 1, None);
         }
@@ -298,6 +300,26 @@ fn metallic_roughness_in_lanes_has_the_bits_of_the_reference() {
             assert!(!is_rough || counts.lanes_used > 700 || LaneLevel::detect().is_none(), "{settings:?}: {counts:?}");
         }
     }
+}
+
+/// Spheres that are so small and far away that rounding puts hits on their centres, and a path within a sphere.
+#[test]
+fn stiff_spheres_have_the_bits_of_the_reference() {
+    let materials = vec![emissive(diffuse(0.8), 0.0)];
+    let mut scene = Scene::new(materials, triangles_and_spheres().lights);
+    for x in 0..8 {
+        scene = scene.with(sphere_at([f64::from(x), 0.0, 0.0], 1e-3), 0, None);
+    }
+    scene = scene.with(sphere_at([0.0, 0.0, -3e20], 1e20), 0, None);
+    scene.appearance.background = Background::Constant(Rgb::WHITE);
+    let (lights, bsdfs) = (scene.light_set(), BsdfCache::new(&scene.appearance, |_| true));
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+    let on_centres = |x: f64| Ray::new(DVec3::new(x, 0.0, 1e17), DVec3::NEG_Z * 1e3);
+    let within = |x: f64| Ray::new(DVec3::new(x, 0.0, -3e20), DVec3::new(0.1 * x, 1.0, 0.3) * 1e-310);
+    let rays: Vec<_> = (0..8).map(f64::from).flat_map(|x| [on_centres(x), within(x)]).collect();
+    let (seen, counts) = trace(&mut scene.shapes, lighting, paths(5), &[InteriorList::default()], &rays);
+    assert!(seen.iter().all(|seen| seen.hit));
+    assert!(counts.lanes > 15 || LaneLevel::detect().is_none(), "{counts:?}");
 }
 
 /// Null interfaces: more than a ray may pass without a bounce, and more solids within each other than a list holds.
