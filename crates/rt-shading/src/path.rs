@@ -17,7 +17,7 @@ pub use clamp::Clamp;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
 pub use transport::Transport;
-use vertex_queue::{LazyHit, VertexQueue};
+use vertex_queue::{LazyHit, QueueKind, VertexQueue};
 use wave::{Path, ShadowRayQueue};
 
 /// Parameters of path tracing.
@@ -95,7 +95,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             ray_queues: RayQueues::default(),
             next: RayQueues::default(),
             shadows: ShadowRayQueue::default(),
-            queues: VertexQueue::all(),
+            queues: QueueKind::ALL.map(VertexQueue::new),
             lanes: LaneLevel::detect(),
             scene_emits: false,
             counts: ShadingCounts::default(),

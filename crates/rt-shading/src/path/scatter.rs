@@ -141,21 +141,25 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// Shades the queued vertices that a wave has found.
     pub(super) fn shade_queues(&mut self, lighting: Lighting<'_>, seen: &mut [RadianceSample]) {
         let Some(level) = self.lanes else { return };
-        let queues = core::mem::replace(&mut self.queues, VertexQueue::all());
-        self.queues = queues.map(|queue| self.shade_queue(level, lighting, queue, seen));
+        for kind in QueueKind::ALL {
+            let queue = &mut self.queues[kind as usize];
+            if !queue.is_empty() {
+                let mut queue = core::mem::replace(queue, VertexQueue::new(kind));
+                self.shade_queue(level, lighting, &mut queue, seen);
+                queue.clear();
+                self.queues[kind as usize] = queue;
+            }
+        }
     }
 
-    /// Shades the vertices of a queue, and returns it empty.
+    /// Shades the vertices of a queue.
     fn shade_queue(
         &mut self,
         level: LaneLevel,
         lighting: Lighting<'_>,
-        mut queue: VertexQueue<S>,
+        queue: &mut VertexQueue<S>,
         seen: &mut [RadianceSample],
-    ) -> VertexQueue<S> {
-        if queue.is_empty() {
-            return queue;
-        }
+    ) {
         let lobes = queue.sampled_lobes(self.settings.transport != Transport::Specular);
         let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
         let n_delta = lighting.lights.delta_lights().count();
@@ -218,8 +222,6 @@ impl<S: Sampler + Clone> PathTracer<S> {
             let next = if next.is_diffuse { &mut self.next.diffuse } else { &mut self.next.reflected };
             next.push(ray, Interval::SPAWNED, id);
         }
-        queue.clear();
-        queue
     }
 
     /// Continues the same ray behind a null interface.

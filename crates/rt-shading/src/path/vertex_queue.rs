@@ -50,6 +50,8 @@ pub(super) enum QueueKind {
 }
 
 impl QueueKind {
+    pub(super) const ALL: [Self; 3] = [Self::Diffuse, Self::DiffusePhong, Self::MetallicRoughness];
+
     /// Queue for a surface.
     #[inline(always)]
     pub(super) const fn of(surface: &LaneSurface) -> Self {
@@ -151,12 +153,10 @@ pub(super) struct NextRay {
 }
 
 impl<S: Sampler + Clone> VertexQueue<S> {
-    /// Queues of all kinds, in their order.
-    pub(super) fn all() -> [Self; 3] {
-        [QueueKind::Diffuse, QueueKind::DiffusePhong, QueueKind::MetallicRoughness].map(|kind| {
-            let (vertices, blocks, delta, initial_samplers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-            Self { vertices, blocks, delta, initial_samplers, draws: Draws::default(), kind }
-        })
+    /// Empty queue.
+    pub(super) fn new(kind: QueueKind) -> Self {
+        let (vertices, blocks, delta, initial_samplers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { vertices, blocks, delta, initial_samplers, draws: Draws::default(), kind }
     }
 
     pub(super) fn is_empty(&self) -> bool {
