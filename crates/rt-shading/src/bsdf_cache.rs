@@ -30,17 +30,15 @@ pub(crate) struct LaneMaterial {
 #[derive(Clone, Debug)]
 pub(crate) struct CachedBsdf {
     pub(crate) bsdf: Bsdf,
-    /// Result of [`Bsdf::without_diffuse`]; `None` also if unused.
+    /// Result of [`Bsdf::without_diffuse`].
     pub(crate) without_diffuse: Option<Bsdf>,
     /// Result of [`Bsdf::as_lane_surface`].
     pub(crate) in_lanes: Option<LaneSurface>,
 }
 
 impl CachedBsdf {
-    /// Separates the diffuse lobes if they are not followed.
-    pub(crate) fn new(bsdf: Bsdf, splits_diffuse: bool) -> Self {
-        let without_diffuse = if splits_diffuse { bsdf.without_diffuse() } else { None };
-        Self { in_lanes: bsdf.as_lane_surface(), bsdf, without_diffuse }
+    fn new(bsdf: Bsdf) -> Self {
+        Self { in_lanes: bsdf.as_lane_surface(), without_diffuse: bsdf.without_diffuse(), bsdf }
     }
 }
 
@@ -53,7 +51,7 @@ impl BsdfCache {
         let bsdfs: Vec<_> = materials()
             .map(|(is_used, material)| {
                 let is_cached = is_used && material.is_uniform();
-                is_cached.then(|| Box::new(CachedBsdf::new(material.bsdf(&point), true)))
+                is_cached.then(|| Box::new(CachedBsdf::new(material.bsdf(&point))))
             })
             .collect();
         let in_lanes = bsdfs.iter().zip(&appearance.materials).map(|(cached, material)| {

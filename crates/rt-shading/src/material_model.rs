@@ -215,6 +215,10 @@ fn metallic_roughness(at: &MaterialEvalContext<'_>, base_color: &ColorTexture, m
 ///
 /// The diffuse coefficient is an albedo. The highlight keeps its peak. Mirrored and refracted light are split by the same rule.
 fn phong_bsdf(phong: &Phong, at: &MaterialEvalContext<'_>) -> Bsdf {
+    let is_diffuse = phong.specular.is_zero() && phong.mirror.is_zero() && phong.transmission.is_none();
+    if is_diffuse && !phong.diffuse.is_zero() {
+        return Bsdf::Single(Lambert { albedo: at.reflectance(&phong.diffuse) }.into());
+    }
     let mut lobes = LobeList::default();
     lobes.push_scaled(Lambert { albedo: at.reflectance(&phong.diffuse) }.into(), &phong.diffuse);
     let exponent = match phong.highlight {

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     RadianceSample, ShadingCounts, SurfaceHit,
     bsdf::{LaneSurface, Scattering},
-    bsdf_cache::{CachedBsdf, LaneMaterial},
+    bsdf_cache::LaneMaterial,
     hit_context::HitContext,
     interior_list::MediumInterface,
     lanes::{LANES, LaneLevel},
@@ -71,11 +71,17 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         let shading_normal = hit.interaction.shading_normal;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
-        let mut made = None;
-        let CachedBsdf { bsdf, without_diffuse, in_lanes } = lighting.bsdfs.get(hit.material).unwrap_or_else(|| {
-            let bsdf = bsdf_at(lighting.appearance, material, &view, interface);
-            made.insert(CachedBsdf::new(bsdf, transport == Transport::Specular))
-        });
+        let cached = lighting.bsdfs.get(hit.material);
+        // A BSDF is large: one that is computed here is not moved.
+        let (computed, surface, specular);
+        let (bsdf, in_lanes) = match cached {
+            Some(cached) => (&cached.bsdf, &cached.in_lanes),
+            None => {
+                computed = bsdf_at(lighting.appearance, material, &view, interface);
+                surface = computed.as_lane_surface();
+                (&computed, &surface)
+            }
+        };
         let only_reflects = transport == Transport::Specular;
         if only_reflects && self.features.ambient && !gathers_background(lighting, bsdf.is_diffuse_below_layer()) {
             let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, view.surface);
@@ -92,7 +98,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
             return queue.push((id, path), &view, surface, ray.time, self.settings.rr_start_depth);
         }
         let vertex = Vertex::new(view, bsdf, ray.time);
-        let vertex = if only_reflects { vertex.with_sampled_lobes(without_diffuse.as_ref()) } else { vertex };
+        let vertex = match cached {
+            _ if !only_reflects => vertex,
+            Some(cached) => vertex.with_sampled_lobes(cached.without_diffuse.as_ref()),
+            None => {
+                specular = bsdf.without_diffuse();
+                vertex.with_sampled_lobes(specular.as_ref())
+            }
+        };
         self.scatter(lighting, id, &vertex, interface, seen);
     }
 
