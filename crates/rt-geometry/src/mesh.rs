@@ -177,6 +177,14 @@ impl TriangleMesh {
         self.data.triangles.get(index as usize).map(|triangle| self.corners(*triangle))
     }
 
+    /// Texture coordinates at the vertices of a triangle; zero without any. `None` for an invalid index.
+    #[inline]
+    pub fn vertex_uvs(&self, index: u32) -> Option<[[f32; 2]; 3]> {
+        let [a, b, c] = *self.data.triangles.get(index as usize)?;
+        let uv = |vertex: u32| self.data.uvs.get(vertex as usize).copied().unwrap_or_default();
+        Some([uv(a), uv(b), uv(c)])
+    }
+
     #[inline]
     fn triangle_bounds(&self, index: usize) -> Aabb {
         Aabb::from_points(self.corners(self.data.triangles[index]))

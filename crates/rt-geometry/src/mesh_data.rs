@@ -56,7 +56,7 @@ impl MeshData {
     /// True if vertices have a second set of texture coordinates, colours or tangents: the attributes of
     /// [`VertexAttributes`](crate::VertexAttributes).
     #[inline]
-    pub(crate) fn has_attributes(&self) -> bool {
+    pub fn has_attributes(&self) -> bool {
         !(self.second_uvs.is_empty() && self.colors.is_empty() && self.tangents.is_empty())
     }
 

@@ -3,7 +3,7 @@
 use crate::error::{ShapeError, check_coordinates};
 use crate::{InteractionFlags, ShapeHit, SurfaceInteraction};
 use rt_math::float::{UNIT_ROUNDOFF, gamma};
-use rt_math::{DVec3, Frame, Interval, Ray};
+use rt_math::{DVec3, Interval, Ray, Real, Vector3, tangents};
 
 /// An infinite plane; its front is the side of the normal. It has no bounds.
 ///
@@ -47,24 +47,41 @@ impl Plane {
 
     /// The surface at a hit of [`intersect`](Self::intersect).
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
-        let normal = self.normal;
-        let on_ray = ray.at(hit.t);
-        let point = on_ray - normal * normal.dot(on_ray - self.point);
-        // Rounding of the projection, and of the numerator when a spawned ray is tested against the plane. As the normal
-        // is as long as 1 but for rounding, a part of the way to the plane is left: the point on the ray counts as well.
-        let distance = gamma(8) * normal.abs().dot(on_ray.abs() + point.abs() + self.point.abs());
-        let point_error = normal.abs() * distance + point.abs() * (2.0 * UNIT_ROUNDOFF);
-        let uv = if needs.uv { self.uv(ray, hit.t) } else { [0.0; 2] };
-        SurfaceInteraction::flat(point, point_error, normal, uv)
+        let (on_plane, normal) = (self.point.into(), self.normal.into());
+        let (point, point_error) = plane_point(on_plane, normal, ray.at(hit.t).into());
+        let uv = if needs.uv {
+            plane_uv(on_plane, normal, [ray.origin.into(), ray.direction.into()], hit.t)
+        } else {
+            [0.0; 2]
+        };
+        SurfaceInteraction::flat(point.into(), point_error.into(), self.normal, uv)
     }
+}
 
-    /// Computed from origin and direction: the hit point is rounded to the grid of its largest coordinate, these are
-    /// not.
-    fn uv(&self, ray: &Ray, t: f64) -> [f64; 2] {
-        let frame = Frame::from_z(self.normal);
-        let (origin, direction) = (ray.origin - self.point, ray.direction);
-        [frame.x, frame.y].map(|axis| axis.dot(origin) + t * axis.dot(direction))
-    }
+/// Projection of a point of a ray on a plane, and its error bound, as in [`SurfaceInteraction`].
+///
+/// The bound is for the rounding of the projection, and of the numerator when a spawned ray is tested against the plane. The
+/// length of the normal is 1 but for rounding. A part of the way to the plane is left, so that the point on the ray counts as well.
+#[inline(always)]
+pub fn plane_point<R: Real>(on_plane: Vector3<R>, normal: Vector3<R>, on_ray: Vector3<R>) -> (Vector3<R>, Vector3<R>) {
+    let point = on_ray - normal * normal.dot(on_ray - on_plane);
+    let distance = normal.abs().dot(on_ray.abs() + point.abs() + on_plane.abs()) * gamma(8);
+    (point, normal.abs() * distance + point.abs() * point.x.splat(2.0 * UNIT_ROUNDOFF))
+}
+
+/// Texture coordinates at a hit of a ray with this origin and direction, as of [`Plane`].
+///
+/// They are computed from origin and direction: the hit point is rounded to the grid of its largest coordinate, these are not.
+#[inline(always)]
+pub fn plane_uv<R: Real>(
+    on_plane: Vector3<R>,
+    normal: Vector3<R>,
+    [origin, direction]: [Vector3<R>; 2],
+    t: R,
+) -> [R; 2] {
+    let [x, y] = tangents(normal);
+    let origin = origin - on_plane;
+    [x.dot(origin) + t * x.dot(direction), y.dot(origin) + t * y.dot(direction)]
 }
 
 #[cfg(test)]

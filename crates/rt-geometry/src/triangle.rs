@@ -80,6 +80,13 @@ pub(crate) fn weights<R: Real>([v, w]: [R; 2]) -> [R; 3] {
     [v.splat(1.0) - v - w, v, w]
 }
 
+/// Interpolation between numbers at the vertices, with these barycentric weights of the second and third vertex.
+#[inline(always)]
+pub fn interpolate<R: Real>([a, b, c]: [R; 3], uv: [R; 2]) -> R {
+    let [u, v, w] = weights(uv);
+    a * u + b * v + c * w
+}
+
 /// Version of [`triangle_point`] for one triangle.
 #[inline]
 pub(crate) fn point_at([a, b, c]: [DVec3; 3], uv: [f64; 2]) -> (DVec3, DVec3) {

@@ -7,11 +7,11 @@ use std::{borrow::Cow, sync::Arc};
 
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{
-    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, SurfaceInteraction,
-    TransformedShape, TriangleMesh,
+    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, Sphere,
+    SurfaceInteraction, TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
-use rt_shading::{NormalMap, SphereHit, SurfaceHit, Texture, TriangleHit, light::LightId};
+use rt_shading::{LazyHit, LazyPlane, NormalMap, SurfaceHit, Texture, TrianglePoint, light::LightId};
 
 use crate::{mesh_blas::MeshBlas, work_probe::WorkProbe};
 
@@ -58,6 +58,13 @@ impl Instance {
     fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
         let light = self.light.map(|index| LightId { index, triangle });
         SurfaceHit { t, interaction, object: self.object, material: self.material, light }
+    }
+
+    /// Hit at `t` on a shape whose surface is not computed yet, as of [`surface_hit`](Self::surface_hit).
+    #[inline(always)]
+    fn lazy_hit<T>(&self, t: f64, shape: T, triangle: Option<u32>) -> LazyHit<T> {
+        let light = self.light.map(|index| LightId { index, triangle });
+        LazyHit { t, shape, object: self.object, material: self.material, light }
     }
 
     /// Surface of a triangle of a mesh.
@@ -234,32 +241,34 @@ impl Instances<'_> {
 
     /// Hit on a sphere without transform and texture coordinates; `None` for all others.
     #[inline]
-    pub(crate) fn sphere(&self, hit: &Hit, needs: InteractionFlags) -> Option<SphereHit> {
+    pub(crate) fn sphere(&self, hit: &Hit, needs: InteractionFlags) -> Option<LazyHit<Sphere>> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
         let InstanceGeometry::Shape(Shape::Sphere(sphere)) = instance.geometry else { return None };
-        let light = instance.light.map(|index| LightId { index, triangle: None });
-        let hit = SphereHit { t: hit.t, sphere, object: instance.object, material: instance.material, light };
-        (!instance.needs(needs).uv).then_some(hit)
+        (!instance.needs(needs).uv).then(|| instance.lazy_hit(hit.t, sphere, None))
+    }
+
+    /// Hit on a plane without transform; `None` for all others.
+    #[inline]
+    pub(crate) fn plane(&self, hit: &Hit, needs: InteractionFlags) -> Option<LazyHit<LazyPlane>> {
+        let instance = self.instances.get(self.instance_index(hit) as usize)?;
+        let InstanceGeometry::Shape(Shape::Plane(plane)) = instance.geometry else { return None };
+        let shape = LazyPlane { plane, needs_uv: instance.needs(needs).uv };
+        Some(instance.lazy_hit(hit.t, shape, None))
     }
 
     /// Hit on an inlined triangle without vertex attributes that are needed; `None` for all others.
     #[inline]
-    pub(crate) fn triangle(&self, hit: &Hit, needs: InteractionFlags) -> Option<TriangleHit> {
+    pub(crate) fn triangle(&self, hit: &Hit, needs: InteractionFlags) -> Option<LazyHit<TrianglePoint>> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
         let InstanceGeometry::Triangle(mesh, triangle, normal) = &instance.geometry else { return None };
-        let InteractionFlags { uv, shading_normal, detail } = instance.needs(needs);
-        if uv || detail || (shading_normal && !mesh.data().normals.is_empty()) {
+        let (data, InteractionFlags { uv, shading_normal, detail }) = (mesh.data(), instance.needs(needs));
+        if (detail && data.has_attributes()) || (shading_normal && !data.normals.is_empty()) {
             return None;
         }
-        Some(TriangleHit {
-            t: hit.t,
-            vertices: mesh.vertices(*triangle)?,
-            uv: hit.uv,
-            normal: *normal,
-            object: instance.object,
-            material: instance.material,
-            light: instance.light.map(|index| LightId { index, triangle: Some(*triangle) }),
-        })
+        let vertex_uvs = if uv { mesh.vertex_uvs(*triangle)? } else { [[0.0; 2]; 3] };
+        let vertices = mesh.vertices(*triangle)?;
+        let shape = TrianglePoint { vertices, uv: hit.uv, normal: *normal, vertex_uvs };
+        Some(instance.lazy_hit(hit.t, shape, Some(*triangle)))
     }
 
     fn surface_of(

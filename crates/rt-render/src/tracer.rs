@@ -3,7 +3,7 @@
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, InteractionFlags, Probe, RayCounts, RayKind};
 use rt_math::{Interval, Ray};
-use rt_shading::{ClosestHit, LazyShape, SceneQueries, SurfaceHit};
+use rt_shading::{ClosestHit, LazyShapes, SceneQueries, SurfaceHit};
 
 use crate::{frustum_cull::PrimaryTarget, instance::Instances, tile_layers::TileLayers, work_probe::WorkProbe};
 
@@ -134,7 +134,7 @@ impl SceneQueries for SceneTracer<'_> {
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
-        (needs, lazy): (InteractionFlags, LazyShape),
+        (needs, lazy): (InteractionFlags, LazyShapes),
         mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) {
         if !self.trace_batch(rays, kind) {
@@ -145,12 +145,14 @@ impl SceneQueries for SceneTracer<'_> {
                 on_hit(at, None);
                 continue;
             };
-            if lazy == LazyShape::SphereOrTriangle
-                && let Some(triangle) = &self.world.triangle(hit, needs)
-            {
+            if let Some(triangle) = &self.world.triangle(hit, needs) {
                 on_hit(at, Some(ClosestHit::Triangle(triangle)));
             } else if let Some(sphere) = &self.world.sphere(hit, needs) {
                 on_hit(at, Some(ClosestHit::Sphere(sphere)));
+            } else if lazy == LazyShapes::All
+                && let Some(plane) = &self.world.plane(hit, needs)
+            {
+                on_hit(at, Some(ClosestHit::Plane(plane)));
             } else {
                 on_hit(at, self.world.surface(ray, hit, needs).as_mut().map(ClosestHit::Surface));
             }

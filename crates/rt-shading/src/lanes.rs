@@ -71,6 +71,12 @@ impl<S: Simd> Lanes<S> {
         Vector3::new(Self::load(simd, &lanes.x), Self::load(simd, &lanes.y), Self::load(simd, &lanes.z))
     }
 
+    /// Largest integers that are not greater.
+    #[inline(always)]
+    pub(crate) fn floor(self) -> Self {
+        Self(self.0.floor())
+    }
+
     #[inline(always)]
     pub(crate) fn store(self) -> LaneArray {
         self.0.into()

@@ -112,7 +112,9 @@ pub use normal_map::NormalMap;
 pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use phong::{Highlight, Phong, Transmission};
 pub use reference::ReferencePathTracer;
-pub use scene_queries::{ClosestHit, LazyShape, RadianceSample, SceneQueries, SphereHit, SurfaceHit, TriangleHit};
+pub use scene_queries::{
+    ClosestHit, LazyHit, LazyPlane, LazyShapes, LazySurface, RadianceSample, SceneQueries, SurfaceHit, TrianglePoint,
+};
 pub use shading_features::ShadingFeatures;
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use viewed_surface::is_inside;

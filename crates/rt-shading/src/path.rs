@@ -10,14 +10,14 @@ mod vertex_stages;
 mod wave;
 
 use crate::{
-    Appearance, BsdfCache, ClosestHit, InteriorList, LazyShape, RadianceSample, SceneQueries, ShadingCounts,
+    Appearance, BsdfCache, ClosestHit, InteriorList, LazyShapes, RadianceSample, SceneQueries, ShadingCounts,
     ShadingFeatures, lanes::LaneLevel, light::LightSet, ray_queues::RayQueues,
 };
 pub use clamp::Clamp;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Sampler};
 pub use transport::Transport;
-use vertex_queue::{LazyHit, QueueKind, VertexQueue};
+use vertex_queue::{LazyShapeHit, QueueKind, VertexQueue};
 use wave::{Path, ShadowRayQueue};
 
 /// Parameters of path tracing.
@@ -166,12 +166,15 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 }
             });
         }
-        world.closest_hits(rays, kind, (needs, LazyShape::SphereOrTriangle), |at, hit| {
+        world.closest_hits(rays, kind, (needs, LazyShapes::SpheresAndTriangles), |at, hit| {
             let (id, ray) = (path(at), &rays[at].0);
             let seen = &mut seen[id as usize];
             match hit {
-                Some(ClosestHit::Triangle(hit)) => self.shade_lazily(lighting, id, ray, LazyHit::Triangle(hit), seen),
-                Some(ClosestHit::Sphere(hit)) => self.shade_lazily(lighting, id, ray, LazyHit::Sphere(hit), seen),
+                Some(ClosestHit::Triangle(hit)) => {
+                    self.shade_lazily(lighting, id, ray, LazyShapeHit::Triangle(hit), seen);
+                }
+                Some(ClosestHit::Sphere(hit)) => self.shade_lazily(lighting, id, ray, LazyShapeHit::Sphere(hit), seen),
+                Some(ClosestHit::Plane(hit)) => self.shade_hit(lighting, id, ray, &mut hit.surface(ray), seen),
                 Some(ClosestHit::Surface(hit)) => self.shade_hit(lighting, id, ray, hit, seen),
                 None => self.shade_miss(lighting, id, ray, seen),
             }

@@ -1,7 +1,9 @@
 //! Ray queries of integrators.
 
 use crate::light::LightId;
-use rt_geometry::{InteractionFlags, RayKind, ShapeHit, Sphere, SurfaceInteraction, triangle_point};
+use rt_geometry::{
+    InteractionFlags, Plane, RayKind, ShapeHit, Sphere, SurfaceInteraction, interpolate, triangle_point,
+};
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// Closest hit of a ray.
@@ -33,13 +35,19 @@ impl SurfaceHit {
     }
 }
 
-/// Closest hit of a ray with a sphere, whose surface is not computed yet.
+/// Shape at a hit, whose surface is not computed yet.
+pub trait LazySurface {
+    /// The surface at a hit of this ray at the parameter `t`.
+    fn surface(&self, ray: &Ray, t: f64) -> SurfaceInteraction;
+}
+
+/// Closest hit of a ray with a shape, whose surface is not computed yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereHit {
+pub struct LazyHit<T> {
     /// Ray parameter of the hit.
     pub t: f64,
-    /// The sphere, in world space.
-    pub sphere: Sphere,
+    /// The shape, in world space.
+    pub shape: T,
     /// See [`SurfaceHit::object`].
     pub object: u32,
     /// See [`SurfaceHit::material`].
@@ -48,41 +56,56 @@ pub struct SphereHit {
     pub light: Option<LightId>,
 }
 
-impl SphereHit {
-    /// The surface, without texture coordinates.
+impl<T: LazySurface> LazyHit<T> {
+    /// The hit with its surface.
     pub fn surface(&self, ray: &Ray) -> SurfaceHit {
-        let Self { t, sphere, object, material, light } = *self;
-        let interaction = sphere.surface(ray, &ShapeHit { t, uv: [0.0; 2] }, InteractionFlags::NONE);
-        SurfaceHit { t, interaction, object, material, light }
+        let Self { t, ref shape, object, material, light } = *self;
+        SurfaceHit { t, interaction: shape.surface(ray, t), object, material, light }
     }
 }
 
-/// Closest hit of a ray with a triangle without vertex attributes, whose surface is not computed yet.
+/// A sphere without texture coordinates.
+impl LazySurface for Sphere {
+    fn surface(&self, ray: &Ray, t: f64) -> SurfaceInteraction {
+        Self::surface(self, ray, &ShapeHit { t, uv: [0.0; 2] }, InteractionFlags::NONE)
+    }
+}
+
+/// Point of a triangle without interpolated normals and vertex attributes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangleHit {
-    /// Ray parameter of the hit.
-    pub t: f64,
+pub struct TrianglePoint {
     /// Vertices, in world space.
     pub vertices: [DVec3; 3],
     /// Barycentric weights of the second and third vertex.
     pub uv: [f64; 2],
     /// Unit normal on the side from which the vertices run counter-clockwise.
     pub normal: DVec3,
-    /// See [`SurfaceHit::object`].
-    pub object: u32,
-    /// See [`SurfaceHit::material`].
-    pub material: u32,
-    /// See [`SurfaceHit::light`].
-    pub light: Option<LightId>,
+    /// Texture coordinates of the vertices; zero where they are not needed.
+    pub vertex_uvs: [[f32; 2]; 3],
 }
 
-impl TriangleHit {
-    /// The surface, without texture coordinates.
-    pub fn surface(&self) -> SurfaceHit {
-        let Self { t, vertices: [a, b, c], uv, normal, object, material, light } = *self;
+impl LazySurface for TrianglePoint {
+    fn surface(&self, _: &Ray, _: f64) -> SurfaceInteraction {
+        let Self { vertices: [a, b, c], uv, normal, vertex_uvs } = *self;
         let (point, point_error) = triangle_point([a.into(), b.into(), c.into()], uv);
-        let interaction = SurfaceInteraction::flat(point.into(), point_error.into(), normal, [0.0; 2]);
-        SurfaceHit { t, interaction, object, material, light }
+        let texture = |k: usize| interpolate(vertex_uvs.map(|uv| f64::from(uv[k])), uv);
+        SurfaceInteraction::flat(point.into(), point_error.into(), normal, [texture(0), texture(1)])
+    }
+}
+
+/// An infinite plane, with texture coordinates if they are needed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LazyPlane {
+    /// The plane, in world space.
+    pub plane: Plane,
+    /// True if texture coordinates are needed.
+    pub needs_uv: bool,
+}
+
+impl LazySurface for LazyPlane {
+    fn surface(&self, ray: &Ray, t: f64) -> SurfaceInteraction {
+        let needs = InteractionFlags { uv: self.needs_uv, ..InteractionFlags::NONE };
+        self.plane.surface(ray, &ShapeHit { t, uv: [0.0; 2] }, needs)
     }
 }
 
@@ -92,18 +115,20 @@ pub enum ClosestHit<'h> {
     /// A hit with its surface.
     Surface(&'h mut SurfaceHit),
     /// A hit on a sphere without texture coordinates.
-    Sphere(&'h SphereHit),
-    /// A hit on a triangle without texture coordinates, interpolated normals and other vertex attributes.
-    Triangle(&'h TriangleHit),
+    Sphere(&'h LazyHit<Sphere>),
+    /// A hit on a triangle without interpolated normals and vertex attributes.
+    Triangle(&'h LazyHit<TrianglePoint>),
+    /// A hit on an infinite plane.
+    Plane(&'h LazyHit<LazyPlane>),
 }
 
 /// Shapes whose surfaces an integrator may compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LazyShape {
-    /// [`ClosestHit::Sphere`] instead of [`ClosestHit::Surface`].
-    Sphere,
+pub enum LazyShapes {
     /// [`ClosestHit::Sphere`] or [`ClosestHit::Triangle`] instead of [`ClosestHit::Surface`].
-    SphereOrTriangle,
+    SpheresAndTriangles,
+    /// All kinds of [`ClosestHit`].
+    All,
 }
 
 /// The world of an integrator: it answers ray queries and counts them.
@@ -137,7 +162,7 @@ pub trait SceneQueries {
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
-        (needs, _): (InteractionFlags, LazyShape),
+        (needs, _): (InteractionFlags, LazyShapes),
         mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) where
         Self: Sized,

@@ -2,22 +2,24 @@
 
 mod counts;
 mod direct_lighting;
+mod hit_block;
+mod hit_queue;
+mod lane_phong;
+mod point_lanes;
 mod shade;
-mod shade_spheres;
-mod sphere_block;
-mod uniform_phong;
+mod shade_lanes;
 mod wave;
 
 use crate::{
-    Appearance, ClosestHit, InteriorList, LazyShape, RadianceSample, SceneQueries, ShadingFeatures, lanes::LaneLevel,
+    Appearance, ClosestHit, InteriorList, LazyShapes, RadianceSample, SceneQueries, ShadingFeatures, lanes::LaneLevel,
     ray_queues::RayQueues,
 };
 pub use counts::ShadingCounts;
 use direct_lighting::DirectLighting;
+use hit_queue::HitQueue;
+use lane_phong::LanePhong;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
-use sphere_block::QueuedHit;
-use uniform_phong::UniformPhong;
 use wave::{RayTree, TreePath};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
@@ -47,10 +49,10 @@ pub struct Whitted {
     /// Samples whose path has ended in this wave.
     ended: Vec<u32>,
     direct_lighting: DirectLighting,
-    /// Hits on spheres that are shaded in lanes.
-    spheres: Vec<QueuedHit>,
+    /// Hits that are shaded in lanes.
+    queue: HitQueue,
     /// Phong models by material, for lanes.
-    phongs: Vec<Option<UniformPhong>>,
+    phongs: Vec<Option<LanePhong>>,
     /// Instruction set of lanes; `None` to shade all hits one by one.
     lanes: Option<LaneLevel>,
     counts: ShadingCounts,
@@ -71,18 +73,18 @@ impl Whitted {
             samples: Vec::new(),
             ended: Vec::new(),
             direct_lighting: DirectLighting::default(),
-            spheres: Vec::new(),
+            queue: HitQueue::default(),
             phongs: Vec::new(),
             lanes: None,
             counts: ShadingCounts::default(),
         }
     }
 
-    /// Shades spheres in SIMD lanes where the processor has them. The result is bit-identical. All later calls must be with this
+    /// Shades spheres, flat triangles and planes in SIMD lanes where the processor has them. The result is bit-identical. All later calls must be with this
     /// appearance.
     pub fn shade_in_lanes(&mut self, appearance: &Appearance) {
         self.lanes = LaneLevel::detect();
-        self.phongs = UniformPhong::of_all(appearance, &self.features);
+        self.phongs = LanePhong::of_all(appearance, &self.features);
     }
 
     /// Sets the media around the camera; air by default.
@@ -171,13 +173,13 @@ impl Whitted {
         world.closest_hits(
             rays,
             kind,
-            (self.features.surface(), LazyShape::Sphere),
-            // Inlined, so that a hit on a sphere stays in registers until it is in the queue.
+            (self.features.surface(), LazyShapes::All),
+            // Inlined, so that a hit stays in registers until it is in the queue.
             #[inline(always)]
             |at, hit| match hit {
-                Some(ClosestHit::Sphere(hit)) if self.is_uniform(hit.material) => {
-                    self.spheres.push(QueuedHit::new(at, hit));
-                }
+                Some(ClosestHit::Sphere(hit)) if self.is_in_lanes(hit.material) => self.queue.push_sphere(at, hit),
+                Some(ClosestHit::Triangle(hit)) if self.is_in_lanes(hit.material) => self.queue.push_triangle(at, hit),
+                Some(ClosestHit::Plane(hit)) if self.is_in_lanes(hit.material) => self.queue.push_plane(at, hit),
                 Some(hit) => {
                     let path = paths[at];
                     self.shade_closest(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
@@ -188,7 +190,7 @@ impl Whitted {
                 }
             },
         );
-        self.shade_spheres(level, appearance, (rays, paths), seen);
+        self.shade_queue(level, appearance, (rays, paths), seen);
     }
 
     /// Shades a hit by itself.
@@ -202,14 +204,15 @@ impl Whitted {
     ) {
         match hit {
             ClosestHit::Sphere(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
-            ClosestHit::Triangle(hit) => self.shade(appearance, path, ray, &mut hit.surface(), seen),
+            ClosestHit::Triangle(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
+            ClosestHit::Plane(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
             ClosestHit::Surface(hit) => self.shade(appearance, path, ray, hit, seen),
         }
     }
 
     /// True if lanes shade the material.
     #[inline(always)]
-    fn is_uniform(&self, material: u32) -> bool {
+    fn is_in_lanes(&self, material: u32) -> bool {
         matches!(self.phongs.get(material as usize), Some(Some(_)))
     }
 

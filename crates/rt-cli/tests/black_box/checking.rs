@@ -113,7 +113,10 @@ fn an_animated_gltf_file_without_a_time_is_in_its_rest_pose() {
     let place = Workplace::with_animated_model();
     for command in ["render m.gltf --size 8x6", "explain m.gltf", "check m.gltf"] {
         let run = place.succeed(&format!("{command} --strict"));
-        assert!(command.starts_with("check") || run.stdout.contains("is animated: it is shown in its rest pose"), "{run:?}");
+        assert!(
+            command.starts_with("check") || run.stdout.contains("is animated: it is shown in its rest pose"),
+            "{run:?}"
+        );
     }
     place.succeed("render m.gltf --size 8x6 --at-time 0.5 --strict");
 }

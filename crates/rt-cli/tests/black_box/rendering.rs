@@ -108,7 +108,10 @@ fn a_scene_without_a_command_is_rendered() {
 fn rounded_samples_are_announced() {
     let place = Workplace::with_scene();
     let run = place.succeed("render scene.ron --sampler jittered --spp 10");
-    assert!(run.stdout.contains("note: 16 samples per pixel instead of 10: the sampler jittered does not support fewer\n"), "{run:?}");
+    assert!(
+        run.stdout.contains("note: 16 samples per pixel instead of 10: the sampler jittered does not support fewer\n"),
+        "{run:?}"
+    );
     let run = place.succeed("render scene.ron --spp 3 --passes 2");
     assert!(run.stdout.contains("note: 4 samples per pixel instead of 3: 2 passes of 2 sobol samples\n"), "{run:?}");
     let run = place.succeed("render scene.ron --sampler jittered --spp 16");

@@ -3,7 +3,7 @@
 use super::{
     Clamp, Lighting, PathSettings, PathTracer, Transport,
     vertex_block::FollowedLobes,
-    vertex_queue::{LazyHit, QueueKind, SampledDelta, VertexQueue},
+    vertex_queue::{LazyShapeHit, QueueKind, SampledDelta, VertexQueue},
     wave::{Path, PrevVertex},
 };
 use crate::{
@@ -116,7 +116,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         lighting: Lighting<'_>,
         id: u32,
         ray: &Ray,
-        hit: LazyHit<'_>,
+        hit: LazyShapeHit<'_>,
         seen: &mut RadianceSample,
     ) {
         let material = if self.features.absorption { None } else { lighting.bsdfs.in_lanes(hit.material()) };

@@ -3,8 +3,8 @@ mod reference;
 
 use super::*;
 use crate::{
-    Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
-    MaterialModel, Phong, ReferencePathTracer, SphereHit, SurfaceHit, Transmission, TriangleHit,
+    Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LazyHit, LightUnits,
+    Material, MaterialModel, Phong, ReferencePathTracer, SurfaceHit, Transmission, TrianglePoint,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, QuadLight},
 };
 use core::f64::consts::PI;
@@ -49,7 +49,7 @@ impl SceneQueries for Shapes {
         &mut self,
         rays: &[(Ray, Interval)],
         kind: RayKind,
-        (needs, lazy): (InteractionFlags, LazyShape),
+        (needs, lazy): (InteractionFlags, LazyShapes),
         mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) {
         for (at, (ray, span)) in rays.iter().enumerate() {
@@ -61,15 +61,16 @@ impl SceneQueries for Shapes {
             match &self.0[surface.object as usize].0 {
                 Shape::Sphere(sphere) if !needs.uv => {
                     let SurfaceHit { t, object, material, light, .. } = *surface;
-                    let sphere = SphereHit { t, sphere: *sphere, object, material, light };
+                    let sphere = LazyHit { t, shape: *sphere, object, material, light };
                     met(at, Some(ClosestHit::Sphere(&sphere)));
                 }
-                Shape::Triangle(triangle) if lazy == LazyShape::SphereOrTriangle && !needs.uv => {
+                Shape::Triangle(triangle) if lazy == LazyShapes::SpheresAndTriangles && !needs.uv => {
                     let uv = triangle.intersect(ray, *span).expect("it is the closest hit").uv;
                     let normal = surface.interaction.geometric_normal;
                     let SurfaceHit { t, object, material, light, .. } = *surface;
                     let vertices = triangle.vertices();
-                    let triangle = TriangleHit { t, vertices, uv, normal, object, material, light };
+                    let shape = TrianglePoint { vertices, uv, normal, vertex_uvs: [[0.0; 2]; 3] };
+                    let triangle = LazyHit { t, shape, object, material, light };
                     met(at, Some(ClosestHit::Triangle(&triangle)));
                 }
                 _ => met(at, Some(ClosestHit::Surface(surface))),

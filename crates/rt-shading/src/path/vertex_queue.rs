@@ -13,7 +13,7 @@ use super::{
     wave::Path,
 };
 use crate::{
-    SphereHit, SurfaceHit, TriangleHit,
+    LazyHit, SurfaceHit, TrianglePoint,
     bsdf::{
         Bsdf, Coupling, DiffusePhong, LaneSurface, MetallicRoughness, MetallicRoughnessLanes, OrenNayar, PhongLobe,
         WeightedPhong,
@@ -22,7 +22,7 @@ use crate::{
     light::LightSet,
     viewed_surface::ViewedSurface,
 };
-use rt_geometry::SurfaceInteraction;
+use rt_geometry::{Sphere, SurfaceInteraction};
 use rt_math::{DVec3, Ray, Rgb, Sampler};
 
 /// Vertices with their light samples and samples of the next direction.
@@ -65,12 +65,12 @@ impl QueueKind {
 
 /// Hit whose surface can be computed in lanes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum LazyHit<'h> {
-    Triangle(&'h TriangleHit),
-    Sphere(&'h SphereHit),
+pub(super) enum LazyShapeHit<'h> {
+    Triangle(&'h LazyHit<TrianglePoint>),
+    Sphere(&'h LazyHit<Sphere>),
 }
 
-impl LazyHit<'_> {
+impl LazyShapeHit<'_> {
     /// Index of the material.
     #[inline(always)]
     pub(super) const fn material(self) -> u32 {
@@ -80,11 +80,11 @@ impl LazyHit<'_> {
         }
     }
 
-    /// The surface, without texture coordinates.
+    /// The surface.
     #[inline(always)]
     pub(super) fn surface(self, ray: &Ray) -> SurfaceHit {
         match self {
-            Self::Triangle(hit) => hit.surface(),
+            Self::Triangle(hit) => hit.surface(ray),
             Self::Sphere(hit) => hit.surface(ray),
         }
     }
@@ -198,7 +198,7 @@ impl<S: Sampler + Clone> VertexQueue<S> {
     pub(super) fn push_hit(
         &mut self,
         path: (u32, &Path),
-        hit: LazyHit<'_>,
+        hit: LazyShapeHit<'_>,
         bsdf: &LaneSurface,
         ray: &Ray,
         rr_start_depth: u32,
@@ -207,19 +207,19 @@ impl<S: Sampler + Clone> VertexQueue<S> {
         let ShapeBlock { triangles, spheres, points: [a, b, c], numbers, direction } = &mut block.shapes;
         set(direction, lane, ray.direction);
         match hit {
-            LazyHit::Triangle(hit) => {
+            LazyShapeHit::Triangle(hit) => {
                 *triangles |= 1 << lane;
-                set(a, lane, hit.vertices[0]);
-                set(b, lane, hit.vertices[1]);
-                set(c, lane, hit.vertices[2]);
-                set_pair(numbers, lane, hit.uv);
-                set(&mut block.geometric_normal, lane, hit.normal);
+                set(a, lane, hit.shape.vertices[0]);
+                set(b, lane, hit.shape.vertices[1]);
+                set(c, lane, hit.shape.vertices[2]);
+                set_pair(numbers, lane, hit.shape.uv);
+                set(&mut block.geometric_normal, lane, hit.shape.normal);
             }
-            LazyHit::Sphere(hit) => {
+            LazyShapeHit::Sphere(hit) => {
                 *spheres |= 1 << lane;
-                set(a, lane, hit.sphere.centre());
+                set(a, lane, hit.shape.centre());
                 set(b, lane, ray.origin);
-                set_pair(numbers, lane, [hit.sphere.radius(), hit.t]);
+                set_pair(numbers, lane, [hit.shape.radius(), hit.t]);
             }
         }
     }

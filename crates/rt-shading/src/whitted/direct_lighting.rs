@@ -1,7 +1,7 @@
 //! Direct light on the surfaces of a wave, and its shadow rays.
 
 use super::{
-    sphere_block::{ReflectedLanes, SphereBlock},
+    hit_block::{HitBlock, ReflectedLanes},
     wave::TreePath,
 };
 use crate::{
@@ -118,8 +118,8 @@ impl DirectLighting {
 
     /// Ends the lights of a block, and adds its emission.
     #[inline(always)]
-    pub(super) fn end_block<S: Simd>(&mut self, block: &SphereBlock<S>, radiance: Vector3<Lanes<S>>) {
-        let SphereBlock { valid, samples, weight, .. } = *block;
+    pub(super) fn end_block<S: Simd>(&mut self, block: &HitBlock<S>, radiance: Vector3<Lanes<S>>) {
+        let HitBlock { valid, samples, weight, .. } = *block;
         self.blocks.push(ShadedBlock { valid, samples, weight, radiance: Lanes::store_vector(radiance) });
     }
 

@@ -2,21 +2,46 @@
 
 use super::*;
 use crate::{
-    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LightUnits, Material,
-    Phong, SphereHit, SurfaceHit, Texture, TextureId, Transmission,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LazyHit, LazyPlane,
+    LightUnits, Material, Phong, SurfaceHit, Texture, TextureId, Transmission, TrianglePoint,
 };
-use rt_geometry::{InteractionFlags, Sphere};
+use rt_geometry::{InteractionFlags, Plane, Sphere};
 use rt_math::{DVec3, random};
 
 /// Position of the first light.
 const LIGHT: DVec3 = DVec3::new(0.7, 1.9, -0.4);
 
-/// A world in which each ray hits a sphere that is made of random numbers from the bits of the ray.
+/// A world in which each ray hits a shape that is made of random numbers from the bits of the ray.
 #[derive(Default)]
-struct RandomSpheres {
+struct RandomShapes {
     n_materials: u32,
     /// Bits of all shadow rays and their intervals, in an order of their own.
     shadow_rays: Vec<[u64; 9]>,
+}
+
+/// A hit on a shape of any kind.
+enum RandomHit {
+    Sphere(LazyHit<Sphere>),
+    Triangle(LazyHit<TrianglePoint>),
+    Plane(LazyHit<LazyPlane>),
+}
+
+impl RandomHit {
+    fn surface(&self, ray: &Ray) -> SurfaceHit {
+        match self {
+            Self::Sphere(hit) => hit.surface(ray),
+            Self::Triangle(hit) => hit.surface(ray),
+            Self::Plane(hit) => hit.surface(ray),
+        }
+    }
+
+    fn closest(&self) -> ClosestHit<'_> {
+        match self {
+            Self::Sphere(hit) => ClosestHit::Sphere(hit),
+            Self::Triangle(hit) => ClosestHit::Triangle(hit),
+            Self::Plane(hit) => ClosestHit::Plane(hit),
+        }
+    }
 }
 
 fn bits_of(ray: &Ray, span: Interval) -> [u64; 9] {
@@ -24,42 +49,65 @@ fn bits_of(ray: &Ray, span: Interval) -> [u64; 9] {
     [a, b, c, d, e, f, ray.time, span.min, span.max].map(f64::to_bits)
 }
 
-impl RandomSpheres {
-    fn hit(&self, ray: &Ray, span: Interval) -> Option<SphereHit> {
+/// Triangle around a point, with a unit normal that is perpendicular to it.
+fn triangle_around(point: DVec3, normal: DVec3, vector: impl Fn(u64) -> DVec3) -> TrianglePoint {
+    let across = |v: DVec3| v - normal * v.dot(normal);
+    let (b, c) = (across(vector(10)), across(vector(13)));
+    let v = 0.5 + 0.5 * vector(16).x;
+    let w = (1.0 - v) * (0.5 + 0.5 * vector(16).y);
+    let a = point - b * v - c * w;
+    let uv = |at: u64| {
+        let uv = vector(at) * 3.0;
+        // One of 64 is not finite.
+        let u = if vector(at + 3).x > 0.96875 { f64::INFINITY } else { uv.x };
+        [u as f32, uv.y as f32]
+    };
+    TrianglePoint { vertices: [a, a + b, a + c], uv: [v, w], normal, vertex_uvs: [uv(20), uv(30), uv(40)] }
+}
+
+impl RandomShapes {
+    fn hit(&self, ray: &Ray, span: Interval) -> Option<RandomHit> {
         let key = random::hash(&bits_of(ray, span));
         let number = |at: u64| random::unit(random::hash(&[key, at]));
         let vector = |at: u64| DVec3::new(number(at), number(at + 1), number(at + 2)) * 2.0 - 1.0;
         let (t, radius) = (0.5 + number(0), 0.2 + number(1));
         let point = ray.at(t);
-        let towards = match (number(2) * 12.0) as u32 {
+        let (point, outside) = match (number(2) * 12.0) as u32 {
             0 => return None,
-            // The ray aims at the centre.
-            1 => ray.direction,
-            // The centre lies where x = 0, as some rays do.
-            2 => {
-                let centre = DVec3::new(0.0, point.y + radius, 0.0);
-                let sphere = Sphere::new(centre, radius).ok()?;
-                return Some(self.on(sphere, t, number(3)));
-            }
-            // The light is on the sphere's tangent plane, up to rounding.
+            // The ray is perpendicular to the surface.
+            1 => (point, -ray.direction),
+            // The surface is where x = 0, as some rays are.
+            2 => (DVec3::new(0.0, point.y, point.z), if number(7) < 0.5 { DVec3::X } else { DVec3::NEG_Y }),
+            // The light is on the tangent plane, up to rounding.
             3 => {
                 let to_light = (LIGHT - point).normalize();
                 let aside = vector(4);
-                aside - to_light * aside.dot(to_light)
+                (point, aside - to_light * aside.dot(to_light))
             }
-            _ => vector(4),
+            _ => (point, vector(4)),
         };
-        let sphere = Sphere::new(point + towards.normalize() * radius, radius).ok()?;
-        Some(self.on(sphere, t, number(3)))
-    }
-
-    fn on(&self, sphere: Sphere, t: f64, choice: f64) -> SphereHit {
-        let material = (choice * f64::from(self.n_materials + 1)) as u32;
-        SphereHit { t, sphere, object: material, material, light: None }
+        let material = (number(3) * f64::from(self.n_materials + 1)) as u32;
+        let normal = outside.normalize();
+        Some(match (number(8) * 3.0) as u32 {
+            0 => {
+                let shape = Sphere::new(point - normal * radius, radius).ok()?;
+                RandomHit::Sphere(LazyHit { t, shape, object: material, material, light: None })
+            }
+            1 => {
+                let shape = triangle_around(point, normal, vector);
+                RandomHit::Triangle(LazyHit { t, shape, object: material, material, light: None })
+            }
+            _ => {
+                let aside = vector(10) - normal * vector(10).dot(normal);
+                let plane = Plane::new(point + aside, normal).ok()?;
+                let shape = LazyPlane { plane, needs_uv: number(9) < 0.9 };
+                RandomHit::Plane(LazyHit { t, shape, object: material, material, light: None })
+            }
+        })
     }
 }
 
-impl SceneQueries for RandomSpheres {
+impl SceneQueries for RandomShapes {
     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
         Some(self.hit(ray, span)?.surface(ray))
     }
@@ -68,14 +116,14 @@ impl SceneQueries for RandomSpheres {
         &mut self,
         rays: &[(Ray, Interval)],
         _: RayKind,
-        _: (InteractionFlags, LazyShape),
+        _: (InteractionFlags, LazyShapes),
         mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
     ) {
         for (at, (ray, span)) in rays.iter().enumerate() {
             let hit = self.hit(ray, *span);
             match (hit, at % 7) {
                 (Some(hit), 6) => met(at, Some(ClosestHit::Surface(&mut hit.surface(ray)))),
-                (hit, _) => met(at, hit.as_ref().map(ClosestHit::Sphere)),
+                (hit, _) => met(at, hit.as_ref().map(RandomHit::closest)),
             }
         }
     }
@@ -121,7 +169,8 @@ fn lights() -> Vec<DeltaLight> {
 
 fn appearance() -> Appearance {
     let color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
-    let checker = ColorTexture::Textured(TextureId(0), Rgb::new(0.9, 0.8, 0.7));
+    let textured = |id| ColorTexture::Textured(TextureId(id), Rgb::new(0.9, 0.8, 0.7));
+    let checker = textured(0);
     let matte = Phong { diffuse: color(0.5, 0.6, 0.2), ambient: color(0.2, 0.1, 0.3), ..Phong::default() };
     let shiny = |highlight, exponent| Phong { specular: color(0.3, 0.2, 0.5), highlight, exponent, ..matte };
     let mut phongs = vec![matte, Phong { mirror: color(0.5, 0.4, 0.3), ..shiny(Highlight::Phong, 3.0) }, Phong::BLACK];
@@ -129,11 +178,17 @@ fn appearance() -> Appearance {
         phongs.extend([0.0, 1.0, 40.0, 2.5, 2000.0].map(|exponent| shiny(highlight, exponent)));
     }
     phongs.push(Phong { diffuse: checker, specular: checker, ..shiny(Highlight::Phong, 7.0) });
+    phongs.push(Phong { ambient: checker, mirror: textured(1), ..shiny(Highlight::Blinn, 7.0) });
+    // Squares of two sizes, and a texture that lanes do not evaluate.
+    phongs.push(Phong { diffuse: checker, specular: textured(2), ..shiny(Highlight::Phong, 2.0) });
+    phongs.push(Phong { diffuse: checker, specular: textured(3), ..shiny(Highlight::Phong, 2.0) });
     phongs.push(Phong { diffuse: ColorTexture::ZERO, mirror: color(0.0, 0.1, 0.2), ..shiny(Highlight::Blinn, 9.0) });
     let mut materials: Vec<_> = phongs.into_iter().map(|phong| Material::new(String::new(), phong)).collect();
     materials[0].emission = color(0.1, 0.2, 0.3);
+    materials[1].emission = checker;
     let transmission = |fresnel| Some(Transmission { coefficient: color(0.9, 0.8, 0.9), fresnel });
     let glass = |fresnel| Phong { transmission: transmission(fresnel), mirror: color(1.0, 0.9, 1.0), ..matte };
+    let tinted = Phong { transmission: Some(Transmission { coefficient: checker, fresnel: false }), ..glass(true) };
     let clear = Transmission { coefficient: color(1.0, 1.0, 1.0), fresnel: true };
     let clear = Phong { transmission: Some(clear), mirror: color(1.0, 1.0, 1.0), ..Phong::BLACK };
     let absorbing = InteriorMedium { absorption: Rgb::new(0.1, 0.0, 0.2), ..InteriorMedium::clear(1.5) };
@@ -142,6 +197,7 @@ fn appearance() -> Appearance {
         (glass(true), Some(InteriorMedium::clear(1.5))),
         (glass(false), Some(InteriorMedium::clear(2.4))),
         (glass(true), None),
+        (tinted, Some(absorbing)),
         (clear, Some(InteriorMedium::clear(1.0))),
         (clear, Some(InteriorMedium { priority: 3, ..InteriorMedium::clear(1.3) })),
     ] {
@@ -149,7 +205,12 @@ fn appearance() -> Appearance {
     }
     Appearance {
         materials,
-        textures: vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 0.6 }],
+        textures: vec![
+            Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 0.6 },
+            Texture::Checker { even: Rgb::new(0.1, 0.2, 0.3), odd: Rgb::new(0.9, 0.0, 0.5), size: 0.6 },
+            Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 1.7 },
+            Texture::VertexColor(None),
+        ],
         lights: lights(),
         ambient: Rgb::new(0.1, 0.2, 0.1),
         background: Background::Constant(Rgb::new(0.2, 0.3, 0.5)),
@@ -168,7 +229,7 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOu
     let rays: Vec<_> = (0..n_rays).map(|at| (ray(at), Interval::FORWARD)).collect();
     let mut seen = vec![RadianceSample::MISS; rays.len()];
     let n_materials = appearance.materials.len() as u32;
-    let mut world = RandomSpheres { n_materials, ..RandomSpheres::default() };
+    let mut world = RandomShapes { n_materials, ..RandomShapes::default() };
     whitted.radiance_of(&mut world, appearance, &rays, &mut seen);
     let counts = whitted.take_counts();
     if whitted.lanes.is_none() {
@@ -219,7 +280,7 @@ fn lanes_have_the_bits_of_scalars() {
 }
 
 #[test]
-fn the_spheres_of_these_tests_have_all_cases() {
+fn the_shapes_of_these_tests_have_all_cases() {
     let (seen, counts, shadow_rays) = both(3, ShadingFeatures::ALL, &appearance(), 6001)[0].clone();
     assert!(counts.highlights > 5000 && counts.shadow_rays_skipped > 5000 && counts.refractions > 1000, "{counts:?}");
     assert!(counts.passages > 100 && counts.absorption > 100 && counts.fresnel > 500, "{counts:?}");

@@ -1,12 +1,21 @@
-//! Phong models of uniform materials, in the form that lanes read.
+//! Phong models of materials without textures or with checkerboards, in the form that lanes read.
 
 use crate::{
-    Appearance, ColorTexture, FloatTexture, Highlight, Material, ShadingFeatures, hit_context::SurfaceTransmission,
-    light::EmissionSides,
+    Appearance, ColorTexture, FloatTexture, Highlight, Material, ShadingFeatures, Texture, TextureId,
+    hit_context::SurfaceTransmission, light::EmissionSides,
 };
 use rt_math::{Real, Rgb, Vector3};
 
-/// Phong model of a material without textures.
+/// Phong model of a material, whose textures are checkerboards with squares of the same size, or which has none.
+#[derive(Clone, Debug)]
+pub(super) struct LanePhong {
+    /// Models of even and of odd squares.
+    squares: [UniformPhong; 2],
+    /// Side of a square in texture space; infinite without textures.
+    pub(super) side: f64,
+}
+
+/// Phong model without textures.
 #[derive(Clone, Debug)]
 pub(super) struct UniformPhong {
     /// Emission and reflected ambient light, of the front and of the back.
@@ -22,9 +31,49 @@ pub(super) struct UniformPhong {
     pub(super) interface: SurfaceTransmission,
 }
 
+impl LanePhong {
+    /// A surface that scatters no light.
+    pub(super) const BLACK: Self = Self { squares: [UniformPhong::BLACK; 2], side: f64::INFINITY };
+
+    /// Models of all materials; `None` for those that are shaded one by one.
+    pub(super) fn of_all(appearance: &Appearance, features: &ShadingFeatures) -> Vec<Option<Self>> {
+        appearance.materials.iter().map(|material| Self::of(material, appearance, features)).collect()
+    }
+
+    fn of(material: &Material, appearance: &Appearance, features: &ShadingFeatures) -> Option<Self> {
+        let mut side = None;
+        let mut square = |is_odd| {
+            let mut color = |texture: ColorTexture| match texture {
+                ColorTexture::Constant(rgb) => Some(rgb),
+                ColorTexture::Textured(TextureId(id), factor) => match appearance.textures.get(id as usize)? {
+                    &Texture::Checker { even, odd, size } if size.is_finite() && *side.get_or_insert(size) == size => {
+                        Some(if is_odd { odd } else { even } * factor)
+                    }
+                    _ => None,
+                },
+            };
+            UniformPhong::of(material, appearance, features, &mut color)
+        };
+        let squares = [square(false)?, square(true)?];
+        Some(Self { squares, side: side.unwrap_or(f64::INFINITY) })
+    }
+
+    /// True if its colours differ between squares.
+    #[inline(always)]
+    pub(super) const fn is_checkered(&self) -> bool {
+        self.side != f64::INFINITY
+    }
+
+    /// Model of an odd square if the lowest bit of `odd` is set, else of an even one.
+    #[inline(always)]
+    pub(super) const fn square(&self, odd: u8) -> &UniformPhong {
+        &self.squares[(odd & 1) as usize]
+    }
+}
+
 impl UniformPhong {
     /// A surface that scatters no light.
-    pub(super) const BLACK: Self = Self {
+    const BLACK: Self = Self {
         radiance: [Rgb::BLACK; 2],
         diffuse: Rgb::BLACK,
         specular: Rgb::BLACK,
@@ -35,17 +84,14 @@ impl UniformPhong {
         interface: SurfaceTransmission::None,
     };
 
-    /// Models of all materials; `None` for those that are shaded one by one.
-    pub(super) fn of_all(appearance: &Appearance, features: &ShadingFeatures) -> Vec<Option<Self>> {
-        appearance.materials.iter().map(|material| Self::of(material, appearance, features)).collect()
-    }
-
-    fn of(material: &Material, appearance: &Appearance, features: &ShadingFeatures) -> Option<Self> {
+    /// Model with the constant colours of textures.
+    fn of(
+        material: &Material,
+        appearance: &Appearance,
+        features: &ShadingFeatures,
+        constant: &mut impl FnMut(ColorTexture) -> Option<Rgb>,
+    ) -> Option<Self> {
         let phong = material.to_phong();
-        let constant = |texture: ColorTexture| match texture {
-            ColorTexture::Constant(rgb) => Some(rgb),
-            ColorTexture::Textured(..) => None,
-        };
         let FloatTexture::Constant(occlusion) = material.occlusion else { return None };
         let ambient = constant(phong.ambient)?;
         let ambient = if occlusion == 1.0 { ambient } else { ambient * occlusion };

@@ -1,46 +1,28 @@
-//! Blocks of four hits on spheres, and what is computed for them in lanes.
+//! Blocks of four hits on shapes of one kind, and what is computed for them in lanes.
 
-use super::{uniform_phong::UniformPhong, wave::TreePath};
+use super::{
+    hit_queue::{QueuedHit, four},
+    lane_phong::{LanePhong, UniformPhong},
+    point_lanes::{PointLanes, ShapeLanes, gather, gather_vector, odd_squares},
+    wave::TreePath,
+};
 use crate::{
-    DeltaLight, ShadingFeatures, SphereHit,
-    interior_list::MediumEntry,
+    DeltaLight, ShadingFeatures,
     lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, get, is_zero},
     optics,
 };
-use rt_geometry::{Sphere, offset_point, sphere_point};
+use rt_geometry::offset_point;
 use rt_math::float::is_sign_certain;
 use rt_math::{Interval, Mask, Ray, Real, Vector3};
 
-/// A hit of a ray of the batch.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct QueuedHit {
-    /// Index of the ray.
-    pub(super) ray: u32,
-    pub(super) body: MediumEntry,
-    pub(super) t: f64,
-    pub(super) sphere: Sphere,
-}
-
-impl QueuedHit {
-    #[inline(always)]
-    pub(super) const fn new(ray: usize, hit: &SphereHit) -> Self {
-        let body = MediumEntry { object: hit.object, material: hit.material };
-        Self { ray: ray as u32, body, t: hit.t, sphere: hit.sphere }
-    }
-
-    /// The hit, for shading that samples no area lights.
-    pub(super) const fn hit(&self) -> SphereHit {
-        let Self { t, sphere, body: MediumEntry { object, material }, .. } = *self;
-        SphereHit { t, sphere, object, material, light: None }
-    }
-}
-
 /// Four hits: surfaces, and media on both sides. Bit `i` of a mask is for lane `i`.
-pub(super) struct SphereBlock<S: Simd> {
+pub(super) struct HitBlock<S: Simd> {
     /// Lanes with valid results; all others are shaded one by one.
     pub(super) valid: u8,
-    /// Lanes whose surface is seen from behind: from the inside of the sphere.
+    /// Lanes whose surface is seen from behind: from the inside of a sphere.
     pub(super) inside: u8,
+    /// Lanes on an odd square of a checkerboard.
+    pub(super) odd: u8,
     /// Lanes whose rays may be followed.
     pub(super) continues: u8,
     /// Indices of the camera rays.
@@ -117,65 +99,27 @@ pub(super) struct PhongLanes<'a, S: Simd> {
     has_highlight: LaneMask<S>,
 }
 
-/// Numbers of four items, in lanes.
-macro_rules! gather {
-    ($simd:expr, $items:expr, |$item:ident| $number:expr) => {{
-        let [a, b, c, d] = $items;
-        let numbers = [
-            {
-                let $item = a;
-                $number
-            },
-            {
-                let $item = b;
-                $number
-            },
-            {
-                let $item = c;
-                $number
-            },
-            {
-                let $item = d;
-                $number
-            },
-        ];
-        Lanes::load($simd, &numbers)
-    }};
-}
-
-/// Vectors of four items, in lanes.
-macro_rules! gather_vector {
-    ($simd:expr, $items:expr, |$item:ident| $vector:expr, $x:ident $y:ident $z:ident) => {
-        Vector3::new(
-            gather!($simd, $items, |$item| $vector.$x),
-            gather!($simd, $items, |$item| $vector.$y),
-            gather!($simd, $items, |$item| $vector.$z),
-        )
-    };
-}
-
-impl<S: Simd> SphereBlock<S> {
+impl<S: Simd> HitBlock<S> {
     /// Computes the surfaces of one to four hits of rays. Rays may be followed for up to `max_depth` bounces.
     #[inline(always)]
-    pub(super) fn new(
+    pub(super) fn new<T: ShapeLanes>(
         simd: S,
-        hits: &[QueuedHit],
+        (hits, phongs): (&[QueuedHit<T>], [&LanePhong; LANES]),
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
         max_depth: u32,
     ) -> Self {
         let hit_lanes = (1 << hits.len()) - 1;
         let hits = four(hits);
         let [a, b, c, d] = hits;
+        let shapes = [&a.shape, &b.shape, &c.shape, &d.shape];
         let (a, b, c, d) = (a.ray as usize, b.ray as usize, c.ray as usize, d.ray as usize);
         let rays = [&rays[a].0, &rays[b].0, &rays[c].0, &rays[d].0];
         let paths = [&paths[a], &paths[b], &paths[c], &paths[d]];
         let origin = gather_vector!(simd, rays, |ray| ray.origin, x y z);
         let direction = gather_vector!(simd, rays, |ray| ray.direction, x y z);
-        let centre = gather_vector!(simd, hits, |queued| queued.sphere.centre(), x y z);
-        let radius = gather!(simd, hits, |queued| queued.sphere.radius());
         let t = gather!(simd, hits, |queued| queued.t);
-        let (outside, has_normal) = ((origin - centre) + direction * t).try_normalize();
-        let (point, error) = sphere_point(centre, radius, outside);
+        let (odd, has_colours) = odd_squares(simd, shapes, phongs, [origin, direction], t);
+        let PointLanes { point, error, outside, has_normal } = T::points(simd, shapes, [origin, direction], t);
         let length = direction.length();
         let direction = direction / length;
         let is_inside = direction.dot(outside).gt(Lanes::splat(simd, 0.0));
@@ -183,8 +127,9 @@ impl<S: Simd> SphereBlock<S> {
         let (near_origin, is_offset) = offset_point(point, error, outside, normal);
         let follows = |lane: usize| u8::from(paths[lane].depth < max_depth) << lane;
         Self {
-            valid: hit_lanes & (has_normal & is_offset).bits(),
+            valid: hit_lanes & has_colours & (has_normal & is_offset).bits(),
             inside: is_inside.bits(),
+            odd,
             continues: follows(0) | follows(1) | follows(2) | follows(3),
             samples: [paths[0].sample, paths[1].sample, paths[2].sample, paths[3].sample],
             times: [rays[0].time, rays[1].time, rays[2].time, rays[3].time],
@@ -365,13 +310,6 @@ impl<'a, S: Simd> PhongLanes<'a, S> {
         }
         strength
     }
-}
-
-/// Hits of a block; the last one repeats in lanes without a hit.
-#[inline(always)]
-pub(super) fn four(hits: &[QueuedHit]) -> [&QueuedHit; LANES] {
-    let last = hits.len() - 1;
-    [&hits[0], &hits[1.min(last)], &hits[2.min(last)], &hits[last]]
 }
 
 /// Version of [`Whitted::is_significant`](super::Whitted::is_significant) for four weights, and true where its result holds: for

@@ -1,4 +1,4 @@
-//! Shading of queued hits on spheres in lanes.
+//! Shading of queued hits in lanes.
 //!
 //! ```text
 //!   hits ─▶ surfaces ─▶ media on both sides ─▶ secondary rays ─▶ direct light ─▶ shadow rays, next rays
@@ -9,8 +9,10 @@
 
 use super::{
     Whitted,
-    sphere_block::{PhongLanes, QueuedHit, RayBlock, SecondaryRays, SphereBlock, four},
-    uniform_phong::UniformPhong,
+    hit_block::{HitBlock, PhongLanes, RayBlock, SecondaryRays},
+    hit_queue::{QueuedHit, four},
+    lane_phong::LanePhong,
+    point_lanes::ShapeLanes,
     wave::TreePath,
 };
 use crate::{
@@ -22,80 +24,85 @@ use crate::{
 use rt_math::{Interval, Ray};
 
 impl Whitted {
-    /// Shades all queued hits on spheres, which are of these rays.
-    pub(super) fn shade_spheres(
+    /// Shades all queued hits, which are of these rays.
+    pub(super) fn shade_queue(
         &mut self,
         level: LaneLevel,
         appearance: &Appearance,
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
         seen: &mut [RadianceSample],
     ) {
-        if self.spheres.is_empty() {
-            return;
-        }
-        let mut hits = core::mem::take(&mut self.spheres);
-        self.shade_at(level, appearance, &hits, (rays, paths), seen);
-        hits.clear();
-        self.spheres = hits;
+        let (mut queue, phongs) = (core::mem::take(&mut self.queue), core::mem::take(&mut self.phongs));
+        let batch = (rays, paths);
+        self.shade_shapes(level, appearance, (&mut queue.spheres, &phongs), batch, seen);
+        self.shade_shapes(level, appearance, (&mut queue.triangles, &phongs), batch, seen);
+        self.shade_shapes(level, appearance, (&mut queue.planes, &phongs), batch, seen);
+        (self.queue, self.phongs) = (queue, phongs);
     }
 
-    /// Shades hits with an instruction set.
-    fn shade_at(
+    /// Shades hits on shapes of one kind, and removes them.
+    fn shade_shapes<T: ShapeLanes>(
         &mut self,
         level: LaneLevel,
         appearance: &Appearance,
-        hits: &[QueuedHit],
+        (hits, phongs): (&mut Vec<QueuedHit<T>>, &[Option<LanePhong>]),
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
         seen: &mut [RadianceSample],
     ) {
+        if hits.is_empty() {
+            return;
+        }
         match level {
             #[cfg(target_arch = "x86_64")]
             LaneLevel::Avx2(simd) => simd.vectorize(
                 #[inline(always)]
-                || self.shade_blocks(simd, appearance, hits, (rays, paths), seen),
+                || self.shade_blocks(simd, appearance, (hits, phongs), (rays, paths), seen),
             ),
         }
+        hits.clear();
     }
 
     /// Shades hits, four at a time, and those in which a rare case occurs by themselves.
     #[inline(always)]
-    fn shade_blocks<S: Simd>(
+    fn shade_blocks<S: Simd, T: ShapeLanes>(
         &mut self,
         simd: S,
         appearance: &Appearance,
-        hits: &[QueuedHit],
+        (hits, phongs): (&[QueuedHit<T>], &[Option<LanePhong>]),
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
         seen: &mut [RadianceSample],
     ) {
         for hits in hits.chunks(LANES) {
-            let valid = self.shade_block(simd, appearance, hits, (rays, paths));
+            let valid = self.shade_block(simd, appearance, (hits, phongs), (rays, paths));
             let rare = !valid & ((1 << hits.len()) - 1);
             self.counts.lanes += LANES as u64;
             self.counts.lanes_used += u64::from(hits.len() as u32 - rare.count_ones());
             for lane in each_lane(rare) {
-                let (hit, at) = (hits[lane].hit(), hits[lane].ray as usize);
+                let at = hits[lane].ray as usize;
                 let (ray, path) = (&rays[at].0, paths[at]);
                 let seen = &mut seen[path.sample as usize];
-                self.shade(appearance, path, ray, &mut hit.surface(ray), seen);
+                self.shade(appearance, path, ray, &mut hits[lane].surface(ray), seen);
             }
         }
     }
 
     /// Shades one to four hits. Bit `i` of the result is set for hit `i`, unless it must be shaded by itself.
     #[inline(always)]
-    fn shade_block<S: Simd>(
+    fn shade_block<S: Simd, T: ShapeLanes>(
         &mut self,
         simd: S,
         appearance: &Appearance,
-        hits: &[QueuedHit],
+        (hits, phongs): (&[QueuedHit<T>], &[Option<LanePhong>]),
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
     ) -> u8 {
-        let mut block = SphereBlock::new(simd, hits, (rays, paths), self.max_depth);
+        let [a, b, c, d] = four(hits);
+        let materials = [phong(phongs, a), phong(phongs, b), phong(phongs, c), phong(phongs, d)];
+        let mut block = HitBlock::new(simd, (hits, materials), (rays, paths), self.max_depth);
         if self.features.refraction {
-            self.find_interfaces(appearance, hits, &mut block, paths);
+            self.find_interfaces(appearance, (hits, materials), &mut block, paths);
         }
-        let (phongs, [a, b, c, d]) = (&self.phongs, four(hits));
-        let phongs = [phong(phongs, a), phong(phongs, b), phong(phongs, c), phong(phongs, d)];
+        let (odd, [a, b, c, d]) = (block.odd, materials);
+        let phongs = [a.square(odd), b.square(odd >> 1), c.square(odd >> 2), d.square(odd >> 3)];
         let secondary = block.secondary_rays(simd, phongs, (&self.features, self.min_contribution));
         block.exclude_grazing_lights(simd, &appearance.lights);
         let radiance = block.radiance(simd, phongs);
@@ -112,29 +119,26 @@ impl Whitted {
             self.direct_lighting.push_block(number, &reflected, (&near_origin, &block.times), shadowed);
         }
         self.direct_lighting.end_block(&block, radiance);
-        self.push_block(hits, (&block, &secondary), paths);
+        self.push_block((hits, materials), (&block, &secondary), paths);
         block.valid
     }
 
     /// Finds the media on both sides of hits, and applies absorption. Hits on invisible interfaces are marked, to be shaded one by
     /// one.
     #[inline(always)]
-    fn find_interfaces<S: Simd>(
+    fn find_interfaces<S: Simd, T>(
         &mut self,
         appearance: &Appearance,
-        hits: &[QueuedHit],
-        block: &mut SphereBlock<S>,
+        (hits, phongs): (&[QueuedHit<T>], [&LanePhong; LANES]),
+        block: &mut HitBlock<S>,
         paths: &[TreePath],
     ) {
         let materials = &appearance.materials;
         for (lane, &QueuedHit { ray, body, t, .. }) in hits.iter().enumerate() {
             let path = &paths[ray as usize];
             let interior = &mut self.samples[path.sample as usize].interior;
-            let (Some(Some(phong)), Some(material)) =
-                (self.phongs.get(body.material as usize), materials.get(body.material as usize))
-            else {
-                continue;
-            };
+            let Some(material) = materials.get(body.material as usize) else { continue };
+            let phong = phongs[lane].square(0);
             let surface = phong.interface;
             if surface == SurfaceTransmission::None && (interior.is_empty() || !self.features.absorption) {
                 continue;
@@ -163,10 +167,10 @@ impl Whitted {
 
     /// Appends the secondary rays of a block, as [`push_secondary_rays`](Self::push_secondary_rays) does.
     #[inline(always)]
-    fn push_block<S: Simd>(
+    fn push_block<S: Simd, T>(
         &mut self,
-        hits: &[QueuedHit],
-        (block, secondary): (&SphereBlock<S>, &SecondaryRays),
+        (hits, phongs): (&[QueuedHit<T>], [&LanePhong; LANES]),
+        (block, secondary): (&HitBlock<S>, &SecondaryRays),
         paths: &[TreePath],
     ) {
         let continues = block.valid & block.continues;
@@ -191,7 +195,7 @@ impl Whitted {
         for lane in each_lane(refracted) {
             let (hit, is_inside) = (&hits[lane], block.inside >> lane & 1 == 1);
             let state = &mut self.samples[block.samples[lane] as usize];
-            let event = phong(&self.phongs, hit).interface.event(&mut state.interior, hit.body, is_inside);
+            let event = phongs[lane].square(0).interface.event(&mut state.interior, hit.body, is_inside);
             let ray = secondary.refracted.ray(lane, block.times[lane]);
             let path = bounced(lane, &secondary.refracted);
             if mirrored >> lane & 1 == 1 {
@@ -207,8 +211,8 @@ impl Whitted {
     }
 }
 
-/// Phong model of a hit. Only hits on uniform materials are queued.
+/// Phong model of a hit. Only hits on materials with one are queued.
 #[inline(always)]
-fn phong<'a>(phongs: &'a [Option<UniformPhong>], queued: &QueuedHit) -> &'a UniformPhong {
-    phongs.get(queued.body.material as usize).and_then(Option::as_ref).unwrap_or(&UniformPhong::BLACK)
+fn phong<'a, T>(phongs: &'a [Option<LanePhong>], queued: &QueuedHit<T>) -> &'a LanePhong {
+    phongs.get(queued.body.material as usize).and_then(Option::as_ref).unwrap_or(&LanePhong::BLACK)
 }
