@@ -18,8 +18,8 @@ use crate::tiles::Tile;
 /// Default number of passes for a fixed number of samples.
 ///
 /// `stochastic` is true for integrators that sample directions. Two passes estimate their noise. More would estimate it better,
-/// but stratify the samples of a pixel less. Four are taken from 16 samples on if two would need more samples, as 2 × 9 for 16
-/// samples in square patterns, and one if two would double the samples. Other integrators take one pass, which keeps the full
+/// but stratify the samples of a pixel less. From 16 samples on, four are taken if two would need more samples, as 2 × 9 for 16
+/// samples in square patterns. One is taken if two would double the samples. Other integrators take one pass, which keeps the full
 /// stratification at edges.
 pub const fn default_passes(pattern: SamplerKind, spp: u32, stochastic: bool) -> u32 {
     let of_two = pattern.round_up(spp.div_ceil(2)).saturating_mul(2);
