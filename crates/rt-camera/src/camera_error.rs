@@ -6,7 +6,7 @@ use rt_math::{AnimatedTransformError, DVec2};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CameraError {
     /// The image has no pixels.
-    #[error("the image is {0} by {1} pixels; both sides must be at least 1")]
+    #[error("the image is {0}x{1} pixels; both sides must be at least 1")]
     EmptyImage(u32, u32),
     /// The field of view (the value, in radians) is not usable.
     #[error("the field of view is {} degrees; it must lie between 0 and 180", .0.to_degrees())]

@@ -35,10 +35,10 @@ impl Default for FilmSettings {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FilmError {
     /// A side (width, height) is 0.
-    #[error("the image is {0} by {1} pixels; both sides must be at least 1")]
+    #[error("the image is {0}x{1} pixels; both sides must be at least 1")]
     Empty(u32, u32),
     /// The image (width, height) has more than [`Image::MAX_PIXELS`].
-    #[error("the image is {0} by {1} pixels; at most {max} pixels are possible", max = Image::MAX_PIXELS)]
+    #[error("the image is {0}x{1} pixels; at most {max} pixels are possible", max = Image::MAX_PIXELS)]
     TooLarge(u32, u32),
     /// The sample offset is NaN or infinite.
     #[error("the sample offset ({}, {}) must be finite", .0.x, .0.y)]

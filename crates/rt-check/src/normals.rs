@@ -34,7 +34,7 @@ fn opposed_normals(named: &NamedMesh, findings: &mut Findings) {
             &named.name,
             &[("count", count as f64), ("worst_angle", worst)],
             format!(
-                "{count} of {} triangles have a vertex normal on their back (by up to {worst:.1} degrees)",
+                "{count} of {} triangles have a vertex normal that faces away from the front (up to {worst:.1} degrees from the geometric normal)",
                 data.triangles.len()
             ),
         ));

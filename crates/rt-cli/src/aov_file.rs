@@ -73,7 +73,7 @@ impl AovFile {
             let message = "--aov stderr needs at least two passes; render with --passes 4";
             return Err(CliError::Usage(message.to_owned()));
         }
-        image_file::check(self.format, size, false)
+        image_file::check(self.output.path(), self.format, size, false)
     }
 
     /// Memory of the layers for this number of pixels, and at most the size of the file. The image is in it as well.

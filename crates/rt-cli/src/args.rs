@@ -71,7 +71,7 @@ pub(crate) enum Command {
     /// View a scene in the browser: move the camera, pick objects, watch the error fall
     #[cfg(feature = "view")]
     View(Box<BrowserArgs>),
-    /// Print the render plan: used and removed features with reasons, predicted memory
+    /// Print the render plan: used and left-out features with reasons, predicted memory
     Explain(ExplainArgs),
     /// Check the numerical health of a scene: sizes, transforms, meshes, glass, precision
     Check(CheckArgs),
@@ -266,7 +266,7 @@ pub(crate) struct DevelopArgs {
     pub(crate) development: DevelopmentArgs,
 
     /// Encode with the exponent 1 / GAMMA instead of the sRGB curve; 1 stores linear values
-    #[arg(long, value_name = "GAMMA", value_parser = values::gamma)]
+    #[arg(long, value_name = "GAMMA", value_parser = values::gamma, allow_negative_numbers = true)]
     pub(crate) gamma: Option<f64>,
 
     #[command(flatten)]
@@ -300,7 +300,7 @@ pub(crate) struct RunArgs {
     #[arg(short, long)]
     pub(crate) quiet: bool,
 
-    /// Print all statistics: rays by kind, times, memory, removed features
+    /// Print all statistics: rays by kind, times, memory, left-out features
     #[arg(short, long, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
 }

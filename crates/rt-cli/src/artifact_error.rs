@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use rt_scene_io::MemoryError;
+use rt_scene_io::{MemoryError, unreadable};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,10 +16,12 @@ pub(crate) enum ArtifactKind {
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ArtifactError {
-    #[error("{}: cannot be read: {source}", file.display())]
+    #[error("{}: {}", file.display(), unreadable(source))]
     Read { file: PathBuf, source: io::Error },
     #[error("{}: is not a regular file; give the path of a file", .0.display())]
     NotAFile(PathBuf),
+    #[error("{}: is empty (0 bytes); render it again", .0.display())]
+    Empty(PathBuf),
     #[error("{}: {cause}", file.display())]
     Memory { file: PathBuf, cause: MemoryError },
     #[error("{}: another render uses this checkpoint; wait for its end, or choose another --checkpoint", .0.display())]

@@ -1,9 +1,11 @@
 //! Terminal output: reports on standard output, warnings and errors on standard error.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use crate::error::CliError;
 
@@ -25,6 +27,14 @@ impl Console {
     /// Prints a line of the report.
     pub(crate) fn println(self, text: impl Display) -> Result<(), CliError> {
         if self.quiet { Ok(()) } else { show(format_args!("{text}\n")) }
+    }
+
+    /// Prints a note once per run: all frames of an animation have the same ones.
+    pub(crate) fn note(self, text: impl Display) -> Result<(), CliError> {
+        static PRINTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+        let text = text.to_string();
+        let is_new = PRINTED.lock().unwrap_or_else(PoisonError::into_inner).insert(text.clone());
+        if is_new { self.println(format_args!("note: {text}")) } else { Ok(()) }
     }
 
     pub(crate) fn warn(self, text: impl Display) {

@@ -35,12 +35,13 @@ pub(crate) enum CliError {
     #[error("{} and {}: {source}", test.display(), reference.display())]
     Pair { test: PathBuf, reference: PathBuf, source: PairError },
     /// Two images are not equal enough.
-    #[error("{} and {} differ: {}", test.display(), reference.display(), difference(metric, *value, *threshold, *non_finite))]
+    #[error("{} and {} differ: {}", test.display(), reference.display(), difference(metric, value, *threshold, *non_finite))]
     Different {
         test: PathBuf,
         reference: PathBuf,
         metric: String,
-        value: f64,
+        /// Value with the digits of the report.
+        value: String,
         threshold: f64,
         /// Pixels that are NaN or infinite in one of the images and not the same in the other.
         non_finite: u64,
@@ -103,8 +104,8 @@ impl CliError {
     /// Error of the plan, or a usage error if only an option can cause it.
     pub(crate) fn plan(file: &Path, source: RenderError) -> Self {
         match source {
-            RenderError::Crop { .. }
-            | RenderError::SamePasses(_)
+            RenderError::Crop { .. } => Self::Usage(format!("{source}; reduce --crop, or raise --size")),
+            RenderError::SamePasses(_)
             | RenderError::Adaptive(_)
             | RenderError::AdaptiveLens
             | RenderError::AdaptiveMotion
@@ -173,7 +174,7 @@ fn single_frame(frame: u32, source: &CliError) -> String {
     }
 }
 
-fn difference(metric: &str, value: f64, threshold: f64, non_finite: u64) -> String {
+fn difference(metric: &str, value: &str, threshold: f64, non_finite: u64) -> String {
     match non_finite {
         0 => format!("{metric} is {value}, the threshold is {threshold}"),
         1 => "1 pixel is NaN or infinite in one image and different in the other".to_owned(),

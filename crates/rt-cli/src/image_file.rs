@@ -9,7 +9,7 @@ use rt_image::{
 };
 
 use crate::error::CliError;
-use crate::output::{is_null_device, refuse_terminal};
+use crate::output::{OutputFile, is_null_device, refuse_terminal};
 use crate::stdin::{self, is_dash};
 
 /// Maximum side of a JPEG in pixels: its header has 16 bits.
@@ -84,18 +84,33 @@ impl<'a> ImageInput<'a> {
     }
 }
 
-/// Refuses images that the format cannot hold.
-pub(crate) fn check(format: ImageFormat, [width, height]: [u32; 2], transparent: bool) -> Result<(), CliError> {
+/// Refuses images that the format of a file cannot hold.
+pub(crate) fn check(
+    file: &Path,
+    format: ImageFormat,
+    [width, height]: [u32; 2],
+    transparent: bool,
+) -> Result<(), CliError> {
+    let file = file.display();
     let has_alpha = matches!(format, ImageFormat::Png | ImageFormat::Exr);
     if transparent && !has_alpha {
-        return Err(CliError::Usage("a transparent background requires a .png or .exr file".to_owned()));
+        return Err(CliError::Usage(format!(
+            "{file}: a transparent background requires a .png or .exr file; choose another name or background"
+        )));
     }
     if format == ImageFormat::Jpeg && width.max(height) > MAX_JPEG_SIDE {
-        let message =
-            format!("a .jpg file of {width}x{height} pixels exceeds {MAX_JPEG_SIDE} pixels a side; use .png or .exr");
+        let message = format!(
+            "{file}: a .jpg file of {width}x{height} pixels exceeds {MAX_JPEG_SIDE} pixels a side; use .png or .exr"
+        );
         return Err(CliError::Usage(message));
     }
     Ok(())
+}
+
+/// Path of a written image, or its format and standard output.
+pub(crate) fn written(file: &OutputFile, format: ImageFormat) -> String {
+    let path = file.path().display();
+    if file.is_stdout() { format!("{} to {path}", extension_of(format).to_uppercase()) } else { path.to_string() }
 }
 
 /// Maximum size of an image file in bytes.
@@ -118,15 +133,15 @@ mod tests {
     fn only_formats_with_coverage_are_transparent() {
         for format in ImageFormat::ALL {
             let holds = [ImageFormat::Png, ImageFormat::Exr].contains(&format);
-            assert_eq!(check(format, [8, 8], true).is_ok(), holds, "{format:?}");
-            assert!(check(format, [8, 8], false).is_ok(), "{format:?}");
+            assert_eq!(check(Path::new("a"), format, [8, 8], true).is_ok(), holds, "{format:?}");
+            assert!(check(Path::new("a"), format, [8, 8], false).is_ok(), "{format:?}");
         }
     }
 
     #[test]
     fn long_sides_do_not_fit_in_a_jpeg() {
-        assert!(check(ImageFormat::Jpeg, [65_535, 1], false).is_ok());
-        assert!(check(ImageFormat::Jpeg, [1, 65_536], false).is_err());
-        assert!(check(ImageFormat::Png, [1, 65_536], false).is_ok());
+        assert!(check(Path::new("a"), ImageFormat::Jpeg, [65_535, 1], false).is_ok());
+        assert!(check(Path::new("a"), ImageFormat::Jpeg, [1, 65_536], false).is_err());
+        assert!(check(Path::new("a"), ImageFormat::Png, [1, 65_536], false).is_ok());
     }
 }

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use rt_image::ImageFormat;
 use rt_math::Rgb;
 use rt_scene_io::{
-    Background, InMemoryFile, InputHashes, LoadOptions, MemoryBudget, Scene, Warning, load, read_environment,
+    Background, InMemoryFile, InputHashes, LoadErrorKind, LoadOptions, MemoryBudget, Scene, Warning, load,
+    read_environment,
 };
 
 use crate::args::{BackgroundChoice, ImageArgs, InputArgs};
@@ -39,6 +41,7 @@ pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console
             options.background = Some(color);
         }
     }
+    refuse_results(&args.scene)?;
     let mut scene = load(&args.scene, &options)?;
     warn(&scene.warnings, console);
     let mut files = options.referenced.paths();
@@ -50,6 +53,17 @@ pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console
     let environment = env.map(|file| environment(file, &options)).transpose()?;
     files.extend(env.map(Path::to_owned));
     Ok(Input { scene, environment, files, options })
+}
+
+/// Refuses shards and images in place of a scene.
+fn refuse_results(file: &Path) -> Result<(), CliError> {
+    let is_shard = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("part"));
+    let message = match ImageFormat::from_path(file) {
+        _ if is_shard => "is a shard of an image; combine the shards by `merge`",
+        Ok(_) => "is an image; use `develop` or `compare`",
+        Err(_) => return Ok(()),
+    };
+    Err(LoadErrorKind::Syntax(message.to_owned()).at(file, "").into())
 }
 
 /// Notes about options that do not apply to the scene, which refers to `files`.
@@ -136,7 +150,7 @@ pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, CliError> {
 
 /// Prints defaults that the loader chose.
 pub(crate) fn print_notes(scene: &Scene, console: Console) -> Result<(), CliError> {
-    scene.notes.iter().try_for_each(|note| console.println(format_args!("note: {note}")))
+    scene.notes.iter().try_for_each(|note| console.note(note))
 }
 
 pub(crate) fn refuse_warnings(file: &Path, warnings: &[Warning]) -> Result<(), CliError> {

@@ -283,9 +283,10 @@ impl Job<'_> {
         let path = self.output.file().path().display();
         let rendering = outcome.rendering;
         let what = match &self.output {
-            JobOutput::Image { .. } => {
+            JobOutput::Image { file, format, .. } => {
                 format!(
-                    "{path} ({}x{}, {})",
+                    "{} ({}x{}, {})",
+                    image_file::written(file, *format),
                     rendering.film.width(),
                     rendering.film.height(),
                     report::samples(rendering)
@@ -304,8 +305,8 @@ impl Job<'_> {
     fn compile(&self) -> Result<RenderPlan<'_>, CliError> {
         let film = &self.scene.film;
         let size = self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height]);
-        if let JobOutput::Image { format, .. } = &self.output {
-            image_file::check(*format, size, self.options.transparent)?;
+        if let JobOutput::Image { format, file, .. } = &self.output {
+            image_file::check(file.path(), *format, size, self.options.transparent)?;
         }
         let plan =
             RenderPlan::compile(self.scene, &self.options).map_err(|error| CliError::plan(self.scene_file, error))?;
@@ -338,8 +339,8 @@ impl Job<'_> {
         if self.scene.settings.clamp.is_some() && plan.clamp().is_none() {
             let integrator = self.scene.settings.integrator.name();
             let which = if self.scene.settings.integrator.follows_light() { integrator } else { "this view" };
-            self.console.println(format_args!(
-                "note: --clamp has no effect: it bounds indirect light of random paths, and {which} traces none"
+            self.console.note(format_args!(
+                "--clamp has no effect: it bounds indirect light of random paths, and {which} traces none"
             ))?;
         }
         if self.rule.is_some() {
@@ -354,7 +355,7 @@ impl Job<'_> {
             1 => format!("the sampler {sampler} does not support fewer"),
             passes => format!("{passes} passes of {} {sampler} samples", taken / passes),
         };
-        self.console.println(format_args!("note: {taken} samples per pixel instead of {requested}: {how}"))
+        self.console.note(format_args!("{taken} samples per pixel instead of {requested}: {how}"))
     }
 
     fn connect(&self, server: &str) -> Result<Display, CliError> {

@@ -197,5 +197,5 @@ fn ray_row(name: &str, tally: RayStats, costs: bool) -> Vec<String> {
 fn left_out(explanation: &Explanation) -> Option<String> {
     let removed: Vec<_> = explanation.left_out.iter().map(|left| left.what).collect();
     (!removed.is_empty())
-        .then(|| format!("removed from the plan: {} (`explain` prints the reasons)", removed.join(", ")))
+        .then(|| format!("left out of the plan: {} (`explain` prints the reasons)", removed.join(", ")))
 }

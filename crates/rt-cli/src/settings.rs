@@ -95,7 +95,7 @@ pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Sce
 fn simplification(scene: &Scene) -> Option<String> {
     let left_out = match scene.settings.integrator {
         Integrator::Whitted => {
-            "shows physically based materials as Phong surfaces: highlights for rough reflections, no coat, sheen or rough \
+            "shows physically based materials as Phong surfaces: highlights for rough reflections, no clearcoat, sheen or rough \
              glass, and the mean of roughness and metalness textures"
         }
         Integrator::Distributed => {
@@ -145,7 +145,8 @@ fn find_camera(name: Option<&str>, scene: &Scene) -> Result<usize, CliError> {
     let Some(name) = name else { return Ok(0) };
     scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
         let known = scene.cameras.iter().map(|camera| camera.name.clone()).collect();
-        CliError::Usage(LoadErrorKind::UnknownWord { kind: "camera", found: name.to_owned(), known }.to_string())
+        let unknown = LoadErrorKind::UnknownWord { kind: "camera", found: name.to_owned(), known };
+        CliError::Usage(format!("--camera: {unknown}"))
     })
 }
 
@@ -173,8 +174,35 @@ fn placed(args: &ViewArgs, world_from_camera: &Transform) -> Result<Transform, C
     let target = args.look_at.unwrap_or_else(|| eye + world_from_camera.vector(DVec3::NEG_Z));
     let up = args.up.unwrap_or(DVec3::Y);
     Transform::look_at(eye, target, up).map_err(|error| {
+        let [eye, target, up] = [eye, target, up].map(four_digits);
         CliError::Usage(format!(
             "the camera cannot look from {eye} at {target} with {up} up: {error}; change --look-from, --look-at or --up"
         ))
     })
+}
+
+/// Vector with four significant digits per component.
+fn four_digits(vector: DVec3) -> String {
+    let component = |value: f64| match value.abs() {
+        0.0 => "0".to_owned(),
+        magnitude if (1e-3..1e6).contains(&magnitude) => {
+            let places = 3 - magnitude.log10().floor().min(3.0) as i32;
+            let text = format!("{value:.*}", places.unsigned_abs() as usize);
+            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+        }
+        _ => format!("{value:.3e}"),
+    };
+    format!("({})", vector.to_array().map(component).join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vectors_have_four_digits() {
+        let text = four_digits(DVec3::new(2.163_012_345, -0.001_234_56, 1e-320));
+        assert_eq!(text, "(2.163, -0.001235, 1.000e-320)");
+        assert_eq!(four_digits(DVec3::new(0.0, 100.0, 123_456.7)), "(0, 100, 123457)");
+    }
 }

@@ -40,7 +40,7 @@ pub(crate) fn content(max_bytes: Option<u64>, memory: Option<u64>) -> Result<Arc
     read.map_err(|error| failed(error.into()))?;
     let value = bytes.len() as u64;
     if value == 0 {
-        return Err(failed(LoadErrorKind::Empty));
+        return Err(failed(LoadErrorKind::Syntax("is empty (0 bytes); pipe a file into it".to_owned())));
     }
     if value > limit {
         return Err(failed(LoadErrorKind::TooLarge { what, value, limit }));

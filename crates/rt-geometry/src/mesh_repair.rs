@@ -8,7 +8,7 @@ use rt_math::{DVec3, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
     /// A triangle has an invalid vertex index.
-    #[error("triangle {triangle}: vertex index {vertex} is out of range: there are {count}")]
+    #[error("triangle {triangle}: vertex index {vertex} is out of range: the mesh has {count} {}", if *count == 1 { "vertex" } else { "vertices" })]
     BadIndex {
         /// Index of the triangle.
         triangle: usize,
@@ -18,7 +18,7 @@ pub enum MeshError {
         count: usize,
     },
     /// A face has an invalid vertex index.
-    #[error("face {face}: vertex index {vertex} is out of range: there are {count}")]
+    #[error("face {face}: vertex index {vertex} is out of range: the mesh has {count} {}", if *count == 1 { "vertex" } else { "vertices" })]
     BadCorner {
         /// Index of the face.
         face: usize,

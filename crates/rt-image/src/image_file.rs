@@ -91,7 +91,7 @@ pub enum ImageFileError {
     UnknownFormat(PathBuf),
     /// The image has more pixels than [`MAX_READ_PIXELS`].
     #[error(
-        "{}: is {width} by {height} pixels, but at most {max} pixels can be read; scale it down",
+        "{}: is {width}x{height} pixels, but at most {max} pixels can be read; scale it down",
         path.display(),
         max = MAX_READ_PIXELS
     )]

@@ -20,7 +20,7 @@ pub(crate) enum PfmError {
     Io(#[from] io::Error),
     #[error("its header is invalid")]
     Header,
-    #[error("{0} by {1} pixels exceed the largest possible file")]
+    #[error("{0}x{1} pixels exceed the largest possible file")]
     TooLarge(u32, u32),
     #[error("it is truncated: the pixels need {expected} bytes and {found} follow the header")]
     Truncated { expected: u64, found: u64 },

@@ -197,14 +197,14 @@ fn decoder<'r>(
         image_decoder(reader.into_inner(), format, MAX_DECODER_BYTES).map_err(|error| undecodable(path, error))?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
-        let reason = format!("it has {width} by {height} pixels");
+        let reason = format!("it has {width}x{height} pixels");
         return Err(ImageFileError::Decode { path: path.to_owned(), reason });
     }
     if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(ImageFileError::TooLarge { path: path.to_owned(), width, height });
     }
     if decoder.total_bytes() / MAX_EXPANSION > length {
-        let reason = format!("{width} by {height} pixels cannot come from {length} bytes");
+        let reason = format!("{width}x{height} pixels cannot come from {length} bytes");
         return Err(ImageFileError::Decode { path: path.to_owned(), reason });
     }
     Ok(decoder)

@@ -45,7 +45,10 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Con
     };
     let left = move_references(&mut file, input, output, &options)?;
     if left {
-        comments.push("Some files are outside of the directory of this scene: render it with --asset-root, a directory that contains them.".to_owned());
+        comments.push(
+            "Some files are outside of the directory of this scene: render it with --asset-root DIRECTORY, which contains them."
+                .to_owned(),
+        );
     }
     if is_json {
         return Ok(Converted { text: file.to_json(), warnings, notes: comments });

@@ -54,18 +54,21 @@ pub enum Location {
 #[non_exhaustive]
 pub enum LoadErrorKind {
     /// The operating system refuses.
-    #[error("cannot be read: {0}")]
+    #[error("{}", unreadable(.0))]
     Io(#[from] io::Error),
-    /// A folder, a pipe or a device.
+    /// A directory.
+    #[error("is a directory; give the path of a file")]
+    Directory,
+    /// A pipe or a device.
     #[error("is not a regular file; give the path of a file")]
     NotAFile,
     /// A file without content.
     #[error("is empty (0 bytes)")]
     Empty,
     /// More than a limit allows.
-    #[error("{what} is {value}, above the limit of {limit}")]
+    #[error("{} is {value}, above the limit of {limit}{}", name_and_option(what).0, raise_option(what))]
     TooLarge {
-        /// Name of the quantity, with its unit.
+        /// Name of the quantity with its unit, and the option that sets the limit in parentheses, if there is one.
         what: &'static str,
         /// Its value.
         value: u64,
@@ -107,7 +110,7 @@ pub enum LoadErrorKind {
     #[error("{0}")]
     Syntax(String),
     /// A field or variant that does not exist.
-    #[error("unknown {kind} `{found}`{}", suggestion(nearest(found, known), known))]
+    #[error("unknown {kind} `{found}`{}", if known.is_empty() { format!("; no {kind}s are defined") } else { suggestion(nearest(found, known), known) })]
     UnknownWord {
         /// "field", "material", ...
         kind: &'static str,
@@ -289,6 +292,27 @@ impl<T, E: Into<LoadErrorKind>> ErrorInLine<T> for Result<T, E> {
     }
 }
 
+/// Name of a quantity, and the option that sets its limit.
+fn name_and_option(what: &str) -> (&str, Option<&str>) {
+    match what.strip_suffix(')').and_then(|what| what.rsplit_once(" (--")) {
+        Some((name, option)) => (name, Some(option)),
+        None => (what, None),
+    }
+}
+
+/// Advice for a limit that an option sets.
+fn raise_option(what: &str) -> String {
+    name_and_option(what).1.map_or_else(String::new, |option| format!("; raise --{option}"))
+}
+
+/// Message of a file that cannot be opened or read.
+pub fn unreadable(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "does not exist".to_owned(),
+        _ => format!("cannot be read: {error}"),
+    }
+}
+
 /// Longest list of known words that a message prints in full.
 const MAX_LISTED: usize = 24;
 
@@ -336,6 +360,6 @@ mod tests {
             "unknown field `raduis`; did you mean `radius`? Known are `radius`, `center`"
         );
         assert_eq!(unknown("xyz", known()).to_string(), "unknown field `xyz`; known are `radius`, `center`");
-        assert_eq!(unknown("xyz", Vec::new()).to_string(), "unknown field `xyz`; there are none");
+        assert_eq!(unknown("xyz", Vec::new()).to_string(), "unknown field `xyz`; no fields are defined");
     }
 }

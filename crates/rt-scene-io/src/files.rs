@@ -22,7 +22,11 @@ pub fn read_file(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErro
         return if bytes.is_empty() { Err(LoadErrorKind::Empty) } else { Ok(bytes.to_vec()) };
     }
     // The kind is checked before opening: opening a pipe would wait for its writer.
-    if !fs::metadata(path)?.is_file() {
+    let metadata = fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(LoadErrorKind::Directory);
+    }
+    if !metadata.is_file() {
         return Err(LoadErrorKind::NotAFile);
     }
     let file = File::open(path)?;
@@ -118,7 +122,7 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
         return Err(bad("is a URL: only files can be read"));
     }
     if is_absolute(&relative) {
-        return Err(bad("is absolute: write it relative to the folder of the file that refers to it"));
+        return Err(bad("is absolute: write it relative to the directory of the file that refers to it"));
     }
     if relative.contains('\0') {
         return Err(bad("contains a NUL character"));
@@ -139,7 +143,7 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
         Ok(path)
     } else {
         Err(bad(&format!(
-            "lies outside of {}: copy it there, or choose another root folder (--asset-root)",
+            "lies outside of {}: copy it there, or choose another root directory (--asset-root)",
             root.display()
         )))
     }

@@ -109,7 +109,7 @@ pub use convert::{Converted, convert};
 #[cfg(feature = "format")]
 pub use environment::read_environment;
 #[cfg(feature = "format")]
-pub use error::{Diagnostic, LoadError, LoadErrorKind, Location};
+pub use error::{Diagnostic, LoadError, LoadErrorKind, Location, unreadable};
 #[cfg(feature = "format")]
 pub use excerpt::Excerpt;
 #[cfg(feature = "format")]

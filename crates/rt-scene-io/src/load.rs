@@ -36,6 +36,9 @@ fn is_model(path: &Path) -> bool {
 /// A model as a scene, and the scene file that would give the same.
 pub(crate) fn load_standalone_model(path: &Path, options: &LoadOptions) -> Result<(SceneFile, Scene), LoadError> {
     if !is_model(path) {
+        if path.is_dir() {
+            return Err(LoadErrorKind::Directory.at(path, ""));
+        }
         return Err(LoadErrorKind::UnknownFormat { known: ALL_EXTENSIONS }.at(path, ""));
     }
     let model = load_model(path, options)?;

@@ -76,14 +76,14 @@ fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
         None => decoded / limits::TEXTURE_EXPANSION <= bytes.len() as u64,
     };
     if !can_be {
-        let message = format!("{width} x {height} pixels cannot come from {} bytes", bytes.len());
+        let message = format!("{width}x{height} pixels cannot come from {} bytes", bytes.len());
         return Err(TextureError::Damaged(message));
     }
     // Each tile of an EXR image is decoded to a buffer of its own, whose size is taken from the header.
     if let Some((width, height)) = largest_exr_tile(bytes)
         && u64::from(width) * u64::from(height) / limits::TEXTURE_EXPANSION > bytes.len() as u64
     {
-        let message = format!("a tile of {width} x {height} pixels cannot come from {} bytes", bytes.len());
+        let message = format!("a tile of {width}x{height} pixels cannot come from {} bytes", bytes.len());
         return Err(TextureError::Damaged(message));
     }
     Ok(OpenedImage { decoder })

@@ -28,7 +28,7 @@ pub(crate) struct CompareArgs {
     pub(crate) threshold: Option<f64>,
 
     /// Accept an RMSE up to X; same as --metric rmse --threshold X
-    #[arg(long, value_name = "X", value_parser = values::finite, conflicts_with_all = ["metric", "threshold"])]
+    #[arg(long, value_name = "X", value_parser = values::non_negative, allow_negative_numbers = true, conflicts_with_all = ["metric", "threshold"])]
     pub(crate) max_rmse: Option<f64>,
 
     /// Print JSON instead of a table

@@ -52,7 +52,7 @@ pub(crate) struct ConvergeArgs {
     pub(crate) reference: Option<PathBuf>,
 
     /// Report the time to reach this RMSE [default: lowest RMSE reached by all methods]
-    #[arg(long, alias = "error-goal", value_name = "RMSE", value_parser = values::positive, help_heading = "Error measurement")]
+    #[arg(long, alias = "error-goal", value_name = "RMSE", value_parser = values::positive, allow_negative_numbers = true, help_heading = "Error measurement")]
     pub(crate) target_rmse: Option<f64>,
 
     #[command(flatten)]

@@ -56,7 +56,7 @@ pub(super) fn amount(text: &str) -> Result<Amount, String> {
                 .map(|percent: f64| Amount::Share(percent / 100.0))
                 .ok_or_else(|| "expected a percentage greater than 0 and at most 100, such as 75%".to_owned())
         }
-        None => bytes(text).map(Amount::Bytes),
+        None => bytes(text).map(Amount::Bytes).map_err(|error| error + ", or a percentage such as 75%"),
     }
 }
 
@@ -65,7 +65,7 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
     // What is too large for the type is read as its greatest value.
     match text.parse() {
         Ok(ByteSize(bytes)) if bytes > 0 && bytes < u64::MAX => Ok(bytes),
-        _ => Err("expected a number of bytes with its unit, such as 512M, 1.5GiB or 65536".to_owned()),
+        _ => Err("expected a size greater than 0, such as 512M, 1.5GiB or 65536 (bytes)".to_owned()),
     }
 }
 

@@ -12,9 +12,9 @@ use super::values::{self, AovArg};
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
-    /// All .part files of the image, in any order
-    #[arg(required = true, value_hint = ValueHint::FilePath)]
-    pub(crate) parts: Vec<PathBuf>,
+    /// All shards of the image (.part files), in any order
+    #[arg(value_name = "SHARDS", required = true, value_hint = ValueHint::FilePath)]
+    pub(crate) shards: Vec<PathBuf>,
 
     /// Write the image to this file: .png, .jpg, .exr, .hdr, .pfm, or -
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]

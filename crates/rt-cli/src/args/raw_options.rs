@@ -28,6 +28,15 @@ struct ImageArgsParser {
 }
 
 impl RawOptions {
+    /// True if the option of this long name is typed.
+    pub(crate) fn contains(&self, name: &str) -> bool {
+        let is_name = |word: &OsString| {
+            let word = word.to_string_lossy();
+            word.strip_prefix("--").is_some_and(|word| word.split('=').next() == Some(name))
+        };
+        self.words.iter().any(is_name)
+    }
+
     /// Parses the typed options together with the added ones.
     ///
     /// # Errors
@@ -141,7 +150,9 @@ mod tests {
         let error = typed(&[]).with(&[("sampler", "jitered")]).expect_err("no sampler");
         assert!(error.starts_with("invalid value 'jitered' for '--sampler") && error.contains("'jittered'"), "{error}");
         assert!(!error.contains('\n'), "{error}");
-        let error = typed(&["--sampler", "sobol"]).with(&[("sampler", "halton")]).expect_err("given twice");
+        let options = typed(&["--sampler", "sobol"]);
+        assert!(options.contains("sampler") && !options.contains("sam"));
+        let error = options.with(&[("sampler", "halton")]).expect_err("given twice");
         assert!(error.contains("cannot be used multiple times"), "{error}");
     }
 

@@ -210,6 +210,10 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|value| value.is_finite()).ok_or_else(|| "expected a finite number".to_owned())
 }
 
+pub(super) fn non_negative(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|&value| value >= 0.0).ok_or_else(|| "expected a number of at least 0".to_owned())
+}
+
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|&value| value > 0.0).ok_or_else(|| "expected a number greater than 0".to_owned())
 }
@@ -242,7 +246,7 @@ pub(super) fn percentage(text: &str) -> Result<f64, String> {
     percent
         .map(|percent| percent / 100.0)
         .filter(|&share| share > 0.0)
-        .ok_or_else(|| "expected a percentage greater than 0, such as 1%".to_owned())
+        .ok_or_else(|| "expected a percentage greater than 0 with its sign, such as 1%".to_owned())
 }
 
 /// Percentage in (0, 100], as a fraction.
@@ -307,12 +311,12 @@ pub(super) fn background(text: &str) -> Result<BackgroundChoice, String> {
         "white" => Some(Rgb::WHITE),
         _ if text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.parse::<f64>().is_err() => {
             let known = ["black", "white", "transparent"].map(str::to_owned).into();
-            return Err(unknown_word("color", text, known) + "; or write " + FORMS);
+            return Err(unknown_word("colour", text, known) + "; or write " + FORMS);
         }
         _ => match text.strip_prefix('#') {
             Some(digits) => hexadecimal(digits),
             None => finite_numbers(text)
-                .or_else(|| finite(text).ok().map(|gray| [gray; 3]))
+                .or_else(|| finite(text).ok().map(|grey| [grey; 3]))
                 .filter(|rgb| rgb.iter().all(|&c| c >= 0.0))
                 .map(Rgb::from),
         },
@@ -416,7 +420,7 @@ mod tests {
         }
         let error = background("whit").expect_err("no color");
         assert!(
-            error.starts_with("unknown color `whit`; did you mean `white`?") && error.contains("#RRGGBB"),
+            error.starts_with("unknown colour `whit`; did you mean `white`?") && error.contains("#RRGGBB"),
             "{error}"
         );
     }
@@ -487,6 +491,7 @@ mod tests {
         for bad in ["nan", "inf", "-inf", "x"] {
             assert!(finite(bad).is_err() && positive(bad).is_err() && pixels_per_degree(bad).is_err(), "{bad}");
         }
+        assert_eq!((non_negative("0"), non_negative("-1").is_err()), (Ok(0.0), true));
         assert!(positive("0").is_err() && pixels_per_degree("0").is_err());
     }
 }

@@ -84,7 +84,7 @@ fn draw(args: &CompareArgs, measures: &Measures, output: &OutputFile) -> Result<
     if let Some(map) = map {
         let format = image_file::chosen_format(args.heat_map.file.as_deref().unwrap_or(output.path()), None)?;
         let image = heat_map(map, scale, limit);
-        image_file::check(format, [image.width(), image.height()], false)?;
+        image_file::check(output.path(), format, [image.width(), image.height()], false)?;
         output.write(|file| write_image(&image, &Development::default(), format, file))?;
     }
     Ok(HeatMap { file: output.path().to_owned(), shows, limit })

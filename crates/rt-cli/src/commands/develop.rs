@@ -32,7 +32,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
     memory::check(args.memory.limit(), input.name(), &needs)?;
     let film = input.read()?;
     let transparent = film.alpha().is_some() && format != ImageFormat::Jpeg;
-    image_file::check(format, [film.width(), film.height()], transparent)?;
+    image_file::check(&args.output, format, [film.width(), film.height()], transparent)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.image))?;
     output.write(|file| write_image(&film, &development, format, file))?;
     if output.is_stdout() {

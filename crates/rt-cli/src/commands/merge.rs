@@ -18,15 +18,15 @@ use crate::{image_file, memory, report, settings};
 pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     let console = Console { quiet: args.quiet };
     let format = image_file::chosen_format(&args.output, args.output_format)?;
-    let output = OutputFile::prepare(&args.output, &args.parts)?;
-    let aovs = AovFile::prepare_all(&args.aov, &args.parts, &[&output])?;
+    let output = OutputFile::prepare(&args.output, &args.shards)?;
+    let aovs = AovFile::prepare_all(&args.aov, &args.shards, &[&output])?;
 
-    let (label, shards) = read(&args.parts, args.memory.limit())?;
+    let (label, shards) = read(&args.shards, args.memory.limit())?;
     let count = shards.len();
-    let rendering = Shard::merge(shards).map_err(|error| named(&args.parts, error))?.into_rendering();
+    let rendering = Shard::merge(shards).map_err(|error| named(&args.shards, error))?.into_rendering();
     let Rendering { film, statistics, .. } = &rendering;
     let size = [film.width(), film.height()];
-    image_file::check(format, size, film.alpha().is_some())?;
+    image_file::check(&args.output, format, size, film.alpha().is_some())?;
     for aov in &aovs {
         aov.check(size, statistics.passes > 1)?;
     }
@@ -48,26 +48,32 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     if let Some(error) = &rendering.error {
         console.println(report::relative_error(error))?;
     }
-    console.println(format_args!("wrote {} ({}x{})", output.path().display(), size[0], size[1]))
+    console.println(format_args!("wrote {} ({}x{})", image_file::written(&output, format), size[0], size[1]))
 }
 
 /// Reads all shards, and the label of the one with the lowest number. Predicts the memory of the shards from the file sizes, and
 /// that of the image from the first shard.
 fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), CliError> {
-    let Some(first) = files.first() else { return Err(named(files, MergeError::Nothing)) };
     let lengths = files.iter().map(|file| checkpoint_format::length(file)).collect::<Result<Vec<_>, _>>()?;
+    if let Some((file, _)) = files.iter().zip(&lengths).find(|(_, length)| **length == 0) {
+        return Err(ArtifactError::Empty(file.clone()).into());
+    }
     let decoded =
         lengths.iter().fold(0_u64, |sum, &length| sum.saturating_add(checkpoint_format::decoded_bytes(length)));
     let reading = lengths.iter().copied().max().unwrap_or(0);
     let of_shards =
         [(format!("the content of {} shards", files.len()), decoded), ("the shard being read".to_owned(), reading)];
+    let together = match files {
+        [file] => file.clone(),
+        _ => PathBuf::from(format!("the {} shards", files.len())),
+    };
     let mut label: Option<(u32, Label)> = None;
     let mut shards = Vec::with_capacity(files.len());
     for file in files {
         // Report files that are not shards before the memory limit.
         checkpoint_format::label(file, ArtifactKind::Shard)?;
         if label.is_none() {
-            memory::check(memory, first, &of_shards)?;
+            memory::check(memory, &together, &of_shards)?;
         }
         let (of_shard, shard) = checkpoint_format::read::<Shard>(file, ArtifactKind::Shard, memory)?;
         let number = shard.spec().index();
@@ -79,7 +85,7 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), C
                 // No shard is read while the image is made. Encoding copies the colors.
                 let bytes = shard.rendering_bytes();
                 let image = ("the image".to_owned(), bytes.saturating_add(bytes / 2));
-                memory::check(memory, first, &[of_shards[0].clone(), image])?;
+                memory::check(memory, &together, &[of_shards[0].clone(), image])?;
                 label = Some((number, of_shard));
             }
         }
@@ -88,8 +94,11 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), C
     label.map(|(_, label)| (label, shards)).ok_or_else(|| named(files, MergeError::Nothing))
 }
 
+const FOREIGN_SHARD: &str =
+    " from those of the earlier shards; render it again with the same scene and options; nothing was written";
+
 fn foreign(file: &Path, scene: String) -> CliError {
-    ArtifactError::Foreign { file: file.to_owned(), scene, advice: " from those of the earlier shards" }.into()
+    ArtifactError::Foreign { file: file.to_owned(), scene, advice: FOREIGN_SHARD }.into()
 }
 
 /// Replaces list indices of the error by file names.
@@ -117,6 +126,9 @@ fn named(files: &[PathBuf], error: MergeError) -> CliError {
         }
         MergeError::Unfinished { shard, missing } => {
             format!("{}: lacks {missing} of its tiles; finish it with --resume", name(shard))
+        }
+        MergeError::Missing(missing, count) if let [index] = missing[..] => {
+            format!("shard {}/{count} is missing; render it", index + 1)
         }
         error => error.to_string(),
     })

@@ -41,6 +41,10 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     let shard = args.checkpoint.shard;
     let path = args.output.clone().unwrap_or_else(|| default_output(scene_file, shard, args.output_format));
     let kind = OutputKind::of(&path, shard, args.output_format)?;
+    if path.to_string_lossy().contains("####") {
+        // With --frames, the number stands in its place.
+        console.note("#### is replaced by the number of the frame only with --frames.")?;
+    }
     if (is_dash(&path) || is_null_device(&path)) && args.checkpoint.resume && args.checkpoint.checkpoint.is_none() {
         let message = "--resume requires --checkpoint FILE for an image on standard output or the null device";
         return Err(CliError::Usage(message.to_owned()));

@@ -11,7 +11,7 @@ const FLATNESS: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PolygonError {
     /// The outline or a hole with fewer than three corners.
-    #[error("ring {ring} of the polygon (0 is the outline) has {count} corners: it needs at least 3")]
+    #[error("the {} has {count} {}; it needs at least 3", ring_name(*ring), if *count == 1 { "corner" } else { "corners" })]
     TooFewVertices {
         /// 0 for the outline, then the holes.
         ring: usize,
@@ -46,6 +46,12 @@ pub enum PolygonError {
     /// Holes under [`InsideRule::Convex`](crate::InsideRule::Convex).
     #[error("a convex polygon has {0} holes: remove them, or choose another `rule`")]
     ConvexWithHoles(usize),
+}
+
+/// `outline`, or `hole N` counted from 0.
+fn ring_name(ring: usize) -> String {
+    ring.checked_sub(1)
+        .map_or_else(|| "outline of the polygon".to_owned(), |hole| format!("hole {hole} of the polygon"))
 }
 
 /// Checks the number of corners of each ring, and all coordinates.

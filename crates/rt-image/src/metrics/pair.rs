@@ -26,7 +26,7 @@ pub struct NonFinite {
 pub enum PairError {
     /// They differ in size (width and height in pixels).
     #[error(
-        "the images differ in size: {} by {} and {} by {} pixels; compare images of the same size",
+        "the images differ in size: {}x{} and {}x{} pixels; compare images of the same size",
         test[0], test[1], reference[0], reference[1]
     )]
     Size {

@@ -296,6 +296,7 @@ impl<'t> Explainer<'t> {
             }
             (Some((name, _)), Notation::Ron) => format!("; write `{name}` without quotes"),
             (Some((name, true)), Notation::Json) => format!("; write {{\"{name}\": {{}}}}"),
+            _ if path.is_empty() => hint_of_notation(given, self.notation).to_owned(),
             _ => hint_of_brackets(&slot, given, self.notation).to_owned(),
         };
         let expected = slot.words(self.notation);
@@ -358,7 +359,13 @@ impl<'t> Explainer<'t> {
             None if end == 0 => ParseError::new(0, "the file contains no scene"),
             None => {
                 let opening = if self.notation == Notation::Ron { '(' } else { '{' };
-                ParseError::new(end, format!("expected a scene, which begins with `{opening}`"))
+                let expected = format!("expected a scene, which begins with `{opening}`");
+                let start = next(self.text, 0).unwrap_or(end);
+                let Some(word) = self.text[start..].split_whitespace().next() else {
+                    return ParseError::new(end, expected);
+                };
+                let hint = hint_of_notation(word, self.notation);
+                ParseError::new(start, format!("{expected}, found {}{hint}", shown(word)))
             }
             Some(frame) => {
                 let Position { line, .. } = Position::of(self.text, frame.bracket_at);
@@ -393,6 +400,15 @@ fn called(context: &str) -> String {
         name.extend(c.to_lowercase());
     }
     name
+}
+
+/// Hint for a scene in the other notation.
+fn hint_of_notation(given: &str, notation: Notation) -> &'static str {
+    match notation {
+        Notation::Ron if given.starts_with('{') => "; this is JSON: name the file .json",
+        Notation::Json if given.starts_with('(') => "; this is RON: name the file .ron",
+        _ => "",
+    }
 }
 
 /// Hint for vectors in the brackets of the other notation.

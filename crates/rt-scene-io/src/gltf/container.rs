@@ -16,7 +16,11 @@ impl<'a> Container<'a> {
     /// Recognises the container by its first bytes. Bytes after the binary chunk are ignored (glTF 2.0, section 4).
     pub(super) fn split(bytes: &'a [u8]) -> Result<Self, String> {
         if !bytes.starts_with(MAGIC) {
-            return Ok(Self { json: bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), blob: None });
+            let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+            return match json.trim_ascii_start() {
+                [] | [b'{', ..] => Ok(Self { json, blob: None }),
+                _ => Err("is not glTF: it begins with neither `{`, as JSON does, nor `glTF`".to_owned()),
+            };
         }
         let (Some(version), Some(length)) = (number(bytes, 4), number(bytes, 8)) else {
             return Err(format!("the GLB header is cut off after {} of 12 bytes", bytes.len()));

@@ -73,7 +73,7 @@ fn angle(tokens: &mut Tokenizer<'_>, line: usize) -> Result<f64, LineError> {
 
 fn resolution(tokens: &mut Tokenizer<'_>, line: usize) -> Result<[u32; 2], LineError> {
     let [width, height] = tokens.numbers("the resolution")?;
-    let shown = || format!("{width} x {height}");
+    let shown = || format!("{width}x{height}");
     let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
     if !whole(width) || !whole(height) {
         return Err(LineError::new(line, shown(), "is not a resolution: give two whole numbers of pixels, at least 1"));

@@ -125,7 +125,7 @@ fn mean_of_map(file: &str, files: FileScope<'_>) -> Result<Rgb, LoadErrorKind> {
     let path = resolve_path(file, files.root_file, files.options)?;
     let bitmap = read_texture(&path, files.options).map_err(|reason| bad(reason.to_string()))?;
     if bitmap.width != bitmap.height {
-        let rule = format!("has {} x {} pixels: maps all around must be square", bitmap.width, bitmap.height);
+        let rule = format!("has {}x{} pixels: maps all around must be square", bitmap.width, bitmap.height);
         return Err(bad(rule));
     }
     let sum = bitmap.pixels.iter().fold(Rgb::BLACK, |sum, pixel| sum + Rgb::from(pixel.map(f64::from)));

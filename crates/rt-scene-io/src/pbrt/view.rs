@@ -94,7 +94,7 @@ pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9
 /// Reads the size of the image from a `Film`.
 pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], LineError> {
     let (width, height) = (parameters.float("xresolution", 1280.0)?, parameters.float("yresolution", 720.0)?);
-    let shown = || format!("{width} x {height}");
+    let shown = || format!("{width}x{height}");
     let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
     if !whole(width) || !whole(height) {
         let rule = "is not a resolution: give two whole numbers of pixels from 1 up";

@@ -180,6 +180,9 @@ fn explained(message: &str, read: &[u8]) -> String {
     if let Some(format) = name("Unknown format: ") {
         return format!("unknown format `{format}`; known are `ascii`, `binary_little_endian`, `binary_big_endian`");
     }
+    if message.starts_with("File must start with") {
+        return "is not a PLY file: the first line must be `ply`".to_owned();
+    }
     plain(message)
 }
 

@@ -43,7 +43,7 @@ pub(super) fn film(report: &mut Diagnostics, film: &format::Film) -> FilmSetting
 }
 
 fn size((width, height): (u64, u64)) -> Result<(u32, u32), LoadErrorKind> {
-    let shown = || format!("{width} x {height}");
+    let shown = || format!("{width}x{height}");
     if width == 0 || height == 0 {
         return Err(LoadErrorKind::invalid(shown(), "pixels: both sides must be at least 1"));
     }

@@ -75,7 +75,11 @@ fn polygon(points: &[[f64; 3]], holes: &[Vec<[f64; 3]>], rule: format::InsideRul
 /// The points of a strip or fan.
 fn positions(what: &str, points: &[[f32; 3]]) -> Result<Vec<Vec3>, LoadErrorKind> {
     if points.len() < 3 {
-        return Err(LoadErrorKind::invalid(format_args!("{what} of {} points", points.len()), "needs at least 3"));
+        let points = match points.len() {
+            1 => "1 point".to_owned(),
+            count => format!("{count} points"),
+        };
+        return Err(LoadErrorKind::invalid(what, format!("has {points}; it needs at least 3")));
     }
     Ok(points.iter().map(|&p| p.into()).collect())
 }

@@ -76,12 +76,21 @@ fn single(step: &Step) -> Result<Transform, LoadErrorKind> {
     transform.map_err(|error| {
         let rule = match error {
             TransformError::NonFinite => "has a NaN or infinite number",
+            TransformError::Singular(_) if matches!(step, Step::Scale(_)) => "is singular: the factor must not be 0",
             TransformError::Singular(_) => "is singular: no factor may be 0, nor 1e12 times another",
             TransformError::NotAffine => "is not affine: the last row must be (0, 0, 0, 1)",
-            TransformError::DegenerateDirection => {
-                "has no direction: an axis must not be 0, nor a view empty or parallel to `up`"
-            }
+            TransformError::DegenerateDirection => no_direction(step),
         };
         LoadErrorKind::invalid(ron::to_string(step).unwrap_or_default(), rule)
     })
+}
+
+/// Rule that a step without a direction breaks.
+fn no_direction(step: &Step) -> &'static str {
+    match step {
+        Step::Quaternion(..) => "has no direction: the quaternion must not be 0",
+        Step::LookAt { from, at, .. } if from == at => "has no direction: `from` and `at` must differ",
+        Step::LookAt { .. } => "has no direction: `up` must not be 0 nor parallel to the view",
+        _ => "has no direction: the axis must not be 0",
+    }
 }

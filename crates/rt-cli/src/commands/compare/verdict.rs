@@ -22,8 +22,6 @@ pub(super) fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict
         None if metric == Metric::Coverage => {
             Err(CliError::Usage("--metric coverage requires an image with an alpha channel".to_owned()))
         }
-        None => {
-            Err(CliError::Usage(format!("--metric {} requires images of at least 11 by 11 pixels", name_of(metric))))
-        }
+        None => Err(CliError::Usage(format!("--metric {} requires images of at least 11x11 pixels", name_of(metric)))),
     }
 }

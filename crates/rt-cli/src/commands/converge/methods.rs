@@ -39,6 +39,10 @@ pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>,
         let message = format!("--vary {} is given twice; list all values at once, such as {0}=A,B,C", twice.1);
         return Err(CliError::Usage(message));
     }
+    if let Some(fixed) = keys.iter().find(|key| args.fixed.contains(key)) {
+        let message = format!("--vary {fixed} conflicts with --{fixed}; remove one of them");
+        return Err(CliError::Usage(message));
+    }
     let count = args.vary.iter().try_fold(1usize, |count, vary| count.checked_mul(vary.values.len()));
     if count.is_none_or(|count| count > MAX_METHODS) {
         return Err(CliError::Usage(format!("--vary has more than {MAX_METHODS} combinations; vary fewer values")));

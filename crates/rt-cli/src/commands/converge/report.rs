@@ -39,6 +39,10 @@ impl Outputs {
             return Err(CliError::Usage(message.to_owned()));
         }
         if !folder.is_dir() {
+            if folder.exists() {
+                let message = format!("{} is not a directory; choose another --output", folder.display());
+                return Err(CliError::Usage(message));
+            }
             fs::create_dir(folder).map_err(|error| OutputError::Write {
                 path: folder.to_owned(),
                 reason: format!("the directory cannot be created: {error}"),
