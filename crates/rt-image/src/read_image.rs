@@ -370,7 +370,7 @@ mod tests {
         let last_x = window + name.len() + 12;
         bytes[last_x..last_x + 4].copy_from_slice(&16_000_000u32.to_le_bytes());
         let message = read_bytes(&bytes).expect_err("refused").to_string();
-        assert!(message.contains("16000001 by 7 pixels cannot come from"), "{message}");
+        assert!(message.contains("16000001x7 pixels cannot come from"), "{message}");
     }
 
     #[test]

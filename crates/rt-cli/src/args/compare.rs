@@ -52,7 +52,7 @@ pub(crate) struct CompareArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Heat map")]
 pub(crate) struct HeatMapArgs {
-    /// Write an image of the differences: .png, .jpg, or -; the report explains its colors
+    /// Write an image of the differences: .png, .jpg, or -; the report explains its colours
     #[arg(long = "heat-map", value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) file: Option<PathBuf>,
 
@@ -60,7 +60,7 @@ pub(crate) struct HeatMapArgs {
     #[arg(long = "heat-map-of", value_name = "NAME", value_enum, default_value = "error", requires = "file")]
     pub(crate) shows: HeatMapOf,
 
-    /// Set the value at the end of the color scale [default: 99.9th percentile of errors; 1 for FLIP]
+    /// Set the value at the end of the colour scale [default: 99.9th percentile of errors; 1 for FLIP]
     #[arg(long = "heat-map-scale", value_name = "X", value_parser = values::positive, allow_negative_numbers = true, requires = "file")]
     pub(crate) scale: Option<f64>,
 }
@@ -112,7 +112,7 @@ Measure the difference of image A from reference image B of the same size
 
 Linear radiance: RMSE, MAE (mean absolute error), relMSE (mean of (A - B)^2 / (B^2 + 0.01)), bias (mean of A - B, with its standard \
 error for independent noise), largest difference, largest difference of coverage. Pixels that are NaN or infinite in one of the images \
-are excluded and counted; the images differ unless both have the same value there.
+are excluded and counted. Such a pixel counts as a difference unless both images have the same value.
 
 Tone-mapped signal, 0 to 1: PSNR in decibels, SSIM (Wang et al. 2004). Displayed light: FLIP (Andersson et al. 2020), 0 to 1, the \
 difference seen when alternating between the images. --exposure and --tone set the tone mapping; HDR-FLIP (Andersson et al. 2021) \

@@ -152,8 +152,8 @@ A method is a combination of the --vary values. Each is rendered at a series of 
 against the first available reference: the image of --reference, the mean radiance that the scene declares (truth), or a reference \
 rendered in two halves by another sampler with other seeds (split).
 
-The squared error of a split reference, the floor, is a quarter of the mean squared difference of its halves. It is printed, plotted, \
-and subtracted. Points below three times the floor are excluded from plots and fits.
+The squared error of a split reference is a quarter of the mean squared difference of its halves. It is printed, plotted, and \
+subtracted. Points below 1.73 times the RMSE of the reference are excluded from plots and fits.
 
 RMSE is the root of the mean squared error over pixels, channels and seeds; with a truth, that of the image mean. relMSE is the mean of \
 (A - B)^2 / (B^2 + 0.01). Bias is the mean of A - B. Its standard error includes the spread between seeds and the error of the \

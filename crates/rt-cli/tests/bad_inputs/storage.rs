@@ -12,12 +12,12 @@ use crate::input::{Content, Input};
 const GOOD: &str = "(lights: [ambient(gray(1))], camera: (look_from: (0, 0, 5)), nodes: [(shape: sphere())])";
 
 pub(crate) fn missing_file() -> Vec<Input> {
-    vec![Input::made("scene.ron", |_| {}).refused(&["scene.ron", "No such file"])]
+    vec![Input::made("scene.ron", |_| {}).refused(&["scene.ron: does not exist"])]
 }
 
 pub(crate) fn directory() -> Vec<Input> {
     let make = |folder: &Path| fs::create_dir(folder.join("scene.ron")).expect("a folder");
-    vec![Input::made("scene.ron", make).refused(&["scene.ron", "is not a regular file"])]
+    vec![Input::made("scene.ron", make).refused(&["scene.ron: is a directory; give the path of a file"])]
 }
 
 pub(crate) fn unreadable_file() -> Vec<Input> {

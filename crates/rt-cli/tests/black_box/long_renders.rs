@@ -418,7 +418,7 @@ fn spoil_the_disk(command: &str, reason: &str) {
 #[test]
 fn a_missing_fallback_directory_is_refused_before_the_render() {
     let place = Workplace::with_scene();
-    place.fails(2, &format!("{LONG} --fallback-dir nowhere"), "--fallback-dir nowhere: there is no such folder");
+    place.fails(2, &format!("{LONG} --fallback-dir nowhere"), "--fallback-dir nowhere is not a directory");
     assert_eq!(place.files(), ["scene.ron"]);
 }
 

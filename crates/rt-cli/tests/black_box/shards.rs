@@ -65,6 +65,7 @@ fn what_is_missing_doubled_or_foreign_is_named() {
     place.succeed(&format!("{RENDER} --seed 9 --shard 2/3 -o foreign.part"));
     place.succeed(&format!("{RENDER} --shard 1/2 -o half.part"));
     place.write("text.part", "no part");
+    place.write("empty.part", "");
     let mut damaged = place.read("scene.2-of-3.part");
     let middle = damaged.len() / 2;
     damaged[middle] ^= 4;
@@ -72,13 +73,14 @@ fn what_is_missing_doubled_or_foreign_is_named() {
     let all = parts(&[1, 2, 3], 3);
     let two = parts(&[1, 3], 3);
     for (files, message) in [
-        (two.clone(), "1 of 3 shards are missing: 2/3; render them".to_owned()),
+        (two.clone(), "shard 2/3 is missing; render it".to_owned()),
         (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same shard".to_owned()),
         (format!("{two} foreign.part"), "foreign.part: is of another image".to_owned()),
         (format!("{two} half.part"), "half.part: is one of 2 shards, but scene.1-of-3.part is one of 3".to_owned()),
         (format!("{two} text.part"), "text.part: is not a shard of an image".to_owned()),
+        (format!("{two} empty.part"), "empty.part: is empty (0 bytes); render it again".to_owned()),
         (format!("{two} damaged.part"), "damaged.part: is damaged".to_owned()),
-        (format!("{two} nowhere.part"), "nowhere.part: cannot be read".to_owned()),
+        (format!("{two} nowhere.part"), "nowhere.part: does not exist".to_owned()),
         (format!("{two} scene.ron"), "scene.ron: is not a shard of an image".to_owned()),
     ] {
         let run = place.run(&format!("merge {files} -o scene.exr"));

@@ -82,5 +82,5 @@ fn the_table_lists_the_rays_of_the_file() {
     }
     assert!(run.stdout.contains("tests/ray"));
     assert!(!place.succeed("render scene.ron -v").stdout.contains("tests/ray"), "uncounted costs are not shown");
-    assert!(run.stdout.contains("removed from the plan: "), "{run:?}");
+    assert!(run.stdout.contains("left out of the plan: "), "{run:?}");
 }

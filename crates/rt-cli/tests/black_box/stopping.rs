@@ -84,7 +84,7 @@ fn statistics_are_two_lines_unless_verbose() {
     for option in ["-v", "--verbose"] {
         let all = lines(option);
         let has = |text: &str| all.iter().any(|line| line.contains(text));
-        assert!(has("primary") && has("load ") && has(" Mrays/s on ") && has("removed from the plan: "), "{all:?}");
+        assert!(has("primary") && has("load ") && has(" Mrays/s on ") && has("left out of the plan: "), "{all:?}");
         assert!(all[all.len() - 2].starts_with("wrote scene.png (48x32, "), "{all:?}");
     }
 }

@@ -126,10 +126,7 @@ mod tests {
         let (wide, high) = (Image::new(3, 2, false), Image::new(2, 3, false));
         let error = ImagePair::new(&wide, &high).expect_err("they differ");
         assert_eq!(error, PairError::Size { test: [3, 2], reference: [2, 3] });
-        assert_eq!(
-            error.to_string(),
-            "the images differ in size: 3 by 2 and 2 by 3 pixels; compare images of the same size"
-        );
+        assert_eq!(error.to_string(), "the images differ in size: 3x2 and 2x3 pixels; compare images of the same size");
         let empty = Image::new(0, 7, false);
         assert_eq!(ImagePair::new(&empty, &empty).expect_err("empty"), PairError::NothingFinite);
     }

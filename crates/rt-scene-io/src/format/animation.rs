@@ -11,7 +11,7 @@ use super::Step;
 pub enum Interpolation {
     /// The earlier key holds.
     Step,
-    /// Straight ways and turns by the shortest arc, each at constant speed.
+    /// Straight paths and rotations by the shortest arc, each at constant speed.
     #[default]
     Linear,
     /// Curves through the keys, without kinks, that start and end at rest.

@@ -41,7 +41,7 @@ pub struct Camera {
     /// Example: `motion: [translate(0.5, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion: Vec<Step>,
-    /// Instead of `motion`: places of the camera at times of an animation.
+    /// Instead of `motion`: transforms of the camera at times of an animation.
     ///
     /// Default: at rest. Example: `animation: (keys: [(time: 0), (time: 4, transform: [rotate_y(90)])])`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,7 +50,7 @@ pub struct Camera {
     /// is the time of the frame and 1 that of the next frame. `(0, 0.5)` blurs half of the way between two frames. Without
     /// `shutter`, motions are blurred over all of their time, and animations are sharp.
     ///
-    /// Unit: shares of a frame. Default: `(0, 1)` for motions, `(0, 0)` for animations. Example: `shutter: (0, 0.5)`.
+    /// Unit: fractions of a frame. Default: `(0, 1)` for motions, `(0, 0)` for animations. Example: `shutter: (0, 0.5)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shutter: Option<(f64, f64)>,
     /// Full opening angle, above 0 and below 180.

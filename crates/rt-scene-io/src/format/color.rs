@@ -13,7 +13,7 @@ use super::spelling::{self, Spelled};
 #[serde(rename_all = "snake_case", deny_unknown_fields, remote = "Self")]
 #[cfg_attr(feature = "schema", schemars(transform = add_spellings))]
 pub enum Color {
-    /// Gray: one linear value for red, green and blue.
+    /// Grey: one linear value for red, green and blue.
     ///
     /// Example: `gray(0.5)`.
     #[serde(alias = "grey")]
@@ -34,7 +34,7 @@ pub enum Color {
 #[serde(rename_all = "snake_case", deny_unknown_fields, remote = "Self")]
 #[cfg_attr(feature = "schema", schemars(transform = add_spellings))]
 pub enum ColorTexture {
-    /// Gray: one linear value for red, green and blue.
+    /// Grey: one linear value for red, green and blue.
     ///
     /// Example: `gray(0.5)`.
     #[serde(alias = "grey")]
@@ -65,7 +65,7 @@ pub enum ColorTexture {
     },
     /// An image file: PNG, JPEG, HDR or EXR.
     Image {
-        /// Path relative to the folder of the scene file.
+        /// Path relative to the directory of the scene file.
         ///
         /// Example: `file: "wood.png"`.
         file: String,
@@ -163,7 +163,7 @@ impl Spelled for ColorTexture {
 fn add_spellings(schema: &mut Schema) {
     let Some(choices) = schema.get_mut("oneOf").and_then(|choices| choices.as_array_mut()) else { return };
     let short = [
-        json_schema!({ "description": "Gray: one linear value for red, green and blue.\n\nExample: `0.5`.", "type": "number" }),
+        json_schema!({ "description": "Grey: one linear value for red, green and blue.\n\nExample: `0.5`.", "type": "number" }),
         json_schema!({
             "description": "Linear red, green and blue; in JSON `[1, 0.5, 0]`.\n\nExample: `(1, 0.5, 0)`.",
             "type": "array",

@@ -258,7 +258,7 @@ pub enum Background {
     },
     /// An equirectangular image all around, which lights the scene. Its middle is seen along −z, its upper edge is straight up.
     Image {
-        /// Path of a PNG, JPEG, HDR or EXR file, relative to the folder of the scene file.
+        /// Path of a PNG, JPEG, HDR or EXR file, relative to the directory of the scene file.
         ///
         /// Example: `file: "wood.png"`.
         file: String,

@@ -20,19 +20,19 @@ pub enum Material {
         /// Unit: factor. Default: `1`. Example: `color: checker(even: 1, odd: 0.2)`.
         #[serde(default, skip_serializing_if = "Option::is_none", alias = "colour")]
         color: Option<ColorTexture>,
-        /// Share of the ambient light.
+        /// Fraction of the ambient light that is reflected.
         ///
-        /// Unit: share of light. Default: `0.07`. Example: `ambient: 0.1`.
+        /// Unit: fraction of the light. Default: `0.07`. Example: `ambient: 0.1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         ambient: Option<ColorTexture>,
         /// Diffuse coefficient.
         ///
-        /// Unit: share of light. Default: `0.7`. Example: `diffuse: "#c03020"`.
+        /// Unit: fraction of the light. Default: `0.7`. Example: `diffuse: "#c03020"`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         diffuse: Option<ColorTexture>,
         /// Strength of the highlight.
         ///
-        /// Unit: share of light. Default: `0`. Example: `specular: 0.5`.
+        /// Unit: fraction of the light. Default: `0`. Example: `specular: 0.5`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         specular: Option<ColorTexture>,
         /// Exponent of the highlight, from 0 to 10⁷.
@@ -50,14 +50,14 @@ pub enum Material {
         /// Unit: radiance. Default: `0`. Example: `emission: (2, 1.5, 1)`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         emission: Option<ColorTexture>,
-        /// Share of mirrored light.
+        /// Fraction of the light that is mirrored.
         ///
-        /// Unit: share of light. Default: `0`; `1` with `fresnel` and `transmission`. Example: `mirror: 0.6`.
+        /// Unit: fraction of the light. Default: `0`; `1` with `fresnel` and `transmission`. Example: `mirror: 0.6`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mirror: Option<ColorTexture>,
-        /// Share of light that passes through the surface, refracted.
+        /// Fraction of the light that passes through the surface, refracted.
         ///
-        /// Unit: share of light. Default: `0`. Example: `transmission: 1`.
+        /// Unit: fraction of the light. Default: `0`. Example: `transmission: 1`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         transmission: Option<ColorTexture>,
         /// Index of refraction of the inside, where that of air is 1. Used with `transmission`.
@@ -92,7 +92,7 @@ pub enum Material {
     Diffuse {
         /// Part of the light that is reflected.
         ///
-        /// Unit: share of light. Example: `albedo: (0.8, 0.1, 0.1)`.
+        /// Unit: fraction of the light. Example: `albedo: (0.8, 0.1, 0.1)`.
         #[serde(default = "gray::<50>", alias = "color", alias = "colour")]
         albedo: ColorTexture,
         /// 0 for paper, 1 for dust (Oren, Nayar 1994).
@@ -110,12 +110,12 @@ pub enum Material {
     Glossy {
         /// Part of the light that is reflected diffusely.
         ///
-        /// Unit: share of light.
+        /// Unit: fraction of the light.
         #[serde(default = "gray::<0>")]
         diffuse: ColorTexture,
         /// Part of the light along the normal that the highlight reflects.
         ///
-        /// Unit: share of light.
+        /// Unit: fraction of the light.
         #[serde(default = "gray::<50>")]
         specular: ColorTexture,
         /// Exponent of the highlight, from 0 to 10⁷.
@@ -128,7 +128,7 @@ pub enum Material {
     Mirror {
         /// Part of the light that is reflected.
         ///
-        /// Unit: share of light.
+        /// Unit: fraction of the light.
         #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         reflectance: ColorTexture,
     },
@@ -144,9 +144,9 @@ pub enum Material {
         /// Unit: none. Default: `0`. Example: `roughness: 0.1`.
         #[serde(default, skip_serializing_if = "is_zero")]
         roughness: f64,
-        /// Share of light that is left after it passes through the surface.
+        /// Fraction of the light that is left after it passes through the surface.
         ///
-        /// Unit: share of light.
+        /// Unit: fraction of the light.
         #[serde(default = "gray::<100>")]
         transmittance: ColorTexture,
         /// Absorption inside per unit of length: light falls by exp(−absorption · length).
@@ -187,7 +187,7 @@ pub enum Material {
     MetallicRoughness {
         /// Colour of the diffuse part, or of the metal.
         ///
-        /// Unit: share of light. Example: `base_color: image(file: "wood.png")`.
+        /// Unit: fraction of the light. Example: `base_color: image(file: "wood.png")`.
         #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         base_color: ColorTexture,
         /// 0 for plastic, 1 for metal.
@@ -213,9 +213,9 @@ pub enum Material {
         /// Unit: none.
         #[serde(default = "crown_glass")]
         ior: f64,
-        /// Share of light that is left after it crosses the pane once along the normal.
+        /// Fraction of the light that is left after it crosses the pane once along the normal.
         ///
-        /// Unit: share of light.
+        /// Unit: fraction of the light.
         #[serde(default = "gray::<100>")]
         transmittance: ColorTexture,
     },

@@ -27,7 +27,7 @@ pub struct Node {
     /// Example: `motion: [translate(0.5, 0, 0)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motion: Vec<Step>,
-    /// Instead of `motion`: places of the node at times of an animation. It is blurred by its motion while a camera's `shutter`
+    /// Instead of `motion`: transforms of the node at times of an animation. It is blurred by its motion while a camera's `shutter`
     /// is open.
     ///
     /// Default: at rest. Example: `animation: (keys: [(time: 0), (time: 1, transform: [translate(0, 2, 0)])])`.
@@ -39,7 +39,7 @@ pub struct Node {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
     /// Model file (glTF, OBJ, PLY, STL, NFF or pbrt) of this node, with its tree and materials, without its cameras and lights.
-    /// The path is relative to the folder of the scene file.
+    /// The path is relative to the directory of the scene file.
     ///
     /// Default: none. Example: `model: "chair.gltf"`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,7 +52,7 @@ pub struct Node {
     /// Material of the shape here and, unless they have their own, of all shapes below. It is the name of one of the
     /// scene's `materials`, or a material written here. On a `model` it replaces the materials of the model.
     ///
-    /// Default: that of the parent, or gray. Example: `material: diffuse(albedo: 0.8)`.
+    /// Default: that of the parent, or grey. Example: `material: diffuse(albedo: 0.8)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<NodeMaterial>,
     /// True if this node and all below it cast shadows.

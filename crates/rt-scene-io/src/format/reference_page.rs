@@ -70,7 +70,7 @@ The same in JSON. There a choice such as `sphere(radius: 2)` is an object with o
 
 | written in RON | written in JSON | meaning |
 |---|---|---|
-| `0.3` | `0.3` | number; where a colour is expected, gray |
+| `0.3` | `0.3` | number; where a colour is expected, grey |
 | `(1, 0, 0)` | `[1, 0, 0]` | vector, or linear red, green and blue |
 | `"#ff0000"`, `"#f00"` | `"#ff0000"`, `"#f00"` | colour as web pages write it |
 | `sphere(radius: 2)` | `{"sphere": {"radius": 2}}` | choice with fields |

@@ -38,7 +38,7 @@ pub struct Settings {
     pub max_depth: u64,
     /// Rays that contribute less than this to the pixel are not followed.
     ///
-    /// Unit: share of the pixel.
+    /// Unit: fraction of the pixel.
     pub min_contribution: f64,
     /// Acceleration structure.
     pub accel: Accel,
@@ -55,7 +55,7 @@ pub struct Settings {
     pub rr_start_depth: u64,
     /// Bound on each contribution of indirect light to a sample; brighter ones are scaled down to it.
     ///
-    /// It takes away fireflies and some light: the image is biased. For `path`, `distributed` and `path_caustics`.
+    /// It removes fireflies and some light: the image is biased. For `path`, `distributed` and `path_caustics`.
     /// Unit: radiance. Default: no bound. Example: `clamp: 10`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f64>,

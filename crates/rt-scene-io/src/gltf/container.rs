@@ -82,6 +82,12 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn other_text_is_refused() {
+        let error = Container::split(b"hello").unwrap_err();
+        assert_eq!(error, "is not glTF: it begins with neither `{`, as JSON does, nor `glTF`");
+    }
+
+    #[test]
     fn both_wrappings_are_recognised() {
         assert_eq!(Container::split(b"{}"), Ok(Container { json: b"{}", blob: None }));
         assert_eq!(Container::split(b"\xEF\xBB\xBF{}"), Ok(Container { json: b"{}", blob: None }));

@@ -102,7 +102,7 @@ fn headers_that_promise_too_much_are_refused_at_once() {
 #[test]
 fn every_bad_line_is_named() {
     let cases = [
-        (SQUARE.replace("ply\n", "plx\n"), "m.ply:1: File must start with 'ply'"),
+        (SQUARE.replace("ply\n", "plx\n"), "m.ply:1: is not a PLY file: the first line must be `ply`"),
         (
             SQUARE.replace("float y", "flaot y"),
             "m.ply:6: unknown type `flaot`; known are `char`, `uchar`, `short`, `ushort`, `int`, `uint`, `float`, `double`",

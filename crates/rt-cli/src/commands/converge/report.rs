@@ -125,7 +125,7 @@ impl<'a> Report<'a> {
         let mut points = self.summary.methods.iter().flat_map(|method| &method.points);
         if points.any(|point| !point.is_trusted) {
             notes.push(format!(
-                "errors marked * are excluded from plot and fits: they are below {:.2} times the error of {}",
+                "errors marked * are excluded from plot and fits: they are below {:.2} times the RMSE of {}",
                 TRUSTED.sqrt(),
                 if floor.is_some() { "the reference" } else { "rounding" },
             ));
