@@ -7,6 +7,7 @@ use rt_math::{DVec2, DVec3, Ray};
 use rt_render::{RenderSpace, SceneGeometry};
 
 use crate::finding::{Finding, Findings, Kind};
+use crate::number::short;
 use crate::objects::Objects;
 
 /// Cells along each side of the image; one ray passes through the middle of each.
@@ -50,7 +51,8 @@ impl fmt::Display for CameraMeasures {
         }
         let Self { rays, hits, nearest, farthest, position_error: error, position_error_in_pixels: pixels, .. } = self;
         let share = 100.0 * *hits as f64 / *rays as f64;
-        writeln!(f, "sees objects {nearest:.4e} to {farthest:.4e} away ({share:.1} % of {rays} rays);")?;
+        let [nearest, farthest] = [*nearest, *farthest].map(|distance| short(distance, 5));
+        writeln!(f, "sees objects {nearest} to {farthest} away ({share:.1} % of {rays} rays);")?;
         writeln!(f, "                 rounding moves them by at most {error:.1e}, {pixels:.1e} pixels")
     }
 }

@@ -41,6 +41,7 @@ mod fixture;
 mod materials;
 mod measures;
 mod normals;
+mod number;
 mod objects;
 mod polygons;
 mod report;

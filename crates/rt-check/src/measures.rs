@@ -6,6 +6,7 @@ use rt_math::Aabb;
 
 use crate::camera::CameraMeasures;
 use crate::finding::{Finding, Findings, Kind};
+use crate::number::short;
 use crate::objects::{Geometry, Objects};
 use crate::singular_values::{condition, singular_values};
 use crate::welded::corners;
@@ -103,23 +104,9 @@ impl fmt::Display for Measures {
             writeln!(f, "smallest         {} (range {})", short(self.smallest, 6), short(self.dynamic_range, 4))?;
             writeln!(f, "origin distance  {} of the extent", short(self.origin_distance, 4))?;
         }
-        writeln!(f, "condition        {}, the largest number of a transform", short(self.condition, 4))?;
+        writeln!(f, "condition number {} (largest of all transforms)", short(self.condition, 4))?;
         self.cameras.iter().try_for_each(|camera| write!(f, "{camera}"))
     }
-}
-
-/// Number with this many significant digits, without trailing zeros; with an exponent outside of 10⁻⁴ to 10⁶.
-fn short(value: f64, digits: i32) -> String {
-    let magnitude = value.abs();
-    if magnitude == 0.0 || !magnitude.is_finite() {
-        return value.to_string();
-    }
-    if !(1e-4..1e6).contains(&magnitude) {
-        return format!("{value:.*e}", digits.unsigned_abs() as usize - 1);
-    }
-    let places = (digits - 1 - magnitude.log10().floor() as i32).max(0);
-    let text = format!("{value:.*}", places.unsigned_abs() as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// Infinite for a mesh without triangles.
@@ -162,21 +149,6 @@ fn coarse_vertices(named: &rt_scene_io::NamedMesh) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        for (value, text) in [
-            (9.8, "9.8"),
-            (0.245_219, "0.2452"),
-            (0.0, "0"),
-            (1234.0, "1234"),
-            (123_456.0, "123456"),
-            (2.5e-7, "2.500e-7"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(short(value, 4), text);
-        }
-    }
     use crate::fixture::*;
     use crate::report::Report;
     use rt_math::{DVec3, Transform, Vec3};

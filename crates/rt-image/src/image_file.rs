@@ -76,7 +76,7 @@ pub enum ImageFileError {
         reason: String,
     },
     /// The file cannot be opened or read.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: {}", path.display(), unreadable(source))]
     Read {
         /// The file.
         path: PathBuf,
@@ -111,6 +111,13 @@ pub enum ImageFileError {
         /// Message of the decoder.
         reason: String,
     },
+}
+
+fn unreadable(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "does not exist".to_owned(),
+        _ => format!("cannot be read: {error}"),
+    }
 }
 
 #[cfg(test)]

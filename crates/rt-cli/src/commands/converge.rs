@@ -32,6 +32,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     let clock = Clock::start(args.run.time);
     let console = Console { quiet: args.run.quiet };
     let image = args.fixed.with(&[]).map_err(CliError::Usage)?;
+    methods::refuse_conflicts(args)?;
     let input = input::read(&args.input, Some(&image), console)?;
     let scene = &input.scene;
     input::print_notes(scene, console)?;

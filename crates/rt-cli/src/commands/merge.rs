@@ -65,7 +65,7 @@ fn read(files: &[PathBuf], memory: Option<u64>) -> Result<(Label, Vec<Shard>), C
         [(format!("the content of {} shards", files.len()), decoded), ("the shard being read".to_owned(), reading)];
     let together = match files {
         [file] => file.clone(),
-        _ => PathBuf::from(format!("the {} shards", files.len())),
+        _ => PathBuf::from(format!("merging {} shards", files.len())),
     };
     let mut label: Option<(u32, Label)> = None;
     let mut shards = Vec::with_capacity(files.len());

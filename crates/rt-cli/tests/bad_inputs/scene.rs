@@ -265,7 +265,7 @@ pub(crate) fn first_mistakes() -> Vec<Input> {
         Input::file("scene.json", r#"{"nodes": [{"shape": "sphere"}]}"#).refused(&["write {\"sphere\": {}}"]),
         Input::scene(r#"{"nodes": []}"#).refused(&["scene.ron:1:1: ", "this is JSON: name the file .json"]),
         Input::file("scene.json", "(nodes: [])").refused(&["scene.json:1:1: ", "this is RON: name the file .ron"]),
-        Input::scene("hello").refused(&["scene.ron:1:1: expected a scene, which begins with `(`", "found `hello`"]),
+        Input::scene("hello").refused(&["scene.ron:1:1: expected a scene, which begins with `(`", "found hello"]),
         Input::file("m.gltf", "hello").refused(&["m.gltf: is not glTF"]),
         Input::file("m.ply", "hello").refused(&["m.ply:1: is not a PLY file: the first line must be `ply`"]),
         Input::file("m.exr", "hello").refused(&["m.exr: is an image; use `develop` or `compare`"]),

@@ -148,6 +148,7 @@ impl<'t> Explainer<'t> {
             let message = match message {
                 "trailing comma" => "trailing comma before a closing bracket: remove it",
                 "expected `:`" => "expected `:` after a name",
+                "expected value" if next(self.text, 0) == Some(at.saturating_sub(1)) => return self.no_scene(),
                 "expected value" => "expected a value",
                 "key must be a string" => "expected the name of a field in double quotes",
                 "trailing characters" => "unexpected text after the end of the scene: remove it",
@@ -351,22 +352,25 @@ impl<'t> Explainer<'t> {
         }
     }
 
+    /// The text begins with something else than a scene.
+    fn no_scene(&self) -> ParseError {
+        let opening = if self.notation == Notation::Ron { '(' } else { '{' };
+        let expected = format!("expected a scene, which begins with `{opening}`");
+        let start = next(self.text, 0).unwrap_or(self.text.len());
+        let Some(word) = self.text[start..].split_whitespace().next() else {
+            return ParseError::new(start, expected);
+        };
+        let hint = hint_of_notation(word, self.notation);
+        ParseError::new(start, format!("{expected}, found {}{hint}", shown(word)))
+    }
+
     /// The text ends where more is needed.
     fn early_end(&self) -> ParseError {
         let end = self.text.trim_end().len();
         let cursor = Cursor::before(self.text, self.text.len());
         match cursor.brackets.last() {
             None if end == 0 => ParseError::new(0, "the file contains no scene"),
-            None => {
-                let opening = if self.notation == Notation::Ron { '(' } else { '{' };
-                let expected = format!("expected a scene, which begins with `{opening}`");
-                let start = next(self.text, 0).unwrap_or(end);
-                let Some(word) = self.text[start..].split_whitespace().next() else {
-                    return ParseError::new(end, expected);
-                };
-                let hint = hint_of_notation(word, self.notation);
-                ParseError::new(start, format!("{expected}, found {}{hint}", shown(word)))
-            }
+            None => self.no_scene(),
             Some(frame) => {
                 let Position { line, .. } = Position::of(self.text, frame.bracket_at);
                 let (opening, closing) = (char::from(frame.bracket), closing(frame.bracket));

@@ -32,15 +32,18 @@ pub(super) struct MethodName {
     pub(super) depth: u32,
 }
 
+/// Refuses options that are given both with one value and with several.
+pub(super) fn refuse_conflicts(args: &ConvergeArgs) -> Result<(), CliError> {
+    args.vary.iter().find(|vary| args.fixed.contains(&vary.key)).map_or(Ok(()), |Variation { key, .. }| {
+        Err(CliError::Usage(format!("--vary {key} conflicts with --{key}; remove one of them")))
+    })
+}
+
 /// Resolves all methods, and checks that each can be rendered.
 pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>, CliError> {
     let keys: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
     if let Some(twice) = keys.iter().enumerate().find(|(index, key)| keys[..*index].contains(key)) {
         let message = format!("--vary {} is given twice; list all values at once, such as {0}=A,B,C", twice.1);
-        return Err(CliError::Usage(message));
-    }
-    if let Some(fixed) = keys.iter().find(|key| args.fixed.contains(key)) {
-        let message = format!("--vary {fixed} conflicts with --{fixed}; remove one of them");
         return Err(CliError::Usage(message));
     }
     let count = args.vary.iter().try_fold(1usize, |count, vary| count.checked_mul(vary.values.len()));
