@@ -42,7 +42,7 @@ impl Comparison<'_> {
             test: self.args.test.clone(),
             reference: self.args.reference.clone(),
             metric: name_of(metric),
-            value: digits_beside(value, threshold),
+            value: distinct_digits(value, threshold),
             threshold,
             non_finite,
         })
@@ -187,7 +187,7 @@ fn row(title: String, all: f64, channels: Option<[f64; 3]>) -> Vec<String> {
 }
 
 /// Number with six significant digits, or with all of them if the six equal the threshold.
-fn digits_beside(value: f64, threshold: f64) -> String {
+fn distinct_digits(value: f64, threshold: f64) -> String {
     let rounded = digits(value);
     if rounded.parse() == Ok(threshold) { value.to_string() } else { rounded }
 }
@@ -207,7 +207,7 @@ fn digits(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{digits, digits_beside};
+    use super::{digits, distinct_digits};
 
     #[test]
     fn numbers_have_six_digits() {
@@ -225,7 +225,7 @@ mod tests {
         ] {
             assert_eq!(digits(value), text);
         }
-        assert_eq!(digits_beside(0.085_489_012_885, 0.01), "0.0854890");
-        assert_eq!(digits_beside(0.010_000_000_1, 0.01), "0.0100000001");
+        assert_eq!(distinct_digits(0.085_489_012_885, 0.01), "0.0854890");
+        assert_eq!(distinct_digits(0.010_000_000_1, 0.01), "0.0100000001");
     }
 }
