@@ -95,7 +95,11 @@ fn images_go_to_standard_output_without_reports() {
         place.succeed(&format!("render scene.ron -o file.{format}"));
         let piped = succeed(&place, b"", &format!("render scene.ron -o - {options}"));
         assert!(piped.stdout == place.read(&format!("file.{format}")), "{options}");
-        assert!(stderr(&piped).contains("wrote standard output (48x32, "), "{}", stderr(&piped));
+        assert!(
+            stderr(&piped).contains(&format!("wrote {} to standard output (48x32, ", format.to_uppercase())),
+            "{}",
+            stderr(&piped)
+        );
     }
     assert_eq!(place.files(), ["file.exr", "file.jpg", "file.png", "scene.ron"]);
     // --output-format stands for an extension.
@@ -139,7 +143,7 @@ fn images_are_developed_compared_merged_and_converted_through_pipes() {
     for arguments in ["develop - -o small.png --memory 1k", "compare - direct.png --memory 1k"] {
         let refused = place.pipe(&linear, arguments);
         assert_eq!(refused.status.code(), Some(3), "{arguments}: {}", stderr(&refused));
-        assert!(stderr(&refused).contains("(--memory)"), "{arguments}: {}", stderr(&refused));
+        assert!(stderr(&refused).contains("--memory"), "{arguments}: {}", stderr(&refused));
     }
     succeed(&place, &developed, "compare - direct.png");
     succeed(&place, &developed, "compare direct.png -");

@@ -100,7 +100,7 @@ fn a_scene_without_a_command_is_rendered() {
         place.succeed(arguments);
         assert!(place.read(file) == place.read("x.png"), "{arguments}");
     }
-    place.fails(3, "missing.ron", "missing.ron: cannot be read");
+    place.fails(3, "missing.ron", "missing.ron: does not exist");
     place.fails(2, "rendr scene.ron", "'render'");
 }
 

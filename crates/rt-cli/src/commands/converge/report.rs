@@ -40,8 +40,8 @@ impl Outputs {
         }
         if !folder.is_dir() {
             if folder.exists() {
-                let message = format!("{} is not a directory; choose another --output", folder.display());
-                return Err(CliError::Usage(message));
+                let reason = "it is not a directory; choose another --output".to_owned();
+                return Err(OutputError::Write { path: folder.to_owned(), reason }.into());
             }
             fs::create_dir(folder).map_err(|error| OutputError::Write {
                 path: folder.to_owned(),
