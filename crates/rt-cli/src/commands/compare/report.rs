@@ -225,7 +225,7 @@ mod tests {
         ] {
             assert_eq!(digits(value), text);
         }
-        assert_eq!(distinct_digits(0.085_489_012_885, 0.01), "0.0854890");
+        assert_eq!(distinct_digits(0.085_489_012_885, 0.01), "0.085489");
         assert_eq!(distinct_digits(0.010_000_000_1, 0.01), "0.0100000001");
     }
 }
