@@ -39,14 +39,14 @@ mod tests {
     fn crafted_numbers_of_frame_logs_are_refused() {
         let of =
             |frame: &str, identity: &str| parse(format!(r#"{{"frames": {{"{frame}": "{identity}"}}}}"#).as_bytes());
-        let identity = "0123456789abcdef".repeat(4);
+        let identity = "0123456789abcdef".repeat(2);
         for frame in ["0", "4294967295"] {
             assert!(of(frame, &identity).is_some(), "{frame}");
         }
         for frame in ["4294967296", "18446744073709551615", "-1", "1.5", "1e3", "", "x"] {
             assert_eq!(of(frame, &identity), None, "{frame}");
         }
-        let long = "0".repeat(65);
+        let long = "0".repeat(33);
         for identity in ["", "0", &identity[1..], &long, &identity.replace('a', "A"), &identity.replace('a', "g")] {
             assert_eq!(of("0", identity), None, "{identity}");
         }

@@ -21,13 +21,14 @@ fn three_lines_are_a_scene() {
 fn no_command_renders_the_showcase() {
     let place = Workplace::new();
     let child = place.spawn("");
-    // A signal saves the image from the moment on that the program handles it.
+    // A signal that is handled saves the image as soon as a tile has begun.
     let handles_interrupts = |status: &str| {
         let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or_default();
         u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & 0b10 != 0)
     };
     let status = format!("/proc/{}/status", child.id());
     wait_until("the render", || std::fs::read_to_string(&status).is_ok_and(|status| handles_interrupts(&status)));
+    std::thread::sleep(std::time::Duration::from_millis(300));
     signal(&child, "INT");
     let run = Run::end(child);
     assert_eq!(run.code, Some(130), "{run:?}");

@@ -111,7 +111,7 @@ fn references_follow_a_scene_to_another_folder() {
     let output = folder.path().join("scenes/out.ron");
     let text = convert(&model, &output, &root).unwrap().text;
     assert!(text.contains("model: \"../a.obj\""), "{text}");
-    assert!(text.starts_with("// ") && text.contains("choose a root directory"), "{text}");
+    assert!(text.starts_with("// ") && text.contains("render it with --asset-root"), "{text}");
     fs::write(&output, text).unwrap();
     assert!(load(&output, &LoadOptions::default()).unwrap_err().to_string().contains("lies outside"));
     let moved = load(&output, &root).unwrap();
