@@ -203,7 +203,7 @@ fn parts_and_checkpoints_are_refused_by_their_size() {
         place.succeed(&format!("render scene.ron --size 1000x800 --spp 1 --shard {part}/2 -o {part}.part"));
     }
     let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 12M");
-    assert!(said.contains("1.part: needs ") && said.contains("for the content of 2 shards"), "{said}");
+    assert!(said.contains("merging 2 shards: needs ") && said.contains("for the content of 2 shards"), "{said}");
     let said = refused(&place, "merge 1.part 2.part -o a.exr --memory 30M");
     assert!(said.contains("for the image"), "{said}");
     let at_rest = peak(&place, "--version");
