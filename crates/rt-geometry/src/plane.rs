@@ -7,8 +7,8 @@ use rt_math::{DVec3, Interval, Ray, Real, Vector3, tangents};
 
 /// An infinite plane; its front is the side of the normal. It has no bounds.
 ///
-/// Texture coordinates are lengths from [`point`](Self::point) along the tangents of [`Frame::from_z`] of the normal.
-/// They are (x, −z) on a floor with normal +y, (x, y) for +z.
+/// Texture coordinates are lengths from [`point`](Self::point) along the tangents of
+/// [`Frame::from_z`](rt_math::Frame::from_z) of the normal. They are (x, −z) on a floor with normal +y, (x, y) for +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     point: DVec3,
