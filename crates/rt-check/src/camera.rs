@@ -7,7 +7,7 @@ use rt_math::{DVec2, DVec3, Ray};
 use rt_render::{RenderSpace, SceneGeometry};
 
 use crate::finding::{Finding, Findings, Kind};
-use crate::number::short;
+use crate::number::short_number;
 use crate::objects::Objects;
 
 /// Cells along each side of the image; one ray passes through the middle of each.
@@ -51,7 +51,7 @@ impl fmt::Display for CameraMeasures {
         }
         let Self { rays, hits, nearest, farthest, position_error: error, position_error_in_pixels: pixels, .. } = self;
         let share = 100.0 * *hits as f64 / *rays as f64;
-        let [nearest, farthest] = [*nearest, *farthest].map(|distance| short(distance, 5));
+        let [nearest, farthest] = [*nearest, *farthest].map(|distance| short_number(distance, 5));
         writeln!(f, "sees objects {nearest} to {farthest} away ({share:.1} % of {rays} rays);")?;
         writeln!(f, "                 rounding moves them by at most {error:.1e}, {pixels:.1e} pixels")
     }

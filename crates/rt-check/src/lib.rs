@@ -68,6 +68,7 @@ use crate::{
 pub use camera::CameraMeasures;
 pub use finding::{Finding, Kind, Measurement, Severity};
 pub use measures::Measures;
+pub use number::short_number;
 pub use report::{More, Report};
 
 /// Checks a scene. Never fails: a reason not to render it is a finding.

@@ -6,7 +6,7 @@ use rt_math::Aabb;
 
 use crate::camera::CameraMeasures;
 use crate::finding::{Finding, Findings, Kind};
-use crate::number::short;
+use crate::number::short_number;
 use crate::objects::{Geometry, Objects};
 use crate::singular_values::{condition, singular_values};
 use crate::welded::corners;
@@ -100,11 +100,16 @@ impl fmt::Display for Measures {
                 "bounds           ({:.6}, {:.6}, {:.6}) to ({:.6}, {:.6}, {:.6})",
                 min.x, min.y, min.z, max.x, max.y, max.z
             )?;
-            writeln!(f, "extent           {}", short(self.extent, 6))?;
-            writeln!(f, "smallest         {} (range {})", short(self.smallest, 6), short(self.dynamic_range, 4))?;
-            writeln!(f, "origin distance  {} of the extent", short(self.origin_distance, 4))?;
+            writeln!(f, "extent           {}", short_number(self.extent, 6))?;
+            writeln!(
+                f,
+                "smallest         {} (range {})",
+                short_number(self.smallest, 6),
+                short_number(self.dynamic_range, 4)
+            )?;
+            writeln!(f, "origin distance  {} of the extent", short_number(self.origin_distance, 4))?;
         }
-        writeln!(f, "condition number {} (largest of all transforms)", short(self.condition, 4))?;
+        writeln!(f, "condition number {} (largest of all transforms)", short_number(self.condition, 4))?;
         self.cameras.iter().try_for_each(|camera| write!(f, "{camera}"))
     }
 }

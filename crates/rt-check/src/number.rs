@@ -1,7 +1,7 @@
 //! Numbers in reports.
 
 /// Number with this many significant digits, without trailing zeros; with an exponent outside of 10⁻⁴ to 10⁶.
-pub(crate) fn short(value: f64, digits: i32) -> String {
+pub fn short_number(value: f64, digits: i32) -> String {
     let magnitude = value.abs();
     if magnitude == 0.0 || !magnitude.is_finite() {
         return value.to_string();
@@ -29,7 +29,7 @@ mod tests {
             (2.5e-7, "2.500e-7"),
             (f64::INFINITY, "inf"),
         ] {
-            assert_eq!(short(value, 4), text);
+            assert_eq!(short_number(value, 4), text);
         }
     }
 }

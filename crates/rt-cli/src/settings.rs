@@ -1,6 +1,7 @@
 //! Settings of a render: the scene file with the command-line options applied.
 
 use rt_camera::{CameraSettings, Projection};
+use rt_check::short_number;
 use rt_image::Development;
 use rt_math::{DVec3, Transform};
 use rt_render::PlanOptions;
@@ -183,16 +184,7 @@ fn placed(args: &ViewArgs, world_from_camera: &Transform) -> Result<Transform, C
 
 /// Vector with four significant digits per component.
 fn four_digits(vector: DVec3) -> String {
-    let component = |value: f64| match value.abs() {
-        0.0 => "0".to_owned(),
-        magnitude if (1e-3..1e6).contains(&magnitude) => {
-            let places = 3 - magnitude.log10().floor().min(3.0) as i32;
-            let text = format!("{value:.*}", places.unsigned_abs() as usize);
-            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-        }
-        _ => format!("{value:.3e}"),
-    };
-    format!("({})", vector.to_array().map(component).join(", "))
+    format!("({})", vector.to_array().map(|value| short_number(value, 4)).join(", "))
 }
 
 #[cfg(test)]
