@@ -3,9 +3,11 @@
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
-    CheckpointRef, ContentError, RenderError, ShardSpec, Statistics, StopRule, observer,
+    CheckpointRef, ContentError, RenderError, ShardSpec, Statistics, StopRule,
+    film::film_tile::FilmLayout,
+    observer,
     pass_state::PassState,
-    shard::{FilmLayout, Shard, decode_unchecked},
+    shard::{Shard, decode_unchecked},
 };
 
 /// State of an unfinished render, deserialised from a [`CheckpointRef`](crate::CheckpointRef).

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     ContentError,
     content::{check_count, check_number},
-    estimate::PixelEstimate,
+    film::pixel_estimate::PixelEstimate,
 };
 
 /// Added to squared radiance before it divides an error, as in [`rt_image::metrics`].

@@ -18,7 +18,7 @@ use bytesize::ByteSize;
 use rt_scene_io::{Background, Integrator, MemoryError, Scene};
 use rt_shading::Texture;
 
-use crate::{Crop, RenderError, accel_choice::AccelOptions, estimate::PixelEstimate, splats::SplatImage};
+use crate::{Crop, RenderError, accel_choice::AccelOptions, film::pixel_estimate::PixelEstimate, splats::SplatImage};
 use survey::{LargestItem, Survey};
 
 /// Predicted bytes of memory of a render.

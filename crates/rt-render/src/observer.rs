@@ -5,8 +5,9 @@ use serde::Serialize;
 
 use crate::{
     Crop, ErrorEstimate, Progress,
+    film::film_tile::{FilmLayout, FilmTile},
     pass_state::PassState,
-    shard::{FilmLayout, FilmTile, Shard},
+    shard::Shard,
     tiles::Tile,
 };
 

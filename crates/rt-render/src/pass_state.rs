@@ -7,8 +7,10 @@ use crate::{
     ContentError, Crop, ShardSpec, Statistics, StopRule, Stopped, TargetError,
     content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_shard_spec},
     error_estimate::ErrorSums,
-    estimate::PixelEstimate,
-    shard::{FilmLayout, FilmTile, rounded, rounded_coverage},
+    film::{
+        film_tile::{FilmLayout, FilmTile, rounded, rounded_coverage},
+        pixel_estimate::PixelEstimate,
+    },
     tiles::{Tile, tile_count, tiles},
 };
 

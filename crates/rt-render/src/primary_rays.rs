@@ -6,8 +6,7 @@ use rt_shading::RadianceSample;
 
 use crate::{
     RenderPlan,
-    pixel_accumulator::PixelAccumulator,
-    tile_accumulator::TileAccumulator,
+    film::{pixel_accumulator::PixelAccumulator, tile_accumulator::TileAccumulator},
     tile_job::{TileJob, TileResult},
 };
 

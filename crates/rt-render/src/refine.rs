@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::{
     Criterion, Stopped, TargetError,
-    estimate::PixelEstimate,
+    film::pixel_estimate::PixelEstimate,
     pass_state::{PassCursor, RefineStage},
     passes::PixelMask,
     progressive::Progressive,

@@ -7,7 +7,7 @@ use rt_geometry::Counters;
 use rt_shading::ShadingCounts;
 
 use crate::{
-    estimate::PixelEstimate,
+    film::pixel_estimate::PixelEstimate,
     first_hit_layers::FirstHitLayer,
     passes::{PassSpec, PixelMask},
     tiles::Tile,

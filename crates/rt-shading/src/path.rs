@@ -1,8 +1,11 @@
 //! Path tracing in waves, with next-event estimation and MIS.
 
 mod clamp;
+mod direct_lighting;
+mod direct_lighting_lanes;
 mod lane_bsdf;
-mod scatter;
+mod shade;
+mod shade_lanes;
 pub(crate) mod transport;
 mod vertex_block;
 mod vertex_queue;

@@ -16,7 +16,7 @@
 //! left out of a plan, and cached BSDFs, change no bit.
 //!
 //! Read next: `mis.rs` (weights), `bsdf/mod.rs` (BSDFs), `light/light_set.rs` (lights), `vertex.rs`, `hit_context.rs` (sides and
-//! media of a surface), and then the waves: `path.rs`, `path/scatter.rs`.
+//! media of a surface), and then the waves: `path.rs`, `path/shade.rs`.
 
 use crate::{
     InteriorList, Lighting, PathSettings, RadianceSample, SceneQueries, ShadingCounts, ShadingFeatures, Transport,
@@ -237,8 +237,7 @@ impl ReferencePathTracer<'_> {
     /// Adds radiance that this many surfaces have scattered, clamped if it is indirect.
     fn add(&mut self, radiance: Rgb, scattered: u32, path: &mut PathState) {
         let clamp = self.settings.clamp;
-        let is_bounded = clamp.holds_after(scattered);
-        path.seen.radiance += if is_bounded { clamp.bounded(radiance, &mut self.counts) } else { radiance };
+        path.seen.radiance += clamp.apply(scattered, radiance, &mut self.counts);
     }
 }
 

@@ -30,8 +30,14 @@ impl Clamp {
 
     /// True if contributions of paths that this many surfaces have scattered are bounded.
     #[inline(always)]
-    pub(crate) fn holds_after(self, scattered: u32) -> bool {
+    pub(crate) fn applies_after(self, scattered: u32) -> bool {
         self.is_set() && scattered >= 2
+    }
+
+    /// Contribution of a path that this many surfaces have scattered, within the bound if there is one for it.
+    #[inline(always)]
+    pub(crate) fn apply(self, scattered: u32, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
+        if self.applies_after(scattered) { self.bounded(contribution, counts) } else { contribution }
     }
 
     #[inline(always)]
@@ -41,7 +47,7 @@ impl Clamp {
 
     /// Contribution within the bound. Non-finite contributions are unchanged.
     #[inline(never)]
-    pub(crate) fn bounded(self, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
+    pub(super) fn bounded(self, contribution: Rgb, counts: &mut ShadingCounts) -> Rgb {
         let largest = contribution.max_component();
         if !(largest > self.max && largest < f64::INFINITY) {
             return contribution;
@@ -100,8 +106,8 @@ mod tests {
     #[test]
     fn only_light_of_two_surfaces_or_more_is_indirect() {
         let clamp = Clamp::new(1.0).expect("positive");
-        assert_eq!([0, 1, 2, 9].map(|scattered| clamp.holds_after(scattered)), [false, false, true, true]);
-        assert_eq!([0, 1, 2, 9].map(|scattered| Clamp::NONE.holds_after(scattered)), [false; 4]);
+        assert_eq!([0, 1, 2, 9].map(|scattered| clamp.applies_after(scattered)), [false, false, true, true]);
+        assert_eq!([0, 1, 2, 9].map(|scattered| Clamp::NONE.applies_after(scattered)), [false; 4]);
     }
 
     #[test]

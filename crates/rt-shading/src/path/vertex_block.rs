@@ -242,3 +242,14 @@ impl<S: Simd> FrameLanes<S> {
         (leaves_behind & is_behind) | (!leaves_behind & !is_behind)
     }
 }
+
+/// Replaces vectors where the mask is true.
+#[inline(always)]
+pub(super) fn replace<S: Simd>(
+    simd: S,
+    lanes: &mut Vector3<LaneArray>,
+    mask: LaneMask<S>,
+    computed: Vector3<Lanes<S>>,
+) {
+    *lanes = Lanes::store_vector(Vector3::select(mask, computed, Lanes::load_vector(simd, lanes)));
+}

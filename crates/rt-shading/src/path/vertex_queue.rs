@@ -7,9 +7,10 @@
 //! Lanes in which a rare case occurs are marked, and shaded one by one.
 
 use super::{
+    direct_lighting_lanes::sample_lights,
     lane_bsdf::{Diffuse, DiffuseAndPhong},
     vertex_block::{Block, DeltaBlock, FollowedLobes, PhongBlock, ScatteredBlock, ShapeBlock},
-    vertex_stages::{compute_surfaces, sample_lights, scatter},
+    vertex_stages::{compute_surfaces, scatter},
     wave::Path,
 };
 use crate::{

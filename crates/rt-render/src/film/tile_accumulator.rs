@@ -2,7 +2,8 @@
 
 use rt_shading::RadianceSample;
 
-use crate::{estimate::PixelEstimate, pixel_accumulator::PixelAccumulator, tile_job::TileResult};
+use super::{pixel_accumulator::PixelAccumulator, pixel_estimate::PixelEstimate};
+use crate::tile_job::TileResult;
 
 /// Accumulates samples into passes, and passes into the pixels of a tile.
 pub(crate) struct TileAccumulator<N> {
