@@ -1,9 +1,9 @@
 //! Queries of a scene.
 
-use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
+use numpy::{Element, IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use rt_accel::{BuildParams, DVec3, GeometryId, HitBatch, HitLists, Scene, SceneBuilder, Transform};
+use rt_accel::{BatchError, BuildParams, DVec3, GeometryId, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform};
 
 use crate::arrays::{Rows, RowsView};
 use crate::geometry::{PyMesh, PySpheres};
@@ -85,6 +85,30 @@ fn for_each_point<T: Send>(
             (0..points.len()).map(|i| work(at(i))).collect()
         }
     })
+}
+
+/// Array of what `trace` computes for each ray, on the given number of threads.
+fn per_ray<'py, T: Element + Send + Sync>(
+    py: Python<'py>,
+    rays: [&Bound<'py, PyAny>; 4],
+    threads: usize,
+    trace: impl Fn(bool, &RayBatch<'_>, &mut [T]) -> Result<(), BatchError> + Send + Sync,
+) -> PyResult<Bound<'py, PyArray1<T>>> {
+    let rays = Rays::extract(rays)?;
+    let view = rays.view()?;
+    let results = PyArray1::zeros(py, view.len, false);
+    {
+        let mut results = results.readwrite();
+        let results = results.as_slice_mut()?;
+        let work = |is_parallel| {
+            view.for_each_slice(is_parallel, |first, rays| {
+                let results = &mut results[first..first + rays.len()];
+                trace(is_parallel, rays, results).map_err(|error| error.to_string())
+            })
+        };
+        py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+    }
+    Ok(results)
 }
 
 /// All hits of many rays as a structure of arrays.
@@ -241,26 +265,13 @@ impl PyScene {
         t_max: &Bound<'py, PyAny>,
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let rays = Rays::extract([origins, directions, t_min, t_max])?;
-        let view = rays.view()?;
-        let occluded = PyArray1::<bool>::zeros(py, view.len, false);
-        {
-            let mut occluded = occluded.readwrite();
-            let occluded = occluded.as_slice_mut()?;
-            let work = |is_parallel| {
-                view.for_each_slice(is_parallel, |first, rays| {
-                    let occluded = &mut occluded[first..first + rays.len()];
-                    let traced = if is_parallel {
-                        self.scene.par_occluded_batch(rays, occluded)
-                    } else {
-                        self.scene.occluded_batch(rays, occluded)
-                    };
-                    traced.map_err(|error| error.to_string())
-                })
-            };
-            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
-        }
-        Ok(occluded)
+        per_ray(py, [origins, directions, t_min, t_max], threads, |is_parallel, rays, occluded| {
+            if is_parallel {
+                self.scene.par_occluded_batch(rays, occluded)
+            } else {
+                self.scene.occluded_batch(rays, occluded)
+            }
+        })
     }
 
     fn count_hits<'py>(
@@ -272,26 +283,13 @@ impl PyScene {
         t_max: &Bound<'py, PyAny>,
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        let rays = Rays::extract([origins, directions, t_min, t_max])?;
-        let view = rays.view()?;
-        let counts = PyArray1::<u32>::zeros(py, view.len, false);
-        {
-            let mut counts = counts.readwrite();
-            let counts = counts.as_slice_mut()?;
-            let work = |is_parallel| {
-                view.for_each_slice(is_parallel, |first, rays| {
-                    let counts = &mut counts[first..first + rays.len()];
-                    let traced = if is_parallel {
-                        self.scene.par_count_hits_batch(rays, counts)
-                    } else {
-                        self.scene.count_hits_batch(rays, counts)
-                    };
-                    traced.map_err(|error| error.to_string())
-                })
-            };
-            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
-        }
-        Ok(counts)
+        per_ray(py, [origins, directions, t_min, t_max], threads, |is_parallel, rays, counts| {
+            if is_parallel {
+                self.scene.par_count_hits_batch(rays, counts)
+            } else {
+                self.scene.count_hits_batch(rays, counts)
+            }
+        })
     }
 
     /// Offsets, t, primitives, instances, and barycentric coordinates, two for each hit.

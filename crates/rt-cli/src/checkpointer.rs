@@ -22,20 +22,20 @@ pub(crate) struct CheckpointOptions {
     pub(crate) identity: Identity,
     pub(crate) resume: bool,
     restart: bool,
-    /// Path of the checkpoint; `None` for an image on standard output without `--checkpoint`.
+    /// Path of the checkpoint; `None` for a render without one, such as an image on standard output without `--checkpoint`.
     pub(crate) file: Option<PathBuf>,
     interval: Option<Duration>,
     pub(crate) shard: Option<ShardSpec>,
 }
 
 impl CheckpointOptions {
-    pub(crate) fn new(args: &CheckpointArgs, output: &OutputFile, identity: Identity) -> Self {
+    pub(crate) fn new(args: &CheckpointArgs, file: Option<PathBuf>, identity: Identity) -> Self {
         let interval = match args.checkpoint_every {
             CheckpointInterval::Time(time) => Some(time),
             CheckpointInterval::Never => None,
         };
         let CheckpointArgs { resume, restart, shard, .. } = *args;
-        Self { identity, resume, restart, file: default_path(args, output), interval, shard }
+        Self { identity, resume, restart, file, interval, shard }
     }
 }
 

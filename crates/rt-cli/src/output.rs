@@ -87,13 +87,14 @@ impl OutputFile {
         if !folder.is_dir() {
             return Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
         }
-        if let Some(older) = fs::symlink_metadata(&target).ok().filter(|older| !older.is_symlink()) {
-            if !older.is_file() {
-                return Err(OutputError::NotAFile(path.to_owned()));
+        match fs::symlink_metadata(&target) {
+            Ok(older) if older.is_symlink() => {}
+            Ok(older) if !older.is_file() => return Err(OutputError::NotAFile(path.to_owned())),
+            Ok(older) if older.permissions().readonly() => return Err(OutputError::ReadOnly(path.to_owned())),
+            Err(source) if source.kind() == ErrorKind::InvalidFilename => {
+                return Err(OutputError::BadName { path: path.to_owned(), source });
             }
-            if older.permissions().readonly() {
-                return Err(OutputError::ReadOnly(path.to_owned()));
-            }
+            _ => {}
         }
         let is_same = |path: PathBuf| inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == path));
         if path.canonicalize().is_ok_and(is_same) {
@@ -292,12 +293,20 @@ fn replace(target: &Path, file: NamedTempFile) -> io::Result<File> {
 /// Extension of unfinished files.
 const UNFINISHED: &str = ".unfinished";
 
-/// Prefix of the unfinished files of `target`.
+/// Prefix of the unfinished files of `target`. Of a long name it has the start: with what is added, it must stay within the limit of
+/// file systems.
 fn unfinished_name(target: &Path) -> OsString {
-    let mut name = OsString::from(".");
-    name.push(target.file_name().unwrap_or_default());
-    name.push("-");
-    name
+    const LIMIT: usize = 200;
+    let name = target.file_name().unwrap_or_default();
+    let mut prefix = OsString::from(".");
+    if name.len() <= LIMIT {
+        prefix.push(name);
+    } else {
+        // A character takes at most four bytes.
+        prefix.push(name.to_string_lossy().chars().take(LIMIT / 4).collect::<String>());
+    }
+    prefix.push("-");
+    prefix
 }
 
 /// Locked file that is removed unless it is renamed.
@@ -432,12 +441,21 @@ mod tests {
         assert!(matches!(check(folder.path()), OutputError::NotAFile(_)));
         assert!(matches!(check(&folder.path().join("missing/a.png")), OutputError::NoFolder { .. }));
         assert!(matches!(check(&file.join("a.png")), OutputError::NoFolder { .. }));
+        assert!(matches!(check(&folder.path().join("a".repeat(300))), OutputError::BadName { .. }));
         let input = OutputFile::prepare(&folder.path().join("./file.txt"), std::slice::from_ref(&file));
         assert!(matches!(input, Err(OutputError::IsInput(_))));
         let mut permissions = fs::metadata(&file).expect("there").permissions();
         permissions.set_readonly(true);
         fs::set_permissions(&file, permissions).expect("set");
         assert!(matches!(check(&file), OutputError::ReadOnly(_)));
+    }
+
+    #[test]
+    fn a_name_that_leaves_no_room_for_that_of_the_unfinished_file_is_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(format!("{}é.txt", "a".repeat(240)));
+        prepare(&path).expect("a file name").write(text("short")).expect("written");
+        assert_eq!(fs::read_to_string(&path).expect("there"), "short");
     }
 
     #[test]

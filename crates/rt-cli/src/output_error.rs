@@ -9,6 +9,8 @@ use bytesize::ByteSize;
 pub(crate) enum OutputError {
     #[error("cannot write `{}`: it is not a file name", .0.display())]
     NoName(PathBuf),
+    #[error("cannot write `{}`: {source}; choose another name", path.display())]
+    BadName { path: PathBuf, source: io::Error },
     #[error("cannot write `{}`: {} is not a directory; create it, or choose another one", path.display(), folder.display())]
     NoFolder { path: PathBuf, folder: PathBuf },
     #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]

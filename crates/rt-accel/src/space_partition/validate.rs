@@ -51,26 +51,7 @@ impl<C: SplitPlane> BspPartition<C> {
 }
 
 #[cfg(feature = "serde")]
-mod saved {
-    use super::{BspPartition, SplitPlane};
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    impl<C: SplitPlane + Serialize> Serialize for BspPartition<C> {
-        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-            Self::serialize(self, serializer)
-        }
-    }
-
-    impl<'de, C: SplitPlane + Deserialize<'de>> Deserialize<'de> for BspPartition<C> {
-        /// Refuses invalid references.
-        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            let partition = Self::deserialize(deserializer)?;
-            partition.check().map_err(D::Error::custom)?;
-            Ok(partition)
-        }
-    }
-}
+crate::checked_serde::impl_checked_serde!(BspPartition<C>, BspPartition::check, C: SplitPlane);
 
 #[cfg(test)]
 mod tests {

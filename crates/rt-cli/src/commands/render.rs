@@ -75,7 +75,19 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
         return Err(CliError::Usage("--output and --stats have the same file; choose another name for one".to_owned()));
     }
-    let checkpoint = prepare_checkpoint(&args.checkpoint, &file, stats.as_ref(), &files)?;
+    let mut checkpoint_path = checkpointer::default_path(&args.checkpoint, &file);
+    let checkpoint = match &checkpoint_path {
+        Some(path) => prepare_checkpoint(path, &args.checkpoint, stats.iter().chain([&file]), &files),
+        None => Ok(None),
+    };
+    let checkpoint = match checkpoint {
+        Err(CliError::Output(error @ OutputError::BadName { .. })) if args.checkpoint.checkpoint.is_none() => {
+            console.warn(format_args!("the render has no checkpoints: {error}"));
+            checkpoint_path = None;
+            None
+        }
+        checkpoint => checkpoint?,
+    };
     let others: Vec<_> = stats.iter().chain([&file]).chain(&checkpoint).collect();
     let aovs = AovFile::prepare_all(&args.aov, &files, &others)?;
     let identity = Identity::new(&args.input, &args.image, &files, &loaded.input_hashes)?;
@@ -84,7 +96,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         scene: &scene,
         load_seconds,
         options,
-        checkpoint: Some(CheckpointOptions::new(&args.checkpoint, &file, identity)),
+        checkpoint: Some(CheckpointOptions::new(&args.checkpoint, checkpoint_path, identity)),
         fallback_dir: args.checkpoint.fallback.dir.as_deref(),
         output: match kind {
             OutputKind::Image(format) => JobOutput::Image { format, file, aovs },
@@ -101,24 +113,22 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     job.run()
 }
 
-/// Refuses a checkpoint in the place of another file, which would be removed with it. An unwritable path is no error: the render
-/// then has no checkpoint.
-fn prepare_checkpoint(
+/// Refuses a checkpoint in the place of another file, which would be removed with it, and an unwritable `--checkpoint`. What is in the
+/// way of the default is told when the checkpoint is read or written.
+fn prepare_checkpoint<'a>(
+    path: &Path,
     args: &CheckpointArgs,
-    output: &OutputFile,
-    stats: Option<&OutputFile>,
+    mut others: impl Iterator<Item = &'a OutputFile>,
     inputs: &[PathBuf],
 ) -> Result<Option<OutputFile>, CliError> {
-    let Some(path) = checkpointer::default_path(args, output) else { return Ok(None) };
-    match OutputFile::prepare_over_link(&path, inputs) {
-        Ok(checkpoint) if stats.into_iter().chain([output]).any(|other| other.is_same_file(&checkpoint)) => {
-            Err(CliError::Usage(format!(
-                "the checkpoint and another output have the same file {}; choose another --checkpoint",
-                checkpoint.path().display()
-            )))
-        }
+    match OutputFile::prepare_over_link(path, inputs) {
+        Ok(checkpoint) if others.any(|other| other.is_same_file(&checkpoint)) => Err(CliError::Usage(format!(
+            "the checkpoint and another output have the same file {}; choose another --checkpoint",
+            checkpoint.path().display()
+        ))),
         Ok(checkpoint) => Ok(Some(checkpoint)),
-        Err(error @ OutputError::IsInput(_)) => Err(error.into()),
+        Err(error @ (OutputError::IsInput(_) | OutputError::BadName { .. })) => Err(error.into()),
+        Err(error) if args.checkpoint.is_some() => Err(error.into()),
         Err(_) => Ok(None),
     }
 }

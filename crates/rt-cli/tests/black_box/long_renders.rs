@@ -424,10 +424,23 @@ fn a_missing_fallback_directory_is_refused_before_the_render() {
 
 #[test]
 #[cfg(unix)]
-fn unwritable_checkpoints_only_warn() {
+fn a_default_checkpoint_with_too_long_a_name_only_warns() {
     let place = Workplace::with_scene();
-    let run = place.succeed(&format!("{LONG} --checkpoint-every 1ms --checkpoint nowhere/kept"));
-    let warnings = run.stderr.lines().filter(|line| line.contains("cannot write the checkpoint nowhere/kept")).count();
-    assert_eq!(warnings, 1, "{run:?}");
-    assert_eq!(place.files(), ["scene.exr", "scene.ron"]);
+    // With `.checkpoint` it is longer than file systems allow.
+    let image = format!("{}.exr", "a".repeat(246));
+    let run = place.succeed(&format!("{} --checkpoint-every 1ms", LONG.replace("scene.exr", &image)));
+    let warning = format!("warning: the render has no checkpoints: cannot write `{image}.checkpoint`: ");
+    assert_eq!(run.stderr.lines().filter(|line| line.starts_with(&warning)).count(), 1, "{run:?}");
+    assert_eq!(place.files(), [image, "scene.ron".to_owned()]);
+}
+
+#[test]
+fn an_unwritable_checkpoint_option_is_refused_before_the_render() {
+    let place = Workplace::with_scene();
+    place.fails(
+        4,
+        &format!("{LONG} --checkpoint nowhere/kept"),
+        "cannot write `nowhere/kept`: nowhere is not a directory",
+    );
+    assert_eq!(place.files(), ["scene.ron"]);
 }

@@ -14,21 +14,26 @@ use std::io::{Read as _, Write as _};
 use std::process::{Command, Stdio};
 
 use program::Workplace;
-use wait4::Wait4;
+use wait4::{ResUse, Wait4};
 
 /// Greatest processor time of a refusal in seconds; debug builds are slow.
 const MAX_SECONDS: f64 = 2.0;
 /// Greatest memory of a refusal.
 const MAX_BYTES: u64 = 64 << 20;
 
+/// Runs a command, with its errors to `stderr`.
+fn run(place: &Workplace, arguments: &str, stderr: Stdio) -> ResUse {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rt-cli"));
+    command.args(arguments.split_whitespace()).current_dir(place.path(""));
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(stderr);
+    command.spawn().and_then(|mut child| child.wait4()).expect("a run")
+}
+
 /// Message of a refused command.
 fn refused(place: &Workplace, arguments: &str) -> String {
     let before = place.files();
     let log = File::create(place.path("log.txt")).expect("a file");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rt-cli"));
-    command.args(arguments.split_whitespace()).current_dir(place.path(""));
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(log);
-    let used = command.spawn().and_then(|mut child| child.wait4()).expect("a run");
+    let used = run(place, arguments, log.into());
     let said = String::from_utf8(place.read("log.txt")).expect("text");
     std::fs::remove_file(place.path("log.txt")).expect("removed");
     assert_eq!(used.status.code(), Some(3), "{arguments}: {said}");
@@ -43,10 +48,7 @@ fn refused(place: &Workplace, arguments: &str) -> String {
 
 /// The most memory that a render which succeeds takes.
 fn peak(place: &Workplace, arguments: &str) -> u64 {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rt-cli"));
-    command.args(arguments.split_whitespace()).current_dir(place.path(""));
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let used = command.spawn().and_then(|mut child| child.wait4()).expect("a run");
+    let used = run(place, arguments, Stdio::null());
     assert!(used.status.success(), "{arguments}");
     used.rusage.maxrss
 }

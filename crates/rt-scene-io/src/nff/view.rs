@@ -1,11 +1,11 @@
 //! The view of an NFF file.
 
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_image::Image;
 use rt_math::{DVec3, Transform};
 
 use crate::NamedCamera;
 use crate::error::LineError;
+use crate::text;
 use crate::text::tokenizer::{Tokenizer, Word};
 
 /// The words that parts of the statement begin with.
@@ -73,16 +73,7 @@ fn angle(tokens: &mut Tokenizer<'_>, line: usize) -> Result<f64, LineError> {
 
 fn resolution(tokens: &mut Tokenizer<'_>, line: usize) -> Result<[u32; 2], LineError> {
     let [width, height] = tokens.numbers("the resolution")?;
-    let shown = || format!("{width}x{height}");
-    let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
-    if !whole(width) || !whole(height) {
-        return Err(LineError::new(line, shown(), "is not a resolution: give two whole numbers of pixels, at least 1"));
-    }
-    if width * height > Image::MAX_PIXELS as f64 {
-        return Err(LineError::new(line, shown(), "pixels are more than 2^28: choose a smaller image"));
-    }
-    // Both fit, because their product does.
-    Ok([width as u32, height as u32])
+    text::resolution(line, width, height)
 }
 
 #[cfg(test)]

@@ -4,12 +4,12 @@
 //! world is mirrored with it: so turns right stay right, and text can be read.
 
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_image::Image;
 use rt_math::{DMat3, DVec3, Transform};
 
 use super::parameters::{Parameters, unknown};
 use crate::NamedCamera;
 use crate::error::LineError;
+use crate::text;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PbrtCamera {
@@ -94,15 +94,5 @@ pub(super) fn look_at(line: usize, [ex, ey, ez, tx, ty, tz, ux, uy, uz]: [f64; 9
 /// Reads the size of the image from a `Film`.
 pub(super) fn film(parameters: &Parameters) -> Result<[u32; 2], LineError> {
     let (width, height) = (parameters.float("xresolution", 1280.0)?, parameters.float("yresolution", 720.0)?);
-    let shown = || format!("{width}x{height}");
-    let whole = |side: f64| side >= 1.0 && side.fract() == 0.0;
-    if !whole(width) || !whole(height) {
-        let rule = "is not a resolution: give two whole numbers of pixels from 1 up";
-        return Err(LineError::new(parameters.line, shown(), rule));
-    }
-    if width * height > Image::MAX_PIXELS as f64 {
-        return Err(LineError::new(parameters.line, shown(), "pixels are more than 2^28: choose a smaller image"));
-    }
-    // Both fit, because their product does.
-    Ok([width as u32, height as u32])
+    text::resolution(parameters.line, width, height)
 }

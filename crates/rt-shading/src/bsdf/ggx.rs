@@ -69,11 +69,6 @@ impl Ggx {
         (w.z * w.z + self.along_x * self.along_x * (w.x * w.x) + alpha2 * (w.y * w.y)).sqrt()
     }
 
-    /// G₁(w): masking.
-    pub fn g1(&self, w: DVec3) -> f64 {
-        2.0 * w.z / (w.z + self.stretched(w))
-    }
-
     /// Density of [`Ggx::sample`] over normals: the visible normals from `wo` (Heitz 2018, equation 3).
     pub fn pdf(&self, wo: DVec3, m: DVec3) -> f64 {
         2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z + self.stretched(wo))
