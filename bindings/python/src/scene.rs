@@ -3,7 +3,9 @@
 use numpy::{Element, IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use rt_accel::{BatchError, BuildParams, DVec3, GeometryId, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform};
+use rt_accel::{
+    BatchError, BuildParams, DVec3, GeometryId, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform,
+};
 
 use crate::arrays::{Rows, RowsView};
 use crate::geometry::{PyMesh, PySpheres};

@@ -88,7 +88,7 @@ def test_refused_changes_leave_the_scene_as_it_is():
         scene.update(vertices={0: np.zeros((3, 3))}, transforms={1: 2 * np.eye(4)})
     with pytest.raises(ValueError, match="object 1 has no vertices"):
         scene.update(vertices={1: np.zeros((3, 3))})
-    with pytest.raises(ValueError, match="vertex 2 has a NaN or infinite coordinate"):
+    with pytest.raises(ValueError, match="vertex 2 has a coordinate that is not a finite number"):
         scene.update(vertices={0: np.where(np.arange(8)[:, None] == 2, np.nan, np.zeros((8, 3)))})
     with pytest.raises(ValueError, match=r"object 0: a transform has the shape \(4, 4\), not \(3, 3\)"):
         scene.update(transforms={0: np.eye(3)})

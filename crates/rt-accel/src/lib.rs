@@ -88,10 +88,10 @@ pub use ray_query::RayQuery;
 pub use region::{Region, SphereRegion};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
-    BatchKernel, ClosestPoint, Counters, Hit, NoProbe, PrimitiveGeometry, Primitives, Probe, RayCounts, RayKind,
-    Sphere, SphereKernel, Spheres,
+    BatchKernel, ClosestPoint, Counters, Hit, MAX_COORDINATE, NoProbe, PrimitiveGeometry, Primitives, Probe, RayCounts,
+    RayKind, ShapeError, Sphere, SphereKernel, Spheres,
 };
-pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform};
+pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform, TransformError};
 pub use scene::{
     Geometry, GeometryId, HitLists, MeshError, Scene, SceneBuilder, SceneError, TriangleMesh, UserGeometry, Vertices,
 };

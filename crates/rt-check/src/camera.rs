@@ -162,12 +162,14 @@ fn check_camera(
     }
     let (error, pixels) = (measures.position_error, measures.position_error_in_pixels);
     if pixels > VISIBLE {
-        let message = format!("rounding may move visible points by {error:.3e}, {pixels:.3} pixels");
-        findings.add(finding(
-            Kind::CameraPrecision,
-            &[("position_error", error), ("position_error_in_pixels", pixels)],
-            message,
-        ));
+        let values = [("position_error", error), ("position_error_in_pixels", pixels)];
+        findings.add(if pixels.is_finite() {
+            let message = format!("rounding may move visible points by {error:.3e}, {pixels:.3} pixels");
+            finding(Kind::CameraPrecision, &values, message)
+        } else {
+            let message = "the camera lies on a surface, up to rounding".to_owned();
+            finding(Kind::CameraPrecision, &values, message).with_advice("move the camera off the surface")
+        });
     }
 }
 

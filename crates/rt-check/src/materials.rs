@@ -10,7 +10,8 @@ use crate::objects::{Geometry, Objects};
 
 pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     let textures = &objects.scene.appearance.textures;
-    for material in &objects.scene.appearance.materials {
+    // Physically based materials conserve energy.
+    for material in objects.scene.appearance.materials.iter().filter(|material| !material.is_physically_based()) {
         energy(material, textures, findings);
     }
     unused(objects, findings);

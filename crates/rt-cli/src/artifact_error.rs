@@ -20,7 +20,7 @@ pub(crate) enum ArtifactError {
     Read { file: PathBuf, source: io::Error },
     #[error("{}: is not a regular file; give the path of a file", .0.display())]
     NotAFile(PathBuf),
-    #[error("{}: is empty (0 bytes); render it again", .0.display())]
+    #[error("{}: is empty (0 bytes); remove it, and render again", .0.display())]
     Empty(PathBuf),
     #[error("{}: {cause}", file.display())]
     Memory { file: PathBuf, cause: MemoryError },
@@ -29,9 +29,9 @@ pub(crate) enum ArtifactError {
     /// The hash is right, and a value is not.
     #[error("{}: is not a valid {kind}: {reason}", file.display())]
     Content { file: PathBuf, kind: ArtifactKind, reason: String },
-    #[error("{}: is not a {kind}; choose another file", file.display())]
+    #[error("{}: is not a {kind}; remove it, or choose another file", file.display())]
     OtherKind { file: PathBuf, kind: ArtifactKind },
-    #[error("{}: is damaged: its content does not match its hash; remove it, and render it again", .0.display())]
+    #[error("{}: is damaged: its content does not match its hash; remove it, and render again", .0.display())]
     Damaged(PathBuf),
     #[error("{}: is not a list of finished frames; remove it to start over", .0.display())]
     Log(PathBuf),

@@ -76,7 +76,7 @@ fn unused_options(args: &InputArgs, options: &LoadOptions, files: &[PathBuf]) ->
     let is_still = options.animation_end.seconds().is_none();
     let mut notes = Vec::new();
     if is_still && args.at_time.is_some() {
-        notes.push(format!("--at-time and --frames have no effect: nothing in {scene} is animated."));
+        notes.push(format!("the time of --at-time or --frames has no effect: nothing in {scene} is animated."));
     } else if is_still && args.timing.fps.total_cmp(&LoadOptions::DEFAULT_FPS).is_ne() {
         notes.push("--fps has no effect: no animation is shown; --frames and --at-time choose a time.".to_owned());
     }

@@ -99,10 +99,10 @@ fn status(progress: Progress, (earlier_samples, earlier_rays): (u64, u64), elaps
             let error = match towards {
                 None => format!("RMSE {rmse:.3e}"),
                 Some(Towards::Image { error, target }) => {
-                    format!("error {:.2} % of {} %", 100.0 * error, shown_percent(target))
+                    format!("error {:.2} %, target {} %", 100.0 * error, shown_percent(target))
                 }
                 Some(Towards::Pixels { share, target }) => {
-                    format!("{:.1} % of the pixels done of {} %", 100.0 * share, shown_percent(target))
+                    format!("{:.1} % of the pixels done, target {} %", 100.0 * share, shown_percent(target))
                 }
             };
             format!("pass {}, {spp} spp, {error}, ", finished + 1)
@@ -139,9 +139,9 @@ mod tests {
             status(Progress { pass, ..progress }, (0, 0), Duration::from_secs(1))
         };
         let image = towards(Towards::Image { error: 0.071, target: 0.05 });
-        assert!(image.starts_with("pass 7, 32 spp, error 7.10 % of 5 %, "), "{image}");
+        assert!(image.starts_with("pass 7, 32 spp, error 7.10 %, target 5 %, "), "{image}");
         let pixels = towards(Towards::Pixels { share: 0.931, target: 0.99 });
-        assert!(pixels.starts_with("pass 7, 32 spp, 93.1 % of the pixels done of 99 %, "), "{pixels}");
+        assert!(pixels.starts_with("pass 7, 32 spp, 93.1 % of the pixels done, target 99 %, "), "{pixels}");
     }
 
     #[test]

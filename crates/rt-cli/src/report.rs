@@ -4,8 +4,8 @@ use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
 use indicatif::HumanCount;
 use rt_render::{
-    Clamping, ErrorEstimate, Explanation, RayKind, RayStats, Rendering, SampleRange, ShadingCounts, Statistics,
-    StopRule, Stopped,
+    Clamping, Criterion, ErrorEstimate, Explanation, RayKind, RayStats, Rendering, SampleRange, ShadingCounts,
+    Statistics, StopRule, Stopped,
 };
 
 use crate::memory;
@@ -83,7 +83,11 @@ fn stop_reason(outcome: &Outcome<'_>, rule: &StopRule) -> String {
     let Some(target) = rule.target else { return format!("stopped by {option}") };
     let percent = shown_percent(target.relative);
     if rendering.stopped == Stopped::Target {
-        return format!("stopped by {option} {percent} %");
+        let of_pixels = match target.criterion {
+            Criterion::Image => String::new(),
+            Criterion::Pixels { share } => format!(" in {} % of the pixels", shown_percent(share)),
+        };
+        return format!("stopped by {option} {percent} %{of_pixels}");
     }
     let option = match rendering.stopped {
         Stopped::Samples => format!("the cap of {} samples per pixel (--spp)", rule.max_spp),
@@ -138,7 +142,9 @@ fn bias(outcome: &Outcome<'_>) -> String {
 }
 
 fn no_error(outcome: &Outcome<'_>) -> String {
-    if outcome.plan.passes_differ() {
+    if outcome.rendering.stopped == Stopped::Time {
+        "no error estimate: needs at least two passes (allow more --time)".to_owned()
+    } else if outcome.plan.passes_differ() {
         "no error estimate: needs at least two passes (try --passes 4)".to_owned()
     } else {
         format!("no error estimate: {} samples are the same in every pass", outcome.scene.settings.pattern.name())

@@ -56,8 +56,8 @@ pub enum ShapeError {
     NoArea([DVec3; 3]),
 }
 
-/// Largest magnitude of a coordinate: squares and cubes of it stay far from overflow.
-const MAX_COORDINATE: f64 = 1e60;
+/// Largest magnitude of a coordinate of shapes and meshes: squares and cubes of it stay far from overflow.
+pub const MAX_COORDINATE: f64 = 1e60;
 
 /// Checks that all components are usable coordinates.
 pub(crate) fn check_coordinates(points: impl IntoIterator<Item = DVec3>) -> Result<(), ShapeError> {

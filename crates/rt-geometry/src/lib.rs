@@ -85,7 +85,7 @@ pub use capped_quadric::CappedQuadric;
 pub use closest_point::ClosestPoint;
 pub use cuboid::Cuboid;
 pub use disk::Disk;
-pub use error::ShapeError;
+pub use error::{MAX_COORDINATE, ShapeError};
 pub use hit::{Hit, ShapeHit};
 pub use infinite_quadric::InfiniteQuadric;
 pub use interaction::{InteractionFlags, ShadowRays, SurfaceInteraction, VertexAttributes, offset_point};

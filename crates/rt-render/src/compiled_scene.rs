@@ -36,7 +36,7 @@ pub(crate) struct CompiledScene<'s> {
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) features: ShadingFeatures,
     /// True if a material in use emits light.
-    has_emission: bool,
+    pub(crate) has_emission: bool,
     /// True if a material in use mirrors or refracts.
     has_specular: bool,
 }

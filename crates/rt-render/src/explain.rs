@@ -127,6 +127,9 @@ fn count(n: usize, singular: &str, plural: &str) -> String {
     format!("{n} {}", if n == 1 { singular } else { plural })
 }
 
+/// Reason for what a scene without a light that `whitted` samples leaves out.
+const NO_DELTA_LIGHT: &str = "the scene has no point, spot or directional light";
+
 impl RenderPlan<'_> {
     /// Describes the plan. The text is deterministic.
     pub fn explain(&self) -> Explanation {
@@ -418,8 +421,8 @@ impl RenderPlan<'_> {
             (!n.textures, "textures", "no material has one"),
             (!n.ambient, "ambient light", "the scene has none, or no material reflects it"),
             (!n.emission, "emission", "no surface is emissive"),
-            (!n.highlights, "highlights", if lit { "no material has one" } else { "the scene has no lights" }),
-            (!n.shadows, "shadow rays", "no light, or no object, casts shadows"),
+            (!n.highlights, "highlights", if lit { "no material has one" } else { NO_DELTA_LIGHT }),
+            (!n.shadows, "shadow rays", if lit { "no light, or no object, casts shadows" } else { NO_DELTA_LIGHT }),
             (!n.reflection, "reflection", "no material is reflective"),
             (!n.refraction, "refraction", "no material is transmissive"),
             (!n.refraction, "nested dielectrics", "no object is a dielectric"),

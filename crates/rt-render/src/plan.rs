@@ -117,6 +117,11 @@ impl<'s> RenderPlan<'s> {
         self.scene.has_light()
     }
 
+    /// True if a surface emits light.
+    pub const fn has_emission(&self) -> bool {
+        self.scene.has_emission
+    }
+
     /// Samples per pixel of [`render`](Self::render), in all passes; with adaptive sampling, the largest number.
     pub const fn samples_per_pixel(&self) -> u32 {
         self.frame.pass_spp.saturating_mul(self.frame.passes)

@@ -9,6 +9,8 @@ def vectors(what, values):
     """Array of shape (..., 3) in single or double precision, without a copy if it has one of them."""
     array = np.asarray(values)
     if array.dtype != np.float32 and array.dtype != np.float64:
+        if np.issubdtype(array.dtype, np.complexfloating):
+            raise ValueError(f"{what} must be real numbers, not {array.dtype}")
         try:
             array = array.astype(np.float64)
         except (TypeError, ValueError) as error:
@@ -43,11 +45,14 @@ def _rows(array, shape):
 def parameters(what, values, shape):
     """One number for all rays, or a contiguous array of one for each."""
     if np.ndim(values) == 0:
-        return float(values)
+        try:
+            return float(values)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{what} must be a number, or an array of one for each, not {values!r}") from error
     try:
         return np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=np.float64), shape).reshape(-1))
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{what} of shape {np.shape(values)} does not fit rays of shape {shape}") from error
+        raise ValueError(f"{what} of shape {np.shape(values)} does not fit the shape {shape}: one number each is needed") from error
 
 
 def faces(values):
@@ -66,13 +71,17 @@ def faces(values):
     return array.astype(np.uint32, copy=False)
 
 
+# More threads than processors gain nothing, and thousands of them stall a machine.
+MAX_THREADS = 1024
+
+
 def thread_count(threads):
     """0 for all processors."""
     if threads is None:
         return 0
     count = int(threads)
-    if count != threads or count < 1:
-        raise ValueError(f"threads must be a positive integer or None, not {threads!r}")
+    if count != threads or not 1 <= count <= MAX_THREADS:
+        raise ValueError(f"threads must be an integer from 1 to {MAX_THREADS} or None, not {threads!r}")
     return count
 
 

@@ -80,7 +80,8 @@ impl<'a> SceneBuilder<'a> {
     ///
     /// # Errors
     ///
-    /// [`SceneError::UnknownGeometry`] for a geometry of another builder.
+    /// [`SceneError::UnknownGeometry`] for a geometry that this builder does not have. It does not notice an index of another
+    /// builder.
     pub fn place(&mut self, geometry: GeometryId) -> Result<u32, SceneError> {
         self.place_with(geometry, None)
     }
@@ -90,8 +91,8 @@ impl<'a> SceneBuilder<'a> {
     ///
     /// # Errors
     ///
-    /// [`SceneError::UnknownGeometry`] for a geometry of another builder, and [`SceneError::NotUniform`] for spheres that
-    /// would become ellipsoids.
+    /// [`SceneError::UnknownGeometry`] as [`place`](Self::place), [`SceneError::Transform`] for a transform that is not
+    /// finite, and [`SceneError::NotUniform`] for spheres that would become ellipsoids.
     pub fn place_at(&mut self, geometry: GeometryId, world_from_local: &Transform) -> Result<u32, SceneError> {
         self.place_with(geometry, (!world_from_local.is_identity()).then_some(world_from_local))
     }
@@ -114,6 +115,9 @@ impl<'a> SceneBuilder<'a> {
 
     fn instance(&self, id: u32, geometry: u32, world_from_local: Option<&Transform>) -> Result<Instance, SceneError> {
         let placed = self.geometry(GeometryId(geometry))?;
+        if world_from_local.is_some_and(|at| !(at.linear().is_finite() && at.translation().is_finite())) {
+            return Err(SceneError::Transform { instance: id });
+        }
         let stays_round = world_from_local.is_none_or(|transform| transform.uniform_scale().is_some());
         if matches!(placed.geometry, Geometry::Spheres(_)) && !stays_round {
             return Err(SceneError::NotUniform { geometry });
@@ -136,7 +140,8 @@ impl<'a> SceneBuilder<'a> {
     ///
     /// # Errors
     ///
-    /// [`SceneError::UnknownInstance`] and [`SceneError::NotUniform`]. The instance is unchanged then.
+    /// [`SceneError::UnknownInstance`], [`SceneError::Transform`] and [`SceneError::NotUniform`]. The instance is unchanged
+    /// then.
     pub fn set_transform(&mut self, instance: u32, world_from_local: &Transform) -> Result<(), SceneError> {
         let geometry = self.placed(instance)?.geometry;
         let world_from_local = (!world_from_local.is_identity()).then_some(world_from_local);

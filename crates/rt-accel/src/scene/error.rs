@@ -17,8 +17,8 @@ pub enum MeshError {
         /// Number of vertices.
         n_vertices: usize,
     },
-    /// A coordinate of a vertex is NaN or infinite.
-    NonFinite {
+    /// A coordinate of a vertex is NaN, or of a magnitude above [`MAX_COORDINATE`](crate::MAX_COORDINATE).
+    Coordinate {
         /// Index of the vertex.
         vertex: usize,
     },
@@ -35,7 +35,9 @@ impl fmt::Display for MeshError {
             Self::VertexIndex { triangle, index, n_vertices } => {
                 write!(f, "triangle {triangle}: vertex index {index} is out of range: there are {n_vertices} vertices")
             }
-            Self::NonFinite { vertex } => write!(f, "vertex {vertex} has a NaN or infinite coordinate"),
+            Self::Coordinate { vertex } => {
+                write!(f, "vertex {vertex} has a coordinate that is not a finite number of magnitude at most 1e60")
+            }
             Self::TooMany { count } => write!(f, "{count} triangles exceed the limit of 4294967295; split the mesh"),
         }
     }
@@ -56,13 +58,18 @@ pub enum SceneError {
     },
     /// No accelerator can be built over the instances.
     Instances(BuildError),
-    /// An instance refers to a geometry of another builder.
+    /// The builder has no geometry of this index.
     UnknownGeometry {
         /// Index of the geometry.
         geometry: u32,
     },
     /// No instance has this index.
     UnknownInstance {
+        /// Index of the instance.
+        instance: u32,
+    },
+    /// A transform has a NaN or infinite number.
+    Transform {
         /// Index of the instance.
         instance: u32,
     },
@@ -106,6 +113,9 @@ impl fmt::Display for SceneError {
             Self::InUse { geometry, instance } => {
                 write!(f, "geometry {geometry} has instances: remove instance {instance} first")
             }
+            Self::Transform { instance } => {
+                write!(f, "instance {instance}: the transform has a NaN or infinite number")
+            }
             Self::NotUniform { geometry } => {
                 write!(
                     f,
@@ -123,6 +133,7 @@ impl core::error::Error for SceneError {
             Self::Vertices { source, .. } => Some(source),
             Self::UnknownGeometry { .. }
             | Self::UnknownInstance { .. }
+            | Self::Transform { .. }
             | Self::NotUniform { .. }
             | Self::NotAMesh { .. }
             | Self::InUse { .. } => None,

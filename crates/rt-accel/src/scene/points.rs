@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_geometry::{Hit, NoProbe, is_on_triangle, nearest_on_triangle};
+use rt_geometry::{Hit, MAX_COORDINATE, NoProbe, is_on_triangle, nearest_on_triangle};
 use rt_math::{Aabb, Interval, Ray, Transform};
 
 use super::geometry::{Blas, Geometry};
@@ -21,8 +21,13 @@ const EDGE_WEIGHT: f64 = 1e-15;
 
 impl Scene<'_> {
     /// The point of a surface nearest to `point`, within `radius`, inclusive and possibly infinite. Of equally near
-    /// instances the first counts. `None` without one, and for NaN.
+    /// instances the first counts. `None` without one, and for a coordinate that is NaN or of a magnitude above
+    /// [`MAX_COORDINATE`]. The time grows with the number of instances; those out of reach cost only a test of their bounds.
     pub fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
+        // Squared distances beyond overflow.
+        if !point.abs().cmple(DVec3::splat(MAX_COORDINATE)).all() {
+            return None;
+        }
         let mut nearest: Option<PointHit> = None;
         // Few instances: near ones first would need an order, and far ones are cut off by their bounds.
         for (instance, geometry) in self.top_level().iter() {
@@ -42,7 +47,8 @@ impl Scene<'_> {
     ///
     /// A point is inside a mesh if a ray from it crosses the surface an odd number of times. So the triangles need no
     /// common orientation. The mesh has to be closed. Crossings, and points on the surface, are decided exactly: a ray
-    /// through an edge or a vertex is replaced by one in another direction. False for NaN.
+    /// through an edge or a vertex is replaced by one in another direction. False for NaN. The time grows with the number of
+    /// instances, and of the spheres of an instance whose bounds contain the point.
     pub fn contains(&self, point: DVec3) -> bool {
         self.top_level().iter().any(|(instance, geometry)| {
             if !instance.bounds.padded().contains(point) {
@@ -60,7 +66,7 @@ impl Scene<'_> {
     }
 
     /// Distance from the nearest surface: negative inside, as by [`contains`](Self::contains). `None` in an empty scene,
-    /// and for NaN.
+    /// and where [`nearest_point`](Self::nearest_point) has none.
     pub fn signed_distance(&self, point: DVec3) -> Option<f64> {
         let distance = self.nearest_point(point, f64::INFINITY)?.distance;
         Some(if self.contains(point) { -distance } else { distance })

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use glam::DVec3;
-use rt_geometry::{ClosestPoint, Hit, PrimitiveGeometry, Primitives, WatertightRay, nearest_on_triangle};
+use rt_geometry::{
+    ClosestPoint, Hit, MAX_COORDINATE, PrimitiveGeometry, Primitives, WatertightRay, nearest_on_triangle,
+};
 use rt_math::{Aabb, Interval, Ray, Vec3};
 
 use super::error::MeshError;
@@ -31,11 +33,12 @@ impl Vertices<'_> {
         self.len() == 0
     }
 
-    /// Index of the first vertex with a coordinate that is NaN or infinite.
-    fn first_non_finite(&self) -> Option<usize> {
+    /// Index of the first vertex with a coordinate that is NaN, or of a magnitude above [`MAX_COORDINATE`].
+    fn first_out_of_range(&self) -> Option<usize> {
         match self {
+            // All finite numbers of single precision are in range.
             Self::F32(vertices) => vertices.iter().position(|vertex| !vertex.iter().all(|c| c.is_finite())),
-            Self::F64(vertices) => vertices.iter().position(|vertex| !vertex.iter().all(|c| c.is_finite())),
+            Self::F64(vertices) => vertices.iter().position(|vertex| !vertex.iter().all(|c| c.abs() <= MAX_COORDINATE)),
         }
     }
 
@@ -85,7 +88,7 @@ vertices_from!(f64, F64);
 /// Triangles over shared vertices, borrowed or owned.
 ///
 /// The mesh is not repaired: primitive `i` is triangle `i` of the caller. Triangles without area are kept and never
-/// hit. Vertices in double precision are used exactly. If single precision holds all of them, the mesh keeps them so,
+/// hit; they can be nearest to a point. Vertices in double precision are used exactly. If single precision holds all of them, the mesh keeps them so,
 /// which is faster and gives the same hits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleMesh<'a> {
@@ -98,8 +101,8 @@ impl<'a> TriangleMesh<'a> {
     ///
     /// # Errors
     ///
-    /// [`MeshError`] for an index beyond the vertices, a coordinate that is NaN or infinite, and more than 2³² - 1
-    /// triangles.
+    /// [`MeshError`] for an index beyond the vertices, a coordinate that is NaN or of a magnitude above
+    /// [`MAX_COORDINATE`], and more than 2³² - 1 triangles.
     pub fn new(
         vertices: impl Into<Vertices<'a>>,
         triangles: impl Into<Cow<'a, [[u32; 3]]>>,
@@ -108,8 +111,8 @@ impl<'a> TriangleMesh<'a> {
         if u32::try_from(triangles.len()).is_err() {
             return Err(MeshError::TooMany { count: triangles.len() });
         }
-        if let Some(vertex) = vertices.first_non_finite() {
-            return Err(MeshError::NonFinite { vertex });
+        if let Some(vertex) = vertices.first_out_of_range() {
+            return Err(MeshError::Coordinate { vertex });
         }
         let n_vertices = vertices.len();
         let is_bad = |index: &u32| *index as usize >= n_vertices;
@@ -211,9 +214,11 @@ mod tests {
         assert_eq!(bad_index, Err(MeshError::VertexIndex { triangle: 1, index: 7, n_vertices: 4 }));
         let mut vertices = SQUARE;
         vertices[2][1] = f32::NAN;
-        assert_eq!(TriangleMesh::new(&vertices, &[[0, 1, 2]]), Err(MeshError::NonFinite { vertex: 2 }));
-        let infinite = [[0.0, f64::INFINITY, 0.0]];
-        assert_eq!(TriangleMesh::new(&infinite, Vec::new()), Err(MeshError::NonFinite { vertex: 0 }));
+        assert_eq!(TriangleMesh::new(&vertices, &[[0, 1, 2]]), Err(MeshError::Coordinate { vertex: 2 }));
+        for bad in [f64::INFINITY, -1.1e60] {
+            assert_eq!(TriangleMesh::new(&[[0.0, bad, 0.0]], Vec::new()), Err(MeshError::Coordinate { vertex: 0 }));
+        }
+        assert!(TriangleMesh::new(&[[0.0, -1e60, 0.0]], Vec::new()).is_ok());
     }
 
     #[test]

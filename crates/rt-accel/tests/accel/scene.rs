@@ -269,6 +269,10 @@ fn spheres_are_placed_by_similarities_only() {
     assert_eq!(hits.iter().map(|hit| hit.t).collect::<Vec<_>>(), [8.0, 12.0]);
     assert!(scene.contains(DVec3::X * 8.0) && !scene.contains(DVec3::X * 7.9));
     assert_eq!(scene.signed_distance(DVec3::X * 9.0), Some(-1.0));
+    for beyond in [1e61, 1e200, f64::INFINITY, f64::NAN] {
+        assert_eq!(scene.nearest_point(DVec3::X * beyond, f64::INFINITY), None);
+        assert_eq!((scene.signed_distance(DVec3::X * beyond), scene.contains(DVec3::X * beyond)), (None, false));
+    }
 }
 
 #[test]

@@ -204,6 +204,9 @@ fn refused_changes_change_nothing() {
     let (first, second) = (builder.place(mesh).expect("an instance"), builder.place(round).expect("an instance"));
     let stretch = Transform::scale(DVec3::new(1.0, 2.0, 1.0)).expect("a scale");
     assert_eq!(builder.set_transform(second, &stretch), Err(SceneError::NotUniform { geometry: 1 }));
+    let lost = Transform::translate(DVec3::new(0.0, f64::NAN, 0.0));
+    assert_eq!(builder.set_transform(first, &lost), Err(SceneError::Transform { instance: first }));
+    assert_eq!(builder.place_at(mesh, &lost), Err(SceneError::Transform { instance: 2 }));
     assert_eq!(builder.set_transform(7, &stretch), Err(SceneError::UnknownInstance { instance: 7 }));
     let short = builder.set_vertices(mesh, vec![[0.0f64; 3]; 2]);
     let source = MeshError::VertexIndex { triangle: 0, index: 2, n_vertices: 2 };
@@ -213,7 +216,7 @@ fn refused_changes_change_nothing() {
         "geometry 0: triangle 0: vertex index 2 is out of range: there are 2 vertices"
     );
     let broken = builder.set_vertices(mesh, vec![[0.0, f64::NAN, 0.0]; 3]);
-    assert_eq!(broken, Err(SceneError::Vertices { geometry: 0, source: MeshError::NonFinite { vertex: 0 } }));
+    assert_eq!(broken, Err(SceneError::Vertices { geometry: 0, source: MeshError::Coordinate { vertex: 0 } }));
     let scene = builder.build().expect("a scene");
     let ray = Ray::new(DVec3::new(0.25, 0.25, 4.0), DVec3::NEG_Z);
     assert_eq!(scene.closest(&ray, Interval::FORWARD).map(|hit| hit.instance), Some(second));

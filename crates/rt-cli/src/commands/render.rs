@@ -113,8 +113,8 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     job.run()
 }
 
-/// Refuses a checkpoint in the place of another file, which would be removed with it, and an unwritable `--checkpoint`. What is in the
-/// way of the default is told when the checkpoint is read or written.
+/// Refuses a checkpoint in the place of another file, which would be removed with it, and an unwritable `--checkpoint`. Other
+/// obstacles to the default are reported when the checkpoint is read or written.
 fn prepare_checkpoint<'a>(
     path: &Path,
     args: &CheckpointArgs,
@@ -128,7 +128,8 @@ fn prepare_checkpoint<'a>(
         ))),
         Ok(checkpoint) => Ok(Some(checkpoint)),
         Err(error @ (OutputError::IsInput(_) | OutputError::BadName { .. })) => Err(error.into()),
-        Err(error) if args.checkpoint.is_some() => Err(error.into()),
+        // A pipe or directory is refused when the checkpoint is read.
+        Err(error) if args.checkpoint.is_some() && !matches!(error, OutputError::NotAFile(_)) => Err(error.into()),
         Err(_) => Ok(None),
     }
 }

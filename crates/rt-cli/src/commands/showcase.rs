@@ -49,7 +49,8 @@ fn render(scene: &Scene, load_seconds: f64, image: &Path) -> Result<(), CliError
     };
     console.println("rendering a built-in scene; --help lists all commands")?;
     job.run()?;
-    console.println(next_steps())
+    // The scenes are those of the repository.
+    if Path::new(STILL_LIFE).is_file() { console.println(next_steps()) } else { Ok(()) }
 }
 
 fn scene() -> Result<Scene, CliError> {
@@ -57,13 +58,16 @@ fn scene() -> Result<Scene, CliError> {
     Ok(resolve(&parse_ron(SCENE, name)?, name, &LoadOptions::default())?)
 }
 
+/// Scene file of the built-in scene in the repository.
+const STILL_LIFE: &str = "scenes/gallery/still_life.ron";
+
 fn next_steps() -> String {
     // Cargo sets this variable for programs that it runs.
     let program = if env::var_os("CARGO").is_some() { "cargo run -p rt-cli --" } else { "rt-cli" };
     format!(
         "\ntry next\n  \
-         {program} view scenes/gallery/still_life.ron\n  \
-         {program} explain scenes/gallery/still_life.ron\n  \
+         {program} view {STILL_LIFE}\n  \
+         {program} explain {STILL_LIFE}\n  \
          {program} render scenes/gallery/showcase.ron --size 1280x800 --look-from 4,2,9 -o larger.png"
     )
 }

@@ -81,6 +81,24 @@ fn a_black_image_of_a_lit_scene_is_reported() {
 }
 
 #[test]
+fn area_lights_that_whitted_does_not_sample_are_named() {
+    let scene = "(camera: (look_from: (0, 0, 5)), lights: [quad(corner: (-9, 8, -9), edges: ((0, 0, 1), (1, 0, 0)))], background: constant(0), \
+                 nodes: [(shape: sphere())])";
+    let place = Workplace::with("scene.ron", scene);
+    let note = "note: `whitted` samples no area lights, and the scene has no others: ";
+    let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator whitted");
+    assert!(run.stdout.contains(note), "{run:?}");
+    assert_eq!(
+        warnings(&run),
+        ["warning: the image is black: `whitted` samples no area lights; use `distributed` or `path`"]
+    );
+    let run = place.run("explain scene.ron --integrator whitted");
+    assert!(run.stdout.contains("the scene has no point, spot or directional light"), "{run:?}");
+    let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator direct");
+    assert!(!run.stdout.contains(note), "{run:?}");
+}
+
+#[test]
 fn a_background_lights_nothing_under_whitted() {
     let place = Workplace::with("scene.ron", "(background: constant(0.5), lights: [], nodes: [(shape: sphere())])");
     let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator whitted");

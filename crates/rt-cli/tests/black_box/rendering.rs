@@ -214,8 +214,8 @@ fn options_without_effect_are_noted() {
     let place = Workplace::with_scene();
     place.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     for (arguments, note) in [
-        ("scene.ron --at-time 1", "--at-time and --frames have no effect: nothing in scene.ron is animated."),
-        ("m.obj --frames 3", "--at-time and --frames have no effect: nothing in m.obj is animated."),
+        ("scene.ron --at-time 1", "the time of --at-time or --frames has no effect: nothing in scene.ron is animated."),
+        ("m.obj --frames 3", "the time of --at-time or --frames has no effect: nothing in m.obj is animated."),
         ("scene.ron --fps 12", "--fps has no effect: no animation is shown; --frames and --at-time choose a time."),
         ("m.obj --variant blue", "--variant has no effect: m.obj has no glTF model."),
         ("scene.ron --ground", "--ground has no effect on scene files."),

@@ -78,7 +78,7 @@ fn what_is_missing_doubled_or_foreign_is_named() {
         (format!("{two} foreign.part"), "foreign.part: is of another image".to_owned()),
         (format!("{two} half.part"), "half.part: is one of 2 shards, but scene.1-of-3.part is one of 3".to_owned()),
         (format!("{two} text.part"), "text.part: is not a shard of an image".to_owned()),
-        (format!("{two} empty.part"), "empty.part: is empty (0 bytes); render it again".to_owned()),
+        (format!("{two} empty.part"), "empty.part: is empty (0 bytes); remove it, and render again".to_owned()),
         (format!("{two} damaged.part"), "damaged.part: is damaged".to_owned()),
         (format!("{two} nowhere.part"), "nowhere.part: does not exist".to_owned()),
         (format!("{two} scene.ron"), "scene.ron: is not a shard of an image".to_owned()),

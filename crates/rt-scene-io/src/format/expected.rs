@@ -106,6 +106,19 @@ impl Schema {
 }
 
 impl<'s> Slot<'s> {
+    /// True if a field of this name can be here.
+    pub(super) fn has_field(&self, name: &str) -> bool {
+        self.alternatives.iter().any(|any| any.get("properties").is_some_and(|fields| fields.get(name).is_some()))
+    }
+
+    /// Name of a choice here of several values without names, and their number.
+    pub(super) fn value_count(&self, name: &str) -> Option<(&'s str, u64)> {
+        self.alternatives.iter().find_map(|any| {
+            let (name, values) = any.get("properties")?.as_object()?.get_key_value(name)?;
+            Some((name.as_str(), values.get("maxItems")?.as_u64()?))
+        })
+    }
+
     /// The names of the choices here, and whether each has fields or values of its own.
     pub(super) fn choices(&self) -> Vec<(&'s str, bool)> {
         let name = |any: &'s Value| -> Option<(&'s str, bool)> {

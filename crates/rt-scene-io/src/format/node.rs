@@ -49,7 +49,7 @@ pub struct Node {
     /// Default: none. Example: `instance: "pair"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instance: Option<String>,
-    /// Material of the shape here and, unless they have their own, of all shapes below. It is the name of one of the
+    /// Material of this shape, and of the shapes below that have none. It is the name of one of the
     /// scene's `materials`, or a material written here. On a `model` it replaces the materials of the model.
     ///
     /// Default: that of the parent, or grey. Example: `material: diffuse(albedo: 0.8)`.

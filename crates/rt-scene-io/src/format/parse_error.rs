@@ -191,9 +191,13 @@ impl<'t> Explainer<'t> {
 
     fn unknown_field(&self, at: usize, found: &str, known: &[&str]) -> ParseError {
         let path = Cursor::before(self.text, at).container();
-        let context = self.schema.slot(&path).map(|slot| slot.context.to_owned()).unwrap_or_default();
-        let place = if context.is_empty() { String::new() } else { format!(" in {}", called(&context)) };
-        let hint = self.hint(&context, found, known);
+        let slot = self.schema.slot(&path);
+        let context = slot.as_ref().map(|slot| slot.context).unwrap_or_default();
+        let place = if context.is_empty() { String::new() } else { format!(" in {}", called(context)) };
+        // The parser lists aliases as well, the schema does not.
+        let in_schema = |word: &&&str| slot.as_ref().is_some_and(|slot| slot.has_field(word));
+        let named: Vec<&str> = known.iter().filter(in_schema).copied().collect();
+        let hint = self.hint(context, found, if named.is_empty() { known } else { &named });
         ParseError::new(at, format!("unknown field `{found}`{place}{hint}"))
     }
 
@@ -290,6 +294,11 @@ impl<'t> Explainer<'t> {
         let Some(slot) = self.schema.slot(&path) else { return ParseError::new(at, "unexpected value") };
         let word = given.trim_matches('"');
         let chosen = slot.choices().into_iter().find(|(name, _)| *name == word);
+        if self.notation == Notation::Ron
+            && let Some((name, count)) = given.split_once('(').and_then(|(name, _)| slot.value_count(name.trim_end()))
+        {
+            return ParseError::new(range.start, format!("`{name}` takes {count} values, found {}", shown(given)));
+        }
         let place = field_of(&path).map_or_else(String::new, |field| format!(" for `{field}`"));
         let hint = match (chosen, self.notation) {
             (Some((name, true)), Notation::Ron) if given == word => {

@@ -191,6 +191,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("(settings: (spp: 1.5), nodes: [])", "expected a whole number from 0 up for `spp`, found 1.5"),
     ("(film: (size: (120.5, 90)), nodes: [])", "expected a whole number from 0 up for `size`, found 120.5"),
     ("(materials: {\"m\": diffuse(albedo: gray(0.5, 0.2))}, nodes: [])", "`gray` takes one value: remove this one"),
+    ("(nodes: [(shape: sphere(), transform: [translate(1, 2)])])", "`translate` takes 3 values, found translate(1, 2)"),
     ("(materials: {\"m\": diffuse(albedo: texture(\"a.png\"))}, nodes: [])", "write `image(file: \"...\")`"),
     ("(materials: {\"m\": glass(ior: 1.5, priority: 2.5)}, nodes: [])", "for `priority`, found 2.5"),
     (r#"{"settings": {"integrator": 7}, "nodes": []}"#, "expected one of `whitted`, "),
