@@ -44,11 +44,6 @@ pub(super) struct Instances<'s, 'a> {
 }
 
 impl<'s, 'a> Instances<'s, 'a> {
-    /// All instances with their geometries, sorted by index.
-    pub(super) fn iter(self) -> impl Iterator<Item = (&'s Instance, &'s Blas<'a>)> {
-        (0..self.instances.len() as u32).filter_map(move |index| self.get(index))
-    }
-
     /// Instance at an index, which is at most its number, and its geometry.
     #[inline]
     pub(super) fn get(&self, index: u32) -> Option<(&'s Instance, &'s Blas<'a>)> {

@@ -7,14 +7,17 @@ use rt_geometry::{Hit, MAX_COORDINATE, NoProbe, is_on_triangle, nearest_on_trian
 use rt_math::{Aabb, Interval, Ray, Transform};
 
 use super::geometry::{Blas, Geometry};
-use super::instances::Instance;
+use super::instances::{Instance, Instances};
 use super::ray_queries::Scene;
 use super::triangle_mesh::TriangleMesh;
 use crate::region::Region as _;
-use crate::{Accelerator, PointHit, RegionQuery, SphereRegion};
+use crate::{Accelerator, PointHit, RegionQuery, SphereRegion, WideBvh};
 
 /// Directions that are tried for a point whose ray passes through an edge. One is enough for all but constructed points.
 const N_DIRECTIONS: u32 = 16;
+
+/// Most instances that are tested without the tree, whose traversal takes as long to start.
+const MAX_LISTED: u32 = 8;
 
 /// Largest barycentric weight that counts as a hit on an edge: rounding of one minus two others stays far below.
 const EDGE_WEIGHT: f64 = 1e-15;
@@ -22,47 +25,48 @@ const EDGE_WEIGHT: f64 = 1e-15;
 impl Scene<'_> {
     /// The point of a surface nearest to `point`, within `radius`, inclusive and possibly infinite. Of equally near
     /// instances the first counts. `None` without one, and for a coordinate that is NaN or of a magnitude above
-    /// [`MAX_COORDINATE`]. The time grows with the number of instances; those out of reach cost only a test of their bounds.
+    /// [`MAX_COORDINATE`].
     pub fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
         // Squared distances beyond overflow.
         if !point.abs().cmple(DVec3::splat(MAX_COORDINATE)).all() {
             return None;
         }
-        let mut nearest: Option<PointHit> = None;
-        // Few instances: near ones first would need an order, and far ones are cut off by their bounds.
-        for (instance, geometry) in self.top_level().iter() {
-            let limit = nearest.map_or(radius, |hit| hit.distance);
-            if instance.bounds.distance_squared(point).sqrt() > limit {
-                continue;
-            }
-            let Some(hit) = nearest_of(geometry, instance, point, limit) else { continue };
-            if nearest.is_none_or(|best| hit.distance < best.distance) {
-                nearest = Some(PointHit { instance: instance.id, ..hit });
-            }
-        }
-        nearest
+        let instances = self.top_level();
+        let mut query = NearestInstance { instances, point, radius, found: None };
+        let _ = self.traverse_instances(&mut query);
+        query.found
     }
 
     /// True if the point lies inside an instance or on its surface.
     ///
     /// A point is inside a mesh if a ray from it crosses the surface an odd number of times. So the triangles need no
     /// common orientation. The mesh has to be closed. Crossings, and points on the surface, are decided exactly: a ray
-    /// through an edge or a vertex is replaced by one in another direction. False for NaN. The time grows with the number of
-    /// instances, and of the spheres of an instance whose bounds contain the point.
+    /// through an edge or a vertex is replaced by one in another direction. False for NaN.
     pub fn contains(&self, point: DVec3) -> bool {
-        self.top_level().iter().any(|(instance, geometry)| {
-            if !instance.bounds.padded().contains(point) {
-                return false;
-            }
-            let local = instance.world_from_local.as_ref().map_or(point, |transform| transform.inverse_point(point));
-            match &geometry.geometry {
-                Geometry::Mesh(mesh) => is_on_surface(geometry, mesh, local) || mesh_contains(geometry, local),
-                Geometry::Spheres(spheres) => {
-                    let contains = |(centre, radius): (DVec3, f64)| local.distance(centre) <= radius;
-                    spheres.as_slice().iter().any(|sphere| contains((sphere.centre(), sphere.radius())))
+        let instances = self.top_level();
+        let test = |index| {
+            instances.get(index).is_some_and(|(instance, geometry)| {
+                let transform = instance.world_from_local.as_ref();
+                let local = transform.map_or(point, |transform| transform.inverse_point(point));
+                match &geometry.geometry {
+                    _ if !instance.bounds.padded().contains(point) => false,
+                    Geometry::Mesh(mesh) => is_on_surface(geometry, mesh, local) || mesh_contains(geometry, local),
+                    Geometry::Spheres(spheres) => any_around(geometry.tree(), local, |index| {
+                        let sphere = spheres.as_slice().get(index as usize);
+                        sphere.is_some_and(|sphere| local.distance(sphere.centre()) <= sphere.radius())
+                    }),
                 }
-            }
-        })
+            })
+        };
+        self.traverse_instances(&mut Around { point, test }).is_break()
+    }
+
+    /// Passes instances to the query: by the tree, unless there are few.
+    fn traverse_instances<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
+        match self.instances.len() as u32 {
+            n @ 0..=MAX_LISTED => (0..n).try_for_each(|index| query.test_primitive(index, |_| true)),
+            _ => self.tree.bvh.traverse_region(query),
+        }
     }
 
     /// Distance from the nearest surface: negative inside, as by [`contains`](Self::contains). `None` in an empty scene,
@@ -70,6 +74,35 @@ impl Scene<'_> {
     pub fn signed_distance(&self, point: DVec3) -> Option<f64> {
         let distance = self.nearest_point(point, f64::INFINITY)?.distance;
         Some(if self.contains(point) { -distance } else { distance })
+    }
+}
+
+/// True if `test` is true for a primitive whose bounds contain the point, up to rounding.
+fn any_around(tree: &WideBvh, point: DVec3, test: impl FnMut(u32) -> bool) -> bool {
+    tree.traverse_region(&mut Around { point, test }).is_break()
+}
+
+/// Primitives whose bounds contain a point, up to rounding. It ends with the first for which `test` is true.
+struct Around<F> {
+    point: DVec3,
+    test: F,
+}
+
+impl<F: FnMut(u32) -> bool> RegionQuery for Around<F> {
+    fn bounds(&self) -> Aabb {
+        Aabb::new(self.point, self.point).padded()
+    }
+
+    fn query_point(&self) -> DVec3 {
+        self.point
+    }
+
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
+        aabb.padded().contains(self.point).then_some(0.0)
+    }
+
+    fn test_primitive(&mut self, index: u32, _: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
+        if (self.test)(index) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -109,6 +142,42 @@ fn direction(attempt: u32) -> DVec3 {
     let fraction = (f64::from(attempt) + 0.5) * GOLDEN;
     let fraction = fraction - fraction.floor();
     DVec3::new(0.137 + 0.573 * fraction, 0.291 - 0.734 * fraction, 1.0 - 0.377 * f64::from(attempt))
+}
+
+/// The nearest point of all instances.
+struct NearestInstance<'s, 'a> {
+    instances: Instances<'s, 'a>,
+    point: DVec3,
+    /// The radius, later the smallest distance. Inclusive: an equally near instance must still be found.
+    radius: f64,
+    found: Option<PointHit>,
+}
+
+impl RegionQuery for NearestInstance<'_, '_> {
+    fn bounds(&self) -> Aabb {
+        SphereRegion { centre: self.point, radius: self.radius.next_up() }.bounds()
+    }
+
+    fn query_point(&self) -> DVec3 {
+        self.point
+    }
+
+    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
+        let distance = aabb.distance_squared(self.point).sqrt();
+        (distance <= self.radius).then_some(distance)
+    }
+
+    fn test_primitive(&mut self, index: u32, _: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
+        let Some((instance, geometry)) = self.instances.get(index) else { return ControlFlow::Continue(()) };
+        if self.distance_to(&instance.bounds).is_some()
+            && let Some(hit) = nearest_of(geometry, instance, self.point, self.radius)
+            && (hit.distance < self.radius || self.found.is_none_or(|best| instance.id < best.instance))
+        {
+            self.radius = hit.distance;
+            self.found = Some(PointHit { instance: instance.id, ..hit });
+        }
+        ControlFlow::Continue(())
+    }
 }
 
 /// Nearest point of one instance in world space.

@@ -2,11 +2,12 @@
 
 use proptest::prelude::*;
 use rt_accel::{
-    BatchError, BuildParams, DVec3, Hit, HitBatch, Interval, NoProbe, Primitives as _, Ray, RayBatch, Scene,
+    BatchError, BuildParams, DVec3, Hit, HitBatch, Interval, NoProbe, PointHit, Primitives as _, Ray, RayBatch, Scene,
     SceneBuilder, SceneError, Sphere, Spheres, Transform, TriangleMesh, Vectors,
 };
 use rt_geometry::{ClosestPoint as _, intersect_primitive};
 use rt_math::SlabRay;
+use rt_math::random::{hash, unit};
 
 type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
@@ -273,6 +274,41 @@ fn spheres_are_placed_by_similarities_only() {
         assert_eq!(scene.nearest_point(DVec3::X * beyond, f64::INFINITY), None);
         assert_eq!((scene.signed_distance(DVec3::X * beyond), scene.contains(DVec3::X * beyond)), (None, false));
     }
+}
+
+/// A tree over the instances finds what a scene of each of them finds.
+#[test]
+fn points_are_compared_with_each_of_many_instances() {
+    let (vertices, triangles) = grid_box(2);
+    let number = |words: &[u64]| 2.0 * unit(hash(words)) - 1.0;
+    let vector = |seed: u64, i: u64| DVec3::new(number(&[seed, i, 0]), number(&[seed, i, 1]), number(&[seed, i, 2]));
+    let list = (0..20).map(|i| Sphere::new(vector(1, i), 0.2).expect("a sphere")).collect();
+    let (mesh, spheres) = (TriangleMesh::new(&vertices, &triangles).expect("a mesh"), Spheres::new(list));
+    let build = |instances: core::ops::Range<u64>| {
+        let mut builder = SceneBuilder::new(BuildParams::FAST);
+        let mesh = builder.add(mesh.clone()).expect("a geometry");
+        let spheres = builder.add(spheres.clone()).expect("a geometry");
+        for i in instances {
+            let turn = Transform::rotate(vector(2, i), i as f64).expect("a rotation");
+            let placed = Transform::translate(10.0 * vector(3, i)).compose(&turn);
+            builder.place_at(if i % 3 == 0 { spheres } else { mesh }, &placed).expect("an instance");
+        }
+        builder.build().expect("a scene")
+    };
+    let all = build(0..300);
+    let each: Vec<_> = (0..300).map(|i| build(i..i + 1)).collect();
+    let (mut n_inside, mut n_found) = (0, 0);
+    for k in 0..2000 {
+        let point = 12.0 * vector(4, k);
+        let radius = [f64::INFINITY, 1.0, 0.25][k as usize % 3];
+        let nearest = each.iter().enumerate().filter_map(|(i, one)| Some((one.nearest_point(point, radius)?, i)));
+        let expected = nearest.min_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance));
+        let found = all.nearest_point(point, radius);
+        assert_eq!(found, expected.map(|(hit, i)| PointHit { instance: i as u32, ..hit }), "{point} within {radius}");
+        assert_eq!(all.contains(point), each.iter().any(|one| one.contains(point)), "{point}");
+        (n_inside, n_found) = (n_inside + u32::from(all.contains(point)), n_found + u32::from(found.is_some()));
+    }
+    assert!(n_inside > 150 && (1000..2000).contains(&n_found), "{n_inside} inside, {n_found} found");
 }
 
 #[test]
