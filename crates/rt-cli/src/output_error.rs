@@ -1,7 +1,7 @@
 //! Errors of output files.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
 
@@ -11,7 +11,7 @@ pub(crate) enum OutputError {
     NoName(PathBuf),
     #[error("cannot write `{}`: {source}; choose another name", path.display())]
     BadName { path: PathBuf, source: io::Error },
-    #[error("cannot write `{}`: {} is not a directory; create it, or choose another one", path.display(), folder.display())]
+    #[error("cannot write `{}`: {} {}", path.display(), folder.display(), folder_problem(folder))]
     NoFolder { path: PathBuf, folder: PathBuf },
     #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]
     NotAFile(PathBuf),
@@ -31,4 +31,12 @@ pub(crate) enum OutputError {
     Write { path: PathBuf, reason: String },
     #[error("{original}; it was saved as `{}` instead", path.display())]
     WrittenElsewhere { original: Box<Self>, path: PathBuf },
+}
+
+fn folder_problem(folder: &Path) -> &'static str {
+    if folder.exists() {
+        "is not a directory; choose another one"
+    } else {
+        "does not exist; create it, or choose another one"
+    }
 }

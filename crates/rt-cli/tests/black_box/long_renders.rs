@@ -440,7 +440,7 @@ fn an_unwritable_checkpoint_option_is_refused_before_the_render() {
     place.fails(
         4,
         &format!("{LONG} --checkpoint nowhere/kept"),
-        "cannot write `nowhere/kept`: nowhere is not a directory",
+        "cannot write `nowhere/kept`: nowhere does not exist; create it",
     );
     assert_eq!(place.files(), ["scene.ron"]);
 }
