@@ -250,6 +250,17 @@ mod tests {
     }
 
     #[test]
+    fn a_camera_on_a_surface_is_to_leave_it() {
+        let mut scene = empty();
+        scene.nodes = vec![sphere(DVec3::ZERO, 2.0)];
+        scene.cameras = vec![camera(DVec3::Z * 2.0, DVec3::ZERO)];
+        let findings = crate::check(&scene).findings;
+        let finding = findings.iter().find(|finding| finding.kind == Kind::CameraPrecision).unwrap();
+        assert_eq!(finding.message, "the camera lies on a surface, up to rounding");
+        assert_eq!(finding.advice, "move the camera off the surface");
+    }
+
+    #[test]
     fn an_invalid_camera_is_an_error() {
         let mut scene = empty();
         scene.cameras = vec![camera(DVec3::Z, DVec3::ZERO)];

@@ -10,7 +10,7 @@ use crate::objects::{Geometry, Objects};
 
 pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     let textures = &objects.scene.appearance.textures;
-    // Physically based materials conserve energy.
+    // Readers refuse physically based materials that create energy.
     for material in objects.scene.appearance.materials.iter().filter(|material| !material.is_physically_based()) {
         energy(material, textures, findings);
     }
@@ -80,7 +80,7 @@ mod tests {
     use crate::fixture::*;
     use rt_math::DVec3;
     use rt_scene_io::Group;
-    use rt_shading::Phong;
+    use rt_shading::{FloatTexture, LayeredBase, LayeredSurface, MaterialModel, Phong};
 
     #[test]
     fn too_bright_highlights_are_noted() {
@@ -92,6 +92,20 @@ mod tests {
         let finding = only(&scene, Kind::EnergyGain);
         assert!((finding.values[0].value - (0.25 + 2.0 * TAU / 8.0)).abs() < 1e-15, "{finding:?}");
         assert_eq!(finding.object, "grey");
+    }
+
+    #[test]
+    fn physically_based_materials_have_no_energy_gain() {
+        let mut scene = empty();
+        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
+        let (metallic, roughness) = (FloatTexture::Constant(0.0), FloatTexture::Constant(0.5));
+        let base_color = ColorTexture::Constant(Rgb::WHITE);
+        let layered = LayeredSurface::new(LayeredBase::MetallicRoughness { base_color, metallic, roughness });
+        scene.appearance.materials[0].model = MaterialModel::Layered(Box::new(layered));
+        let phong = scene.appearance.materials[0].to_phong();
+        let gain = brightest(&phong.diffuse, &[]).r + brightest(&phong.specular, &[]).r * TAU / (phong.exponent + 2.0);
+        assert!(gain > 1.0, "its Phong surface gains energy: {gain}");
+        assert_eq!(of_kind(&scene, Kind::EnergyGain), []);
     }
 
     #[test]

@@ -4,15 +4,6 @@ use rt_image::Image;
 use rt_render::RenderPlan;
 use rt_scene_io::{Integrator, Scene};
 
-/// Note on a scene without light of a kind that the integrator samples, unless the scene has it already.
-pub(crate) fn unsampled(scene: &Scene, plan: &RenderPlan<'_>) -> Option<&'static str> {
-    let is_noted = scene.notes.iter().any(|note| note.contains("takes no light from emissive materials"));
-    (has_area_lights_only(scene, plan) && !is_noted).then_some(
-        "`whitted` samples no area lights, and the scene has no others: surfaces that do not emit light have ambient light only; use \
-         `distributed` or `path`.",
-    )
-}
-
 /// Warning about a scene without light, before it is rendered.
 pub(crate) fn unlit(scene: &Scene, plan: &RenderPlan<'_>) -> Option<String> {
     let is_unlit = scene.settings.integrator.follows_light() && !plan.has_light();
@@ -42,7 +33,9 @@ pub(crate) fn empty(
     }
     let brightest = film.pixels().as_flattened().iter().copied().fold(0.0, f32::max);
     let development = &scene.film.development;
-    if brightest == 0.0 && has_area_lights_only(scene, plan) {
+    let has_area_lights_only =
+        integrator == Integrator::Whitted && scene.appearance.lights.is_empty() && plan.has_emission();
+    if brightest == 0.0 && has_area_lights_only {
         return Some("the image is black: `whitted` samples no area lights; use `distributed` or `path`".to_owned());
     }
     if brightest == 0.0 {
@@ -56,11 +49,6 @@ pub(crate) fn empty(
         let exposure = development.exposure;
         format!("the image is black: its maximum radiance is {brightest:e} at exposure {exposure}; raise --exposure")
     })
-}
-
-/// True for `whitted` and a scene whose lights are all emissive surfaces.
-fn has_area_lights_only(scene: &Scene, plan: &RenderPlan<'_>) -> bool {
-    scene.settings.integrator == Integrator::Whitted && scene.appearance.lights.is_empty() && plan.has_emission()
 }
 
 fn unseen(scene: &Scene) -> String {

@@ -102,9 +102,6 @@ impl Job<'_> {
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
         self.print_notes(&plan)?;
-        if let Some(note) = empty_image::unsampled(self.scene, &plan) {
-            self.console.note(note)?;
-        }
         if let Some(warning) = empty_image::unlit(self.scene, &plan) {
             self.console.warn(&warning);
             if self.strict {

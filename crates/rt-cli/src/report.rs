@@ -142,13 +142,14 @@ fn bias(outcome: &Outcome<'_>) -> String {
 }
 
 fn no_error(outcome: &Outcome<'_>) -> String {
-    if outcome.rendering.stopped == Stopped::Time {
-        "no error estimate: needs at least two passes (allow more --time)".to_owned()
-    } else if outcome.plan.passes_differ() {
-        "no error estimate: needs at least two passes (try --passes 4)".to_owned()
-    } else {
-        format!("no error estimate: {} samples are the same in every pass", outcome.scene.settings.pattern.name())
+    if !outcome.plan.passes_differ() {
+        return format!(
+            "no error estimate: {} samples are the same in every pass",
+            outcome.scene.settings.pattern.name()
+        );
     }
+    let advice = if outcome.rendering.stopped == Stopped::Time { "allow more --time" } else { "try --passes 4" };
+    format!("no error estimate: needs at least two passes ({advice})")
 }
 
 fn ray_table(outcome: &Outcome<'_>, costs: bool) -> Table {

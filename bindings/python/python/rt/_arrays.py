@@ -71,7 +71,7 @@ def faces(values):
     return array.astype(np.uint32, copy=False)
 
 
-# More threads than processors gain nothing, and thousands of them stall a machine.
+# That of `rt-cli --threads`. Thousands of threads stall a machine.
 MAX_THREADS = 1024
 
 

@@ -196,8 +196,8 @@ class _Geometry(_Queries):
         self._geometry = geometry
         self._lock = threading.Lock()
         self._scene = None
-        if quality not in ("fast", "balanced", "high"):
-            raise ValueError(f"quality {quality!r} is not one of 'fast', 'balanced', 'high'")
+        # Raises a ValueError for an unknown quality.
+        _rt.Scene([], [], quality)
         self.quality = quality
 
     def _core(self) -> _rt.Scene:
@@ -440,7 +440,7 @@ class Scene(_Queries):
         array(4.)
         """
         insert = [insert] if isinstance(insert, (_Geometry, Instance)) else list(insert)
-        remove = [int(remove)] if np.isscalar(remove) else [int(number) for number in remove]
+        remove = [int(number) for number in remove]
         with self._lock:
             return self._update(insert, remove, transforms or {}, vertices or {})
 

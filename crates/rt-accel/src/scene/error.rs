@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::BuildError;
+use crate::{BuildError, MAX_COORDINATE};
 
 /// Reason why arrays are not a triangle mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub enum MeshError {
         /// Number of vertices.
         n_vertices: usize,
     },
-    /// A coordinate of a vertex is NaN, or of a magnitude above [`MAX_COORDINATE`](crate::MAX_COORDINATE).
+    /// A coordinate of a vertex is NaN, or of a magnitude above [`MAX_COORDINATE`].
     Coordinate {
         /// Index of the vertex.
         vertex: usize,
@@ -36,7 +36,10 @@ impl fmt::Display for MeshError {
                 write!(f, "triangle {triangle}: vertex index {index} is out of range: there are {n_vertices} vertices")
             }
             Self::Coordinate { vertex } => {
-                write!(f, "vertex {vertex} has a coordinate that is not a finite number of magnitude at most 1e60")
+                write!(
+                    f,
+                    "vertex {vertex} has a coordinate that is not a finite number of magnitude at most {MAX_COORDINATE:e}"
+                )
             }
             Self::TooMany { count } => write!(f, "{count} triangles exceed the limit of 4294967295; split the mesh"),
         }

@@ -16,8 +16,11 @@ use crate::{Accelerator, PointHit, RegionQuery, SphereRegion, WideBvh};
 /// Directions that are tried for a point whose ray passes through an edge. One is enough for all but constructed points.
 const N_DIRECTIONS: u32 = 16;
 
-/// Most instances that are tested without the tree, whose traversal takes as long to start.
-const MAX_LISTED: u32 = 8;
+/// Most instances whose nearest points are computed one by one: the traversal of the tree takes a microsecond to start.
+const N_NEAREST: u32 = 8;
+
+/// Most instances whose bounds are tested one by one for a point inside, which takes hundredths of that each.
+const N_CONTAINING: u32 = 64;
 
 /// Largest barycentric weight that counts as a hit on an edge: rounding of one minus two others stays far below.
 const EDGE_WEIGHT: f64 = 1e-15;
@@ -33,7 +36,7 @@ impl Scene<'_> {
         }
         let instances = self.top_level();
         let mut query = NearestInstance { instances, point, radius, found: None };
-        let _ = self.traverse_instances(&mut query);
+        let _ = self.traverse_instances(&mut query, N_NEAREST);
         query.found
     }
 
@@ -58,14 +61,16 @@ impl Scene<'_> {
                 }
             })
         };
-        self.traverse_instances(&mut Around { point, test }).is_break()
+        self.traverse_instances(&mut Around { point, test }, N_CONTAINING).is_break()
     }
 
-    /// Passes instances to the query: by the tree, unless there are few.
-    fn traverse_instances<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
-        match self.instances.len() as u32 {
-            n @ 0..=MAX_LISTED => (0..n).try_for_each(|index| query.test_primitive(index, |_| true)),
-            _ => self.tree.bvh.traverse_region(query),
+    /// Passes instances to the query, one by one or, if there are more than `n_listed`, by the tree.
+    fn traverse_instances<Q: RegionQuery>(&self, query: &mut Q, n_listed: u32) -> ControlFlow<()> {
+        let n = self.instances.len() as u32;
+        if n <= n_listed {
+            (0..n).try_for_each(|index| query.test_primitive(index, |_| true))
+        } else {
+            self.tree.bvh.traverse_region(query)
         }
     }
 

@@ -13,6 +13,8 @@ fn time_ends_a_heavy_render_and_the_image_is_whole() {
     let run = place.succeed("render scene.ron --size 96x64 --depth 8 --time 500ms -o a.exr --stats stats.json");
     let wall = started.elapsed().as_secs_f64();
     assert!(run.stdout.contains("stopped by --time; relative RMSE "), "{run:?}");
+    let run = place.succeed("render scene.ron --size 96x64 --depth 8 --time 1ms -o b.exr");
+    assert!(run.stdout.contains("no error estimate: needs at least two passes (allow more --time)"), "{run:?}");
     let stats = place.json("stats.json");
     let seconds = stats["seconds"]["render"].as_f64().expect("a number");
     // Passes have 16 samples or fewer; twice a pass, because other programs may slow the last one down.
@@ -32,7 +34,8 @@ fn a_target_is_reached_or_not_and_says_so() {
         (&place.json("stats.json")["stopped"], &place.json("stats.json")["unconverged_pixels"]),
         (&"target-error".into(), &Value::Null)
     );
-    place.succeed("render scene.ron --target-error 90% --target-error-pixels 100% --stats stats.json");
+    let run = place.succeed("render scene.ron --target-error 90% --target-error-pixels 100% --stats stats.json");
+    assert!(run.stdout.contains("stopped by --target-error 90 % in 100 % of the pixels; relative RMSE "), "{run:?}");
     assert_eq!(
         (&place.json("stats.json")["stopped"], &place.json("stats.json")["unconverged_pixels"]),
         (&"target-error".into(), &0.into())

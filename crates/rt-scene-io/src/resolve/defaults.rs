@@ -103,12 +103,14 @@ impl EffectiveFields {
             return Some(format!("{reason} key light, a fill light and ambient light were added."));
         }
         let sources = match (has_emissive, has_image) {
-            (true, true) => "emissive materials and the environment image",
-            (true, false) => "emissive materials",
+            (true, true) => "area lights and the environment image",
+            (true, false) => "area lights",
             (false, true) => "the environment image",
             (false, false) => return None,
         };
-        let is_lit_by_these = is_unspecified && options.studio_lights == StudioLights::Auto;
+        let is_delta =
+            |light: &Light| matches!(light, Light::Point { .. } | Light::Directional { .. } | Light::Spot { .. });
+        let is_lit_by_these = options.studio_lights == StudioLights::Auto && !lights.iter().any(is_delta);
         (is_lit_by_these && integrator == Integrator::Whitted)
             .then(|| format!("`whitted` takes no light from {sources}: use `path`, or --lights studio."))
     }
