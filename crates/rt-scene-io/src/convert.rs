@@ -5,10 +5,10 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::error::ErrorAt;
 use crate::format::{Background, ColorTexture, Material, Node, NodeMaterial, SceneFile};
-use crate::load::{extension, load_standalone_model, read_scene_file};
+use crate::load::{extension, load_standalone_model, read_scene_file, resolve_located};
 use crate::options::folder_of;
 use crate::resolve::written_material;
-use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, Warning, resolve, resolve_path};
+use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, Warning, resolve_path};
 
 /// Result of [`convert`].
 #[derive(Clone, Debug, Default)]
@@ -38,7 +38,7 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Con
     let options = options.rooted_at(input);
     let (mut file, mut comments, warnings) = match read_scene_file(input, &options)? {
         Some((file, _reservation)) => {
-            let warnings = resolve(&file, input, &options)?.warnings;
+            let warnings = resolve_located(&file, input, &options)?.warnings;
             (file, Vec::new(), warnings)
         }
         None => around_model(input, &options)?,

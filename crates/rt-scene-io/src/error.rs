@@ -9,7 +9,8 @@ use rt_geometry::{MeshError, PolygonError, ShapeError};
 use rt_math::TransformError;
 
 use crate::MemoryError;
-use crate::excerpt::Excerpt;
+use crate::excerpt::{Excerpt, Position};
+use crate::format::positions_of;
 use crate::sanitize::SingleLine;
 use crate::texture_error::TextureError;
 
@@ -47,6 +48,8 @@ pub enum Location {
     Position(usize, usize),
     /// A path in the document such as `nodes[2].material`, or the name of an object.
     Path(String),
+    /// A path in a scene file, and the line and column at which it begins, both counted from 1.
+    PathAt(String, usize, usize),
 }
 
 /// Kind of an error. Each message holds the offending value, the rule, and the remedy.
@@ -198,6 +201,23 @@ impl LoadError {
         &self.diagnostics
     }
 
+    /// Adds lines and columns to paths in a scene file, which has this text.
+    pub(crate) fn with_positions(mut self, file: &Path, text: &str) -> Self {
+        let file = file.display().to_string();
+        let located = |diagnostic: &&mut Diagnostic| diagnostic.file == file;
+        let mut diagnostics: Vec<_> = self.diagnostics.iter_mut().filter(located).collect();
+        let paths: Vec<_> = diagnostics.iter().map(|diagnostic| diagnostic.location.path().to_owned()).collect();
+        let positions = positions_of(text, &paths.iter().map(String::as_str).collect::<Vec<_>>());
+        for ((diagnostic, path), byte) in diagnostics.iter_mut().zip(paths).zip(positions) {
+            if let Some(byte) = byte {
+                let Position { line, column } = Position::of(text, byte);
+                diagnostic.location = Location::PathAt(path, line, column);
+                diagnostic.excerpt = Some(Excerpt::of(text, byte));
+            }
+        }
+        self
+    }
+
     /// The diagnostics, to add to others.
     pub fn into_diagnostics(self) -> Vec<Diagnostic> {
         self.diagnostics
@@ -229,6 +249,17 @@ impl fmt::Display for Location {
             Self::Line(line) => write!(f, ":{line}"),
             Self::Position(line, column) => write!(f, ":{line}:{column}"),
             Self::Path(path) => write!(f, ": {path}"),
+            Self::PathAt(path, line, column) => write!(f, ":{line}:{column}: {path}"),
+        }
+    }
+}
+
+impl Location {
+    /// Path in the document; empty for other locations.
+    fn path(&self) -> &str {
+        match self {
+            Self::Path(path) | Self::PathAt(path, ..) => path,
+            _ => "",
         }
     }
 }

@@ -20,9 +20,17 @@ use crate::{LoadError, LoadErrorKind, LoadOptions, Scene, load_model, read_text}
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
     let options = options.rooted_at(path);
     match read_scene_file(path, &options)? {
-        Some((file, _reservation)) => resolve(&file, path, &options),
+        Some((file, _reservation)) => resolve_located(&file, path, &options),
         None => load_standalone_model(path, &options).map(|(_, scene)| scene),
     }
+}
+
+/// Version of [`resolve`] whose errors have lines and columns.
+pub(crate) fn resolve_located(file: &SceneFile, path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+    resolve(file, path, options).map_err(|error| match read_text(path, options) {
+        Ok(text) => error.with_positions(path, &text),
+        Err(_) => error,
+    })
 }
 
 /// Extensions of scenes and models, for messages.

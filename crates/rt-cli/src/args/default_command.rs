@@ -6,12 +6,12 @@ use std::path::Path;
 use clap::CommandFactory;
 
 use super::Cli;
-use crate::stdin::{FORMATS, is_dash};
+use crate::stdin::is_dash;
 
 /// Options of the program itself.
 const OWN: [&str; 5] = ["-h", "--help", "-V", "--version", "--limits"];
 
-/// Inserts `render` if the first argument is a file instead of a command. The first argument is the program's name.
+/// Inserts `render` if the first argument is a file or an option instead of a command. The program's name precedes it.
 ///
 /// Words that may be mistyped commands are left to the parser, which suggests the nearest one.
 pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
@@ -24,11 +24,11 @@ pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) ->
     }
     let is_option = |word: &OsStr| word.as_encoded_bytes().starts_with(b"-") && !is_dash(Path::new(word));
     let renders = if is_option(first) {
-        // Options of `render` may come before the scene.
+        // Options of `render` may come before the scene. Without a scene, `render` says that it is missing.
         let is_own = OWN.iter().any(|own| first == own);
         let command = Cli::command();
         let is_command = |word: &OsString| command.get_subcommands().any(|command| word == command.get_name());
-        !is_own && !rest.iter().any(is_command) && rest.iter().any(|word| is_file(word))
+        !is_own && !rest.iter().any(is_command)
     } else {
         is_file(first)
     };
@@ -38,12 +38,10 @@ pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) ->
     arguments
 }
 
-/// True for `-`, for paths with a known extension or several components, and for existing files.
+/// True for `-`, for paths with an extension or several components, and for existing files.
 fn is_file(word: &OsStr) -> bool {
     let path = Path::new(word);
-    let has_known_extension =
-        path.extension().is_some_and(|extension| FORMATS.iter().any(|known| extension.eq_ignore_ascii_case(known)));
-    is_dash(path) || has_known_extension || path.components().nth(1).is_some() || path.is_file()
+    is_dash(path) || path.extension().is_some() || path.components().nth(1).is_some() || path.is_file()
 }
 
 #[cfg(test)]
@@ -56,7 +54,9 @@ mod tests {
             let words = with_default_command(line.split(' ').map(OsString::from));
             words.join(OsStr::new(" ")).into_string().expect("text")
         };
-        for rendered in ["scene.ron", "a.GLB --spp 4", "a/b", "-", "--spp 4 scene.ron", "-q -o x.png missing.json"] {
+        for rendered in
+            ["scene.ron", "a.GLB --spp 4", "ok.rno", "a/b", "-", "--spp 4 scene.ron", "-q -o x.png a.json", "--spp 4"]
+        {
             assert_eq!(line(&format!("rt-cli {rendered}")), format!("rt-cli render {rendered}"));
         }
         for left in [
@@ -68,7 +68,6 @@ mod tests {
             "--limits",
             "--version a.ron",
             "-x render a.ron",
-            "--spp 4",
         ] {
             assert_eq!(line(&format!("rt-cli {left}")), format!("rt-cli {left}"));
         }

@@ -46,10 +46,13 @@ pub(crate) fn million_sided_polygon() -> Vec<Input> {
 pub(crate) fn bent_or_crossed_polygon() -> Vec<Input> {
     let polygon = |points: &str| Input::node(&format!("shape: polygon(points: [{points}])"));
     vec![
-        polygon("(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)")
-            .refused(&["scene.ron: nodes[0].shape: the polygon is not flat", "off its plane"]),
+        polygon("(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)").refused(&[
+            "scene.ron:1:",
+            ": nodes[0].shape: the polygon is not flat",
+            "off its plane",
+        ]),
         polygon("(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)")
-            .refused(&["scene.ron: nodes[0].shape: the outline of the polygon has no area"]),
+            .refused(&["scene.ron:1:", ": nodes[0].shape: the outline of the polygon has no area"]),
         obj("v 2 0.5 0.7\nf 1 2 5 3 4\n").shown(&["m.obj", "faces with more than four corners are not flat: 1"]),
     ]
 }

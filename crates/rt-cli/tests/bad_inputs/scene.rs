@@ -20,7 +20,8 @@ fn refused(fields: &[&str], parts: &'static [&'static str]) -> Vec<Input> {
 }
 
 pub(crate) fn nan_coordinate() -> Vec<Input> {
-    let mut inputs = refused_nodes(&["shape: sphere(center: (NaN, 0, 0))"], &["scene.ron: nodes[0].shape: ", "NaN"]);
+    let mut inputs =
+        refused_nodes(&["shape: sphere(center: (NaN, 0, 0))"], &["scene.ron:1:", ": nodes[0].shape: ", "NaN"]);
     inputs.push(
         Input::file("m.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n")
             .shown(&["triangles with a NaN or infinite vertex were dropped: 1 of"]),
@@ -30,18 +31,21 @@ pub(crate) fn nan_coordinate() -> Vec<Input> {
 
 pub(crate) fn infinite_coordinate() -> Vec<Input> {
     let nodes = ["shape: sphere(center: (0, inf, 0))", "shape: box(min: (-inf, 0, 0), max: (1, 1, 1))"];
-    refused_nodes(&nodes, &["scene.ron: nodes[0].shape: ", "inf"])
+    refused_nodes(&nodes, &["scene.ron:1:", ": nodes[0].shape: ", "inf"])
 }
 
 pub(crate) fn overflowing_number() -> Vec<Input> {
     let json = r#"{"nodes": [{"shape": {"sphere": {"radius": 1e400}}}]}"#;
-    let mut inputs = refused_nodes(&["shape: sphere(radius: 1e400)"], &["scene.ron: nodes[0].shape: ", "inf"]);
+    let mut inputs = refused_nodes(&["shape: sphere(radius: 1e400)"], &["scene.ron:1:", ": nodes[0].shape: ", "inf"]);
     inputs.push(Input::file("scene.json", json).refused(&["scene.json:1:", "out of range"]));
     inputs
 }
 
 pub(crate) fn coordinate_beyond_1e60() -> Vec<Input> {
-    refused_nodes(&["shape: sphere(center: (1e61, 0, 0))"], &["scene.ron: nodes[0].shape: ", "magnitude at most 1e60"])
+    refused_nodes(
+        &["shape: sphere(center: (1e61, 0, 0))"],
+        &["scene.ron:1:", ": nodes[0].shape: ", "magnitude at most 1e60"],
+    )
 }
 
 pub(crate) fn comma_decimals() -> Vec<Input> {
@@ -54,7 +58,7 @@ pub(crate) fn comma_decimals() -> Vec<Input> {
 pub(crate) fn unknown_material() -> Vec<Input> {
     let materials = "materials: {\"chrome\": mirror()}";
     let scene = format!("({materials}, nodes: [(shape: sphere(), material: \"crome\")])");
-    vec![Input::scene(&scene).refused(&["scene.ron: nodes[0].material: ", "`crome`", "did you mean `chrome`"])]
+    vec![Input::scene(&scene).refused(&["scene.ron:1:", ": nodes[0].material: ", "`crome`", "did you mean `chrome`"])]
 }
 
 pub(crate) fn duplicate_names() -> Vec<Input> {
@@ -117,19 +121,22 @@ fn refused_matrix(matrix: &str, parts: &'static [&'static str]) -> Vec<Input> {
 pub(crate) fn singular_matrix() -> Vec<Input> {
     refused_matrix(
         "(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1)",
-        &["scene.ron: nodes[0].transform", "is singular"],
+        &["scene.ron:1:", ": nodes[0].transform", "is singular"],
     )
 }
 
 pub(crate) fn nan_matrix() -> Vec<Input> {
     refused_matrix(
         "(1, 0, 0, NaN), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)",
-        &["scene.ron: nodes[0].transform", "NaN"],
+        &["scene.ron:1:", ": nodes[0].transform", "NaN"],
     )
 }
 
 pub(crate) fn projective_matrix() -> Vec<Input> {
-    refused_matrix("(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 1, 1)", &["scene.ron: nodes[0].transform", "row"])
+    refused_matrix(
+        "(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 1, 1)",
+        &["scene.ron:1:", ": nodes[0].transform", "row"],
+    )
 }
 
 pub(crate) fn zero_or_negative_size() -> Vec<Input> {
@@ -142,24 +149,24 @@ pub(crate) fn zero_or_negative_size() -> Vec<Input> {
         "shape: torus(tube_radius: 0)",
         "shape: disk(radius: 0)",
     ];
-    refused_nodes(&nodes, &["scene.ron: nodes[0].shape: "])
+    refused_nodes(&nodes, &["scene.ron:1:", ": nodes[0].shape: "])
 }
 
 pub(crate) fn too_wide_cone() -> Vec<Input> {
     refused_nodes(
         &["shape: double_cone(slope: inf)", "shape: double_cone(slope: 0)", "shape: cone(radius: inf)"],
-        &["scene.ron: nodes[0].shape: "],
+        &["scene.ron:1:", ": nodes[0].shape: "],
     )
 }
 
 pub(crate) fn box_min_beyond_max() -> Vec<Input> {
-    refused_nodes(&["shape: box(min: (1, 0, 0), max: (0, 1, 1))"], &["scene.ron: nodes[0].shape: "])
+    refused_nodes(&["shape: box(min: (1, 0, 0), max: (0, 1, 1))"], &["scene.ron:1:", ": nodes[0].shape: "])
 }
 
 pub(crate) fn zero_scale() -> Vec<Input> {
     refused_nodes(
         &["shape: sphere(), transform: [scale(0)]", "shape: sphere(), transform: [stretch(1, 0, 1)]"],
-        &["scene.ron: nodes[0].transform"],
+        &["scene.ron:1:", ": nodes[0].transform"],
     )
 }
 
@@ -173,7 +180,7 @@ pub(crate) fn impossible_camera() -> Vec<Input> {
             "camera: (fov: NaN)",
             "camera: (orthographic: 0)",
         ],
-        &["scene.ron: camera"],
+        &["scene.ron:1:", ": camera"],
     )
 }
 
@@ -183,24 +190,24 @@ pub(crate) fn impossible_lens() -> Vec<Input> {
             "camera: (look_from: (0, 0, 5), lens: (radius: -1))",
             "camera: (look_from: (0, 0, 5), lens: (radius: 0.1, focus: 0))",
         ],
-        &["scene.ron: camera"],
+        &["scene.ron:1:", ": camera"],
     )
 }
 
 pub(crate) fn image_of_no_or_too_many_pixels() -> Vec<Input> {
-    let inputs = refused(&["film: (size: (0, 48))", "film: (size: (100000, 100000))"], &["scene.ron: film"]);
+    let inputs = refused(&["film: (size: (0, 48))", "film: (size: (100000, 100000))"], &["scene.ron:1:", ": film"]);
     inputs.into_iter().map(Input::in_its_own_size).collect()
 }
 
 pub(crate) fn no_or_too_many_samples() -> Vec<Input> {
-    refused(&["settings: (spp: 0)", "settings: (spp: 2147483649)"], &["scene.ron: settings.spp"])
+    refused(&["settings: (spp: 0)", "settings: (spp: 2147483649)"], &["scene.ron:1:", ": settings.spp"])
 }
 
 pub(crate) fn negative_depth() -> Vec<Input> {
     let mut inputs = refused(&["settings: (max_depth: -1)"], &["scene.ron:1:", "from 0 up for `max_depth`"]);
     // Earlier spellings are explained as well.
     inputs.extend(refused(&["settings: (depth: -1)"], &["scene.ron:1:", "from 0 up for `depth`"]));
-    inputs.extend(refused(&["settings: (max_depth: 10001)"], &["scene.ron: settings.max_depth", "10001"]));
+    inputs.extend(refused(&["settings: (max_depth: 10001)"], &["scene.ron:1:", ": settings.max_depth", "10001"]));
     inputs
 }
 
@@ -211,21 +218,21 @@ pub(crate) fn impossible_index_of_refraction() -> Vec<Input> {
             "materials: {\"m\": glass(ior: NaN)}",
             "materials: {\"m\": phong(transmission: gray(1), ior: -1)}",
         ],
-        &["scene.ron: materials[\"m\"]"],
+        &["scene.ron:1:", ": materials[\"m\"]"],
     )
 }
 
 pub(crate) fn albedo_beyond_1() -> Vec<Input> {
     refused(
         &["materials: {\"m\": diffuse(albedo: gray(1.5))}", "materials: {\"m\": diffuse(albedo: rgb(0.5, -0.1, 0))}"],
-        &["scene.ron: materials[\"m\"]"],
+        &["scene.ron:1:", ": materials[\"m\"]"],
     )
 }
 
 pub(crate) fn impossible_exponent() -> Vec<Input> {
     refused(
         &["materials: {\"m\": phong(exponent: -1)}", "materials: {\"m\": phong(exponent: 2e7)}"],
-        &["scene.ron: materials[\"m\"].exponent: "],
+        &["scene.ron:1:", ": materials[\"m\"].exponent: "],
     )
 }
 
@@ -236,7 +243,7 @@ pub(crate) fn impossible_light() -> Vec<Input> {
             "lights: [directional(direction: (0, 0, 0))]",
             "lights: [spot(position: (0, 9, 0), direction: (0, 0, 0))]",
         ],
-        &["scene.ron: lights[0]"],
+        &["scene.ron:1:", ": lights[0]"],
     )
 }
 
@@ -276,7 +283,7 @@ pub(crate) fn first_mistakes() -> Vec<Input> {
 pub(crate) fn colour_with_alpha() -> Vec<Input> {
     vec![
         with("materials: {\"m\": diffuse(albedo: \"#ff000080\")}")
-            .refused(&["scene.ron: materials[\"m\"].albedo: \"#ff000080\" has an alpha component"]),
+            .refused(&["scene.ron:1:", ": materials[\"m\"].albedo: \"#ff000080\" has an alpha component"]),
         with("materials: {\"m\": diffuse(albedo: \"#f008\")}").refused(&["has an alpha component"]),
         with("materials: {\"m\": diffuse(albedo: \"red\")}").refused(&["scene.ron:1:", "expected a colour"]),
         with("materials: {\"m\": diffuse(albedo: \"#ggg\")}").refused(&["is not a colour"]),

@@ -108,7 +108,8 @@ pub(crate) fn references_that_leave_the_folder() -> Vec<Input> {
         fs::write(folder.join("scene.ron"), scene).expect("written");
     };
     vec![
-        textured("../secret.png").refused(&["scene.ron: materials[\"m\"].color: `../secret.png` lies outside of"]),
+        textured("../secret.png")
+            .refused(&["scene.ron:1:", ": materials[\"m\"].color: `../secret.png` lies outside of"]),
         textured("/etc/passwd").refused(&["`/etc/passwd` is absolute"]),
         textured("file:///etc/passwd").refused(&["is a URL"]),
         textured("http://example.org/x.png").refused(&["is a URL"]),
@@ -167,5 +168,5 @@ pub(crate) fn truncated_texture() -> Vec<Input> {
     let whole = png_of(4, 4);
     let cut = [0, 7, 20, 40, whole.len() / 2];
     let input = |length: usize| textured("t.png").with_file("t.png", &whole[..length]);
-    cut.map(|length| input(length).refused(&["scene.ron: materials[\"m\"].color: "])).into()
+    cut.map(|length| input(length).refused(&["scene.ron:1:", ": materials[\"m\"].color: "])).into()
 }

@@ -101,7 +101,7 @@ fn a_frame_that_fails_is_named_and_those_before_it_are_kept() {
     place.fails(
         3,
         "render a.ron --frames 0..3 --fps 4 -o #.png",
-        "error: frame 2: a.ron: camera.animation: look_from and look_at are both",
+        "error: frame 2: a.ron:2:53: camera.animation: look_from and look_at are both",
     );
     assert_eq!(place.files(), ["#.png.frames.json", "0.png", "1.png", "a.ron"]);
 }

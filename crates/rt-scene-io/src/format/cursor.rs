@@ -134,6 +134,11 @@ impl<'t> Cursor<'t> {
         Some(TextValue { range, path: path_of(&brackets) })
     }
 
+    /// The beginning of the innermost list element around the cursor.
+    pub(super) fn innermost_element(&self) -> Option<usize> {
+        self.brackets.windows(2).rev().find(|pair| pair[0].key.is_none()).map(|pair| pair[1].start)
+    }
+
     /// The path to the value at the cursor, present or missing.
     pub(super) fn path(&self) -> Vec<Key<'t>> {
         path_of(&self.brackets)

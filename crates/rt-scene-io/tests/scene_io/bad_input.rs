@@ -238,7 +238,7 @@ fn references_must_stay_below_the_root() {
         error.replace(&folder.path().display().to_string(), "")
     };
     let default = LoadOptions::default();
-    let place = "/scenes/a.ron: materials[\"m\"].color: ";
+    let place = "/scenes/a.ron:1:36: materials[\"m\"].color: ";
     for (reference, rule) in [
         ("../secret.png", "`../secret.png` lies outside of /scenes"),
         ("..\\secret.png", "lies outside of /scenes"),
