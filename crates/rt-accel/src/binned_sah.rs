@@ -1,4 +1,5 @@
-//! Splits of sets of primitives: the surface area heuristic over binned centroids, and the median.
+//! Splits of sets of primitives for the binary trees: the surface area heuristic over binned centroids, and the median. `WideBvh` has
+//! its own in `wide/build/binning.rs`.
 //!
 //! MacDonald and Booth, "Heuristics for ray tracing using space subdivision", 1990; Wald, "On fast Construction of
 //! SAH-based Bounding Volume Hierarchies", 2007.
@@ -8,7 +9,7 @@ use rt_math::Aabb;
 
 use crate::traversal::depth_allows_median_split;
 
-/// Maximum number of primitives in a leaf that a split could reduce.
+/// Maximum number of primitives in a leaf. Larger sets are split whatever the cost, if a split exists.
 pub(crate) const MAX_LEAF: usize = 8;
 
 /// Cost of visiting a node relative to that of testing a primitive.
@@ -17,7 +18,7 @@ const NODE_COST: f64 = 1.5;
 /// Number of bins per axis.
 pub(crate) const BINS: usize = 16;
 
-/// Cost of a leaf, or of a node for `count` 0, in visits of a node.
+/// Cost of a leaf of `count` primitives, in visits of a node. 0 stands for an inner node.
 pub(crate) fn relative_cost(count: u32) -> f64 {
     if count == 0 { 1.0 } else { f64::from(count) / NODE_COST }
 }
@@ -34,7 +35,7 @@ pub(crate) trait BuildBounds: Copy {
     /// The smallest box around this one and a point.
     fn include(self, point: Self::Vector) -> Self;
 
-    /// Centre on a fixed scale.
+    /// Centre times a constant of the type, which cancels when it is binned.
     fn centroid(&self) -> Self::Vector;
 
     /// Axis of the largest extent, and whether that is positive.

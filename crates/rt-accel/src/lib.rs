@@ -1,4 +1,4 @@
-//! # rt-accel: chapter 6, acceleration structures
+//! # rt-accel: acceleration structures
 //!
 //! Closest hits, any hits, all hits and nearest points of triangle meshes, spheres and your own primitives, exact in `f64`.
 //!

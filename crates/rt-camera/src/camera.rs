@@ -1,8 +1,8 @@
 //! The virtual camera: a pinhole or a thin lens.
 
-mod sight;
+mod sample_wi;
 
-pub use sight::CameraWiSample;
+pub use sample_wi::CameraWiSample;
 
 use rt_math::{AnimatedTransform, DVec2, DVec3, Ray, Transform, transcendental::tan};
 

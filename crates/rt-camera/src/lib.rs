@@ -1,4 +1,4 @@
-//! # rt-camera: chapter 3, camera and image plane
+//! # rt-camera: camera and image plane
 //!
 //! From a sample of a pixel to a ray, and from radiance to a file:
 //!
@@ -70,9 +70,9 @@ mod filter;
 mod halton;
 mod lens;
 mod mitchell;
-mod pattern;
 mod pixel_sampler;
 mod sample_lanes;
+mod sampler_kind;
 mod simd;
 mod sobol;
 mod view_volume;
@@ -82,6 +82,6 @@ pub use camera_error::CameraError;
 pub use film_settings::{FilmError, FilmSettings};
 pub use filter::Filter;
 pub use lens::Lens;
-pub use pattern::SamplerKind;
 pub use pixel_sampler::{PixelSampler, SampleStream};
+pub use sampler_kind::SamplerKind;
 pub use view_volume::ViewVolume;

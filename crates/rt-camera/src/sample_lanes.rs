@@ -5,7 +5,7 @@
 
 use rt_math::random::{mix, mix_lanes, permute_lanes, unit};
 
-use crate::{SamplerKind, blue_noise, halton, pattern::grid_side, simd::lanes, sobol};
+use crate::{SamplerKind, blue_noise, halton, sampler_kind::grid_side, simd::lanes, sobol};
 
 /// The largest number below 1.
 pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;

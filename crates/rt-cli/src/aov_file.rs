@@ -1,4 +1,4 @@
-//! Per-pixel outputs other than radiance.
+//! Files of `--aov`.
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -12,6 +12,7 @@ use crate::image_file;
 use crate::output::OutputFile;
 use crate::output_error::OutputError;
 
+/// File of `--aov`: either a map, of standard errors or sample counts, or the image and its layers in one OpenEXR file.
 #[derive(Debug)]
 pub(crate) struct AovFile {
     content: AovContent,
@@ -76,7 +77,7 @@ impl AovFile {
         image_file::check(self.output.path(), self.format, size, false)
     }
 
-    /// Memory of the layers for this number of pixels, and at most the size of the file. The image is in it as well.
+    /// Bytes of the image and its layers for this number of pixels. The file is at most as large.
     pub(crate) fn layer_bytes(&self, pixels: u64) -> u64 {
         let AovContent::Layers(list) = &self.content else { return 0 };
         let of_hits: usize = list.first_hit.iter().map(|layer| layer.channels().len()).sum();

@@ -1,5 +1,6 @@
 //! Command-line options, as typed.
 
+mod aov;
 mod checkpoint;
 mod compare;
 mod converge;
@@ -20,6 +21,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use rt_image::ImageFormat;
 
+pub(crate) use aov::{Aov, AovArg, AovContent, LayerList};
 pub(crate) use checkpoint::CheckpointArgs;
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{ConvergeArgs, ReferenceKind, Variation};
@@ -32,9 +34,7 @@ pub(crate) use merge::MergeArgs;
 pub(crate) use stop::StopArgs;
 #[cfg(feature = "view")]
 pub(crate) use values::TONE_CURVES;
-pub(crate) use values::{
-    Aov, AovArg, AovContent, BackgroundChoice, CheckpointInterval, LayerList, tone_name, tone_of_name,
-};
+pub(crate) use values::{BackgroundChoice, CheckpointInterval, tone_name, tone_of_name};
 
 /// Name of an enum value on the command line.
 pub(crate) fn name_of(value: impl ValueEnum) -> String {
@@ -136,7 +136,7 @@ pub(crate) struct RenderArgs {
     pub(crate) development: DevelopmentArgs,
 
     /// Write layers: depth,normal,albedo=FILE.exr, or one of stderr=FILE and samples=FILE in any format
-    #[arg(long, value_name = "LIST=FILE", value_parser = values::aov, long_help = stop::AOV_HELP, help_heading = "Output")]
+    #[arg(long, value_name = "LIST=FILE", value_parser = aov::aov, long_help = aov::AOV_HELP, help_heading = "Output")]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]

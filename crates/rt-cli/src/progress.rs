@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
-use rt_render::{PassProgress, Progress, Towards};
+use rt_render::{ErrorProgress, PassProgress, Progress};
 
 use crate::report::shown_percent;
 
@@ -73,10 +73,10 @@ impl ProgressDisplay {
 
 /// Shows at most 99 % until a target error is reached: the total is a forecast, and may be too low.
 fn capped(progress: Progress) -> Progress {
-    let is_reached = match progress.pass.and_then(|pass| pass.towards) {
+    let is_reached = match progress.pass.and_then(|pass| pass.error_progress) {
         None => true,
-        Some(Towards::Image { error, target }) => error <= target,
-        Some(Towards::Pixels { share, target }) => share >= target,
+        Some(ErrorProgress::Image { error, target }) => error <= target,
+        Some(ErrorProgress::Pixels { share, target }) => share >= target,
     };
     let min_total = progress.samples.saturating_add((progress.samples / 99).max(1));
     let total_samples = if is_reached { progress.total_samples } else { progress.total_samples.max(min_total) };
@@ -95,13 +95,13 @@ fn status(progress: Progress, (earlier_samples, earlier_rays): (u64, u64), elaps
     let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / done.max(1) as f64);
     let left = HumanDuration(Duration::from_secs_f64(left.min(MAX_REMAINING)));
     let pass = match pass {
-        Some(PassProgress { finished, spp, rmse: Some(rmse), towards }) => {
-            let error = match towards {
+        Some(PassProgress { finished, spp, rmse: Some(rmse), error_progress }) => {
+            let error = match error_progress {
                 None => format!("RMSE {rmse:.3e}"),
-                Some(Towards::Image { error, target }) => {
+                Some(ErrorProgress::Image { error, target }) => {
                     format!("error {:.2} %, target {} %", 100.0 * error, shown_percent(target))
                 }
-                Some(Towards::Pixels { share, target }) => {
+                Some(ErrorProgress::Pixels { share, target }) => {
                     format!("{:.1} % of the pixels done, target {} %", 100.0 * share, shown_percent(target))
                 }
             };
@@ -127,36 +127,37 @@ mod tests {
 
     #[test]
     fn passes_tell_the_error_so_far() {
-        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.001_234), towards: None });
+        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.001_234), error_progress: None });
         let progress = Progress { samples: 500, total_samples: 1000, rays: 1_000_000, pass };
         let expected = "pass 7, 32 spp, RMSE 1.234e-3, 1.00 Mrays/s, 1 second left";
         assert_eq!(status(progress, (0, 0), Duration::from_secs(1)), expected);
         let first =
-            Progress { pass: Some(PassProgress { finished: 0, spp: 0, rmse: None, towards: None }), ..progress };
+            Progress { pass: Some(PassProgress { finished: 0, spp: 0, rmse: None, error_progress: None }), ..progress };
         assert!(status(first, (0, 0), Duration::from_secs(1)).starts_with("pass 1, 1.00 Mrays/s"));
-        let towards = |towards| {
-            let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), towards: Some(towards) });
+        let shown = |error_progress| {
+            let pass =
+                Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), error_progress: Some(error_progress) });
             status(Progress { pass, ..progress }, (0, 0), Duration::from_secs(1))
         };
-        let image = towards(Towards::Image { error: 0.071, target: 0.05 });
+        let image = shown(ErrorProgress::Image { error: 0.071, target: 0.05 });
         assert!(image.starts_with("pass 7, 32 spp, error 7.10 %, target 5 %, "), "{image}");
-        let pixels = towards(Towards::Pixels { share: 0.931, target: 0.99 });
+        let pixels = shown(ErrorProgress::Pixels { share: 0.931, target: 0.99 });
         assert!(pixels.starts_with("pass 7, 32 spp, 93.1 % of the pixels done, target 99 %, "), "{pixels}");
     }
 
     #[test]
     fn progress_stays_below_100_percent_until_the_target_is_reached() {
-        let percent = |towards| {
-            let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), towards });
+        let percent = |error_progress| {
+            let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), error_progress });
             let shown = capped(Progress { samples: 5000, total_samples: 5000, rays: 1, pass });
             100 * shown.samples / shown.total_samples
         };
-        assert_eq!(percent(Some(Towards::Pixels { share: 0.98, target: 0.99 })), 99);
-        assert_eq!(percent(Some(Towards::Pixels { share: 0.99, target: 0.99 })), 100);
-        assert_eq!(percent(Some(Towards::Image { error: 0.06, target: 0.05 })), 99);
-        assert_eq!((percent(Some(Towards::Image { error: 0.05, target: 0.05 })), percent(None)), (100, 100));
-        let open = Some(Towards::Pixels { share: 0.1, target: 0.99 });
-        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), towards: open });
+        assert_eq!(percent(Some(ErrorProgress::Pixels { share: 0.98, target: 0.99 })), 99);
+        assert_eq!(percent(Some(ErrorProgress::Pixels { share: 0.99, target: 0.99 })), 100);
+        assert_eq!(percent(Some(ErrorProgress::Image { error: 0.06, target: 0.05 })), 99);
+        assert_eq!((percent(Some(ErrorProgress::Image { error: 0.05, target: 0.05 })), percent(None)), (100, 100));
+        let open = Some(ErrorProgress::Pixels { share: 0.1, target: 0.99 });
+        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), error_progress: open });
         let early = Progress { samples: 50, total_samples: 5000, rays: 1, pass };
         assert_eq!(capped(early).total_samples, 5000);
     }

@@ -58,8 +58,8 @@ impl Default for VertexAttributes {
 pub struct SurfaceInteraction {
     /// The hit point, re-projected on the surface.
     pub point: DVec3,
-    /// Bound on the distance of `point` from the surface by rounding, and on its apparent distance in the shape's own
-    /// test, per axis. Excludes errors within the surface.
+    /// Error bound of `point` per axis: rounding of the point itself, and of the intersection test that a spawned ray repeats on
+    /// this shape. Errors within the surface do not matter and are left out.
     pub point_error: DVec3,
     /// Origin of shadow rays: `point`, or for interpolated normals the point lifted to their smooth surface. This
     /// avoids shadow bands on flat triangles (Hanika 2021).
@@ -129,8 +129,8 @@ impl SurfaceInteraction {
         self.shadow_rays(direction.dot(self.shading_normal) < 0.0).towards(direction, time)
     }
 
-    /// Origin of shadow rays to many lights. Most of them are on the side of the shading normal, or all on the other
-    /// side if `is_seen_from_behind`.
+    /// Shadow rays to many lights, with the origin on the viewer's side computed once: the side of the shading normal, or the
+    /// other if `is_seen_from_behind`. A ray to the far side computes its own origin.
     #[inline(always)]
     pub fn shadow_rays(&self, is_seen_from_behind: bool) -> ShadowRays<'_> {
         let is_behind = is_seen_from_behind;

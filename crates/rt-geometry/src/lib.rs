@@ -1,4 +1,4 @@
-//! # rt-geometry: chapter 2, ray-object intersection
+//! # rt-geometry: ray-object intersection
 //!
 //! ```text
 //!                .  -  -  .             Ray-sphere intersection in three steps, the cheapest first:
@@ -79,7 +79,7 @@ mod torus;
 mod transformed_shape;
 mod triangle;
 mod triangulator;
-mod watertight_ray;
+mod watertight_triangle;
 
 pub use capped_quadric::CappedQuadric;
 pub use closest_point::ClosestPoint;
@@ -111,4 +111,4 @@ pub use torus::Torus;
 pub use transformed_shape::TransformedShape;
 pub use triangle::{Triangle, interpolate, is_on_triangle, triangle_point};
 pub use triangulator::Face;
-pub use watertight_ray::WatertightRay;
+pub use watertight_triangle::WatertightRay;

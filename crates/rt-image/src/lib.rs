@@ -33,6 +33,8 @@
 
 mod develop;
 mod dither;
+#[cfg(feature = "files")]
+mod exr_layers;
 mod image;
 #[cfg(feature = "files")]
 mod image_decoder;
@@ -40,8 +42,6 @@ mod image_decoder;
 mod image_file;
 #[cfg(feature = "files")]
 mod jpeg_decoder;
-#[cfg(feature = "files")]
-mod layers;
 pub mod metrics;
 #[cfg(feature = "files")]
 mod pfm;
@@ -55,13 +55,13 @@ mod write_image;
 
 pub use develop::{Bitmap8, Development, DevelopmentError};
 pub use dither::Dither;
+#[cfg(feature = "files")]
+pub use exr_layers::{Layer, write_layers};
 pub use image::Image;
 #[cfg(feature = "files")]
 pub use image_decoder::{ImageSource, decode_pixels, image_decoder};
 #[cfg(feature = "files")]
 pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
-#[cfg(feature = "files")]
-pub use layers::{Layer, write_layers};
 #[cfg(feature = "files")]
 pub use read_image::{
     ImageHeader, decode_image, format_of_bytes, header_of_bytes, image_format, image_header, read_image,

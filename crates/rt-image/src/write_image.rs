@@ -1,4 +1,4 @@
-//! Films to image files.
+//! Images to files.
 
 use std::io::{Cursor, Write};
 
@@ -14,28 +14,28 @@ use crate::{Development, Image, ImageFileError, ImageFormat, pfm};
 /// Quality of JPEG files, out of 100: no visible blocks.
 const JPEG_QUALITY: u8 = 95;
 
-/// Writes a film in the given format: developed for PNG and JPEG, linear radiance for EXR, HDR and PFM.
+/// Writes an image in the given format: developed for PNG and JPEG, linear radiance for EXR, HDR and PFM.
 ///
-/// The file is made in memory and then handed to the writer, which is not touched if the format cannot hold the film.
+/// The file is made in memory and then handed to the writer, which is not touched if the format cannot hold the image.
 /// If the writer fails, the output is incomplete: to keep an older file, write to another one and rename that.
 ///
 /// # Errors
-/// [`ImageFileError::Write`] if the writer fails, [`ImageFileError::Encode`] if the format cannot hold the film.
+/// [`ImageFileError::Write`] if the writer fails, [`ImageFileError::Encode`] if the format cannot hold the image.
 pub fn write_image(
-    film: &Image,
+    image: &Image,
     development: &Development,
     format: ImageFormat,
     mut writer: impl Write,
 ) -> Result<(), ImageFileError> {
     // The encoders would hide the kind of a writer's error (a full disk) in their own.
-    let bytes = encode(film, development, format)
+    let bytes = encode(image, development, format)
         .map_err(|error| ImageFileError::Encode { format, reason: error.to_string() })?;
     writer.write_all(&bytes).and_then(|()| writer.flush()).map_err(ImageFileError::Write)
 }
 
 /// The bytes of the file.
-fn encode(film: &Image, development: &Development, format: ImageFormat) -> Result<Vec<u8>, ImageError> {
-    let (width, height) = (film.width(), film.height());
+fn encode(image: &Image, development: &Development, format: ImageFormat) -> Result<Vec<u8>, ImageError> {
+    let (width, height) = (image.width(), image.height());
     if width == 0 || height == 0 {
         let kind = ParameterErrorKind::Generic("it has no pixels".to_owned());
         return Err(ImageError::Parameter(ParameterError::from_kind(kind)));
@@ -43,39 +43,39 @@ fn encode(film: &Image, development: &Development, format: ImageFormat) -> Resul
     let mut bytes = Vec::new();
     match format {
         ImageFormat::Png => {
-            let bitmap = development.develop(film);
+            let bitmap = development.develop(image);
             let layout = if bitmap.channels == 4 { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
             PngEncoder::new(&mut bytes).write_image(&bitmap.bytes, width, height, layout)?;
         }
         ImageFormat::Jpeg => {
-            let bitmap = development.develop_over_black(film);
+            let bitmap = development.develop_over_black(image);
             let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
             encoder.write_image(&bitmap.bytes, width, height, ExtendedColorType::Rgb8)?;
         }
         ImageFormat::Exr => {
-            let written = write_exr(film, &mut bytes);
+            let written = write_exr(image, &mut bytes);
             let format = image::ImageFormat::OpenExr.into();
             written.map_err(|error| ImageError::Encoding(EncodingError::new(format, error)))?;
         }
         ImageFormat::Hdr => {
-            let pixels: Vec<_> = film.pixels().iter().map(|&value| image::Rgb(representable_in_rgbe(value))).collect();
+            let pixels: Vec<_> = image.pixels().iter().map(|&value| image::Rgb(representable_in_rgbe(value))).collect();
             HdrEncoder::new(&mut bytes).encode(&pixels, width as usize, height as usize)?;
         }
-        ImageFormat::Pfm => pfm::write(film, &mut bytes)?,
+        ImageFormat::Pfm => pfm::write(image, &mut bytes)?,
     }
     Ok(bytes)
 }
 
-/// Writes radiance and, if the film has it, coverage.
+/// Writes radiance and, if the image has it, coverage.
 ///
 /// The encoder of the `image` crate leaves the order of blocks open, and then it depends on threads.
-fn write_exr(film: &Image, bytes: &mut Vec<u8>) -> exr::error::UnitResult {
+fn write_exr(image: &Image, bytes: &mut Vec<u8>) -> exr::error::UnitResult {
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
-    let size = Vec2(film.width() as usize, film.height() as usize);
+    let size = Vec2(image.width() as usize, image.height() as usize);
     let at = |Vec2(x, y): Vec2<usize>| y * size.0 + x;
-    let rgb = |place| film.pixels()[at(place)].into();
+    let rgb = |place| image.pixels()[at(place)].into();
     let to = Cursor::new(bytes);
-    if let Some(alpha) = film.alpha() {
+    if let Some(alpha) = image.alpha() {
         let rgba = |place| {
             let (r, g, b) = rgb(place);
             (r, g, b, alpha[at(place)])
@@ -99,72 +99,72 @@ mod tests {
     use crate::read_image;
     use std::{io, path::PathBuf};
 
-    fn written(film: &Image, development: &Development, format: ImageFormat) -> Vec<u8> {
+    fn written(image: &Image, development: &Development, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Vec::new();
-        write_image(film, development, format, &mut bytes).expect("written");
+        write_image(image, development, format, &mut bytes).expect("written");
         bytes
     }
 
-    /// Writes the film to a file of a new folder, to be read back.
-    fn saved(film: &Image, format: ImageFormat) -> (tempfile::TempDir, PathBuf) {
+    /// Writes the image to a file of a new folder, to be read back.
+    fn saved(image: &Image, format: ImageFormat) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("image");
-        std::fs::write(&path, written(film, &Development::default(), format)).expect("a file");
+        std::fs::write(&path, written(image, &Development::default(), format)).expect("a file");
         (folder, path)
     }
 
     /// Values over the whole range of `f32`, also those that no image should hold.
-    fn film(with_alpha: bool) -> Image {
-        let mut film = Image::new(9, 5, with_alpha);
-        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+    fn varied_image(with_alpha: bool) -> Image {
+        let mut image = Image::new(9, 5, with_alpha);
+        for (index, pixel) in image.pixels_mut().iter_mut().enumerate() {
             let value = index as f32;
             *pixel = [value / 44.0, 1e30 / (1.0 + value), -value * 1e-40];
         }
-        film.pixels_mut()[7] = [f32::INFINITY, -0.0, f32::MAX];
-        if let Some(alpha) = film.alpha_mut() {
+        image.pixels_mut()[7] = [f32::INFINITY, -0.0, f32::MAX];
+        if let Some(alpha) = image.alpha_mut() {
             for (index, alpha) in alpha.iter_mut().enumerate() {
                 *alpha = index as f32 / 44.0;
             }
         }
-        film
+        image
     }
 
     #[test]
     fn exr_keeps_every_bit() {
         for with_alpha in [false, true] {
-            let film = film(with_alpha);
-            let (_folder, path) = saved(&film, ImageFormat::Exr);
-            assert_eq!(read_image(&path).expect("readable").checksum(), film.checksum());
+            let image = varied_image(with_alpha);
+            let (_folder, path) = saved(&image, ImageFormat::Exr);
+            assert_eq!(read_image(&path).expect("readable").checksum(), image.checksum());
         }
     }
 
     /// The encoder wrote blocks as threads finished them.
     #[test]
     fn exr_files_of_many_blocks_are_equal() {
-        let mut film = Image::new(700, 300, true);
+        let mut image = Image::new(700, 300, true);
         // Blocks of noise take longer than black ones.
-        for (i, pixel) in film.pixels_mut().iter_mut().enumerate().filter(|(i, _)| i / 64 % 2 == 0) {
+        for (i, pixel) in image.pixels_mut().iter_mut().enumerate().filter(|(i, _)| i / 64 % 2 == 0) {
             *pixel = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35].map(|factor: u32| factor.wrapping_mul(i as u32) as f32);
         }
-        let write = || written(&film, &Development::default(), ImageFormat::Exr);
+        let write = || written(&image, &Development::default(), ImageFormat::Exr);
         let first = write();
         assert!((0..20).all(|_| write() == first));
     }
 
     #[test]
     fn pfm_keeps_every_bit_of_radiance() {
-        let film = film(false);
-        let (_folder, path) = saved(&film, ImageFormat::Pfm);
-        assert_eq!(read_image(&path).expect("readable").checksum(), film.checksum());
+        let image = varied_image(false);
+        let (_folder, path) = saved(&image, ImageFormat::Pfm);
+        assert_eq!(read_image(&path).expect("readable").checksum(), image.checksum());
     }
 
     #[test]
     fn png_holds_the_developed_bytes() {
         let development = Development { exposure: 1.5, ..Development::default() };
         for with_alpha in [false, true] {
-            let film = film(with_alpha);
-            let decoded = image::load_from_memory(&written(&film, &development, ImageFormat::Png)).expect("a PNG");
-            let developed = development.develop(&film);
+            let image = varied_image(with_alpha);
+            let decoded = image::load_from_memory(&written(&image, &development, ImageFormat::Png)).expect("a PNG");
+            let developed = development.develop(&image);
             assert_eq!(decoded.as_bytes(), developed.bytes);
             assert_eq!(decoded.color().channel_count(), developed.channels);
         }
@@ -172,13 +172,13 @@ mod tests {
 
     #[test]
     fn jpeg_is_close_to_the_developed_bytes() {
-        let mut film = Image::new(16, 16, true);
-        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+        let mut image = Image::new(16, 16, true);
+        for (index, pixel) in image.pixels_mut().iter_mut().enumerate() {
             *pixel = [index as f32 / 255.0, 0.25, 0.5];
         }
         let development = Development::default();
-        let decoded = image::load_from_memory(&written(&film, &development, ImageFormat::Jpeg)).expect("a JPEG");
-        let developed = development.develop_over_black(&film).bytes;
+        let decoded = image::load_from_memory(&written(&image, &development, ImageFormat::Jpeg)).expect("a JPEG");
+        let developed = development.develop_over_black(&image).bytes;
         for (a, b) in decoded.as_bytes().iter().zip(developed) {
             assert!(a.abs_diff(b) < 12, "{a} {b}");
         }
@@ -186,13 +186,13 @@ mod tests {
 
     #[test]
     fn hdr_keeps_seven_bits() {
-        let mut film = Image::new(40, 3, false);
-        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+        let mut image = Image::new(40, 3, false);
+        for (index, pixel) in image.pixels_mut().iter_mut().enumerate() {
             *pixel = [1e-3 * index as f32, 1.0, index as f32 * 1e3];
         }
-        let (_folder, path) = saved(&film, ImageFormat::Hdr);
+        let (_folder, path) = saved(&image, ImageFormat::Hdr);
         let read = read_image(&path).expect("readable");
-        for (a, b) in film.pixels().iter().zip(read.pixels()) {
+        for (a, b) in image.pixels().iter().zip(read.pixels()) {
             let largest = a.iter().fold(0f32, |largest, &value| largest.max(value));
             assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= largest / 128.0), "{a:?} {b:?}");
         }
@@ -200,15 +200,15 @@ mod tests {
 
     #[test]
     fn hdr_of_tiny_or_huge_radiance_does_not_wrap_around() {
-        let mut film = Image::new(5, 1, false);
-        film.pixels_mut().copy_from_slice(&[
+        let mut image = Image::new(5, 1, false);
+        image.pixels_mut().copy_from_slice(&[
             [1e-40, 0.0, 0.0],
             [f32::INFINITY, 0.0, 0.0],
             [f32::NAN, 1.0, -3.0],
             [f32::MAX, 1.0, 0.0],
             [f32::MIN_POSITIVE, 0.0, 0.0],
         ]);
-        let (_folder, path) = saved(&film, ImageFormat::Hdr);
+        let (_folder, path) = saved(&image, ImageFormat::Hdr);
         let read = read_image(&path).expect("readable");
         let red = |index: usize| read.pixels()[index][0];
         assert_eq!(read.pixels()[0], [0.0; 3]);
@@ -239,7 +239,7 @@ mod tests {
     fn a_full_disk_is_a_write_error_in_every_format() {
         for format in ImageFormat::ALL {
             for free in [0, 1, 100] {
-                match write_image(&film(false), &Development::default(), format, FullDisk(free)) {
+                match write_image(&varied_image(false), &Development::default(), format, FullDisk(free)) {
                     Err(ImageFileError::Write(error)) => assert_eq!(error.kind(), io::ErrorKind::StorageFull),
                     other => panic!("{format:?} with {free} bytes free: {other:?}"),
                 }

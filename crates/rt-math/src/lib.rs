@@ -1,4 +1,4 @@
-//! # rt-math: chapter 5, transformations
+//! # rt-math: transformations
 //!
 //! Types and arithmetic of all other crates:
 //!

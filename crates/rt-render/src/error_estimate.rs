@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     ContentError,
-    content::{check_count, check_number},
+    content_checks::{check_count, check_number},
     film::pixel_estimate::PixelEstimate,
 };
 

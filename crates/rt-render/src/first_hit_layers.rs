@@ -9,7 +9,7 @@ use rt_geometry::InteractionFlags;
 
 use crate::{
     Crop,
-    tiles::{Tile, tile_count, tile_number},
+    tile::{Tile, tile_count, tile_number},
 };
 
 /// Maximum samples of a pixel: more change an average over a pixel by less than most images show.

@@ -9,9 +9,9 @@ use crate::{
     parallel_for::{parallel_for, thread_count},
     passes::PassSpec,
     primary_rays::PrimaryRayBatch,
+    tile::tiles,
     tile_job::TileJob,
     tile_layers::{LayerContext, TileLayers},
-    tiles::tiles,
     work_probe::WorkProbe,
 };
 

@@ -1,4 +1,4 @@
-//! # rt-render: chapter 1, the algorithm
+//! # rt-render: the algorithm
 //!
 //! ```text
 //!   Scene ──compile──> RenderPlan ──render──> Image
@@ -54,7 +54,7 @@ mod camera_medium;
 mod checkpoint;
 mod clamping;
 mod compiled_scene;
-mod content;
+mod content_checks;
 mod cost_view;
 mod crop;
 mod error;
@@ -85,9 +85,9 @@ mod plan_options;
 mod primary_rays;
 mod primitive_form;
 mod progressive;
-mod refine;
 mod render;
 mod render_space;
+mod render_tile;
 mod rendering;
 mod scene_geometry;
 mod shard;
@@ -95,18 +95,18 @@ mod shard_spec;
 mod splats;
 mod statistics;
 mod stop;
+mod target_error;
 mod tile;
 mod tile_job;
 mod tile_layers;
 mod tile_scheduler;
-mod tiles;
 mod tracer;
 mod work_probe;
 mod world;
 
 pub use checkpoint::{Checkpoint, UncheckedCheckpoint};
 pub use clamping::Clamping;
-pub use content::ContentError;
+pub use content_checks::ContentError;
 pub use crop::Crop;
 pub use error::RenderError;
 pub use error_estimate::ErrorEstimate;
@@ -119,7 +119,7 @@ pub use pick::PickResult;
 pub use plan::RenderPlan;
 pub use plan_options::PlanOptions;
 pub use render_space::RenderSpace;
-pub use rendering::{PassProgress, Progress, Rendering, RunOptions, SampleRange, Towards};
+pub use rendering::{ErrorProgress, PassProgress, Progress, Rendering, RunOptions, SampleRange};
 pub use rt_accel::wide::{Quality, SimdLevel};
 pub use rt_geometry::{Counters, RayKind, RayStats};
 pub use rt_shading::ShadingCounts;

@@ -32,7 +32,7 @@ use shaft::{LightShaft, Occlusion};
 
 use crate::{
     Crop, RenderPlan, camera_medium::CameraMedium, frustum_cull::FrustumRegion, instance::Instances, passes::PixelMask,
-    primitive_form::PrimitiveForm, tiles::Tile,
+    primitive_form::PrimitiveForm, tile::Tile,
 };
 
 /// Side of the largest blocks, in pixels.

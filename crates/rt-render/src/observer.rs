@@ -8,7 +8,7 @@ use crate::{
     film::film_tile::{FilmLayout, FilmTile},
     pass_state::PassState,
     shard::Shard,
-    tiles::Tile,
+    tile::Tile,
 };
 
 /// Observer of a render. Closures that take a [`Progress`] are observers as well.

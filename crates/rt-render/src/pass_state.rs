@@ -1,23 +1,23 @@
-//! Film of a render pass by pass, with all state that it resumes from.
+//! State of a progressive render: its film, and its position in the sequence of passes.
 
 use rt_image::Image;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     ContentError, Crop, ShardSpec, Statistics, StopRule, Stopped, TargetError,
-    content::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_shard_spec},
+    content_checks::{MAX_PASSES, check_count, check_crop, check_length, check_lost, check_number, check_shard_spec},
     error_estimate::ErrorSums,
     film::{
         film_tile::{FilmLayout, FilmTile, rounded, rounded_coverage},
         pixel_estimate::PixelEstimate,
     },
-    tiles::{Tile, tile_count, tiles},
+    tile::{Tile, tile_count, tiles},
 };
 
 /// First pass index of the second stage of adaptive sampling, in seeds.
 const SECOND_STAGE: u32 = 1 << 31;
 
-/// Film of a render pass by pass: all pixel accumulators, and the position in the sequence of passes.
+/// State of a progressive render, from which it can resume: all pixel estimates, and the position in the sequence of passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PassState {
     pub(crate) layout: FilmLayout,
@@ -54,7 +54,7 @@ pub(crate) struct PassCursor {
     /// Samples of a pixel that took all previous passes.
     pub(crate) taken: u32,
     /// Flags of the tiles that have taken the current pass; empty before the first one.
-    pub(crate) begun: Vec<bool>,
+    pub(crate) done_tiles: Vec<bool>,
     pub(crate) stage: RefineStage,
 }
 
@@ -83,22 +83,22 @@ impl PassState {
     /// Checks all numbers of a decoded state.
     pub(crate) fn validate(&self) -> Result<(), ContentError> {
         let Self { layout, spec, mode: _, pixels, statistics, cursor, seconds_per_sample, error, lost } = self;
-        let PassCursor { pass, taken, begun, stage } = cursor;
+        let PassCursor { pass, taken, done_tiles, stage } = cursor;
         let crop = layout.crop;
         check_crop(crop)?;
         check_shard_spec(*spec)?;
         let area = crop.width as usize * crop.height as usize;
         let of = || "the image".to_owned();
         check_length("pixels", of, pixels.len(), area)?;
-        if !begun.is_empty() {
-            check_length("tiles of the pass", of, begun.len(), tile_count(crop))?;
+        if !done_tiles.is_empty() {
+            check_length("tiles of the pass", of, done_tiles.len(), tile_count(crop))?;
         }
         stage.validate(area)?;
         check_count("the pass", (*pass).into(), MAX_PASSES.into())?;
         // A pixel has at most the passes so far, and in a tile that has taken the current pass one more.
         for (number, tile) in tiles(crop).into_iter().enumerate() {
-            let has_begun = begun.get(number).copied().unwrap_or(false);
-            let (passes, samples) = if has_begun { (pass + 1, u32::MAX) } else { (*pass, *taken) };
+            let is_done = done_tiles.get(number).copied().unwrap_or(false);
+            let (passes, samples) = if is_done { (pass + 1, u32::MAX) } else { (*pass, *taken) };
             let indices = tile.pixels().map(|at| crop.pixel_index(at));
             for (index, pixel) in indices.filter_map(|index| Some((index, pixels.get(index)?))) {
                 pixel.validate(index, passes, samples)?;

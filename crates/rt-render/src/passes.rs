@@ -13,7 +13,7 @@
 use rt_camera::SamplerKind;
 use rt_math::random::hash;
 
-use crate::tiles::Tile;
+use crate::tile::Tile;
 
 /// Default number of passes for a fixed number of samples.
 ///

@@ -12,8 +12,8 @@ use rt_camera::SamplerKind;
 use rt_math::Rgb;
 
 use crate::{
-    Criterion, Crop, Observer, PassProgress, Progress, RenderPlan, RenderSnapshot, Shard, ShardSpec, Statistics,
-    StopRule, Stopped, TargetError, Towards,
+    Criterion, Crop, ErrorProgress, Observer, PassProgress, Progress, RenderPlan, RenderSnapshot, Shard, ShardSpec,
+    Statistics, StopRule, Stopped, TargetError,
     error_estimate::ErrorSums,
     film::{film_tile::FilmLayout, pixel_estimate::PixelEstimate},
     forecast::Forecast,
@@ -21,9 +21,9 @@ use crate::{
     pass_state::{PassCursor, PassState},
     passes::{PassSpec, PixelMask},
     splats::SplatImage,
+    tile::Tile,
     tile_job::TileResult,
     tile_scheduler::TileScheduler,
-    tiles::Tile,
 };
 
 /// A render in progress.
@@ -83,7 +83,7 @@ impl Progressive<'_> {
     /// always finished.
     pub(crate) fn is_in_time(&self, spp: u32, pixels: usize, limit: Option<Duration>) -> bool {
         let next = self.state.seconds_per_sample * f64::from(spp) * pixels as f64;
-        let is_due = self.state.cursor.pass == 0 || !self.state.cursor.begun.is_empty();
+        let is_due = self.state.cursor.pass == 0 || !self.state.cursor.done_tiles.is_empty();
         is_due || limit.is_none_or(|limit| self.elapsed().as_secs_f64() + next <= limit.as_secs_f64())
     }
 
@@ -93,22 +93,22 @@ impl Progressive<'_> {
 
     /// Renders the next pass over the pixels of the mask, or the remaining tiles of a begun pass.
     pub(crate) fn take_pass(&mut self, spp: u32, mask: Option<&PixelMask>) -> ControlFlow<()> {
-        let begun = Instant::now();
+        let pass_started = Instant::now();
         let pass = self.state.cursor.stage.seed_of(self.state.cursor.pass);
         let light = self.trace_light(pass, spp)?;
         let pass_spec = PassSpec { first: pass, count: 1, spp, simple_spp: None, pixels: mask };
-        let towards = self.towards();
+        let error_progress = self.error_progress();
         let Self { scheduler, started, spent, tiles, state, observer, rule, forecast, .. } = self;
-        state.cursor.begun.resize(scheduler.tiles().len(), false);
-        let left: Vec<_> = tiles.iter().copied().filter(|&number| !state.cursor.begun[number]).collect();
+        state.cursor.done_tiles.resize(scheduler.tiles().len(), false);
+        let left: Vec<_> = tiles.iter().copied().filter(|&number| !state.cursor.done_tiles[number]).collect();
         let samples_before = state.statistics.samples;
         let max_spp = state.pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
         let pass_progress =
-            PassProgress { finished: state.statistics.passes, spp: max_spp, rmse: state.error.rmse(), towards };
+            PassProgress { finished: state.statistics.passes, spp: max_spp, rmse: state.error.rmse(), error_progress };
         let pixels: u64 = tiles.iter().map(|&number| scheduler.tiles()[number].area()).sum();
         let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
             accumulate(state.layout, &mut state.pixels, &tile, light.as_ref(), &pass_spec);
-            state.cursor.begun[number] = true;
+            state.cursor.done_tiles[number] = true;
             let elapsed = *spent + started.elapsed();
             let statistics = &mut state.statistics;
             statistics.add(&tile);
@@ -132,11 +132,11 @@ impl Progressive<'_> {
         state.error = error_of(&state.pixels);
         let samples = state.statistics.samples - samples_before;
         if samples > 0 {
-            state.seconds_per_sample = begun.elapsed().as_secs_f64() / samples as f64;
+            state.seconds_per_sample = pass_started.elapsed().as_secs_f64() / samples as f64;
         }
         state.cursor.pass += 1;
         state.cursor.taken = state.cursor.taken.saturating_add(spp);
-        state.cursor.begun.clear();
+        state.cursor.done_tiles.clear();
         ControlFlow::Continue(())
     }
 
@@ -146,11 +146,11 @@ impl Progressive<'_> {
     }
 
     /// Current and target error, if known.
-    fn towards(&self) -> Option<Towards> {
+    fn error_progress(&self) -> Option<ErrorProgress> {
         let TargetError { relative, criterion, .. } = self.rule.target?;
         match criterion {
-            Criterion::Image => self.relative_rmse().map(|error| Towards::Image { error, target: relative }),
-            Criterion::Pixels { share: target } => self.converged.map(|share| Towards::Pixels { share, target }),
+            Criterion::Image => self.relative_rmse().map(|error| ErrorProgress::Image { error, target: relative }),
+            Criterion::Pixels { share: target } => self.converged.map(|share| ErrorProgress::Pixels { share, target }),
         }
     }
 
@@ -171,7 +171,7 @@ impl Progressive<'_> {
         if !outcome.lost.is_empty() {
             state.lost = (0..scheduler.tiles().len() as u32).collect();
         }
-        if state.cursor.begun.is_empty() {
+        if state.cursor.done_tiles.is_empty() {
             state.statistics = statistics;
         }
         ControlFlow::Continue(Some(image))

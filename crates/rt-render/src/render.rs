@@ -15,12 +15,12 @@ use crate::{
     observer::{CheckpointRef, FilmState, Observer, RenderSnapshot},
     pass_state::PassState,
     progressive::Progressive,
+    render_tile::ThreadState,
     shard::Shard,
     splats::SplatImage,
-    tile::ThreadState,
+    tile::Tile,
     tile_job::TileJob,
     tile_scheduler::TileScheduler,
-    tiles::Tile,
 };
 
 impl RenderPlan<'_> {

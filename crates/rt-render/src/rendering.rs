@@ -47,12 +47,12 @@ pub struct PassProgress {
     /// Estimated root mean square error of the current image, from two passes on.
     pub rmse: Option<f64>,
     /// Estimated and target error, if both are known.
-    pub towards: Option<Towards>,
+    pub error_progress: Option<ErrorProgress>,
 }
 
 /// Estimated and target error of a render with a target error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Towards {
+pub enum ErrorProgress {
     /// Relative root mean square error of the image.
     Image {
         /// Current estimate.

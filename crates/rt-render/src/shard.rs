@@ -13,11 +13,11 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use crate::{
     ContentError, Crop, Rendering, SampleRange, ShardSpec, Statistics, Stopped,
-    content::{check_count, check_crop, check_lost, check_shard_spec},
+    content_checks::{check_count, check_crop, check_lost, check_shard_spec},
     error_estimate::ErrorSums,
     film::film_tile::{FilmLayout, FilmTile},
     first_hit_layers::FilmLayers,
-    tiles::{Tile, tile, tile_count, tile_number},
+    tile::{Tile, tile, tile_count, tile_number},
 };
 
 /// Film of a shard of an image, with its statistics. Shards are written to files and merged to the whole image.

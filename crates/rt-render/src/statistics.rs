@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     ContentError,
-    content::{MAX_COUNT, MAX_PASSES, MAX_THREADS, check_count, check_number},
+    content_checks::{MAX_COUNT, MAX_PASSES, MAX_THREADS, check_count, check_number},
     light_pass::LightChunk,
     tile_job::TileResult,
 };

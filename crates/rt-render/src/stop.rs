@@ -1,4 +1,4 @@
-//! Stop rules of progressive renders.
+//! Stop rules of progressive renders, and the sizes of their passes. `target_error.rs` tests the error after each pass.
 
 use std::time::Duration;
 

@@ -1,213 +1,76 @@
-//! Rendering of a tile.
+//! Tiles of the image: the units of work of a thread.
 
-use rt_accel::{
-    AnyAccelerator,
-    wide::{SimdLevel, SmallSet},
-};
-use rt_camera::SampleStream;
-use rt_geometry::Hit;
-use rt_math::Ray;
-use rt_scene_io::Integrator;
-use rt_shading::{
-    Background, InteriorList, Lighting, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
-    Whitted,
-};
+use crate::Crop;
 
-use crate::{
-    Crop, RenderPlan,
-    camera_medium::CameraMedium,
-    cost_view::cost,
-    film::{pixel_accumulator::PixelAccumulator, pixel_estimate::PixelEstimate},
-    frustum_cull::{self, PrimaryTarget},
-    instance::Instances,
-    integrator::IntegratorState,
-    primary_rays::PrimaryRayBatch,
-    tile_job::{TileJob, TileResult},
-    tile_layers::TileLayers,
-    tiles::Tile,
-    tracer::SceneTracer,
-    work_probe::WorkProbe,
-};
+/// Side of a tile in pixels.
+const SIDE: u32 = 16;
 
-/// Buffers that a thread reuses from tile to tile.
-pub(crate) struct ThreadState {
-    whitted: Whitted,
-    paths: PathTracer<SampleStream>,
-    occlusion: OcclusionWave,
-    camera: PrimaryRayBatch,
-    hits: Vec<Option<Hit>>,
+/// A rectangle of pixels, in coordinates of the whole image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tile {
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
 }
 
-impl ThreadState {
-    pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
-        let settings = &plan.scene.source.settings;
-        let mut paths = PathTracer::new(plan.integrator.path_settings(), plan.scene.features);
-        let mut whitted = Whitted::new(settings.depth, settings.min_contribution, plan.scene.features);
-        let in_lanes = plan.scene.accel.simd != Some(SimdLevel::Portable);
-        paths.set_lanes(in_lanes);
-        if in_lanes {
-            whitted.shade_in_lanes(&plan.scene.appearance);
-        }
-        Self {
-            whitted,
-            paths,
-            occlusion: OcclusionWave::default(),
-            camera: PrimaryRayBatch::default(),
-            hits: Vec::new(),
-        }
+impl Tile {
+    /// Number of its pixels.
+    pub(crate) fn area(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    /// Pixels of the tile, row by row.
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + Clone + use<> {
+        let Self { x, y, width, height } = *self;
+        (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))
     }
 }
 
-impl RenderPlan<'_> {
-    /// Renders a tile; counts the work of accelerators if `count` is true.
-    pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
-        let probe = WorkProbe::new(count || self.integrator_kind() == Integrator::Cost);
-        let (world, structure) = (&self.scene.world.instances(), &self.scene.world.top.structure);
-        let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
-        let job = &TileJob { simple: simple.as_ref(), ..*job };
-        let few = self.visible_in_tile(job.tile, world, structure);
-        let primary_target = match (&few, &self.frame.visible) {
-            (Some(few), _) => PrimaryTarget::Tile(few),
-            (None, Some(part)) => PrimaryTarget::Culled(part),
-            (None, None) => PrimaryTarget::All(structure),
-        };
-        let samples = || job.pass_spec.pixels_of(job.tile).map(|pixel| job.samples_of(pixel)).collect();
-        let layers = (!job.layers.is_empty()).then(|| TileLayers::new(self.layer_context(), job.layers, samples()));
-        if primary_target.is_empty()
-            && let Some(finished) = self.empty_tile(job)
-        {
-            return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
-        }
-        let ThreadState { whitted, paths, occlusion, camera, hits } = worker;
-        let lighting =
-            Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
-        let materials = &self.scene.appearance.materials;
-        let mut tracer = SceneTracer::new(world, structure, primary_target, probe).with_buffer(core::mem::take(hits));
-        tracer.layers = layers;
-        let mut result = match (&self.integrator, &self.frame.medium) {
-            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
-                whitted.set_surroundings(interior);
-                self.sample_tile(job, camera, |batch, seen| {
-                    whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
-                })
-            }
-            (IntegratorState::Path(settings), medium) if self.integrator_kind() == Integrator::PathReference => {
-                let mut reference = ReferencePathTracer {
-                    settings: *settings,
-                    lighting,
-                    surroundings: InteriorList::default(),
-                    counts: ShadingCounts::default(),
-                };
-                let mut result = self.sample_tile(job, camera, |batch, seen| {
-                    for (((ray, _), sampler), seen) in batch.rays.iter().zip(batch.samplers).zip(seen) {
-                        medium.find(&mut tracer, materials, ray, &mut reference.surroundings);
-                        *seen = reference.li(&mut tracer, ray, &mut sampler.clone());
-                    }
-                });
-                result.shading = reference.counts;
-                result
-            }
-            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
-                paths.set_surroundings(core::slice::from_ref(interior));
-                self.sample_tile(job, camera, |batch, seen| {
-                    paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
-                })
-            }
-            (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
-                let mut surroundings = Vec::new();
-                self.sample_tile(job, camera, |batch, seen| {
-                    surroundings.resize_with(batch.rays.len(), InteriorList::default);
-                    for ((ray, _), interior) in batch.rays.iter().zip(&mut surroundings) {
-                        medium.find(&mut tracer, materials, ray, interior);
-                    }
-                    paths.set_surroundings(&surroundings);
-                    paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
-                })
-            }
-            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
-                occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
-            }),
-            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => {
-                let mut interior = InteriorList::default();
-                self.sample_per_ray(job, camera, |ray| {
-                    medium.find(&mut tracer, materials, ray, &mut interior);
-                    whitted.set_surroundings(&interior);
-                    whitted.radiance(&mut tracer, &self.scene.appearance, ray)
-                })
-            }
-            (IntegratorState::Aov(view), _) => {
-                self.sample_tile(job, camera, |batch, seen| view.radiance_of(&mut tracer, batch.rays, seen))
-            }
-            (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
-        };
-        result.counters = tracer.probe.counters(tracer.rays);
-        result.primary_rays_skipped = tracer.skipped;
-        result.layers = tracer.layers.take().map(|layers| layers.channels()).unwrap_or_default();
-        result.shading += whitted.take_counts();
-        result.shading += paths.take_counts();
-        *hits = tracer.into_buffer();
-        result
+impl From<Tile> for Crop {
+    fn from(Tile { x, y, width, height }: Tile) -> Self {
+        Self { x, y, width, height }
     }
+}
 
-    /// Renders a tile ray by ray.
-    fn sample_per_ray(
-        &self,
-        job: &TileJob<'_>,
-        camera: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(&Ray) -> RadianceSample,
-    ) -> TileResult {
-        self.sample_tile(job, camera, |batch, seen| {
-            for ((ray, _), seen) in batch.rays.iter().zip(seen) {
-                *seen = radiance(ray);
+/// Tiles of a crop, row by row.
+pub(crate) fn tiles(crop: Crop) -> Vec<Tile> {
+    (0..tile_count(crop)).map(|number| tile(crop, number)).collect()
+}
+
+/// Tile of a crop by its number, which must be less than [`tile_count`].
+pub(crate) fn tile(crop: Crop, number: usize) -> Tile {
+    let columns = crop.width.div_ceil(SIDE) as usize;
+    let [left, top] = [number % columns, number / columns].map(|steps| steps as u32 * SIDE);
+    Tile { x: crop.x + left, y: crop.y + top, width: SIDE.min(crop.width - left), height: SIDE.min(crop.height - top) }
+}
+
+/// Number of tiles of a crop.
+pub(crate) const fn tile_count(crop: Crop) -> usize {
+    crop.width.div_ceil(SIDE) as usize * crop.height.div_ceil(SIDE) as usize
+}
+
+/// Index of a tile of a crop.
+pub(crate) const fn tile_number(crop: Crop, tile: Tile) -> usize {
+    ((tile.y - crop.y) / SIDE) as usize * crop.width.div_ceil(SIDE) as usize + ((tile.x - crop.x) / SIDE) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_each_pixel_once() {
+        for (x, y, width, height) in [(0, 0, 1, 1), (3, 5, 16, 17), (0, 0, 100, 33), (7, 0, 1, 65), (0, 2, 64, 1)] {
+            let mut seen = vec![0; (width * height) as usize];
+            let crop = Crop { x, y, width, height };
+            let all = tiles(crop);
+            for [column, row] in all.iter().flat_map(Tile::pixels) {
+                seen[((row - y) * width + (column - x)) as usize] += 1;
             }
-        })
-    }
-
-    /// Objects in view of the tile, if their number is small.
-    fn visible_in_tile(&self, tile: Tile, world: &Instances<'_>, structure: &AnyAccelerator) -> Option<SmallSet> {
-        let Tile { x, y, width, height } = tile;
-        let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
-        let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;
-        Some(match self.scene.accel.simd {
-            Some(level) => few.with_level(level),
-            None => few,
-        })
-    }
-
-    /// Result for a tile without objects in view, computed without rays. `None` if the radiance or weight of samples can differ.
-    fn empty_tile(&self, job: &TileJob<'_>) -> Option<TileResult> {
-        let (
-            IntegratorState::Whitted | IntegratorState::Path(_),
-            CameraMedium::Constant(_),
-            Background::Constant(radiance),
-        ) = (&self.integrator, &self.frame.medium, &self.scene.appearance.background)
-        else {
-            return None;
-        };
-        if self.frame.filter.has_negative_lobes() {
-            return None;
+            assert_eq!(all.len(), tile_count(crop));
+            assert!(all.iter().enumerate().all(|(number, tile)| tile_number(crop, *tile) == number));
+            assert!(seen.iter().all(|&count| count == 1), "{width}×{height} at {x},{y}");
         }
-        let pass_spec = job.pass_spec;
-        let pixel_of = |spp: u32| {
-            let mut pass = PixelAccumulator::new(self.frame.transparent);
-            for _ in 0..spp {
-                pass.add(&RadianceSample { radiance: self.frame.backdrop.unwrap_or(*radiance), hit: false }, 1.0);
-            }
-            let mut pixel = PixelEstimate::default();
-            for _ in 0..pass_spec.count {
-                let (radiance, coverage) = pass.mean();
-                pixel.add(radiance, coverage, spp);
-            }
-            (pixel, pass.bad_samples() * u64::from(pass_spec.count))
-        };
-        let (usual, simple) = (pixel_of(pass_spec.spp), pass_spec.simple_spp.map(pixel_of));
-        let mut result = TileResult::new(job);
-        for at in pass_spec.pixels_of(job.tile) {
-            let (pixel, bad_samples) = simple.as_ref().filter(|_| job.is_simple(at)).unwrap_or(&usual);
-            result.push(*pixel);
-            result.bad_samples += bad_samples;
-        }
-        result.primary_rays_skipped = result.samples;
-        Some(result)
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     film::pixel_estimate::PixelEstimate,
     first_hit_layers::FirstHitLayer,
     passes::{PassSpec, PixelMask},
-    tiles::Tile,
+    tile::Tile,
 };
 
 /// A tile that takes longer after an interrupt is abandoned.

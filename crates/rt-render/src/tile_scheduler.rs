@@ -10,9 +10,9 @@ use crate::{
     light_pass::{LightChunk, LightPass},
     parallel_for::{Outcome, parallel_for, thread_count},
     passes::PassSpec,
-    tile::ThreadState,
+    render_tile::ThreadState,
+    tile::{Tile, tiles},
     tile_job::{TileJob, TileResult},
-    tiles::{Tile, tiles},
 };
 
 /// Threads and tiles of a render.

@@ -1,4 +1,4 @@
-//! # rt-shading: chapter 4, light and material
+//! # rt-shading: light and material
 //!
 //! ```text
 //!              light                          radiance towards the viewer (Whitted 1980):
@@ -15,7 +15,7 @@
 //! [`LightTracingIntegrator`], [`AovIntegrator`]).
 //! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`SceneQueries`].
 //!
-//! **Read first** `reference.rs`: [`ReferencePathTracer`] is a path integrator for one path at a time, as in textbooks.
+//! **Read first** `reference_path_tracer.rs`: [`ReferencePathTracer`] is a path integrator for one path at a time, as in textbooks.
 //!
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
@@ -57,7 +57,7 @@
 
 mod alpha;
 mod ambient_occlusion;
-mod aov;
+mod aov_integrator;
 mod appearance;
 pub mod bsdf;
 mod bsdf_cache;
@@ -70,6 +70,7 @@ mod lanes;
 mod layered_surface;
 pub mod light;
 mod light_tracing;
+mod lobe_list;
 mod material;
 mod material_model;
 mod medium;
@@ -79,8 +80,9 @@ mod normal_map;
 pub mod optics;
 mod path;
 mod phong;
+mod phong_to_bsdf;
 mod ray_queues;
-mod reference;
+mod reference_path_tracer;
 mod russian_roulette;
 mod scene_queries;
 mod shading_features;
@@ -93,7 +95,7 @@ mod whitted;
 
 pub use alpha::{Alpha, AlphaMode};
 pub use ambient_occlusion::{AmbientOcclusion, OcclusionWave};
-pub use aov::AovIntegrator;
+pub use aov_integrator::AovIntegrator;
 pub use appearance::{Appearance, Background};
 pub use bsdf_cache::BsdfCache;
 pub use color_texture::ColorTexture;
@@ -111,7 +113,7 @@ pub use medium::InteriorMedium;
 pub use normal_map::NormalMap;
 pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use phong::{Highlight, Phong, Transmission};
-pub use reference::ReferencePathTracer;
+pub use reference_path_tracer::ReferencePathTracer;
 pub use scene_queries::{
     ClosestHit, LazyHit, LazyPlane, LazyShapes, LazySurface, RadianceSample, SceneQueries, SurfaceHit, TrianglePoint,
 };

@@ -83,7 +83,7 @@ pub struct LightTracingIntegrator<S> {
 }
 
 impl<S: Sampler> LightTracingIntegrator<S> {
-    /// Integrator with these settings. It computes only the features of `needs`.
+    /// Integrator with these settings. It computes only these `features`.
     pub fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
         Self {
             settings,

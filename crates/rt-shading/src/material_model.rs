@@ -1,13 +1,14 @@
 //! Reflection models of materials: parameters of the BSDF at each point.
 
 use crate::{
-    ColorTexture, Highlight, LayeredSurface, MaterialEvalContext, Phong, TextureId, Transmission,
+    ColorTexture, LayeredSurface, MaterialEvalContext, Phong, TextureId,
     bsdf::{
-        Bsdf, Bxdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, MAX_LOBES, MetallicRoughness, Mirror,
-        Mix, OrenNayar, PhongLobe, Refraction, ThinGlass,
+        Bsdf, Bxdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, MetallicRoughness, Mirror, OrenNayar,
+        PhongLobe, ThinGlass,
     },
+    lobe_list::{BLACK, LobeList},
+    phong_to_bsdf::phong_to_bsdf,
 };
-use rt_math::Rgb;
 
 /// Reflection model of a material.
 ///
@@ -80,7 +81,7 @@ impl MaterialModel {
     /// BSDF at a point.
     pub fn bsdf(&self, at: &MaterialEvalContext<'_>) -> Bsdf {
         match self {
-            Self::Phong(phong) => phong_bsdf(phong, at),
+            Self::Phong(phong) => phong_to_bsdf(phong, at),
             Self::Glossy { diffuse, specular, exponent } => {
                 let mut lobes = LobeList::default();
                 lobes.push_scaled(Lambert { albedo: at.reflectance(diffuse) }.into(), diffuse);
@@ -204,92 +205,7 @@ impl From<Phong> for MaterialModel {
     }
 }
 
-const BLACK: Bxdf = Bxdf::Lambert(Lambert { albedo: Rgb::BLACK });
-
 fn metallic_roughness(at: &MaterialEvalContext<'_>, base_color: &ColorTexture, metallic: f64, roughness: f64) -> Bxdf {
     let base_color = at.reflectance(base_color);
     MetallicRoughness { base_color, metallic, roughness, coupling: Coupling::Albedo }.into()
-}
-
-/// BSDF with the brightness of the Phong model under [`Whitted`](crate::Whitted).
-///
-/// The diffuse coefficient is an albedo. The highlight keeps its peak. Mirrored and refracted light are split by the same rule.
-fn phong_bsdf(phong: &Phong, at: &MaterialEvalContext<'_>) -> Bsdf {
-    let is_diffuse = phong.specular.is_zero() && phong.mirror.is_zero() && phong.transmission.is_none();
-    if is_diffuse && !phong.diffuse.is_zero() {
-        return Bsdf::Single(Lambert { albedo: at.reflectance(&phong.diffuse) }.into());
-    }
-    let mut lobes = LobeList::default();
-    lobes.push_scaled(Lambert { albedo: at.reflectance(&phong.diffuse) }.into(), &phong.diffuse);
-    let exponent = match phong.highlight {
-        Highlight::Phong => phong.exponent,
-        // The angle between half vector and normal is half of that to the mirrored direction.
-        Highlight::Blinn => 0.25 * phong.exponent,
-    };
-    let specular = at.reflectance(&phong.specular) * (2.0 / (exponent + 2.0));
-    lobes.push_scaled(PhongLobe { reflectance: specular, exponent }.into(), &phong.specular);
-    let mirror = at.reflectance(&phong.mirror);
-    match &phong.transmission {
-        Some(Transmission { coefficient, fresnel: true }) => {
-            let transmittance = at.reflectance(coefficient);
-            let interface = Dielectric { ior: at.ior, roughness: 0.0, reflectance: mirror, transmittance };
-            lobes.push(interface.into());
-        }
-        Some(Transmission { coefficient, fresnel: false }) => {
-            lobes.push_scaled(Mirror { reflectance: mirror }.into(), &phong.mirror);
-            let refraction = Refraction { ior: at.ior, transmittance: at.reflectance(coefficient) };
-            lobes.push_scaled(refraction.into(), coefficient);
-        }
-        None => lobes.push_scaled(Mirror { reflectance: mirror }.into(), &phong.mirror),
-    }
-    lobes.into_bsdf()
-}
-
-/// Weighted lobes of a BSDF.
-struct LobeList {
-    lobes: [(f64, Bxdf); MAX_LOBES],
-    count: usize,
-}
-
-impl Default for LobeList {
-    fn default() -> Self {
-        Self { lobes: [(0.0, BLACK); MAX_LOBES], count: 0 }
-    }
-}
-
-impl LobeList {
-    /// Adds a lobe, unless its coefficient is zero everywhere.
-    fn push_scaled(&mut self, lobe: Bxdf, coefficient: &ColorTexture) {
-        if !coefficient.is_zero() {
-            self.push(lobe);
-        }
-    }
-
-    fn push(&mut self, lobe: Bxdf) {
-        self.push_weighted(1.0, lobe);
-    }
-
-    fn push_weighted(&mut self, weight: f64, lobe: Bxdf) {
-        if let Some(slot) = self.lobes.get_mut(self.count) {
-            *slot = (weight, lobe);
-            self.count += 1;
-        }
-    }
-
-    fn push_all(&mut self, weight: f64, bsdf: &Bsdf) {
-        match bsdf {
-            Bsdf::Single(lobe) => self.push_weighted(weight, *lobe),
-            Bsdf::Mix(mix) => mix.lobes().iter().for_each(|(within, lobe)| self.push_weighted(weight * within, *lobe)),
-            // A mix contains no layered surface, which has lobes of its own.
-            Bsdf::Layered(_) => {}
-        }
-    }
-
-    fn into_bsdf(self) -> Bsdf {
-        match &self.lobes[..self.count] {
-            [] => Bsdf::Single(BLACK),
-            [(1.0, lobe)] => Bsdf::Single(*lobe),
-            lobes => Mix::new(lobes).map_or(Bsdf::Single(BLACK), Bsdf::Mix),
-        }
-    }
 }

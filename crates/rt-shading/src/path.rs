@@ -87,7 +87,7 @@ pub struct Lighting<'a> {
 }
 
 impl<S: Sampler + Clone> PathTracer<S> {
-    /// Integrator with these settings. It computes only the features of `needs`.
+    /// Integrator with these settings. It computes only these `features`.
     pub fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
         Self {
             settings,

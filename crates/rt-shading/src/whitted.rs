@@ -60,7 +60,7 @@ pub struct Whitted {
 
 impl Whitted {
     /// Integrator of up to `max_depth` bounces after the first hit. Rays whose weight in the pixel is below `min_contribution` in all
-    /// components are not traced. It computes only the features of `needs`.
+    /// components are not traced. It computes only these `features`.
     pub fn new(max_depth: u32, min_contribution: f64, features: ShadingFeatures) -> Self {
         Self {
             max_depth,
@@ -232,15 +232,6 @@ impl Whitted {
         core::mem::swap(&mut self.wave, &mut self.next);
     }
 }
-
-#[cfg(test)]
-mod lanes_tests;
-
-#[cfg(test)]
-mod shading_normals;
-
-#[cfg(test)]
-mod nested_dielectrics;
 
 #[cfg(test)]
 mod tests;

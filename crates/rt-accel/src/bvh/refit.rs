@@ -1,4 +1,4 @@
-//! Refitting: new boxes for the same topology.
+//! Refitting of the binary tree: new boxes for the same topology. That of `WideBvh` is in `wide/refit.rs`.
 
 use rt_geometry::Primitives;
 
@@ -9,7 +9,7 @@ use crate::prim_bounds::{PrimBounds, validate_lists};
 use crate::{BuildError, Refit};
 
 impl Refit for Bvh {
-    /// A primitive with several references lies within each of their leaves from then on.
+    /// Boxes that spatial splits had clipped lose that: each leaf with a reference to a primitive encloses the whole primitive.
     fn refit<P: Primitives>(&mut self, primitives: &P) -> Result<(), BuildError> {
         let built = self.bounded + self.unbounded.len() as u32;
         let PrimBounds { bounded, union, .. } = PrimBounds::collect(primitives)?;

@@ -1,4 +1,4 @@
-//! Trees that follow changes.
+//! Trees that are refitted to changed primitives, or rebuilt.
 
 use rt_geometry::Primitives;
 
@@ -8,7 +8,7 @@ use crate::{Accelerator, BuildError, WideBvh};
 /// Cost of a refitted tree by the surface area heuristic, relative to when it was built, above which it is built anew.
 const MAX_DEGRADATION: f64 = 1.5;
 
-/// A tree that is refitted to changed primitives as long as that leaves it efficient.
+/// A tree that is refitted to changed primitives, and rebuilt once its cost exceeds [`MAX_DEGRADATION`] times the original.
 #[derive(Clone, Debug)]
 pub(super) struct RefitTree {
     pub(super) bvh: WideBvh,

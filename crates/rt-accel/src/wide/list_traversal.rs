@@ -1,4 +1,4 @@
-//! Batches of rays through a list.
+//! Batches of rays of any directions against all triangles of a small tree.
 //!
 //! The filter leaves for each ray the three triangles that it may hit first. Most rays start on one of them and leave it. The
 //! first of the others is intersected exactly, eight rays with a triangle each. That is the result if all others are

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use rt_image::ImageFormat;
 
+use super::aov::{self, AovArg};
 use super::checkpoint::FallbackArgs;
 use super::image::DevelopmentArgs;
 use super::memory::MemoryArgs;
-use super::values::{self, AovArg};
+use super::values;
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
@@ -25,7 +26,7 @@ pub(crate) struct MergeArgs {
     pub(crate) output_format: Option<ImageFormat>,
 
     /// Write an additional image: stderr=FILE (standard error) or samples=FILE (sample count)
-    #[arg(long, value_name = "NAME=FILE", value_parser = values::aov_of_shards, long_help = super::stop::MAP_HELP)]
+    #[arg(long, value_name = "NAME=FILE", value_parser = aov::aov_of_shards, long_help = aov::MAP_HELP)]
     pub(crate) aov: Vec<AovArg>,
 
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! Stop rules, and the help of per-pixel outputs.
+//! Stop rules.
 
 use std::time::Duration;
 
@@ -55,21 +55,3 @@ impl StopArgs {
         (self.time.is_some() || target.is_some()).then_some(StopRule { time: self.time, target, max_spp })
     }
 }
-
-pub(super) const AOV_HELP: &str = "\
-Write layers: depth,normal,albedo=FILE.exr, or one of stderr=FILE and samples=FILE in any format
-
-Layers of the first surfaces that camera rays hit: depth, position, normal, geometric_normal, albedo, roughness, emission, uv, \
-object_id, material_id, instance_id, coverage. `all` selects these, `samples` and, with two passes or more, `stderr`. The .exr file also holds the \
-image. Its channels are 32-bit floats with names such as depth.Z and normal.X.
-
-`stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
-needs at least two passes. `samples` is the number of samples, in all channels. Either may be written alone to any image format: .exr, \
-.hdr and .pfm hold the numbers; .png and .jpg show them from black (0) to white (maximum of the image). May be given more than once.";
-
-pub(super) const MAP_HELP: &str = "\
-Write an additional image: stderr=FILE (standard error) or samples=FILE (sample count)
-
-`stderr` is the standard error of each channel in units of radiance: the square root of the variance of the mean over all passes. It \
-needs at least two passes. `samples` is the number of samples, in all channels. The formats .exr, .hdr and .pfm hold the numbers; .png \
-and .jpg show them from black (0) to white (maximum of the image). May be given more than once.";

@@ -4,62 +4,18 @@ use std::fmt::Display;
 #[cfg(feature = "view")]
 use std::net::IpAddr;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 use std::time::Duration;
 
-use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rt_camera::FilmSettings;
 use rt_image::{Development, Encoding, ImageFormat, ToneCurve, metrics::Flip};
 use rt_math::{DVec3, Rgb};
-use rt_render::{Crop, FirstHitLayer, ShardSpec, SimdLevel};
+use rt_render::{Crop, ShardSpec, SimdLevel};
 use rt_scene_io::LoadErrorKind;
 
 use crate::image_file::is_developed;
-
-/// Per-pixel output other than radiance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Aov {
-    /// Standard error of each channel.
-    #[value(alias = "variance")]
-    Stderr,
-    Samples,
-}
-
-impl AovContent {
-    /// True if it needs the sums of all passes: standard errors or numbers of samples.
-    pub(crate) const fn needs_maps(&self) -> bool {
-        match self {
-            Self::Map(_) => true,
-            Self::Layers(list) => list.samples || list.stderr,
-        }
-    }
-}
-
-/// Layers of an OpenEXR file.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct LayerList {
-    pub(crate) first_hit: Vec<FirstHitLayer>,
-    pub(crate) samples: bool,
-    /// Standard errors, which a render of one pass does not have.
-    pub(crate) stderr: bool,
-    /// True if the standard errors are not listed, but written if available.
-    pub(crate) is_all: bool,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum AovContent {
-    /// One quantity in an image of its own.
-    Map(Aov),
-    Layers(LayerList),
-}
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct AovArg {
-    pub(crate) content: AovContent,
-    pub(crate) file: PathBuf,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BackgroundChoice {
@@ -257,45 +213,6 @@ pub(super) fn share_of_pixels(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a percentage greater than 0 and at most 100, such as 99%".to_owned())
 }
 
-/// `LIST=FILE`.
-pub(super) fn aov(text: &str) -> Result<AovArg, String> {
-    let parts = text.split_once('=').filter(|(names, file)| !names.is_empty() && !file.is_empty());
-    let (names, file) = parts.ok_or("expected LIST=FILE, such as depth,normal=layers.exr or stderr=FILE")?;
-    if let Ok(map) = Aov::from_str(names, false) {
-        return Ok(AovArg { content: AovContent::Map(map), file: file.into() });
-    }
-    let mut list = LayerList::default();
-    for name in names.split(',') {
-        match (name, Aov::from_str(name, false), FirstHitLayer::ALL.iter().find(|layer| layer.name() == name)) {
-            ("all", ..) => {
-                list = LayerList { first_hit: FirstHitLayer::ALL.to_vec(), samples: true, is_all: true, ..list };
-            }
-            (_, Ok(Aov::Samples), _) => list.samples = true,
-            (_, Ok(Aov::Stderr), _) => list.stderr = true,
-            (_, _, Some(layer)) if !list.first_hit.contains(layer) => list.first_hit.push(*layer),
-            (_, _, Some(_)) => {}
-            _ => {
-                let known = FirstHitLayer::ALL.iter().map(|layer| layer.name()).chain(["samples", "stderr", "all"]);
-                return Err(unknown_word("layer", name, known.map(str::to_owned).collect()));
-            }
-        }
-    }
-    if ImageFormat::from_path(Path::new(file)).ok() != Some(ImageFormat::Exr) {
-        return Err(format!("layers need a file that ends in .exr, not `{file}`"));
-    }
-    Ok(AovArg { content: AovContent::Layers(list), file: file.into() })
-}
-
-/// `NAME=FILE`, for quantities that shards of an image hold.
-pub(super) fn aov_of_shards(text: &str) -> Result<AovArg, String> {
-    match aov(text)? {
-        AovArg { content: AovContent::Layers(_), .. } => {
-            Err("expected stderr=FILE or samples=FILE; only `render` writes other layers".to_owned())
-        }
-        map => Ok(map),
-    }
-}
-
 /// Pixels per degree of ꟻLIP.
 pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
     let value = number(text)?;
@@ -445,34 +362,6 @@ mod tests {
         for bad in ["", "1", "0%", "-1%", "nan%", "inf%", "%", "1%%", "0.01", "1e-400%"] {
             assert!(percentage(bad).is_err(), "{bad}");
         }
-    }
-
-    #[test]
-    fn aovs_have_a_name_and_a_file() {
-        for (name, kind) in [("samples", Aov::Samples), ("stderr", Aov::Stderr), ("variance", Aov::Stderr)] {
-            let expected = AovArg { content: AovContent::Map(kind), file: "a=b.exr".into() };
-            assert_eq!(aov(&format!("{name}=a=b.exr")), Ok(expected.clone()));
-            assert_eq!(aov_of_shards(&format!("{name}=a=b.exr")), Ok(expected));
-        }
-        for bad in ["", "samples", "samples=", "=a.exr", "variance a.exr", "depth=a.png", "depth,=a.exr", "deep=a.exr"]
-        {
-            assert!(aov(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn layers_are_a_list_of_names() {
-        use FirstHitLayer::{Depth, Normal};
-        let layers = |text: &str| match aov(text) {
-            Ok(AovArg { content: AovContent::Layers(list), .. }) => list,
-            other => panic!("{other:?}"),
-        };
-        let expected = LayerList { first_hit: vec![Normal, Depth], samples: true, ..LayerList::default() };
-        assert_eq!(layers("normal,depth,samples,depth=a.exr"), expected);
-        let all = layers("all,stderr=a.exr");
-        assert_eq!((&all.first_hit[..], all.samples, all.stderr), (FirstHitLayer::ALL, true, true));
-        assert!(aov("depht=a.exr").unwrap_err().starts_with("unknown layer `depht`; did you mean `depth`?"));
-        assert!(aov_of_shards("depth=a.exr").is_err());
     }
 
     #[test]

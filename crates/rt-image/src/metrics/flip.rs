@@ -59,7 +59,7 @@ impl Flip {
     /// a display undoes it; so do bytes that were read from a file.
     pub fn ldr(&self, pair: &ImagePair<'_>, development: &Development) -> ErrorMap {
         let mut values = vec![0.0; pair.test().pixels().len()];
-        self.raise(pair, development, &mut values);
+        self.max_with(pair, development, &mut values);
         ErrorMap::new(pair, values)
     }
 
@@ -68,13 +68,17 @@ impl Flip {
     pub fn hdr(&self, pair: &ImagePair<'_>, exposures: &ExposureRange) -> ErrorMap {
         let mut values = vec![0.0; pair.test().pixels().len()];
         for exposure in exposures.exposures() {
-            self.raise(pair, &Development { exposure, tone: ToneCurve::Aces, ..Development::default() }, &mut values);
+            self.max_with(
+                pair,
+                &Development { exposure, tone: ToneCurve::Aces, ..Development::default() },
+                &mut values,
+            );
         }
         ErrorMap::new(pair, values)
     }
 
-    /// Raises each value to the difference of its pixel.
-    fn raise(&self, pair: &ImagePair<'_>, development: &Development, values: &mut [f32]) {
+    /// Replaces each value by the maximum of it and the difference of its pixel.
+    fn max_with(&self, pair: &ImagePair<'_>, development: &Development, values: &mut [f32]) {
         // Larger margins are only worth their work around larger tiles.
         let side = self.kernels.radius().saturating_mul(4).max(128);
         for tile in Tile::cut(0..pair.width(), 0..pair.height(), side) {
@@ -90,7 +94,7 @@ impl Flip {
 
     /// The differences of the pixels of a tile, row by row.
     fn differences(&self, pair: &ImagePair<'_>, development: &Development, tile: &Tile) -> Vec<f64> {
-        let [test, reference] = [pair.test(), pair.reference()].map(|film| self.seen(film, development, tile));
+        let [test, reference] = [pair.test(), pair.reference()].map(|image| self.perceived(image, development, tile));
         let colours = test.colours.iter().zip(&reference.colours);
         let features = test.features.iter().zip(&reference.features);
         let differences = colours.zip(features).map(|((&test, &reference), (&[e, p], &[f, q]))| {
@@ -103,18 +107,18 @@ impl Flip {
     }
 
     /// Perceived colours of a tile.
-    fn seen(&self, film: &Image, development: &Development, tile: &Tile) -> Seen {
+    fn perceived(&self, image: &Image, development: &Development, tile: &Tile) -> Perceived {
         let radius = self.kernels.radius();
-        let width = film.width() as usize;
+        let width = image.width() as usize;
         let channels: [Plane; 3] = core::array::from_fn(|channel| {
-            Plane::around(tile, radius, [film.width(), film.height()], |x, y| {
-                development.light(film.pixels()[y as usize * width + x as usize][channel])
+            Plane::around(tile, radius, [image.width(), image.height()], |x, y| {
+                development.light(image.pixels()[y as usize * width + x as usize][channel])
             })
         });
         let opponent = self.colours.opponent(&channels);
         let [achromatic, red_green, yellow_blue] = self.kernels.blurred(&opponent);
         let blurred = achromatic.values.iter().zip(&red_green.values).zip(&yellow_blue.values);
-        Seen {
+        Perceived {
             colours: blurred.map(|((&y, &cx), &cz)| self.colours.lab([y, cx, cz])).collect(),
             features: self.kernels.features(&opponent[0].map(ColourSpace::luminance)),
         }
@@ -129,7 +133,7 @@ impl Default for Flip {
 }
 
 /// Perceived colours of the pixels of a tile, row by row.
-struct Seen {
+struct Perceived {
     /// In Lab, adjusted after Hunt.
     colours: Vec<[f64; 3]>,
     /// Strength of the edge and of the point.

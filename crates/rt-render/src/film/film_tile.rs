@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::pixel_estimate::PixelEstimate;
 use crate::{
-    ContentError, Crop, RenderPlan, RunOptions, content::check_length, error_estimate::ErrorSums, tiles::Tile,
+    ContentError, Crop, RenderPlan, RunOptions, content_checks::check_length, error_estimate::ErrorSums, tile::Tile,
 };
 
 /// Layout of a film: its area and optional channels. Shards that are merged have the same layout.

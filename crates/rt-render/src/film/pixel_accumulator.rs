@@ -6,7 +6,7 @@ use rt_shading::RadianceSample;
 /// Accumulator of the samples of a pixel.
 #[derive(Clone, Copy)]
 pub(crate) struct PixelAccumulator {
-    lobes: [FilterLobe; 2],
+    sums: [SignedSum; 2],
     transparent: bool,
     bad_samples: u64,
 }
@@ -14,7 +14,7 @@ pub(crate) struct PixelAccumulator {
 impl PixelAccumulator {
     /// A pixel without samples; `transparent` leaves the background out and records coverage.
     pub(crate) fn new(transparent: bool) -> Self {
-        Self { lobes: [FilterLobe::default(); 2], transparent, bad_samples: 0 }
+        Self { sums: [SignedSum::default(); 2], transparent, bad_samples: 0 }
     }
 
     /// A pixel of the same kind without samples.
@@ -22,19 +22,22 @@ impl PixelAccumulator {
         Self::new(self.transparent)
     }
 
-    /// Adds a sample with the weight that the filter gives it. One that is not a radiance is counted, and black.
+    /// Adds a sample. One that is not a radiance is counted, and black.
+    ///
+    /// Positions are drawn in proportion to the magnitude of the filter, so that `weight` is ±∫|f| / ∫f (see [`rt_camera::Filter`]).
+    /// Its sign chooses the sum.
     #[inline]
     pub(crate) fn add(&mut self, sample: &RadianceSample, weight: f64) {
         let is_bad = !is_radiance(sample.radiance);
         self.bad_samples += u64::from(is_bad);
         let radiance = if is_bad { Rgb::BLACK } else { sample.radiance };
         let shows = sample.hit || !self.transparent;
-        self.lobes[usize::from(weight < 0.0)].add(shows.then_some(radiance), weight.abs());
+        self.sums[usize::from(weight < 0.0)].add(shows.then_some(radiance), weight.abs());
     }
 
     /// The filtered radiance and coverage. Negative lobes can take coverage out of [0, 1].
     pub(crate) fn mean(&self) -> (Rgb, f64) {
-        FilterLobe::difference(&self.lobes)
+        SignedSum::difference(&self.sums)
     }
 
     /// Number of samples that were not a radiance.
@@ -53,7 +56,7 @@ fn is_radiance(rgb: Rgb) -> bool {
 /// The two are averaged apart and then subtracted: a flat area stays flat, however many samples fall into each. All
 /// samples of filters without negative lobes have weight 1 and lie in the first.
 #[derive(Clone, Copy, Default)]
-struct FilterLobe {
+struct SignedSum {
     radiance: Rgb,
     coverage: f64,
     count: f64,
@@ -61,7 +64,7 @@ struct FilterLobe {
     magnitude: f64,
 }
 
-impl FilterLobe {
+impl SignedSum {
     /// Adds a sample; `None` for one without coverage.
     #[inline]
     fn add(&mut self, radiance: Option<Rgb>, magnitude: f64) {

@@ -10,7 +10,7 @@
 use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
-use crate::{ContentError, content::check_number};
+use crate::{ContentError, content_checks::check_number};
 
 /// Pixel accumulator over passes. The update of the mean is numerically stable (West 1979).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

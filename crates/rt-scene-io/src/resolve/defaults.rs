@@ -1,4 +1,4 @@
-//! Camera, lights and backdrop for scenes that leave them open.
+//! Camera, lights and backdrop for scenes that omit them. Defaults of fields are in `format/default_values.rs`.
 
 use rt_math::{Aabb, DVec3, Rgb, transcendental::tan};
 
@@ -20,7 +20,8 @@ pub(super) struct SceneLighting {
     pub(super) integrator: Integrator,
     /// True if objects emit light.
     pub(super) has_emissive: bool,
-    /// True if a diffuse base lies below a layer: `distributed` traces it to the background.
+    /// True if a material has a diffuse lobe below a layer. `distributed` samples such lobes by their BSDF, so that they receive the
+    /// background.
     pub(super) has_layers: bool,
 }
 

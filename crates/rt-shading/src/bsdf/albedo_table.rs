@@ -244,8 +244,8 @@ fn weight_in_lanes<S: Simd>(simd: S, alpha: f64, wo: DVec3, lattice: &[LatticePo
 fn sample_weight<R: Real>(facets: IsotropicGgx<R>, wo: Vector3<R>, [sin, cos, second]: [R; 3]) -> [R; 2] {
     let m = visible_normal([facets.alpha; 2], wo, (sin, cos), second);
     let wi = reflect_lanes(-wo, m);
-    let (d, stretched) = (facets.d(m), facets.stretched(wo));
-    let reflection = d / ((wo.z * facets.stretched(wi) + wi.z * stretched) * 2.0);
+    let (d, stretched) = (facets.d(m), facets.stretched_length(wo));
+    let reflection = d / ((wo.z * facets.stretched_length(wi) + wi.z * stretched) * 2.0);
     let pdf = d / ((wo.z + stretched) * 2.0);
     let zero = second.splat(0.0);
     let weight = R::select(wi.z.gt(zero), reflection * wi.z / pdf, zero);
@@ -267,8 +267,8 @@ mod tests {
             let m = facets.sample(wo, [at(index % steps), at(index / steps)]);
             let wi = optics::reflect(-wo, m);
             // f · cos / pdf of perfectly reflecting facets is G₂/G₁.
-            let shadowing =
-                (wo.z + facets.stretched(wo)) * wi.z / (wo.z * facets.stretched(wi) + wi.z * facets.stretched(wo));
+            let shadowing = (wo.z + facets.stretched_length(wo)) * wi.z
+                / (wo.z * facets.stretched_length(wi) + wi.z * facets.stretched_length(wo));
             if wi.z > 0.0 { dielectric_fresnel(wo.dot(m)) * shadowing } else { 0.0 }
         };
         (0..steps * steps).map(weight).sum::<f64>() / f64::from(steps * steps)

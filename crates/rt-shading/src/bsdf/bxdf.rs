@@ -1,7 +1,8 @@
 //! List of all lobes.
 
 use super::{
-    BsdfSample, Conductor, Dielectric, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe, Refraction, ThinGlass,
+    BsdfSample, Conductor, Dielectric, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe, SpecularTransmission,
+    ThinGlass,
 };
 use rt_math::{DVec3, Rgb};
 
@@ -66,7 +67,7 @@ lobes! {
     /// A pane of glass without thickness.
     ThinGlass(ThinGlass),
     /// Specular transmission with a constant transmittance.
-    Refraction(Refraction),
+    SpecularTransmission(SpecularTransmission),
 }
 
 impl Bxdf {
@@ -82,7 +83,7 @@ impl Bxdf {
     /// True if all lobes are delta distributions.
     pub fn is_delta(&self) -> bool {
         match self {
-            Self::Mirror(_) | Self::ThinGlass(_) | Self::Refraction(_) => true,
+            Self::Mirror(_) | Self::ThinGlass(_) | Self::SpecularTransmission(_) => true,
             Self::Dielectric(dielectric) => dielectric.is_smooth(),
             Self::Conductor(conductor) => conductor.is_smooth(),
             Self::Lambert(_) | Self::OrenNayar(_) | Self::Phong(_) | Self::MetallicRoughness(_) => false,
@@ -110,7 +111,7 @@ impl Bxdf {
 
     /// True if it transmits light.
     pub fn transmits(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::ThinGlass(_) | Self::Refraction(_))
+        matches!(self, Self::Dielectric(_) | Self::ThinGlass(_) | Self::SpecularTransmission(_))
     }
 
     /// Approximate albedo, by which lobes of a mix are chosen.
@@ -120,7 +121,7 @@ impl Bxdf {
             Self::OrenNayar(oren_nayar) => oren_nayar.albedo.max_component(),
             Self::Phong(phong) => phong.reflectance.max_component(),
             Self::Mirror(mirror) => mirror.reflectance.max_component(),
-            Self::Refraction(refraction) => refraction.transmittance.max_component(),
+            Self::SpecularTransmission(lobe) => lobe.transmittance.max_component(),
             Self::Dielectric(_) | Self::Conductor(_) | Self::MetallicRoughness(_) | Self::ThinGlass(_) => 1.0,
         }
     }

@@ -183,7 +183,7 @@ impl Interface {
         let (cos_o, cos_i, below) = (wo.dot(m), wi.dot(m), flip(wi));
         let stretch = cos_o + self.eta * cos_i;
         // G₁ / cos stays finite where both are 0.
-        let seen = 4.0 / ((wo.z + facets.stretched(wo)) * (below.z + facets.stretched(below)));
+        let seen = 4.0 / ((wo.z + facets.stretched_length(wo)) * (below.z + facets.stretched_length(below)));
         let facets = cos_o * cos_i.abs() * facets.d(m) * seen / (stretch * stretch);
         self.transmittance * ((1.0 - self.fresnel(cos_o)) * facets)
     }

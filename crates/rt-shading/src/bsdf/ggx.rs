@@ -15,10 +15,10 @@ use rt_math::{DVec3, Real, Vector3, transcendental};
 /// Directions are above the surface, with a positive cosine. All forms are accurate at grazing angles and for tiny α.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
+    /// α along x, at least `alpha_y`.
+    alpha_x: f64,
     /// α along y, at least [`Ggx::MIN_ALPHA`].
-    alpha: f64,
-    /// α along x.
-    along_x: f64,
+    alpha_y: f64,
 }
 
 impl Ggx {
@@ -31,20 +31,20 @@ impl Ggx {
     pub fn from_roughness(roughness: f64) -> Option<Self> {
         let roughness = roughness.min(1.0);
         let alpha = roughness * roughness;
-        (roughness > 0.0 && alpha >= Self::MIN_ALPHA).then_some(Self { alpha, along_x: alpha })
+        (roughness > 0.0 && alpha >= Self::MIN_ALPHA).then_some(Self { alpha_x: alpha, alpha_y: alpha })
     }
 
     /// Distribution of this roughness, with an α along x that grows with `anisotropy` in \[0, 1\] to 1
     /// (KHR_materials_anisotropy).
-    pub fn stretched_along_x(roughness: f64, anisotropy: f64) -> Option<Self> {
+    pub fn anisotropic(roughness: f64, anisotropy: f64) -> Option<Self> {
         let even = Self::from_roughness(roughness)?;
         let strength = anisotropy.clamp(0.0, 1.0);
-        Some(Self { along_x: even.alpha + (1.0 - even.alpha) * (strength * strength), ..even })
+        Some(Self { alpha_x: even.alpha_y + (1.0 - even.alpha_y) * (strength * strength), ..even })
     }
 
     /// The lesser α.
     pub fn alpha(&self) -> f64 {
-        self.alpha
+        self.alpha_y
     }
 
     /// D(m), per solid angle; 0 for normals that point down.
@@ -52,42 +52,42 @@ impl Ggx {
         if !(m.z > 0.0) {
             return 0.0;
         }
-        if self.along_x == self.alpha {
-            return IsotropicGgx { alpha: self.alpha }.d(m.into());
+        if self.alpha_x == self.alpha_y {
+            return IsotropicGgx { alpha: self.alpha_y }.d(m.into());
         }
-        let alpha2 = self.alpha * self.alpha;
-        let q = m.z * m.z + m.x * m.x / (self.along_x * self.along_x) + m.y * m.y / alpha2;
-        1.0 / (PI * self.alpha * self.along_x * q * q)
+        let alpha2 = self.alpha_y * self.alpha_y;
+        let q = m.z * m.z + m.x * m.x / (self.alpha_x * self.alpha_x) + m.y * m.y / alpha2;
+        1.0 / (PI * self.alpha_y * self.alpha_x * q * q)
     }
 
     /// S(w), the length of `w` on the surface stretched by α.
-    pub fn stretched(&self, w: DVec3) -> f64 {
-        if self.along_x == self.alpha {
-            return IsotropicGgx { alpha: self.alpha }.stretched(w.into());
+    pub fn stretched_length(&self, w: DVec3) -> f64 {
+        if self.alpha_x == self.alpha_y {
+            return IsotropicGgx { alpha: self.alpha_y }.stretched_length(w.into());
         }
-        let alpha2 = self.alpha * self.alpha;
-        (w.z * w.z + self.along_x * self.along_x * (w.x * w.x) + alpha2 * (w.y * w.y)).sqrt()
+        let alpha2 = self.alpha_y * self.alpha_y;
+        (w.z * w.z + self.alpha_x * self.alpha_x * (w.x * w.x) + alpha2 * (w.y * w.y)).sqrt()
     }
 
     /// Density of [`Ggx::sample`] over normals: the visible normals from `wo` (Heitz 2018, equation 3).
     pub fn pdf(&self, wo: DVec3, m: DVec3) -> f64 {
-        2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z + self.stretched(wo))
+        2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z + self.stretched_length(wo))
     }
 
     /// Normal that is visible from `wo` (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", 2023).
     pub fn sample(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
-        visible_normal([self.along_x, self.alpha], wo.into(), transcendental::sincos(TAU * u[0]), u[1]).into()
+        visible_normal([self.alpha_x, self.alpha_y], wo.into(), transcendental::sincos(TAU * u[0]), u[1]).into()
     }
 
     /// D·G₂ / (4 cos cos): the BRDF of perfectly reflecting microfacets for two directions with half vector `m`.
     pub fn reflection(&self, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
-        self.d(m) / (2.0 * (wo.z * self.stretched(wi) + wi.z * self.stretched(wo)))
+        self.d(m) / (2.0 * (wo.z * self.stretched_length(wi) + wi.z * self.stretched_length(wo)))
     }
 
     /// Density over solid angle of reflections at normals of [`Ggx::sample`], where `m` is the half vector. The weight
     /// f · cos / pdf of perfectly reflecting microfacets is G₂/G₁, at most 1.
     pub fn reflection_pdf(&self, wo: DVec3, m: DVec3) -> f64 {
-        self.d(m) / (2.0 * (wo.z + self.stretched(wo)))
+        self.d(m) / (2.0 * (wo.z + self.stretched_length(wo)))
     }
 }
 
@@ -109,7 +109,7 @@ impl<R: Real> IsotropicGgx<R> {
 
     /// Version of [`Ggx::stretched`].
     #[inline(always)]
-    pub(super) fn stretched(self, w: Vector3<R>) -> R {
+    pub(super) fn stretched_length(self, w: Vector3<R>) -> R {
         (w.z * w.z + self.alpha * self.alpha * (w.x * w.x + w.y * w.y)).sqrt()
     }
 

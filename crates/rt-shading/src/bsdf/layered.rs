@@ -223,7 +223,7 @@ impl Layered {
 
 impl<'l> LayeredView<'l> {
     fn new(surface: &'l Layered, wo: DVec3, is_above: bool) -> Self {
-        let facets = Ggx::stretched_along_x(surface.roughness, surface.anisotropy);
+        let facets = Ggx::anisotropic(surface.roughness, surface.anisotropy);
         let clearcoat = Ggx::from_roughness(surface.clearcoat_roughness).filter(|_| surface.clearcoat > 0.0);
         let clearcoat_frame = (surface.clearcoat > 0.0 && surface.clearcoat_normal != DVec3::Z).then(|| {
             let normal = surface.turned(surface.clearcoat_normal);

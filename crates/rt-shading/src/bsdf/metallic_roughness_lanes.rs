@@ -96,7 +96,7 @@ impl<S: Simd> MetallicRoughnessLanes<S> {
         let specular = (one - metallic) * layer + metallic * color;
         let diffuse = (one - metallic) * (one - layer) * color;
         let chance = Real::select(diffuse.gt(zero), specular / (specular + diffuse), one);
-        let (stretched, passes) = (facets.stretched(wo), one - layer);
+        let (stretched, passes) = (facets.stretched_length(wo), one - layer);
         let (albedos, transmitted) = (block.albedos, Lanes::load(simd, &block.transmitted));
         Self { simd, albedos, transmitted, base_color, metallic, facets, wo, stretched, passes, chance }
     }
@@ -107,7 +107,7 @@ impl<S: Simd> MetallicRoughnessLanes<S> {
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         let dielectric = one - self.metallic;
         let d = self.facets.d(m);
-        let facets = d / ((self.wo.z * self.facets.stretched(wi) + wi.z * self.stretched) * 2.0);
+        let facets = d / ((self.wo.z * self.facets.stretched_length(wi) + wi.z * self.stretched) * 2.0);
         let cos = self.wo.dot(m);
         let (w, fresnel) = (schlick_weight(cos), dielectric_fresnel(cos));
         let Vector3 { x, y, z } = self.base_color;

@@ -40,7 +40,7 @@
 //! | [`OrenNayar`] | ρ/π · A · (1 + r·s/t), and multiple scattering | Portsmouth, Kutz, Hill 2025 |
 //! | [`PhongLobe`] | ρ · (n + 2)/2π · cosⁿ α | Phong 1975; Lafortune, Willems 1994 |
 //! | [`Mirror`], [`ThinGlass`] | delta lobes | Fresnel 1823 |
-//! | [`Refraction`] | a delta lobe | Whitted 1980 |
+//! | [`SpecularTransmission`] | a delta lobe | Whitted 1980 |
 //! | [`Dielectric`] | F·D·G / (4 cos cos), and Snell's law at each microfacet | Walter et al. 2007 |
 //! | [`Conductor`] | F·D·G / (4 cos cos) with a complex index | Cook, Torrance 1982; Heitz 2018 |
 //! | [`MetallicRoughness`] | a diffuse base under a dielectric layer, mixed with metal | glTF 2.0, appendix B; Kulla, Conty 2017 |
@@ -91,7 +91,7 @@ pub use phong_lobe::PhongLobe;
 pub use sample::{BsdfSample, Scattering};
 pub use sheen::Sheen;
 pub(crate) use side::HORIZON;
-pub use specular_transmission::Refraction;
+pub use specular_transmission::SpecularTransmission;
 pub use thin_glass::ThinGlass;
 
 use rt_math::{DVec3, Rgb};

@@ -8,14 +8,14 @@ use rt_math::{DVec3, Rgb};
 ///
 /// Radiance is not scaled by eta²: a light source is as bright inside of a dielectric as outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Refraction {
+pub struct SpecularTransmission {
     /// Index of refraction below the surface divided by that above, positive and finite; otherwise all light is absorbed.
     pub ior: f64,
     /// Transmittance, per channel in \[0, 1\].
     pub transmittance: Rgb,
 }
 
-impl Refraction {
+impl SpecularTransmission {
     /// Implements [`super::Bsdf::eval`]: black.
     pub fn eval(&self, _: DVec3, _: DVec3) -> Rgb {
         Rgb::BLACK
@@ -54,19 +54,19 @@ mod tests {
 
     #[test]
     fn directions_follow_snells_law_and_weights_are_constant() {
-        let surface = Refraction { ior: 1.5, transmittance: Rgb::gray(0.7) };
+        let surface = SpecularTransmission { ior: 1.5, transmittance: Rgb::gray(0.7) };
         let sample = surface.sample(DVec3::new(0.6, 0.0, 0.8), [0.5; 3]).expect("passes");
         assert!((sample.wi.x + 0.4).abs() < 1e-15 && sample.wi.z < 0.0);
         assert!((sample.weight().r - 0.7).abs() < 1e-15);
         assert_eq!(surface.sample(DVec3::new(0.8, 0.0, -0.6), [0.5; 3]), None, "totally reflected");
-        let air = Refraction { ior: 1.0, ..surface };
+        let air = SpecularTransmission { ior: 1.0, ..surface };
         assert_eq!(air.sample(DVec3::new(0.6, 0.0, 0.8), [0.5; 3]).expect("passes").wi, DVec3::new(-0.6, 0.0, -0.8));
     }
 
     #[test]
     fn invalid_indices_absorb_all_light() {
         for ior in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert_eq!(Refraction { ior, transmittance: Rgb::WHITE }.sample(DVec3::Z, [0.5; 3]), None);
+            assert_eq!(SpecularTransmission { ior, transmittance: Rgb::WHITE }.sample(DVec3::Z, [0.5; 3]), None);
         }
     }
 }

@@ -35,19 +35,19 @@ impl<S: Sampler + Clone> PathTracer<S> {
     ) {
         let clamp = self.settings.clamp;
         let path = &self.paths[id as usize];
-        let is_bounded = clamp.applies_after(path.bounces + 1);
+        let is_clamped = clamp.applies_after(path.bounces + 1);
         let surface = vertex.view.surface;
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         for light in lighting.lights.delta_lights() {
             let Some(lit) = light.sample_li(surface.point) else { continue };
             let scattered = vertex.eval(lit.direction);
-            // A classical surface reflects kd of a classical light, not kd / π.
+            // Cancels the 1/π of BSDFs for lights in classical units.
             let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
             if radiance.is_black() {
                 self.counts.shadow_rays_skipped += u64::from(light.casts_shadows);
             } else if light.casts_shadows {
-                let radiance = dimmed(radiance, vertex, media, (lit.direction, lit.distance));
-                self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_bounded);
+                let radiance = attenuated(radiance, vertex, media, (lit.direction, lit.distance));
+                self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_clamped);
             } else {
                 seen.radiance += clamp.apply(path.bounces + 1, radiance, &mut self.counts);
             }
@@ -57,7 +57,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// Samples one area or environment light, with `media` on both sides of the surface.
     fn sample_light(&mut self, lighting: Lighting<'_>, id: u32, vertex: &Vertex<'_>, media: Option<[Medium; 2]>) {
         let path = &self.paths[id as usize];
-        let is_bounded = self.settings.clamp.applies_after(path.bounces + 1);
+        let is_clamped = self.settings.clamp.applies_after(path.bounces + 1);
         let surface = vertex.view.surface;
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
         let n_sampled = lighting.lights.sampled_lights().len();
@@ -82,17 +82,22 @@ impl<S: Sampler + Clone> PathTracer<S> {
             None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
         };
         let distance = light.sample.point.map_or(f64::INFINITY, |point| (point - surface.point).length());
-        let radiance = dimmed(radiance, vertex, media, (light.sample.direction, distance));
-        self.shadows.push(ray, id, radiance, is_bounded);
+        let radiance = attenuated(radiance, vertex, media, (light.sample.direction, distance));
+        self.shadows.push(ray, id, radiance, is_clamped);
     }
 }
 
-/// Light from a direction after its way through the medium on that side of a vertex, of `media` on both sides.
+/// Light from a direction, attenuated by the medium on that side of a vertex; `media` are those of both sides.
 ///
-/// Shadow rays end at any surface that casts shadows: one medium fills their whole length. The end of the medium towards a light at
-/// infinity is unknown.
+/// Shadow rays end at any surface that casts shadows, so that one medium fills their whole length. The end of the medium towards a
+/// light at infinity is unknown: such light is not attenuated.
 #[inline]
-fn dimmed(radiance: Rgb, vertex: &Vertex<'_>, media: Option<[Medium; 2]>, (direction, distance): (DVec3, f64)) -> Rgb {
+fn attenuated(
+    radiance: Rgb,
+    vertex: &Vertex<'_>,
+    media: Option<[Medium; 2]>,
+    (direction, distance): (DVec3, f64),
+) -> Rgb {
     match media {
         Some([near, far]) if distance.is_finite() => {
             let is_near = vertex.view.is_on_side_of(Scattering::Reflection, direction);

@@ -1,9 +1,9 @@
-//! Light samples at blocks of path vertices, in lanes.
+//! Next-event estimation in lanes: light samples at blocks of path vertices, with MIS weights, and their shadow rays.
 //!
 //! Results have the bits of [`LightSet::sample_li`] and [`DeltaLight::sample_li`] for one vertex.
 
 use super::lane_bsdf::LaneBsdf;
-use super::vertex_block::{Block, DeltaBlock, FrameLanes, IncidentLanes, replace};
+use super::vertex_block::{Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, ScatteredBlock, replace};
 use crate::{
     DeltaLight,
     lanes::{LANES, LaneMask, Lanes, Simd, each_lane, get, is_zero, set, set_rgb},
@@ -84,6 +84,41 @@ fn sample_quad<S: Simd>(simd: S, block: &mut Block, (lanes, probability): (u8, L
     light.pdf = Real::select(is_chosen & sampled.is_lit, sampled.pdf * probability, pdf).store();
 }
 
+/// Light of the sampled light that the vertices reflect, with its MIS weight, and its shadow rays; all other results are empty.
+/// Returns the lanes of `valid` in which no rare case occurs.
+#[inline(always)]
+pub(super) fn reflect_sampled_light<S: Simd, B: LaneBsdf<S>>(
+    simd: S,
+    block: &Block,
+    (frame, bsdf): (&FrameLanes<S>, &B),
+    (lobes, valid): (FollowedLobes, LaneMask<S>),
+) -> (ScatteredBlock, LaneMask<S>) {
+    let zero = Lanes::splat(simd, 0.0);
+    let light = &block.light;
+    let (wi, target) = (Lanes::load_vector(simd, &light.direction), Lanes::load_vector(simd, &light.target));
+    let light_pdf = Lanes::load(simd, &light.pdf);
+    let is_infinite = Lanes::load(simd, &light.is_infinite).gt(zero);
+    let IncidentLanes { local, cos, is_reflected } = frame.incident(simd, wi);
+    let reflected = bsdf.eval_mis(local, light_pdf, lobes) * cos;
+    let lit = light_pdf.gt(zero) & is_reflected & !is_zero(reflected);
+    let (throughput, radiance) =
+        (Lanes::load_vector(simd, &block.throughput), Lanes::load_vector(simd, &light.radiance));
+    let direct = throughput.scaled_by(reflected).scaled_by(radiance) / light_pdf;
+
+    let (shadow_origin, is_offset) = frame.shadow_origin(simd, block);
+    let to_light = Vector3::select(is_infinite, target, target - frame.point);
+    let valid = valid & (!lit | (is_offset & frame.starts_near(simd, to_light)));
+    let shadow_direction = Vector3::select(is_infinite, target, target - shadow_origin);
+    let scattered = ScatteredBlock {
+        lit: lit.bits(),
+        shadow_origin: Lanes::store_vector(shadow_origin),
+        shadow_direction: Lanes::store_vector(shadow_direction),
+        direct: Lanes::store_vector(direct),
+        ..ScatteredBlock::default()
+    };
+    (scattered, valid)
+}
+
 /// Light of a delta light that the vertices reflect, and its shadow rays.
 #[inline(always)]
 pub(super) fn sample_delta_light<S: Simd, B: LaneBsdf<S>>(
@@ -95,7 +130,7 @@ pub(super) fn sample_delta_light<S: Simd, B: LaneBsdf<S>>(
     let sample = light.sample_li_lanes(frame.point);
     let IncidentLanes { local, cos, is_reflected } = frame.incident(simd, sample.direction);
     let value = bsdf.eval(local);
-    // A classical surface reflects kd of a classical light, not kd / π.
+    // Cancels the 1/π of BSDFs for lights in classical units.
     let factor = Lanes::splat(simd, light.units.irradiance_factor());
     let throughput = Lanes::load_vector(simd, &block.throughput);
     let radiance = throughput.scaled_by(value * cos).scaled_by(sample.strength) * factor;

@@ -59,14 +59,14 @@ impl<S: Sampler + Clone> PathTracer<S> {
             };
             self.counts.lanes_used += 1;
             let path = &mut self.paths[id as usize];
-            let is_bounded = clamp.applies_after(path.bounces + 1);
+            let is_clamped = clamp.applies_after(path.bounces + 1);
             for (number, light) in lighting.lights.delta_lights().enumerate() {
                 match queue.delta_light(at, number, n_delta) {
                     SampledDelta::Unlit => {}
                     SampledDelta::Black => self.counts.shadow_rays_skipped += u64::from(light.casts_shadows),
                     SampledDelta::Lit { radiance, origin, direction, end } if light.casts_shadows => {
                         let ray = Ray { origin, direction, time: queued.time };
-                        self.shadows.push((ray, Interval { max: end, ..Interval::SPAWNED }), id, radiance, is_bounded);
+                        self.shadows.push((ray, Interval { max: end, ..Interval::SPAWNED }), id, radiance, is_clamped);
                     }
                     SampledDelta::Lit { radiance, .. } => {
                         seen[id as usize].radiance += clamp.apply(path.bounces + 1, radiance, &mut self.counts);
@@ -76,7 +76,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             if let Some((origin, direction, radiance)) = scattered.direct {
                 let span = if scattered.is_light_infinite { Interval::SPAWNED } else { Interval::SEGMENT };
                 let ray = Ray { origin, direction, time: queued.time };
-                self.shadows.push((ray, span), id, radiance, is_bounded);
+                self.shadows.push((ray, span), id, radiance, is_clamped);
             } else {
                 self.counts.shadow_rays_skipped += u64::from(n_lights > 0);
             }

@@ -3,11 +3,9 @@
 //! Each stage reads and writes all blocks. Results have the bits of [`Vertex`](crate::vertex::Vertex) and
 //! [`Bsdf`](crate::bsdf::Bsdf) for one path.
 
-use super::direct_lighting_lanes::sample_delta_light;
+use super::direct_lighting_lanes::{reflect_sampled_light, sample_delta_light};
 use super::lane_bsdf::{LaneBsdf, SampledLanes};
-use super::vertex_block::{
-    Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, ScatteredBlock, ShapeBlock, replace,
-};
+use super::vertex_block::{Block, DeltaBlock, FollowedLobes, FrameLanes, ScatteredBlock, ShapeBlock, replace};
 use crate::{
     bsdf::HORIZON,
     lanes::{LaneMask, Lanes, Simd, is_zero},
@@ -113,40 +111,16 @@ fn scatter_block<S: Simd, B: LaneBsdf<S>>(
     (frame, bsdf): (&FrameLanes<S>, &B),
     lobes: FollowedLobes,
 ) -> ScatteredBlock {
-    let (zero, horizon) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, HORIZON));
-    let throughput = Lanes::load_vector(simd, &block.throughput);
-    let mut valid = frame.is_finite & LaneMask::from_bits(simd, block.valid);
-
-    // Light that the sampled light sends to the viewer, with its MIS weight.
-    let light = &block.light;
-    let (wi, target) = (Lanes::load_vector(simd, &light.direction), Lanes::load_vector(simd, &light.target));
-    let light_pdf = Lanes::load(simd, &light.pdf);
-    let is_infinite = Lanes::load(simd, &light.is_infinite).gt(zero);
-    let IncidentLanes { local, cos, is_reflected } = frame.incident(simd, wi);
-    let weighted = bsdf.eval_mis(local, light_pdf, lobes);
-    let reflected = weighted * cos;
-    let lit = light_pdf.gt(zero) & is_reflected & !is_zero(reflected);
-    let radiance = Lanes::load_vector(simd, &light.radiance);
-    let direct = throughput.scaled_by(reflected).scaled_by(radiance) / light_pdf;
-
-    // Shadow ray.
-    let (shadow_origin, is_offset) = frame.shadow_origin(simd, block);
-    let to_light = Vector3::select(is_infinite, target, target - frame.point);
-    valid = valid & (!lit | (is_offset & frame.starts_near(simd, to_light)));
-    let shadow_direction = Vector3::select(is_infinite, target, target - shadow_origin);
-    let mut scattered = ScatteredBlock {
-        valid: valid.bits(),
-        lit: lit.bits(),
-        shadow_origin: Lanes::store_vector(shadow_origin),
-        shadow_direction: Lanes::store_vector(shadow_direction),
-        direct: Lanes::store_vector(direct),
-        ..ScatteredBlock::default()
-    };
+    let valid = frame.is_finite & LaneMask::from_bits(simd, block.valid);
+    let (mut scattered, mut valid) = reflect_sampled_light(simd, block, (frame, bsdf), (lobes, valid));
+    scattered.valid = valid.bits();
     if lobes == FollowedLobes::Nothing {
         return scattered;
     }
 
     // Next direction.
+    let (zero, horizon) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, HORIZON));
+    let throughput = Lanes::load_vector(simd, &block.throughput);
     let [u, v] = &block.u_bsdf;
     let u = [Lanes::load(simd, u), Lanes::load(simd, v)];
     let SampledLanes { local, value, pdf, is_valid, diffuse } = bsdf.sample(Lanes::load(simd, &block.u_lobe), u, lobes);

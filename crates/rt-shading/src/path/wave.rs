@@ -74,8 +74,8 @@ pub(super) struct ShadowRayQueue {
 
 impl ShadowRayQueue {
     #[inline(always)]
-    pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb, is_bounded: bool) {
-        if is_bounded {
+    pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb, is_clamped: bool) {
+        if is_clamped {
             self.indirect.push(self.sampled.len() as u32);
         }
         self.rays.push(ray);

@@ -1,4 +1,4 @@
-//! Direct light on the surfaces of a wave, and its shadow rays.
+//! Direct light on the surfaces of a wave: a buffer of reflected light and shadow rays, which are traced at the end of the wave.
 
 use super::{
     hit_block::{HitBlock, ReflectedLanes},
@@ -93,7 +93,8 @@ impl DirectLighting {
         self.surfaces.push(ShadedHit { sample: path.sample, weight: path.weight, radiance, end });
     }
 
-    /// Adds light from one light that the current block reflects, and its shadow rays if the light `casts_shadows`. Light by light.
+    /// Adds light from one light that the current block reflects, and its shadow rays if the light `casts_shadows`. It is called for
+    /// all lights in their order, also for those that reach no lane; [`end_block`](Self::end_block) follows.
     #[inline(always)]
     pub(super) fn push_block<S: Simd>(
         &mut self,

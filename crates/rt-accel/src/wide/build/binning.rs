@@ -3,7 +3,7 @@
 
 use glam::{BVec3A, Vec3A};
 
-use super::reference::PrimRef;
+use super::prim_ref::PrimRef;
 use crate::bvh::Aabb32;
 
 const MAX_BINS: usize = 32;

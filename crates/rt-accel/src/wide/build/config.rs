@@ -7,7 +7,7 @@ use super::binning::{Axes, NormalizedArea};
 use super::collapse::{Costs, leaf_cost};
 use super::leaf_policy::LeafPolicy;
 use super::params::{BuildParams, Quality};
-use super::reference::PrimRef;
+use super::prim_ref::PrimRef;
 use crate::bvh::Aabb32;
 
 /// Configuration of a build.
@@ -75,7 +75,7 @@ mod tests {
     use glam::Vec3A;
 
     use super::*;
-    use crate::wide::build::reference::PrimRange;
+    use crate::wide::build::prim_ref::PrimRange;
 
     fn at(x: f32, index: u32) -> PrimRef {
         PrimRef::new(Aabb32 { min: Vec3A::new(x, 0.0, 0.0), max: Vec3A::new(x + 1.0, 1.0, 0.0) }, index)

@@ -9,8 +9,8 @@ mod parallel;
 #[cfg(feature = "parallel")]
 mod parallel_partition;
 mod params;
-mod prim_refs;
-mod reference;
+mod prim_ref;
+mod prim_stats;
 mod reinsertion;
 mod top_down;
 mod wide_nodes;
@@ -26,9 +26,9 @@ pub(super) use collapse::{LEAF, NODE, PRIMITIVE};
 use config::BuildConfig;
 use parallel::SubtreeSet;
 pub use params::{BuildParams, Quality};
-use prim_refs::Gathered;
-pub(super) use prim_refs::PrimStats;
-use reference::{PrimRange, PrimRef};
+use prim_ref::{PrimRange, PrimRef};
+use prim_stats::Gathered;
+pub(super) use prim_stats::PrimStats;
 use reinsertion::ReinsertionParams;
 use top_down::{BuildRange, PrimInfo};
 use wide_nodes::{WideBuilder, WideTree};
@@ -41,7 +41,7 @@ pub(super) fn build<P: Primitives>(
     params: &BuildParams,
 ) -> Option<WideTree> {
     let config = BuildConfig::new(&stats.extent(), params);
-    over(prim_refs::references(primitives, stats.centre(), &config), &config, kind, params.quality)
+    over(prim_stats::references(primitives, stats.centre(), &config), &config, kind, params.quality)
 }
 
 fn over(gathered: Gathered, config: &BuildConfig, kind: LeafKind, quality: Quality) -> Option<WideTree> {

@@ -4,7 +4,7 @@ use super::binary::{BinaryTree, Content};
 use super::binning::Bins;
 use super::collapse::{CollapsePlan, Costs};
 use super::config::BuildConfig;
-use super::reference::PrimRange;
+use super::prim_ref::PrimRange;
 use super::top_down::BuildRange;
 use crate::bvh::Aabb32;
 use crate::parallel_for::parallel_for_each;

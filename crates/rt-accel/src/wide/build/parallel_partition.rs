@@ -2,7 +2,7 @@
 
 use super::binning::{BestSplit, BinSplit, Bins};
 use super::config::BuildConfig;
-use super::reference::PrimRef;
+use super::prim_ref::PrimRef;
 use super::top_down::{BuildRange, PrimInfo, scatter};
 use crate::bvh::Aabb32;
 use crate::parallel_for::{parallel_for_each, parallel_map};
@@ -72,7 +72,7 @@ impl PrimInfo {
 mod tests {
     use super::*;
     use crate::wide::build::binning::{Axes, NormalizedArea};
-    use crate::{wide::build::leaf_policy::LeafPolicy, wide::build::reference::PrimRange, wide::build::tests::soup};
+    use crate::{wide::build::leaf_policy::LeafPolicy, wide::build::prim_ref::PrimRange, wide::build::tests::soup};
 
     #[test]
     fn chunks_are_cut_as_the_whole_is() {

@@ -18,7 +18,7 @@ use super::binning::NormalizedArea;
 use super::collapse::{CollapsePlan, Costs};
 use super::config::BuildConfig;
 use super::parallel::{NodeId, SubtreeRef, SubtreeSet};
-use super::reference::PrimRange;
+use super::prim_ref::PrimRange;
 use crate::{bvh::Aabb32, traversal::MAX_DEPTH};
 
 /// Extent of reinsertion.

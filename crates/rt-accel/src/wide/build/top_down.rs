@@ -6,7 +6,7 @@ use super::binary::{BinaryNode, BinaryTree, Content};
 use super::binning::{BestSplit, BinMapping, BinSplit, Bins};
 use super::collapse::{CollapsePlan, Costs};
 use super::config::BuildConfig;
-use super::reference::{PrimRange, PrimRef};
+use super::prim_ref::{PrimRange, PrimRef};
 use crate::{bvh::Aabb32, traversal::depth_allows_median_split};
 
 /// Consecutive references that become a leaf or a node.

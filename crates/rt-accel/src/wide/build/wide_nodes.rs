@@ -3,7 +3,7 @@
 use super::binary::Content;
 use super::collapse::{ChildSlot, WIDTH};
 use super::parallel::{NodeId, SubtreeSet};
-use super::reference::PrimRange;
+use super::prim_ref::PrimRange;
 use crate::parallel_for::parallel_map;
 use crate::wide::huge_pages::filled;
 use crate::wide::leaf::{LeafKind, LeafOrder};

@@ -47,14 +47,17 @@ fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, cou
     let lights = scene.light_set();
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let rays = vec![towards_wall(wo); count as usize];
-    let (seen, _) = trace(&mut world, lighting, settings, &[InteriorList::default()], &rays);
+    let (seen, _) = trace(&mut dynamic(&mut world), lighting, settings, &[InteriorList::default()], &rays);
     mean_and_error(&seen)
 }
 
 fn whitted(scene: &Scene, normal: DVec3, wo: DVec3) -> f64 {
     let mut world = Tilted { shapes: Shapes(scene.shapes.0.clone()), normal };
     let features = ShadingFeatures::of(&scene.appearance, |_| true);
-    crate::Whitted::new(3, 0.0, features).radiance(&mut world, &scene.appearance, &towards_wall(wo)).radiance.g
+    crate::Whitted::new(3, 0.0, features)
+        .radiance(&mut dynamic(&mut world), &scene.appearance, &towards_wall(wo))
+        .radiance
+        .g
 }
 
 /// A unit vector above the wall at the cosine `y`.

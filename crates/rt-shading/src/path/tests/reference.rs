@@ -158,7 +158,7 @@ fn every_path_has_the_bits_of_the_reference() {
     let mixed: Vec<_> = (0..3000).map(|at| if at % 2 == 0 { air.clone() } else { water.clone() }).collect();
     for settings in all_settings() {
         for surroundings in [from_ref(&air), from_ref(&water), &mixed] {
-            let (seen, counts) = trace(&mut world, lighting, settings, surroundings, &views(3000));
+            let (seen, counts) = trace(&mut dynamic(&mut world), lighting, settings, surroundings, &views(3000));
             // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             let (min_lit, min_passages) = if surroundings == from_ref(&air) { (1500, 1000) } else { (150, 0) };
@@ -265,7 +265,8 @@ fn every_path_between_triangles_and_spheres_has_the_bits_of_the_reference() {
         let mut world = Shapes(scene.shapes.0.clone());
         let distributed = [0, 4].map(|max_depth| PathSettings { max_depth, ..DISTRIBUTED });
         for settings in all_settings().chain(distributed) {
-            let (seen, counts) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(3001));
+            let (seen, counts) =
+                trace(&mut dynamic(&mut world), lighting, settings, &[InteriorList::default()], &views(3001));
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             assert!(lit > 500, "{lit} of 3001, {settings:?}");
             // Rays hit the floor, which has a highlight, more often than all else.

@@ -1,4 +1,4 @@
-//! Refinement to a target error: passes over the whole image, or over unconverged pixels (adaptive sampling in image space).
+//! Rendering to a target error: passes over the whole image, or over unconverged pixels (adaptive sampling in image space).
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use crate::{
     passes::PixelMask,
     progressive::Progressive,
     stop::{FIRST_TEST_OF_IMAGE, PASSES_BETWEEN_TESTS},
-    tiles::Tile,
+    tile::Tile,
 };
 use rt_math::stats::student_t;
 

@@ -1,6 +1,6 @@
 //! Tests of shading in SIMD lanes: radiance, counts and shadow rays have the bits of hits that are shaded one by one.
 
-use super::*;
+use super::super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LazyHit, LazyPlane,
     LightUnits, Material, Phong, SurfaceHit, Texture, TextureId, Transmission, TrianglePoint,

@@ -4,7 +4,7 @@
 
 use rt_image::Image;
 
-use crate::{Crop, ShardSpec, tiles::tile_count};
+use crate::{Crop, ShardSpec, tile::tile_count};
 
 /// Maximum of counts in the statistics of a shard or checkpoint, and of their sums over all shards of an image. Adding a few of
 /// them does not overflow.

@@ -26,8 +26,8 @@ pub struct WatertightRay {
 const CYCLIC: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl WatertightRay {
-    /// Bound on `t` over the sum of the distances of the vertices along the ray. Up to it, the side on which the ray
-    /// starts is computed exactly.
+    /// Bound on `|t|` over the sum of the distances of the vertices along the ray. Where `t` is smaller, rounding could place the
+    /// triangle on the wrong side of the origin, so that its sign is computed exactly.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
 
     /// Prepares a ray. A ray of direction zero has no hits.

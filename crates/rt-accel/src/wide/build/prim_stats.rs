@@ -7,7 +7,7 @@ use rt_geometry::{Primitives, padded_bounds};
 use rt_math::Aabb;
 
 use super::config::BuildConfig;
-use super::reference::PrimRef;
+use super::prim_ref::PrimRef;
 use crate::parallel_for::parallel_map;
 use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::{BuildError, bvh::Aabb32, wide::huge_pages::filled, wide::leaf::GeometryCounts};
@@ -125,7 +125,7 @@ mod tests {
     use rt_math::{Interval, Ray};
 
     use super::*;
-    use crate::{wide::BuildParams, wide::build::reference::PrimRange};
+    use crate::{wide::BuildParams, wide::build::prim_ref::PrimRange};
 
     /// Unit cubes in a row, in pairs but for the last. Every seventh has no bounds, and none of the second range has.
     struct Cubes(u32);
