@@ -28,6 +28,8 @@ mod coherence;
 mod entry_points;
 mod exact_triangle;
 mod f64x8;
+#[cfg(test)]
+mod facets;
 mod filter;
 mod frustum;
 mod huge_pages;

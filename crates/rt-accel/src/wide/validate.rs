@@ -119,32 +119,20 @@ crate::checked_serde::impl_checked_serde!(WideBvh, WideBvh::validate_shape);
 
 #[cfg(test)]
 mod tests {
-    use rt_geometry::{Hit, PrimitiveGeometry, Primitives};
-    use rt_math::{Aabb, DVec3, Interval, Ray, Vec3};
+    use rt_math::Vec3;
 
     use super::*;
+    use crate::boxes::row;
+    use crate::wide::facets::Facets;
+    use crate::{Boxes, wide::BuildParams};
 
-    /// Unit boxes in a row.
-    struct Row(u32);
-
-    impl Primitives for Row {
-        fn len(&self) -> usize {
-            self.0 as usize
-        }
-
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            let low = DVec3::X * (3.0 * f64::from(index));
-            Some(Aabb::new(low, low + DVec3::ONE))
-        }
-
-        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
-            None
-        }
+    fn tree_of_three_boxes(params: &BuildParams) -> WideBvh {
+        WideBvh::build_with(&Boxes(&row()[..3]), params).expect("three boxes")
     }
 
     #[test]
     fn a_root_that_is_a_leaf_is_refused() {
-        let mut tree = WideBvh::build(&Row(3)).expect("three boxes");
+        let mut tree = tree_of_three_boxes(&BuildParams::default());
         let leaf = tree.leaves().next().expect("a leaf");
         tree.root = leaf;
         assert_eq!(tree.validate_shape(), Err(ValidationError::Node { node: 0 }));
@@ -153,7 +141,7 @@ mod tests {
     /// The list of primitives would take 4 GiB, and on 32 bits its length wraps.
     #[test]
     fn more_primitives_than_leaves_have_room_for_are_refused() {
-        let mut tree = WideBvh::build(&Row(3)).expect("three boxes");
+        let mut tree = tree_of_three_boxes(&BuildParams::default());
         tree.bounded = u32::MAX;
         tree.unbounded = vec![0];
         assert_eq!(tree.validate_shape(), Err(ValidationError::Count { built: u32::MAX, given: 1 }));
@@ -161,8 +149,7 @@ mod tests {
 
     #[test]
     fn lanes_without_a_check_cannot_be_passed() {
-        let tree = WideBvh::build_with(&Row(3), &super::super::BuildParams { max_leaf: 1, ..Default::default() });
-        let tree = tree.expect("three boxes");
+        let tree = tree_of_three_boxes(&BuildParams { max_leaf: 1, ..BuildParams::default() });
         assert_eq!(tree.validate_shape(), Ok(()));
         let lane = (0..8).find(|&lane| tree.nodes[0].child_box(lane).is_none()).expect("three of eight lanes");
         for [low, high] in [[f32::NAN, f32::NAN], [0.0, f32::NAN], [1.0, 0.999_999_9]] {
@@ -173,48 +160,27 @@ mod tests {
     }
 
     /// Parallel triangles.
-    struct Facets(u32);
-
-    impl Facets {
-        fn vertices(index: u32) -> [Vec3; 3] {
-            [Vec3::ZERO, Vec3::X, Vec3::Y].map(|vertex| vertex + Vec3::Z * index as f32)
-        }
-    }
-
-    impl Primitives for Facets {
-        fn len(&self) -> usize {
-            self.0 as usize
-        }
-
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            Some(Aabb::from_points(Self::vertices(index).map(|vertex| vertex.as_dvec3())))
-        }
-
-        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
-            None
-        }
-
-        fn geometry(&self, index: u32) -> PrimitiveGeometry {
-            PrimitiveGeometry::ExactTriangle(Self::vertices(index))
-        }
+    fn facets(count: u32) -> Facets {
+        let facet = |index| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|vertex| vertex + Vec3::Z * index as f32);
+        Facets((0..count).map(facet).collect())
     }
 
     /// Batches would read leaves of another kind, or test primitives that do not exist.
     #[test]
     fn lists_that_do_not_fit_the_tree_are_refused() {
-        let tree = WideBvh::build(&Facets(5)).expect("five triangles");
-        assert!(tree.list.is_some() && tree.validate_primitives(&Facets(5)).is_ok());
-        let of = |count: u32| WideBvh::build(&Facets(count)).expect("triangles").list;
+        let tree = WideBvh::build(&facets(5)).expect("five triangles");
+        assert!(tree.list.is_some() && tree.validate_primitives(&facets(5)).is_ok());
+        let of = |count: u32| WideBvh::build(&facets(count)).expect("triangles").list;
         assert_eq!(of(65), None);
 
         let more = WideBvh { list: of(6), ..tree.clone() };
         assert_eq!(more.validate_shape(), Err(ValidationError::List));
-        let boxes = WideBvh { list: of(3), ..WideBvh::build(&Row(3)).expect("three boxes") };
+        let boxes = WideBvh { list: of(3), ..tree_of_three_boxes(&BuildParams::default()) };
         assert_eq!(boxes.validate_shape(), Err(ValidationError::List));
         let fewer = WideBvh { list: of(4), ..tree.clone() };
         assert_eq!(fewer.validate_shape(), Ok(()));
-        assert_eq!(fewer.validate_primitives(&Facets(5)), Err(ValidationError::List));
+        assert_eq!(fewer.validate_primitives(&facets(5)), Err(ValidationError::List));
         let none = WideBvh { list: None, ..tree };
-        assert_eq!(none.validate_primitives(&Facets(5)), Err(ValidationError::List));
+        assert_eq!(none.validate_primitives(&facets(5)), Err(ValidationError::List));
     }
 }

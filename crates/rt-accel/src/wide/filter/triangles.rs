@@ -317,36 +317,16 @@ impl<const EXACT: bool> LeafTest for TriangleTest<EXACT> {
 mod tests {
     use crate::{Accelerator, brute_force, wide::leaf::LeafKind, wide::query::TravRay};
     use glam::Vec3;
-    use rt_geometry::{NoProbe, PrimitiveGeometry, Primitives, WatertightRay};
+    use rt_geometry::NoProbe;
+    use rt_math::Ray;
     use rt_math::random::{hash, unit};
-    use rt_math::{Aabb, Ray};
 
     use super::*;
     use crate::wide::coherence::is_coherent;
     use crate::wide::f64x8::PACKET;
+    use crate::wide::facets::Facets;
     use crate::wide::simd::{DetectedSimd, WithSimd};
     use crate::wide::{BuildParams, SimdLevel};
-
-    struct Facets(Vec<[Vec3; 3]>);
-
-    impl Primitives for Facets {
-        fn len(&self) -> usize {
-            self.0.len()
-        }
-
-        fn bounds(&self, index: u32) -> Option<Aabb> {
-            Some(Aabb::from_points(self.0[index as usize].map(|v| v.as_dvec3())))
-        }
-
-        fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-            let hit = WatertightRay::new(ray).intersect(self.0[index as usize].map(|v| v.as_dvec3()), span)?;
-            Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
-        }
-
-        fn geometry(&self, index: u32) -> PrimitiveGeometry {
-            PrimitiveGeometry::ExactTriangle(self.0[index as usize])
-        }
-    }
 
     #[test]
     fn triangles_whose_products_vanish_are_hit_and_where_they_are() {
