@@ -201,7 +201,7 @@ impl LoadError {
         &self.diagnostics
     }
 
-    /// Adds lines and columns to paths in a scene file, which has this text.
+    /// Adds lines and columns to paths in a scene file, which has this text. Errors with them come first, in the order of the text.
     pub(crate) fn with_positions(mut self, file: &Path, text: &str) -> Self {
         let file = file.display().to_string();
         let located = |diagnostic: &&mut Diagnostic| diagnostic.file == file;
@@ -215,6 +215,10 @@ impl LoadError {
                 diagnostic.excerpt = Some(Excerpt::of(text, byte));
             }
         }
+        self.diagnostics.sort_by_key(|diagnostic| match diagnostic.location {
+            Location::PathAt(_, line, column) => (line, column),
+            _ => (usize::MAX, 0),
+        });
         self
     }
 

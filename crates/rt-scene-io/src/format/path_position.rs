@@ -19,8 +19,17 @@ pub(crate) fn positions_of(text: &str, paths: &[&str]) -> Vec<Option<usize>> {
     let paths: Vec<Vec<Key<'_>>> = paths.iter().map(|path| keys(path)).collect();
     let mut best = vec![Match::default(); paths.len()];
     Cursor::walk(text, text.len(), |cursor, _, start| {
+        // Texts can be long, and most paths are found early.
+        let mut open = paths
+            .iter()
+            .zip(&mut best)
+            .filter(|(path, best)| best.n_found < path.len() || best.n_skipped > 0)
+            .peekable();
+        if open.peek().is_none() {
+            return;
+        }
         let here = cursor.path();
-        for (path, best) in paths.iter().zip(&mut best) {
+        for (path, best) in open {
             let found = Match::of(path, &here, start, cursor);
             if (found.n_found, best.n_skipped) > (best.n_found, found.n_skipped) {
                 *best = found;

@@ -262,3 +262,16 @@ fn references_must_stay_below_the_root() {
     let wide = LoadOptions { root: Some(folder.path().to_path_buf()), ..default };
     assert!(with("../secret.png", &wide).contains("is not a PNG"));
 }
+
+#[test]
+fn errors_of_values_are_in_the_order_of_the_text() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.ron");
+    let text = "(\n  settings: (spp: 0),\n  camera: (fov: 200),\n  nodes: [\n    (shape: sphere(radius: -1)),\n  ],\n)";
+    fs::write(&path, text).expect("written");
+    let error = load(&path, &LoadOptions::default()).expect_err("refused").to_string();
+    let places = ["s.ron:2:14: settings.spp: ", "s.ron:3:12: camera.fov: ", "s.ron:5:6: nodes[0].shape: "];
+    let found: Vec<_> = places.iter().map(|place| error.find(place)).collect();
+    assert!(found[0].is_some() && found.is_sorted(), "{error}");
+    assert!(error.contains("    5 |     (shape: sphere(radius: -1)),\n      |      ^"), "{error}");
+}

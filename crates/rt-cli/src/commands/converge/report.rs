@@ -130,7 +130,8 @@ impl<'a> Report<'a> {
                 if floor.is_some() { "the reference" } else { "rounding" },
             ));
         }
-        notes.push(format!("{width}x{height} pixels, {seeds} seeds, {threads} threads"));
+        let unit = if *threads == 1 { "thread" } else { "threads" };
+        notes.push(format!("{width}x{height} pixels, {seeds} seeds, {threads} {unit}"));
         if self.summary.target_rmse > 0.0 {
             notes.push(format!("the target RMSE is {}", table::number(self.summary.target_rmse)));
         }
