@@ -73,7 +73,7 @@ pub enum MaterialModel {
     },
     /// The metallic-roughness or specular-glossiness model of glTF with textures and extensions.
     Layered(Box<LayeredSurface>),
-    /// A weighted sum of models with up to [`MAX_LOBES`] lobes in total. A part must not be a mix or layered.
+    /// A weighted sum of models with up to [`MAX_LOBES`](crate::bsdf::MAX_LOBES) lobes in total. A part must not be a mix or layered.
     Mix(Vec<(f64, Self)>),
 }
 
