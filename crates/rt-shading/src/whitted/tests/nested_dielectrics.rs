@@ -1,6 +1,6 @@
 //! Tests of nested dielectrics against paths in closed form.
 
-use super::super::*;
+use super::{super::*, BARE};
 use crate::{
     Background, ColorTexture, InteriorMedium, Material, Phong, SurfaceHit, Transmission, scene_queries::dynamic,
 };
@@ -11,13 +11,13 @@ use rt_math::{
 };
 
 /// Shapes with materials, tested in order. Records the rays.
-pub(super) struct ShapeList {
-    pub(super) shapes: Vec<(Shape, u32)>,
-    pub(super) rays: Vec<(RayKind, Ray)>,
+struct ShapeList {
+    shapes: Vec<(Shape, u32)>,
+    rays: Vec<(RayKind, Ray)>,
 }
 
 impl ShapeList {
-    pub(super) fn new(shapes: Vec<(Shape, u32)>) -> Self {
+    fn new(shapes: Vec<(Shape, u32)>) -> Self {
         Self { shapes, rays: vec![] }
     }
 
@@ -41,7 +41,7 @@ impl SceneQueries for ShapeList {
     }
 }
 
-pub(super) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Shape {
+fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Shape {
     Shape::Sphere(Sphere::new(DVec3::new(x, y, z), radius).expect("a sphere"))
 }
 
@@ -50,20 +50,10 @@ fn slab(bottom: f64, top: f64) -> Shape {
     Shape::Cuboid(Cuboid::new(DVec3::new(-10.0, bottom, -10.0), DVec3::new(10.0, top, 10.0)).expect("a box"))
 }
 
-pub(super) const BARE: Phong = Phong {
-    ambient: ColorTexture::ZERO,
-    diffuse: ColorTexture::ZERO,
-    specular: ColorTexture::ZERO,
-    exponent: 1.0,
-    highlight: crate::Highlight::Phong,
-    mirror: ColorTexture::ZERO,
-    transmission: None,
-};
-
 const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
 
 /// A clear body that lets all light pass, whatever its angle.
-pub(super) fn body(ior: f64, absorption: f64, priority: i32) -> Material {
+fn body(ior: f64, absorption: f64, priority: i32) -> Material {
     let interior = Some(InteriorMedium { ior, absorption: Rgb::gray(absorption), priority });
     Material { interior, ..Material::new(String::new(), clear()) }
 }
@@ -82,7 +72,7 @@ fn glow(radiance: f64) -> Material {
     Material { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..Material::new(String::new(), BARE) }
 }
 
-pub(super) fn white_walls(materials: &[Material]) -> Appearance {
+fn white_walls(materials: &[Material]) -> Appearance {
     Appearance { materials: materials.to_vec(), background: Background::Constant(Rgb::WHITE), ..Appearance::default() }
 }
 
