@@ -9,8 +9,8 @@ use rt_geometry::Hit;
 use rt_math::Ray;
 use rt_scene_io::Integrator;
 use rt_shading::{
-    Background, InteriorList, Lighting, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
-    Whitted,
+    Background, InteriorList, LaneLevel, Lighting, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer,
+    ShadingCounts, Whitted,
 };
 
 use crate::{
@@ -43,10 +43,14 @@ impl ThreadState {
         let settings = &plan.scene.source.settings;
         let mut paths = PathTracer::new(plan.integrator.path_settings(), plan.scene.features);
         let mut whitted = Whitted::new(settings.depth, settings.min_contribution, plan.scene.features);
-        let in_lanes = plan.scene.accel.simd != Some(SimdLevel::Portable);
-        paths.set_lanes(in_lanes);
-        if in_lanes {
-            whitted.shade_in_lanes(&plan.scene.appearance);
+        let lanes = match plan.scene.accel.simd {
+            Some(SimdLevel::Portable) => None,
+            Some(SimdLevel::Avx2) => LaneLevel::avx2(),
+            Some(SimdLevel::Avx512) | None => LaneLevel::best(),
+        };
+        paths.set_lanes(lanes);
+        if let Some(level) = lanes {
+            whitted.shade_in_lanes(level, &plan.scene.appearance);
         }
         Self {
             whitted,

@@ -1,69 +1,93 @@
-//! Four `f64` in SIMD lanes, behind types of our own. No other file of the crate uses `fearless_simd`.
+//! Eight `f64` in SIMD lanes, behind types of our own. No other file of the crate uses `fearless_simd`.
 //!
 //! Code in lanes is generic over [`Real`]. It must be `#[inline(always)]` up to the `vectorize` around a stage: only inlined code is
 //! compiled for the instruction set. Closures of `array::map` and `array::from_fn` are not inlined, so that loops are written out.
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 pub(crate) use fearless_simd::Simd;
-use fearless_simd::{ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x4, i64x4, mask64x4, u64x4};
+use fearless_simd::{ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x8, mask64x8, u64x8};
 use rt_math::{DVec3, Mask, Real, Rgb, Vector3};
 
 /// Number of lanes.
-pub(crate) const LANES: usize = 4;
+pub(crate) const LANES: usize = 8;
+
+/// Mask of bits with all lanes.
+pub(crate) const ALL_LANES: u8 = !0;
+
+/// Mask of bits with the first `count` lanes.
+#[inline(always)]
+pub(crate) const fn first_lanes(count: usize) -> u8 {
+    ((1 << count) - 1) as u8
+}
 
 /// One number per lane, in memory.
 pub(crate) type LaneArray = [f64; LANES];
 
-/// Instruction set for code in lanes.
+/// Instruction set for code in lanes. The results are the same at all levels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum LaneLevel {
-    /// AVX2.
+pub struct LaneLevel(pub(crate) LaneToken);
+
+/// Proof that the processor has the instructions of a level.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LaneToken {
     #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::Avx2),
+    /// AVX-512 of Ice Lake and later processors.
+    #[cfg(target_arch = "x86_64")]
+    Avx512(fearless_simd::Avx512),
 }
 
 impl LaneLevel {
-    /// AVX2 level of this processor; `None` without AVX2.
-    pub(crate) fn detect() -> Option<Self> {
+    /// AVX-512 or AVX2, whatever this processor has; `None` without AVX2.
+    pub fn best() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
-        return fearless_simd::Level::new().as_avx2().map(Self::Avx2);
+        if let Some(avx512) = fearless_simd::Level::new().as_avx512() {
+            return Some(Self(LaneToken::Avx512(avx512)));
+        }
+        Self::avx2()
+    }
+
+    /// AVX2; `None` if this processor lacks it.
+    pub fn avx2() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        return fearless_simd::Level::new().as_avx2().map(|avx2| Self(LaneToken::Avx2(avx2)));
         #[cfg(not(target_arch = "x86_64"))]
         None
     }
 }
 
-/// Four numbers in registers.
-pub(crate) struct Lanes<S: Simd>(f64x4<S>);
-
-/// Four truth values in registers.
-///
-/// All bits of a lane are equal. Vectors of integers combine faster than masks in builds with debug assertions.
-pub(crate) struct LaneMask<S: Simd>(i64x4<S>);
-
-impl<S: Simd> LaneMask<S> {
-    #[inline(always)]
-    fn new(mask: mask64x4<S>) -> Self {
-        Self(mask.to_vector())
-    }
-
-    #[inline(always)]
-    fn mask(self) -> mask64x4<S> {
-        mask64x4::from_vector(self.0)
-    }
+/// Evaluates an expression with the token `$simd` of a level.
+macro_rules! dispatch {
+    ($level:expr, $simd:ident => $body:expr) => {
+        match $level.0 {
+            #[cfg(target_arch = "x86_64")]
+            $crate::lanes::LaneToken::Avx2($simd) => $body,
+            #[cfg(target_arch = "x86_64")]
+            $crate::lanes::LaneToken::Avx512($simd) => $body,
+        }
+    };
 }
 
-/// Bits of four numbers in registers.
-pub(crate) struct LaneBits<S: Simd>(u64x4<S>);
+pub(crate) use dispatch;
+
+/// Eight numbers in registers.
+pub(crate) struct Lanes<S: Simd>(f64x8<S>);
+
+/// Eight truth values in registers.
+pub(crate) struct LaneMask<S: Simd>(mask64x8<S>);
+
+/// Bits of eight numbers in registers.
+pub(crate) struct LaneBits<S: Simd>(u64x8<S>);
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(crate) fn splat(simd: S, x: f64) -> Self {
-        Self(f64x4::splat(simd, x))
+        Self(f64x8::splat(simd, x))
     }
 
     #[inline(always)]
     pub(crate) fn load(simd: S, lane: &LaneArray) -> Self {
-        Self(f64x4::simd_from(simd, *lane))
+        Self(f64x8::simd_from(simd, *lane))
     }
 
     #[inline(always)]
@@ -92,14 +116,13 @@ impl<S: Simd> LaneMask<S> {
     /// Lane `i` is bit `i`.
     #[inline(always)]
     pub(crate) fn from_bits(simd: S, bits: u8) -> Self {
-        let [a, b, c, d] = [bits & 1, bits >> 1 & 1, bits >> 2 & 1, bits >> 3 & 1];
-        Self(i64x4::simd_from(simd, [-i64::from(a), -i64::from(b), -i64::from(c), -i64::from(d)]))
+        Self(mask64x8::from_bitmask(simd, u64::from(bits)))
     }
 
     /// Bit `i` is the value of lane `i`.
     #[inline(always)]
     pub(crate) fn bits(self) -> u8 {
-        self.mask().to_bitmask() as u8
+        self.0.to_bitmask() as u8
     }
 }
 
@@ -194,12 +217,12 @@ impl<S: Simd> Not for LaneMask<S> {
 impl<S: Simd> Mask for LaneMask<S> {
     #[inline(always)]
     fn any(self) -> bool {
-        self.mask().any_true()
+        self.0.any_true()
     }
 
     #[inline(always)]
     fn all(self) -> bool {
-        self.mask().all_true()
+        self.0.all_true()
     }
 }
 
@@ -229,34 +252,37 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn lt(self, other: Self) -> LaneMask<S> {
-        LaneMask::new(self.0.simd_lt(other.0))
+        LaneMask(self.0.simd_lt(other.0))
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> LaneMask<S> {
-        LaneMask::new(self.0.simd_le(other.0))
+        LaneMask(self.0.simd_le(other.0))
     }
 
     #[inline(always)]
     fn eq(self, other: Self) -> LaneMask<S> {
-        LaneMask::new(self.0.simd_eq(other.0))
+        LaneMask(self.0.simd_eq(other.0))
     }
 
     #[inline(always)]
     fn select(mask: LaneMask<S>, a: Self, b: Self) -> Self {
-        Self(mask.mask().select(a.0, b.0))
+        Self(mask.0.select(a.0, b.0))
     }
 
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        let [a, b, c, d] = self.store();
-        Self::load(self.0.token(), &[f(a), f(b), f(c), f(d)])
+        let [a, b, c, d, e, g, h, i] = self.store();
+        Self::load(self.0.token(), &[f(a), f(b), f(c), f(d), f(e), f(g), f(h), f(i)])
     }
 
     #[inline(always)]
     fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let ([a, b, c, d], [e, g, h, i]) = (self.store(), other.store());
-        Self::load(self.0.token(), &[f(a, e), f(b, g), f(c, h), f(d, i)])
+        let (mut numbers, other) = (self.store(), other.store());
+        for (number, other) in numbers.iter_mut().zip(other) {
+            *number = f(*number, other);
+        }
+        Self::load(self.0.token(), &numbers)
     }
 
     #[inline(always)]
@@ -266,7 +292,7 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn from_bits(bits: LaneBits<S>) -> Self {
-        Self(f64x4::from_bits(bits.0))
+        Self(f64x8::from_bits(bits.0))
     }
 }
 
@@ -369,12 +395,18 @@ mod tests {
     }
 
     #[test]
-    #[allow(unused_variables, reason = "some functions have one argument")]
     fn computations_in_lanes_have_the_bits_of_those_by_themselves() {
-        let Some(LaneLevel::Avx2(simd)) = LaneLevel::detect() else {
+        let levels = [LaneLevel::avx2(), LaneLevel::best()];
+        if levels[0].is_none() {
             println!("skipped: this processor lacks AVX2");
-            return;
-        };
+        }
+        for level in levels.into_iter().flatten() {
+            dispatch!(level, simd => assert_same_bits(simd));
+        }
+    }
+
+    #[allow(unused_variables, reason = "some functions have one argument")]
+    fn assert_same_bits<S: Simd>(simd: S) {
         assert_same! { simd,
             "sum": |a, b| a + b * 0.5 - (a - 0.25);
             "product": |a, b| a * b;

@@ -102,6 +102,7 @@ pub use color_texture::ColorTexture;
 pub use eval_context::MaterialEvalContext;
 pub use float_texture::{Channel, FloatTexture};
 pub use interior_list::InteriorList;
+pub use lanes::LaneLevel;
 pub use layered_surface::{LayeredBase, LayeredSurface};
 pub use light::{DeltaLiSample, DeltaLight, DeltaLightKind, Falloff, Light, LightUnits};
 pub use light_tracing::{

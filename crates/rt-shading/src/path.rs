@@ -99,15 +99,15 @@ impl<S: Sampler + Clone> PathTracer<S> {
             next: RayQueues::default(),
             shadows: ShadowRayQueue::default(),
             queues: QueueKind::ALL.map(VertexQueue::new),
-            lanes: LaneLevel::detect(),
+            lanes: LaneLevel::best(),
             scene_emits: false,
             counts: ShadingCounts::default(),
         }
     }
 
-    /// Shades in SIMD lanes or not, where the processor has them. The result is bit-identical.
-    pub fn set_lanes(&mut self, in_lanes: bool) {
-        self.lanes = LaneLevel::detect().filter(|_| in_lanes);
+    /// Shades in SIMD lanes of this level, or with `None` one vertex at a time. The result is bit-identical.
+    pub fn set_lanes(&mut self, level: Option<LaneLevel>) {
+        self.lanes = level;
     }
 
     /// Sets the media around the camera: one list for all paths, or one for each path of the next wave. Without a list, all

@@ -80,10 +80,10 @@ impl Whitted {
         }
     }
 
-    /// Shades spheres, flat triangles and planes in SIMD lanes where the processor has them. The result is bit-identical. All later calls must be with this
-    /// appearance.
-    pub fn shade_in_lanes(&mut self, appearance: &Appearance) {
-        self.lanes = LaneLevel::detect();
+    /// Shades spheres, flat triangles and planes in SIMD lanes of this level. The result is bit-identical. All later calls must
+    /// be with this appearance.
+    pub fn shade_in_lanes(&mut self, level: LaneLevel, appearance: &Appearance) {
+        self.lanes = Some(level);
         self.phongs = LanePhong::of_all(appearance, &self.features);
     }
 

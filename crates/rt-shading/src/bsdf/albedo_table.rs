@@ -6,7 +6,7 @@ use super::{
     schlick::schlick_weight,
 };
 use crate::{
-    lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd},
+    lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd, dispatch},
     optics::reflect_lanes,
 };
 use core::f64::consts::TAU;
@@ -100,25 +100,26 @@ pub(super) fn directional_lanes<S: Simd>(simd: S, layers: &[Option<LayerAlbedo>;
     let (from, to) = (from * from, to * to);
     let fraction = (x - from) / (to - from);
     let columns = below.store();
-    let mut cells = [[[[0.0; 2]; 2]; 2]; LANES];
+    // By row, column and part.
+    let mut cells = [[[LaneArray::default(); 2]; 2]; 2];
     let mut between_rows = [0.0; LANES];
     for lane in 0..LANES {
         let (Some(layer), column) = (&layers[lane], columns[lane] as usize) else { continue };
-        for (cell, row) in cells[lane].iter_mut().zip(&layer.rows) {
-            if let Some(&[from, to]) = row.albedo.get(column..column + 2).and_then(|pair| pair.first_chunk()) {
-                *cell = [from, to];
+        for (cells, row) in cells.iter_mut().zip(&layer.rows) {
+            let Some(splits) = row.albedo.get(column..column + 2) else { continue };
+            for (cell, [along, grazing]) in cells.iter_mut().zip(splits) {
+                (cell[0][lane], cell[1][lane]) = (*along, *grazing);
             }
         }
         between_rows[lane] = layer.fraction;
     }
-    let [a, b, c, d] = &cells;
     let between_rows = Lanes::load(simd, &between_rows);
     let mut split = [zero; 2];
     for part in 0..2 {
         let mut of_rows = [zero; 2];
         for row in 0..2 {
-            let from = Lanes::load(simd, &[a[row][0][part], b[row][0][part], c[row][0][part], d[row][0][part]]);
-            let to = Lanes::load(simd, &[a[row][1][part], b[row][1][part], c[row][1][part], d[row][1][part]]);
+            let [from, to] = &cells[row];
+            let (from, to) = (Lanes::load(simd, &from[part]), Lanes::load(simd, &to[part]));
             of_rows[row] = from + (to - from) * fraction;
         }
         split[part] = of_rows[0] + (of_rows[1] - of_rows[0]) * between_rows;
@@ -195,12 +196,11 @@ fn directional_albedo(cos: f64, roughness: f64, lattice: &[LatticePoint]) -> Spl
     // The limit towards 90°: at 90° itself no facet is visible.
     let cos = cos.max(1e-6);
     let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
-    let sum = match LaneLevel::detect() {
-        #[cfg(target_arch = "x86_64")]
-        Some(LaneLevel::Avx2(simd)) => simd.vectorize(
+    let sum = match LaneLevel::best() {
+        Some(level) => dispatch!(level, simd => simd.vectorize(
             #[inline(always)]
             || weight_in_lanes(simd, facets.alpha(), wo, lattice),
-        ),
+        )),
         None => weight_of_points(facets.alpha(), wo, lattice),
     };
     sum.map(|sum| sum / lattice.len() as f64)

@@ -31,7 +31,7 @@ impl MetallicRoughnessLayer {
     }
 }
 
-/// Parameters of four [`MetallicRoughnessLayer`]s.
+/// Parameters of eight [`MetallicRoughnessLayer`]s.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MetallicRoughnessBlock {
     /// In \[0, 1\].
@@ -51,7 +51,7 @@ impl MetallicRoughnessBlock {
     }
 }
 
-/// Four surfaces from the side of their viewers.
+/// Eight surfaces from the side of their viewers.
 pub(crate) struct MetallicRoughnessLanes<S: Simd> {
     simd: S,
     albedos: [Option<LayerAlbedo>; LANES],

@@ -286,9 +286,12 @@ mod tests {
     }
 
     #[test]
-    #[cfg(target_arch = "x86_64")]
     fn lanes_choose_the_lights_of_scalars() {
-        let Some(crate::lanes::LaneLevel::Avx2(simd)) = crate::lanes::LaneLevel::detect() else { return };
+        let Some(level) = crate::lanes::LaneLevel::best() else { return };
+        crate::lanes::dispatch!(level, simd => assert_lanes_choose_the_lights_of_scalars(simd));
+    }
+
+    fn assert_lanes_choose_the_lights_of_scalars<S: Simd>(simd: S) {
         let number = |at, dimension| rt_math::random::unit(rt_math::random::hash(&[51, at, dimension]));
         let vector = |at, first| DVec3::from([0, 1, 2].map(|axis| number(at, first + axis) - 0.5));
         let quads = (0..40).map(|at| {

@@ -5,7 +5,7 @@ mod split;
 use super::light_bounds::{LightBounds, LightExtent};
 use super::piecewise_constant::BELOW_ONE;
 use super::power_sampler::SampledLight;
-use crate::lanes::{LANES, LaneMask, Lanes, Simd, each_lane};
+use crate::lanes::{ALL_LANES, LANES, LaneMask, Lanes, Simd, each_lane};
 use rt_math::{DVec3, Real, Vector3};
 use split::split;
 
@@ -111,7 +111,7 @@ impl LightTree {
         let (mut at, mut lights) = ([0usize; LANES], [0u32; LANES]);
         let mut u = zero.max(u.min(below_one));
         let mut probability = Lanes::splat(simd, 1.0);
-        let mut waiting = (1u8 << LANES) - 1;
+        let mut waiting = ALL_LANES;
         while let Some(lane) = each_lane(waiting).next() {
             let mut here = 0;
             for other in each_lane(waiting) {

@@ -6,7 +6,7 @@ use super::lane_bsdf::LaneBsdf;
 use super::vertex_block::{Block, DeltaBlock, FollowedLobes, FrameLanes, IncidentLanes, ScatteredBlock, replace};
 use crate::{
     DeltaLight,
-    lanes::{LANES, LaneMask, Lanes, Simd, each_lane, get, is_zero, set, set_rgb},
+    lanes::{LANES, LaneMask, Lanes, Simd, each_lane, first_lanes, get, is_zero, set, set_rgb},
     light::{Light, LightSet, QuadLight},
 };
 use rt_math::{Real, Rgb, Vector3};
@@ -18,7 +18,7 @@ pub(super) fn sample_lights<S: Simd>(simd: S, blocks: &mut [Block], n_vertices: 
         || {
             for (at, block) in blocks.iter_mut().enumerate() {
                 let n_used = (n_vertices - at * LANES).min(LANES);
-                sample_light(simd, block, (1 << n_used) - 1, lights);
+                sample_light(simd, block, first_lanes(n_used), lights);
             }
         },
     );

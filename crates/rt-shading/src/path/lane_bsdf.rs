@@ -1,4 +1,4 @@
-//! BSDFs of four path vertices in lanes, one type for each queue of vertices.
+//! BSDFs of eight path vertices in lanes, one type for each queue of vertices.
 
 use super::vertex_block::{Block, FollowedLobes};
 use crate::{
@@ -9,7 +9,7 @@ use crate::{
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{Real, Vector3};
 
-/// BSDFs of four vertices. All directions are above the surface.
+/// BSDFs of eight vertices. All directions are above the surface.
 pub(super) trait LaneBsdf<S: Simd>: Sized {
     /// BSDFs of the block, seen from `wo`.
     fn load(simd: S, block: &Block, wo: Vector3<Lanes<S>>) -> Self;

@@ -146,14 +146,16 @@ fn trace(
 ) -> (Vec<RadianceSample>, ShadingCounts) {
     let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
     let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
-    let [(seen, counts), (of_scalars, counts_of_scalars)] = [true, false].map(|in_lanes| {
+    let levels = [LaneLevel::avx2(), LaneLevel::best(), None];
+    let [in_avx2, (seen, counts), (of_scalars, counts_of_scalars)] = levels.map(|level| {
         let mut seen = vec![RadianceSample::MISS; rays.len()];
         let mut wave = PathTracer::new(settings, ShadingFeatures::of(lighting.appearance, |_| true));
-        wave.set_lanes(in_lanes);
+        wave.set_lanes(level);
         wave.set_surroundings(surroundings);
         wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
         (seen, wave.take_counts())
     });
+    assert!(in_avx2 == (seen.clone(), counts), "AVX2 differs from the best level");
     assert_eq!(counts.without_lanes(), counts_of_scalars, "{settings:?}");
     assert!(counts.lanes_used <= counts.lanes, "{counts:?}");
     for (at, (in_lanes, by_itself)) in seen.iter().zip(&of_scalars).enumerate() {
@@ -260,7 +262,7 @@ fn a_floor_at_height_zero_is_shaded_in_lanes() {
     let rays: Vec<_> = (0..40).map(|i| Ray::new(DVec3::new(0.1 * f64::from(i), 1.0, 0.3), DVec3::NEG_Y)).collect();
     let (seen, counts) = trace(&mut scene.shapes, lighting, paths(0), &[InteriorList::default()], &rays);
     assert!(seen.iter().all(|seen| !seen.radiance.is_black()));
-    assert!((counts.lanes_used, counts.lanes) == (40, 40) || LaneLevel::detect().is_none(), "{counts:?}");
+    assert!((counts.lanes_used, counts.lanes) == (40, 40) || LaneLevel::best().is_none(), "{counts:?}");
 }
 
 #[test]

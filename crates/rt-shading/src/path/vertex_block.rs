@@ -1,4 +1,4 @@
-//! Blocks of four path vertices, and their shading frames in lanes.
+//! Blocks of eight path vertices, and their shading frames in lanes.
 
 use crate::{
     bsdf::{DiffusePhongLanes, HORIZON, MetallicRoughnessBlock},
@@ -8,7 +8,7 @@ use crate::{
 use rt_geometry::offset_point;
 use rt_math::{Real, Vector3, tangents};
 
-/// Four vertices: inputs, light samples and results.
+/// Eight vertices: inputs, light samples and results.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     /// Lanes without a rare case so far; all others are shaded one by one.
@@ -46,7 +46,7 @@ pub(super) struct Block {
     pub(super) scattered: ScatteredBlock,
 }
 
-/// Shapes of four hits. Bit `i` of a mask is for lane `i`; the numbers of lanes in no mask are left over.
+/// Shapes of eight hits. Bit `i` of a mask is for lane `i`; the numbers of lanes in no mask are left over.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShapeBlock {
     /// Lanes with a triangle, and with a sphere.
@@ -60,7 +60,7 @@ pub(super) struct ShapeBlock {
     pub(super) direction: Vector3<LaneArray>,
 }
 
-/// Phong lobes of four vertices, with the weights and probabilities of [`WeightedPhong`](crate::bsdf::WeightedPhong).
+/// Phong lobes of eight vertices, with the weights and probabilities of [`WeightedPhong`](crate::bsdf::WeightedPhong).
 #[derive(Clone, Debug, Default)]
 pub(super) struct PhongBlock {
     pub(super) reflectance: Vector3<LaneArray>,
@@ -80,7 +80,7 @@ pub(super) enum FollowedLobes {
     All,
 }
 
-/// Light samples of four vertices.
+/// Light samples of eight vertices.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LightBlock {
     pub(super) direction: Vector3<LaneArray>,
@@ -93,7 +93,7 @@ pub(super) struct LightBlock {
     pub(super) pdf: LaneArray,
 }
 
-/// Light of one delta light at four vertices. Bit `i` of a mask is for lane `i`.
+/// Light of one delta light at eight vertices. Bit `i` of a mask is for lane `i`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DeltaBlock {
     /// Lanes that reflect light.
@@ -107,7 +107,7 @@ pub(super) struct DeltaBlock {
     pub(super) shadow_end: LaneArray,
 }
 
-/// Results of four vertices. Bit `i` of a mask is for lane `i`.
+/// Results of eight vertices. Bit `i` of a mask is for lane `i`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ScatteredBlock {
     /// Lanes with valid results; all others are shaded one by one.
@@ -130,7 +130,7 @@ pub(super) struct ScatteredBlock {
     pub(super) pdf: LaneArray,
 }
 
-/// Shading frames of four vertices, in registers.
+/// Shading frames of eight vertices, in registers.
 pub(super) struct FrameLanes<S: Simd> {
     pub(super) point: Vector3<Lanes<S>>,
     pub(super) point_error: Vector3<Lanes<S>>,
@@ -149,7 +149,7 @@ pub(super) struct FrameLanes<S: Simd> {
     side: Lanes<S>,
 }
 
-/// Directions of light from four points, in registers.
+/// Directions of light from eight points, in registers.
 pub(super) struct IncidentLanes<S: Simd> {
     /// In the shading frame, above the surface if `is_reflected`.
     pub(super) local: Vector3<Lanes<S>>,

@@ -19,7 +19,7 @@ use crate::{
         Bsdf, Coupling, DiffusePhong, LaneSurface, MetallicRoughness, MetallicRoughnessLanes, OrenNayar, PhongLobe,
         WeightedPhong,
     },
-    lanes::{LANES, LaneArray, LaneLevel, get, get_rgb, set, set_rgb},
+    lanes::{LANES, LaneArray, LaneLevel, dispatch, get, get_rgb, set, set_rgb},
     light::LightSet,
     viewed_surface::ViewedSurface,
 };
@@ -325,30 +325,21 @@ impl<S: Sampler + Clone> VertexQueue<S> {
     /// Samples lights and the next direction of each path.
     pub(super) fn shade(&mut self, level: LaneLevel, lights: &LightSet, lobes: FollowedLobes) {
         let blocks = &mut self.blocks[..self.vertices.len().div_ceil(LANES)];
-        match level {
-            #[cfg(target_arch = "x86_64")]
-            LaneLevel::Avx2(simd) => compute_surfaces(simd, blocks),
-        }
+        dispatch!(level, simd => compute_surfaces(simd, blocks));
         if lights.sampled_lights().is_empty() {
             blocks.iter_mut().for_each(|block| block.light.pdf = [0.0; LANES]);
         } else {
-            match level {
-                #[cfg(target_arch = "x86_64")]
-                LaneLevel::Avx2(simd) => sample_lights(simd, blocks, self.vertices.len(), lights),
-            }
+            dispatch!(level, simd => sample_lights(simd, blocks, self.vertices.len(), lights));
         }
         let delta = &mut self.delta;
         delta.clear();
-        match level {
-            #[cfg(target_arch = "x86_64")]
-            LaneLevel::Avx2(simd) => match self.kind {
-                QueueKind::Diffuse => scatter::<_, Diffuse<_>>(simd, blocks, lights, delta, lobes),
-                QueueKind::DiffusePhong => scatter::<_, DiffuseAndPhong<_>>(simd, blocks, lights, delta, lobes),
-                QueueKind::MetallicRoughness => {
-                    scatter::<_, MetallicRoughnessLanes<_>>(simd, blocks, lights, delta, lobes)
-                }
-            },
-        }
+        dispatch!(level, simd => match self.kind {
+            QueueKind::Diffuse => scatter::<_, Diffuse<_>>(simd, blocks, lights, delta, lobes),
+            QueueKind::DiffusePhong => scatter::<_, DiffuseAndPhong<_>>(simd, blocks, lights, delta, lobes),
+            QueueKind::MetallicRoughness => {
+                scatter::<_, MetallicRoughnessLanes<_>>(simd, blocks, lights, delta, lobes)
+            }
+        });
     }
 
     /// Light of the delta light number `number` of `count` at the vertex `at`.

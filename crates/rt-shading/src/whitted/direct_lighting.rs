@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     RadianceSample,
-    lanes::{LANES, LaneArray, LaneLevel, LaneMask, Lanes, Simd, each_lane, get, get_rgb},
+    lanes::{LANES, LaneArray, LaneLevel, LaneMask, Lanes, Simd, dispatch, each_lane, get, get_rgb},
 };
 use rt_math::{Interval, Ray, Rgb, Vector3};
 
@@ -16,7 +16,7 @@ pub(super) struct DirectLighting {
     surfaces: Vec<ShadedHit>,
     /// Unoccluded reflected radiance, with the light and index of its shadow ray.
     reflected: Vec<(Rgb, Option<(u32, u32)>)>,
-    /// Surfaces that were shaded in lanes, four each.
+    /// Surfaces that were shaded in lanes, eight each.
     blocks: Vec<ShadedBlock>,
     /// Light that these reflect, by block and light.
     reflected_blocks: Vec<ReflectedBlock>,
@@ -35,7 +35,7 @@ struct ShadedHit {
     end: u32,
 }
 
-/// Version of [`ShadedHit`] for four hits. Bit `i` of a mask is for lane `i`.
+/// Version of [`ShadedHit`] for eight hits. Bit `i` of a mask is for lane `i`.
 #[derive(Clone, Debug)]
 struct ShadedBlock {
     /// Lanes with a hit.
@@ -45,7 +45,7 @@ struct ShadedBlock {
     radiance: Vector3<LaneArray>,
 }
 
-/// Light from one light that four surfaces reflect. Bit `i` of a mask is for lane `i`.
+/// Light from one light that eight surfaces reflect. Bit `i` of a mask is for lane `i`.
 #[derive(Clone, Debug)]
 struct ReflectedBlock {
     /// Lanes that reflect light.
@@ -154,13 +154,11 @@ impl DirectLighting {
         }
         self.surfaces.clear();
         self.reflected.clear();
-        match level {
-            #[cfg(target_arch = "x86_64")]
-            Some(LaneLevel::Avx2(simd)) => simd.vectorize(
+        if let Some(level) = level {
+            dispatch!(level, simd => simd.vectorize(
                 #[inline(always)]
                 || self.resolve_blocks(simd, seen),
-            ),
-            None => {}
+            ));
         }
         self.blocks.clear();
         self.reflected_blocks.clear();

@@ -1,21 +1,21 @@
-//! Blocks of four hits on shapes of one kind, and what is computed for them in lanes.
+//! Blocks of eight hits on shapes of one kind, and what is computed for them in lanes.
 
 use super::{
-    hit_queue::{QueuedHit, four},
+    hit_queue::{QueuedHit, eight},
     lane_phong::{LanePhong, UniformPhong},
-    point_lanes::{PointLanes, ShapeLanes, gather, gather_vector, odd_squares},
+    point_lanes::{PointLanes, ShapeLanes, each, gather, gather_vector, odd_squares},
     wave::TreePath,
 };
 use crate::{
     DeltaLight, ShadingFeatures,
-    lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, get, is_zero},
+    lanes::{LANES, LaneArray, LaneMask, Lanes, Simd, first_lanes, get, is_zero},
     optics,
 };
 use rt_geometry::offset_point;
 use rt_math::float::is_sign_certain;
 use rt_math::{Interval, Mask, Ray, Real, Vector3};
 
-/// Four hits: surfaces, and media on both sides. Bit `i` of a mask is for lane `i`.
+/// Eight hits: surfaces, and media on both sides. Bit `i` of a mask is for lane `i`.
 pub(super) struct HitBlock<S: Simd> {
     /// Lanes with valid results; all others are shaded one by one.
     pub(super) valid: u8,
@@ -42,7 +42,7 @@ pub(super) struct HitBlock<S: Simd> {
     surface: SurfaceLanes<S>,
 }
 
-/// Surfaces of four hits, in registers.
+/// Surfaces of eight hits, in registers.
 struct SurfaceLanes<S: Simd> {
     point: Vector3<Lanes<S>>,
     error: Vector3<Lanes<S>>,
@@ -57,7 +57,7 @@ struct SurfaceLanes<S: Simd> {
     near_origin: Vector3<Lanes<S>>,
 }
 
-/// Secondary rays of four hits.
+/// Secondary rays of eight hits.
 #[derive(Default)]
 pub(super) struct SecondaryRays {
     pub(super) mirrored: RayBlock,
@@ -68,7 +68,7 @@ pub(super) struct SecondaryRays {
     pub(super) fresnel: u8,
 }
 
-/// Rays from four hits.
+/// Rays from eight hits.
 #[derive(Default)]
 pub(super) struct RayBlock {
     /// Lanes with a ray.
@@ -79,7 +79,7 @@ pub(super) struct RayBlock {
     pub(super) weight: Vector3<LaneArray>,
 }
 
-/// Light from one light that four surfaces reflect, in registers. Bit `i` of a mask is for lane `i`.
+/// Light from one light that eight surfaces reflect, in registers. Bit `i` of a mask is for lane `i`.
 pub(super) struct ReflectedLanes<S: Simd> {
     /// Valid lanes that reflect light. All else holds only there.
     pub(super) lit: u8,
@@ -91,7 +91,7 @@ pub(super) struct ReflectedLanes<S: Simd> {
     pub(super) shadow_end: Lanes<S>,
 }
 
-/// Phong models of four hits, in registers.
+/// Phong models of eight hits, in registers.
 pub(super) struct PhongLanes<'a, S: Simd> {
     pub(super) models: [&'a UniformPhong; LANES],
     diffuse: Vector3<Lanes<S>>,
@@ -100,7 +100,7 @@ pub(super) struct PhongLanes<'a, S: Simd> {
 }
 
 impl<S: Simd> HitBlock<S> {
-    /// Computes the surfaces of one to four hits of rays. Rays may be followed for up to `max_depth` bounces.
+    /// Computes the surfaces of one to eight hits of rays. Rays may be followed for up to `max_depth` bounces.
     #[inline(always)]
     pub(super) fn new<T: ShapeLanes>(
         simd: S,
@@ -108,13 +108,11 @@ impl<S: Simd> HitBlock<S> {
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
         max_depth: u32,
     ) -> Self {
-        let hit_lanes = (1 << hits.len()) - 1;
-        let hits = four(hits);
-        let [a, b, c, d] = hits;
-        let shapes = [&a.shape, &b.shape, &c.shape, &d.shape];
-        let (a, b, c, d) = (a.ray as usize, b.ray as usize, c.ray as usize, d.ray as usize);
-        let rays = [&rays[a].0, &rays[b].0, &rays[c].0, &rays[d].0];
-        let paths = [&paths[a], &paths[b], &paths[c], &paths[d]];
+        let hit_lanes = first_lanes(hits.len());
+        let hits = eight(hits);
+        let shapes = each!(hits, |hit| &hit.shape);
+        let paths = each!(hits, |hit| &paths[hit.ray as usize]);
+        let rays = each!(hits, |hit| &rays[hit.ray as usize].0);
         let origin = gather_vector!(simd, rays, |ray| ray.origin, x y z);
         let direction = gather_vector!(simd, rays, |ray| ray.direction, x y z);
         let t = gather!(simd, hits, |queued| queued.t);
@@ -125,14 +123,14 @@ impl<S: Simd> HitBlock<S> {
         let is_inside = direction.dot(outside).gt(Lanes::splat(simd, 0.0));
         let normal = Vector3::select(is_inside, -outside, outside);
         let (near_origin, is_offset) = offset_point(point, error, outside, normal);
-        let follows = |lane: usize| u8::from(paths[lane].depth < max_depth) << lane;
+        let [a, b, c, d, e, f, g, h] = each!(paths, |path, lane| u8::from(path.depth < max_depth) << lane);
         Self {
             valid: hit_lanes & has_colours & (has_normal & is_offset).bits(),
             inside: is_inside.bits(),
             odd,
-            continues: follows(0) | follows(1) | follows(2) | follows(3),
-            samples: [paths[0].sample, paths[1].sample, paths[2].sample, paths[3].sample],
-            times: [rays[0].time, rays[1].time, rays[2].time, rays[3].time],
+            continues: a | b | c | d | e | f | g | h,
+            samples: each!(paths, |path| path.sample),
+            times: each!(rays, |ray| ray.time),
             weight: Lanes::store_vector(gather_vector!(simd, paths, |path| path.weight, r g b)),
             length: length.store(),
             absorbed: 0,
@@ -160,8 +158,8 @@ impl<S: Simd> HitBlock<S> {
             let eta = Lanes::load(simd, &self.eta);
             // An index-matched interface does not deflect or reflect the ray.
             let is_null = eta.eq(one);
-            let [a, b, c, d] = phongs;
-            let has_fresnel = transmits & (a.fresnel_bit(0) | b.fresnel_bit(1) | c.fresnel_bit(2) | d.fresnel_bit(3));
+            let [a, b, c, d, e, f, g, h] = each!(phongs, |phong, lane| phong.fresnel_bit(lane));
+            let has_fresnel = transmits & (a | b | c | d | e | f | g | h);
             let is_fresnel = LaneMask::from_bits(simd, has_fresnel);
             if features.fresnel && has_fresnel != 0 {
                 rays.fresnel = has_fresnel;
@@ -262,14 +260,8 @@ impl<S: Simd> HitBlock<S> {
     /// Emission and reflected ambient light.
     #[inline(always)]
     pub(super) fn radiance(&self, simd: S, phongs: [&UniformPhong; LANES]) -> Vector3<Lanes<S>> {
-        let ([a, b, c, d], inside) = (phongs, self.inside);
-        let [a, b, c, d] = [
-            a.radiance_from(inside),
-            b.radiance_from(inside >> 1),
-            c.radiance_from(inside >> 2),
-            d.radiance_from(inside >> 3),
-        ];
-        gather_vector!(simd, [a, b, c, d], |radiance| radiance, r g b)
+        let radiance = each!(phongs, |phong, lane| phong.radiance_from(self.inside >> lane));
+        gather_vector!(simd, radiance, |radiance| radiance, r g b)
     }
 }
 
@@ -288,7 +280,7 @@ impl RayBlock {
 }
 
 impl<'a, S: Simd> PhongLanes<'a, S> {
-    /// Loads the models of four hits.
+    /// Loads the models of eight hits.
     #[inline(always)]
     pub(super) fn new(simd: S, models: [&'a UniformPhong; LANES]) -> Self {
         let diffuse = gather_vector!(simd, models, |phong| phong.diffuse, r g b);
@@ -296,7 +288,7 @@ impl<'a, S: Simd> PhongLanes<'a, S> {
         Self { models, diffuse, specular, has_highlight: !is_zero(specular) }
     }
 
-    /// Version of [`Highlight::strength`](crate::Highlight::strength) for four models, given the normal, `wo` and `wi`.
+    /// Version of [`Highlight::strength`](crate::Highlight::strength) for eight models, given the normal, `wo` and `wi`.
     #[inline(always)]
     fn highlight_strength(&self, simd: S, vectors: [Vector3<Lanes<S>>; 3]) -> Lanes<S> {
         let first = self.models[0];
@@ -312,7 +304,7 @@ impl<'a, S: Simd> PhongLanes<'a, S> {
     }
 }
 
-/// Version of [`Whitted::is_significant`](super::Whitted::is_significant) for four weights, and true where its result holds: for
+/// Version of [`Whitted::is_significant`](super::Whitted::is_significant) for eight weights, and true where its result holds: for
 /// numbers.
 #[inline(always)]
 fn is_significant<R: Real>(weight: Vector3<R>, min_contribution: f64) -> (R::Mask, R::Mask) {

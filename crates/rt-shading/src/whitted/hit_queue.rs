@@ -61,7 +61,8 @@ impl<T: Copy> QueuedHit<T> {
 
 /// Items of all lanes; the last one repeats in lanes without an item.
 #[inline(always)]
-pub(super) fn four<T>(items: &[T]) -> [&T; LANES] {
+pub(super) fn eight<T>(items: &[T]) -> [&T; LANES] {
     let last = items.len() - 1;
-    [&items[0], &items[1.min(last)], &items[2.min(last)], &items[last]]
+    let at = |lane: usize| &items[lane.min(last)];
+    [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)]
 }

@@ -1,4 +1,4 @@
-//! Points, normals and squares of checkerboards of four hits, in lanes.
+//! Points, normals and squares of checkerboards of eight hits, in lanes.
 
 use super::lane_phong::LanePhong;
 use crate::{
@@ -8,33 +8,31 @@ use crate::{
 use rt_geometry::{Sphere, interpolate, plane_point, plane_uv, sphere_point, triangle_point};
 use rt_math::{Real, Vector3};
 
-/// Numbers of four items, in lanes.
-macro_rules! gather {
-    ($simd:expr, $items:expr, |$item:ident| $number:expr) => {{
-        let [a, b, c, d] = $items;
-        let numbers = [
-            {
-                let $item = a;
-                $number
-            },
-            {
-                let $item = b;
-                $number
-            },
-            {
-                let $item = c;
-                $number
-            },
-            {
-                let $item = d;
-                $number
-            },
-        ];
-        Lanes::load($simd, &numbers)
+/// An expression for each of eight items, with the lane if it is named.
+macro_rules! each {
+    ($items:expr, |$item:ident| $value:expr) => {
+        each!($items, |$item, _lane| $value)
+    };
+    ($items:expr, |$item:ident, $lane:ident| $value:expr) => {{
+        let [a, b, c, d, e, f, g, h] = $items;
+        each!(@ $item $lane $value; a 0, b 1, c 2, d 3, e 4, f 5, g 6, h 7)
     }};
+    (@ $item:ident $lane:ident $value:expr; $($each:ident $index:literal),*) => {
+        [$({
+            let ($item, $lane) = ($each, $index);
+            $value
+        }),*]
+    };
 }
 
-/// Vectors of four items, in lanes.
+/// Numbers of eight items, in lanes.
+macro_rules! gather {
+    ($simd:expr, $items:expr, |$item:ident| $number:expr) => {
+        Lanes::load($simd, &each!($items, |$item| $number))
+    };
+}
+
+/// Vectors of eight items, in lanes.
 macro_rules! gather_vector {
     ($simd:expr, $items:expr, |$item:ident| $vector:expr, $x:ident $y:ident $z:ident) => {
         Vector3::new(
@@ -45,9 +43,9 @@ macro_rules! gather_vector {
     };
 }
 
-pub(super) use {gather, gather_vector};
+pub(super) use {each, gather, gather_vector};
 
-/// Points and normals of four hits, in registers.
+/// Points and normals of eight hits, in registers.
 pub(super) struct PointLanes<S: Simd> {
     pub(super) point: Vector3<Lanes<S>>,
     pub(super) error: Vector3<Lanes<S>>,
@@ -157,8 +155,7 @@ pub(super) fn odd_squares<S: Simd, T: ShapeLanes>(
     ray: [Vector3<Lanes<S>>; 2],
     t: Lanes<S>,
 ) -> (u8, u8) {
-    let [a, b, c, d] = phongs;
-    if !(a.is_checkered() || b.is_checkered() || c.is_checkered() || d.is_checkered()) {
+    if !phongs.iter().any(|phong| phong.is_checkered()) {
         return (0, !0);
     }
     let Some([u, v]) = T::uv(simd, shapes, ray, t) else { return (0, !0) };

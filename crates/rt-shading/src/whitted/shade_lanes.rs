@@ -10,15 +10,15 @@
 use super::{
     Whitted,
     hit_block::{HitBlock, PhongLanes, RayBlock, SecondaryRays},
-    hit_queue::{QueuedHit, four},
+    hit_queue::{QueuedHit, eight},
     lane_phong::LanePhong,
-    point_lanes::ShapeLanes,
+    point_lanes::{ShapeLanes, each},
     wave::TreePath,
 };
 use crate::{
     Appearance, RadianceSample,
     hit_context::SurfaceTransmission,
-    lanes::{LANES, LaneLevel, Simd, each_lane, get_rgb, set_rgb},
+    lanes::{LANES, LaneLevel, Simd, dispatch, each_lane, first_lanes, get_rgb, set_rgb},
     medium::absorb,
 };
 use rt_math::{Interval, Ray};
@@ -52,17 +52,14 @@ impl Whitted {
         if hits.is_empty() {
             return;
         }
-        match level {
-            #[cfg(target_arch = "x86_64")]
-            LaneLevel::Avx2(simd) => simd.vectorize(
-                #[inline(always)]
-                || self.shade_blocks(simd, appearance, (hits, phongs), (rays, paths), seen),
-            ),
-        }
+        dispatch!(level, simd => simd.vectorize(
+            #[inline(always)]
+            || self.shade_blocks(simd, appearance, (hits, phongs), (rays, paths), seen),
+        ));
         hits.clear();
     }
 
-    /// Shades hits, four at a time, and those in which a rare case occurs by themselves.
+    /// Shades hits, eight at a time, and those in which a rare case occurs by themselves.
     #[inline(always)]
     fn shade_blocks<S: Simd, T: ShapeLanes>(
         &mut self,
@@ -74,7 +71,7 @@ impl Whitted {
     ) {
         for hits in hits.chunks(LANES) {
             let valid = self.shade_block(simd, appearance, (hits, phongs), (rays, paths));
-            let rare = !valid & ((1 << hits.len()) - 1);
+            let rare = !valid & first_lanes(hits.len());
             self.counts.lanes += LANES as u64;
             self.counts.lanes_used += u64::from(hits.len() as u32 - rare.count_ones());
             for lane in each_lane(rare) {
@@ -86,7 +83,7 @@ impl Whitted {
         }
     }
 
-    /// Shades one to four hits. Bit `i` of the result is set for hit `i`, unless it must be shaded by itself.
+    /// Shades one to eight hits. Bit `i` of the result is set for hit `i`, unless it must be shaded by itself.
     #[inline(always)]
     fn shade_block<S: Simd, T: ShapeLanes>(
         &mut self,
@@ -95,14 +92,13 @@ impl Whitted {
         (hits, phongs): (&[QueuedHit<T>], &[Option<LanePhong>]),
         (rays, paths): (&[(Ray, Interval)], &[TreePath]),
     ) -> u8 {
-        let [a, b, c, d] = four(hits);
-        let materials = [phong(phongs, a), phong(phongs, b), phong(phongs, c), phong(phongs, d)];
+        let materials = each!(eight(hits), |hit| phong(phongs, hit));
         let mut block = HitBlock::new(simd, (hits, materials), (rays, paths), self.max_depth);
         if self.features.refraction {
             self.find_interfaces(appearance, (hits, materials), &mut block, paths);
         }
-        let (odd, [a, b, c, d]) = (block.odd, materials);
-        let phongs = [a.square(odd), b.square(odd >> 1), c.square(odd >> 2), d.square(odd >> 3)];
+        let odd = block.odd;
+        let phongs = each!(materials, |phong, lane| phong.square(odd >> lane));
         let secondary = block.secondary_rays(simd, phongs, (&self.features, self.min_contribution));
         block.exclude_grazing_lights(simd, &appearance.lights);
         let radiance = block.radiance(simd, phongs);

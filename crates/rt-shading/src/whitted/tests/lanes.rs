@@ -3,7 +3,7 @@
 use super::super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LazyHit, LazyPlane,
-    LightUnits, Material, Phong, SurfaceHit, Texture, TextureId, Transmission, TrianglePoint,
+    LightUnits, Material, Phong, SurfaceHit, Texture, TextureId, Transmission, TrianglePoint, lanes::LANES,
 };
 use rt_geometry::{InteractionFlags, Plane, Sphere};
 use rt_math::{DVec3, random};
@@ -236,7 +236,7 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOu
         assert_eq!([counts.lanes, counts.lanes_used], [0; 2]);
     } else if n_rays == 1 {
         // One hit at most in each wave.
-        assert!(counts.lanes_used * 4 <= counts.lanes, "{counts:?}");
+        assert!(counts.lanes_used * LANES as u64 <= counts.lanes, "{counts:?}");
     } else if n_rays > 1000 {
         // Few lanes are empty, and few hits are shaded by themselves.
         assert!((counts.lanes / 2..=counts.lanes).contains(&counts.lanes_used), "{counts:?}");
@@ -246,18 +246,20 @@ fn outcome(mut whitted: Whitted, appearance: &Appearance, n_rays: u32) -> LaneOu
     (seen, counts.without_lanes(), world.shadow_rays)
 }
 
-/// Outcomes in lanes and one by one; both one by one without AVX2.
+/// Outcomes in lanes, the same at all levels, and one by one; both one by one without AVX2.
 fn both(depth: u32, features: ShadingFeatures, appearance: &Appearance, n_rays: u32) -> [LaneOutcome; 2] {
-    [true, false].map(|in_lanes| {
+    let [avx2, best, by_itself] = [LaneLevel::avx2(), LaneLevel::best(), None].map(|level| {
         let mut whitted = Whitted::new(depth, 0.01, features);
-        if in_lanes {
-            whitted.shade_in_lanes(appearance);
-            if whitted.lanes.is_none() {
-                println!("skipped: this processor lacks AVX2");
-            }
+        if let Some(level) = level {
+            whitted.shade_in_lanes(level, appearance);
         }
         outcome(whitted, appearance, n_rays)
-    })
+    });
+    if LaneLevel::best().is_none() {
+        println!("skipped: this processor lacks AVX2");
+    }
+    assert!(avx2 == best, "AVX2 differs from the best level");
+    [best, by_itself]
 }
 
 #[test]
