@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use crate::erased::{self, DynPrimitives, DynRayQuery, DynRegionQuery, NodeCount};
 use crate::ray_query::{AnyHit, Closest};
-use crate::wide::{BuildParams, Quality, SimdLevel};
+use crate::wide::{BuildParams, Quality, SimdLevel, SmallSet};
 use crate::{
     Accelerator, Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery,
     RegionQuery, SphereTree, UniformGrid, ValidationError, WideBvh,
@@ -144,6 +144,11 @@ impl AnyAccelerator {
             Self::Wide(wide) => Self::Wide(wide.with_level(level)),
             other => other,
         }
+    }
+
+    /// All primitives as a [`SmallSet`], if that is how a [`Linear`] traces batches.
+    pub fn small_set(&self) -> Option<SmallSet> {
+        if let Self::Linear(linear) = self { linear.small_set() } else { None }
     }
 
     /// Passes the concrete accelerator to a visitor: one `match` for many queries.

@@ -54,7 +54,7 @@ impl Linear {
     }
 
     /// All primitives, if they are few and not a list of spheres.
-    fn small_set(&self) -> Option<SmallSet> {
+    pub(crate) fn small_set(&self) -> Option<SmallSet> {
         let are_few = self.spheres.is_none() && self.primitives as usize <= SmallSet::CAPACITY;
         are_few.then(|| SmallSet::new(0..self.primitives)).flatten().map(|few| few.with_level(self.level))
     }

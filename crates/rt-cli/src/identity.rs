@@ -126,6 +126,7 @@ fn choices(input: &InputArgs, image: &ImageArgs) -> String {
         light_sampling,
         accel: _,
         simd: _,
+        precision,
         build_quality: _,
         full_plan: _,
         view,
@@ -135,7 +136,7 @@ fn choices(input: &InputArgs, image: &ImageArgs) -> String {
     } = image;
     let of_input = (ground, lights, at_time, timing, animation, variant);
     let how_much = (size, spp, passes, adaptive, min_spp, max_depth, seed, clamp);
-    format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, view, crop, background))
+    format!("{of_input:?} {how_much:?} {:?}", (integrator, sampler, light_sampling, precision, view, crop, background))
 }
 
 #[cfg(test)]
@@ -173,6 +174,7 @@ mod tests {
             "--size 8x8",
             "--seed 1",
             "--spp 2",
+            "--precision f64",
             "--look-from 1,2,3",
             "--depth 3",
             "--clamp 3",

@@ -84,6 +84,7 @@ pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Sce
         backdrop: color.filter(|_| environment.is_some()),
         full: args.full_plan,
         simd: args.simd,
+        precision: args.precision,
         quality: args.build_quality,
         memory,
         progressive,

@@ -59,7 +59,7 @@ pub use interval::Interval;
 pub use keyframed_transform::{KeyframedTransform, KeyframedTransformError};
 pub use keyframes::{Interpolation, Keyframes, KeyframesError};
 pub use ray::Ray;
-pub use real::{Mask, Real};
+pub use real::{F32, Float64, Mask, Real};
 pub use rgb::Rgb;
 pub use sampler::Sampler;
 pub use transform::{Transform, TransformError};

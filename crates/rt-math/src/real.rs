@@ -30,18 +30,10 @@ pub trait Real:
     /// Result of a comparison: one truth value per lane.
     type Mask: Mask;
 
-    /// Representation of the number, as an unsigned integer of 64 bits per lane. Additions must not overflow.
-    type Bits: Copy
-        + Add<u64, Output = Self::Bits>
-        + BitAnd<u64, Output = Self::Bits>
-        + BitXor<Output = Self::Bits>
-        + Shl<u32, Output = Self::Bits>
-        + Shr<u32, Output = Self::Bits>;
+    /// Largest finite number of the type.
+    const MAX: f64;
 
-    /// True for a type that holds one number. Large functions are then called instead of inlined.
-    const IS_SCALAR: bool = false;
-
-    /// The number `x` in all lanes.
+    /// The number `x` in all lanes, rounded to the type.
     fn splat(self, x: f64) -> Self;
 
     /// Square root, correctly rounded; NaN below 0.
@@ -64,18 +56,6 @@ pub trait Real:
 
     /// `a` where the mask is true, `b` elsewhere.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
-
-    /// A function of each lane by itself.
-    fn map(self, f: impl Fn(f64) -> f64) -> Self;
-
-    /// A function of each lane of two numbers.
-    fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
-
-    /// Representation in the format binary64 of IEEE 754.
-    fn to_bits(self) -> Self::Bits;
-
-    /// Number of this representation.
-    fn from_bits(bits: Self::Bits) -> Self;
 
     /// `self > other`.
     #[inline(always)]
@@ -108,6 +88,32 @@ pub trait Real:
     }
 }
 
+/// An `f64`, or several in SIMD lanes, with access to the bits: the type of elementary functions.
+pub trait Float64: Real {
+    /// Representation of the number, as an unsigned integer of 64 bits per lane. Additions must not overflow.
+    type Bits: Copy
+        + Add<u64, Output = Self::Bits>
+        + BitAnd<u64, Output = Self::Bits>
+        + BitXor<Output = Self::Bits>
+        + Shl<u32, Output = Self::Bits>
+        + Shr<u32, Output = Self::Bits>;
+
+    /// True for a type that holds one number. Large functions are then called instead of inlined.
+    const IS_SCALAR: bool = false;
+
+    /// A function of each lane by itself.
+    fn map(self, f: impl Fn(f64) -> f64) -> Self;
+
+    /// A function of each lane of two numbers.
+    fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+
+    /// Representation in the format binary64 of IEEE 754.
+    fn to_bits(self) -> Self::Bits;
+
+    /// Number of this representation.
+    fn from_bits(bits: Self::Bits) -> Self;
+}
+
 /// Truth values of lanes.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// True if any lane is.
@@ -129,9 +135,8 @@ impl Mask for bool {
 
 impl Real for f64 {
     type Mask = bool;
-    type Bits = u64;
 
-    const IS_SCALAR: bool = true;
+    const MAX: f64 = Self::MAX;
 
     #[inline(always)]
     fn splat(self, x: f64) -> Self {
@@ -172,6 +177,12 @@ impl Real for f64 {
     fn select(mask: bool, a: Self, b: Self) -> Self {
         core::hint::select_unpredictable(mask, a, b)
     }
+}
+
+impl Float64 for f64 {
+    type Bits = u64;
+
+    const IS_SCALAR: bool = true;
 
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
@@ -194,6 +205,96 @@ impl Real for f64 {
     }
 }
 
+/// One `f32` as a [`Real`] number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct F32(pub f32);
+
+/// Implements operators of [`F32`] by those of `f32`.
+macro_rules! f32_operators {
+    ($($trait:ident $function:ident),*) => {$(
+        impl $trait for F32 {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                Self(self.0.$function(other.0))
+            }
+        }
+    )*};
+}
+
+/// Implements operators of [`F32`] with a number that is rounded first.
+macro_rules! f32_operators_with_f64 {
+    ($($trait:ident $function:ident),*) => {$(
+        impl $trait<f64> for F32 {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: f64) -> Self {
+                Self(self.0.$function(other as f32))
+            }
+        }
+    )*};
+}
+
+f32_operators!(Add add, Sub sub, Mul mul, Div div);
+f32_operators_with_f64!(Add add, Sub sub, Mul mul);
+
+impl Neg for F32 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Real for F32 {
+    type Mask = bool;
+
+    const MAX: f64 = f32::MAX as f64;
+
+    #[inline(always)]
+    fn splat(self, x: f64) -> Self {
+        Self(x as f32)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        Self(self.0.copysign(sign.0))
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self.0 < other.0
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self.0 <= other.0
+    }
+
+    #[inline(always)]
+    fn eq(self, other: Self) -> bool {
+        self.0 == other.0
+    }
+
+    #[inline(always)]
+    fn select(mask: bool, a: Self, b: Self) -> Self {
+        core::hint::select_unpredictable(mask, a, b)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,7 +311,7 @@ mod tests {
 
     #[test]
     fn zeros_are_equal() {
-        assert_eq!(Real::max(-0.0, 0.0).to_bits(), (-0.0f64).to_bits());
+        assert_eq!(Real::max(-0.0f64, 0.0).to_bits(), (-0.0f64).to_bits());
         assert_eq!(Real::min(0.0, -0.0).to_bits(), 0.0f64.to_bits());
     }
 }

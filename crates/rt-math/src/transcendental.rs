@@ -1,6 +1,6 @@
 //! Elementary functions with the same bits on every platform, for one number and for SIMD lanes.
 //!
-//! IEEE 754 specifies + − × ÷ and √ bit for bit, and no more. The functions that are generic over [`Real`] consist of these
+//! IEEE 754 specifies + − × ÷ and √ bit for bit, and no more. The functions that are generic over [`Float64`] consist of these
 //! operations and of integer operations on bits, without fused multiply-adds. Each lane has the bits of the scalar call. The other
 //! functions are those of the `libm` crate. Angles are in radians.
 //!
@@ -10,7 +10,7 @@
 //! 400 bits. Except in `exp`, each of the first four was rounded to `f64` before the higher ones were fitted again. The errors that are
 //! stated with the coefficients are those after rounding.
 //!
-//! [`Real`]: crate::Real
+//! [`Float64`]: crate::Float64
 
 mod exponential;
 mod inverse_trigonometric;
@@ -19,7 +19,7 @@ mod parts;
 mod tests;
 mod trigonometric;
 
-pub use exponential::{exp, exp2, log, log2, pow};
+pub use exponential::{Pow, exp, exp2, log, log2, pow};
 pub use inverse_trigonometric::{acos, asin, atan, atan2};
 pub use libm::{cbrt, hypot, lgamma, tan};
 pub use trigonometric::{cos, sin, sincos};

@@ -58,13 +58,13 @@ impl<R: Real> Vector3<R> {
     #[inline(always)]
     pub fn try_normalize(self) -> (Self, R::Mask) {
         let recip = self.length().recip();
-        (self * recip, recip.gt(recip.splat(0.0)) & recip.le(recip.splat(f64::MAX)))
+        (self * recip, recip.gt(recip.splat(0.0)) & recip.le(recip.splat(R::MAX)))
     }
 
     /// True if no coordinate is NaN or infinite.
     #[inline(always)]
     pub fn is_finite(self) -> R::Mask {
-        let max = self.x.splat(f64::MAX);
+        let max = self.x.splat(R::MAX);
         let Self { x, y, z } = self.abs();
         x.le(max) & y.le(max) & z.le(max)
     }

@@ -1,7 +1,7 @@
 //! Media around the origins of camera rays.
 
 use rt_camera::{Camera, Projection};
-use rt_math::{Aabb, DVec2, DVec3, Ray};
+use rt_math::{Aabb, DVec2, DVec3, Interval, Ray};
 use rt_scene_io::{NamedCamera, Scene};
 use rt_shading::{InteriorList, Material, SceneQueries};
 
@@ -47,6 +47,20 @@ impl CameraMedium {
             return Self::PerRay(bounds);
         }
         Self::Constant(find_enclosing(scene, world, &Ray::new(pinhole, PROBE_DIRECTION)))
+    }
+
+    /// Version of [`find`](Self::find) for several rays: `surroundings[i]` is the list of `rays[i]`.
+    pub(crate) fn find_all(
+        &self,
+        world: &mut dyn SceneQueries,
+        materials: &[Material],
+        rays: &[(Ray, Interval)],
+        surroundings: &mut Vec<InteriorList>,
+    ) {
+        surroundings.resize_with(rays.len(), InteriorList::default);
+        for ((ray, _), interior) in rays.iter().zip(surroundings) {
+            self.find(world, materials, ray, interior);
+        }
     }
 
     /// Sets `interior` to the dielectrics around the origin of a camera ray.

@@ -3,14 +3,16 @@
 use std::borrow::Cow;
 
 use rt_scene_io::{Integrator, MaterialId, Scene};
-use rt_shading::{Appearance, BsdfCache, LightSources, Material, ShadingFeatures, light::LightSet};
+use rt_shading::{
+    Appearance, BsdfCache, LightSources, Material, ShadingFeatures, StreamShape, WavefrontWhitted, light::LightSet,
+};
 
 use crate::{
     RenderError, RenderSpace,
     accel_choice::AccelOptions,
     area_lights::find_animated_light,
     flatten::flatten,
-    instance::{Aggregate, BottomLevel, InstanceGeometry},
+    instance::{Aggregate, BottomLevel, InstanceGeometry, Instances},
     light_set::light_set,
     light_sources::light_sources,
     plan_options::PlanOptions,
@@ -35,6 +37,8 @@ pub(crate) struct CompiledScene<'s> {
     /// Lights that light tracing starts from, if the integrator traces light.
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) features: ShadingFeatures,
+    /// True if `whitted` may shade the scene in `f32`, as a stream of rays.
+    pub(crate) has_stream_primitives: bool,
     /// True if a material in use emits light.
     pub(crate) has_emission: bool,
     /// True if a material in use mirrors or refracts.
@@ -79,6 +83,8 @@ impl<'s> CompiledScene<'s> {
             Integrator::Caustics => light_sources(&appearance, &lights, &world),
             _ => None,
         };
+        let has_stream_primitives =
+            integrator == Integrator::Whitted && has_stream_primitives(&appearance, &world.instances());
         Ok(Self {
             source,
             space,
@@ -90,6 +96,7 @@ impl<'s> CompiledScene<'s> {
             bsdfs,
             light_sources,
             features: if trims_shading { used_features } else { ShadingFeatures::ALL },
+            has_stream_primitives,
             has_emission: used_features.emission,
             has_specular: used_features.reflection || used_features.refraction,
         })
@@ -104,6 +111,19 @@ impl<'s> CompiledScene<'s> {
         let has_ambient = !ambient.is_black() && !integrator.gathers_background();
         !lights.is_empty() || has_ambient || (gathers && !background.is_black()) || self.has_emission
     }
+}
+
+/// True if a [`WavefrontWhitted`] supports the materials and all instances. It does not depend on what a plan leaves out.
+fn has_stream_primitives(appearance: &Appearance, world: &Instances<'_>) -> bool {
+    let materials = &appearance.materials;
+    let is_textured = |material: u32| materials.get(material as usize).is_none_or(Material::is_textured);
+    // A textured sphere needs texture coordinates, which lanes do not compute.
+    let is_supported = |index: usize| {
+        world.stream_primitive(index as u32).is_some_and(|primitive| {
+            !(matches!(primitive.shape, StreamShape::Sphere(_)) && is_textured(primitive.material))
+        })
+    };
+    WavefrontWhitted::supports(appearance) && (0..world.instances.len()).all(is_supported)
 }
 
 /// Marks the instances whose texture coordinates are used: those with a textured material.

@@ -131,6 +131,15 @@ impl PrimaryTarget<'_> {
         }
     }
 
+    /// The objects, if they are few; their indices are those of the whole set.
+    pub(crate) fn small_set(&self) -> Option<SmallSet> {
+        match self {
+            Self::All(structure) => structure.small_set(),
+            Self::Culled(_) => None,
+            Self::Tile(small) => Some((*small).clone()),
+        }
+    }
+
     /// Closest hit of a camera ray, with the ids of the whole set.
     pub(crate) fn closest<P: Primitives, S: Probe>(
         &self,

@@ -11,7 +11,9 @@ use rt_geometry::{
     SurfaceInteraction, TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
-use rt_shading::{LazyHit, LazyPlane, NormalMap, SurfaceHit, Texture, TrianglePoint, light::LightId};
+use rt_shading::{
+    LazyHit, LazyPlane, NormalMap, StreamPrimitive, StreamShape, SurfaceHit, Texture, TrianglePoint, light::LightId,
+};
 
 use crate::{mesh_blas::MeshBlas, work_probe::WorkProbe};
 
@@ -237,6 +239,22 @@ impl Instances<'_> {
             InstanceGeometry::Shape(shape) => Some(instance.shape_surface(shape, ray, hit, needs)),
             geometry => self.surface_of(instance, geometry, ray, hit, needs),
         }
+    }
+
+    /// An instance as a primitive that is shaded in lanes: a sphere, a plane or a flat triangle, without transform. `None` for all
+    /// others.
+    #[inline]
+    pub(crate) fn stream_primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
+        let instance = self.instances.get(index as usize)?;
+        let shape = match &instance.geometry {
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => StreamShape::Sphere(sphere),
+            InstanceGeometry::Shape(Shape::Plane(plane)) => StreamShape::Plane(plane),
+            InstanceGeometry::Triangle(mesh, triangle, normal) if mesh.data().normals.is_empty() => {
+                StreamShape::Triangle { vertices: mesh.vertices(*triangle)?, normal: *normal }
+            }
+            _ => return None,
+        };
+        Some(StreamPrimitive { shape, object: instance.object, material: instance.material })
     }
 
     /// Hit on a sphere without transform and texture coordinates; `None` for all others.

@@ -117,7 +117,7 @@ pub use observer::{CheckpointRef, Observer, RenderSnapshot};
 pub use passes::default_passes;
 pub use pick::PickResult;
 pub use plan::RenderPlan;
-pub use plan_options::PlanOptions;
+pub use plan_options::{PlanOptions, Precision};
 pub use render_space::RenderSpace;
 pub use rendering::{ErrorProgress, PassProgress, Progress, Rendering, RunOptions, SampleRange};
 pub use rt_accel::wide::{Quality, SimdLevel};

@@ -22,6 +22,8 @@ pub struct PlanOptions {
     /// Instruction set of the accelerators; `None` for the best one of the processor. The best
     /// available one below it replaces one that is not available. The image is bit-identical.
     pub simd: Option<SimdLevel>,
+    /// Type of the numbers that surfaces are shaded in.
+    pub precision: Precision,
     /// Build quality of the wide BVH. The image is bit-identical.
     pub quality: Quality,
     /// Memory limit in bytes. A larger prediction is an error, before anything is built; `None`
@@ -32,4 +34,27 @@ pub struct PlanOptions {
     /// True if maps of standard errors and sample counts are kept, as shards of an image do. Only the memory prediction depends
     /// on it.
     pub maps: bool,
+}
+
+/// Type of the numbers that surfaces are shaded in. Positions, hits and sums of samples are always `f64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Precision {
+    /// `f32` under `whitted`, in scenes of spheres, planes and flat triangles; elsewhere `f64`.
+    #[default]
+    F32,
+    /// `f64`: the reference.
+    F64,
+}
+
+impl Precision {
+    /// All precisions.
+    pub const ALL: &[Self] = &[Self::F32, Self::F64];
+
+    /// Lower-case name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
 }

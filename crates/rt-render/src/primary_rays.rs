@@ -1,6 +1,7 @@
 //! Batches of camera rays: samples of some pixels, traced together.
 
 use rt_camera::{PixelSampler, SampleStream};
+use rt_geometry::{RayStream, STREAM_CAPACITY};
 use rt_math::{DVec2, Interval, Ray, Rgb, Sampler};
 use rt_shading::RadianceSample;
 
@@ -11,7 +12,7 @@ use crate::{
 };
 
 /// Camera rays per batch: enough for batch traversal, with data that fits the cache of a core.
-const BATCH_SIZE: usize = 256;
+const BATCH_SIZE: usize = STREAM_CAPACITY;
 
 /// Indices of all samplers of a batch, for draws.
 const ALL: [u32; BATCH_SIZE] = {
@@ -34,6 +35,9 @@ pub(crate) struct PrimaryRayBatch {
     /// Times of these samples, as parts of the open shutter.
     times: Vec<f64>,
     rays: Vec<(Ray, Interval)>,
+    /// The rays as a stream instead, for an integrator of streams.
+    stream: RayStream,
+    is_stream: bool,
     /// Filter weight of each sample.
     weights: Vec<f64>,
     seen: Vec<RadianceSample>,
@@ -44,6 +48,8 @@ pub(crate) struct PrimaryRayBatch {
 /// Camera rays for an integrator.
 pub(crate) struct CameraRays<'a> {
     pub(crate) rays: &'a [(Ray, Interval)],
+    /// The rays, if the batch makes a stream.
+    pub(crate) stream: &'a mut RayStream,
     /// Sampler of each ray, if the integrator uses samplers.
     pub(crate) samplers: &'a [SampleStream],
 }
@@ -54,12 +60,19 @@ impl PrimaryRayBatch {
         &self.rays
     }
 
+    /// The batch, which makes a stream or not.
+    pub(crate) const fn with_stream(&mut self, is_stream: bool) -> &mut Self {
+        self.is_stream = is_stream;
+        self
+    }
+
     pub(crate) const fn free_slots(&self) -> usize {
-        BATCH_SIZE - self.rays.len()
+        BATCH_SIZE - self.weights.len()
     }
 
     pub(crate) fn clear(&mut self) {
         self.rays.clear();
+        self.stream.clear();
         self.weights.clear();
         self.samplers.clear();
     }
@@ -72,7 +85,7 @@ impl RenderPlan<'_> {
         &self,
         job: &TileJob<'_>,
         batch: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(&CameraRays<'_>, &mut [RadianceSample]),
+        mut radiance: impl FnMut(CameraRays<'_>, &mut [RadianceSample]),
     ) -> TileResult {
         let pass_spec = job.pass_spec;
         let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
@@ -113,7 +126,7 @@ impl RenderPlan<'_> {
     ) {
         debug_assert!(count <= BATCH_SIZE, "more samples than indices");
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
-        let PrimaryRayBatch { positions, on_lens, times, rays, weights, samplers, .. } = batch;
+        let PrimaryRayBatch { positions, on_lens, times, rays, stream, is_stream, weights, samplers, .. } = batch;
         positions.resize(count, [0.0; 2]);
         on_lens.resize(count, [0.5; 2]);
         times.resize(count, 0.0);
@@ -138,7 +151,12 @@ impl RenderPlan<'_> {
         for ((&position, &on_lens), &time) in positions.iter().zip(&*on_lens).zip(&*times) {
             let (offset, weight) = self.frame.filter.sample(position);
             let time = if has_motion { self.frame.camera.shutter_time(time) } else { 0.0 };
-            rays.push((self.frame.camera.generate_ray(corner + offset, on_lens, time), Interval::FORWARD));
+            let ray = self.frame.camera.generate_ray(corner + offset, on_lens, time);
+            if *is_stream {
+                stream.push(&ray, Interval::FORWARD);
+            } else {
+                rays.push((ray, Interval::FORWARD));
+            }
             weights.push(weight);
         }
     }
@@ -149,10 +167,11 @@ fn trace<N: Iterator<Item = u32>>(
     batch: &mut PrimaryRayBatch,
     accumulator: &mut TileAccumulator<N>,
     backdrop: Option<Rgb>,
-    radiance: &mut impl FnMut(&CameraRays<'_>, &mut [RadianceSample]),
+    radiance: &mut impl FnMut(CameraRays<'_>, &mut [RadianceSample]),
 ) {
-    batch.seen.resize(batch.rays.len(), RadianceSample::MISS);
-    radiance(&CameraRays { rays: &batch.rays, samplers: &batch.samplers }, &mut batch.seen);
+    batch.seen.resize(batch.weights.len(), RadianceSample::MISS);
+    let PrimaryRayBatch { rays, stream, samplers, seen, .. } = batch;
+    radiance(CameraRays { rays, stream, samplers }, seen);
     for (seen, weight) in batch.seen.iter_mut().zip(&batch.weights) {
         match backdrop {
             Some(backdrop) if !seen.hit => seen.radiance = backdrop,

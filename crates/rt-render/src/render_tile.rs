@@ -5,16 +5,15 @@ use rt_accel::{
     wide::{SimdLevel, SmallSet},
 };
 use rt_camera::SampleStream;
-use rt_geometry::Hit;
 use rt_math::Ray;
 use rt_scene_io::Integrator;
 use rt_shading::{
     Background, InteriorList, LaneLevel, Lighting, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer,
-    ShadingCounts, Whitted,
+    ShadingCounts, WavefrontWhitted, Whitted,
 };
 
 use crate::{
-    Crop, RenderPlan,
+    Crop, Precision, RenderPlan,
     camera_medium::CameraMedium,
     cost_view::cost,
     film::{pixel_accumulator::PixelAccumulator, pixel_estimate::PixelEstimate},
@@ -25,17 +24,19 @@ use crate::{
     tile::Tile,
     tile_job::{TileJob, TileResult},
     tile_layers::TileLayers,
-    tracer::SceneTracer,
+    tracer::{SceneTracer, TracerBuffers},
     work_probe::WorkProbe,
 };
 
 /// Buffers that a thread reuses from tile to tile.
 pub(crate) struct ThreadState {
     whitted: Whitted,
+    /// For worlds that it supports.
+    wavefront: Option<WavefrontWhitted>,
     paths: PathTracer<SampleStream>,
     occlusion: OcclusionWave,
     camera: PrimaryRayBatch,
-    hits: Vec<Option<Hit>>,
+    buffers: TracerBuffers,
 }
 
 impl ThreadState {
@@ -52,12 +53,23 @@ impl ThreadState {
         if let Some(level) = lanes {
             whitted.shade_in_lanes(level, &plan.scene.appearance);
         }
+        let wavefront = plan.shades_streams().then(|| {
+            let mut wavefront = WavefrontWhitted::new(
+                settings.depth,
+                settings.min_contribution,
+                plan.scene.features,
+                &plan.scene.appearance,
+            );
+            wavefront.set_lanes(lanes);
+            wavefront
+        });
         Self {
             whitted,
+            wavefront,
             paths,
             occlusion: OcclusionWave::default(),
             camera: PrimaryRayBatch::default(),
-            hits: Vec::new(),
+            buffers: TracerBuffers::default(),
         }
     }
 }
@@ -82,19 +94,28 @@ impl RenderPlan<'_> {
         {
             return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
         }
-        let ThreadState { whitted, paths, occlusion, camera, hits } = worker;
+        let ThreadState { whitted, wavefront, paths, occlusion, camera, buffers } = worker;
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let materials = &self.scene.appearance.materials;
-        let mut tracer = SceneTracer::new(world, structure, primary_target, probe).with_buffer(core::mem::take(hits));
+        let mut tracer =
+            SceneTracer::new(world, structure, primary_target, probe).with_buffers(core::mem::take(buffers));
         tracer.layers = layers;
         let mut result = match (&self.integrator, &self.frame.medium) {
-            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
-                whitted.set_surroundings(interior);
-                self.sample_tile(job, camera, |batch, seen| {
-                    whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
-                })
-            }
+            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => match wavefront {
+                Some(wavefront) => {
+                    wavefront.set_surroundings(core::slice::from_ref(interior));
+                    self.sample_tile(job, camera.with_stream(true), |batch, seen| {
+                        wavefront.radiance_of_stream(&mut tracer, &self.scene.appearance, batch.stream, seen);
+                    })
+                }
+                None => {
+                    whitted.set_surroundings(interior);
+                    self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                        whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
+                    })
+                }
+            },
             (IntegratorState::Path(settings), medium) if self.integrator_kind() == Integrator::PathReference => {
                 let mut reference = ReferencePathTracer {
                     settings: *settings,
@@ -102,7 +123,7 @@ impl RenderPlan<'_> {
                     surroundings: InteriorList::default(),
                     counts: ShadingCounts::default(),
                 };
-                let mut result = self.sample_tile(job, camera, |batch, seen| {
+                let mut result = self.sample_tile(job, camera.with_stream(false), |batch, seen| {
                     for (((ray, _), sampler), seen) in batch.rays.iter().zip(batch.samplers).zip(seen) {
                         medium.find(&mut tracer, materials, ray, &mut reference.surroundings);
                         *seen = reference.li(&mut tracer, ray, &mut sampler.clone());
@@ -113,43 +134,55 @@ impl RenderPlan<'_> {
             }
             (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
                 paths.set_surroundings(core::slice::from_ref(interior));
-                self.sample_tile(job, camera, |batch, seen| {
+                self.sample_tile(job, camera.with_stream(false), |batch, seen| {
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
             (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
                 let mut surroundings = Vec::new();
-                self.sample_tile(job, camera, |batch, seen| {
-                    surroundings.resize_with(batch.rays.len(), InteriorList::default);
-                    for ((ray, _), interior) in batch.rays.iter().zip(&mut surroundings) {
-                        medium.find(&mut tracer, materials, ray, interior);
-                    }
+                self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                    medium.find_all(&mut tracer, materials, batch.rays, &mut surroundings);
                     paths.set_surroundings(&surroundings);
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
-            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
-                occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
-            }),
-            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => {
-                let mut interior = InteriorList::default();
-                self.sample_per_ray(job, camera, |ray| {
-                    medium.find(&mut tracer, materials, ray, &mut interior);
-                    whitted.set_surroundings(&interior);
-                    whitted.radiance(&mut tracer, &self.scene.appearance, ray)
+            (IntegratorState::AmbientOcclusion(view), _) => {
+                self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                    occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
                 })
             }
-            (IntegratorState::Aov(view), _) => {
-                self.sample_tile(job, camera, |batch, seen| view.radiance_of(&mut tracer, batch.rays, seen))
-            }
+            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => match wavefront {
+                Some(wavefront) => {
+                    let mut surroundings = Vec::new();
+                    self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                        medium.find_all(&mut tracer, materials, batch.rays, &mut surroundings);
+                        wavefront.set_surroundings(&surroundings);
+                        wavefront.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
+                    })
+                }
+                None => {
+                    let mut interior = InteriorList::default();
+                    self.sample_per_ray(job, camera, |ray| {
+                        medium.find(&mut tracer, materials, ray, &mut interior);
+                        whitted.set_surroundings(&interior);
+                        whitted.radiance(&mut tracer, &self.scene.appearance, ray)
+                    })
+                }
+            },
+            (IntegratorState::Aov(view), _) => self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                view.radiance_of(&mut tracer, batch.rays, seen)
+            }),
             (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
         };
         result.counters = tracer.probe.counters(tracer.rays);
         result.primary_rays_skipped = tracer.skipped;
         result.layers = tracer.layers.take().map(|layers| layers.channels()).unwrap_or_default();
         result.shading += whitted.take_counts();
+        if let Some(wavefront) = wavefront {
+            result.shading += wavefront.take_counts();
+        }
         result.shading += paths.take_counts();
-        *hits = tracer.into_buffer();
+        *buffers = tracer.into_buffers();
         result
     }
 
@@ -160,11 +193,16 @@ impl RenderPlan<'_> {
         camera: &mut PrimaryRayBatch,
         mut radiance: impl FnMut(&Ray) -> RadianceSample,
     ) -> TileResult {
-        self.sample_tile(job, camera, |batch, seen| {
+        self.sample_tile(job, camera.with_stream(false), |batch, seen| {
             for ((ray, _), seen) in batch.rays.iter().zip(seen) {
                 *seen = radiance(ray);
             }
         })
+    }
+
+    /// True if a [`WavefrontWhitted`] renders the scene. It does not depend on what the plan leaves out.
+    fn shades_streams(&self) -> bool {
+        self.options.precision == Precision::F32 && self.scene.has_stream_primitives
     }
 
     /// Objects in view of the tile, if their number is small.

@@ -1,11 +1,16 @@
 //! Ray queries of integrators against the world.
 
 use rt_accel::{Accelerator, AnyAccelerator};
-use rt_geometry::{Hit, InteractionFlags, Probe, RayCounts, RayKind};
+use rt_geometry::{Hit, HitStream, InteractionFlags, Probe, RayCounts, RayKind, RayStream};
 use rt_math::{Interval, Ray};
-use rt_shading::{ClosestHit, LazyShapes, SceneQueries, SurfaceHit};
+use rt_shading::{ClosestHit, LazyShapes, SceneQueries, StreamPrimitive, StreamQueries, SurfaceHit};
 
-use crate::{frustum_cull::PrimaryTarget, instance::Instances, tile_layers::TileLayers, work_probe::WorkProbe};
+use crate::{
+    frustum_cull::PrimaryTarget,
+    instance::{InstanceGeometry, Instances},
+    tile_layers::TileLayers,
+    work_probe::WorkProbe,
+};
 
 /// Traces and counts the rays of an integrator. The accelerator is dispatched once per batch, so that integrators are not
 /// compiled for each accelerator.
@@ -24,7 +29,12 @@ pub(crate) struct SceneTracer<'w> {
     pub(crate) layers: Option<TileLayers<'w>>,
     /// Buffer for the hits of a batch.
     hits: Vec<Option<Hit>>,
+    /// Buffer for the rays of a stream.
+    stream: Vec<(Ray, Interval)>,
 }
+
+/// Buffers of a tracer, for hits and for the rays of a stream.
+pub(crate) type TracerBuffers = (Vec<Option<Hit>>, Vec<(Ray, Interval)>);
 
 impl<'w> SceneTracer<'w> {
     pub(crate) fn new(
@@ -42,17 +52,18 @@ impl<'w> SceneTracer<'w> {
             probe,
             layers: None,
             hits: Vec::new(),
+            stream: Vec::new(),
         }
     }
 
-    /// Reuses the buffer of an earlier tracer.
-    pub(crate) fn with_buffer(self, hits: Vec<Option<Hit>>) -> Self {
-        Self { hits, ..self }
+    /// Reuses the buffers of an earlier tracer.
+    pub(crate) fn with_buffers(self, (hits, stream): TracerBuffers) -> Self {
+        Self { hits, stream, ..self }
     }
 
-    /// Returns the buffer for the next tracer.
-    pub(crate) fn into_buffer(self) -> Vec<Option<Hit>> {
-        self.hits
+    /// Returns the buffers for the next tracer.
+    pub(crate) fn into_buffers(self) -> TracerBuffers {
+        (self.hits, self.stream)
     }
 
     /// Objects that rays of this kind are tested against.
@@ -73,16 +84,29 @@ impl<'w> SceneTracer<'w> {
 
     /// Traces rays into the buffer of hits; false for rays that cannot hit anything.
     fn trace_batch(&mut self, rays: &[(Ray, Interval)], kind: RayKind) -> bool {
-        if self.can_skip(kind, rays.len()) {
-            return false;
+        let traces = !self.can_skip(kind, rays.len());
+        if traces {
+            self.trace_counted(rays, kind);
         }
+        traces
+    }
+
+    /// Traces rays, which have been counted, into the buffer of hits.
+    fn trace_counted(&mut self, rays: &[(Ray, Interval)], kind: RayKind) {
         self.hits.clear();
         self.hits.resize(rays.len(), None);
         self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
         if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
             layers.add(self.world, rays, &self.hits);
         }
-        true
+    }
+
+    /// The rays of a stream in the reused buffer, which the caller returns.
+    fn batch_of(&mut self, rays: &RayStream) -> Vec<(Ray, Interval)> {
+        let mut batch = core::mem::take(&mut self.stream);
+        batch.clear();
+        batch.extend((0..rays.len()).map(|at| rays.get(at)));
+        batch
     }
 
     fn count(&mut self, kind: RayKind, rays: usize) {
@@ -162,5 +186,53 @@ impl SceneQueries for SceneTracer<'_> {
     fn occluded_batch(&mut self, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
         self.count(RayKind::Shadow, rays.len());
         self.structure.occluded_batch(self.world, rays, blocked, &mut self.probe);
+    }
+}
+
+impl StreamQueries for SceneTracer<'_> {
+    fn closest_stream(&mut self, rays: &RayStream, kind: RayKind, hits: &mut HitStream) {
+        if self.can_skip(kind, rays.len()) {
+            return (0..rays.len()).for_each(|at| hits.set(at, None));
+        }
+        let needs_batch = self.layers.is_some() && kind == RayKind::Primary;
+        if !needs_batch
+            && let Some(few) = self.target(kind).small_set()
+            && few.closest_stream(self.world, rays, hits, &mut self.probe)
+        {
+            return;
+        }
+        let batch = self.batch_of(rays);
+        self.trace_counted(&batch, kind);
+        for (at, hit) in self.hits.iter().enumerate() {
+            let hit = hit.map(|hit| Hit { primitive: self.world.instance_index(&hit), ..hit });
+            hits.set(at, hit.as_ref());
+        }
+        self.stream = batch;
+    }
+
+    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
+        self.count(RayKind::Shadow, rays.len());
+        if let Some(few) = self.structure.small_set()
+            && few.occluded_stream(self.world, rays, blocked, &mut self.probe)
+        {
+            return;
+        }
+        let batch = self.batch_of(rays);
+        blocked.fill(false);
+        self.structure.occluded_batch(self.world, &batch, blocked, &mut self.probe);
+        self.stream = batch;
+    }
+
+    #[inline(always)]
+    fn primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
+        self.world.stream_primitive(index)
+    }
+
+    fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
+        let instance = self.world.instances.get(index as usize);
+        match instance.map(|instance| &instance.geometry) {
+            Some(InstanceGeometry::Triangle(mesh, triangle, _)) => mesh.vertex_uvs(*triangle).unwrap_or_default(),
+            _ => [[0.0; 2]; 3],
+        }
     }
 }

@@ -260,6 +260,11 @@ pub(crate) struct InteriorListStack {
 }
 
 impl InteriorListStack {
+    /// Removes all lists.
+    pub(crate) fn clear(&mut self) {
+        self.entries.clear();
+    }
+
     /// Pushes a list as it is beyond a surface. Returns its length.
     pub(crate) fn push(&mut self, interior: &InteriorList, event: InterfaceEvent) -> u32 {
         let length = self.entries.len();

@@ -6,7 +6,7 @@
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 pub(crate) use fearless_simd::Simd;
 use fearless_simd::{ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x8, mask64x8, u64x8};
-use rt_math::{DVec3, Mask, Real, Rgb, Vector3};
+use rt_math::{DVec3, Float64, Mask, Real, Rgb, Vector3};
 
 /// Number of lanes.
 pub(crate) const LANES: usize = 8;
@@ -71,10 +71,10 @@ macro_rules! dispatch {
 pub(crate) use dispatch;
 
 /// Eight numbers in registers.
-pub(crate) struct Lanes<S: Simd>(f64x8<S>);
+pub(crate) struct Lanes<S: Simd>(pub(crate) f64x8<S>);
 
 /// Eight truth values in registers.
-pub(crate) struct LaneMask<S: Simd>(mask64x8<S>);
+pub(crate) struct LaneMask<S: Simd>(pub(crate) mask64x8<S>);
 
 /// Bits of eight numbers in registers.
 pub(crate) struct LaneBits<S: Simd>(u64x8<S>);
@@ -228,7 +228,8 @@ impl<S: Simd> Mask for LaneMask<S> {
 
 impl<S: Simd> Real for Lanes<S> {
     type Mask = LaneMask<S>;
-    type Bits = LaneBits<S>;
+
+    const MAX: f64 = f64::MAX;
 
     #[inline(always)]
     fn splat(self, x: f64) -> Self {
@@ -269,6 +270,10 @@ impl<S: Simd> Real for Lanes<S> {
     fn select(mask: LaneMask<S>, a: Self, b: Self) -> Self {
         Self(mask.0.select(a.0, b.0))
     }
+}
+
+impl<S: Simd> Float64 for Lanes<S> {
+    type Bits = LaneBits<S>;
 
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
@@ -387,7 +392,7 @@ mod tests {
     /// Asserts that a generic computation has the same bits in lanes and by itself.
     macro_rules! assert_same {
         ($simd:expr, $($name:literal: |$a:ident, $b:ident| $body:expr;)*) => {$({
-            fn compute<R: Real>($a: R, $b: R) -> R {
+            fn compute<R: Float64>($a: R, $b: R) -> R {
                 $body
             }
             assert_lanes_equal_scalars($simd, $name, |a, b| compute(a, b), |a, b| compute(a, b));

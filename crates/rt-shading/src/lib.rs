@@ -66,6 +66,7 @@ mod eval_context;
 mod float_texture;
 mod hit_context;
 mod interior_list;
+mod lane_set;
 mod lanes;
 mod layered_surface;
 pub mod light;
@@ -86,6 +87,7 @@ mod reference_path_tracer;
 mod russian_roulette;
 mod scene_queries;
 mod shading_features;
+mod stream_queries;
 mod surface_features;
 mod texture;
 mod to_phong;
@@ -119,6 +121,7 @@ pub use scene_queries::{
     ClosestHit, LazyHit, LazyPlane, LazyShapes, LazySurface, RadianceSample, SceneQueries, SurfaceHit, TrianglePoint,
 };
 pub use shading_features::ShadingFeatures;
+pub use stream_queries::{StreamPrimitive, StreamQueries, StreamShape};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use viewed_surface::is_inside;
-pub use whitted::{ShadingCounts, Whitted};
+pub use whitted::{ShadingCounts, WavefrontWhitted, Whitted};

@@ -1,7 +1,7 @@
 //! The reflection model of Phong and Whitted.
 
 use crate::ColorTexture;
-use rt_math::{DVec3, Mask, Real, Rgb, Vector3, transcendental};
+use rt_math::{DVec3, Mask, Real, Rgb, Vector3, transcendental::Pow};
 
 /// Shape of the specular highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,13 +22,7 @@ impl Highlight {
 
     /// Version of [`strength`](Self::strength) for several surfaces of the same exponent, one per lane.
     #[inline(always)]
-    pub(crate) fn strength_lanes<R: Real>(
-        self,
-        normal: Vector3<R>,
-        wo: Vector3<R>,
-        wi: Vector3<R>,
-        exponent: f64,
-    ) -> R {
+    pub(crate) fn strength_lanes<R: Pow>(self, normal: Vector3<R>, wo: Vector3<R>, wi: Vector3<R>, exponent: f64) -> R {
         let cosine = match self {
             Self::Phong => (normal * (normal.dot(wi) * 2.0) - wi).dot(wo),
             Self::Blinn => normal.dot(normalize_or_zero(wi + wo)),
@@ -52,12 +46,12 @@ fn normalize_or_zero<R: Real>(v: Vector3<R>) -> Vector3<R> {
 /// `base` to the power of `exponent >= 0`. Integer exponents up to 1024 use repeated squaring, which is several times
 /// faster than the general function.
 #[inline(always)]
-fn power<R: Real>(base: R, exponent: f64) -> R {
+fn power<R: Pow>(base: R, exponent: f64) -> R {
     const MAX_INTEGER: f64 = 1024.0;
     // The conversion truncates.
     let mut remaining = exponent as u32;
     if !(exponent <= MAX_INTEGER && f64::from(remaining) == exponent) {
-        return transcendental::pow(base, base.splat(exponent));
+        return base.powf(exponent);
     }
     let (mut square, mut product) = (base, base.splat(1.0));
     while remaining > 0 {
@@ -162,7 +156,7 @@ mod tests {
     fn integer_powers_equal_the_general_function() {
         for exponent in 0..200u32 {
             for base in [0.0, 0.1, 0.5, 0.999, 1.0] {
-                let expected = transcendental::pow(base, f64::from(exponent));
+                let expected = rt_math::transcendental::pow(base, f64::from(exponent));
                 let computed = power(base, f64::from(exponent));
                 assert!((computed - expected).abs() <= 1e-13 * expected, "{base}^{exponent}");
             }

@@ -9,6 +9,7 @@ mod point_lanes;
 mod shade;
 mod shade_lanes;
 mod wave;
+mod wavefront;
 
 use crate::{
     Appearance, ClosestHit, InteriorList, LazyShapes, RadianceSample, SceneQueries, ShadingFeatures, lanes::LaneLevel,
@@ -21,6 +22,7 @@ use lane_phong::LanePhong;
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
 use wave::{RayTree, TreePath};
+pub use wavefront::WavefrontWhitted;
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///

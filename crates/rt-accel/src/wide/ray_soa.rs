@@ -1,5 +1,6 @@
 //! Eight rays as a structure of arrays.
 
+use rt_geometry::{RayStream, StreamArray};
 use rt_math::{BOUNDS_PADDING, Interval, Ray};
 
 use super::f64x8::{F64x8, PACKET};
@@ -42,6 +43,23 @@ impl<S: Simd> RaySoa8<S> {
             inverse: [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])],
             min: by_ray!(|_, span| span.min),
             max: by_ray!(|_, span| span.max),
+        }
+    }
+
+    /// Eight rays of a stream from the index `at` on.
+    #[inline(always)]
+    pub(super) fn load(simd: S, rays: &RayStream, at: usize) -> Self {
+        let load = |numbers: &StreamArray<f64>| F64x8::new(simd, *numbers.vector(at));
+        let [x, y, z] = &rays.direction;
+        let direction = [load(x), load(y), load(z)];
+        let [x, y, z] = &rays.origin;
+        let one = F64x8::splat(simd, 1.0);
+        Self {
+            origin: [load(x), load(y), load(z)],
+            direction,
+            inverse: [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])],
+            min: load(&rays.min),
+            max: load(&rays.max),
         }
     }
 

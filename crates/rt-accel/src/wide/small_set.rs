@@ -1,7 +1,7 @@
 //! A few primitives without a tree: spheres and triangles are intersected with eight rays at once, instances with whole
 //! batches.
 
-use rt_geometry::{BatchKernel, Hit, Primitives, Probe};
+use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Interval, Ray};
 
 use super::f64x8::PACKET;
@@ -65,6 +65,67 @@ impl SmallSet {
     /// Indices of the primitives, rising.
     pub fn indices(&self) -> &[u32] {
         self.indices.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Calls `trace` with the entries of a set of spheres, triangles and other shapes. Returns false, without a call, for a set with
+    /// instances.
+    fn with_entries<O: Output, P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        probe: &mut S,
+        trace: impl FnOnce(&mut Batch<'_, O>),
+    ) -> bool
+    where
+        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
+    {
+        let mut entries = [SetEntry::NONE; Self::CAPACITY];
+        for (entry, &index) in entries.iter_mut().zip(self.indices()) {
+            *entry = SetEntry::new(primitives, index);
+        }
+        let entries = entries.get(..self.len).unwrap_or(&[]);
+        if entries.iter().any(SetEntry::is_instance) {
+            return false;
+        }
+        let mut tester = Tester { primitives, probe };
+        let stats = TraversalStats::default();
+        let mut batch = Batch { entries, indices: self.indices(), is_first: true, tester: &mut tester, stats };
+        trace(&mut batch);
+        batch.stats.add_to(tester.probe);
+        true
+    }
+
+    /// Version of [`closest_batch`](Self::closest_batch) for a stream; `hits` has space for its rays. Returns false, without any result,
+    /// for a set with instances, and at levels without packets.
+    #[must_use]
+    pub fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) -> bool {
+        let level = self.level;
+        let mut is_traced = false;
+        self.with_entries::<Option<Hit>, _, _>(primitives, probe, |batch| {
+            is_traced = level.dispatch_packets(StreamTraversal { batch }, rays, StreamOutput::Closest(hits));
+        }) && is_traced
+    }
+
+    /// Version of [`occluded_batch`](Self::occluded_batch) for a stream. Returns false as
+    /// [`closest_stream`](Self::closest_stream) does.
+    #[must_use]
+    pub fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) -> bool {
+        let level = self.level;
+        let mut is_traced = false;
+        self.with_entries::<bool, _, _>(primitives, probe, |batch| {
+            is_traced = level.dispatch_packets(StreamTraversal { batch }, rays, StreamOutput::Occluded(occluded));
+        }) && is_traced
     }
 
     /// Traces a batch.
@@ -224,45 +285,61 @@ impl<O: Output> Batch<'_, O> {
         }
     }
 
-    /// Merges the certain hits of some rays on an entry.
-    #[inline(always)]
-    fn accept_hits<S: Simd>(
-        &mut self,
-        simd: S,
-        [instance, primitive]: [u32; 2],
-        mask: u32,
-        hits: &PacketHit<S>,
-        results: &mut [O; PACKET],
-    ) {
-        let [v, w] = hits.uv;
-        let (t, v, w) = (hits.t.to_array(simd), v.to_array(simd), w.to_array(simd));
-        let mut hit = mask & hits.hit;
-        while hit != 0 {
-            let lane = take_lane(&mut hit);
-            let hit = Hit { t: t[lane], instance, primitive, uv: [v[lane], w[lane]] };
-            if hit.t <= results[lane].t_max(f64::INFINITY) {
-                results[lane].merge(O::from_hit(Some(hit)));
-                self.stats.hits += 1;
-            }
-        }
-    }
-
     /// Traces as many of eight rays as there are outputs.
     #[inline(always)]
     fn trace_packet<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], outputs: &mut [O]) {
         let soa = RaySoa8::new(simd, rays);
-        let all = (1 << outputs.len().min(PACKET)) - 1;
-        let in_range = soa.in_safe_range(simd) & all;
-        let mut active = in_range;
-        let by_axis = soa.by_steepest_axis(simd);
-        let mut results = [O::default(); PACKET];
+        let in_range = soa.in_safe_range(simd) & ((1 << outputs.len().min(PACKET)) - 1);
+        let mut results = SetResults::new(in_range);
         if !self.is_first {
-            for (lane, (result, output)) in results.iter_mut().zip(&*outputs).enumerate() {
-                *result = *output;
-                active &= !(u32::from(result.is_final()) << lane);
+            for (lane, output) in outputs.iter().enumerate() {
+                results.found |= u32::from(output.to_hit().is_some()) << lane;
+                results.t[lane & 7] = output.t_max(f64::INFINITY);
+                results.active &= !(u32::from(output.is_final()) << lane);
             }
         }
-        for SetEntry { index, hit_ids, casts_shadow, kernel } in self.entries {
+        self.test_entries(simd, &soa, |lane| rays[lane & 7], &mut results);
+        for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
+            if in_range >> lane & 1 == 0 {
+                let (ray, span) = &rays[lane];
+                self.trace(ray, *span, output);
+            } else if results.hit >> lane & 1 == 1 {
+                let [instance, primitive] = self.entries[results.entries[lane] as usize].hit_ids;
+                let uv = [results.uv[0][lane], results.uv[1][lane]];
+                *output = O::from_hit(Some(Hit { t: results.t[lane], instance, primitive, uv }));
+            } else if self.is_first {
+                *output = O::default();
+            }
+        }
+    }
+
+    /// Intersects one ray, whose numbers are extreme, with the entries.
+    #[inline(never)]
+    fn trace_entries(&mut self, ray: &Ray, span: Interval, lane: usize, results: &mut SetResults) {
+        for (number, entry) in self.entries.iter().enumerate() {
+            self.stats.tests += 1;
+            let span = results.remaining_span::<O>(lane, span);
+            if let Some(hit) = self.tester.test(entry.index, ray, span).to_hit() {
+                results.set::<O>(number, lane, hit.t, hit.uv);
+                if O::ANY_HIT {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Intersects eight rays with the entries; `ray` returns one of them.
+    #[inline(always)]
+    fn test_entries<S: Simd>(
+        &mut self,
+        simd: S,
+        soa: &RaySoa8<S>,
+        ray: impl Fn(usize) -> (Ray, Interval),
+        results: &mut SetResults,
+    ) {
+        let by_axis = soa.by_steepest_axis(simd);
+        for (number, SetEntry { index, casts_shadow, kernel, .. }) in self.entries.iter().enumerate() {
+            let active = results.active;
             if active == 0 {
                 break;
             }
@@ -273,12 +350,12 @@ impl<O: Output> Batch<'_, O> {
             let mut uncertain = match kernel {
                 BatchKernel::Sphere(sphere) => {
                     let spheres = SpherePacket::all(simd, sphere);
-                    let possible = active & !spheres.miss_mask(simd, &soa);
+                    let possible = active & !spheres.miss_mask(simd, soa);
                     if possible == 0 {
                         continue;
                     }
-                    let hits = spheres.intersect(simd, &soa);
-                    self.accept_hits(simd, *hit_ids, possible, &hits, &mut results);
+                    let hits = spheres.intersect(simd, soa);
+                    self.stats.hits += results.accept::<S, O>(simd, number, possible, &hits);
                     possible & hits.uncertain
                 }
                 BatchKernel::Triangle(vertices) => {
@@ -288,10 +365,10 @@ impl<O: Output> Batch<'_, O> {
                         if mask == 0 {
                             continue;
                         }
-                        let Some(hits) = packet_triangles::intersect(simd, vertices, axis, &soa, mask) else {
+                        let Some(hits) = packet_triangles::intersect(simd, vertices, axis, soa, mask) else {
                             continue;
                         };
-                        self.accept_hits(simd, *hit_ids, mask, &hits, &mut results);
+                        self.stats.hits += results.accept::<S, O>(simd, number, mask, &hits);
                         uncertain |= hits.uncertain;
                     }
                     uncertain
@@ -300,22 +377,133 @@ impl<O: Output> Batch<'_, O> {
             };
             while uncertain != 0 {
                 let lane = take_lane(&mut uncertain);
-                let (ray, span) = &rays[lane];
-                let span = Interval { max: results[lane].t_max(span.max), ..*span };
-                results[lane].merge(self.tester.test(*index, ray, span));
-            }
-            for (lane, result) in results.iter().enumerate() {
-                active &= !(u32::from(result.is_final()) << lane);
-            }
-        }
-        for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
-            if in_range >> lane & 1 != 0 {
-                *output = results[lane];
-            } else {
-                let (ray, span) = &rays[lane];
-                self.trace(ray, *span, output);
+                let (ray, span) = ray(lane);
+                let span = results.remaining_span::<O>(lane, span);
+                if let Some(hit) = self.tester.test(*index, &ray, span).to_hit() {
+                    results.set::<O>(number, lane, hit.t, hit.uv);
+                }
             }
         }
+    }
+}
+
+/// Traces a stream of rays through the entries of a batch.
+struct StreamTraversal<'b, 'a, O> {
+    batch: &'b mut Batch<'a, O>,
+}
+
+/// Destination of the results of a stream.
+enum StreamOutput<'h> {
+    Closest(&'h mut HitStream),
+    Occluded(&'h mut [bool]),
+}
+
+impl<O: Output> WithSimd<&RayStream, StreamOutput<'_>> for StreamTraversal<'_, '_, O> {
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, rays: &RayStream, mut output: StreamOutput<'_>) {
+        let batch = self.batch;
+        for at in (0..rays.len()).step_by(PACKET) {
+            let used = (rays.len() - at).min(PACKET);
+            let soa = RaySoa8::load(simd, rays, at);
+            let all = (1 << used) - 1;
+            let in_range = soa.in_safe_range(simd) & all;
+            let mut results = SetResults::new(in_range);
+            batch.test_entries(simd, &soa, |lane| rays.get(at + lane), &mut results);
+            let mut out_of_range = all & !in_range;
+            while out_of_range != 0 {
+                let lane = take_lane(&mut out_of_range);
+                let (ray, span) = rays.get(at + lane);
+                batch.trace_entries(&ray, span, lane, &mut results);
+            }
+            match &mut output {
+                StreamOutput::Closest(hits) => results.write(batch.entries, hits, at),
+                StreamOutput::Occluded(occluded) => {
+                    for (lane, occluded) in occluded.iter_mut().skip(at).take(used).enumerate() {
+                        *occluded = results.hit >> lane & 1 == 1;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Results of eight rays, of which some are traced. Bit `i` of a mask is for ray `i`.
+struct SetResults {
+    /// Rays whose result may still change.
+    active: u32,
+    /// Rays with a hit on these entries.
+    hit: u32,
+    /// Rays with a hit on these entries or on earlier ones.
+    found: u32,
+    /// Parameters of the closest hits; infinite without one.
+    t: [f64; PACKET],
+    uv: [[f64; PACKET]; 2],
+    /// Numbers of the hit entries.
+    entries: [u32; PACKET],
+}
+
+impl SetResults {
+    #[inline(always)]
+    const fn new(active: u32) -> Self {
+        Self { active, hit: 0, found: 0, t: [f64::INFINITY; PACKET], uv: [[0.0; PACKET]; 2], entries: [0; PACKET] }
+    }
+
+    /// Writes the closest hits to a stream, from index `at` on.
+    #[inline(always)]
+    fn write(&self, entries: &[SetEntry], hits: &mut HitStream, at: usize) {
+        let mut primitives = [HitStream::NONE; PACKET];
+        for (lane, (primitive, entry)) in primitives.iter_mut().zip(self.entries).enumerate() {
+            if self.hit >> lane & 1 == 1
+                && let Some(entry) = entries.get(entry as usize)
+            {
+                *primitive = entry.index;
+            }
+        }
+        let ([to_u, to_v], [u, v]) = (&mut hits.uv, &self.uv);
+        *hits.t.vector_mut(at) = self.t;
+        *hits.primitive.vector_mut(at) = primitives;
+        (*to_u.vector_mut(at), *to_v.vector_mut(at)) = (*u, *v);
+    }
+
+    /// Span in which another hit of a ray is closer.
+    #[inline(always)]
+    fn remaining_span<O: Output>(&self, lane: usize, span: Interval) -> Interval {
+        let is_shorter = !O::ANY_HIT && self.found >> lane & 1 == 1;
+        if is_shorter { Interval { max: self.t[lane], ..span } } else { span }
+    }
+
+    /// Accepts a hit that is closer than any before. Entries are tested by rising index, so that ties keep the lower one.
+    #[inline(always)]
+    fn set<O: Output>(&mut self, entry: usize, lane: usize, t: f64, uv: [f64; 2]) {
+        if O::ANY_HIT || self.found >> lane & 1 == 0 || t < self.t[lane] {
+            self.hit |= 1 << lane;
+            self.found |= 1 << lane;
+            (self.t[lane], self.entries[lane]) = (t, entry as u32);
+            (self.uv[0][lane], self.uv[1][lane]) = (uv[0], uv[1]);
+            if O::ANY_HIT {
+                self.active &= !(1 << lane);
+            }
+        }
+    }
+
+    /// Accepts the certain hits of some rays on an entry. Returns the number of those that are not behind another.
+    #[inline(always)]
+    fn accept<S: Simd, O: Output>(&mut self, simd: S, entry: usize, mask: u32, hits: &PacketHit<S>) -> u64 {
+        let mut hit = mask & hits.hit;
+        if O::ANY_HIT {
+            self.hit |= hit;
+            self.active &= !hit;
+            return u64::from(hit.count_ones());
+        }
+        let [v, w] = hits.uv;
+        let (t, v, w) = (hits.t.to_array(simd), v.to_array(simd), w.to_array(simd));
+        let mut accepted = 0;
+        while hit != 0 {
+            let lane = take_lane(&mut hit);
+            accepted += u64::from(self.found >> lane & 1 == 0 || t[lane] <= self.t[lane]);
+            self.set::<O>(entry, lane, t[lane], [v[lane], w[lane]]);
+        }
+        accepted
     }
 }
 

@@ -6,7 +6,7 @@ use clap::{Arg, Args, ValueEnum, ValueHint};
 use rt_camera::SamplerKind;
 use rt_image::ToneCurve;
 use rt_math::DVec3;
-use rt_render::{Crop, Quality, SimdLevel};
+use rt_render::{Crop, Precision, Quality, SimdLevel};
 use rt_scene_io::{Accel, Integrator, LightSampling};
 
 use super::values::{self, BackgroundChoice, named};
@@ -72,6 +72,11 @@ pub(crate) struct ImageArgs {
     /// available]
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "Rendering")]
     pub(crate) simd: Option<SimdLevel>,
+
+    /// Choose the numbers in which surfaces are shaded: `f32` for spheres, planes and flat triangles under `whitted`, elsewhere `f64`; or
+    /// `f64` everywhere, as reference
+    #[arg(long, value_name = "NAME", value_parser = named(Precision::ALL, Precision::name), default_value = "f32", help_heading = "Rendering")]
+    pub(crate) precision: Precision,
 
     /// Choose the build quality of `bvh8`; does not change the image
     #[arg(long, alias = "quality", value_name = "NAME", value_parser = named(Quality::ALL, Quality::name), default_value = "medium", help_heading = "Rendering")]

@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn only_options_that_make_a_method_vary() {
-        for name in ["sampler", "integrator", "accel", "build-quality", "simd", "max-depth"] {
+        for name in ["sampler", "integrator", "accel", "build-quality", "simd", "precision", "max-depth"] {
             assert_eq!(variable_option(name).as_deref(), Ok(name));
         }
         assert_eq!(variable_option("depth").as_deref(), Ok("max-depth"));

@@ -1,7 +1,7 @@
 //! Exponential functions, logarithms and powers.
 
 use super::parts::{INTEGER_SHIFT, SIGN, fast_two_sum, high_16, high_26, is_between, or_else, polynomial, round};
-use crate::{Mask, Real};
+use crate::{F32, Float64, Mask, Real};
 use core::f64::consts::{LN_2, LOG2_E};
 
 /// ln 2 in two parts. The first has 42 bits, so that its products with integers up to 2¹¹ are exact.
@@ -64,13 +64,13 @@ const LARGEST_EXPONENT: f64 = (1u128 << 64) as f64;
 
 /// Exponential function. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
 #[inline(always)]
-pub fn exp<R: Real>(x: R) -> R {
+pub fn exp<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         if x.abs().le(x.splat(700.0)).all() {
             let (mantissa, n) = exp_unscaled(x);
             return mantissa * power_of_two(n);
@@ -84,13 +84,13 @@ pub fn exp<R: Real>(x: R) -> R {
 
 /// 2 to the power of the argument; exact for integers. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
 #[inline(always)]
-pub fn exp2<R: Real>(x: R) -> R {
+pub fn exp2<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         exp2_of_sum(x, x.splat(0.0))
     }
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
@@ -98,13 +98,13 @@ pub fn exp2<R: Real>(x: R) -> R {
 
 /// Natural logarithm: −∞ for 0, NaN for negative numbers. Error: at most 0.9 ulp.
 #[inline(always)]
-pub fn log<R: Real>(x: R) -> R {
+pub fn log<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         or_else(
             is_normal(x),
             #[inline(always)]
@@ -118,13 +118,13 @@ pub fn log<R: Real>(x: R) -> R {
 
 /// Logarithm to base 2: −∞ for 0, NaN for negative numbers; exact for powers of two. Error: at most 0.85 ulp.
 #[inline(always)]
-pub fn log2<R: Real>(x: R) -> R {
+pub fn log2<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         or_else(
             is_normal(x),
             #[inline(always)]
@@ -136,17 +136,37 @@ pub fn log2<R: Real>(x: R) -> R {
     if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
 }
 
+/// A [`Real`] number with powers of real exponents.
+pub trait Pow: Real {
+    /// The number, which is not negative, to the power of `exponent`: that of [`pow`], rounded to the type.
+    fn powf(self, exponent: f64) -> Self;
+}
+
+impl<R: Float64> Pow for R {
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        pow(self, self.splat(exponent))
+    }
+}
+
+impl Pow for F32 {
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        Self(pow(f64::from(self.0), exponent) as f32)
+    }
+}
+
 /// `x` to the power of `y`, with the special cases of IEEE 754. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
 ///
 /// Powers that are normal `f64` without rounding are returned exactly.
 #[inline(always)]
-pub fn pow<R: Real>(x: R, y: R) -> R {
+pub fn pow<R: Float64>(x: R, y: R) -> R {
     #[inline(never)]
     fn scalar(x: f64, y: f64) -> f64 {
         lanes(x, y)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R, y: R) -> R {
+    fn lanes<R: Float64>(x: R, y: R) -> R {
         let (zero, one) = (x.splat(0.0), x.splat(1.0));
         // Powers of +0 with a positive exponent are 0.
         let is_zero = R::select(x.eq(zero), y.min(one.copysign(x)), zero).gt(zero);
@@ -165,7 +185,7 @@ pub fn pow<R: Real>(x: R, y: R) -> R {
 
 /// Power of a positive normal number, for exponents up to [`LARGEST_EXPONENT`].
 #[inline(always)]
-fn pow_normal<R: Real>(x: R, y: R) -> R {
+fn pow_normal<R: Float64>(x: R, y: R) -> R {
     // Multiply the logarithm by y. The product of the high parts is exact.
     let (sum, rest) = log2_as_sum(x);
     let log_high = high_26(sum + rest);
@@ -184,7 +204,7 @@ struct Logarithm<R> {
     rest: R,
 }
 
-impl<R: Real> Logarithm<R> {
+impl<R: Float64> Logarithm<R> {
     /// Logarithm of a positive normal number.
     #[inline(always)]
     fn new(x: R) -> Self {
@@ -218,13 +238,13 @@ impl<R: Real> Logarithm<R> {
 
 /// True for positive normal numbers.
 #[inline(always)]
-fn is_normal<R: Real>(x: R) -> R::Mask {
+fn is_normal<R: Float64>(x: R) -> R::Mask {
     is_between(x, f64::MIN_POSITIVE, f64::MAX)
 }
 
 /// Numbers m from √½ to √2 and n such that a positive normal `x` is m · 2ⁿ.
 #[inline(always)]
-fn split_exponent<R: Real>(x: R) -> (R, R) {
+fn split_exponent<R: Float64>(x: R) -> (R, R) {
     const SQRT_HALF: u64 = core::f64::consts::FRAC_1_SQRT_2.to_bits();
     const ONE: u64 = 1.0f64.to_bits();
     const TWO_52: f64 = (1u64 << 52) as f64;
@@ -236,20 +256,20 @@ fn split_exponent<R: Real>(x: R) -> (R, R) {
 
 /// `x · 2ⁿ` for integers |n| ≤ 2000, in two steps, which allow subnormal results.
 #[inline(always)]
-fn scale<R: Real>(x: R, n: R) -> R {
+fn scale<R: Float64>(x: R, n: R) -> R {
     let half = round(n * 0.5);
     x * power_of_two(half) * power_of_two(n - half)
 }
 
 /// 2ⁿ for integers from −1022 to 1023.
 #[inline(always)]
-fn power_of_two<R: Real>(n: R) -> R {
+fn power_of_two<R: Float64>(n: R) -> R {
     R::from_bits((n + (INTEGER_SHIFT + 1023.0)).to_bits() << 52)
 }
 
 /// exp(a + b) for |a| ≤ ln 2 / 2 and a far smaller b.
 #[inline(always)]
-fn exp_of_sum<R: Real>(a: R, b: R) -> R {
+fn exp_of_sum<R: Float64>(a: R, b: R) -> R {
     let (sum, error) = fast_two_sum(a.splat(1.0), a);
     let r = a + b;
     sum + (error + (b + r * r * polynomial(r, EXPONENTIAL)))
@@ -257,14 +277,14 @@ fn exp_of_sum<R: Real>(a: R, b: R) -> R {
 
 /// Numbers m from √½ to √2 and n such that exp x is m · 2ⁿ.
 #[inline(always)]
-fn exp_unscaled<R: Real>(x: R) -> (R, R) {
+fn exp_unscaled<R: Float64>(x: R) -> (R, R) {
     let n = round(x * LOG2_E);
     (exp_of_sum(x - n * LN_2_PARTS[0], -(n * LN_2_PARTS[1])), n)
 }
 
 /// 2 to the power of a + b, where b has at most 2⁻²⁵ of the size of a. Sizes beyond 1100 give 0 or infinity.
 #[inline(always)]
-fn exp2_of_sum<R: Real>(a: R, b: R) -> R {
+fn exp2_of_sum<R: Float64>(a: R, b: R) -> R {
     if a.abs().le(a.splat(1000.0)).all() {
         let (mantissa, n) = exp2_unscaled(a, b);
         return mantissa * power_of_two(n);
@@ -276,7 +296,7 @@ fn exp2_of_sum<R: Real>(a: R, b: R) -> R {
 
 /// Numbers m from √½ to √2 and n such that 2 to the power of a + b is m · 2ⁿ.
 #[inline(always)]
-fn exp2_unscaled<R: Real>(a: R, b: R) -> (R, R) {
+fn exp2_unscaled<R: Float64>(a: R, b: R) -> (R, R) {
     /// 1.5 · 2²⁵: numbers near it are multiples of 2⁻²⁷.
     const SHIFT: f64 = 50_331_648.0;
     // Multiply the fraction by ln 2. The product of the high parts is exact.
@@ -289,7 +309,7 @@ fn exp2_unscaled<R: Real>(a: R, b: R) -> (R, R) {
 
 /// log₂ of a positive normal number as a sum, with a relative error of some 2⁻⁶⁷; the second number is smaller by 2⁻¹⁵.
 #[inline(always)]
-fn log2_as_sum<R: Real>(x: R) -> (R, R) {
+fn log2_as_sum<R: Float64>(x: R) -> (R, R) {
     /// 1.5 · 2¹⁹: numbers near it are multiples of 2⁻³³.
     const SHIFT: f64 = 786_432.0;
 

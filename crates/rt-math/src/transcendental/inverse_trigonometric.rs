@@ -1,7 +1,7 @@
 //! Inverse functions of sine, cosine and tangent.
 
 use super::parts::{fast_two_sum, high_26, is_between, or_else, polynomial};
-use crate::{Mask, Real};
+use crate::{Float64, Mask};
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// π/2 − `FRAC_PI_2`.
@@ -55,13 +55,13 @@ const fn power_of_two(n: i64) -> f64 {
 
 /// Arctangent, from −π/2 to π/2. Error: at most 0.8 ulp.
 #[inline(always)]
-pub fn atan<R: Real>(x: R) -> R {
+pub fn atan<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         let size = x.abs();
         if size.le(x.splat(TAN_PI_8)).all() {
             // These are the bits of `angle`, too, because dividing by 1 leaves no remainder.
@@ -85,13 +85,13 @@ pub fn atan<R: Real>(x: R) -> R {
 ///
 /// The signs of zeros count, as IEEE 754 specifies: `atan2(0, -0)` is π.
 #[inline(always)]
-pub fn atan2<R: Real>(y: R, x: R) -> R {
+pub fn atan2<R: Float64>(y: R, x: R) -> R {
     #[inline(never)]
     fn scalar(y: f64, x: f64) -> f64 {
         lanes(y, x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(y: R, x: R) -> R {
+    fn lanes<R: Float64>(y: R, x: R) -> R {
         let (smaller, greater) = sorted_sizes(x, y);
         let nonzero = R::select(smaller.eq(x.splat(0.0)), greater, smaller);
         let is_inside = R::select(nonzero.ge(x.splat(SIZES[0])), greater, x.splat(f64::INFINITY)).le(x.splat(SIZES[1]));
@@ -108,7 +108,7 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
 
 /// The smaller and the greater absolute value; at least one is NaN if one of the arguments is.
 #[inline(always)]
-fn sorted_sizes<R: Real>(x: R, y: R) -> (R, R) {
+fn sorted_sizes<R: Float64>(x: R, y: R) -> (R, R) {
     let (size_x, size_y) = (x.abs(), y.abs());
     let is_steep = size_y.gt(size_x);
     (R::select(is_steep, size_x, size_y), R::select(is_steep, size_y, size_x))
@@ -116,7 +116,7 @@ fn sorted_sizes<R: Real>(x: R, y: R) -> (R, R) {
 
 /// [`atan2`] for coordinates that are 0 or within [`SIZES`], not both 0.
 #[inline(always)]
-fn angle<R: Real>(x: R, y: R) -> R {
+fn angle<R: Float64>(x: R, y: R) -> R {
     let (zero, one) = (x.splat(0.0), x.splat(1.0));
     let (size_x, size_y) = (x.abs(), y.abs());
 
@@ -151,13 +151,13 @@ fn angle<R: Real>(x: R, y: R) -> R {
 
 /// Arc cosine, from 0 to π; NaN outside of −1 to 1. Error: at most 0.8 ulp.
 #[inline(always)]
-pub fn acos<R: Real>(x: R) -> R {
+pub fn acos<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         // π/2 − asin x, or 2 asin √((1 − x)/2), or π − 2 asin √((1 + x)/2).
         let Arcsine { big, high, low } = Arcsine::new(x.abs());
         let sign_of_x = x.splat(1.0).copysign(x);
@@ -171,13 +171,13 @@ pub fn acos<R: Real>(x: R) -> R {
 
 /// Arc sine, from −π/2 to π/2; NaN outside of −1 to 1. Error: at most 0.8 ulp.
 #[inline(always)]
-pub fn asin<R: Real>(x: R) -> R {
+pub fn asin<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         // asin |x|, or π/2 − 2 asin √((1 − |x|)/2).
         let Arcsine { big, high, low } = Arcsine::new(x.abs());
         let sign = big * -2.0 + 1.0;
@@ -195,7 +195,7 @@ struct Arcsine<R> {
     low: R,
 }
 
-impl<R: Real> Arcsine<R> {
+impl<R: Float64> Arcsine<R> {
     /// Sum for a number that is not negative; NaN above 1.
     #[inline(always)]
     fn new(a: R) -> Self {

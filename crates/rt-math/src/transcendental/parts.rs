@@ -1,6 +1,6 @@
 //! Common parts: rounding to integers, splitting of numbers, and polynomials.
 
-use crate::{Mask, Real};
+use crate::{Float64, Mask};
 
 /// 1.5 · 2⁵². Numbers near it are integers, whose low bits are those of the difference.
 pub(super) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
@@ -10,32 +10,32 @@ pub(super) const SIGN: u64 = 1 << 63;
 
 /// Nearest integer, the even one of two; for absolute values up to 2⁵¹.
 #[inline(always)]
-pub(super) fn round<R: Real>(x: R) -> R {
+pub(super) fn round<R: Float64>(x: R) -> R {
     (x + INTEGER_SHIFT) - INTEGER_SHIFT
 }
 
 /// `x` rounded to 26 significant bits.
 #[inline(always)]
-pub(super) fn high_26<R: Real>(x: R) -> R {
+pub(super) fn high_26<R: Float64>(x: R) -> R {
     without_low_bits(x, 27)
 }
 
 /// `x` rounded to 16 significant bits.
 #[inline(always)]
-pub(super) fn high_16<R: Real>(x: R) -> R {
+pub(super) fn high_16<R: Float64>(x: R) -> R {
     without_low_bits(x, 37)
 }
 
 /// `x` without its last bits, of which there are `count` (Veltkamp's splitting, Dekker 1971).
 #[inline(always)]
-fn without_low_bits<R: Real>(x: R, count: u32) -> R {
+fn without_low_bits<R: Float64>(x: R, count: u32) -> R {
     let c = x * ((1u64 << count) + 1) as f64;
     c - (c - x)
 }
 
 /// `a + b` as the rounded sum and its exact error, if |a| ≥ |b| or a = 0 (Dekker 1971).
 #[inline(always)]
-pub(super) fn fast_two_sum<R: Real>(a: R, b: R) -> (R, R) {
+pub(super) fn fast_two_sum<R: Float64>(a: R, b: R) -> (R, R) {
     let sum = a + b;
     (sum, (a - sum) + b)
 }
@@ -44,9 +44,9 @@ pub(super) fn fast_two_sum<R: Real>(a: R, b: R) -> (R, R) {
 ///
 /// Even and odd powers are summed by themselves, so that two chains of operations run side by side.
 #[inline(always)]
-pub(super) fn polynomial<R: Real, const N: usize>(x: R, coefficients: [f64; N]) -> R {
+pub(super) fn polynomial<R: Float64, const N: usize>(x: R, coefficients: [f64; N]) -> R {
     #[inline(always)]
-    fn every_second<R: Real, const N: usize>(square: R, coefficients: [f64; N], first: usize) -> R {
+    fn every_second<R: Float64, const N: usize>(square: R, coefficients: [f64; N], first: usize) -> R {
         let mut degree = N - 1 - (N - 1 - first) % 2;
         let mut sum = square.splat(coefficients[degree]);
         while degree > first {
@@ -61,7 +61,7 @@ pub(super) fn polynomial<R: Real, const N: usize>(x: R, coefficients: [f64; N]) 
 
 /// True from `low` to `high`; false for NaN.
 #[inline(always)]
-pub(super) fn is_between<R: Real>(x: R, low: f64, high: f64) -> R::Mask {
+pub(super) fn is_between<R: Float64>(x: R, low: f64, high: f64) -> R::Mask {
     x.max(x.splat(low)).min(x.splat(high)).eq(x)
 }
 
@@ -69,7 +69,7 @@ pub(super) fn is_between<R: Real>(x: R, low: f64, high: f64) -> R::Mask {
 ///
 /// Callers always inline their closures. A closure by itself is compiled without the instruction set of the lanes.
 #[inline(always)]
-pub(super) fn or_else<R: Real>(is_inside: R::Mask, inside: impl FnOnce() -> R, outside: impl FnOnce() -> R) -> R {
+pub(super) fn or_else<R: Float64>(is_inside: R::Mask, inside: impl FnOnce() -> R, outside: impl FnOnce() -> R) -> R {
     if R::IS_SCALAR {
         return if is_inside.all() { inside() } else { outside() };
     }
@@ -77,9 +77,9 @@ pub(super) fn or_else<R: Real>(is_inside: R::Mask, inside: impl FnOnce() -> R, o
     if is_inside.all() { value } else { R::select(is_inside, value, outside()) }
 }
 
-/// [`Real::select`] of two values, only one of which is computed if there is one number.
+/// [`Real::select`](crate::Real::select) of two values, only one of which is computed if there is one number.
 #[inline(always)]
-pub(super) fn choose<R: Real>(mask: R::Mask, a: impl FnOnce() -> R, b: impl FnOnce() -> R) -> R {
+pub(super) fn choose<R: Float64>(mask: R::Mask, a: impl FnOnce() -> R, b: impl FnOnce() -> R) -> R {
     if !R::IS_SCALAR {
         R::select(mask, a(), b())
     } else if mask.any() {

@@ -1,7 +1,7 @@
 //! Sine and cosine.
 
 use super::parts::{INTEGER_SHIFT, SIGN, choose, fast_two_sum, or_else, polynomial};
-use crate::{Mask, Real, float::two_sum};
+use crate::{Float64, Mask, float::two_sum};
 use core::f64::consts::FRAC_2_PI;
 
 /// Largest absolute value of an argument that is reduced here. Larger ones, infinities and NaN go through `libm`.
@@ -42,13 +42,13 @@ const COSINE: [f64; 6] = [
 
 /// Sine; NaN if the argument is not finite. Error: at most 0.85 ulp.
 #[inline(always)]
-pub fn sin<R: Real>(x: R) -> R {
+pub fn sin<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         or_else(
             is_inside(x),
             #[inline(always)]
@@ -62,13 +62,13 @@ pub fn sin<R: Real>(x: R) -> R {
 
 /// Cosine; NaN if the argument is not finite. Error: at most 0.85 ulp.
 #[inline(always)]
-pub fn cos<R: Real>(x: R) -> R {
+pub fn cos<R: Float64>(x: R) -> R {
     #[inline(never)]
     fn scalar(x: f64) -> f64 {
         lanes(x)
     }
     #[inline(always)]
-    fn lanes<R: Real>(x: R) -> R {
+    fn lanes<R: Float64>(x: R) -> R {
         or_else(
             is_inside(x),
             #[inline(always)]
@@ -82,7 +82,7 @@ pub fn cos<R: Real>(x: R) -> R {
 
 /// Sine and cosine, bit-identical to [`sin`] and [`cos`].
 #[inline(always)]
-pub fn sincos<R: Real>(x: R) -> (R, R) {
+pub fn sincos<R: Float64>(x: R) -> (R, R) {
     let reduced = Reduced::new(x);
     let (sin_r, cos_r) = (reduced.sin_r(), reduced.cos_r());
     let quadrant = reduced.quadrant(0.0);
@@ -109,7 +109,7 @@ pub fn sincos<R: Real>(x: R) -> (R, R) {
 
 /// True for arguments up to [`LARGEST`].
 #[inline(always)]
-fn is_inside<R: Real>(x: R) -> R::Mask {
+fn is_inside<R: Float64>(x: R) -> R::Mask {
     x.abs().le(x.splat(LARGEST))
 }
 
@@ -121,7 +121,7 @@ struct Reduced<R> {
     r_low: R,
 }
 
-impl<R: Real> Reduced<R> {
+impl<R: Float64> Reduced<R> {
     /// Subtracts the nearest multiple of π/2.
     #[inline(always)]
     fn new(x: R) -> Self {
@@ -203,13 +203,13 @@ impl<R: Real> Reduced<R> {
 
 /// `x` with its sign changed where the highest bit is set.
 #[inline(always)]
-fn flip_sign<R: Real>(x: R, bits: R::Bits) -> R {
+fn flip_sign<R: Float64>(x: R, bits: R::Bits) -> R {
     R::from_bits(x.to_bits() ^ (bits & SIGN))
 }
 
 /// True where the highest bit of the exponent is set: the number of these two bits is 2 or 0.
 #[inline(always)]
-fn is_odd<R: Real>(quadrant: R::Bits) -> R::Mask {
+fn is_odd<R: Float64>(quadrant: R::Bits) -> R::Mask {
     let number = R::from_bits(quadrant);
     number.abs().eq(number.splat(2.0))
 }

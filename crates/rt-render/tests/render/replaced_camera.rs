@@ -14,6 +14,7 @@ const PLAIN: PlanOptions = PlanOptions {
     backdrop: None,
     full: false,
     simd: None,
+    precision: rt_render::Precision::F32,
     quality: rt_render::Quality::Medium,
     memory: None,
     progressive: false,

@@ -10,7 +10,7 @@ use crate::{
     optics::reflect_lanes,
 };
 use core::f64::consts::TAU;
-use rt_math::{DVec3, Real, Vector3, transcendental};
+use rt_math::{DVec3, Float64, Real, Vector3, transcendental};
 use std::sync::OnceLock;
 
 const COSINES: usize = 97;
@@ -241,7 +241,7 @@ fn weight_in_lanes<S: Simd>(simd: S, alpha: f64, wo: DVec3, lattice: &[LatticePo
 
 /// Weight f cos / pdf of a sample of the visible normals, 0 below the surface.
 #[inline(always)]
-fn sample_weight<R: Real>(facets: IsotropicGgx<R>, wo: Vector3<R>, [sin, cos, second]: [R; 3]) -> [R; 2] {
+fn sample_weight<R: Float64>(facets: IsotropicGgx<R>, wo: Vector3<R>, [sin, cos, second]: [R; 3]) -> [R; 2] {
     let m = visible_normal([facets.alpha; 2], wo, (sin, cos), second);
     let wi = reflect_lanes(-wo, m);
     let (d, stretched) = (facets.d(m), facets.stretched_length(wo));

@@ -7,7 +7,7 @@ use super::{
     phong_lobe::{phong_direction_lanes, phong_lobe_lanes, reflect_dir_lanes},
 };
 use core::f64::consts::FRAC_1_PI;
-use rt_math::{Mask, Real, Vector3};
+use rt_math::{Float64, Mask, Vector3};
 
 /// Diffuse lobe, and a Phong lobe if there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl DiffusePhong {
 
 /// Lobes of a [`DiffusePhong`] with a highlight, for one number or for lanes.
 #[derive(Clone, Copy)]
-pub(crate) struct DiffusePhongLanes<R: Real> {
+pub(crate) struct DiffusePhongLanes<R: Float64> {
     pub(crate) albedo: Vector3<R>,
     pub(crate) roughness: R,
     pub(crate) reflectance: Vector3<R>,
@@ -60,14 +60,14 @@ pub(crate) struct DiffusePhongLanes<R: Real> {
 }
 
 /// Values of the two lobes, without the cosine, and densities of their samples.
-pub(crate) struct LobeValues<R: Real> {
+pub(crate) struct LobeValues<R: Float64> {
     pub(crate) diffuse: Vector3<R>,
     pub(crate) phong: Vector3<R>,
     pub(crate) diffuse_pdf: R,
     pub(crate) phong_pdf: R,
 }
 
-impl<R: Real> DiffusePhongLanes<R> {
+impl<R: Float64> DiffusePhongLanes<R> {
     /// Weighted values and densities for directions above the surface.
     #[inline(always)]
     pub(crate) fn values(&self, wo: Vector3<R>, wi: Vector3<R>) -> LobeValues<R> {

@@ -1,7 +1,7 @@
 //! Microfacet distribution.
 
 use core::f64::consts::{PI, TAU};
-use rt_math::{DVec3, Real, Vector3, transcendental};
+use rt_math::{DVec3, Float64, Vector3, transcendental};
 
 /// The GGX distribution (Trowbridge, Reitz 1975; Walter et al. 2007) with Smith's masking-shadowing function.
 ///
@@ -93,11 +93,11 @@ impl Ggx {
 
 /// [`Ggx`] with the same α in all directions, for one number or for lanes.
 #[derive(Clone, Copy)]
-pub(super) struct IsotropicGgx<R: Real> {
+pub(super) struct IsotropicGgx<R: Float64> {
     pub(super) alpha: R,
 }
 
-impl<R: Real> IsotropicGgx<R> {
+impl<R: Float64> IsotropicGgx<R> {
     /// Version of [`Ggx::d`].
     #[inline(always)]
     pub(super) fn d(self, m: Vector3<R>) -> R {
@@ -122,7 +122,12 @@ impl<R: Real> IsotropicGgx<R> {
 
 /// Normal that is visible from `wo`, given α along x and y, sine and cosine of the azimuth, and a number in \[0, 1\].
 #[inline(always)]
-pub(super) fn visible_normal<R: Real>(alpha: [R; 2], wo: Vector3<R>, (sin_phi, cos_phi): (R, R), u: R) -> Vector3<R> {
+pub(super) fn visible_normal<R: Float64>(
+    alpha: [R; 2],
+    wo: Vector3<R>,
+    (sin_phi, cos_phi): (R, R),
+    u: R,
+) -> Vector3<R> {
     let (zero, one) = (u.splat(0.0), u.splat(1.0));
     // The stretched surface is a hemisphere, of which the visible normals reflect to a spherical cap.
     let wo = normalize_or_up(Vector3::new(alpha[0] * wo.x, alpha[1] * wo.y, wo.z));
@@ -135,7 +140,7 @@ pub(super) fn visible_normal<R: Real>(alpha: [R; 2], wo: Vector3<R>, (sin_phi, c
 
 /// Unit vector of the same direction; z if there is none.
 #[inline(always)]
-pub(super) fn normalize_or_up<R: Real>(v: Vector3<R>) -> Vector3<R> {
+pub(super) fn normalize_or_up<R: Float64>(v: Vector3<R>) -> Vector3<R> {
     let (unit, is_valid) = v.try_normalize();
     Vector3::select(is_valid, unit, Vector3::splat(v.x, DVec3::Z))
 }

@@ -5,7 +5,7 @@ use super::{
     side::{Side, same_side},
 };
 use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
-use rt_math::{DVec3, Real, Rgb, Vector3, transcendental};
+use rt_math::{DVec3, Float64, Rgb, Vector3, transcendental};
 
 /// Lambertian reflection: f = albedo / π (Lambert 1760).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ pub(crate) fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
 /// Cosine-weighted directions above the surface, for one number or for lanes: points of the unit disk, projected to the hemisphere (Malley
 /// 1988). The concentric map of the square to the disk keeps neighbours together (Shirley, Chiu 1997).
 #[inline(always)]
-pub(crate) fn cosine_hemisphere_lanes<R: Real>([u, v]: [R; 2]) -> Vector3<R> {
+pub(crate) fn cosine_hemisphere_lanes<R: Float64>([u, v]: [R; 2]) -> Vector3<R> {
     let (zero, one) = (u.splat(0.0), u.splat(1.0));
     let (x, y) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
     let is_steep = y.abs().lt(x.abs());

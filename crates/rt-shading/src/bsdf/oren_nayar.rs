@@ -6,7 +6,7 @@ use super::{
     side::{Side, same_side},
 };
 use core::f64::consts::{FRAC_1_PI, PI};
-use rt_math::{DVec3, Real, Rgb, Vector3, transcendental};
+use rt_math::{DVec3, Float64, Rgb, Vector3, transcendental};
 
 /// The energy-preserving Oren–Nayar model of a rough diffuse surface.
 ///
@@ -77,7 +77,7 @@ impl OrenNayar {
 
 /// f of [`OrenNayar`] for directions above the surface, for one number or for lanes. Roughness 0 has the bits of [`Lambert`].
 #[inline(always)]
-pub(crate) fn oren_nayar_lanes<R: Real>(
+pub(crate) fn oren_nayar_lanes<R: Float64>(
     albedo: Vector3<R>,
     roughness: R,
     wo: Vector3<R>,
@@ -98,7 +98,7 @@ pub(crate) fn oren_nayar_lanes<R: Real>(
 
 /// g(θ) = (sin θ · (θ − sin θ cos θ) + ⅔ · tan θ · (1 − sin³ θ) − ⅔ · sin θ) / π, with the tangent cancelled.
 #[inline(always)]
-fn groove<R: Real>(cos: R) -> R {
+fn groove<R: Float64>(cos: R) -> R {
     let one = cos.splat(1.0);
     let cos = cos.min(one);
     let sin = ((one - cos) * (one + cos)).sqrt();

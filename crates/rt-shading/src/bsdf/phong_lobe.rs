@@ -5,7 +5,7 @@ use super::{
     side::{Side, reflect_dir, same_side},
 };
 use core::f64::consts::TAU;
-use rt_math::{DVec3, Real, Rgb, Vector3, tangents, transcendental};
+use rt_math::{DVec3, Float64, Rgb, Vector3, tangents, transcendental};
 
 /// Lobe around the mirrored direction: f = reflectance · (n + 2)/2π · cosⁿ α, where α is the angle to it.
 ///
@@ -72,7 +72,7 @@ impl PhongLobe {
 
 /// Value and density of a [`PhongLobe`], given the cosine of α, for one number or for lanes.
 #[inline(always)]
-pub(super) fn phong_lobe_lanes<R: Real>(reflectance: Vector3<R>, exponent: R, cos: R) -> (Vector3<R>, R) {
+pub(super) fn phong_lobe_lanes<R: Float64>(reflectance: Vector3<R>, exponent: R, cos: R) -> (Vector3<R>, R) {
     let (zero, one) = (cos.splat(0.0), cos.splat(1.0));
     // 0 behind the lobe.
     let is_before = cos.gt(zero);
@@ -84,7 +84,7 @@ pub(super) fn phong_lobe_lanes<R: Real>(reflectance: Vector3<R>, exponent: R, co
 
 /// Directions sampled from Phong lobes of these exponents, for one number or for lanes. Some are below the surface.
 #[inline(always)]
-pub(super) fn phong_direction_lanes<R: Real>(exponent: R, wo: Vector3<R>, [u, v]: [R; 2]) -> Vector3<R> {
+pub(super) fn phong_direction_lanes<R: Float64>(exponent: R, wo: Vector3<R>, [u, v]: [R; 2]) -> Vector3<R> {
     let one = u.splat(1.0);
     let cos = transcendental::pow(u, one / (exponent + 1.0));
     let sin = ((one - cos) * (one + cos)).sqrt();
@@ -96,6 +96,6 @@ pub(super) fn phong_direction_lanes<R: Real>(exponent: R, wo: Vector3<R>, [u, v]
 
 /// Version of [`reflect_dir`] for one number or for lanes.
 #[inline(always)]
-pub(super) fn reflect_dir_lanes<R: Real>(w: Vector3<R>) -> Vector3<R> {
+pub(super) fn reflect_dir_lanes<R: Float64>(w: Vector3<R>) -> Vector3<R> {
     Vector3::new(-w.x, -w.y, w.z)
 }

@@ -229,10 +229,18 @@ impl DeltaLight {
     /// Version of [`sample_li`](Self::sample_li) for one point per lane.
     #[inline(always)]
     pub(crate) fn sample_li_lanes<R: Real>(&self, point: Vector3<R>) -> DeltaLiLanes<R> {
-        let like = point.x;
+        let to_light = self.kind.position().map_or(point, |position| Vector3::splat(point.x, position) - point);
+        self.sample_li_from(to_light)
+    }
+
+    /// Version of [`sample_li_lanes`](Self::sample_li_lanes), given the vectors from the points to the light, which directional light
+    /// ignores.
+    #[inline(always)]
+    pub(crate) fn sample_li_from<R: Real>(&self, to_light: Vector3<R>) -> DeltaLiLanes<R> {
+        let like = to_light.x;
         let (zero, one) = (like.splat(0.0), like.splat(1.0));
         let intensity = Vector3::splat(like, self.intensity.to_array().into());
-        let (position, falloff) = match self.kind {
+        let falloff = match self.kind {
             DeltaLightKind::Directional { direction } => {
                 return DeltaLiLanes {
                     direction: Vector3::splat(like, -direction),
@@ -241,12 +249,10 @@ impl DeltaLight {
                     is_lit: zero.lt(one),
                 };
             }
-            DeltaLightKind::Point { position, falloff, .. } | DeltaLightKind::Spot { position, falloff, .. } => {
-                (Vector3::splat(like, position), falloff)
-            }
+            DeltaLightKind::Point { falloff, .. } | DeltaLightKind::Spot { falloff, .. } => falloff,
         };
-        let distance = (position - point).length();
-        let direction = (position - point) / distance;
+        let distance = to_light.length();
+        let direction = to_light / distance;
         let emitted = self.spot_falloff_lanes(-direction);
         let attenuated = match falloff {
             Falloff::None => emitted,

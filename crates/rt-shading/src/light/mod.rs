@@ -73,6 +73,7 @@ mod tests;
 
 pub use closed_form::{disk_irradiance, polygon_irradiance, sphere_irradiance};
 pub use cylinder::CylinderLight;
+pub(crate) use delta::DeltaLiLanes;
 pub use delta::{DeltaLiSample, DeltaLight, DeltaLightKind, Falloff, LightUnits, SpotCone};
 pub use disk::DiskLight;
 pub use emission::{Emission, EmissionSides};

@@ -5,7 +5,7 @@ use super::solid_angle::{self, MIN_SPHERICAL};
 use super::{Emission, LightBounds, LightError, LightLiSample, LightPoint};
 use rt_geometry::ShapeError;
 use rt_math::float::gamma;
-use rt_math::{Aabb, DVec3, Mask, Real, Vector3, transcendental};
+use rt_math::{Aabb, DVec3, Float64, Mask, Vector3, transcendental};
 
 /// Greatest deviation from a right angle of a rectangle, in radians.
 const RIGHT_ANGLE: f64 = 1e-12;
@@ -79,7 +79,7 @@ impl QuadLight {
 
     /// Solid angle, given the offset to the corner.
     #[inline(always)]
-    fn solid_angle_of<R: Real>(&self, a: Vector3<R>) -> R {
+    fn solid_angle_of<R: Float64>(&self, a: Vector3<R>) -> R {
         let [edge, other] = splat_both(a.x, self.edges);
         let [b, d] = [a + edge, a + other];
         let (c, height) = (b + other, a.dot(Vector3::splat(a.x, self.normal)));
@@ -101,7 +101,7 @@ impl QuadLight {
 
     /// Version of [`sample_li`](Self::sample_li) for lanes. The radiance is that of the [`emission`](Self::emission).
     #[inline(always)]
-    pub(crate) fn sample_li_lanes<R: Real>(&self, point: Vector3<R>, u: [R; 2]) -> LightDirections<R> {
+    pub(crate) fn sample_li_lanes<R: Float64>(&self, point: Vector3<R>, u: [R; 2]) -> LightDirections<R> {
         LightDirections::of_flat(self.sample_point(point, u), point, self.normal, self.extent())
     }
 
@@ -109,7 +109,7 @@ impl QuadLight {
     ///
     /// The mask is false where `point` is behind a one-sided light or in its plane. All other results are then not valid.
     #[inline(always)]
-    fn sample_point<R: Real>(&self, point: Vector3<R>, u: [R; 2]) -> (R::Mask, Vector3<R>, R) {
+    fn sample_point<R: Float64>(&self, point: Vector3<R>, u: [R; 2]) -> (R::Mask, Vector3<R>, R) {
         let corner = Vector3::splat(u[0], self.corner);
         let normal = Vector3::splat(u[0], self.normal);
         let offset = corner - point;
@@ -184,7 +184,7 @@ impl QuadLight {
     /// True where the light is sampled by solid angle, and this angle from a point at `height` above the plane. `offset` leads to the
     /// corner. Where false, the number is not valid.
     #[inline(always)]
-    fn angle_to_sample<R: Real>(&self, offset: Vector3<R>, height: R) -> (R::Mask, R) {
+    fn angle_to_sample<R: Float64>(&self, offset: Vector3<R>, height: R) -> (R::Mask, R) {
         let [a, b] = self.lengths;
         let is_near = !height.splat(FAR * FAR * (a * a + b * b)).lt(height * height);
         if !self.is_rectangle || !is_near.any() {
@@ -200,7 +200,7 @@ impl QuadLight {
     /// a great circle through x = const. The second selects a part of the arc between the other two edges. Names are those of
     /// the paper. Here x is computed without the cosine c, whose 1 − c² cancels at grazing angles.
     #[inline(always)]
-    fn spherical_point<R: Real>(&self, offset: Vector3<R>, height: R, solid_angle: R, u: [R; 2]) -> Vector3<R> {
+    fn spherical_point<R: Float64>(&self, offset: Vector3<R>, height: R, solid_angle: R, u: [R; 2]) -> Vector3<R> {
         let (zero, one) = (height.splat(0.0), height.splat(1.0));
         let [x_axis, y_axis] = splat_both(height, self.axes);
         let h = height.abs();
@@ -231,7 +231,7 @@ impl QuadLight {
 
 /// Two vectors in all lanes.
 #[inline(always)]
-fn splat_both<R: Real>(like: R, [a, b]: [DVec3; 2]) -> [Vector3<R>; 2] {
+fn splat_both<R: Float64>(like: R, [a, b]: [DVec3; 2]) -> [Vector3<R>; 2] {
     [Vector3::splat(like, a), Vector3::splat(like, b)]
 }
 

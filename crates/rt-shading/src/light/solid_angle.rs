@@ -1,7 +1,7 @@
 //! Solid angles of triangles, accurate near and far, and uniform directions within them.
 
 use rt_math::transcendental::{atan2, sincos};
-use rt_math::{DVec3, Real, Vector3};
+use rt_math::{DVec3, Float64, Vector3};
 use std::f64::consts::TAU;
 
 /// Solid angle below which flat lights are sampled by area. The solid angle is the excess of the angles of the projection on the
@@ -19,7 +19,7 @@ pub(super) const MIN_SPHERICAL: f64 = 1.0 / (1u64 << 14) as f64;
 /// area of the triangle, so that far away no digits cancel. Half angles are added as those of complex numbers. 0 for a
 /// figure that is edge-on; NaN for a point on a corner.
 #[inline(always)]
-pub(super) fn of_fan<R: Real, const N: usize>(corners: [Vector3<R>; N], height: R, area2: f64) -> R {
+pub(super) fn of_fan<R: Float64, const N: usize>(corners: [Vector3<R>; N], height: R, area2: f64) -> R {
     let (hub, hub_length, triple) = (corners[0], corners[0].length(), height.abs() * area2);
     let (mut b, mut b_length) = (corners[1], corners[1].length());
     let (mut re, mut im) = (height.splat(1.0), height.splat(0.0));

@@ -4,7 +4,7 @@ use crate::{
     Appearance, ColorTexture, FloatTexture, Highlight, Material, ShadingFeatures, Texture, TextureId,
     hit_context::SurfaceTransmission, light::EmissionSides,
 };
-use rt_math::{Real, Rgb, Vector3};
+use rt_math::{Rgb, Vector3, transcendental::Pow};
 
 /// Phong model of a material, whose textures are checkerboards with squares of the same size, or which has none.
 #[derive(Clone, Debug)]
@@ -56,6 +56,15 @@ impl LanePhong {
         };
         let squares = [square(false)?, square(true)?];
         Some(Self { squares, side: side.unwrap_or(f64::INFINITY) })
+    }
+
+    /// Colours of all squares.
+    pub(super) fn colors(&self) -> impl Iterator<Item = Rgb> {
+        let of_square = |square: &UniformPhong| {
+            let [front, back] = square.radiance;
+            [front, back, square.diffuse, square.specular, square.mirror, square.transmission_coefficient()]
+        };
+        self.squares.iter().flat_map(of_square)
     }
 
     /// True if its colours differ between squares.
@@ -142,7 +151,7 @@ impl UniformPhong {
 
     /// Version of [`Highlight::strength`] for lanes, given the normal, `wo` and `wi`.
     #[inline(always)]
-    pub(super) fn highlight_strength<R: Real>(&self, [normal, wo, wi]: [Vector3<R>; 3]) -> R {
+    pub(super) fn highlight_strength<R: Pow>(&self, [normal, wo, wi]: [Vector3<R>; 3]) -> R {
         self.highlight.strength_lanes(normal, wo, wi, self.exponent)
     }
 }

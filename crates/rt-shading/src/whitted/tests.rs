@@ -247,6 +247,6 @@ fn unknown_materials_are_black() {
     assert_eq!(look(&mut Echo::new(1), &appearance, 3).0, 0.0);
 }
 
-mod lanes;
+pub(super) mod lanes;
 mod nested_dielectrics;
 mod shading_normals;

@@ -47,6 +47,10 @@ pub(super) struct RayTree {
     interiors: InteriorListStack,
     /// Media around the current path.
     pub(super) interior: InteriorList,
+    /// For [`WavefrontWhitted`](crate::WavefrontWhitted), null interfaces that the current ray has passed.
+    pub(super) passages: u32,
+    /// There, absorption is accounted for up to this parameter of the current ray.
+    pub(super) start: f64,
 }
 
 impl RayTree {
@@ -60,9 +64,24 @@ impl RayTree {
     /// Moves the ray that was deferred last into the wave, if there is one.
     #[inline]
     pub(super) fn pop_deferred(&mut self, wave: &mut RayQueues<TreePath>) {
-        if let Some(DeferredRay { ray, path, bodies }) = self.deferred.pop() {
-            self.interiors.pop(&mut self.interior, bodies);
+        if let Some((ray, path)) = self.pop() {
             wave.refracted.push(ray, Interval::SPAWNED, path);
         }
+    }
+
+    /// Removes the ray that was deferred last, if there is one, and makes it the current path.
+    #[inline]
+    pub(super) fn pop(&mut self) -> Option<(Ray, TreePath)> {
+        let DeferredRay { ray, path, bodies } = self.deferred.pop()?;
+        self.interiors.pop(&mut self.interior, bodies);
+        Some((ray, path))
+    }
+
+    /// Restarts the tree with a camera ray in these media.
+    pub(super) fn restart(&mut self, surroundings: &InteriorList) {
+        self.deferred.clear();
+        self.interiors.clear();
+        self.interior.clone_from(surroundings);
+        (self.passages, self.start) = (0, 0.0);
     }
 }

@@ -11,8 +11,8 @@ use super::{Checks, Fallible};
 /// Maximum deviation of a sound estimate, in standard errors.
 pub(super) const MAX_Z: f64 = 5.0;
 
-/// Closed forms and f64 sums agree to this part of the truth; less than it is not noise.
-const ROUNDING: f64 = 1e-10;
+/// Closed forms and sums agree to this part of the truth, the spacing of `f32`: less than it is not noise.
+const ROUNDING: f64 = 1.2e-7;
 
 /// A mean over independent seeds.
 #[derive(Clone, Copy, Debug)]

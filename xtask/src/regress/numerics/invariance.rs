@@ -1,4 +1,4 @@
-//! Invariance under scaling and translation of a scene.
+//! Invariance under scaling and translation of a scene, which is shaded in `f64`.
 //!
 //! A thousandth of a number is rounded, so a scene at scale 10⁻³ is not quite the same scene. Most pixels do not
 //! change. Two kinds do in any program. Where a ray goes from small sphere to small sphere, each mirror multiplies
@@ -11,7 +11,7 @@
 
 use rayon::prelude::*;
 use rt_math::{DVec3, Rgb, Transform};
-use rt_render::{PlanOptions, RenderPlan};
+use rt_render::{PlanOptions, Precision, RenderPlan};
 use rt_scene_io::Scene;
 use rt_shading::DeltaLightKind;
 use rt_tests::moved;
@@ -150,7 +150,7 @@ fn differences(scene: &Scene, expected: &[Rgb]) -> Fallible<Vec<f64>> {
 
 /// The radiance of all pixels, before the film rounds it.
 fn radiance(scene: &Scene) -> Fallible<Vec<Rgb>> {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default())?;
+    let plan = RenderPlan::compile(scene, &PlanOptions { precision: Precision::F64, ..PlanOptions::default() })?;
     let (width, height) = (scene.film.width, scene.film.height);
     let pixel = |index: u32| plan.pixel(index % width, index / width).ok_or("a pixel outside of the image");
     Ok((0..width * height).into_par_iter().map(pixel).collect::<Result<_, _>>()?)

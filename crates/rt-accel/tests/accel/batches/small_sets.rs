@@ -7,11 +7,31 @@ use rt_accel::{
     Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray,
     SphereKernel, brute_force,
 };
+use rt_geometry::{HitStream, RayStream, STREAM_CAPACITY};
 use rt_math::Vec3;
 
 use super::{bundles, key, levels, with_odd_ones};
 use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup};
+
+/// Closest hits and occlusion of rays as a stream.
+fn trace_stream(
+    set: &SmallSet,
+    soup: &Soup,
+    rays: &[(Ray, Interval)],
+    counters: &mut Counters,
+) -> (Vec<Option<Hit>>, Vec<bool>) {
+    let (mut stream, mut hits, mut occluded) = (RayStream::default(), HitStream::default(), vec![false; rays.len()]);
+    rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+    assert!(set.closest_stream(soup, &stream, &mut hits, counters));
+    assert!(set.occluded_stream(soup, &stream, &mut occluded, counters));
+    let hit = |at| {
+        let (t, primitive, [u, v]) = (hits.t.get(at), hits.primitive.get(at), &hits.uv);
+        let hit = Hit { t, instance: 0, primitive, uv: [u.get(at), v.get(at)] };
+        (primitive != HitStream::NONE).then_some(hit)
+    };
+    ((0..rays.len()).map(hit).collect(), occluded)
+}
 
 /// Bit-identical results, and equal counters.
 #[test]
@@ -43,17 +63,19 @@ fn small_sets_equal_brute_force() {
             let all = SmallSet::new(0..n as u32).unwrap().with_level(level);
             let some = SmallSet::new(chosen.iter().rev().copied()).unwrap().with_level(level);
             let linear = Linear::build(&soup).unwrap().with_level(level);
-            let mut counted = [Counters::default(); 3];
+            let (mut counted, mut counted_by_streams) = ([Counters::default(); 3], Counters::default());
             let (mut expected, mut expected_of_some) = (Counters::default(), Counters::default());
             let mut first = 0;
             while first < rays.len() {
-                let len = draw.pick(&[1, 3, 5, 8, 13, 64, 300]).min(rays.len() - first);
+                let len = draw.pick(&[1, 3, 5, 8, 13, 64, STREAM_CAPACITY]).min(rays.len() - first);
                 let rays = &rays[first..first + len];
                 let (of_all, blocked) = trace_batch!(all, &soup, rays, &mut counted[0]);
                 let (of_linear, blocked_by_linear) = trace_batch!(linear, &soup, rays, &mut counted[1]);
                 let (of_some, blocked_by_some) = trace_batch!(some, &soup, rays, &mut counted[2]);
+                let streamed = trace_stream(&all, &soup, rays, &mut counted_by_streams);
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
+                    assert_eq!((key(streamed.0[i]), streamed.1[i]), (key(of_all[i]), blocked[i]), "{name}");
                     let hit = brute_force::closest(&soup, ray, *span, &mut expected);
                     assert_eq!(key(of_all[i]), key(hit), "{name}");
                     assert_eq!(key(of_linear[i]), key(hit), "{name}");
@@ -70,6 +92,7 @@ fn small_sets_equal_brute_force() {
             }
             let expected = [expected, expected, expected_of_some].map(|counters| counters.total());
             assert_eq!(counted.map(|counters| counters.total()), expected, "round {round}");
+            assert_eq!(counted_by_streams.total(), expected[0], "round {round}");
         }
     }
     assert!(n_hits > 10_000, "{n_hits} hits");

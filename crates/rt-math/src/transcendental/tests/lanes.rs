@@ -1,7 +1,7 @@
 //! Four numbers at a time have the bits of scalar calls.
 
 use super::{super::*, special_values};
-use crate::{Mask, Real, random::hash};
+use crate::{Float64, Mask, Real, random::hash};
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
 /// Values of four lanes.
@@ -82,7 +82,8 @@ impl Mask for Lanes<bool> {
 
 impl Real for Lanes<f64> {
     type Mask = Lanes<bool>;
-    type Bits = Lanes<u64>;
+
+    const MAX: f64 = f64::MAX;
 
     fn splat(self, x: f64) -> Self {
         Self([x; 4])
@@ -115,6 +116,10 @@ impl Real for Lanes<f64> {
     fn select(mask: Lanes<bool>, a: Self, b: Self) -> Self {
         Self(core::array::from_fn(|i| if mask.0[i] { a.0[i] } else { b.0[i] }))
     }
+}
+
+impl Float64 for Lanes<f64> {
+    type Bits = Lanes<u64>;
 
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         self.each(f)

@@ -167,7 +167,7 @@ fn lights() -> Vec<DeltaLight> {
     lights
 }
 
-fn appearance() -> Appearance {
+pub(in crate::whitted) fn appearance() -> Appearance {
     let color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
     let textured = |id| ColorTexture::Textured(TextureId(id), Rgb::new(0.9, 0.8, 0.7));
     let checker = textured(0);

@@ -1,0 +1,288 @@
+//! Whitted's integrator in stages that read and write structures of arrays.
+//!
+//! ```text
+//!   rays ──> closest hits ──> shade in lanes ──> shadow rays ──> occluded? ──> samples
+//!    ▲                              │
+//!    └──── mirrored, refracted <────┘
+//! ```
+//!
+//! Eight rays that follow each other in a stream are shaded together: all that hit the same primitive at once. So the numbers of the
+//! shape and of its material are the same in all lanes, and no lane gathers its own.
+
+mod hit_points;
+mod shade;
+mod streams;
+
+use super::{ShadingCounts, lane_phong::LanePhong, wave::RayTree};
+use crate::{
+    Appearance, Background, DeltaLight, InteriorList, LaneLevel, Material, RadianceSample, ShadingFeatures,
+    lane_set::{LaneSet, OneLane, SimdLanes},
+    lanes::dispatch,
+    stream_queries::StreamQueries,
+};
+use core::ops::RangeInclusive;
+use fearless_simd::Simd as _;
+use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
+use rt_math::{Interval, Ray, Rgb};
+use streams::{LightStream, PathStream};
+
+/// Most lights: each has a stream of shadow rays.
+const MAX_LIGHTS: usize = 64;
+
+/// Components of colours that are not 0.
+const COLOR_RANGE: RangeInclusive<f64> = 1e-12..=1e12;
+
+/// Indices of refraction.
+const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
+
+/// [`Whitted`](super::Whitted) for worlds of spheres, planes and flat triangles that do not move, with uniform or checkered
+/// materials. It shades in `f32`; positions, hits and sums are `f64`.
+///
+/// Ray trees are traversed as there. The radiance of a camera ray is bit-identical in every wave, with every instruction set, and
+/// with one lane. Keep one instance per thread: all buffers are reused.
+#[derive(Clone, Debug)]
+pub struct WavefrontWhitted {
+    settings: Settings,
+    /// Instruction set of lanes; `None` to shade hits one by one.
+    lanes: Option<LaneLevel>,
+    streams: Wavefront<f32>,
+}
+
+/// Settings, the same for all waves.
+#[derive(Clone, Debug)]
+struct Settings {
+    max_depth: u32,
+    min_contribution: f64,
+    features: ShadingFeatures,
+    /// Media around the camera: one list for all rays, or one for each; none for air.
+    surroundings: Vec<InteriorList>,
+    /// Phong models by material.
+    phongs: Vec<Option<LanePhong>>,
+}
+
+/// Streams of a wave.
+#[derive(Clone, Debug, Default)]
+struct Wavefront<E: Copy + Default> {
+    /// Rays of the current wave, by kind.
+    reflected: PathStream<E>,
+    refracted: PathStream<E>,
+    hits: HitStream,
+    spawned: Spawned<E>,
+}
+
+/// Rays that the hits of a wave spawn, and the state of samples.
+#[derive(Clone, Debug, Default)]
+struct Spawned<E: Copy + Default> {
+    /// Rays of the next wave, by kind.
+    reflected: PathStream<E>,
+    refracted: PathStream<E>,
+    /// Shadow rays by light.
+    lights: Vec<LightStream<E>>,
+    trees: Vec<RayTree>,
+    /// True if a tree may differ from that of a camera ray in air.
+    has_used_trees: bool,
+    /// Number of deferred rays of all trees.
+    n_deferred: usize,
+    /// Samples whose path has ended in this wave while rays were deferred.
+    ended: Vec<u32>,
+    counts: ShadingCounts,
+}
+
+impl WavefrontWhitted {
+    /// Integrator of up to `max_depth` bounces after the first hit. Rays whose weight in the pixel is below `min_contribution` in all
+    /// components are not traced. It computes only these `features`. All later calls must be with this appearance.
+    pub fn new(max_depth: u32, min_contribution: f64, features: ShadingFeatures, appearance: &Appearance) -> Self {
+        let phongs = LanePhong::of_all(appearance, &features);
+        Self {
+            settings: Settings { max_depth, min_contribution, features, surroundings: Vec::new(), phongs },
+            lanes: LaneLevel::best(),
+            streams: Wavefront::default(),
+        }
+    }
+
+    /// Shades in SIMD lanes of this level, or with `None` one hit at a time. The result is bit-identical.
+    pub const fn set_lanes(&mut self, level: Option<LaneLevel>) {
+        self.lanes = level;
+    }
+
+    /// True if it supports the lights and all materials of an appearance: their numbers are in a range in which `f32` neither overflows
+    /// nor underflows.
+    pub fn supports(appearance: &Appearance) -> bool {
+        let background = match appearance.background {
+            Background::Constant(radiance) => radiance,
+            _ => Rgb::BLACK,
+        };
+        let is_usual = |light: &DeltaLight| is_in_range(light.intensity);
+        let has_usual_media =
+            |material: &Material| material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
+        appearance.lights.len() <= MAX_LIGHTS
+            && is_in_range(background)
+            && appearance.lights.iter().all(is_usual)
+            && appearance.materials.iter().all(has_usual_media)
+            && LanePhong::of_all(appearance, &ShadingFeatures::ALL)
+                .iter()
+                .all(|phong| phong.as_ref().is_some_and(|phong| phong.colors().all(is_in_range)))
+    }
+
+    /// Sets the media around the camera: one list for all rays, or one for each ray of the next call. Without a list, all rays start
+    /// in air.
+    pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
+        surroundings.clone_into(&mut self.settings.surroundings);
+    }
+
+    /// Work done since the counts were last taken.
+    pub fn take_counts(&mut self) -> ShadingCounts {
+        core::mem::take(&mut self.streams.spawned.counts)
+    }
+
+    /// Radiance of camera rays: `seen[i]` is that of `rays[i]`. Entries beyond the shorter slice are unchanged. Non-finite scenes
+    /// give non-finite radiance, which the caller handles.
+    pub fn radiance_of(
+        &mut self,
+        world: &mut impl StreamQueries,
+        appearance: &Appearance,
+        rays: &[(Ray, Interval)],
+        seen: &mut [RadianceSample],
+    ) {
+        let mut stream = RayStream::default();
+        let batches = rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY));
+        for (number, (rays, seen)) in batches.enumerate() {
+            stream.clear();
+            rays.iter().take(seen.len()).for_each(|(ray, span)| stream.push(ray, *span));
+            let count = stream.len();
+            self.trace(world, appearance, (number * STREAM_CAPACITY, &mut stream, &mut seen[..count]));
+        }
+    }
+
+    /// Version of [`radiance_of`](Self::radiance_of) for a stream, whose rays are lost.
+    pub fn radiance_of_stream(
+        &mut self,
+        world: &mut impl StreamQueries,
+        appearance: &Appearance,
+        rays: &mut RayStream,
+        seen: &mut [RadianceSample],
+    ) {
+        self.trace(world, appearance, (0, rays, seen));
+    }
+
+    fn trace(&mut self, world: &mut impl StreamQueries, appearance: &Appearance, batch: Batch<'_>) {
+        let settings = &self.settings;
+        match self.lanes {
+            Some(level) => dispatch!(level, simd => {
+                let shade = &Shade { lanes: SimdLanes(simd), settings, appearance };
+                self.streams.trace(shade, world, batch, |world, wave, spawned, seen| simd.vectorize(
+                    #[inline(always)]
+                    || spawned.shade(shade, world, wave, seen),
+                ));
+            }),
+            None => {
+                let shade = &Shade { lanes: OneLane, settings, appearance };
+                self.streams.trace(shade, world, batch, |world, wave, spawned, seen| {
+                    spawned.shade(shade, world, wave, seen);
+                });
+            }
+        }
+    }
+}
+
+/// True for a colour whose products with a few others are neither too large nor too small for `f32`.
+fn is_in_range(color: Rgb) -> bool {
+    color.to_array().iter().all(|c| *c == 0.0 || COLOR_RANGE.contains(c))
+}
+
+/// Number of the first ray in the call, camera rays, and their radiance.
+type Batch<'a> = (usize, &'a mut RayStream, &'a mut [RadianceSample]);
+
+/// Inputs of all shading stages of a batch.
+struct Shade<'a, L> {
+    lanes: L,
+    settings: &'a Settings,
+    appearance: &'a Appearance,
+}
+
+/// Rays of a wave with their closest hits.
+type Wave<'a, E> = (&'a PathStream<E>, &'a HitStream);
+
+impl<E: Copy + Default + Into<f64>> Wavefront<E> {
+    /// Traces the ray trees of camera rays. `shade_stage` calls [`Spawned::shade`], compiled for the lanes.
+    fn trace<W: StreamQueries, L: LaneSet<Element = E>>(
+        &mut self,
+        shade: &Shade<'_, L>,
+        world: &mut W,
+        (first, rays, seen): Batch<'_>,
+        shade_stage: impl Fn(&W, Wave<'_, E>, &mut Spawned<E>, &mut [RadianceSample]),
+    ) {
+        seen.fill(RadianceSample::MISS);
+        self.start(shade, first, rays);
+        let mut first_kind = RayKind::Primary;
+        while !self.reflected.is_empty() || !self.refracted.is_empty() {
+            let Self { reflected, refracted, hits, spawned } = self;
+            for (paths, kind) in [(&*reflected, first_kind), (&*refracted, RayKind::Refraction)] {
+                if !paths.is_empty() {
+                    world.closest_stream(&paths.rays, kind, hits);
+                    shade_stage(world, (paths, hits), spawned, seen);
+                }
+            }
+            first_kind = RayKind::Reflection;
+            for light in &mut spawned.lights {
+                light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), seen);
+            }
+            self.next_wave(shade.lanes);
+        }
+    }
+
+    /// Starts the camera rays.
+    fn start<L: LaneSet<Element = E>>(&mut self, shade: &Shade<'_, L>, first: usize, rays: &mut RayStream) {
+        self.spawned.start(shade.settings, shade.appearance.lights.len(), (first, rays.len()));
+        self.refracted.clear();
+        self.reflected.start(shade.lanes, rays);
+    }
+
+    /// Starts the next wave, with deferred rays of samples whose path has ended.
+    fn next_wave<L: LaneSet<Element = E>>(&mut self, lanes: L) {
+        let Self { reflected, refracted, spawned, .. } = self;
+        spawned.pop_deferred(lanes);
+        for (wave, next) in [(reflected, &mut spawned.reflected), (refracted, &mut spawned.refracted)] {
+            wave.clear();
+            core::mem::swap(wave, next);
+        }
+    }
+}
+
+impl<E: Copy + Default + Into<f64>> Spawned<E> {
+    /// Makes space for lights and samples.
+    fn start(&mut self, settings: &Settings, n_lights: usize, (first, n_samples): (usize, usize)) {
+        if self.lights.len() < n_lights {
+            self.lights.resize_with(n_lights, LightStream::default);
+        }
+        if settings.features.refraction {
+            if self.trees.len() < n_samples {
+                self.trees.resize_with(n_samples, RayTree::default);
+            }
+            let air = InteriorList::default();
+            if settings.surroundings.is_empty() && !self.has_used_trees {
+                return;
+            }
+            self.has_used_trees = !settings.surroundings.is_empty();
+            self.n_deferred = 0;
+            let surroundings = settings.surroundings.get(if settings.surroundings.len() > 1 { first.. } else { 0.. });
+            let mut surroundings = surroundings.unwrap_or_default().iter().cycle();
+            for tree in &mut self.trees {
+                tree.restart(surroundings.next().unwrap_or(&air));
+            }
+        }
+    }
+
+    /// Continues samples whose path has ended with their last deferred ray.
+    fn pop_deferred<L: LaneSet<Element = E>>(&mut self, lanes: L) {
+        for sample in self.ended.drain(..) {
+            if let Some((ray, path)) = self.trees[sample as usize].pop() {
+                self.n_deferred -= 1;
+                self.refracted.push(lanes, &ray, Interval::SPAWNED, &path);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

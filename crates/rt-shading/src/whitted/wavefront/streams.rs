@@ -1,0 +1,105 @@
+//! Streams of rays with the numbers of their paths.
+
+use super::super::wave::TreePath;
+use crate::{RadianceSample, lane_set::LaneSet};
+use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
+use rt_math::{Interval, Ray, Rgb};
+
+/// Rays of paths, one array for each number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PathStream<E: Copy + Default> {
+    pub(super) rays: RayStream,
+    /// Index of the camera ray.
+    pub(super) sample: StreamArray<u32>,
+    /// Bounces so far.
+    pub(super) depth: StreamArray<u32>,
+    /// Weight of its radiance in the pixel.
+    pub(super) weight: [StreamArray<E>; 3],
+}
+
+impl<E: Copy + Default + Into<f64>> PathStream<E> {
+    pub(super) const fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    pub(super) const fn is_empty(&self) -> bool {
+        self.rays.is_empty()
+    }
+
+    pub(super) const fn clear(&mut self) {
+        self.rays.clear();
+    }
+
+    /// Replaces the rays by camera rays, each of its own sample. `rays` is an unspecified stream afterwards.
+    pub(super) fn start<L: LaneSet<Element = E>>(&mut self, lanes: L, rays: &mut RayStream) {
+        core::mem::swap(&mut self.rays, rays);
+        for (sample, number) in self.sample.as_mut_slice().iter_mut().zip(0..) {
+            *sample = number;
+        }
+        self.depth.as_mut_slice().fill(0);
+        for weight in &mut self.weight {
+            weight.as_mut_slice().fill(lanes.element(1.0));
+        }
+    }
+
+    /// Appends a ray.
+    #[inline(always)]
+    pub(super) fn push<L: LaneSet<Element = E>>(&mut self, lanes: L, ray: &Ray, span: Interval, path: &TreePath) {
+        let at = self.len();
+        self.rays.push(ray, span);
+        self.sample.set(at, path.sample);
+        self.depth.set(at, path.depth);
+        let ([r, g, b], weight) = (&mut self.weight, path.weight);
+        r.set(at, lanes.element(weight.r));
+        g.set(at, lanes.element(weight.g));
+        b.set(at, lanes.element(weight.b));
+    }
+
+    /// Weight of a path.
+    #[inline(always)]
+    pub(super) fn weight(&self, at: usize) -> Rgb {
+        let [r, g, b] = &self.weight;
+        Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into())
+    }
+}
+
+/// Shadow rays to one light, with what it adds to samples if they are not occluded.
+#[derive(Clone, Debug)]
+pub(super) struct LightStream<E: Copy + Default> {
+    pub(super) rays: RayStream,
+    /// Index of the camera ray.
+    pub(super) sample: StreamArray<u32>,
+    /// Radiance in the pixel.
+    pub(super) radiance: [StreamArray<E>; 3],
+    blocked: Box<[bool; STREAM_CAPACITY]>,
+}
+
+impl<E: Copy + Default> Default for LightStream<E> {
+    fn default() -> Self {
+        Self {
+            rays: RayStream::default(),
+            sample: StreamArray::default(),
+            radiance: Default::default(),
+            blocked: Box::new([false; STREAM_CAPACITY]),
+        }
+    }
+}
+
+impl<E: Copy + Default + Into<f64>> LightStream<E> {
+    /// Traces the rays, adds the light of those that are not occluded, and removes all.
+    pub(super) fn resolve(&mut self, occluded: impl FnOnce(&RayStream, &mut [bool]), seen: &mut [RadianceSample]) {
+        if self.rays.is_empty() {
+            return;
+        }
+        let blocked = &mut self.blocked[..self.rays.len()];
+        occluded(&self.rays, blocked);
+        let [r, g, b] = &self.radiance;
+        for (at, is_blocked) in blocked.iter().enumerate() {
+            if !is_blocked {
+                let radiance = Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into());
+                seen[self.sample.get(at) as usize].radiance += radiance;
+            }
+        }
+        self.rays.clear();
+    }
+}

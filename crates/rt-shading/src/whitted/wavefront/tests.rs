@@ -1,0 +1,307 @@
+//! Comparison of the wavefront integrator with [`Whitted`], which shades one hit at a time in `f64`.
+
+use super::*;
+use crate::{
+    Background, LazyHit, LazyPlane, LazySurface, StreamPrimitive, StreamShape, SurfaceHit, TrianglePoint, Whitted,
+    lane_set::Float64Lane, scene_queries::SceneQueries, whitted::tests::lanes,
+};
+use rt_geometry::{Hit, InteractionFlags, Plane, RayStream, Sphere, WatertightRay};
+use rt_math::{DVec3, random};
+
+enum Shape {
+    Sphere(Sphere),
+    Plane(Plane),
+    Triangle { vertices: [DVec3; 3], normal: DVec3, vertex_uvs: [[f32; 2]; 3] },
+}
+
+/// ShapeWorld of random materials, which rays are tested against one after the other.
+struct ShapeWorld {
+    shapes: Vec<(Shape, u32)>,
+}
+
+fn number(key: u64, at: u64) -> f64 {
+    random::unit(random::hash(&[key, at]))
+}
+
+fn vector(key: u64, at: u64) -> DVec3 {
+    DVec3::new(number(key, at), number(key, at + 1), number(key, at + 2)) * 2.0 - 1.0
+}
+
+impl ShapeWorld {
+    /// Spheres and triangles around the origin, above a floor, in units of `scale`. The material beyond the last of `n_materials` is
+    /// missing.
+    fn new(n_materials: u32, scale: f64) -> Self {
+        let material = |key: u64| (number(key, 20) * f64::from(n_materials + 1)) as u32;
+        let spheres = (0..60).map(|key| {
+            let sphere = Sphere::new(vector(key, 0) * 3.0 * scale, (0.1 + 0.4 * number(key, 4)) * scale);
+            (Shape::Sphere(sphere.expect("a sphere")), material(key))
+        });
+        let triangles = (60..90).map(|key| {
+            let centre = vector(key, 0) * 3.0;
+            let vertices = [3, 6, 9].map(|at| (centre + vector(key, at)) * scale);
+            let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).normalize();
+            let vertex_uvs = [12, 14, 16].map(|at| [number(key, at) as f32 * 3.0, number(key, at + 1) as f32 * 3.0]);
+            (Shape::Triangle { vertices, normal, vertex_uvs }, material(key))
+        });
+        let floor = Plane::new(DVec3::new(0.1, -3.0, 0.2) * scale, DVec3::new(0.1, 1.0, 0.0)).expect("a plane");
+        let floor = (Shape::Plane(floor), n_materials.saturating_sub(1).min(13));
+        Self { shapes: spheres.chain(triangles).chain([floor]).collect() }
+    }
+
+    fn hit(&self, ray: &Ray, span: Interval) -> Option<Hit> {
+        let watertight = WatertightRay::new(ray);
+        let hits = self.shapes.iter().enumerate().filter_map(|(at, (shape, _))| {
+            let hit = match shape {
+                Shape::Sphere(sphere) => sphere.intersect(ray, span),
+                Shape::Plane(plane) => plane.intersect(ray, span),
+                Shape::Triangle { vertices, .. } => watertight.intersect(*vertices, span),
+            };
+            hit.map(|hit| Hit { t: hit.t, instance: 0, primitive: at as u32, uv: hit.uv })
+        });
+        hits.min_by(|a, b| a.t.total_cmp(&b.t))
+    }
+}
+
+impl SceneQueries for ShapeWorld {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
+        let Hit { t, primitive, uv, .. } = self.hit(ray, span)?;
+        let (shape, material) = &self.shapes[primitive as usize];
+        fn hit<T: LazySurface>(shape: T, t: f64, object: u32, material: u32, ray: &Ray) -> SurfaceHit {
+            LazyHit { t, shape, object, material, light: None }.surface(ray)
+        }
+        Some(match *shape {
+            Shape::Sphere(sphere) => hit(sphere, t, primitive, *material, ray),
+            Shape::Plane(plane) => hit(LazyPlane { plane, needs_uv: true }, t, primitive, *material, ray),
+            Shape::Triangle { vertices, normal, vertex_uvs } => {
+                hit(TrianglePoint { vertices, uv, normal, vertex_uvs }, t, primitive, *material, ray)
+            }
+        })
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.hit(ray, span).is_some()
+    }
+}
+
+impl StreamQueries for ShapeWorld {
+    fn closest_stream(&mut self, rays: &RayStream, _: RayKind, hits: &mut HitStream) {
+        for at in 0..rays.len() {
+            let (ray, span) = rays.get(at);
+            hits.set(at, self.hit(&ray, span).as_ref());
+        }
+    }
+
+    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
+        for (at, blocked) in blocked.iter_mut().enumerate() {
+            let (ray, span) = rays.get(at);
+            *blocked = self.occluded(&ray, span);
+        }
+    }
+
+    fn primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
+        let (shape, material) = self.shapes.get(index as usize)?;
+        let shape = match shape {
+            Shape::Sphere(sphere) => StreamShape::Sphere(sphere),
+            Shape::Plane(plane) => StreamShape::Plane(plane),
+            Shape::Triangle { vertices, normal, .. } => StreamShape::Triangle { vertices: *vertices, normal: *normal },
+        };
+        Some(StreamPrimitive { shape, object: index, material: *material })
+    }
+
+    fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
+        match self.shapes[index as usize].0 {
+            Shape::Triangle { vertex_uvs, .. } => vertex_uvs,
+            _ => [[0.0; 2]; 3],
+        }
+    }
+}
+
+/// Materials of the tests of lanes that this integrator supports, with lights at this scale.
+fn appearance(scale: f64) -> Appearance {
+    let mut appearance = lanes::appearance();
+    let phongs = LanePhong::of_all(&appearance, &ShadingFeatures::ALL);
+    let mut phongs = phongs.iter();
+    appearance.materials.retain(|_| phongs.next().is_some_and(Option::is_some));
+    for light in &mut appearance.lights {
+        if let Some(position) = light.kind.position_mut() {
+            *position *= scale;
+        }
+    }
+    appearance
+}
+
+fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
+    let ray = |at: u32| {
+        let eye = DVec3::new(0.3, 1.0, 7.0);
+        // Groups of rays are close together, as those of a pixel are.
+        let aim = vector(1000 + u64::from(at / 5), 0) * 3.0 + vector(u64::from(at), 40) * 0.02;
+        Ray::new(eye * scale, aim - eye)
+    };
+    (0..count).map(|at| (ray(at), Interval::FORWARD)).collect()
+}
+
+type Image = (Vec<RadianceSample>, ShadingCounts);
+
+fn of_whitted(
+    features: ShadingFeatures,
+    appearance: &Appearance,
+    world: &mut ShapeWorld,
+    rays: &[(Ray, Interval)],
+) -> Image {
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
+    let mut whitted = Whitted::new(4, 1e-3, features);
+    whitted.radiance_of(world, appearance, rays, &mut seen);
+    (seen, whitted.take_counts())
+}
+
+fn of_wavefront(
+    level: Option<LaneLevel>,
+    features: ShadingFeatures,
+    appearance: &Appearance,
+    world: &mut ShapeWorld,
+    rays: &[(Ray, Interval)],
+) -> Image {
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
+    let mut wavefront = WavefrontWhitted::new(4, 1e-3, features, appearance);
+    wavefront.set_lanes(level);
+    wavefront.radiance_of(world, appearance, rays, &mut seen);
+    (seen, wavefront.take_counts())
+}
+
+/// The integrator with `f64` for shading as well.
+fn in_f64(
+    features: ShadingFeatures,
+    appearance: &Appearance,
+    world: &mut ShapeWorld,
+    rays: &[(Ray, Interval)],
+) -> Image {
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
+    let WavefrontWhitted { settings, .. } = &WavefrontWhitted::new(4, 1e-3, features, appearance);
+    let mut streams = Wavefront::<f64>::default();
+    let shade = &Shade { lanes: Float64Lane, settings, appearance };
+    for (rays, seen) in rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY)) {
+        let mut stream = RayStream::default();
+        rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+        streams.trace(shade, world, (0, &mut stream, seen), |world, wave, spawned, seen| {
+            spawned.shade(shade, world, wave, seen)
+        });
+    }
+    (seen, streams.spawned.counts)
+}
+
+/// Largest difference of a component, relative to the radiance.
+fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
+    let size = a.radiance.max_component().max(b.radiance.max_component()).max(1e-3);
+    (a.radiance - b.radiance).to_array().iter().fold(0.0, |max: f64, c| max.max(c.abs())) / size
+}
+
+fn features() -> [ShadingFeatures; 5] {
+    [
+        ShadingFeatures::ALL,
+        ShadingFeatures { shadows: false, ambient: false, ..ShadingFeatures::ALL },
+        ShadingFeatures { highlights: false, fresnel: false, ..ShadingFeatures::ALL },
+        ShadingFeatures { reflection: false, absorption: false, ..ShadingFeatures::ALL },
+        ShadingFeatures { refraction: false, ..ShadingFeatures::ALL },
+    ]
+}
+
+#[test]
+fn shading_in_f64_gives_the_radiance_of_the_recursive_integrator() {
+    let appearance = appearance(1.0);
+    let mut world = ShapeWorld::new(appearance.materials.len() as u32, 1.0);
+    let rays = camera_rays(2000, 1.0);
+    for features in features() {
+        let (expected, counts) = of_whitted(features, &appearance, &mut world, &rays);
+        let (found, found_counts) = in_f64(features, &appearance, &mut world, &rays);
+        assert_eq!(counts.without_lanes(), found_counts.without_lanes(), "{features:?}");
+        for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
+            assert!(a.hit == b.hit && difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}, {features:?}");
+        }
+    }
+}
+
+#[test]
+fn the_worlds_of_these_tests_have_all_cases() {
+    let appearance = appearance(1.0);
+    let mut world = ShapeWorld::new(appearance.materials.len() as u32, 1.0);
+    let (seen, counts) = of_whitted(ShadingFeatures::ALL, &appearance, &mut world, &camera_rays(2000, 1.0));
+    assert!(seen.iter().any(|seen| !seen.hit) && counts.shadow_rays_skipped > 1000 && counts.mirrors > 1000);
+    assert!(counts.refractions > 300 && counts.fresnel > 200 && counts.absorption > 50, "{counts:?}");
+    assert!(counts.passages > 20 && counts.highlights > 1000 && counts.depth_limited > 20, "{counts:?}");
+}
+
+#[test]
+fn lanes_have_the_bits_of_single_hits_at_all_levels() {
+    let appearance = appearance(1.0);
+    let mut world = ShapeWorld::new(appearance.materials.len() as u32, 1.0);
+    if LaneLevel::best().is_none() {
+        println!("skipped: this processor lacks AVX2");
+    }
+    for features in features() {
+        for n_rays in [1, 7, 8, 9, 255, 256, 257, 1000] {
+            let rays = camera_rays(n_rays, 1.0);
+            let one = of_wavefront(None, features, &appearance, &mut world, &rays);
+            for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
+                let lanes = of_wavefront(Some(level), features, &appearance, &mut world, &rays);
+                assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {features:?}");
+                for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
+                    let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
+                    assert!(bits(a) == bits(b) && a.hit == b.hit, "ray {at} of {n_rays}: {a:?}, {b:?}, {level:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Shares of rays whose radiance differs by more than 1e-5 and 1e-3 from that in `f64`.
+fn shares_of_differences(scale: f64) -> [f64; 2] {
+    let appearance = appearance(scale);
+    let mut world = ShapeWorld::new(appearance.materials.len() as u32, scale);
+    let rays = camera_rays(4000, scale);
+    let (exact, _) = of_whitted(ShadingFeatures::ALL, &appearance, &mut world, &rays);
+    let (found, _) = of_wavefront(LaneLevel::best(), ShadingFeatures::ALL, &appearance, &mut world, &rays);
+    [1e-5, 1e-3].map(|bound| {
+        let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < bound && a.hit == b.hit));
+        differing.count() as f64 / rays.len() as f64
+    })
+}
+
+#[test]
+fn f32_differs_where_rays_take_another_way() {
+    let [above_rounding, another_way] = shares_of_differences(1.0);
+    assert!(above_rounding < 0.02 && another_way < 0.002, "{above_rounding}, {another_way}");
+}
+
+#[test]
+fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
+    for scale in [1e-25, 1e-18, 1e17, 1e25] {
+        // Inverse squares of such distances are out of the range of colours themselves.
+        let mut appearance = appearance(scale);
+        appearance.lights.retain(|light| {
+            !matches!(light.kind, crate::DeltaLightKind::Point { falloff: crate::Falloff::InverseSquare, .. })
+                && !matches!(light.kind, crate::DeltaLightKind::Spot { falloff: crate::Falloff::InverseSquare, .. })
+        });
+        let mut world = ShapeWorld::new(appearance.materials.len() as u32, scale);
+        let rays = camera_rays(1000, scale);
+        let features = ShadingFeatures { absorption: false, ..ShadingFeatures::ALL };
+        let (exact, _) = of_whitted(features, &appearance, &mut world, &rays);
+        let (found, _) = of_wavefront(LaneLevel::best(), features, &appearance, &mut world, &rays);
+        let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < 1e-3));
+        assert!(differing.count() < 10, "scale {scale}");
+    }
+}
+
+#[test]
+fn numbers_that_leave_the_range_of_f32_are_not_supported() {
+    let usual = appearance(1.0);
+    assert!(WavefrontWhitted::supports(&usual));
+    let mut bright = usual.clone();
+    bright.lights[0].intensity = Rgb::gray(1e20);
+    let mut dense = usual.clone();
+    dense.materials.last_mut().expect("a material").interior = Some(crate::InteriorMedium::clear(1e6));
+    let faint = Appearance { background: Background::Constant(Rgb::gray(1e-30)), ..usual.clone() };
+    let lights = core::iter::repeat_n(usual.lights[0].clone(), MAX_LIGHTS + 1).collect();
+    for other in [bright, dense, faint, Appearance { lights, ..usual }, lanes::appearance()] {
+        assert!(!WavefrontWhitted::supports(&other), "{other:?}");
+    }
+}
