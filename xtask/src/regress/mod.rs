@@ -27,6 +27,7 @@ mod minray;
 mod numerics;
 mod panels;
 mod physics;
+mod precision;
 mod report;
 mod same_image;
 mod shape_tracer;
@@ -113,6 +114,7 @@ fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn 
     units.extend(analytic::units());
     units.extend(numerics::units());
     units.extend(same_image::units(workspace)?);
+    units.extend(precision::units(workspace)?);
     units.extend(kills::units());
     units.extend(physics::units(workspace, options.pairs.as_deref())?);
     units.extend(golden::units(workspace)?);

@@ -1,0 +1,173 @@
+//! Shading in `f32` compared with `f64`, with the same samples.
+//!
+//! Each scene file is rendered twice by `whitted`. With one sample, a pixel is one ray tree: its relative difference counts rounding
+//! errors, and trees in which a ray took another way. With more samples, the means of both images are compared. Scenes that are shaded
+//! in `f64` anyway give equal images.
+
+use std::path::{Path, PathBuf};
+
+use rt_image::{Image, read_image};
+
+use super::unit::{Context, Findings, Unit};
+use crate::{error::TaskError, workspace::Workspace};
+
+const REDUCED: &[&str] = &["--size", "160x120"];
+/// Samples for the comparison of means: with the sizes of the scenes up to 2²⁶ in all.
+const SAMPLES: [&str; 2] = ["4", "64"];
+
+/// Bounds of the classes of relative differences.
+const CLASSES: [f64; 5] = [1e-7, 1e-6, 1e-5, 1e-4, 1e-3];
+/// Most trees in which a ray may take another way: those that differ by more than the last class.
+const MAX_SHARE: f64 = 5e-3;
+/// Most standard errors between the means, unless the difference is below [`MAX_SHIFT`].
+const MAX_Z: f64 = 5.0;
+/// Relative difference of means that is a rounding error, whatever its standard error.
+const MAX_SHIFT: f64 = 1e-6;
+
+struct Precision {
+    scene: PathBuf,
+    name: String,
+}
+
+/// One unit per scene file of the project and per golden image.
+pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+    let mut scenes = workspace.files("scenes", ".ron")?;
+    scenes.extend(workspace.files("scenes/spd", ".nff")?);
+    scenes.extend(workspace.files("tests/golden", ".ron")?);
+    let unit = |scene: PathBuf| {
+        let name = format!("precision/{}", workspace.relative(&scene.with_extension("")));
+        Box::new(Precision { scene, name }) as Box<dyn Unit>
+    };
+    Ok(scenes.into_iter().map(unit).collect())
+}
+
+impl Unit for Precision {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
+        let size = if context.full { &[] } else { REDUCED };
+        let [trees, exact_trees] = self.images(context, folder, size, "1")?;
+        let differences = Differences::of(&trees, &exact_trees);
+        if differences.largest == 0.0 {
+            findings.note("equal: shaded in f64");
+            return Ok(());
+        }
+        differences.check(findings);
+        let [image, exact] = self.images(context, folder, size, SAMPLES[usize::from(context.full)])?;
+        check_means(&image, &exact, findings);
+        Ok(())
+    }
+}
+
+impl Precision {
+    /// Images in `f32` and in `f64`.
+    fn images(&self, context: &Context, folder: &Path, size: &[&str], spp: &str) -> Result<[Image; 2], TaskError> {
+        let mut images = Vec::new();
+        for precision in ["f32", "f64"] {
+            let args = size.iter().copied().chain(["--integrator", "whitted", "--precision", precision, "--spp", spp]);
+            context.renderer.render(folder, &self.scene, "linear.pfm", args)?;
+            images.push(read_image(&folder.join("linear.pfm")).map_err(TaskError::other)?);
+        }
+        images.try_into().map_err(|_| TaskError::Other("two images".to_owned()))
+    }
+}
+
+/// Radiance of all pixels.
+fn pixels(image: &Image) -> impl Iterator<Item = [f64; 3]> {
+    image.pixels().iter().map(|pixel| pixel.map(f64::from))
+}
+
+/// Relative differences of pixels.
+#[derive(Debug, PartialEq)]
+struct Differences {
+    /// Pixels in each class, the last beyond all bounds.
+    counts: [u64; CLASSES.len() + 1],
+    largest: f64,
+    /// Pixels with a number that is not finite in only one of the images.
+    not_finite: u64,
+}
+
+impl Differences {
+    fn of(a: &Image, b: &Image) -> Self {
+        let mut this = Self { counts: [0; CLASSES.len() + 1], largest: 0.0, not_finite: 0 };
+        for (a, b) in pixels(a).zip(pixels(b)) {
+            this.add(a, b);
+        }
+        this
+    }
+
+    fn add(&mut self, a: [f64; 3], b: [f64; 3]) {
+        let is_finite = |radiance: &[f64; 3]| radiance.iter().all(|component| component.is_finite());
+        if is_finite(&a) != is_finite(&b) {
+            self.not_finite += 1;
+            return;
+        }
+        let size = a.iter().chain(&b).fold(1e-6, |size: f64, component| size.max(component.abs()));
+        let difference = a.iter().zip(b).fold(0.0, |max: f64, (a, b)| max.max((a - b).abs())) / size;
+        self.counts[CLASSES.iter().take_while(|bound| difference > **bound).count()] += 1;
+        self.largest = self.largest.max(difference);
+    }
+
+    fn check(&self, findings: &mut Findings) {
+        let total: u64 = self.counts.iter().sum();
+        let share = |count: u64| 100.0 * count as f64 / total.max(1) as f64;
+        let classes: Vec<_> = CLASSES
+            .iter()
+            .zip(self.counts)
+            .map(|(bound, count)| format!("≤ {bound:e}: {:.3} %", share(count)))
+            .collect();
+        let other_ways = self.counts[CLASSES.len()];
+        findings.note(format!(
+            "ray trees by relative difference: {}, more: {:.3} %; largest {:.2e}",
+            classes.join(", "),
+            share(other_ways),
+            self.largest
+        ));
+        if self.not_finite > 0 {
+            findings.problem(format!("{} pixels are finite in one image only", self.not_finite));
+        }
+        if other_ways as f64 > MAX_SHARE * total as f64 {
+            findings.problem(format!(
+                "{other_ways} of {total} ray trees differ by more than {:e}",
+                CLASSES[CLASSES.len() - 1]
+            ));
+        }
+    }
+}
+
+/// Compares the means of two images of the same samples.
+fn check_means(image: &Image, exact: &Image, findings: &mut Findings) {
+    let mean = |radiance: [f64; 3]| radiance.iter().sum::<f64>() / 3.0;
+    let differences: Vec<f64> = pixels(image).zip(pixels(exact)).map(|(a, b)| mean(a) - mean(b)).collect();
+    let n = differences.len().max(1) as f64;
+    let shift = differences.iter().sum::<f64>() / n;
+    let variance = differences.iter().map(|difference| (difference - shift) * (difference - shift)).sum::<f64>() / n;
+    let error = (variance / n).sqrt();
+    let size = pixels(exact).map(mean).sum::<f64>() / n;
+    let relative = shift / size.max(f64::MIN_POSITIVE);
+    let line = format!("means differ by {relative:+.1e} ± {:.1e} (z = {:+.1})", error / size, shift / error);
+    if relative.abs() <= MAX_SHIFT || shift.abs() <= MAX_Z * error {
+        findings.note(line)
+    } else {
+        findings.problem(line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_counted_by_size() {
+        let mut differences = Differences { counts: [0; 6], largest: 0.0, not_finite: 0 };
+        for b in [1.0, 1.0 + 5e-7, 1.0 + 5e-6, 1.2, f64::NAN] {
+            differences.add([1.0, 0.5, 0.0], [b, 0.5, 0.0]);
+        }
+        assert_eq!((differences.counts, differences.not_finite), ([1, 1, 1, 0, 0, 1], 1));
+        let mut findings = Findings::default();
+        differences.check(&mut findings);
+        assert_eq!(findings.problems.len(), 2, "{findings:?}");
+    }
+}
