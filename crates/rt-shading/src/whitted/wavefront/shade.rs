@@ -17,7 +17,7 @@ use crate::{
     },
 };
 use rt_geometry::{HitStream, RayStream, SurfaceInteraction, offset_point};
-use rt_math::{Interval, Mask, Ray, Real, Rgb, Vector3};
+use rt_math::{Interval, Ray, Real, Rgb, Vector3};
 
 /// Squared distances of lights that are certain not to overflow or underflow in `f32`.
 const MIN_SQUARED: f64 = 1e-30;
@@ -319,7 +319,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
                 Some(position) => lanes.narrow_vector(position - points.point),
                 None => Vector3::new(zero, zero, zero),
             };
-            let incident = sample_li(lanes, light, to_light, points);
+            let incident = sample_li(lanes, light, to_light, (points, mask));
             let wi = incident.direction;
             let cos = normal.dot(wi);
             let faces = incident.is_lit & cos.gt(zero);
@@ -501,18 +501,18 @@ impl<L: LaneSet> ShadedSurface<L> {
     }
 }
 
-/// Light that arrives at points, given the vectors to its position.
+/// Light that arrives at the points of a mask, given the vectors to its position.
 #[inline(always)]
 fn sample_li<L: LaneSet>(
     lanes: L,
     light: &DeltaLight,
     to_light: Vector3<L::F>,
-    points: &HitPoints<L>,
+    (points, mask): (&HitPoints<L>, u8),
 ) -> DeltaLiLanes<L::F> {
     let incident = light.sample_li_from(to_light);
     let squared = to_light.length_squared();
     let is_usual = squared.gt(lanes.splat(MIN_SQUARED)) & squared.lt(lanes.splat(MAX_SQUARED));
-    if is_usual.all() || light.kind.position().is_none() {
+    if mask & !lanes.bits(is_usual) == 0 || light.kind.position().is_none() {
         return incident;
     }
     let exact = light.sample_li_lanes(points.point);
