@@ -22,7 +22,7 @@ impl<T: Copy + Default> Default for StreamArray<T> {
 }
 
 impl<T> StreamArray<T> {
-    /// Eight numbers from the index `at` on, modulo [`STREAM_CAPACITY`].
+    /// Eight numbers from the index `at` on, which is taken modulo [`STREAM_CAPACITY`].
     #[inline(always)]
     pub fn vector(&self, at: usize) -> &[T; 8] {
         let at = at % STREAM_CAPACITY;
@@ -104,17 +104,20 @@ impl RayStream {
         self.len = 0;
     }
 
-    /// Counts `count` rays that have been written behind the last one; those beyond the capacity are dropped.
+    /// Counts `count` rays that have been written behind the last one, up to the capacity.
     #[inline(always)]
     pub fn grow(&mut self, count: usize) {
         debug_assert!(self.len + count <= STREAM_CAPACITY, "a stream has {STREAM_CAPACITY} rays");
         self.len = (self.len + count).min(STREAM_CAPACITY);
     }
 
-    /// Appends a ray.
+    /// Appends a ray. Nothing happens if the stream is full.
     #[inline(always)]
     pub fn push(&mut self, ray: &Ray, span: Interval) {
         let at = self.len;
+        if at == STREAM_CAPACITY {
+            return;
+        }
         let Ray { origin, direction, .. } = ray;
         let ([x, y, z], [u, v, w]) = (&mut self.origin, &mut self.direction);
         x.set(at, origin.x);

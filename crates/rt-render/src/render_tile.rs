@@ -200,9 +200,10 @@ impl RenderPlan<'_> {
         })
     }
 
-    /// True if a [`WavefrontWhitted`] renders the scene. It does not depend on what the plan leaves out.
+    /// True if a [`WavefrontWhitted`] renders the scene. It does not depend on what the plan leaves out. Streams have no time, which the
+    /// depth layer of a moving camera needs.
     fn shades_streams(&self) -> bool {
-        self.options.precision == Precision::F32 && self.scene.has_stream_primitives
+        self.options.precision == Precision::F32 && self.scene.has_stream_primitives && !self.frame.camera.moves()
     }
 
     /// Objects in view of the tile, if their number is small.

@@ -1,4 +1,4 @@
-//! Eight `f64` in SIMD lanes, behind types of our own. No other file of the crate uses `fearless_simd`.
+//! Eight `f64` in SIMD lanes, behind types of our own. The types for `f32` are in `lane_set.rs`.
 //!
 //! Code in lanes is generic over [`Real`]. It must be `#[inline(always)]` up to the `vectorize` around a stage: only inlined code is
 //! compiled for the instruction set. Closures of `array::map` and `array::from_fn` are not inlined, so that loops are written out.

@@ -58,6 +58,13 @@ impl LanePhong {
         Some(Self { squares, side: side.unwrap_or(f64::INFINITY) })
     }
 
+    /// Largest exponent of the highlights of squares.
+    pub(super) fn exponent(&self) -> f64 {
+        let of_square = |square: &UniformPhong| if square.specular == Rgb::BLACK { 0.0 } else { square.exponent };
+        let [even, odd] = &self.squares;
+        of_square(even).max(of_square(odd))
+    }
+
     /// Colours of all squares.
     pub(super) fn colors(&self) -> impl Iterator<Item = Rgb> {
         let of_square = |square: &UniformPhong| {

@@ -74,6 +74,7 @@ impl RayTree {
     pub(super) fn pop(&mut self) -> Option<(Ray, TreePath)> {
         let DeferredRay { ray, path, bodies } = self.deferred.pop()?;
         self.interiors.pop(&mut self.interior, bodies);
+        (self.passages, self.start) = (path.passages, path.start);
         Some((ray, path))
     }
 

@@ -18,6 +18,7 @@ use crate::{
     Appearance, Background, DeltaLight, InteriorList, LaneLevel, Material, RadianceSample, ShadingFeatures,
     lane_set::{LaneSet, OneLane, SimdLanes},
     lanes::dispatch,
+    light::SpotCone,
     stream_queries::StreamQueries,
 };
 use core::ops::RangeInclusive;
@@ -31,6 +32,12 @@ const MAX_LIGHTS: usize = 64;
 
 /// Components of colours that are not 0.
 const COLOR_RANGE: RangeInclusive<f64> = 1e-12..=1e12;
+
+/// Largest exponent of a highlight: the power multiplies the rounding error of the cosine by it.
+const MAX_EXPONENT: f64 = 1000.0;
+
+/// Least range of cosines of the cone of a spot, and of its ramp.
+const MIN_COSINE_STEP: f64 = 1e-3;
 
 /// Indices of refraction.
 const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
@@ -105,14 +112,19 @@ impl WavefrontWhitted {
         self.lanes = level;
     }
 
-    /// True if it supports the lights and all materials of an appearance: their numbers are in a range in which `f32` neither overflows
-    /// nor underflows.
+    /// True if it supports the lights and all materials of an appearance: uniform or checkered Phong models, highlights and cones of
+    /// spots that are not too narrow for `f32`, and numbers in its usual range. Light with inverse-square falloff may still overflow at a
+    /// distance of less than 10⁻¹³.
     pub fn supports(appearance: &Appearance) -> bool {
         let background = match appearance.background {
             Background::Constant(radiance) => radiance,
             _ => Rgb::BLACK,
         };
-        let is_usual = |light: &DeltaLight| is_in_range(light.intensity);
+        let is_wide = |cone: SpotCone| {
+            let ramp = cone.cos_inner - cone.cos_outer;
+            1.0 - cone.cos_outer >= MIN_COSINE_STEP && (ramp == 0.0 || ramp >= MIN_COSINE_STEP)
+        };
+        let is_usual = |light: &DeltaLight| is_in_range(light.intensity) && light.kind.cone().is_none_or(is_wide);
         let has_usual_media =
             |material: &Material| material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
         appearance.lights.len() <= MAX_LIGHTS
@@ -121,7 +133,7 @@ impl WavefrontWhitted {
             && appearance.materials.iter().all(has_usual_media)
             && LanePhong::of_all(appearance, &ShadingFeatures::ALL)
                 .iter()
-                .all(|phong| phong.as_ref().is_some_and(|phong| phong.colors().all(is_in_range)))
+                .all(|phong| phong.as_ref().is_some_and(is_usual_phong))
     }
 
     /// Sets the media around the camera: one list for all rays, or one for each ray of the next call. Without a list, all rays start
@@ -154,7 +166,8 @@ impl WavefrontWhitted {
         }
     }
 
-    /// Version of [`radiance_of`](Self::radiance_of) for a stream, whose rays are lost.
+    /// Version of [`radiance_of`](Self::radiance_of) for a stream, whose rays are lost. Does nothing unless `seen` has an entry for each
+    /// ray.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
@@ -162,7 +175,9 @@ impl WavefrontWhitted {
         rays: &mut RayStream,
         seen: &mut [RadianceSample],
     ) {
-        self.trace(world, appearance, (0, rays, seen));
+        if seen.len() == rays.len() {
+            self.trace(world, appearance, (0, rays, seen));
+        }
     }
 
     fn trace(&mut self, world: &mut impl StreamQueries, appearance: &Appearance, batch: Batch<'_>) {
@@ -183,6 +198,11 @@ impl WavefrontWhitted {
             }
         }
     }
+}
+
+/// True for colours in range, and highlights that are wide enough for cosines in `f32`.
+fn is_usual_phong(phong: &LanePhong) -> bool {
+    phong.colors().all(is_in_range) && phong.exponent() <= MAX_EXPONENT
 }
 
 /// True for a colour whose products with a few others are neither too large nor too small for `f32`.

@@ -2,7 +2,7 @@
 
 use crate::{lane_set::LaneSet, stream_queries::StreamShape};
 use rt_geometry::{HitStream, RayStream, interpolate, plane_point, plane_uv, sphere_point, triangle_point};
-use rt_math::{DVec3, Real, Vector3};
+use rt_math::{DVec3, Mask, Real, Vector3};
 
 /// Hits of several rays on one primitive.
 pub(super) struct HitPoints<L: LaneSet> {
@@ -26,7 +26,12 @@ impl<L: LaneSet> HitPoints<L> {
         let (point, error, outside) = match shape {
             StreamShape::Sphere(sphere) => {
                 let (centre, radius) = (lanes.splat_point(sphere.centre()), lanes.splat_f64(sphere.radius()));
-                let (outside, _) = ((origin - centre) + direction * t).try_normalize();
+                let (mut outside, has_normal) = ((origin - centre) + direction * t).try_normalize();
+                if !has_normal.all() {
+                    // The point on a tiny sphere is rounded to its centre.
+                    let (towards_viewer, _) = (-direction).try_normalize();
+                    outside = Vector3::select(has_normal, outside, towards_viewer);
+                }
                 let (point, error) = sphere_point(centre, radius, outside);
                 (point, error, outside)
             }

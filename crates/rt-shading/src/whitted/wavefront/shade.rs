@@ -17,7 +17,7 @@ use crate::{
     },
 };
 use rt_geometry::{HitStream, RayStream, SurfaceInteraction, offset_point};
-use rt_math::{Interval, Ray, Real, Rgb, Vector3};
+use rt_math::{DVec3, Interval, Ray, Real, Rgb, Vector3};
 
 /// Squared distances of lights that are certain not to overflow or underflow in `f32`.
 const MIN_SQUARED: f64 = 1e-30;
@@ -344,7 +344,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
             self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
             let direction = match position {
                 Some(position) => position - near_origin,
-                None => lanes.widen_vector(wi),
+                None => lanes.splat_point(light.kind.offset_from(DVec3::ZERO)),
             };
             let end = stream.rays.len();
             append(lanes, &mut stream.rays, lit, [near_origin, direction], light.shadow_end(direction));

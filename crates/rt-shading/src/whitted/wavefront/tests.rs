@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{
-    Background, LazyHit, LazyPlane, LazySurface, StreamPrimitive, StreamShape, SurfaceHit, TrianglePoint, Whitted,
-    lane_set::Float64Lane, scene_queries::SceneQueries, whitted::tests::lanes,
+    Background, InteriorMedium, LazyHit, LazyPlane, LazySurface, StreamPrimitive, StreamShape, SurfaceHit,
+    TrianglePoint, Whitted, lane_set::Float64Lane, scene_queries::SceneQueries, whitted::tests::lanes,
 };
 use rt_geometry::{Hit, InteractionFlags, Plane, RayStream, Sphere, WatertightRay};
 use rt_math::{DVec3, random};
@@ -14,7 +14,7 @@ enum Shape {
     Triangle { vertices: [DVec3; 3], normal: DVec3, vertex_uvs: [[f32; 2]; 3] },
 }
 
-/// ShapeWorld of random materials, which rays are tested against one after the other.
+/// Shapes of random materials. Rays are tested against one after the other.
 struct ShapeWorld {
     shapes: Vec<(Shape, u32)>,
 }
@@ -121,7 +121,12 @@ fn appearance(scale: f64) -> Appearance {
     let mut appearance = lanes::appearance();
     let phongs = LanePhong::of_all(&appearance, &ShadingFeatures::ALL);
     let mut phongs = phongs.iter();
-    appearance.materials.retain(|_| phongs.next().is_some_and(Option::is_some));
+    let is_supported = |phong: &Option<LanePhong>| phong.as_ref().is_some_and(|phong| phong.exponent() <= MAX_EXPONENT);
+    appearance.materials.retain(|_| phongs.next().is_some_and(is_supported));
+    // Fog: rays pass its surface as a null interface, which accounts for absorption up to there.
+    let clear = appearance.materials.last().cloned().expect("a clear material");
+    let fog = InteriorMedium { absorption: Rgb::new(0.4, 0.3, 0.2) / scale, ..InteriorMedium::clear(1.0) };
+    appearance.materials.push(Material { interior: Some(fog), ..clear });
     for light in &mut appearance.lights {
         if let Some(position) = light.kind.position_mut() {
             *position *= scale;
@@ -220,6 +225,26 @@ fn shading_in_f64_gives_the_radiance_of_the_recursive_integrator() {
     }
 }
 
+/// Regression: a deferred ray continued with the distance up to which absorption was accounted for of the ray that had just left the
+/// scene.
+#[test]
+fn a_deferred_ray_in_tinted_glass_does_not_know_of_fog_that_the_mirrored_ray_has_passed() {
+    let mut appearance = appearance(1.0);
+    let is_absorbing = |material: &Material| material.interior.is_some_and(|medium| !medium.absorption.is_black());
+    appearance.materials.retain(is_absorbing);
+    let n_materials = appearance.materials.len();
+    appearance.materials =
+        [&appearance.materials[0], &appearance.materials[n_materials - 1]].map(Clone::clone).to_vec();
+    let mut world = ShapeWorld::new(2, 1.0);
+    let rays = camera_rays(2000, 1.0);
+    let (expected, counts) = of_whitted(ShadingFeatures::ALL, &appearance, &mut world, &rays);
+    let (found, _) = in_f64(ShadingFeatures::ALL, &appearance, &mut world, &rays);
+    assert!(counts.passages > 1000 && counts.fresnel > 1000, "{counts:?}");
+    for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
+        assert!(difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}");
+    }
+}
+
 #[test]
 fn the_worlds_of_these_tests_have_all_cases() {
     let appearance = appearance(1.0);
@@ -298,10 +323,20 @@ fn numbers_that_leave_the_range_of_f32_are_not_supported() {
     let mut bright = usual.clone();
     bright.lights[0].intensity = Rgb::gray(1e20);
     let mut dense = usual.clone();
-    dense.materials.last_mut().expect("a material").interior = Some(crate::InteriorMedium::clear(1e6));
+    dense.materials.last_mut().expect("a material").interior = Some(InteriorMedium::clear(1e6));
     let faint = Appearance { background: Background::Constant(Rgb::gray(1e-30)), ..usual.clone() };
+    let mut narrow = usual.clone();
+    for light in &mut narrow.lights {
+        if let crate::DeltaLightKind::Spot { cos_inner, cos_outer, .. } = &mut light.kind {
+            (*cos_inner, *cos_outer) = (1.0, 1.0 - 1e-8);
+        }
+    }
+    let mut sharp = usual.clone();
+    let specular = crate::ColorTexture::Constant(Rgb::WHITE);
+    let sharp_phong = crate::Phong { specular, exponent: 1e5, ..crate::Phong::default() };
+    sharp.materials.push(Material::new(String::new(), sharp_phong));
     let lights = core::iter::repeat_n(usual.lights[0].clone(), MAX_LIGHTS + 1).collect();
-    for other in [bright, dense, faint, Appearance { lights, ..usual }, lanes::appearance()] {
+    for other in [bright, dense, faint, narrow, sharp, Appearance { lights, ..usual }, lanes::appearance()] {
         assert!(!WavefrontWhitted::supports(&other), "{other:?}");
     }
 }
