@@ -112,9 +112,9 @@ impl WavefrontWhitted {
         self.lanes = level;
     }
 
-    /// True if it supports the lights and all materials of an appearance: uniform or checkered Phong models, highlights and cones of
-    /// spots that are not too narrow for `f32`, and numbers in its usual range. Light with inverse-square falloff may still overflow at a
-    /// distance of less than 10⁻¹³.
+    /// True if it supports the lights and all materials of an appearance. Phong models must be uniform or checkered. Highlights and cones
+    /// of spots must not be too narrow for `f32`, and numbers must be in its usual range. Light with inverse-square falloff may still
+    /// overflow at a distance of less than 10⁻¹³.
     pub fn supports(appearance: &Appearance) -> bool {
         let background = match appearance.background {
             Background::Constant(radiance) => radiance,
