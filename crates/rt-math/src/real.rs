@@ -209,6 +209,13 @@ impl Float64 for f64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct F32(pub f32);
 
+impl From<F32> for f64 {
+    #[inline(always)]
+    fn from(x: F32) -> Self {
+        Self::from(x.0)
+    }
+}
+
 /// Implements operators of [`F32`] by those of `f32`.
 macro_rules! f32_operators {
     ($($trait:ident $function:ident),*) => {$(

@@ -36,6 +36,16 @@ impl<R: Real> Vector3<R> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// Vector product; near parallel vectors, rounding errors may change the signs of its coordinates.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self::new(
+            self.y * other.z - self.z * other.y,
+            self.z * other.x - self.x * other.z,
+            self.x * other.y - self.y * other.x,
+        )
+    }
+
     /// Product of each coordinate with that of the other vector, as of a colour with a filter.
     #[inline(always)]
     pub fn scaled_by(self, other: Self) -> Self {
@@ -161,6 +171,7 @@ mod tests {
             let [v, w] = [a, b].map(Vector3::from);
             assert_eq!(v.dot(w).to_bits(), a.dot(b).to_bits());
             assert_eq!(v.length().to_bits(), a.length().to_bits());
+            assert_eq!(DVec3::from(v.cross(w)), a.cross(b));
             assert_eq!(DVec3::from(v / w.z + w * 0.3 - -v.abs()), a / b.z + b * 0.3 - -a.abs());
             assert_eq!(DVec3::from(v.scaled_by(w)), a * b);
             assert_eq!(v.try_normalize(), (a.normalize().into(), true));

@@ -49,7 +49,7 @@ pub(crate) struct PrimaryRayBatch {
 pub(crate) struct CameraRays<'a> {
     pub(crate) rays: &'a [(Ray, Interval)],
     /// The rays, if the batch makes a stream.
-    pub(crate) stream: &'a mut RayStream,
+    stream: &'a mut RayStream,
     /// Sampler of each ray, if the integrator uses samplers.
     pub(crate) samplers: &'a [SampleStream],
 }
@@ -58,12 +58,6 @@ impl PrimaryRayBatch {
     /// Rays with their spans.
     pub(crate) fn rays(&self) -> &[(Ray, Interval)] {
         &self.rays
-    }
-
-    /// The batch, which makes a stream or not.
-    pub(crate) const fn with_stream(&mut self, is_stream: bool) -> &mut Self {
-        self.is_stream = is_stream;
-        self
     }
 
     pub(crate) const fn free_slots(&self) -> usize {
@@ -82,6 +76,27 @@ impl RenderPlan<'_> {
     /// Takes the samples of a tile, ordered by pixel, pass and sample index. `radiance` is the integrator: it computes the
     /// radiance of a batch of rays.
     pub(crate) fn sample_tile(
+        &self,
+        job: &TileJob<'_>,
+        batch: &mut PrimaryRayBatch,
+        radiance: impl FnMut(CameraRays<'_>, &mut [RadianceSample]),
+    ) -> TileResult {
+        batch.is_stream = false;
+        self.sample_batches(job, batch, radiance)
+    }
+
+    /// Version of [`sample_tile`](Self::sample_tile) for an integrator of streams.
+    pub(crate) fn sample_stream(
+        &self,
+        job: &TileJob<'_>,
+        batch: &mut PrimaryRayBatch,
+        mut radiance: impl FnMut(&mut RayStream, &mut [RadianceSample]),
+    ) -> TileResult {
+        batch.is_stream = true;
+        self.sample_batches(job, batch, |rays, seen| radiance(rays.stream, seen))
+    }
+
+    fn sample_batches(
         &self,
         job: &TileJob<'_>,
         batch: &mut PrimaryRayBatch,

@@ -105,13 +105,13 @@ impl RenderPlan<'_> {
             (IntegratorState::Whitted, CameraMedium::Constant(interior)) => match wavefront {
                 Some(wavefront) => {
                     wavefront.set_surroundings(core::slice::from_ref(interior));
-                    self.sample_tile(job, camera.with_stream(true), |batch, seen| {
-                        wavefront.radiance_of_stream(&mut tracer, &self.scene.appearance, batch.stream, seen);
+                    self.sample_stream(job, camera, |rays, seen| {
+                        wavefront.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
                     })
                 }
                 None => {
                     whitted.set_surroundings(interior);
-                    self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                    self.sample_tile(job, camera, |batch, seen| {
                         whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
                     })
                 }
@@ -123,7 +123,7 @@ impl RenderPlan<'_> {
                     surroundings: InteriorList::default(),
                     counts: ShadingCounts::default(),
                 };
-                let mut result = self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                let mut result = self.sample_tile(job, camera, |batch, seen| {
                     for (((ray, _), sampler), seen) in batch.rays.iter().zip(batch.samplers).zip(seen) {
                         medium.find(&mut tracer, materials, ray, &mut reference.surroundings);
                         *seen = reference.li(&mut tracer, ray, &mut sampler.clone());
@@ -134,27 +134,25 @@ impl RenderPlan<'_> {
             }
             (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
                 paths.set_surroundings(core::slice::from_ref(interior));
-                self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                self.sample_tile(job, camera, |batch, seen| {
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
             (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
                 let mut surroundings = Vec::new();
-                self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                self.sample_tile(job, camera, |batch, seen| {
                     medium.find_all(&mut tracer, materials, batch.rays, &mut surroundings);
                     paths.set_surroundings(&surroundings);
                     paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
                 })
             }
-            (IntegratorState::AmbientOcclusion(view), _) => {
-                self.sample_tile(job, camera.with_stream(false), |batch, seen| {
-                    occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
-                })
-            }
+            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
+                occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
+            }),
             (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => match wavefront {
                 Some(wavefront) => {
                     let mut surroundings = Vec::new();
-                    self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+                    self.sample_tile(job, camera, |batch, seen| {
                         medium.find_all(&mut tracer, materials, batch.rays, &mut surroundings);
                         wavefront.set_surroundings(&surroundings);
                         wavefront.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
@@ -169,9 +167,9 @@ impl RenderPlan<'_> {
                     })
                 }
             },
-            (IntegratorState::Aov(view), _) => self.sample_tile(job, camera.with_stream(false), |batch, seen| {
-                view.radiance_of(&mut tracer, batch.rays, seen)
-            }),
+            (IntegratorState::Aov(view), _) => {
+                self.sample_tile(job, camera, |batch, seen| view.radiance_of(&mut tracer, batch.rays, seen))
+            }
             (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
         };
         result.counters = tracer.probe.counters(tracer.rays);
@@ -193,7 +191,7 @@ impl RenderPlan<'_> {
         camera: &mut PrimaryRayBatch,
         mut radiance: impl FnMut(&Ray) -> RadianceSample,
     ) -> TileResult {
-        self.sample_tile(job, camera.with_stream(false), |batch, seen| {
+        self.sample_tile(job, camera, |batch, seen| {
             for ((ray, _), seen) in batch.rays.iter().zip(seen) {
                 *seen = radiance(ray);
             }

@@ -1,14 +1,14 @@
 //! Lanes with two types of numbers: `f32` for shading, and `f64` for positions.
 //!
 //! ```text
-//!   SimdLanes   eight in registers, AVX2 or AVX-512
-//!   OneLane     one: any processor
-//!   Float64Lane one, with `f64` for shading as well: the reference of tests
+//!   SimdLanes     eight in registers, AVX2 or AVX-512
+//!   OneLane       one: any processor
+//!   Float64Lane   one, with `f64` for shading as well: the reference of tests
 //! ```
 
-use crate::lanes::{LaneMask, Lanes, Simd};
-use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
-use fearless_simd::{ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f32x8, f64x8, mask32x8, u32x8};
+use crate::lanes::{LANES, LaneArray, LaneMask, LaneMask32, Lanes, Lanes32, Simd};
+use core::marker::PhantomData;
+use fearless_simd::{ExtractToken, SimdBase, SimdFrom, SimdMask, u32x8};
 use rt_geometry::StreamArray;
 use rt_math::{DVec3, F32, Float64, Mask, Real, Rgb, Vector3, transcendental::Pow};
 
@@ -26,7 +26,7 @@ pub(crate) trait LaneSet: Copy {
     type D: Float64;
 
     /// Element of [`F`](Self::F) in memory.
-    type Element: Copy + Default + Into<f64>;
+    type Element: Element;
 
     /// The same number for shading in all lanes.
     fn splat(self, x: f64) -> Self::F;
@@ -34,13 +34,13 @@ pub(crate) trait LaneSet: Copy {
     /// The same number for positions in all lanes.
     fn splat_f64(self, x: f64) -> Self::D;
 
-    fn load(self, from: &[Self::Element; 8]) -> Self::F;
+    fn load(self, from: &[Self::Element; LANES]) -> Self::F;
 
-    fn load_f64(self, from: &[f64; 8]) -> Self::D;
+    fn load_f64(self, from: &LaneArray) -> Self::D;
 
-    fn store(self, x: Self::F, to: &mut [Self::Element; 8]);
+    fn store(self, x: Self::F, to: &mut [Self::Element; LANES]);
 
-    fn store_f64(self, x: Self::D, to: &mut [f64; 8]);
+    fn store_f64(self, x: Self::D, to: &mut LaneArray);
 
     fn widen(self, x: Self::F) -> Self::D;
 
@@ -54,27 +54,24 @@ pub(crate) trait LaneSet: Copy {
     fn mask(self, bits: u8) -> <Self::F as Real>::Mask;
 
     /// Stores the lanes of a mask, one after the other; what is behind them is overwritten.
-    fn compress(self, x: Self::F, mask: u8, to: &mut [Self::Element; 8]);
+    fn compress(self, x: Self::F, mask: u8, to: &mut [Self::Element; LANES]);
 
     /// Version of [`compress`](Self::compress) for positions.
-    fn compress_f64(self, x: Self::D, mask: u8, to: &mut [f64; 8]);
+    fn compress_f64(self, x: Self::D, mask: u8, to: &mut LaneArray);
 
     /// Version of [`compress`](Self::compress) for integers in memory.
-    fn compress_u32(self, from: &[u32; 8], mask: u8, to: &mut [u32; 8]);
+    fn compress_u32(self, from: &[u32; LANES], mask: u8, to: &mut [u32; LANES]);
 
     /// Largest integers that are not greater.
     fn floor_f64(self, x: Self::D) -> Self::D;
 
-    /// Element of a number, rounded.
-    fn element(self, x: f64) -> Self::Element;
-
     /// Lanes in which an index equals `index`.
-    fn equal(self, indices: &[u32; 8], index: u32) -> u8;
+    fn equal(self, indices: &[u32; LANES], index: u32) -> u8;
 
     /// Stores points.
     #[inline(always)]
-    fn store_point(self, p: Vector3<Self::D>) -> [[f64; 8]; 3] {
-        let mut numbers = [[0.0; 8]; 3];
+    fn store_point(self, p: Vector3<Self::D>) -> [[f64; LANES]; 3] {
+        let mut numbers = [[0.0; LANES]; 3];
         let [x, y, z] = &mut numbers;
         self.store_f64(p.x, x);
         self.store_f64(p.y, y);
@@ -84,8 +81,8 @@ pub(crate) trait LaneSet: Copy {
 
     /// Stores vectors.
     #[inline(always)]
-    fn store_vector(self, v: Vector3<Self::F>) -> [[Self::Element; 8]; 3] {
-        let mut numbers = [[Self::Element::default(); 8]; 3];
+    fn store_vector(self, v: Vector3<Self::F>) -> [[Self::Element; LANES]; 3] {
+        let mut numbers = [[Self::Element::default(); LANES]; 3];
         let [x, y, z] = &mut numbers;
         self.store(v.x, x);
         self.store(v.y, y);
@@ -150,152 +147,148 @@ pub(crate) trait LaneSet: Copy {
     }
 }
 
-/// One lane of these types.
-macro_rules! one_lane {
-    ($(#[$doc:meta])* $name:ident, $number:ty, $element:ty, |$x:ident| $from_f64:expr, $number_of:expr, $element_of:expr, $to_f64:expr) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug)]
-        pub(crate) struct $name;
-
-        impl LaneSet for $name {
-            const N: usize = 1;
-
-            type F = $number;
-            type D = f64;
-            type Element = $element;
-
-            #[inline(always)]
-            fn splat(self, $x: f64) -> $number {
-                $from_f64
-            }
-
-            #[inline(always)]
-            fn splat_f64(self, x: f64) -> f64 {
-                x
-            }
-
-            #[inline(always)]
-            fn load(self, from: &[$element; 8]) -> $number {
-                $number_of(from[0])
-            }
-
-            #[inline(always)]
-            fn load_f64(self, from: &[f64; 8]) -> f64 {
-                from[0]
-            }
-
-            #[inline(always)]
-            fn store(self, x: $number, to: &mut [$element; 8]) {
-                to[0] = $element_of(x);
-            }
-
-            #[inline(always)]
-            fn store_f64(self, x: f64, to: &mut [f64; 8]) {
-                to[0] = x;
-            }
-
-            #[inline(always)]
-            fn widen(self, x: $number) -> f64 {
-                $to_f64(x)
-            }
-
-            #[inline(always)]
-            fn narrow(self, $x: f64) -> $number {
-                $from_f64
-            }
-
-            #[inline(always)]
-            fn bits(self, mask: bool) -> u8 {
-                u8::from(mask)
-            }
-
-            #[inline(always)]
-            fn bits_f64(self, mask: bool) -> u8 {
-                u8::from(mask)
-            }
-
-            #[inline(always)]
-            fn mask(self, bits: u8) -> bool {
-                bits & 1 == 1
-            }
-
-
-            #[inline(always)]
-            fn compress(self, x: $number, mask: u8, to: &mut [$element; 8]) {
-                if mask & 1 == 1 {
-                    to[0] = $element_of(x);
-                }
-            }
-
-            #[inline(always)]
-            fn compress_f64(self, x: f64, mask: u8, to: &mut [f64; 8]) {
-                if mask & 1 == 1 {
-                    to[0] = x;
-                }
-            }
-
-            #[inline(always)]
-            fn compress_u32(self, from: &[u32; 8], mask: u8, to: &mut [u32; 8]) {
-                if mask & 1 == 1 {
-                    to[0] = from[0];
-                }
-            }
-
-            #[inline(always)]
-            fn floor_f64(self, x: f64) -> f64 {
-                x.floor()
-            }
-
-            #[inline(always)]
-            fn element(self, $x: f64) -> $element {
-                $element_of($from_f64)
-            }
-
-            #[inline(always)]
-            fn equal(self, indices: &[u32; 8], index: u32) -> u8 {
-                u8::from(indices[0] == index)
-            }
-        }
-    };
+/// Number in an array.
+pub(crate) trait Element: Copy + Default + Into<f64> {
+    /// The nearest number of the type.
+    fn rounded(x: f64) -> Self;
 }
 
-one_lane!(
-    /// One hit at a time, with the results of [`SimdLanes`].
-    OneLane, F32, f32, |x| F32(x as f32), F32, |x: F32| x.0, |x: F32| f64::from(x.0)
-);
+impl Element for f32 {
+    #[inline(always)]
+    fn rounded(x: f64) -> Self {
+        x as Self
+    }
+}
+
+impl Element for f64 {
+    #[inline(always)]
+    fn rounded(x: f64) -> Self {
+        x
+    }
+}
+
+/// One hit at a time. `R` computes light, and `E` holds it in memory: no conversion between them rounds.
+pub(crate) struct Single<R, E>(PhantomData<(R, E)>);
+
+/// One hit at a time, with the results of [`SimdLanes`].
+pub(crate) type OneLane = Single<F32, f32>;
+
+/// One hit at a time, shaded in `f64`: the reference.
 #[cfg(test)]
-one_lane!(
-    /// One hit at a time, shaded in `f64`: the reference.
-    Float64Lane, f64, f64, |x| x, |x| x, |x| x, |x| x
-);
+pub(crate) type Float64Lane = Single<f64, f64>;
+
+impl<R, E> Single<R, E> {
+    pub(crate) const fn new() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<R, E> Clone for Single<R, E> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R, E> Copy for Single<R, E> {}
+
+impl<R: Pow + Default + Into<f64>, E: Element> LaneSet for Single<R, E> {
+    const N: usize = 1;
+
+    type F = R;
+    type D = f64;
+    type Element = E;
+
+    #[inline(always)]
+    fn splat(self, x: f64) -> R {
+        R::default().splat(x)
+    }
+
+    #[inline(always)]
+    fn splat_f64(self, x: f64) -> f64 {
+        x
+    }
+
+    #[inline(always)]
+    fn load(self, from: &[E; LANES]) -> R {
+        self.splat(from[0].into())
+    }
+
+    #[inline(always)]
+    fn load_f64(self, from: &LaneArray) -> f64 {
+        from[0]
+    }
+
+    #[inline(always)]
+    fn store(self, x: R, to: &mut [E; LANES]) {
+        to[0] = E::rounded(x.into());
+    }
+
+    #[inline(always)]
+    fn store_f64(self, x: f64, to: &mut LaneArray) {
+        to[0] = x;
+    }
+
+    #[inline(always)]
+    fn widen(self, x: R) -> f64 {
+        x.into()
+    }
+
+    #[inline(always)]
+    fn narrow(self, x: f64) -> R {
+        self.splat(x)
+    }
+
+    #[inline(always)]
+    fn bits(self, mask: R::Mask) -> u8 {
+        u8::from(mask.any())
+    }
+
+    #[inline(always)]
+    fn bits_f64(self, mask: bool) -> u8 {
+        u8::from(mask)
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u8) -> R::Mask {
+        let is_set = f64::from(bits & 1);
+        self.splat(0.0).lt(self.splat(is_set))
+    }
+
+    #[inline(always)]
+    fn compress(self, x: R, mask: u8, to: &mut [E; LANES]) {
+        if mask & 1 == 1 {
+            self.store(x, to);
+        }
+    }
+
+    #[inline(always)]
+    fn compress_f64(self, x: f64, mask: u8, to: &mut LaneArray) {
+        if mask & 1 == 1 {
+            to[0] = x;
+        }
+    }
+
+    #[inline(always)]
+    fn compress_u32(self, from: &[u32; LANES], mask: u8, to: &mut [u32; LANES]) {
+        if mask & 1 == 1 {
+            to[0] = from[0];
+        }
+    }
+
+    #[inline(always)]
+    fn floor_f64(self, x: f64) -> f64 {
+        x.floor()
+    }
+
+    #[inline(always)]
+    fn equal(self, indices: &[u32; LANES], index: u32) -> u8 {
+        u8::from(indices[0] == index)
+    }
+}
 
 /// Eight hits in registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SimdLanes<S: Simd>(pub(crate) S);
-
-/// Eight `f32` in registers.
-pub(crate) struct Lanes32<S: Simd>(f32x8<S>);
-
-/// Eight truth values in registers, of `f32`.
-pub(crate) struct LaneMask32<S: Simd>(mask32x8<S>);
-
-impl<S: Simd> Clone for Lanes32<S> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Simd> Copy for Lanes32<S> {}
-
-impl<S: Simd> Clone for LaneMask32<S> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Simd> Copy for LaneMask32<S> {}
 
 impl<S: Simd> LaneSet for SimdLanes<S> {
     const N: usize = 8;
@@ -306,7 +299,7 @@ impl<S: Simd> LaneSet for SimdLanes<S> {
 
     #[inline(always)]
     fn splat(self, x: f64) -> Lanes32<S> {
-        Lanes32(f32x8::splat(self.0, x as f32))
+        Lanes32::splat(self.0, x)
     }
 
     #[inline(always)]
@@ -315,23 +308,23 @@ impl<S: Simd> LaneSet for SimdLanes<S> {
     }
 
     #[inline(always)]
-    fn load(self, from: &[f32; 8]) -> Lanes32<S> {
-        Lanes32(f32x8::simd_from(self.0, *from))
+    fn load(self, from: &[f32; LANES]) -> Lanes32<S> {
+        Lanes32::load(self.0, from)
     }
 
     #[inline(always)]
-    fn load_f64(self, from: &[f64; 8]) -> Lanes<S> {
-        Lanes(f64x8::simd_from(self.0, *from))
+    fn load_f64(self, from: &LaneArray) -> Lanes<S> {
+        Lanes::load(self.0, from)
     }
 
     #[inline(always)]
-    fn store(self, x: Lanes32<S>, to: &mut [f32; 8]) {
-        *to = x.0.into();
+    fn store(self, x: Lanes32<S>, to: &mut [f32; LANES]) {
+        *to = x.store();
     }
 
     #[inline(always)]
-    fn store_f64(self, x: Lanes<S>, to: &mut [f64; 8]) {
-        *to = x.0.into();
+    fn store_f64(self, x: Lanes<S>, to: &mut LaneArray) {
+        *to = x.store();
     }
 
     #[inline(always)]
@@ -348,7 +341,7 @@ impl<S: Simd> LaneSet for SimdLanes<S> {
 
     #[inline(always)]
     fn bits(self, mask: LaneMask32<S>) -> u8 {
-        mask.0.to_bitmask() as u8
+        mask.bits()
     }
 
     #[inline(always)]
@@ -358,23 +351,22 @@ impl<S: Simd> LaneSet for SimdLanes<S> {
 
     #[inline(always)]
     fn mask(self, bits: u8) -> LaneMask32<S> {
-        LaneMask32(mask32x8::from_bitmask(self.0, u64::from(bits)))
+        LaneMask32::from_bits(self.0, bits)
     }
 
     #[inline(always)]
-    fn compress(self, x: Lanes32<S>, mask: u8, to: &mut [f32; 8]) {
-        *to = x.0.compress(mask32x8::from_bitmask(self.0, u64::from(mask))).into();
+    fn compress(self, x: Lanes32<S>, mask: u8, to: &mut [f32; LANES]) {
+        *to = x.0.compress(self.mask(mask).0).into();
     }
 
     #[inline(always)]
-    fn compress_f64(self, x: Lanes<S>, mask: u8, to: &mut [f64; 8]) {
+    fn compress_f64(self, x: Lanes<S>, mask: u8, to: &mut LaneArray) {
         *to = x.0.compress(LaneMask::from_bits(self.0, mask).0).into();
     }
 
     #[inline(always)]
-    fn compress_u32(self, from: &[u32; 8], mask: u8, to: &mut [u32; 8]) {
-        let mask = mask32x8::from_bitmask(self.0, u64::from(mask));
-        *to = u32x8::simd_from(self.0, *from).compress(mask).into();
+    fn compress_u32(self, from: &[u32; LANES], mask: u8, to: &mut [u32; LANES]) {
+        *to = u32x8::simd_from(self.0, *from).compress(self.mask(mask).0).into();
     }
 
     #[inline(always)]
@@ -383,121 +375,8 @@ impl<S: Simd> LaneSet for SimdLanes<S> {
     }
 
     #[inline(always)]
-    fn element(self, x: f64) -> f32 {
-        x as f32
-    }
-
-    #[inline(always)]
-    fn equal(self, indices: &[u32; 8], index: u32) -> u8 {
+    fn equal(self, indices: &[u32; LANES], index: u32) -> u8 {
         u32x8::simd_from(self.0, *indices).simd_eq(u32x8::splat(self.0, index)).to_bitmask() as u8
-    }
-}
-
-/// Implements a binary operator of a wrapper by that of its content.
-macro_rules! binary {
-    ($type:ident: $($trait:ident $function:ident),*) => {$(
-        impl<S: Simd> $trait for $type<S> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $function(self, other: Self) -> Self {
-                Self(self.0.$function(other.0))
-            }
-        }
-    )*};
-}
-
-/// Implements an operator with the same number, rounded to `f32`, in all lanes.
-macro_rules! with_number {
-    ($($trait:ident $function:ident),*) => {$(
-        impl<S: Simd> $trait<f64> for Lanes32<S> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $function(self, other: f64) -> Self {
-                Self(self.0.$function(other as f32))
-            }
-        }
-    )*};
-}
-
-binary!(Lanes32: Add add, Sub sub, Mul mul, Div div);
-binary!(LaneMask32: BitAnd bitand, BitOr bitor);
-with_number!(Add add, Sub sub, Mul mul);
-
-impl<S: Simd> Neg for Lanes32<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
-
-impl<S: Simd> Not for LaneMask32<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
-    }
-}
-
-impl<S: Simd> Mask for LaneMask32<S> {
-    #[inline(always)]
-    fn any(self) -> bool {
-        self.0.any_true()
-    }
-
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.0.all_true()
-    }
-}
-
-impl<S: Simd> Real for Lanes32<S> {
-    type Mask = LaneMask32<S>;
-
-    const MAX: f64 = f32::MAX as f64;
-
-    #[inline(always)]
-    fn splat(self, x: f64) -> Self {
-        Self(f32x8::splat(self.0.token(), x as f32))
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(self.0.abs())
-    }
-
-    #[inline(always)]
-    fn copysign(self, sign: Self) -> Self {
-        Self(self.0.copysign(sign.0))
-    }
-
-    #[inline(always)]
-    fn lt(self, other: Self) -> LaneMask32<S> {
-        LaneMask32(self.0.simd_lt(other.0))
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> LaneMask32<S> {
-        LaneMask32(self.0.simd_le(other.0))
-    }
-
-    #[inline(always)]
-    fn eq(self, other: Self) -> LaneMask32<S> {
-        LaneMask32(self.0.simd_eq(other.0))
-    }
-
-    #[inline(always)]
-    fn select(mask: LaneMask32<S>, a: Self, b: Self) -> Self {
-        Self(mask.0.select(a.0, b.0))
     }
 }
 

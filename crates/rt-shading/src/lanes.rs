@@ -1,11 +1,13 @@
-//! Eight `f64` in SIMD lanes, behind types of our own. The types for `f32` are in `lane_set.rs`.
+//! Eight `f64`, or eight `f32`, in SIMD lanes, behind types of our own. `lane_set.rs` pairs both.
 //!
 //! Code in lanes is generic over [`Real`]. It must be `#[inline(always)]` up to the `vectorize` around a stage: only inlined code is
 //! compiled for the instruction set. Closures of `array::map` and `array::from_fn` are not inlined, so that loops are written out.
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 pub(crate) use fearless_simd::Simd;
-use fearless_simd::{ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f64x8, mask64x8, u64x8};
+use fearless_simd::{
+    ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f32x8, f64x8, mask32x8, mask64x8, u64x8,
+};
 use rt_math::{DVec3, Float64, Mask, Real, Rgb, Vector3};
 
 /// Number of lanes.
@@ -70,26 +72,10 @@ macro_rules! dispatch {
 
 pub(crate) use dispatch;
 
-/// Eight numbers in registers.
-pub(crate) struct Lanes<S: Simd>(pub(crate) f64x8<S>);
-
-/// Eight truth values in registers.
-pub(crate) struct LaneMask<S: Simd>(pub(crate) mask64x8<S>);
-
 /// Bits of eight numbers in registers.
 pub(crate) struct LaneBits<S: Simd>(u64x8<S>);
 
 impl<S: Simd> Lanes<S> {
-    #[inline(always)]
-    pub(crate) fn splat(simd: S, x: f64) -> Self {
-        Self(f64x8::splat(simd, x))
-    }
-
-    #[inline(always)]
-    pub(crate) fn load(simd: S, lane: &LaneArray) -> Self {
-        Self(f64x8::simd_from(simd, *lane))
-    }
-
     #[inline(always)]
     pub(crate) fn load_vector(simd: S, lanes: &Vector3<LaneArray>) -> Vector3<Self> {
         Vector3::new(Self::load(simd, &lanes.x), Self::load(simd, &lanes.y), Self::load(simd, &lanes.z))
@@ -102,47 +88,10 @@ impl<S: Simd> Lanes<S> {
     }
 
     #[inline(always)]
-    pub(crate) fn store(self) -> LaneArray {
-        self.0.into()
-    }
-
-    #[inline(always)]
     pub(crate) fn store_vector(v: Vector3<Self>) -> Vector3<LaneArray> {
         Vector3::new(v.x.store(), v.y.store(), v.z.store())
     }
 }
-
-impl<S: Simd> LaneMask<S> {
-    /// Lane `i` is bit `i`.
-    #[inline(always)]
-    pub(crate) fn from_bits(simd: S, bits: u8) -> Self {
-        Self(mask64x8::from_bitmask(simd, u64::from(bits)))
-    }
-
-    /// Bit `i` is the value of lane `i`.
-    #[inline(always)]
-    pub(crate) fn bits(self) -> u8 {
-        self.0.to_bitmask() as u8
-    }
-}
-
-impl<S: Simd> Clone for Lanes<S> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Simd> Copy for Lanes<S> {}
-
-impl<S: Simd> Clone for LaneMask<S> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Simd> Copy for LaneMask<S> {}
 
 impl<S: Simd> Clone for LaneBits<S> {
     #[inline(always)]
@@ -167,6 +116,20 @@ macro_rules! binary {
     };
 }
 
+/// Implements an operator with the same `f64`, rounded to the type of the lanes, in all lanes.
+macro_rules! with_rounded_number {
+    ($type:ident, $trait:ident, $function:ident, $number:ident) => {
+        impl<S: Simd> $trait<f64> for $type<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: f64) -> Self {
+                Self(self.0.$function(other as $number))
+            }
+        }
+    };
+}
+
 /// Implements an operator with the same number in all lanes.
 macro_rules! with_number {
     ($type:ident, $trait:ident, $function:ident, $number:ident) => {
@@ -181,96 +144,170 @@ macro_rules! with_number {
     };
 }
 
-binary!(Lanes, Add, add);
-binary!(Lanes, Sub, sub);
-binary!(Lanes, Mul, mul);
-binary!(Lanes, Div, div);
-with_number!(Lanes, Add, add, f64);
-with_number!(Lanes, Sub, sub, f64);
-with_number!(Lanes, Mul, mul, f64);
-binary!(LaneMask, BitAnd, bitand);
-binary!(LaneMask, BitOr, bitor);
 binary!(LaneBits, BitXor, bitxor);
 with_number!(LaneBits, Add, add, u64);
 with_number!(LaneBits, BitAnd, bitand, u64);
 with_number!(LaneBits, Shl, shl, u32);
 with_number!(LaneBits, Shr, shr, u32);
 
-impl<S: Simd> Neg for Lanes<S> {
-    type Output = Self;
+/// Defines numbers in registers, with their masks.
+macro_rules! lanes {
+    ($(#[$doc:meta])* $lanes:ident($vector:ident of $number:ident), $(#[$mask_doc:meta])* $mask:ident($mask_vector:ident)) => {
+        $(#[$doc])*
+        pub(crate) struct $lanes<S: Simd>(pub(crate) $vector<S>);
 
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
+        $(#[$mask_doc])*
+        pub(crate) struct $mask<S: Simd>(pub(crate) $mask_vector<S>);
+
+        impl<S: Simd> Clone for $lanes<S> {
+            #[inline(always)]
+            fn clone(&self) -> Self {
+                *self
+            }
+        }
+
+        impl<S: Simd> Copy for $lanes<S> {}
+
+        impl<S: Simd> Clone for $mask<S> {
+            #[inline(always)]
+            fn clone(&self) -> Self {
+                *self
+            }
+        }
+
+        impl<S: Simd> Copy for $mask<S> {}
+
+        binary!($lanes, Add, add);
+        binary!($lanes, Sub, sub);
+        binary!($lanes, Mul, mul);
+        binary!($lanes, Div, div);
+        binary!($mask, BitAnd, bitand);
+        binary!($mask, BitOr, bitor);
+        with_rounded_number!($lanes, Add, add, $number);
+        with_rounded_number!($lanes, Sub, sub, $number);
+        with_rounded_number!($lanes, Mul, mul, $number);
+
+        impl<S: Simd> $lanes<S> {
+            #[inline(always)]
+            pub(crate) fn splat(simd: S, x: f64) -> Self {
+                Self($vector::splat(simd, x as $number))
+            }
+
+            #[inline(always)]
+            pub(crate) fn load(simd: S, from: &[$number; LANES]) -> Self {
+                Self($vector::simd_from(simd, *from))
+            }
+
+            #[inline(always)]
+            pub(crate) fn store(self) -> [$number; LANES] {
+                self.0.into()
+            }
+        }
+
+        impl<S: Simd> $mask<S> {
+            /// Lane `i` is bit `i`.
+            #[inline(always)]
+            pub(crate) fn from_bits(simd: S, bits: u8) -> Self {
+                Self($mask_vector::from_bitmask(simd, u64::from(bits)))
+            }
+
+            /// Bit `i` is the value of lane `i`.
+            #[inline(always)]
+            pub(crate) fn bits(self) -> u8 {
+                self.0.to_bitmask() as u8
+            }
+        }
+
+        impl<S: Simd> Neg for $lanes<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(-self.0)
+            }
+        }
+
+        impl<S: Simd> Not for $mask<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn not(self) -> Self {
+                Self(!self.0)
+            }
+        }
+
+        impl<S: Simd> Mask for $mask<S> {
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.0.any_true()
+            }
+
+            #[inline(always)]
+            fn all(self) -> bool {
+                self.0.all_true()
+            }
+        }
+
+        impl<S: Simd> Real for $lanes<S> {
+            type Mask = $mask<S>;
+
+            const MAX: f64 = $number::MAX as f64;
+
+            #[inline(always)]
+            fn splat(self, x: f64) -> Self {
+                Self::splat(self.0.token(), x)
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(self.0.sqrt())
+            }
+
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self(self.0.abs())
+            }
+
+            #[inline(always)]
+            fn copysign(self, sign: Self) -> Self {
+                Self(self.0.copysign(sign.0))
+            }
+
+            #[inline(always)]
+            fn lt(self, other: Self) -> $mask<S> {
+                $mask(self.0.simd_lt(other.0))
+            }
+
+            #[inline(always)]
+            fn le(self, other: Self) -> $mask<S> {
+                $mask(self.0.simd_le(other.0))
+            }
+
+            #[inline(always)]
+            fn eq(self, other: Self) -> $mask<S> {
+                $mask(self.0.simd_eq(other.0))
+            }
+
+            #[inline(always)]
+            fn select(mask: $mask<S>, a: Self, b: Self) -> Self {
+                Self(mask.0.select(a.0, b.0))
+            }
+        }
+    };
 }
 
-impl<S: Simd> Not for LaneMask<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
-    }
-}
-
-impl<S: Simd> Mask for LaneMask<S> {
-    #[inline(always)]
-    fn any(self) -> bool {
-        self.0.any_true()
-    }
-
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.0.all_true()
-    }
-}
-
-impl<S: Simd> Real for Lanes<S> {
-    type Mask = LaneMask<S>;
-
-    const MAX: f64 = f64::MAX;
-
-    #[inline(always)]
-    fn splat(self, x: f64) -> Self {
-        Self::splat(self.0.token(), x)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(self.0.abs())
-    }
-
-    #[inline(always)]
-    fn copysign(self, sign: Self) -> Self {
-        Self(self.0.copysign(sign.0))
-    }
-
-    #[inline(always)]
-    fn lt(self, other: Self) -> LaneMask<S> {
-        LaneMask(self.0.simd_lt(other.0))
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> LaneMask<S> {
-        LaneMask(self.0.simd_le(other.0))
-    }
-
-    #[inline(always)]
-    fn eq(self, other: Self) -> LaneMask<S> {
-        LaneMask(self.0.simd_eq(other.0))
-    }
-
-    #[inline(always)]
-    fn select(mask: LaneMask<S>, a: Self, b: Self) -> Self {
-        Self(mask.0.select(a.0, b.0))
-    }
-}
+lanes!(
+    /// Eight `f64` in registers.
+    Lanes(f64x8 of f64),
+    /// Eight truth values of `f64` in registers.
+    LaneMask(mask64x8)
+);
+lanes!(
+    /// Eight `f32` in registers.
+    Lanes32(f32x8 of f32),
+    /// Eight truth values of `f32` in registers.
+    LaneMask32(mask32x8)
+);
 
 impl<S: Simd> Float64 for Lanes<S> {
     type Bits = LaneBits<S>;
@@ -393,6 +430,7 @@ mod tests {
     macro_rules! assert_same {
         ($simd:expr, $($name:literal: |$a:ident, $b:ident| $body:expr;)*) => {$({
             fn compute<R: Float64>($a: R, $b: R) -> R {
+                let _ = ($a, $b);
                 $body
             }
             assert_lanes_equal_scalars($simd, $name, |a, b| compute(a, b), |a, b| compute(a, b));
@@ -410,7 +448,6 @@ mod tests {
         }
     }
 
-    #[allow(unused_variables, reason = "some functions have one argument")]
     fn assert_same_bits<S: Simd>(simd: S) {
         assert_same! { simd,
             "sum": |a, b| a + b * 0.5 - (a - 0.25);

@@ -67,21 +67,26 @@ impl SmallSet {
         self.indices.get(..self.len).unwrap_or(&[])
     }
 
-    /// Calls `trace` with the entries of a set of spheres, triangles and other shapes. Returns false, without a call, for a set with
-    /// instances.
-    fn with_entries<O: Output, P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        probe: &mut S,
-        trace: impl FnOnce(&mut Batch<'_, O>),
-    ) -> bool
-    where
-        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
-    {
+    /// The primitives with what batches need of them; beyond the length of the set without meaning.
+    fn entries<P: Primitives>(&self, primitives: &P) -> [SetEntry; Self::CAPACITY] {
         let mut entries = [SetEntry::NONE; Self::CAPACITY];
         for (entry, &index) in entries.iter_mut().zip(self.indices()) {
             *entry = SetEntry::new(primitives, index);
         }
+        entries
+    }
+
+    /// Traces a stream. Returns false, without any result, for a set with instances, and at levels without packets.
+    fn trace_stream<O: Output, P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        (rays, output): (&RayStream, StreamOutput<'_>),
+        probe: &mut S,
+    ) -> bool
+    where
+        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
+    {
+        let entries = self.entries(primitives);
         let entries = entries.get(..self.len).unwrap_or(&[]);
         if entries.iter().any(SetEntry::is_instance) {
             return false;
@@ -89,12 +94,12 @@ impl SmallSet {
         let mut tester = Tester { primitives, probe };
         let stats = TraversalStats::default();
         let mut batch = Batch { entries, indices: self.indices(), is_first: true, tester: &mut tester, stats };
-        trace(&mut batch);
+        let is_traced = self.level.dispatch_packets(StreamTraversal { batch: &mut batch }, rays, output);
         batch.stats.add_to(tester.probe);
-        true
+        is_traced
     }
 
-    /// Version of [`closest_batch`](Self::closest_batch) for a stream; `hits` has space for its rays. Returns false, without any result,
+    /// Version of [`closest_batch`](Self::closest_batch) for a stream. Returns false, without any result,
     /// for a set with instances, and at levels without packets.
     #[must_use]
     pub fn closest_stream<P: Primitives, S: Probe>(
@@ -104,11 +109,7 @@ impl SmallSet {
         hits: &mut HitStream,
         probe: &mut S,
     ) -> bool {
-        let level = self.level;
-        let mut is_traced = false;
-        self.with_entries::<Option<Hit>, _, _>(primitives, probe, |batch| {
-            is_traced = level.dispatch_packets(StreamTraversal { batch }, rays, StreamOutput::Closest(hits));
-        }) && is_traced
+        self.trace_stream::<Option<Hit>, _, _>(primitives, (rays, StreamOutput::Closest(hits)), probe)
     }
 
     /// Version of [`occluded_batch`](Self::occluded_batch) for a stream. Returns false as
@@ -121,11 +122,7 @@ impl SmallSet {
         occluded: &mut [bool],
         probe: &mut S,
     ) -> bool {
-        let level = self.level;
-        let mut is_traced = false;
-        self.with_entries::<bool, _, _>(primitives, probe, |batch| {
-            is_traced = level.dispatch_packets(StreamTraversal { batch }, rays, StreamOutput::Occluded(occluded));
-        }) && is_traced
+        self.trace_stream::<bool, _, _>(primitives, (rays, StreamOutput::Occluded(occluded)), probe)
     }
 
     /// Traces a batch.
@@ -140,10 +137,7 @@ impl SmallSet {
     {
         let n = rays.len().min(outputs.len());
         let (rays, outputs) = (rays.get(..n).unwrap_or(&[]), outputs.get_mut(..n).unwrap_or(&mut []));
-        let mut entries = [SetEntry::NONE; Self::CAPACITY];
-        for (entry, &index) in entries.iter_mut().zip(self.indices()) {
-            *entry = SetEntry::new(primitives, index);
-        }
+        let entries = self.entries(primitives);
         let entries = entries.get(..self.len).unwrap_or(&[]);
         if entries.is_empty() {
             outputs.fill(O::default());

@@ -293,7 +293,12 @@ fn scenes_of_all_kinds() -> Vec<Scene> {
     (small.film.width, small.film.height, small.settings.spp) = (70, 70, 9);
     let mut empty = small.clone();
     empty.cameras[0].settings.world_from_camera = Transform::translate(DVec3::Z * -5.0);
-    scenes.extend([adaptive, with_lens, small, empty]);
+    // The depth of a sample depends on its time.
+    let mut turning = spheres();
+    let camera = &mut turning.cameras[0].settings;
+    let turn = Transform::rotate(DVec3::Y, 0.2).expect("an angle");
+    (camera.moves_to, camera.shutter) = (Some(camera.world_from_camera.compose(&turn)), [0.0, 1.0]);
+    scenes.extend([adaptive, with_lens, small, empty, turning]);
     scenes
 }
 

@@ -307,7 +307,7 @@ impl<'a, S: Simd> PhongLanes<'a, S> {
 /// Version of [`Whitted::is_significant`](super::Whitted::is_significant) for eight weights, and true where its result holds: for
 /// numbers.
 #[inline(always)]
-fn is_significant<R: Real>(weight: Vector3<R>, min_contribution: f64) -> (R::Mask, R::Mask) {
+pub(super) fn is_significant<R: Real>(weight: Vector3<R>, min_contribution: f64) -> (R::Mask, R::Mask) {
     let sum = weight.x + weight.y + weight.z;
     let is_large = !weight.x.max(weight.y).max(weight.z).lt(sum.splat(min_contribution));
     (is_large & !is_zero(weight), sum.eq(sum))

@@ -16,7 +16,7 @@ mod streams;
 use super::{ShadingCounts, lane_phong::LanePhong, wave::RayTree};
 use crate::{
     Appearance, Background, DeltaLight, InteriorList, LaneLevel, Material, RadianceSample, ShadingFeatures,
-    lane_set::{LaneSet, OneLane, SimdLanes},
+    lane_set::{Element, LaneSet, OneLane, SimdLanes},
     lanes::dispatch,
     light::SpotCone,
     stream_queries::StreamQueries,
@@ -25,7 +25,7 @@ use core::ops::RangeInclusive;
 use fearless_simd::Simd as _;
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
 use rt_math::{Interval, Ray, Rgb};
-use streams::{LightStream, PathStream};
+use streams::{PathStream, ShadowRayStream};
 
 /// Most lights: each has a stream of shadow rays.
 const MAX_LIGHTS: usize = 64;
@@ -69,7 +69,7 @@ struct Settings {
 
 /// Streams of a wave.
 #[derive(Clone, Debug, Default)]
-struct Wavefront<E: Copy + Default> {
+struct Wavefront<E: Element> {
     /// Rays of the current wave, by kind.
     reflected: PathStream<E>,
     refracted: PathStream<E>,
@@ -79,18 +79,15 @@ struct Wavefront<E: Copy + Default> {
 
 /// Rays that the hits of a wave spawn, and the state of samples.
 #[derive(Clone, Debug, Default)]
-struct Spawned<E: Copy + Default> {
+struct Spawned<E: Element> {
     /// Rays of the next wave, by kind.
     reflected: PathStream<E>,
     refracted: PathStream<E>,
     /// Shadow rays by light.
-    lights: Vec<LightStream<E>>,
+    lights: Vec<ShadowRayStream<E>>,
+    /// Ray trees of the samples; empty in scenes that defer no rays.
     trees: Vec<RayTree>,
-    /// True if a tree may differ from that of a camera ray in air.
-    has_used_trees: bool,
-    /// Number of deferred rays of all trees.
-    n_deferred: usize,
-    /// Samples whose path has ended in this wave while rays were deferred.
+    /// Samples whose path has ended in this wave, in scenes that defer rays.
     ended: Vec<u32>,
     counts: ShadingCounts,
 }
@@ -191,7 +188,7 @@ impl WavefrontWhitted {
                 ));
             }),
             None => {
-                let shade = &Shade { lanes: OneLane, settings, appearance };
+                let shade = &Shade { lanes: OneLane::new(), settings, appearance };
                 self.streams.trace(shade, world, batch, |world, wave, spawned, seen| {
                     spawned.shade(shade, world, wave, seen);
                 });
@@ -223,7 +220,7 @@ struct Shade<'a, L> {
 /// Rays of a wave with their closest hits.
 type Wave<'a, E> = (&'a PathStream<E>, &'a HitStream);
 
-impl<E: Copy + Default + Into<f64>> Wavefront<E> {
+impl<E: Element> Wavefront<E> {
     /// Traces the ray trees of camera rays. `shade_stage` calls [`Spawned::shade`], compiled for the lanes.
     fn trace<W: StreamQueries, L: LaneSet<Element = E>>(
         &mut self,
@@ -233,7 +230,9 @@ impl<E: Copy + Default + Into<f64>> Wavefront<E> {
         shade_stage: impl Fn(&W, Wave<'_, E>, &mut Spawned<E>, &mut [RadianceSample]),
     ) {
         seen.fill(RadianceSample::MISS);
-        self.start(shade, first, rays);
+        self.spawned.start(shade.settings, shade.appearance.lights.len(), (first, rays.len()));
+        self.refracted.clear();
+        self.reflected.start(rays);
         let mut first_kind = RayKind::Primary;
         while !self.reflected.is_empty() || !self.refracted.is_empty() {
             let Self { reflected, refracted, hits, spawned } = self;
@@ -247,21 +246,14 @@ impl<E: Copy + Default + Into<f64>> Wavefront<E> {
             for light in &mut spawned.lights {
                 light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), seen);
             }
-            self.next_wave(shade.lanes);
+            self.next_wave();
         }
     }
 
-    /// Starts the camera rays.
-    fn start<L: LaneSet<Element = E>>(&mut self, shade: &Shade<'_, L>, first: usize, rays: &mut RayStream) {
-        self.spawned.start(shade.settings, shade.appearance.lights.len(), (first, rays.len()));
-        self.refracted.clear();
-        self.reflected.start(shade.lanes, rays);
-    }
-
     /// Starts the next wave, with deferred rays of samples whose path has ended.
-    fn next_wave<L: LaneSet<Element = E>>(&mut self, lanes: L) {
+    fn next_wave(&mut self) {
         let Self { reflected, refracted, spawned, .. } = self;
-        spawned.pop_deferred(lanes);
+        spawned.pop_deferred();
         for (wave, next) in [(reflected, &mut spawned.reflected), (refracted, &mut spawned.refracted)] {
             wave.clear();
             core::mem::swap(wave, next);
@@ -269,36 +261,30 @@ impl<E: Copy + Default + Into<f64>> Wavefront<E> {
     }
 }
 
-impl<E: Copy + Default + Into<f64>> Spawned<E> {
+impl<E: Element> Spawned<E> {
     /// Makes space for lights and samples.
     fn start(&mut self, settings: &Settings, n_lights: usize, (first, n_samples): (usize, usize)) {
         if self.lights.len() < n_lights {
-            self.lights.resize_with(n_lights, LightStream::default);
+            self.lights.resize_with(n_lights, ShadowRayStream::default);
         }
         if settings.features.refraction {
             if self.trees.len() < n_samples {
                 self.trees.resize_with(n_samples, RayTree::default);
             }
             let air = InteriorList::default();
-            if settings.surroundings.is_empty() && !self.has_used_trees {
-                return;
-            }
-            self.has_used_trees = !settings.surroundings.is_empty();
-            self.n_deferred = 0;
             let surroundings = settings.surroundings.get(if settings.surroundings.len() > 1 { first.. } else { 0.. });
             let mut surroundings = surroundings.unwrap_or_default().iter().cycle();
-            for tree in &mut self.trees {
+            for tree in &mut self.trees[..n_samples] {
                 tree.restart(surroundings.next().unwrap_or(&air));
             }
         }
     }
 
     /// Continues samples whose path has ended with their last deferred ray.
-    fn pop_deferred<L: LaneSet<Element = E>>(&mut self, lanes: L) {
+    fn pop_deferred(&mut self) {
         for sample in self.ended.drain(..) {
             if let Some((ray, path)) = self.trees[sample as usize].pop() {
-                self.n_deferred -= 1;
-                self.refracted.push(lanes, &ray, Interval::SPAWNED, &path);
+                self.refracted.push(&ray, Interval::SPAWNED, &path);
             }
         }
     }

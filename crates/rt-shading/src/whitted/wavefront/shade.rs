@@ -5,13 +5,14 @@ use crate::{
     Background, DeltaLight, RadianceSample, SurfaceHit,
     hit_context::{MAX_NULL_INTERFACES, SurfaceTransmission},
     interior_list::{MediumEntry, MediumInterface},
-    lane_set::LaneSet,
+    lane_set::{Element, LaneSet},
     lanes::{each_lane, first_lanes, is_zero},
     light::DeltaLiLanes,
     medium::absorb,
     optics,
     stream_queries::{StreamPrimitive, StreamQueries},
     whitted::{
+        hit_block::is_significant,
         lane_phong::UniformPhong,
         wave::{RayTree, TreePath},
     },
@@ -54,7 +55,7 @@ struct ShadedSurface<L: LaneSet> {
     length: L::D,
 }
 
-impl<E: Copy + Default + Into<f64>> Spawned<E> {
+impl<E: Element> Spawned<E> {
     /// Shades the closest hits of a stream.
     #[inline(always)]
     pub(super) fn shade<W: StreamQueries, L: LaneSet<Element = E>>(
@@ -143,7 +144,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
                 seen[paths.sample.get(at + lane) as usize].radiance += radiance;
             }
         }
-        if self.n_deferred > 0 {
+        if !self.trees.is_empty() {
             self.ended.extend(each_lane(missed).map(|lane| paths.sample.get(at + lane)));
         }
     }
@@ -160,7 +161,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
 
     #[inline(always)]
     fn end_path(&mut self, sample: u32) {
-        if self.n_deferred > 0 {
+        if !self.trees.is_empty() {
             self.ended.push(sample);
         }
     }
@@ -185,7 +186,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
         let (mut t, mut length) = ([0.0; 8], [0.0; 8]);
         lanes.store_f64(group.points.t, &mut t);
         lanes.store_f64(surface.length, &mut length);
-        let (mut eta, mut weight) = ([lanes.element(1.0); 8], [[E::default(); 8]; 3]);
+        let (mut eta, mut weight) = ([E::rounded(1.0); 8], [[E::default(); 8]; 3]);
         let mut is_absorbed = false;
         for lane in each_lane(group.mask) {
             let at = group.at + lane;
@@ -193,7 +194,6 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
             if transmission == SurfaceTransmission::None && tree.interior.is_empty() {
                 continue;
             }
-            self.has_used_trees = true;
             let is_inside = surface.inside >> lane & 1 == 1;
             let interface = transmission.interface(&mut tree.interior, materials, body, is_inside);
             let interface = interface.as_ref();
@@ -214,12 +214,12 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
                         lanes.store(group.weight.z, &mut weight[2]);
                     }
                     for (weight, absorbed) in weight.iter_mut().zip(absorbed.to_array()) {
-                        weight[lane] = lanes.element(absorbed);
+                        weight[lane] = E::rounded(absorbed);
                     }
                 }
             }
             if let Some(interface) = interface.filter(|_| group.phong.transmission.is_some()) {
-                eta[lane] = lanes.element(interface.before.ior / interface.after.ior);
+                eta[lane] = E::rounded(interface.before.ior / interface.after.ior);
                 group.transmits |= 1 << lane;
             }
         }
@@ -269,7 +269,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
         let (ray, _) = paths.rays.get(at);
         let span = SurfaceHit { t, interaction, object, material, light: None }.span_after(&ray);
         let path = TreePath { sample, depth, passages: 0, weight, start: 0.0 };
-        self.refracted.push(lanes, &ray, span, &path);
+        self.refracted.push(&ray, span, &path);
     }
 
     /// Adds emission and reflected ambient light.
@@ -391,9 +391,9 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
             }
             let passed_part = if has_fresnel { one - reflected_part } else { one };
             let weight = weight.scaled_by(lanes.splat_rgb(phong.transmission_coefficient())) * passed_part;
-            let significant = transmits & is_significant(lanes, weight, settings.min_contribution);
+            let significant = transmits & lanes.bits(is_significant(weight, settings.min_contribution).0);
             if significant != 0 {
-                let sin_i = cross(direction, normal).length();
+                let sin_i = direction.cross(normal).length();
                 let (bent, is_transmitted) = optics::refract_lanes(direction, normal, eta, sin_i);
                 let turns_back = bent.dot(-normal).lt(zero);
                 let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, -normal), bent);
@@ -405,7 +405,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
         let mut mirrored = 0;
         if features.reflection && is_specular && continues != 0 {
             let weight = weight.scaled_by(lanes.splat_rgb(phong.mirror)) * reflected_part;
-            mirrored = continues & is_significant(lanes, weight, settings.min_contribution);
+            mirrored = continues & lanes.bits(is_significant(weight, settings.min_contribution).0);
             if mirrored != 0 {
                 let bent = optics::reflect_lanes(direction, normal);
                 let zero = lanes.splat(0.0);
@@ -426,7 +426,7 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
             refracts = mask;
             self.push_refracted(lanes, group, surface, (mask, mirrored), [bent, weight], paths);
         }
-        if self.has_used_trees {
+        if features.refraction {
             for lane in each_lane(mask) {
                 let sample = paths.sample.get(at + lane);
                 let tree = &mut self.trees[sample as usize];
@@ -467,11 +467,10 @@ impl<E: Copy + Default + Into<f64>> Spawned<E> {
             let weight = of_lane(&weights).into();
             let path = TreePath { sample, depth: paths.depth.get(at) + 1, passages: 0, weight, start: 0.0 };
             if mirrored >> lane & 1 == 1 {
-                self.n_deferred += 1;
                 tree.defer(ray, &path, event);
             } else {
                 tree.interior.apply(event);
-                self.refracted.push(lanes, &ray, Interval::SPAWNED, &path);
+                self.refracted.push(&ray, Interval::SPAWNED, &path);
             }
         }
     }
@@ -582,16 +581,4 @@ fn append<L: LaneSet>(lanes: L, rays: &mut RayStream, mask: u8, [origin, directi
     lanes.store_f64(lanes.splat_f64(Interval::SPAWNED.min), rays.min.vector_mut(end));
     lanes.compress_f64(max, mask, rays.max.vector_mut(end));
     rays.grow(mask.count_ones() as usize);
-}
-
-/// Lanes whose weight is visible in the pixel.
-#[inline(always)]
-fn is_significant<L: LaneSet>(lanes: L, weight: Vector3<L::F>, min_contribution: f64) -> u8 {
-    let is_large = !weight.x.max(weight.y).max(weight.z).lt(lanes.splat(min_contribution));
-    lanes.bits(is_large & !is_zero(weight))
-}
-
-#[inline(always)]
-fn cross<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Vector3<R> {
-    Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }

@@ -1,13 +1,13 @@
 //! Streams of rays with the numbers of their paths.
 
 use super::super::wave::TreePath;
-use crate::{RadianceSample, lane_set::LaneSet};
+use crate::{RadianceSample, lane_set::Element};
 use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{Interval, Ray, Rgb};
 
 /// Rays of paths, one array for each number.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PathStream<E: Copy + Default> {
+pub(super) struct PathStream<E: Element> {
     pub(super) rays: RayStream,
     /// Index of the camera ray.
     pub(super) sample: StreamArray<u32>,
@@ -17,7 +17,7 @@ pub(super) struct PathStream<E: Copy + Default> {
     pub(super) weight: [StreamArray<E>; 3],
 }
 
-impl<E: Copy + Default + Into<f64>> PathStream<E> {
+impl<E: Element> PathStream<E> {
     pub(super) const fn len(&self) -> usize {
         self.rays.len()
     }
@@ -31,28 +31,28 @@ impl<E: Copy + Default + Into<f64>> PathStream<E> {
     }
 
     /// Replaces the rays by camera rays, each of its own sample. `rays` is an unspecified stream afterwards.
-    pub(super) fn start<L: LaneSet<Element = E>>(&mut self, lanes: L, rays: &mut RayStream) {
+    pub(super) fn start(&mut self, rays: &mut RayStream) {
         core::mem::swap(&mut self.rays, rays);
         for (sample, number) in self.sample.as_mut_slice().iter_mut().zip(0..) {
             *sample = number;
         }
         self.depth.as_mut_slice().fill(0);
         for weight in &mut self.weight {
-            weight.as_mut_slice().fill(lanes.element(1.0));
+            weight.as_mut_slice().fill(E::rounded(1.0));
         }
     }
 
     /// Appends a ray.
     #[inline(always)]
-    pub(super) fn push<L: LaneSet<Element = E>>(&mut self, lanes: L, ray: &Ray, span: Interval, path: &TreePath) {
+    pub(super) fn push(&mut self, ray: &Ray, span: Interval, path: &TreePath) {
         let at = self.len();
         self.rays.push(ray, span);
         self.sample.set(at, path.sample);
         self.depth.set(at, path.depth);
         let ([r, g, b], weight) = (&mut self.weight, path.weight);
-        r.set(at, lanes.element(weight.r));
-        g.set(at, lanes.element(weight.g));
-        b.set(at, lanes.element(weight.b));
+        r.set(at, E::rounded(weight.r));
+        g.set(at, E::rounded(weight.g));
+        b.set(at, E::rounded(weight.b));
     }
 
     /// Weight of a path.
@@ -65,7 +65,7 @@ impl<E: Copy + Default + Into<f64>> PathStream<E> {
 
 /// Shadow rays to one light, with what it adds to samples if they are not occluded.
 #[derive(Clone, Debug)]
-pub(super) struct LightStream<E: Copy + Default> {
+pub(super) struct ShadowRayStream<E: Element> {
     pub(super) rays: RayStream,
     /// Index of the camera ray.
     pub(super) sample: StreamArray<u32>,
@@ -74,7 +74,7 @@ pub(super) struct LightStream<E: Copy + Default> {
     blocked: Box<[bool; STREAM_CAPACITY]>,
 }
 
-impl<E: Copy + Default> Default for LightStream<E> {
+impl<E: Element> Default for ShadowRayStream<E> {
     fn default() -> Self {
         Self {
             rays: RayStream::default(),
@@ -85,7 +85,7 @@ impl<E: Copy + Default> Default for LightStream<E> {
     }
 }
 
-impl<E: Copy + Default + Into<f64>> LightStream<E> {
+impl<E: Element> ShadowRayStream<E> {
     /// Traces the rays, adds the light of those that are not occluded, and removes all.
     pub(super) fn resolve(&mut self, occluded: impl FnOnce(&RayStream, &mut [bool]), seen: &mut [RadianceSample]) {
         if self.rays.is_empty() {

@@ -147,51 +147,49 @@ fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
 
 type Image = (Vec<RadianceSample>, ShadingCounts);
 
-fn of_whitted(
+/// Camera rays with what they see.
+struct View<'a> {
     features: ShadingFeatures,
-    appearance: &Appearance,
-    world: &mut ShapeWorld,
-    rays: &[(Ray, Interval)],
-) -> Image {
-    let mut seen = vec![RadianceSample::MISS; rays.len()];
-    let mut whitted = Whitted::new(4, 1e-3, features);
-    whitted.radiance_of(world, appearance, rays, &mut seen);
-    (seen, whitted.take_counts())
+    appearance: &'a Appearance,
+    rays: &'a [(Ray, Interval)],
 }
 
-fn of_wavefront(
-    level: Option<LaneLevel>,
-    features: ShadingFeatures,
-    appearance: &Appearance,
-    world: &mut ShapeWorld,
-    rays: &[(Ray, Interval)],
-) -> Image {
-    let mut seen = vec![RadianceSample::MISS; rays.len()];
-    let mut wavefront = WavefrontWhitted::new(4, 1e-3, features, appearance);
-    wavefront.set_lanes(level);
-    wavefront.radiance_of(world, appearance, rays, &mut seen);
-    (seen, wavefront.take_counts())
-}
-
-/// The integrator with `f64` for shading as well.
-fn in_f64(
-    features: ShadingFeatures,
-    appearance: &Appearance,
-    world: &mut ShapeWorld,
-    rays: &[(Ray, Interval)],
-) -> Image {
-    let mut seen = vec![RadianceSample::MISS; rays.len()];
-    let WavefrontWhitted { settings, .. } = &WavefrontWhitted::new(4, 1e-3, features, appearance);
-    let mut streams = Wavefront::<f64>::default();
-    let shade = &Shade { lanes: Float64Lane, settings, appearance };
-    for (rays, seen) in rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY)) {
-        let mut stream = RayStream::default();
-        rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
-        streams.trace(shade, world, (0, &mut stream, seen), |world, wave, spawned, seen| {
-            spawned.shade(shade, world, wave, seen)
-        });
+impl View<'_> {
+    fn misses(&self) -> Vec<RadianceSample> {
+        vec![RadianceSample::MISS; self.rays.len()]
     }
-    (seen, streams.spawned.counts)
+
+    fn of_whitted(&self, world: &mut ShapeWorld) -> Image {
+        let mut seen = self.misses();
+        let mut whitted = Whitted::new(4, 1e-3, self.features);
+        whitted.radiance_of(world, self.appearance, self.rays, &mut seen);
+        (seen, whitted.take_counts())
+    }
+
+    fn of_wavefront(&self, level: Option<LaneLevel>, world: &mut ShapeWorld) -> Image {
+        let mut seen = self.misses();
+        let mut wavefront = WavefrontWhitted::new(4, 1e-3, self.features, self.appearance);
+        wavefront.set_lanes(level);
+        wavefront.radiance_of(world, self.appearance, self.rays, &mut seen);
+        (seen, wavefront.take_counts())
+    }
+
+    /// The wavefront integrator with `f64` for shading as well.
+    fn in_f64(&self, world: &mut ShapeWorld) -> Image {
+        let mut seen = self.misses();
+        let &Self { features, appearance, rays } = self;
+        let WavefrontWhitted { settings, .. } = &WavefrontWhitted::new(4, 1e-3, features, appearance);
+        let mut streams = Wavefront::<f64>::default();
+        let shade = &Shade { lanes: Float64Lane::new(), settings, appearance };
+        for (rays, seen) in rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY)) {
+            let mut stream = RayStream::default();
+            rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+            streams.trace(shade, world, (0, &mut stream, seen), |world, wave, spawned, seen| {
+                spawned.shade(shade, world, wave, seen);
+            });
+        }
+        (seen, streams.spawned.counts)
+    }
 }
 
 /// Largest difference of a component, relative to the radiance.
@@ -216,8 +214,9 @@ fn shading_in_f64_gives_the_radiance_of_the_recursive_integrator() {
     let mut world = ShapeWorld::new(appearance.materials.len() as u32, 1.0);
     let rays = camera_rays(2000, 1.0);
     for features in features() {
-        let (expected, counts) = of_whitted(features, &appearance, &mut world, &rays);
-        let (found, found_counts) = in_f64(features, &appearance, &mut world, &rays);
+        let view = View { features, appearance: &appearance, rays: &rays };
+        let (expected, counts) = view.of_whitted(&mut world);
+        let (found, found_counts) = view.in_f64(&mut world);
         assert_eq!(counts.without_lanes(), found_counts.without_lanes(), "{features:?}");
         for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
             assert!(a.hit == b.hit && difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}, {features:?}");
@@ -237,19 +236,46 @@ fn a_deferred_ray_in_tinted_glass_does_not_know_of_fog_that_the_mirrored_ray_has
         [&appearance.materials[0], &appearance.materials[n_materials - 1]].map(Clone::clone).to_vec();
     let mut world = ShapeWorld::new(2, 1.0);
     let rays = camera_rays(2000, 1.0);
-    let (expected, counts) = of_whitted(ShadingFeatures::ALL, &appearance, &mut world, &rays);
-    let (found, _) = in_f64(ShadingFeatures::ALL, &appearance, &mut world, &rays);
+    let view = View { features: ShadingFeatures::ALL, appearance: &appearance, rays: &rays };
+    let (expected, counts) = view.of_whitted(&mut world);
+    let (found, _) = view.in_f64(&mut world);
     assert!(counts.passages > 1000 && counts.fresnel > 1000, "{counts:?}");
     for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
         assert!(difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}");
     }
 }
 
+/// Regression: the normal of a hit that rounding puts on the centre was not a number.
+#[test]
+fn a_hit_that_is_rounded_to_the_centre_of_a_tiny_sphere_faces_the_viewer() {
+    let appearance = Appearance {
+        materials: vec![Material::new(String::new(), crate::Phong::default())],
+        lights: vec![lanes::appearance().lights.swap_remove(2)],
+        ..Appearance::default()
+    };
+    let sphere = Sphere::new(DVec3::ZERO, 1e-9).expect("a sphere");
+    let mut world = ShapeWorld { shapes: vec![(Shape::Sphere(sphere), 0)] };
+    // Against the direction of the light, so that the side of the viewer is lit.
+    let towards_light = DVec3::new(-0.48, 0.6, -0.64);
+    let rays = [(Ray::new(towards_light * 1e8, -towards_light), Interval::FORWARD)];
+    let view = View {
+        features: ShadingFeatures { shadows: false, ..ShadingFeatures::ALL },
+        appearance: &appearance,
+        rays: &rays,
+    };
+    let (expected, _) = view.of_whitted(&mut world);
+    let (found, _) = view.of_wavefront(LaneLevel::best(), &mut world);
+    assert!(expected[0].hit && expected[0].radiance.max_component() > 0.1, "{expected:?}");
+    assert!(difference(&expected[0], &found[0]) < 1e-6, "{expected:?}, {found:?}");
+}
+
 #[test]
 fn the_worlds_of_these_tests_have_all_cases() {
     let appearance = appearance(1.0);
     let mut world = ShapeWorld::new(appearance.materials.len() as u32, 1.0);
-    let (seen, counts) = of_whitted(ShadingFeatures::ALL, &appearance, &mut world, &camera_rays(2000, 1.0));
+    let (seen, counts) =
+        View { features: ShadingFeatures::ALL, appearance: &appearance, rays: &camera_rays(2000, 1.0) }
+            .of_whitted(&mut world);
     assert!(seen.iter().any(|seen| !seen.hit) && counts.shadow_rays_skipped > 1000 && counts.mirrors > 1000);
     assert!(counts.refractions > 300 && counts.fresnel > 200 && counts.absorption > 50, "{counts:?}");
     assert!(counts.passages > 20 && counts.highlights > 1000 && counts.depth_limited > 20, "{counts:?}");
@@ -265,9 +291,10 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
     for features in features() {
         for n_rays in [1, 7, 8, 9, 255, 256, 257, 1000] {
             let rays = camera_rays(n_rays, 1.0);
-            let one = of_wavefront(None, features, &appearance, &mut world, &rays);
+            let view = View { features, appearance: &appearance, rays: &rays };
+            let one = view.of_wavefront(None, &mut world);
             for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-                let lanes = of_wavefront(Some(level), features, &appearance, &mut world, &rays);
+                let lanes = view.of_wavefront(Some(level), &mut world);
                 assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {features:?}");
                 for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
                     let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
@@ -283,8 +310,9 @@ fn shares_of_differences(scale: f64) -> [f64; 2] {
     let appearance = appearance(scale);
     let mut world = ShapeWorld::new(appearance.materials.len() as u32, scale);
     let rays = camera_rays(4000, scale);
-    let (exact, _) = of_whitted(ShadingFeatures::ALL, &appearance, &mut world, &rays);
-    let (found, _) = of_wavefront(LaneLevel::best(), ShadingFeatures::ALL, &appearance, &mut world, &rays);
+    let view = View { features: ShadingFeatures::ALL, appearance: &appearance, rays: &rays };
+    let (exact, _) = view.of_whitted(&mut world);
+    let (found, _) = view.of_wavefront(LaneLevel::best(), &mut world);
     [1e-5, 1e-3].map(|bound| {
         let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < bound && a.hit == b.hit));
         differing.count() as f64 / rays.len() as f64
@@ -309,8 +337,9 @@ fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
         let mut world = ShapeWorld::new(appearance.materials.len() as u32, scale);
         let rays = camera_rays(1000, scale);
         let features = ShadingFeatures { absorption: false, ..ShadingFeatures::ALL };
-        let (exact, _) = of_whitted(features, &appearance, &mut world, &rays);
-        let (found, _) = of_wavefront(LaneLevel::best(), features, &appearance, &mut world, &rays);
+        let view = View { features, appearance: &appearance, rays: &rays };
+        let (exact, _) = view.of_whitted(&mut world);
+        let (found, _) = view.of_wavefront(LaneLevel::best(), &mut world);
         let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < 1e-3));
         assert!(differing.count() < 10, "scale {scale}");
     }
