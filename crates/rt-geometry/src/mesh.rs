@@ -2,10 +2,10 @@
 
 use crate::triangle::{point_at, weights};
 use crate::{
-    Hit, InteractionFlags, MeshData, MeshError, MeshRepairs, PrimitiveGeometry, Primitives, SurfaceInteraction,
-    VertexAttributes, WatertightRay, area::unit_normal, mesh_repair::repair,
+    Hit, InteractionFlags, MeshData, MeshError, MeshRepairs, PrimitiveGeometry, Primitives, SmoothPoint,
+    SurfaceInteraction, VertexAttributes, WatertightRay, area::unit_normal, mesh_repair::repair, smooth_point,
 };
-use rt_math::{Aabb, DVec3, Interval, Ray};
+use rt_math::{Aabb, DVec3, Interval, Ray, Vec3, Vector3};
 
 /// Validated triangle mesh: a set of [`Primitives`], one for each triangle.
 ///
@@ -14,15 +14,6 @@ use rt_math::{Aabb, DVec3, Interval, Ray};
 pub struct TriangleMesh {
     data: MeshData,
     bounds: Aabb,
-}
-
-/// Shading normal and lifted point of a point of a triangle.
-struct Smooth {
-    /// Unit, on the same side as the geometric one.
-    normal: DVec3,
-    shadow_point: DVec3,
-    /// True if the normal was flipped for this.
-    is_turned: bool,
 }
 
 impl TriangleMesh {
@@ -94,9 +85,10 @@ impl TriangleMesh {
         let (mut shading_normal, mut shadow_point) = (geometric_normal, point);
         if needs.shading_normal
             && !self.data.normals.is_empty()
-            && let Some(smooth) = self.smooth(point, geometric_normal, triangle, corners, weights, ray.direction)
+            && let smooth = self.smooth(point, geometric_normal, triangle, corners, hit.uv, ray.direction)
+            && smooth.is_valid
         {
-            (shading_normal, shadow_point) = (smooth.normal, smooth.shadow_point);
+            (shading_normal, shadow_point) = (smooth.normal.into(), smooth.shadow_point.into());
             // The cross product turns with the normal.
             detail.is_mirrored ^= smooth.is_turned;
         }
@@ -108,10 +100,6 @@ impl TriangleMesh {
     pub fn unit_normal(&self, triangle: u32) -> Option<DVec3> {
         self.data.triangles.get(triangle as usize).map(|&triangle| unit_normal(self.corners(triangle)))
     }
-
-    /// Interpolated normal and lifted point. The point is the mean of the projections of the hit point on the tangent
-    /// planes of the vertices, on the side of the ray. Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing
-    /// Gems II, 2021. `None` if the normals of the vertices cancel.
     #[inline(always)]
     fn smooth(
         &self,
@@ -119,23 +107,13 @@ impl TriangleMesh {
         geometric_normal: DVec3,
         triangle: [u32; 3],
         corners: [DVec3; 3],
-        weights: [f64; 3],
+        uv: [f64; 2],
         direction: DVec3,
-    ) -> Option<Smooth> {
-        let normal = |i: u32| self.data.normals[i as usize].as_dvec3();
+    ) -> SmoothPoint<f64> {
+        let normal = |i: u32| Vector3::from(self.data.normals[i as usize].as_dvec3());
         let normals = [normal(triangle[0]), normal(triangle[1]), normal(triangle[2])];
-        let sum = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
-        let normal = sum.try_normalize()?;
-        // Vertex normals of a file may point to the back.
-        let is_turned = normal.dot(geometric_normal) < 0.0;
-        let front = if is_turned { -1.0 } else { 1.0 };
-        let viewer = if direction.dot(geometric_normal) > 0.0 { -front } else { front };
-        let lift = |i: usize| {
-            let normal = normals[i] * viewer;
-            normal * (weights[i] * (corners[i] - point).dot(normal).max(0.0))
-        };
-        let shadow_point = point + (lift(0) + lift(1) + lift(2));
-        Some(Smooth { normal: normal * front, shadow_point, is_turned })
+        let corners = [corners[0].into(), corners[1].into(), corners[2].into()];
+        smooth_point((point.into(), geometric_normal.into()), corners, normals, uv, direction.into())
     }
 
     #[inline(never)]
@@ -175,6 +153,14 @@ impl TriangleMesh {
     #[inline]
     pub fn vertices(&self, index: u32) -> Option<[DVec3; 3]> {
         self.data.triangles.get(index as usize).map(|triangle| self.corners(*triangle))
+    }
+
+    /// Unit normals of the vertices of a triangle; `None` for a mesh without normals and for an invalid index.
+    #[inline]
+    pub fn vertex_normals(&self, index: u32) -> Option<[Vec3; 3]> {
+        let (normals, [a, b, c]) = (&self.data.normals, *self.data.triangles.get(index as usize)?);
+        let normal = |vertex: u32| normals.get(vertex as usize).copied();
+        Some([normal(a)?, normal(b)?, normal(c)?])
     }
 
     /// Texture coordinates at the vertices of a triangle; zero without any. `None` for an invalid index.

@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
+use rt_camera::SampleStream;
 use rt_scene_io::{Integrator, MaterialId, Scene};
 use rt_shading::{
-    Appearance, BsdfCache, LightSources, Material, ShadingFeatures, StreamShape, WavefrontWhitted, light::LightSet,
+    Appearance, BsdfCache, LightSources, Material, ShadingFeatures, StreamPrimitive, StreamShape, WavefrontPathTracer,
+    WavefrontWhitted, light::LightSet,
 };
 
 use crate::{
@@ -83,8 +85,13 @@ impl<'s> CompiledScene<'s> {
             Integrator::Caustics => light_sources(&appearance, &lights, &world),
             _ => None,
         };
-        let has_stream_primitives =
-            integrator == Integrator::Whitted && has_stream_primitives(&appearance, &world.instances());
+        let has_stream_primitives = match integrator {
+            Integrator::Whitted => whitted_streams(&appearance, &world.instances()),
+            Integrator::Path | Integrator::Direct | Integrator::Caustics => {
+                medium.is_none() && path_streams(&appearance, &lights, &world.instances())
+            }
+            _ => false,
+        };
         Ok(Self {
             source,
             space,
@@ -114,16 +121,31 @@ impl<'s> CompiledScene<'s> {
 }
 
 /// True if a [`WavefrontWhitted`] supports the materials and all instances. It does not depend on what a plan leaves out.
-fn has_stream_primitives(appearance: &Appearance, world: &Instances<'_>) -> bool {
+fn whitted_streams(appearance: &Appearance, world: &Instances<'_>) -> bool {
     let materials = &appearance.materials;
     let is_textured = |material: u32| materials.get(material as usize).is_none_or(Material::is_textured);
     // A textured sphere needs texture coordinates, which lanes do not compute.
-    let is_supported = |index: usize| {
-        world.stream_primitive(index as u32).is_some_and(|primitive| {
-            !(matches!(primitive.shape, StreamShape::Sphere(_)) && is_textured(primitive.material))
-        })
+    let is_supported = |primitive: StreamPrimitive<'_>| match primitive.shape {
+        StreamShape::Sphere(_) => !is_textured(primitive.material),
+        StreamShape::Plane(_) => true,
+        StreamShape::Triangle { vertex_normals, .. } => vertex_normals.is_none(),
     };
-    WavefrontWhitted::supports(appearance) && (0..world.instances.len()).all(is_supported)
+    WavefrontWhitted::supports(appearance)
+        && stream_primitives(world).all(|primitive| primitive.is_some_and(is_supported))
+}
+
+/// Version of [`whitted_streams`] for a [`WavefrontPathTracer`].
+fn path_streams(appearance: &Appearance, lights: &LightSet, world: &Instances<'_>) -> bool {
+    let mut materials: Vec<u32> = world.instances.iter().map(|instance| instance.material).collect();
+    materials.sort_unstable();
+    materials.dedup();
+    stream_primitives(world).all(|primitive| primitive.is_some())
+        && WavefrontPathTracer::<SampleStream>::supports(appearance, lights, materials)
+}
+
+/// All instances as primitives of streams; `None` for those that are none.
+fn stream_primitives<'w>(world: &'w Instances<'w>) -> impl Iterator<Item = Option<StreamPrimitive<'w>>> {
+    (0..world.instances.len() as u32).map(|index| world.stream_primitive(index))
 }
 
 /// Marks the instances whose texture coordinates are used: those with a textured material.

@@ -65,8 +65,13 @@ impl Instance {
     /// Hit at `t` on a shape whose surface is not computed yet, as of [`surface_hit`](Self::surface_hit).
     #[inline(always)]
     fn lazy_hit<T>(&self, t: f64, shape: T, triangle: Option<u32>) -> LazyHit<T> {
-        let light = self.light.map(|index| LightId { index, triangle });
-        LazyHit { t, shape, object: self.object, material: self.material, light }
+        LazyHit { t, shape, object: self.object, material: self.material, light: self.light_id(triangle) }
+    }
+
+    /// Light of a hit on it, on a triangle if it is a mesh.
+    #[inline(always)]
+    fn light_id(&self, triangle: Option<u32>) -> Option<LightId> {
+        self.light.map(|index| LightId { index, triangle })
     }
 
     /// Surface of a triangle of a mesh.
@@ -241,20 +246,24 @@ impl Instances<'_> {
         }
     }
 
-    /// An instance as a primitive that is shaded in lanes: a sphere, a plane or a flat triangle, without transform. `None` for all
+    /// An instance as a primitive that is shaded in lanes: a sphere, a plane or a triangle, without transform. `None` for all
     /// others.
     #[inline]
     pub(crate) fn stream_primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
         let instance = self.instances.get(index as usize)?;
+        let mut of_mesh = None;
         let shape = match &instance.geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => StreamShape::Sphere(sphere),
             InstanceGeometry::Shape(Shape::Plane(plane)) => StreamShape::Plane(plane),
-            InstanceGeometry::Triangle(mesh, triangle, normal) if mesh.data().normals.is_empty() => {
-                StreamShape::Triangle { vertices: mesh.vertices(*triangle)?, normal: *normal }
+            InstanceGeometry::Triangle(mesh, triangle, normal) => {
+                of_mesh = Some(*triangle);
+                let (vertices, vertex_normals) = (mesh.vertices(*triangle)?, mesh.vertex_normals(*triangle));
+                StreamShape::Triangle { vertices, normal: *normal, vertex_normals }
             }
             _ => return None,
         };
-        Some(StreamPrimitive { shape, object: instance.object, material: instance.material })
+        let light = instance.light_id(of_mesh);
+        Some(StreamPrimitive { shape, object: instance.object, material: instance.material, light })
     }
 
     /// Hit on a sphere without transform and texture coordinates; `None` for all others.

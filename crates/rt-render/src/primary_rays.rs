@@ -90,10 +90,10 @@ impl RenderPlan<'_> {
         &self,
         job: &TileJob<'_>,
         batch: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(&mut RayStream, &mut [RadianceSample]),
+        mut radiance: impl FnMut(&mut RayStream, &[SampleStream], &mut [RadianceSample]),
     ) -> TileResult {
         batch.is_stream = true;
-        self.sample_batches(job, batch, |rays, seen| radiance(rays.stream, seen))
+        self.sample_batches(job, batch, |rays, seen| radiance(rays.stream, rays.samplers, seen))
     }
 
     fn sample_batches(

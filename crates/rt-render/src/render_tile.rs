@@ -9,7 +9,7 @@ use rt_math::Ray;
 use rt_scene_io::Integrator;
 use rt_shading::{
     Background, InteriorList, LaneLevel, Lighting, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer,
-    ShadingCounts, WavefrontWhitted, Whitted,
+    ShadingCounts, WavefrontPathTracer, WavefrontWhitted, Whitted,
 };
 
 use crate::{
@@ -32,8 +32,10 @@ use crate::{
 pub(crate) struct ThreadState {
     whitted: Whitted,
     /// For worlds that it supports.
-    wavefront: Option<WavefrontWhitted>,
+    wavefront_whitted: Option<WavefrontWhitted>,
     paths: PathTracer<SampleStream>,
+    /// For worlds that it supports.
+    wavefront_paths: Option<WavefrontPathTracer<SampleStream>>,
     occlusion: OcclusionWave,
     camera: PrimaryRayBatch,
     buffers: TracerBuffers,
@@ -53,7 +55,8 @@ impl ThreadState {
         if let Some(level) = lanes {
             whitted.shade_in_lanes(level, &plan.scene.appearance);
         }
-        let wavefront = plan.shades_streams().then(|| {
+        let shades_streams = |is_whitted| plan.shades_streams() && is_whitted == plan.integrator.is_whitted();
+        let wavefront_whitted = shades_streams(true).then(|| {
             let mut wavefront = WavefrontWhitted::new(
                 settings.depth,
                 settings.min_contribution,
@@ -63,10 +66,17 @@ impl ThreadState {
             wavefront.set_lanes(lanes);
             wavefront
         });
+        let wavefront_paths = shades_streams(false).then(|| {
+            let mut wavefront =
+                WavefrontPathTracer::new(plan.integrator.path_settings(), plan.scene.features, &plan.scene.appearance);
+            wavefront.set_lanes(lanes);
+            wavefront
+        });
         Self {
             whitted,
-            wavefront,
+            wavefront_whitted,
             paths,
+            wavefront_paths,
             occlusion: OcclusionWave::default(),
             camera: PrimaryRayBatch::default(),
             buffers: TracerBuffers::default(),
@@ -94,7 +104,7 @@ impl RenderPlan<'_> {
         {
             return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
         }
-        let ThreadState { whitted, wavefront, paths, occlusion, camera, buffers } = worker;
+        let ThreadState { whitted, wavefront_whitted, paths, wavefront_paths, occlusion, camera, buffers } = worker;
         let lighting =
             Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let materials = &self.scene.appearance.materials;
@@ -102,10 +112,10 @@ impl RenderPlan<'_> {
             SceneTracer::new(world, structure, primary_target, probe).with_buffers(core::mem::take(buffers));
         tracer.layers = layers;
         let mut result = match (&self.integrator, &self.frame.medium) {
-            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => match wavefront {
+            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => match wavefront_whitted {
                 Some(wavefront) => {
                     wavefront.set_surroundings(core::slice::from_ref(interior));
-                    self.sample_stream(job, camera, |rays, seen| {
+                    self.sample_stream(job, camera, |rays, _, seen| {
                         wavefront.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
                     })
                 }
@@ -132,12 +142,17 @@ impl RenderPlan<'_> {
                 result.shading = reference.counts;
                 result
             }
-            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
-                paths.set_surroundings(core::slice::from_ref(interior));
-                self.sample_tile(job, camera, |batch, seen| {
-                    paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
-                })
-            }
+            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => match wavefront_paths {
+                Some(wavefront) => self.sample_stream(job, camera, |rays, samplers, seen| {
+                    wavefront.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
+                }),
+                None => {
+                    paths.set_surroundings(core::slice::from_ref(interior));
+                    self.sample_tile(job, camera, |batch, seen| {
+                        paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
+                    })
+                }
+            },
             (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
                 let mut surroundings = Vec::new();
                 self.sample_tile(job, camera, |batch, seen| {
@@ -149,7 +164,7 @@ impl RenderPlan<'_> {
             (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
                 occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
             }),
-            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => match wavefront {
+            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => match wavefront_whitted {
                 Some(wavefront) => {
                     let mut surroundings = Vec::new();
                     self.sample_tile(job, camera, |batch, seen| {
@@ -176,10 +191,9 @@ impl RenderPlan<'_> {
         result.primary_rays_skipped = tracer.skipped;
         result.layers = tracer.layers.take().map(|layers| layers.channels()).unwrap_or_default();
         result.shading += whitted.take_counts();
-        if let Some(wavefront) = wavefront {
-            result.shading += wavefront.take_counts();
-        }
         result.shading += paths.take_counts();
+        result.shading += wavefront_whitted.as_mut().map(WavefrontWhitted::take_counts).unwrap_or_default();
+        result.shading += wavefront_paths.as_mut().map(WavefrontPathTracer::take_counts).unwrap_or_default();
         *buffers = tracer.into_buffers();
         result
     }
@@ -198,7 +212,7 @@ impl RenderPlan<'_> {
         })
     }
 
-    /// True if a [`WavefrontWhitted`] renders the scene. It does not depend on what the plan leaves out. Streams have no time, which the
+    /// True if an integrator of streams renders the scene. It does not depend on what the plan leaves out. Streams have no time, which the
     /// depth layer of a moving camera needs.
     fn shades_streams(&self) -> bool {
         self.options.precision == Precision::F32 && self.scene.has_stream_primitives && !self.frame.camera.moves()

@@ -1,7 +1,7 @@
 //! BSDFs of uniform materials, computed once.
 
 use crate::{
-    Appearance, MaterialEvalContext,
+    Appearance, Material, MaterialEvalContext,
     bsdf::{Bsdf, LaneSurface},
 };
 use rt_geometry::SurfaceInteraction;
@@ -42,16 +42,22 @@ impl CachedBsdf {
     }
 }
 
+/// BSDF of a [uniform](Material::is_uniform) material; `None` for all others.
+pub(crate) fn uniform_bsdf(material: &Material) -> Option<Bsdf> {
+    let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+    let point = MaterialEvalContext { textures: &[], surface: &anywhere, ior: 1.0 };
+    material.is_uniform().then(|| material.bsdf(&point))
+}
+
 impl BsdfCache {
     /// BSDFs of the materials of an appearance that are `used`.
     pub fn new(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
         let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
-        let point = MaterialEvalContext { textures: &appearance.textures, surface: &anywhere, ior: 1.0 };
         let materials = || appearance.materials.iter().enumerate().map(|(index, material)| (used(index), material));
         let bsdfs: Vec<_> = materials()
             .map(|(is_used, material)| {
-                let is_cached = is_used && material.is_uniform();
-                is_cached.then(|| Box::new(CachedBsdf::new(material.bsdf(&point))))
+                let bsdf = if is_used { uniform_bsdf(material) } else { None };
+                bsdf.map(|bsdf| Box::new(CachedBsdf::new(bsdf)))
             })
             .collect();
         let in_lanes = bsdfs.iter().zip(&appearance.materials).map(|(cached, material)| {
@@ -85,8 +91,7 @@ impl BsdfCache {
 mod tests {
     use super::*;
     use crate::{
-        ColorTexture, FloatTexture, InteriorMedium, LayeredBase, LayeredSurface, Material, MaterialModel, Phong,
-        TextureId,
+        ColorTexture, FloatTexture, InteriorMedium, LayeredBase, LayeredSurface, MaterialModel, Phong, TextureId,
     };
     use rt_geometry::VertexAttributes;
     use rt_math::Vec3;

@@ -6,7 +6,10 @@
 //!   Float64Lane   one, with `f64` for shading as well: the reference of tests
 //! ```
 
-use crate::lanes::{LANES, LaneArray, LaneMask, LaneMask32, Lanes, Lanes32, Simd};
+use crate::{
+    lanes::{LANES, LaneArray, LaneMask, LaneMask32, Lanes, Lanes32, Simd},
+    light::{LightSet, SampledLight},
+};
 use core::marker::PhantomData;
 use fearless_simd::{ExtractToken, SimdBase, SimdFrom, SimdMask, u32x8};
 use rt_geometry::StreamArray;
@@ -53,6 +56,18 @@ pub(crate) trait LaneSet: Copy {
 
     fn mask(self, bits: u8) -> <Self::F as Real>::Mask;
 
+    fn mask_f64(self, bits: u8) -> <Self::D as Real>::Mask;
+
+    /// Chooses an area or environment light for each lane, as [`LightSet::sample_li`]: indices, and probabilities, which are 0 where
+    /// there is none. Normals have the length 1.
+    fn choose_lights(
+        self,
+        lights: &LightSet,
+        point: Vector3<Self::D>,
+        normal: Vector3<Self::D>,
+        choice: Self::D,
+    ) -> ([u32; LANES], Self::D);
+
     /// Stores the lanes of a mask, one after the other; what is behind them is overwritten.
     fn compress(self, x: Self::F, mask: u8, to: &mut [Self::Element; LANES]);
 
@@ -67,6 +82,12 @@ pub(crate) trait LaneSet: Copy {
 
     /// Lanes in which an index equals `index`.
     fn equal(self, indices: &[u32; LANES], index: u32) -> u8;
+
+    /// Loads vectors for positions.
+    #[inline(always)]
+    fn load_coordinates(self, [x, y, z]: &[LaneArray; 3]) -> Vector3<Self::D> {
+        Vector3::new(self.load_f64(x), self.load_f64(y), self.load_f64(z))
+    }
 
     /// Stores points.
     #[inline(always)]
@@ -255,6 +276,25 @@ impl<R: Pow + Default + Into<f64>, E: Element> LaneSet for Single<R, E> {
     }
 
     #[inline(always)]
+    fn mask_f64(self, bits: u8) -> bool {
+        bits & 1 == 1
+    }
+
+    #[inline(always)]
+    fn choose_lights(
+        self,
+        lights: &LightSet,
+        point: Vector3<f64>,
+        normal: Vector3<f64>,
+        choice: f64,
+    ) -> ([u32; LANES], f64) {
+        match lights.choose(point.into(), Some(normal.into()), choice) {
+            Some(SampledLight { index, probability }) => ([index; LANES], probability),
+            None => ([0; LANES], 0.0),
+        }
+    }
+
+    #[inline(always)]
     fn compress(self, x: R, mask: u8, to: &mut [E; LANES]) {
         if mask & 1 == 1 {
             self.store(x, to);
@@ -352,6 +392,22 @@ impl<S: Simd> LaneSet for SimdLanes<S> {
     #[inline(always)]
     fn mask(self, bits: u8) -> LaneMask32<S> {
         LaneMask32::from_bits(self.0, bits)
+    }
+
+    #[inline(always)]
+    fn mask_f64(self, bits: u8) -> LaneMask<S> {
+        LaneMask::from_bits(self.0, bits)
+    }
+
+    #[inline(always)]
+    fn choose_lights(
+        self,
+        lights: &LightSet,
+        point: Vector3<Lanes<S>>,
+        normal: Vector3<Lanes<S>>,
+        choice: Lanes<S>,
+    ) -> ([u32; LANES], Lanes<S>) {
+        lights.choose_lanes(self.0, point, normal, choice)
     }
 
     #[inline(always)]

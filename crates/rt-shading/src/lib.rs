@@ -93,6 +93,7 @@ mod texture;
 mod to_phong;
 mod vertex;
 mod viewed_surface;
+mod wavefront;
 mod whitted;
 
 pub use alpha::{Alpha, AlphaMode};
@@ -114,7 +115,7 @@ pub use material::Material;
 pub use material_model::MaterialModel;
 pub use medium::InteriorMedium;
 pub use normal_map::NormalMap;
-pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
+pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport, WavefrontPathTracer};
 pub use phong::{Highlight, Phong, Transmission};
 pub use reference_path_tracer::ReferencePathTracer;
 pub use scene_queries::{

@@ -11,6 +11,7 @@ mod vertex_block;
 mod vertex_queue;
 mod vertex_stages;
 mod wave;
+mod wavefront;
 
 use crate::{
     Appearance, BsdfCache, ClosestHit, InteriorList, LazyShapes, RadianceSample, SceneQueries, ShadingCounts,
@@ -22,6 +23,7 @@ use rt_math::{Interval, Ray, Sampler};
 pub use transport::Transport;
 use vertex_queue::{LazyShapeHit, QueueKind, VertexQueue};
 use wave::{Path, ShadowRayQueue};
+pub use wavefront::WavefrontPathTracer;
 
 /// Parameters of path tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Ray queries on structures of arrays, for integrators that shade in lanes.
 
-use crate::SceneQueries;
+use crate::{SceneQueries, light::LightId};
 use rt_geometry::{HitStream, Plane, RayKind, RayStream, Sphere};
-use rt_math::DVec3;
+use rt_math::{DVec3, Vec3};
 
 /// Primitive of a world whose primitives are spheres, planes and flat triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,8 @@ pub struct StreamPrimitive<'w> {
     pub object: u32,
     /// Index into [`Appearance::materials`](crate::Appearance::materials).
     pub material: u32,
+    /// See [`SurfaceHit::light`](crate::SurfaceHit::light).
+    pub light: Option<LightId>,
 }
 
 /// Shape of a [`StreamPrimitive`].
@@ -22,12 +24,14 @@ pub enum StreamShape<'w> {
     Sphere(&'w Sphere),
     /// An infinite plane.
     Plane(&'w Plane),
-    /// A triangle without interpolated normals.
+    /// A triangle.
     Triangle {
         /// World space.
         vertices: [DVec3; 3],
         /// Unit normal of the front.
         normal: DVec3,
+        /// Unit normals of the vertices, if they are interpolated.
+        vertex_normals: Option<[Vec3; 3]>,
     },
 }
 

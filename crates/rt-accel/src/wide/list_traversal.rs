@@ -81,14 +81,12 @@ fn t_min<S: Simd>(simd: S, key: S::F32x8) -> S::F32x8 {
     simd.replace_bits(key, NUMBER, 0)
 }
 
-/// Inserts a key into the three smallest; any-hit queries keep two.
+/// Inserts a key into the three smallest.
 #[inline(always)]
-fn insert<S: Simd, O: Output>(simd: S, [first, second, third]: &mut [S::F32x8; 3], key: S::F32x8) {
+fn insert<S: Simd>(simd: S, [first, second, third]: &mut [S::F32x8; 3], key: S::F32x8) {
     let other = simd.max(*first, key);
     *first = simd.min(*first, key);
-    if !O::ANY_HIT {
-        *third = simd.min(*third, simd.max(*second, other));
-    }
+    *third = simd.min(*third, simd.max(*second, other));
     *second = simd.min(*second, other);
 }
 
@@ -202,7 +200,7 @@ impl<O: Output> TriangleListTraversal<'_, '_, O> {
             let key = simd.replace_bits(hits.t_min, NUMBER, number);
             let key = simd.select_by_sign_f32(first, key, none);
             let of_second = simd.replace_bits(hits.t_min, NUMBER, number + 1);
-            insert::<S, O>(simd, &mut nearest, simd.select_by_sign_f32(second, of_second, key));
+            insert(simd, &mut nearest, simd.select_by_sign_f32(second, of_second, key));
             ambiguous = simd.max(ambiguous, simd.min(first, second));
             if O::ANY_HIT {
                 certain = simd.max(certain, hits.certain);
@@ -212,7 +210,7 @@ impl<O: Output> TriangleListTraversal<'_, '_, O> {
         for triangle in &self.list.filters {
             let hits = rays.test(simd, triangle);
             let key = simd.replace_bits(hits.t_min, NUMBER, number);
-            insert::<S, O>(simd, &mut nearest, simd.select_by_sign_f32(hits.possible, key, none));
+            insert(simd, &mut nearest, simd.select_by_sign_f32(hits.possible, key, none));
             if O::ANY_HIT {
                 certain = simd.max(certain, hits.certain);
             }
@@ -250,9 +248,7 @@ impl<O: Output> TriangleListTraversal<'_, '_, O> {
         {
             let leaving = starts_at & leaving(simd, &of_rays, &soa, filter_rays.fastest);
             candidate = simd.select(leaving, second, first);
-            // Any-hit queries do not know the third.
-            let after = if O::ANY_HIT { simd.splat(0.0) } else { third };
-            next = simd.select(leaving, after, second);
+            next = simd.select(leaving, third, second);
         }
 
         let mut hits = None;

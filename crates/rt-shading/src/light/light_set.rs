@@ -119,13 +119,19 @@ impl LightSet {
     /// point.
     #[inline]
     pub fn sample_li(&self, point: DVec3, normal: Option<DVec3>, choice: f64, u: [f64; 2]) -> Option<LightSample> {
-        let SampledLight { index, probability } = match self.sampled_lights() {
-            [] => return None,
-            [_] => SampledLight { index: 0, probability: 1.0 },
-            _ => self.sample(point, normal, choice)?,
-        };
+        let SampledLight { index, probability } = self.choose(point, normal, choice)?;
         let sample = self.lights.get(index as usize)?.sample_li(point, u)?;
         Some(LightSample { pdf: sample.pdf * probability, sample })
+    }
+
+    /// Chooses one of the lights as [`sample_li`](Self::sample_li) does; `None` if there is none.
+    #[inline]
+    pub(crate) fn choose(&self, point: DVec3, normal: Option<DVec3>, choice: f64) -> Option<SampledLight> {
+        match self.sampled_lights() {
+            [] => None,
+            [_] => Some(SampledLight { index: 0, probability: 1.0 }),
+            _ => self.sample(point, normal, choice),
+        }
     }
 
     /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) finds the point `on_light`, with its unit
@@ -316,10 +322,7 @@ mod tests {
                 let (found, probabilities) = set.choose_lanes(simd, lanes(&points), lanes(&normals), choice);
                 let probabilities = probabilities.store();
                 for lane in 0..LANES {
-                    let expected = match set.sampled_lights() {
-                        [_] => Some(SampledLight { index: 0, probability: 1.0 }),
-                        _ => set.sample(points[lane], Some(normals[lane]), choices[lane]),
-                    };
+                    let expected = set.choose(points[lane], Some(normals[lane]), choices[lane]);
                     let is_found = probabilities[lane] > 0.0;
                     let found =
                         is_found.then_some(SampledLight { index: found[lane], probability: probabilities[lane] });

@@ -14,9 +14,9 @@ use rt_math::{DVec3, Rgb, random};
 
 /// Independent numbers.
 #[derive(Clone)]
-struct Independent {
-    key: u64,
-    dimension: u64,
+pub(super) struct Independent {
+    pub(super) key: u64,
+    pub(super) dimension: u64,
 }
 
 impl Sampler for Independent {

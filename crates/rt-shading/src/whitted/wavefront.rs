@@ -9,35 +9,25 @@
 //! Eight rays that follow each other in a stream are shaded together: all that hit the same primitive at once. So the numbers of the
 //! shape and of its material are the same in all lanes, and no lane gathers its own.
 
-mod hit_points;
 mod shade;
 mod streams;
 
 use super::{ShadingCounts, lane_phong::LanePhong, wave::RayTree};
 use crate::{
-    Appearance, Background, DeltaLight, InteriorList, LaneLevel, Material, RadianceSample, ShadingFeatures,
+    Appearance, Background, InteriorList, LaneLevel, Material, RadianceSample, ShadingFeatures,
     lane_set::{Element, LaneSet, OneLane, SimdLanes},
     lanes::dispatch,
-    light::SpotCone,
     stream_queries::StreamQueries,
+    wavefront::{MAX_LIGHTS, delta_lights::is_usual_light, is_in_range, streams::ShadowRayStream},
 };
 use core::ops::RangeInclusive;
 use fearless_simd::Simd as _;
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
 use rt_math::{Interval, Ray, Rgb};
-use streams::{PathStream, ShadowRayStream};
-
-/// Most lights: each has a stream of shadow rays.
-const MAX_LIGHTS: usize = 64;
-
-/// Components of colours that are not 0.
-const COLOR_RANGE: RangeInclusive<f64> = 1e-12..=1e12;
+use streams::PathStream;
 
 /// Largest exponent of a highlight: the power multiplies the rounding error of the cosine by it.
 const MAX_EXPONENT: f64 = 1000.0;
-
-/// Least range of cosines of the cone of a spot, and of its ramp.
-const MIN_COSINE_STEP: f64 = 1e-3;
 
 /// Indices of refraction.
 const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
@@ -117,16 +107,11 @@ impl WavefrontWhitted {
             Background::Constant(radiance) => radiance,
             _ => Rgb::BLACK,
         };
-        let is_wide = |cone: SpotCone| {
-            let ramp = cone.cos_inner - cone.cos_outer;
-            1.0 - cone.cos_outer >= MIN_COSINE_STEP && (ramp == 0.0 || ramp >= MIN_COSINE_STEP)
-        };
-        let is_usual = |light: &DeltaLight| is_in_range(light.intensity) && light.kind.cone().is_none_or(is_wide);
         let has_usual_media =
             |material: &Material| material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
         appearance.lights.len() <= MAX_LIGHTS
             && is_in_range(background)
-            && appearance.lights.iter().all(is_usual)
+            && appearance.lights.iter().all(is_usual_light)
             && appearance.materials.iter().all(has_usual_media)
             && LanePhong::of_all(appearance, &ShadingFeatures::ALL)
                 .iter()
@@ -202,11 +187,6 @@ fn is_usual_phong(phong: &LanePhong) -> bool {
     phong.colors().all(is_in_range) && phong.exponent() <= MAX_EXPONENT
 }
 
-/// True for a colour whose products with a few others are neither too large nor too small for `f32`.
-fn is_in_range(color: Rgb) -> bool {
-    color.to_array().iter().all(|c| *c == 0.0 || COLOR_RANGE.contains(c))
-}
-
 /// Number of the first ray in the call, camera rays, and their radiance.
 type Batch<'a> = (usize, &'a mut RayStream, &'a mut [RadianceSample]);
 
@@ -244,7 +224,7 @@ impl<E: Element> Wavefront<E> {
             }
             first_kind = RayKind::Reflection;
             for light in &mut spawned.lights {
-                light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), seen);
+                light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), |radiance| radiance, seen);
             }
             self.next_wave();
         }

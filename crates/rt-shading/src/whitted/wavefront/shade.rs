@@ -1,28 +1,29 @@
 //! Shading of a wave in lanes: emission, direct light, and secondary rays.
 
-use super::{Shade, Spawned, Wave, hit_points::HitPoints, streams::PathStream};
+use super::{Shade, Spawned, Wave, streams::PathStream};
 use crate::{
-    Background, DeltaLight, RadianceSample, SurfaceHit,
+    Background, RadianceSample, SurfaceHit,
     hit_context::{MAX_NULL_INTERFACES, SurfaceTransmission},
     interior_list::{MediumEntry, MediumInterface},
     lane_set::{Element, LaneSet},
     lanes::{each_lane, first_lanes, is_zero},
-    light::DeltaLiLanes,
     medium::absorb,
     optics,
     stream_queries::{StreamPrimitive, StreamQueries},
+    wavefront::{
+        delta_lights::sample_li,
+        hit_points::HitPoints,
+        shaded_surface::{ShadedSurface, offset},
+        streams::{add_radiance, append},
+    },
     whitted::{
         hit_block::is_significant,
         lane_phong::UniformPhong,
         wave::{RayTree, TreePath},
     },
 };
-use rt_geometry::{HitStream, RayStream, SurfaceInteraction, offset_point};
+use rt_geometry::{HitStream, SurfaceInteraction};
 use rt_math::{DVec3, Interval, Ray, Real, Rgb, Vector3};
-
-/// Squared distances of lights that are certain not to overflow or underflow in `f32`.
-const MIN_SQUARED: f64 = 1e-30;
-const MAX_SQUARED: f64 = 1e30;
 
 /// Hits of some lanes on one primitive with one Phong model.
 struct Group<'a, L: LaneSet> {
@@ -39,20 +40,6 @@ struct Group<'a, L: LaneSet> {
     transmits: u8,
     /// Index of refraction before the surface divided by that behind it; 1 where no light is transmitted.
     eta: L::F,
-}
-
-/// Surfaces of some hits, for shading.
-struct ShadedSurface<L: LaneSet> {
-    /// Lanes that see the surface from behind.
-    inside: u8,
-    /// Origins of shadow rays and mirrored rays.
-    near_origin: Vector3<L::D>,
-    /// Unit normals on the viewer's side.
-    normal: Vector3<L::F>,
-    /// Unit directions of the rays.
-    direction: Vector3<L::F>,
-    /// Lengths of their directions.
-    length: L::D,
 }
 
 impl<E: Element> Spawned<E> {
@@ -110,7 +97,7 @@ impl<E: Element> Spawned<E> {
         seen: &mut [RadianceSample],
     ) {
         let &Shade { lanes, settings, .. } = shade;
-        let surface = ShadedSurface::new(lanes, &group);
+        let surface = ShadedSurface::new(lanes, group.points, group.mask);
         if settings.features.refraction {
             self.find_interfaces(shade, &mut group, &surface, paths, seen);
             if group.mask == 0 {
@@ -136,7 +123,7 @@ impl<E: Element> Spawned<E> {
         let &Shade { lanes, appearance, .. } = shade;
         if let Background::Constant(radiance) = appearance.background {
             let radiance = lanes.splat_rgb(radiance).scaled_by(lanes.load_vector(&paths.weight, at));
-            add_radiance(lanes, missed, radiance, false, (paths, at), seen);
+            add_radiance(lanes, missed, radiance, false, paths.sample.vector(at), seen);
         } else {
             for lane in each_lane(missed) {
                 let (ray, _) = paths.rays.get(at + lane);
@@ -290,7 +277,7 @@ impl<E: Element> Spawned<E> {
                     mask,
                     lanes.splat_rgb(radiance).scaled_by(group.weight),
                     true,
-                    (paths, group.at),
+                    paths.sample.vector(group.at),
                     seen,
                 );
             }
@@ -338,7 +325,7 @@ impl<E: Element> Spawned<E> {
             let lit = faced & !lanes.bits(is_zero(radiance));
             let radiance = radiance.scaled_by(group.weight);
             if !shadowed {
-                add_radiance(lanes, lit, radiance, true, (paths, at), seen);
+                add_radiance(lanes, lit, radiance, true, paths.sample.vector(at), seen);
                 continue;
             }
             self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
@@ -346,10 +333,8 @@ impl<E: Element> Spawned<E> {
                 Some(position) => position - near_origin,
                 None => lanes.splat_point(light.kind.offset_from(DVec3::ZERO)),
             };
-            let end = stream.rays.len();
-            append(lanes, &mut stream.rays, lit, [near_origin, direction], light.shadow_end(direction));
-            lanes.compress_vector(radiance, lit, &mut stream.radiance, end);
-            lanes.compress_u32(paths.sample.vector(at), lit, stream.sample.vector_mut(end));
+            let end = light.shadow_end(direction);
+            stream.push(lanes, lit, [near_origin, direction], end, (radiance, paths.sample.vector(at)));
         }
     }
 
@@ -453,7 +438,7 @@ impl<E: Element> Spawned<E> {
         let directions = lanes.widen_vector(directions);
         let outwards =
             Vector3::select(directions.dot(points.outside).lt(lanes.splat_f64(0.0)), -points.outside, points.outside);
-        let origins = lanes.store_point(offset(lanes, points, outwards, mask));
+        let origins = lanes.store_point(offset(lanes, points, (points.point, outwards), mask));
         let weights = lanes.store_point(lanes.widen_vector(weights));
         let directions = lanes.store_point(directions);
         for lane in each_lane(mask) {
@@ -480,105 +465,4 @@ impl<L: LaneSet> Group<'_, L> {
     const fn body(&self) -> MediumEntry {
         MediumEntry { object: self.primitive.object, material: self.primitive.material }
     }
-}
-
-impl<L: LaneSet> ShadedSurface<L> {
-    #[inline(always)]
-    fn new(lanes: L, group: &Group<'_, L>) -> Self {
-        let points = group.points;
-        let length = points.direction.length();
-        let direction = points.direction / length;
-        let is_inside = direction.dot(points.outside).gt(lanes.splat_f64(0.0));
-        let normal = Vector3::select(is_inside, -points.outside, points.outside);
-        Self {
-            inside: lanes.bits_f64(is_inside),
-            near_origin: offset(lanes, points, normal, group.mask),
-            normal: lanes.narrow_vector(normal),
-            direction: lanes.narrow_vector(direction),
-            length,
-        }
-    }
-}
-
-/// Light that arrives at the points of a mask, given the vectors to its position.
-#[inline(always)]
-fn sample_li<L: LaneSet>(
-    lanes: L,
-    light: &DeltaLight,
-    to_light: Vector3<L::F>,
-    (points, mask): (&HitPoints<L>, u8),
-) -> DeltaLiLanes<L::F> {
-    let incident = light.sample_li_from(to_light);
-    let squared = to_light.length_squared();
-    let is_usual = squared.gt(lanes.splat(MIN_SQUARED)) & squared.lt(lanes.splat(MAX_SQUARED));
-    if mask & !lanes.bits(is_usual) == 0 || light.kind.position().is_none() {
-        return incident;
-    }
-    let exact = light.sample_li_lanes(points.point);
-    let select = |usual, exact| Vector3::select(is_usual, usual, lanes.narrow_vector(exact));
-    let is_lit = lanes.mask(lanes.bits_f64(exact.is_lit));
-    DeltaLiLanes {
-        direction: select(incident.direction, exact.direction),
-        strength: select(incident.strength, exact.strength),
-        distance: Real::select(is_usual, incident.distance, lanes.narrow(exact.distance)),
-        is_lit: (is_usual & incident.is_lit) | (!is_usual & is_lit),
-    }
-}
-
-/// Points moved off the surface by their error bound, in the direction of the normal or its opposite.
-#[inline(always)]
-fn offset<L: LaneSet>(lanes: L, points: &HitPoints<L>, outwards: Vector3<L::D>, mask: u8) -> Vector3<L::D> {
-    let (moved, is_valid) = offset_point(points.point, points.error, points.outside, outwards);
-    let rare = mask & !lanes.bits_f64(is_valid);
-    if rare == 0 { moved } else { offset_rare(lanes, points, [moved, outwards], rare) }
-}
-
-/// Replaces the offset points of lanes in which a coordinate is tiny or not finite.
-#[inline(never)]
-fn offset_rare<L: LaneSet>(
-    lanes: L,
-    points: &HitPoints<L>,
-    [moved, outwards]: [Vector3<L::D>; 2],
-    rare: u8,
-) -> Vector3<L::D> {
-    let (mut numbers, outwards) = (lanes.store_point(moved), lanes.store_point(outwards));
-    for lane in each_lane(rare) {
-        let [point, error, normal] = points.get(lanes, lane);
-        let surface = SurfaceInteraction::flat(point, error, normal, [0.0; 2]);
-        let origin = surface.spawn_ray(outwards.map(|numbers| numbers[lane]).into(), 0.0).origin;
-        for (numbers, coordinate) in numbers.iter_mut().zip(origin.to_array()) {
-            numbers[lane] = coordinate;
-        }
-    }
-    let [x, y, z] = &numbers;
-    Vector3::new(lanes.load_f64(x), lanes.load_f64(y), lanes.load_f64(z))
-}
-
-/// Adds radiance to the samples of some lanes.
-#[inline(always)]
-fn add_radiance<L: LaneSet>(
-    lanes: L,
-    mask: u8,
-    radiance: Vector3<L::F>,
-    is_hit: bool,
-    (paths, at): (&PathStream<L::Element>, usize),
-    seen: &mut [RadianceSample],
-) {
-    let ([r, g, b], samples) = (lanes.store_vector(radiance), paths.sample.vector(at));
-    for lane in each_lane(mask) {
-        let seen = &mut seen[samples[lane & 7] as usize];
-        seen.radiance += Rgb::new(r[lane & 7].into(), g[lane & 7].into(), b[lane & 7].into());
-        seen.hit |= is_hit;
-    }
-}
-
-/// Appends the rays of some lanes, which start on a surface.
-#[inline(always)]
-fn append<L: LaneSet>(lanes: L, rays: &mut RayStream, mask: u8, [origin, direction]: [Vector3<L::D>; 2], max: L::D) {
-    let end = rays.len();
-    lanes.compress_point(origin, mask, &mut rays.origin, end);
-    lanes.compress_point(direction, mask, &mut rays.direction, end);
-    lanes.store_f64(lanes.splat_f64(Interval::SPAWNED.min), rays.min.vector_mut(end));
-    lanes.compress_f64(max, mask, rays.max.vector_mut(end));
-    rays.grow(mask.count_ones() as usize);
 }

@@ -1,8 +1,8 @@
 //! Streams of rays with the numbers of their paths.
 
 use super::super::wave::TreePath;
-use crate::{RadianceSample, lane_set::Element};
-use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
+use crate::lane_set::Element;
+use rt_geometry::{RayStream, StreamArray};
 use rt_math::{Interval, Ray, Rgb};
 
 /// Rays of paths, one array for each number.
@@ -60,46 +60,5 @@ impl<E: Element> PathStream<E> {
     pub(super) fn weight(&self, at: usize) -> Rgb {
         let [r, g, b] = &self.weight;
         Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into())
-    }
-}
-
-/// Shadow rays to one light, with what it adds to samples if they are not occluded.
-#[derive(Clone, Debug)]
-pub(super) struct ShadowRayStream<E: Element> {
-    pub(super) rays: RayStream,
-    /// Index of the camera ray.
-    pub(super) sample: StreamArray<u32>,
-    /// Radiance in the pixel.
-    pub(super) radiance: [StreamArray<E>; 3],
-    blocked: Box<[bool; STREAM_CAPACITY]>,
-}
-
-impl<E: Element> Default for ShadowRayStream<E> {
-    fn default() -> Self {
-        Self {
-            rays: RayStream::default(),
-            sample: StreamArray::default(),
-            radiance: Default::default(),
-            blocked: Box::new([false; STREAM_CAPACITY]),
-        }
-    }
-}
-
-impl<E: Element> ShadowRayStream<E> {
-    /// Traces the rays, adds the light of those that are not occluded, and removes all.
-    pub(super) fn resolve(&mut self, occluded: impl FnOnce(&RayStream, &mut [bool]), seen: &mut [RadianceSample]) {
-        if self.rays.is_empty() {
-            return;
-        }
-        let blocked = &mut self.blocked[..self.rays.len()];
-        occluded(&self.rays, blocked);
-        let [r, g, b] = &self.radiance;
-        for (at, is_blocked) in blocked.iter().enumerate() {
-            if !is_blocked {
-                let radiance = Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into());
-                seen[self.sample.get(at) as usize].radiance += radiance;
-            }
-        }
-        self.rays.clear();
     }
 }

@@ -2,119 +2,13 @@
 
 use super::*;
 use crate::{
-    Background, InteriorMedium, LazyHit, LazyPlane, LazySurface, StreamPrimitive, StreamShape, SurfaceHit,
-    TrianglePoint, Whitted, lane_set::Float64Lane, scene_queries::SceneQueries, whitted::tests::lanes,
+    Background, InteriorMedium, Whitted,
+    lane_set::Float64Lane,
+    wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, camera_rays, difference},
+    whitted::tests::lanes,
 };
-use rt_geometry::{Hit, InteractionFlags, Plane, RayStream, Sphere, WatertightRay};
-use rt_math::{DVec3, random};
-
-enum Shape {
-    Sphere(Sphere),
-    Plane(Plane),
-    Triangle { vertices: [DVec3; 3], normal: DVec3, vertex_uvs: [[f32; 2]; 3] },
-}
-
-/// Shapes of random materials. Rays are tested against one after the other.
-struct ShapeWorld {
-    shapes: Vec<(Shape, u32)>,
-}
-
-fn number(key: u64, at: u64) -> f64 {
-    random::unit(random::hash(&[key, at]))
-}
-
-fn vector(key: u64, at: u64) -> DVec3 {
-    DVec3::new(number(key, at), number(key, at + 1), number(key, at + 2)) * 2.0 - 1.0
-}
-
-impl ShapeWorld {
-    /// Spheres and triangles around the origin, above a floor, in units of `scale`. The material beyond the last of `n_materials` is
-    /// missing.
-    fn new(n_materials: u32, scale: f64) -> Self {
-        let material = |key: u64| (number(key, 20) * f64::from(n_materials + 1)) as u32;
-        let spheres = (0..60).map(|key| {
-            let sphere = Sphere::new(vector(key, 0) * 3.0 * scale, (0.1 + 0.4 * number(key, 4)) * scale);
-            (Shape::Sphere(sphere.expect("a sphere")), material(key))
-        });
-        let triangles = (60..90).map(|key| {
-            let centre = vector(key, 0) * 3.0;
-            let vertices = [3, 6, 9].map(|at| (centre + vector(key, at)) * scale);
-            let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).normalize();
-            let vertex_uvs = [12, 14, 16].map(|at| [number(key, at) as f32 * 3.0, number(key, at + 1) as f32 * 3.0]);
-            (Shape::Triangle { vertices, normal, vertex_uvs }, material(key))
-        });
-        let floor = Plane::new(DVec3::new(0.1, -3.0, 0.2) * scale, DVec3::new(0.1, 1.0, 0.0)).expect("a plane");
-        let floor = (Shape::Plane(floor), n_materials.saturating_sub(1).min(13));
-        Self { shapes: spheres.chain(triangles).chain([floor]).collect() }
-    }
-
-    fn hit(&self, ray: &Ray, span: Interval) -> Option<Hit> {
-        let watertight = WatertightRay::new(ray);
-        let hits = self.shapes.iter().enumerate().filter_map(|(at, (shape, _))| {
-            let hit = match shape {
-                Shape::Sphere(sphere) => sphere.intersect(ray, span),
-                Shape::Plane(plane) => plane.intersect(ray, span),
-                Shape::Triangle { vertices, .. } => watertight.intersect(*vertices, span),
-            };
-            hit.map(|hit| Hit { t: hit.t, instance: 0, primitive: at as u32, uv: hit.uv })
-        });
-        hits.min_by(|a, b| a.t.total_cmp(&b.t))
-    }
-}
-
-impl SceneQueries for ShapeWorld {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
-        let Hit { t, primitive, uv, .. } = self.hit(ray, span)?;
-        let (shape, material) = &self.shapes[primitive as usize];
-        fn hit<T: LazySurface>(shape: T, t: f64, object: u32, material: u32, ray: &Ray) -> SurfaceHit {
-            LazyHit { t, shape, object, material, light: None }.surface(ray)
-        }
-        Some(match *shape {
-            Shape::Sphere(sphere) => hit(sphere, t, primitive, *material, ray),
-            Shape::Plane(plane) => hit(LazyPlane { plane, needs_uv: true }, t, primitive, *material, ray),
-            Shape::Triangle { vertices, normal, vertex_uvs } => {
-                hit(TrianglePoint { vertices, uv, normal, vertex_uvs }, t, primitive, *material, ray)
-            }
-        })
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.hit(ray, span).is_some()
-    }
-}
-
-impl StreamQueries for ShapeWorld {
-    fn closest_stream(&mut self, rays: &RayStream, _: RayKind, hits: &mut HitStream) {
-        for at in 0..rays.len() {
-            let (ray, span) = rays.get(at);
-            hits.set(at, self.hit(&ray, span).as_ref());
-        }
-    }
-
-    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
-        for (at, blocked) in blocked.iter_mut().enumerate() {
-            let (ray, span) = rays.get(at);
-            *blocked = self.occluded(&ray, span);
-        }
-    }
-
-    fn primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
-        let (shape, material) = self.shapes.get(index as usize)?;
-        let shape = match shape {
-            Shape::Sphere(sphere) => StreamShape::Sphere(sphere),
-            Shape::Plane(plane) => StreamShape::Plane(plane),
-            Shape::Triangle { vertices, normal, .. } => StreamShape::Triangle { vertices: *vertices, normal: *normal },
-        };
-        Some(StreamPrimitive { shape, object: index, material: *material })
-    }
-
-    fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
-        match self.shapes[index as usize].0 {
-            Shape::Triangle { vertex_uvs, .. } => vertex_uvs,
-            _ => [[0.0; 2]; 3],
-        }
-    }
-}
+use rt_geometry::Sphere;
+use rt_math::DVec3;
 
 /// Materials of the tests of lanes that this integrator supports, with lights at this scale.
 fn appearance(scale: f64) -> Appearance {
@@ -133,16 +27,6 @@ fn appearance(scale: f64) -> Appearance {
         }
     }
     appearance
-}
-
-fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
-    let ray = |at: u32| {
-        let eye = DVec3::new(0.3, 1.0, 7.0);
-        // Groups of rays are close together, as those of a pixel are.
-        let aim = vector(1000 + u64::from(at / 5), 0) * 3.0 + vector(u64::from(at), 40) * 0.02;
-        Ray::new(eye * scale, aim - eye)
-    };
-    (0..count).map(|at| (ray(at), Interval::FORWARD)).collect()
 }
 
 type Image = (Vec<RadianceSample>, ShadingCounts);
@@ -190,12 +74,6 @@ impl View<'_> {
         }
         (seen, streams.spawned.counts)
     }
-}
-
-/// Largest difference of a component, relative to the radiance.
-fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
-    let size = a.radiance.max_component().max(b.radiance.max_component()).max(1e-3);
-    (a.radiance - b.radiance).to_array().iter().fold(0.0, |max: f64, c| max.max(c.abs())) / size
 }
 
 fn features() -> [ShadingFeatures; 5] {
@@ -254,7 +132,7 @@ fn a_hit_that_is_rounded_to_the_centre_of_a_tiny_sphere_faces_the_viewer() {
         ..Appearance::default()
     };
     let sphere = Sphere::new(DVec3::ZERO, 1e-9).expect("a sphere");
-    let mut world = ShapeWorld { shapes: vec![(Shape::Sphere(sphere), 0)] };
+    let mut world = ShapeWorld(vec![TestPrimitive { shape: TestShape::Sphere(sphere), material: 0, light: None }]);
     // Against the direction of the light, so that the side of the viewer is lit.
     let towards_light = DVec3::new(-0.48, 0.6, -0.64);
     let rays = [(Ray::new(towards_light * 1e8, -towards_light), Interval::FORWARD)];

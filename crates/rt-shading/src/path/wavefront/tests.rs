@@ -1,0 +1,305 @@
+//! Comparison of the wavefront integrator with [`PathTracer`], which shades in `f64`.
+
+use super::*;
+use crate::{
+    Background, BsdfCache, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, PathTracer, Phong,
+    Transport,
+    lane_set::Float64Lane,
+    light::{Emission, EnvironmentLight, Light, LightId, LightSampling, MeshLight, QuadLight, SphereLight},
+    path::{Clamp, tests::Independent},
+    wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, camera_rays, difference, number, vector},
+};
+use rt_geometry::{STREAM_CAPACITY, Sphere};
+use rt_math::{DVec3, Interval, Ray};
+
+/// Diffuse materials: of the shapes, of the lights, and one that emits without being a light.
+fn materials() -> Vec<Material> {
+    let diffuse = |at: u64| {
+        let albedo = Rgb::new(number(at, 50), number(at, 51), number(at, 52));
+        Material::new(String::new(), Phong { diffuse: ColorTexture::Constant(albedo), ..Phong::default() })
+    };
+    let emitting = |at: u64, radiance: Rgb, sides: EmissionSides| Material {
+        emission: ColorTexture::Constant(radiance),
+        emission_sides: sides,
+        ..diffuse(at)
+    };
+    let black = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
+    let mut materials: Vec<_> = (0..6).map(diffuse).collect();
+    materials.push(Material::new(String::new(), black));
+    materials.push(emitting(7, Rgb::new(0.1, 0.2, 0.0), EmissionSides::Front));
+    materials.push(emitting(8, LIGHT, EmissionSides::Both));
+    materials.push(emitting(9, LIGHT, EmissionSides::Front));
+    materials
+}
+
+/// Radiance of all lights of materials 8 and 9.
+const LIGHT: Rgb = Rgb::new(7.0, 5.0, 3.0);
+
+/// World with lights of some kinds.
+struct Room {
+    world: ShapeWorld,
+    appearance: Appearance,
+    lights: LightSet,
+}
+
+/// Kinds of lights in a [`Room`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Lamps {
+    quad: bool,
+    others: bool,
+    delta: bool,
+    sky: bool,
+}
+
+const ROOMS: [Lamps; 5] = [
+    Lamps { quad: true, others: false, delta: false, sky: false },
+    Lamps { quad: true, others: true, delta: true, sky: false },
+    Lamps { quad: false, others: false, delta: true, sky: false },
+    Lamps { quad: false, others: false, delta: false, sky: true },
+    Lamps { quad: true, others: true, delta: true, sky: true },
+];
+
+impl Room {
+    fn new(lamps: Lamps, scale: f64) -> Self {
+        let emission = |sides| Emission::new(LIGHT, sides).expect("light");
+        let mut world = ShapeWorld::new(8, scale);
+        // Every second triangle has interpolated normals, some of which face away from the viewer.
+        for (at, primitive) in world.0.iter_mut().enumerate().step_by(2) {
+            if let TestShape::Triangle { normal, vertex_normals, .. } = &mut primitive.shape {
+                let bent = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
+                *vertex_normals = Some([60, 63, 66].map(bent));
+            }
+        }
+        let mut lights = Vec::new();
+        let mut add = |light: Light, triangle: Option<u32>, shapes: Vec<TestShape>, material| {
+            let light_id = LightId { index: lights.len() as u32, triangle };
+            world.0.extend(shapes.into_iter().map(|shape| TestPrimitive { shape, material, light: Some(light_id) }));
+            lights.push(light);
+        };
+        if lamps.quad {
+            let [corner, x, y] = [DVec3::new(-1.0, 4.0, -1.0), DVec3::X * 2.0, DVec3::Z * 2.0].map(|v| v * scale);
+            let quad = QuadLight::new(corner, [x, y], emission(EmissionSides::Both)).expect("a light");
+            let [a, b, c] = [corner + x, corner + x + y, corner + y];
+            add(
+                Light::Quad(quad),
+                None,
+                vec![TestShape::triangle([corner, a, b]), TestShape::triangle([corner, b, c])],
+                8,
+            );
+        }
+        if lamps.others {
+            let (centre, radius) = (DVec3::new(3.0, 2.0, 1.0) * scale, 0.5 * scale);
+            let sphere = SphereLight::new(centre, radius, emission(EmissionSides::Front)).expect("a light");
+            let shape = TestShape::Sphere(Sphere::new(centre, radius).expect("a sphere"));
+            add(Light::Sphere(sphere), None, vec![shape], 9);
+            let triangle = [DVec3::new(-4.0, 1.0, 2.0), DVec3::new(-4.0, 2.0, 2.0), DVec3::new(-3.0, 1.5, 3.0)];
+            let triangle = triangle.map(|v| v * scale);
+            let mesh = MeshLight::new([triangle], emission(EmissionSides::Both)).expect("a light");
+            add(Light::Mesh(mesh), Some(0), vec![TestShape::triangle(triangle)], 8);
+        }
+        let mut background = Background::Constant(Rgb::BLACK);
+        if lamps.sky {
+            let radiance = Rgb::new(0.3, 0.4, 0.6);
+            lights.push(Light::Environment(EnvironmentLight::constant(radiance).expect("a light")));
+            background = Background::Constant(radiance);
+        }
+        if lamps.delta {
+            let delta = |kind, casts_shadows| {
+                let intensity = Rgb::new(2.0, 1.5, 1.0);
+                Light::Delta(DeltaLight {
+                    name: String::new(),
+                    kind,
+                    intensity,
+                    units: LightUnits::Classical,
+                    casts_shadows,
+                })
+            };
+            let position = DVec3::new(1.0, 3.5, 2.0) * scale;
+            lights.push(delta(DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 }, true));
+            lights.push(delta(DeltaLightKind::Directional { direction: DVec3::new(0.6, -0.8, 0.0) }, true));
+            lights.push(delta(DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 }, false));
+        }
+        let lights = LightSet::new(lights, LightSampling::Tree, 10.0 * scale);
+        let appearance = Appearance { materials: materials(), background, ..Appearance::default() };
+        Self { world, appearance, lights }
+    }
+}
+
+fn settings(max_depth: u32) -> PathSettings {
+    PathSettings { max_depth, rr_start_depth: 2, transport: Transport::Full, clamp: Clamp::NONE }
+}
+
+fn samplers(count: usize) -> Vec<Independent> {
+    (0..count as u64).map(|key| Independent { key, dimension: 0 }).collect()
+}
+
+type Image = (Vec<RadianceSample>, ShadingCounts);
+
+/// Image of camera rays, in streams as large as possible.
+fn in_streams<L: LaneSet<Element = E>, E: Element>(
+    room: &mut Room,
+    settings: &PathSettings,
+    rays: &[(Ray, Interval)],
+    lanes: L,
+) -> Image {
+    let Room { world, appearance, lights } = room;
+    let bsdfs = BsdfCache::default();
+    let materials: Vec<_> = appearance.materials.iter().map(DiffuseMaterial::of).collect();
+    let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
+    let shade = &Shade { lanes, settings, features: &ShadingFeatures::ALL, lighting, materials: &materials };
+    let (samplers, mut seen) = (samplers(rays.len()), vec![RadianceSample::MISS; rays.len()]);
+    let mut streams = Wavefront::<Independent, E>::new();
+    let batches = rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY));
+    for ((rays, seen), samplers) in batches.zip(samplers.chunks(STREAM_CAPACITY)) {
+        let mut stream = RayStream::default();
+        rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+        streams.trace(shade, world, (&mut stream, samplers, seen), |gather, wave, spawned, seen| {
+            spawned.shade(shade, gather, wave, seen);
+        });
+    }
+    (seen, streams.spawned.counts)
+}
+
+fn in_lanes(level: LaneLevel, room: &mut Room, settings: &PathSettings, rays: &[(Ray, Interval)]) -> Image {
+    dispatch!(level, simd => in_streams(room, settings, rays, SimdLanes(simd)))
+}
+
+fn of_path_tracer(room: &mut Room, settings: PathSettings, rays: &[(Ray, Interval)]) -> Image {
+    let bsdfs = BsdfCache::default();
+    let mut paths = PathTracer::new(settings, ShadingFeatures::ALL);
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
+    let Room { world, appearance, lights } = room;
+    let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
+    paths.radiance_of(world, lighting, rays, &samplers(rays.len()), &mut seen);
+    (seen, paths.take_counts())
+}
+
+#[test]
+fn shading_in_f64_gives_the_radiance_of_the_path_tracer() {
+    let rays = camera_rays(1500, 1.0);
+    for lamps in ROOMS {
+        for (max_depth, clamp) in [(5, Clamp::NONE), (0, Clamp::NONE), (3, Clamp::new(0.2).expect("a bound"))] {
+            let settings = PathSettings { clamp, ..settings(max_depth) };
+            let mut room = Room::new(lamps, 1.0);
+            let (expected, counts) = of_path_tracer(&mut room, settings, &rays);
+            let (found, found_counts) = in_streams(&mut room, &settings, &rays, Float64Lane::new());
+            let named = |counts: ShadingCounts| (counts.without_lanes().named(), counts.clamped);
+            assert_eq!(named(counts), named(found_counts), "{lamps:?}, {settings:?}");
+            for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
+                assert!(a.hit == b.hit && difference(a, b) < 1e-9, "ray {at}: {a:?}, {b:?}, {lamps:?}, {settings:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_rooms_of_these_tests_have_all_cases() {
+    let rays = camera_rays(1500, 1.0);
+    for lamps in ROOMS {
+        let mut room = Room::new(lamps, 1.0);
+        let (seen, counts) = of_path_tracer(&mut room, settings(5), &rays);
+        let lit = seen.iter().filter(|seen| seen.radiance.max_component() > 0.0).count();
+        let missed = seen.iter().filter(|seen| !seen.hit).count();
+        assert!(lit > 700 && missed > 100, "{lit}, {missed}, {lamps:?}");
+        assert!(counts.shadow_rays_skipped > 100, "{counts:?}, {lamps:?}");
+        let (_, clamped) =
+            of_path_tracer(&mut room, PathSettings { clamp: Clamp::new(0.2).expect("a bound"), ..settings(3) }, &rays);
+        assert!(clamped.clamped > 20, "{clamped:?}, {lamps:?}");
+    }
+}
+
+#[test]
+fn lanes_have_the_bits_of_single_hits_at_all_levels() {
+    if LaneLevel::best().is_none() {
+        println!("skipped: this processor lacks AVX2");
+    }
+    for lamps in ROOMS {
+        for n_rays in [1, 7, 8, 9, 255, 257, 600] {
+            let rays = camera_rays(n_rays, 1.0);
+            let mut room = Room::new(lamps, 1.0);
+            let one = in_streams(&mut room, &settings(5), &rays, OneLane::new());
+            for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
+                let lanes = in_lanes(level, &mut room, &settings(5), &rays);
+                assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {lamps:?}");
+                for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
+                    let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
+                    assert!(bits(a) == bits(b) && a.hit == b.hit, "ray {at} of {n_rays}: {a:?}, {b:?}, {level:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Shares of rays whose radiance differs by more than 1e-4 and 1e-2 from that in `f64`.
+fn shares_of_differences(scale: f64) -> [f64; 2] {
+    let rays = camera_rays(3000, scale);
+    let mut room = Room::new(ROOMS[1], scale);
+    let (exact, _) = of_path_tracer(&mut room, settings(5), &rays);
+    let (found, _) = in_streams(&mut room, &settings(5), &rays, OneLane::new());
+    [1e-4, 1e-2].map(|bound| {
+        let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < bound && a.hit == b.hit));
+        differing.count() as f64 / rays.len() as f64
+    })
+}
+
+#[test]
+fn f32_differs_where_paths_take_another_way() {
+    let [above_rounding, another_way] = shares_of_differences(1.0);
+    assert!(above_rounding < 0.02 && another_way < 0.003, "{above_rounding}, {another_way}");
+}
+
+#[test]
+fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
+    for scale in [1e-25, 1e-15, 1e15, 1e25] {
+        let [_, another_way] = shares_of_differences(scale);
+        assert!(another_way < 0.01, "{another_way} at scale {scale}");
+    }
+}
+
+#[test]
+fn a_call_with_too_few_samplers_does_nothing() {
+    let mut room = Room::new(ROOMS[0], 1.0);
+    let bsdfs = BsdfCache::default();
+    let mut stream = RayStream::default();
+    camera_rays(3, 1.0).iter().for_each(|(ray, span)| stream.push(ray, *span));
+    let mut wavefront = WavefrontPathTracer::new(settings(1), ShadingFeatures::ALL, &room.appearance);
+    let marked = RadianceSample { radiance: Rgb::gray(9.0), hit: false };
+    let mut seen = [marked; 3];
+    let Room { world, appearance, lights } = &mut room;
+    let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
+    wavefront.radiance_of_stream(world, lighting, &mut stream, &samplers(2), &mut seen);
+    assert_eq!(seen, [marked; 3]);
+    wavefront.radiance_of_stream(world, lighting, &mut stream, &samplers(3), &mut seen);
+    assert!(seen.iter().all(|seen| *seen != marked));
+}
+
+#[test]
+fn other_materials_and_numbers_out_of_the_range_of_f32_are_not_supported() {
+    let room = Room::new(ROOMS[1], 1.0);
+    let supports = |appearance: &Appearance, material| {
+        WavefrontPathTracer::<Independent>::supports(appearance, &room.lights, [0, material])
+    };
+    let usual = &room.appearance;
+    assert!((0..usual.materials.len() as u32).all(|material| supports(usual, material)));
+    let with = |change: fn(&mut Material)| {
+        let mut appearance = usual.clone();
+        change(&mut appearance.materials[1]);
+        appearance
+    };
+    for other in [
+        with(|material| material.emission = ColorTexture::Constant(Rgb::gray(1e20))),
+        with(|material| material.interior = Some(InteriorMedium::clear(1.5))),
+        with(|material| {
+            material.model = Phong { specular: ColorTexture::Constant(Rgb::WHITE), ..Phong::default() }.into()
+        }),
+        with(|material| {
+            material.model =
+                crate::MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::WHITE), roughness: 0.3 }
+        }),
+        with(|material| material.emission = ColorTexture::Textured(crate::TextureId(0), Rgb::WHITE)),
+    ] {
+        assert!(!supports(&other, 1), "{:?}", other.materials[1]);
+        assert!(supports(&other, 2));
+    }
+    assert!(!supports(usual, 99));
+}

@@ -1,0 +1,50 @@
+//! Light of delta lights in lanes.
+
+use super::{hit_points::HitPoints, is_in_range};
+use crate::{
+    DeltaLight,
+    lane_set::LaneSet,
+    light::{DeltaLiLanes, SpotCone},
+};
+use rt_math::{Real, Vector3};
+
+/// Squared distances of lights that are certain not to overflow or underflow in `f32`.
+const MIN_SQUARED: f64 = 1e-30;
+const MAX_SQUARED: f64 = 1e30;
+
+/// Least range of cosines of the cone of a spot, and of its ramp.
+const MIN_COSINE_STEP: f64 = 1e-3;
+
+/// True for a light whose numbers are in the usual range of `f32`, and whose cone is wide enough for it.
+pub(crate) fn is_usual_light(light: &DeltaLight) -> bool {
+    let is_wide = |cone: SpotCone| {
+        let ramp = cone.cos_inner - cone.cos_outer;
+        1.0 - cone.cos_outer >= MIN_COSINE_STEP && (ramp == 0.0 || ramp >= MIN_COSINE_STEP)
+    };
+    is_in_range(light.intensity) && light.kind.cone().is_none_or(is_wide)
+}
+
+/// Light that arrives at the points of a mask, given the vectors to its position.
+#[inline(always)]
+pub(crate) fn sample_li<L: LaneSet>(
+    lanes: L,
+    light: &DeltaLight,
+    to_light: Vector3<L::F>,
+    (points, mask): (&HitPoints<L>, u8),
+) -> DeltaLiLanes<L::F> {
+    let incident = light.sample_li_from(to_light);
+    let squared = to_light.length_squared();
+    let is_usual = squared.gt(lanes.splat(MIN_SQUARED)) & squared.lt(lanes.splat(MAX_SQUARED));
+    if mask & !lanes.bits(is_usual) == 0 || light.kind.position().is_none() {
+        return incident;
+    }
+    let exact = light.sample_li_lanes(points.point);
+    let select = |usual, exact| Vector3::select(is_usual, usual, lanes.narrow_vector(exact));
+    let is_lit = lanes.mask(lanes.bits_f64(exact.is_lit));
+    DeltaLiLanes {
+        direction: select(incident.direction, exact.direction),
+        strength: select(incident.strength, exact.strength),
+        distance: Real::select(is_usual, incident.distance, lanes.narrow(exact.distance)),
+        is_lit: (is_usual & incident.is_lit) | (!is_usual & is_lit),
+    }
+}

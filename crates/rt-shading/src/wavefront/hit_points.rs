@@ -1,0 +1,166 @@
+//! Points, normals and squares of checkerboards where rays hit primitives, in lanes.
+
+use super::gathered_shapes::GatheredShapes;
+use crate::{lane_set::LaneSet, stream_queries::StreamShape};
+use rt_geometry::{
+    HitStream, RayStream, SmoothPoint, interpolate, plane_point, plane_uv, smooth_point, sphere_point, triangle_point,
+};
+use rt_math::{DVec3, Mask, Real, Vector3};
+
+/// Hits of several rays.
+pub(crate) struct HitPoints<L: LaneSet> {
+    pub(crate) point: Vector3<L::D>,
+    pub(crate) error: Vector3<L::D>,
+    /// Unit normals on the outside.
+    pub(crate) outside: Vector3<L::D>,
+    /// Directions of the rays, of any length.
+    pub(crate) direction: Vector3<L::D>,
+    origin: Vector3<L::D>,
+    pub(crate) t: L::D,
+}
+
+impl<L: LaneSet> HitPoints<L> {
+    /// Hits on the same primitive of the rays from index `at` on.
+    #[inline(always)]
+    pub(crate) fn new(lanes: L, shape: &StreamShape<'_>, rays: &RayStream, hits: &HitStream, at: usize) -> Self {
+        let ray = &RayLanes::new(lanes, rays, hits, at);
+        let surface = match shape {
+            StreamShape::Sphere(sphere) => {
+                ray.on_sphere(lanes.splat_point(sphere.centre()), lanes.splat_f64(sphere.radius()))
+            }
+            StreamShape::Plane(plane) => ray.on_plane([plane.point(), plane.normal()].map(|p| lanes.splat_point(p))),
+            StreamShape::Triangle { vertices: [a, b, c], normal, .. } => {
+                let corners = [lanes.splat_point(*a), lanes.splat_point(*b), lanes.splat_point(*c)];
+                let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
+                [point, error, lanes.splat_point(*normal)]
+            }
+        };
+        ray.hit(surface)
+    }
+
+    /// Hits on gathered shapes of the rays from index `at` on.
+    #[inline(always)]
+    pub(crate) fn on_shapes(lanes: L, shapes: &GatheredShapes, rays: &RayStream, hits: &HitStream, at: usize) -> Self {
+        let ray = &RayLanes::new(lanes, rays, hits, at);
+        let GatheredShapes { spheres, planes, corners: [a, b, c], normal, .. } = shapes;
+        let (a, normal) = (lanes.load_coordinates(a), lanes.load_coordinates(normal));
+        let corners = [a, lanes.load_coordinates(b), lanes.load_coordinates(c)];
+        let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
+        let mut surface = [point, error, normal];
+        for (mask, other) in [(*spheres, ray.on_sphere(a, normal.x)), (*planes, ray.on_plane([a, normal]))] {
+            if mask != 0 {
+                let mask = lanes.mask_f64(mask);
+                let [point, error, outside] = surface;
+                let [other_point, other_error, other_outside] = other;
+                surface = [
+                    Vector3::select(mask, other_point, point),
+                    Vector3::select(mask, other_error, error),
+                    Vector3::select(mask, other_outside, outside),
+                ];
+            }
+        }
+        ray.hit(surface)
+    }
+
+    /// Normals and lifted points on triangles with interpolated normals, as on [`on_shapes`](Self::on_shapes).
+    #[inline(always)]
+    pub(crate) fn smooth(
+        &self,
+        lanes: L,
+        GatheredShapes { corners: [a, b, c], vertex_normals: [d, e, f], .. }: &GatheredShapes,
+        (hits, at): (&HitStream, usize),
+    ) -> SmoothPoint<L::D> {
+        let corners = [lanes.load_coordinates(a), lanes.load_coordinates(b), lanes.load_coordinates(c)];
+        let normals = [lanes.load_coordinates(d), lanes.load_coordinates(e), lanes.load_coordinates(f)];
+        let uv = Self::uv_of_triangle(lanes, hits, at);
+        smooth_point((self.point, self.outside), corners, normals, uv, self.direction)
+    }
+
+    #[inline(always)]
+    fn uv_of_triangle(lanes: L, hits: &HitStream, at: usize) -> [L::D; 2] {
+        let [u, v] = &hits.uv;
+        [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))]
+    }
+
+    /// Lanes on an odd square of a checkerboard with this side.
+    #[inline(always)]
+    pub(crate) fn odd_squares(
+        &self,
+        lanes: L,
+        (shape, vertex_uvs): (&StreamShape<'_>, impl FnOnce() -> [[f32; 2]; 3]),
+        (hits, at): (&HitStream, usize),
+        side: f64,
+    ) -> u8 {
+        let [u, v] = match shape {
+            StreamShape::Sphere(_) => return 0,
+            StreamShape::Plane(plane) => {
+                let (point, normal) = (lanes.splat_point(plane.point()), lanes.splat_point(plane.normal()));
+                plane_uv(point, normal, [self.origin, self.direction], self.t)
+            }
+            StreamShape::Triangle { .. } => {
+                let [a, b, c] = vertex_uvs();
+                let weights = Self::uv_of_triangle(lanes, hits, at);
+                let corner = |x: f32| lanes.splat_f64(f64::from(x));
+                [
+                    interpolate([corner(a[0]), corner(b[0]), corner(c[0])], weights),
+                    interpolate([corner(a[1]), corner(b[1]), corner(c[1])], weights),
+                ]
+            }
+        };
+        let side = lanes.splat_f64(side);
+        let half = (lanes.floor_f64(u / side) + lanes.floor_f64(v / side)) * 0.5;
+        !lanes.bits_f64((half - lanes.floor_f64(half)).eq(lanes.splat_f64(0.0)))
+    }
+
+    /// Point of a lane with its error bound, and its normal on the outside.
+    pub(crate) fn get(&self, lanes: L, lane: usize) -> [DVec3; 3] {
+        [self.point, self.error, self.outside].map(|v| DVec3::from(lanes.store_point(v).map(|numbers| numbers[lane])))
+    }
+}
+
+/// Rays with the parameters of their hits.
+struct RayLanes<L: LaneSet> {
+    origin: Vector3<L::D>,
+    direction: Vector3<L::D>,
+    t: L::D,
+}
+
+/// Points, their error bounds, and unit normals on the outside.
+type Surfaces<L> = [Vector3<<L as LaneSet>::D>; 3];
+
+impl<L: LaneSet> RayLanes<L> {
+    #[inline(always)]
+    fn new(lanes: L, rays: &RayStream, hits: &HitStream, at: usize) -> Self {
+        Self {
+            origin: lanes.load_point(&rays.origin, at),
+            direction: lanes.load_point(&rays.direction, at),
+            t: lanes.load_f64(hits.t.vector(at)),
+        }
+    }
+
+    #[inline(always)]
+    fn on_sphere(&self, centre: Vector3<L::D>, radius: L::D) -> Surfaces<L> {
+        let &Self { origin, direction, t } = self;
+        let (mut outside, has_normal) = ((origin - centre) + direction * t).try_normalize();
+        if !has_normal.all() {
+            // The point on a tiny sphere is rounded to its centre.
+            let (towards_viewer, _) = (-direction).try_normalize();
+            outside = Vector3::select(has_normal, outside, towards_viewer);
+        }
+        let (point, error) = sphere_point(centre, radius, outside);
+        [point, error, outside]
+    }
+
+    /// On planes through points with unit normals.
+    #[inline(always)]
+    fn on_plane(&self, [point, normal]: [Vector3<L::D>; 2]) -> Surfaces<L> {
+        let (point, error) = plane_point(point, normal, self.origin + self.direction * self.t);
+        [point, error, normal]
+    }
+
+    #[inline(always)]
+    fn hit(&self, [point, error, outside]: Surfaces<L>) -> HitPoints<L> {
+        let &Self { origin, direction, t } = self;
+        HitPoints { point, error, outside, direction, origin, t }
+    }
+}

@@ -1,0 +1,106 @@
+//! Rays that hits spawn, and what they add to samples.
+
+use crate::{
+    RadianceSample,
+    lane_set::{Element, LaneSet},
+    lanes::each_lane,
+};
+use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
+use rt_math::{Interval, Rgb, Vector3};
+
+/// Shadow rays to one light, with what it adds to samples if they are not occluded.
+#[derive(Clone, Debug)]
+pub(crate) struct ShadowRayStream<E: Element> {
+    rays: RayStream,
+    /// Index of the camera ray.
+    sample: StreamArray<u32>,
+    /// Radiance in the pixel.
+    radiance: [StreamArray<E>; 3],
+    blocked: Box<[bool; STREAM_CAPACITY]>,
+}
+
+impl<E: Element> Default for ShadowRayStream<E> {
+    fn default() -> Self {
+        Self {
+            rays: RayStream::default(),
+            sample: StreamArray::default(),
+            radiance: Default::default(),
+            blocked: Box::new([false; STREAM_CAPACITY]),
+        }
+    }
+}
+
+impl<E: Element> ShadowRayStream<E> {
+    /// Appends the rays of some lanes, which start on a surface and end at `max`, with their radiance and the samples of all lanes.
+    #[inline(always)]
+    pub(crate) fn push<L: LaneSet<Element = E>>(
+        &mut self,
+        lanes: L,
+        mask: u8,
+        rays: [Vector3<L::D>; 2],
+        max: L::D,
+        (radiance, samples): (Vector3<L::F>, &[u32; 8]),
+    ) {
+        let end = self.rays.len();
+        append(lanes, &mut self.rays, mask, rays, max);
+        lanes.compress_vector(radiance, mask, &mut self.radiance, end);
+        lanes.compress_u32(samples, mask, self.sample.vector_mut(end));
+    }
+
+    /// Traces the rays, adds the light of those that are not occluded, and removes all. `bounded` is applied to that light.
+    pub(crate) fn resolve(
+        &mut self,
+        occluded: impl FnOnce(&RayStream, &mut [bool]),
+        mut bounded: impl FnMut(Rgb) -> Rgb,
+        seen: &mut [RadianceSample],
+    ) {
+        if self.rays.is_empty() {
+            return;
+        }
+        let blocked = &mut self.blocked[..self.rays.len()];
+        occluded(&self.rays, blocked);
+        let [r, g, b] = &self.radiance;
+        for (at, is_blocked) in blocked.iter().enumerate() {
+            if !is_blocked {
+                let radiance = Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into());
+                seen[self.sample.get(at) as usize].radiance += bounded(radiance);
+            }
+        }
+        self.rays.clear();
+    }
+}
+
+/// Adds radiance to the samples of some lanes. `samples` has the indices of all lanes.
+#[inline(always)]
+pub(crate) fn add_radiance<L: LaneSet>(
+    lanes: L,
+    mask: u8,
+    radiance: Vector3<L::F>,
+    is_hit: bool,
+    samples: &[u32; 8],
+    seen: &mut [RadianceSample],
+) {
+    let [r, g, b] = lanes.store_vector(radiance);
+    for lane in each_lane(mask) {
+        let seen = &mut seen[samples[lane & 7] as usize];
+        seen.radiance += Rgb::new(r[lane & 7].into(), g[lane & 7].into(), b[lane & 7].into());
+        seen.hit |= is_hit;
+    }
+}
+
+/// Appends the rays of some lanes, which start on a surface.
+#[inline(always)]
+pub(crate) fn append<L: LaneSet>(
+    lanes: L,
+    rays: &mut RayStream,
+    mask: u8,
+    [origin, direction]: [Vector3<L::D>; 2],
+    max: L::D,
+) {
+    let end = rays.len();
+    lanes.compress_point(origin, mask, &mut rays.origin, end);
+    lanes.compress_point(direction, mask, &mut rays.direction, end);
+    lanes.store_f64(lanes.splat_f64(Interval::SPAWNED.min), rays.min.vector_mut(end));
+    lanes.compress_f64(max, mask, rays.max.vector_mut(end));
+    rays.grow(mask.count_ones() as usize);
+}

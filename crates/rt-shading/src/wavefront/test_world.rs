@@ -1,0 +1,158 @@
+//! A world of shapes for tests of integrators of streams.
+
+use crate::{
+    LazyHit, LazyPlane, LazySurface, RadianceSample, StreamPrimitive, StreamQueries, StreamShape, SurfaceHit,
+    TrianglePoint, light::LightId, scene_queries::SceneQueries,
+};
+use rt_geometry::{Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, Sphere, WatertightRay, smooth_point};
+use rt_math::{DVec3, Interval, Ray, Vec3, random};
+
+pub(crate) enum TestShape {
+    Sphere(Sphere),
+    Plane(Plane),
+    Triangle { vertices: [DVec3; 3], normal: DVec3, vertex_uvs: [[f32; 2]; 3], vertex_normals: Option<[Vec3; 3]> },
+}
+
+pub(crate) struct TestPrimitive {
+    pub(crate) shape: TestShape,
+    pub(crate) material: u32,
+    pub(crate) light: Option<LightId>,
+}
+
+/// Primitives. Rays are tested against one after the other.
+pub(crate) struct ShapeWorld(pub(crate) Vec<TestPrimitive>);
+
+pub(crate) fn number(key: u64, at: u64) -> f64 {
+    random::unit(random::hash(&[key, at]))
+}
+
+pub(crate) fn vector(key: u64, at: u64) -> DVec3 {
+    DVec3::new(number(key, at), number(key, at + 1), number(key, at + 2)) * 2.0 - 1.0
+}
+
+impl TestShape {
+    /// Triangle without texture coordinates and interpolated normals.
+    pub(crate) fn triangle(vertices: [DVec3; 3]) -> Self {
+        let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).normalize();
+        Self::Triangle { vertices, normal, vertex_uvs: [[0.0; 2]; 3], vertex_normals: None }
+    }
+}
+
+impl ShapeWorld {
+    /// Spheres and triangles of random materials around the origin, above a floor, in units of `scale`. The material beyond the last of
+    /// `n_materials` is missing.
+    pub(crate) fn new(n_materials: u32, scale: f64) -> Self {
+        let primitive = |shape, material| TestPrimitive { shape, material, light: None };
+        let material = |key: u64| (number(key, 20) * f64::from(n_materials + 1)) as u32;
+        let spheres = (0..60).map(|key| {
+            let sphere = Sphere::new(vector(key, 0) * 3.0 * scale, (0.1 + 0.4 * number(key, 4)) * scale);
+            primitive(TestShape::Sphere(sphere.expect("a sphere")), material(key))
+        });
+        let triangles = (60..90).map(|key| {
+            let centre = vector(key, 0) * 3.0;
+            let mut shape = TestShape::triangle([3, 6, 9].map(|at| (centre + vector(key, at)) * scale));
+            if let TestShape::Triangle { vertex_uvs, .. } = &mut shape {
+                *vertex_uvs = [12, 14, 16].map(|at| [number(key, at) as f32 * 3.0, number(key, at + 1) as f32 * 3.0]);
+            }
+            primitive(shape, material(key))
+        });
+        let floor = Plane::new(DVec3::new(0.1, -3.0, 0.2) * scale, DVec3::new(0.1, 1.0, 0.0)).expect("a plane");
+        let floor = primitive(TestShape::Plane(floor), n_materials.saturating_sub(1).min(13));
+        Self(spheres.chain(triangles).chain([floor]).collect())
+    }
+
+    fn hit(&self, ray: &Ray, span: Interval) -> Option<Hit> {
+        let watertight = WatertightRay::new(ray);
+        let hits = self.0.iter().enumerate().filter_map(|(at, primitive)| {
+            let hit = match &primitive.shape {
+                TestShape::Sphere(sphere) => sphere.intersect(ray, span),
+                TestShape::Plane(plane) => plane.intersect(ray, span),
+                TestShape::Triangle { vertices, .. } => watertight.intersect(*vertices, span),
+            };
+            hit.map(|hit| Hit { t: hit.t, instance: 0, primitive: at as u32, uv: hit.uv })
+        });
+        hits.min_by(|a, b| a.t.total_cmp(&b.t))
+    }
+}
+
+impl SceneQueries for ShapeWorld {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
+        let Hit { t, primitive, uv, .. } = self.hit(ray, span)?;
+        let TestPrimitive { shape, material, light } = &self.0[primitive as usize];
+        fn hit<T: LazySurface>(shape: T, t: f64, object: u32, material: u32, ray: &Ray) -> SurfaceHit {
+            LazyHit { t, shape, object, material, light: None }.surface(ray)
+        }
+        let mut hit = match *shape {
+            TestShape::Sphere(sphere) => hit(sphere, t, primitive, *material, ray),
+            TestShape::Plane(plane) => hit(LazyPlane { plane, needs_uv: true }, t, primitive, *material, ray),
+            TestShape::Triangle { vertices, normal, vertex_uvs, vertex_normals } => {
+                let mut hit = hit(TrianglePoint { vertices, uv, normal, vertex_uvs }, t, primitive, *material, ray);
+                if let Some(normals) = vertex_normals {
+                    let surface = &mut hit.interaction;
+                    let (point, normal) = (surface.point.into(), surface.geometric_normal.into());
+                    let (corners, normals) = (vertices.map(Into::into), normals.map(|n| n.as_dvec3().into()));
+                    let smooth = smooth_point((point, normal), corners, normals, uv, ray.direction.into());
+                    (surface.shading_normal, surface.shadow_point) = (smooth.normal.into(), smooth.shadow_point.into());
+                }
+                hit
+            }
+        };
+        hit.light = *light;
+        Some(hit)
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.hit(ray, span).is_some()
+    }
+}
+
+impl StreamQueries for ShapeWorld {
+    fn closest_stream(&mut self, rays: &RayStream, _: RayKind, hits: &mut HitStream) {
+        for at in 0..rays.len() {
+            let (ray, span) = rays.get(at);
+            hits.set(at, self.hit(&ray, span).as_ref());
+        }
+    }
+
+    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
+        for (at, blocked) in blocked.iter_mut().enumerate() {
+            let (ray, span) = rays.get(at);
+            *blocked = self.occluded(&ray, span);
+        }
+    }
+
+    fn primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
+        let TestPrimitive { shape, material, light } = self.0.get(index as usize)?;
+        let shape = match shape {
+            TestShape::Sphere(sphere) => StreamShape::Sphere(sphere),
+            TestShape::Plane(plane) => StreamShape::Plane(plane),
+            &TestShape::Triangle { vertices, normal, vertex_normals, .. } => {
+                StreamShape::Triangle { vertices, normal, vertex_normals }
+            }
+        };
+        Some(StreamPrimitive { shape, object: index, material: *material, light: *light })
+    }
+
+    fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
+        match self.0[index as usize].shape {
+            TestShape::Triangle { vertex_uvs, .. } => vertex_uvs,
+            _ => [[0.0; 2]; 3],
+        }
+    }
+}
+
+pub(crate) fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
+    let ray = |at: u32| {
+        let eye = DVec3::new(0.3, 1.0, 7.0);
+        // Groups of rays are close together, as those of a pixel are.
+        let aim = vector(1000 + u64::from(at / 5), 0) * 3.0 + vector(u64::from(at), 40) * 0.02;
+        Ray::new(eye * scale, aim - eye)
+    };
+    (0..count).map(|at| (ray(at), Interval::FORWARD)).collect()
+}
+
+/// Largest difference of a component, relative to the radiance.
+pub(crate) fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
+    let size = a.radiance.max_component().max(b.radiance.max_component()).max(1e-3);
+    (a.radiance - b.radiance).to_array().iter().fold(0.0, |max: f64, c| max.max(c.abs())) / size
+}
