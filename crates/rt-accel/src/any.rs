@@ -9,7 +9,7 @@ use crate::{
     Accelerator, Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery,
     RegionQuery, SphereTree, UniformGrid, ValidationError, WideBvh,
 };
-use rt_geometry::{Hit, Primitives, Probe};
+use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Aabb, Interval, Ray};
 
 /// Generic operation on an accelerator of any type.
@@ -149,6 +149,44 @@ impl AnyAccelerator {
     /// All primitives as a [`SmallSet`], if that is how a [`Linear`] traces batches.
     pub fn small_set(&self) -> Option<SmallSet> {
         if let Self::Linear(linear) = self { linear.small_set() } else { None }
+    }
+
+    /// Version of [`closest_batch`](Accelerator::closest_batch) for a stream of rays of any directions. Returns false, without any result,
+    /// if it has no kernels for streams: see [`SmallSet::closest_stream`] and [`WideBvh::closest_stream`].
+    #[must_use]
+    pub fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) -> bool {
+        match self {
+            Self::Linear(linear) => {
+                linear.small_set().is_some_and(|set| set.closest_stream(primitives, rays, hits, probe))
+            }
+            Self::Wide(wide) => wide.closest_stream(primitives, rays, hits, probe),
+            _ => false,
+        }
+    }
+
+    /// Version of [`occluded_batch`](Accelerator::occluded_batch) for a stream. Returns false as
+    /// [`closest_stream`](Self::closest_stream) does.
+    #[must_use]
+    pub fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) -> bool {
+        match self {
+            Self::Linear(linear) => {
+                linear.small_set().is_some_and(|set| set.occluded_stream(primitives, rays, occluded, probe))
+            }
+            Self::Wide(wide) => wide.occluded_stream(primitives, rays, occluded, probe),
+            _ => false,
+        }
     }
 
     /// Passes the concrete accelerator to a visitor: one `match` for many queries.

@@ -248,7 +248,7 @@ impl Instances<'_> {
 
     /// An instance as a primitive that is shaded in lanes: a sphere, a plane or a triangle, without transform. `None` for all
     /// others.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn stream_primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
         let instance = self.instances.get(index as usize)?;
         let mut of_mesh = None;

@@ -194,11 +194,15 @@ impl StreamQueries for SceneTracer<'_> {
         if self.can_skip(kind, rays.len()) {
             return (0..rays.len()).for_each(|at| hits.set(at, None));
         }
-        let needs_batch = self.layers.is_some() && kind == RayKind::Primary;
-        if !needs_batch
-            && let Some(few) = self.target(kind).small_set()
-            && few.closest_stream(self.world, rays, hits, &mut self.probe)
-        {
+        let (world, probe) = (self.world, &mut self.probe);
+        let is_traced = match kind {
+            RayKind::Primary => {
+                let few = if self.layers.is_none() { self.primary_target.small_set() } else { None };
+                few.is_some_and(|few| few.closest_stream(world, rays, hits, probe))
+            }
+            _ => self.structure.closest_stream(world, rays, hits, probe),
+        };
+        if is_traced {
             return;
         }
         let batch = self.batch_of(rays);
@@ -212,9 +216,7 @@ impl StreamQueries for SceneTracer<'_> {
 
     fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
         self.count(RayKind::Shadow, rays.len());
-        if let Some(few) = self.structure.small_set()
-            && few.occluded_stream(self.world, rays, blocked, &mut self.probe)
-        {
+        if self.structure.occluded_stream(self.world, rays, blocked, &mut self.probe) {
             return;
         }
         let batch = self.batch_of(rays);

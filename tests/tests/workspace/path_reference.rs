@@ -1,9 +1,9 @@
-//! The wavefront path integrator renders the bits of the reference integrator (`rt_shading::ReferencePathTracer`), in all scene
-//! files and golden scenes.
+//! The path integrator renders the bits of the reference integrator (`rt_shading::ReferencePathTracer`) in `f64`, in all scene files
+//! and golden scenes.
 
 use std::path::{Path, PathBuf};
 
-use rt_render::{PlanOptions, RenderPlan, RunOptions};
+use rt_render::{PlanOptions, Precision, RenderPlan, RunOptions};
 use rt_scene_io::{Integrator, LoadOptions, RenderSettings, Scene};
 use rt_tests::files_below;
 
@@ -18,7 +18,8 @@ fn load(path: &Path, integrator: Integrator) -> Scene {
 
 /// Bits of the film and of its standard errors, and counts of null interfaces, ignored dielectrics, clamped light and bad samples.
 fn rendered(scene: &Scene) -> (Vec<u32>, [u64; 5]) {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let options = PlanOptions { precision: Precision::F64, ..PlanOptions::default() };
+    let plan = RenderPlan::compile(scene, &options).unwrap_or_else(|error| panic!("{error}"));
     let rendering = plan.render(&RunOptions { maps: true, ..RunOptions::default() }, |_| {}).expect("threads");
     let errors = rendering.standard_error.expect("maps are kept");
     let films = [&rendering.film, &errors].map(|film| film.pixels().as_flattened());

@@ -2,15 +2,17 @@
 
 use core::ops::ControlFlow;
 
-use rt_geometry::{Hit, Primitives, Probe};
+use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream, STREAM_CAPACITY};
 use rt_math::{Aabb, Interval, Ray};
 
 use super::batch::BatchContext;
 use super::build::{BuildParams, PrimStats, build};
+use super::f64x8::PACKET;
 use super::leaf::{LeafKind, LeafWriter, Leaves};
+use super::list_traversal::ListStream;
 use super::node::Child;
 use super::query::{PrimitiveTester, Tester, TraversalStats};
-use super::simd::{DetectedSimd, SimdLevel};
+use super::simd::{DetectedSimd, SimdLevel, WithSimd, take_lane};
 use super::single_ray::SingleContext;
 use super::tree_query::TreeQuery;
 use super::triangle_list::TriangleList;
@@ -106,6 +108,68 @@ impl WideBvh {
         let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work };
         O::trace_batch(self, &mut context, rays, outputs);
         context.stats.add_to(tester.probe);
+    }
+
+    /// Version of [`closest_batch`](Accelerator::closest_batch) for a stream of rays of any directions. Returns false, without any result,
+    /// unless the tree is small and all its primitives are exact triangles. So it does for a probe that counts work.
+    #[must_use]
+    pub fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) -> bool {
+        self.trace_list(rays, hits, probe.counts_work(), |at, ray, span, hits| {
+            hits.set(at, self.closest(primitives, ray, span, probe).as_ref());
+        })
+    }
+
+    /// Version of [`occluded_batch`](Accelerator::occluded_batch) for a stream. Returns false as
+    /// [`closest_stream`](Self::closest_stream) does.
+    #[must_use]
+    pub fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) -> bool {
+        self.trace_list(rays, occluded, probe.counts_work(), |at, ray, span, occluded| {
+            if let Some(occluded) = occluded.get_mut(at) {
+                *occluded = self.occluded(primitives, ray, span, probe);
+            }
+        })
+    }
+
+    /// Traces a stream through the list of triangles. `trace_open` traces a ray without a result. False, without any result, if there
+    /// is no such list, or no kernel for it at this level.
+    fn trace_list<R: ?Sized>(
+        &self,
+        rays: &RayStream,
+        results: &mut R,
+        counts_work: bool,
+        mut trace_open: impl FnMut(usize, &Ray, Interval, &mut R),
+    ) -> bool
+    where
+        for<'q, 'r> ListStream<'q>: WithSimd<&'r RayStream, &'r mut R>,
+    {
+        let list = self.list.as_ref().filter(|list| list.others.is_empty() && !counts_work);
+        let Some(list) = list else { return false };
+        let mut open = [0; STREAM_CAPACITY / PACKET];
+        let traversal = ListStream { tree: self, list, open: &mut open };
+        if !self.level.dispatch_packets(traversal, rays, &mut *results) {
+            return false;
+        }
+        for (first, open) in (0..).step_by(PACKET).zip(open) {
+            let mut open = u32::from(open);
+            while open != 0 {
+                let at = first + take_lane(&mut open);
+                let (ray, span) = rays.get(at);
+                trace_open(at, &ray, span, results);
+            }
+        }
+        true
     }
 }
 

@@ -7,7 +7,7 @@
 //! Two halves of a quadrilateral share most of the filter. They give one key, that of the half that the ray may hit. A ray that may hit
 //! both stays open.
 
-use rt_geometry::Hit;
+use rt_geometry::{Hit, HitStream, RayStream, STREAM_CAPACITY};
 use rt_math::float::UNIT_ROUNDOFF;
 use rt_math::{Interval, Ray};
 
@@ -186,98 +186,197 @@ fn intersect_candidates<S: Simd>(simd: S, triangles: &[&ListTriangle; PACKET], r
     intersect_each(simd, &vertices, &rays)
 }
 
-impl<O: Output> TriangleListTraversal<'_, '_, O> {
-    /// Tests all triangles of the list.
-    #[inline(always)]
-    fn filter<S: Simd>(&self, simd: S, rays: &FilterRays<S>) -> NearestTriangles<S> {
-        let none = simd.splat(f32::INFINITY);
-        let mut nearest = [none; 3];
-        let (mut certain, mut ambiguous) = (simd.splat(-1.0), simd.splat(-1.0));
-        let mut number = 0;
-        for pair in &self.list.pairs {
-            let hits = rays.test_pair(simd, pair);
-            let [first, second] = hits.possible;
-            let key = simd.replace_bits(hits.t_min, NUMBER, number);
-            let key = simd.select_by_sign_f32(first, key, none);
-            let of_second = simd.replace_bits(hits.t_min, NUMBER, number + 1);
-            insert(simd, &mut nearest, simd.select_by_sign_f32(second, of_second, key));
-            ambiguous = simd.max(ambiguous, simd.min(first, second));
-            if O::ANY_HIT {
-                certain = simd.max(certain, hits.certain);
-            }
-            number += 2;
+/// Tests all triangles of the list.
+#[inline(always)]
+fn filter<S: Simd, O: Output>(simd: S, list: &TriangleList, rays: &FilterRays<S>) -> NearestTriangles<S> {
+    let none = simd.splat(f32::INFINITY);
+    let mut nearest = [none; 3];
+    let (mut certain, mut ambiguous) = (simd.splat(-1.0), simd.splat(-1.0));
+    let mut number = 0;
+    for pair in &list.pairs {
+        let hits = rays.test_pair(simd, pair);
+        let [first, second] = hits.possible;
+        let key = simd.replace_bits(hits.t_min, NUMBER, number);
+        let key = simd.select_by_sign_f32(first, key, none);
+        let of_second = simd.replace_bits(hits.t_min, NUMBER, number + 1);
+        insert(simd, &mut nearest, simd.select_by_sign_f32(second, of_second, key));
+        ambiguous = simd.max(ambiguous, simd.min(first, second));
+        if O::ANY_HIT {
+            certain = simd.max(certain, hits.certain);
         }
-        for triangle in &self.list.filters {
-            let hits = rays.test(simd, triangle);
-            let key = simd.replace_bits(hits.t_min, NUMBER, number);
-            insert(simd, &mut nearest, simd.select_by_sign_f32(hits.possible, key, none));
-            if O::ANY_HIT {
-                certain = simd.max(certain, hits.certain);
-            }
-            number += 1;
+        number += 2;
+    }
+    for triangle in &list.filters {
+        let hits = rays.test(simd, triangle);
+        let key = simd.replace_bits(hits.t_min, NUMBER, number);
+        insert(simd, &mut nearest, simd.select_by_sign_f32(hits.possible, key, none));
+        if O::ANY_HIT {
+            certain = simd.max(certain, hits.certain);
         }
-        let zero = simd.splat(0.0);
-        NearestTriangles {
-            keys: nearest,
-            certain: if O::ANY_HIT { simd.lt(zero, certain) } else { 0 },
-            ambiguous: simd.le(zero, ambiguous),
-        }
+        number += 1;
+    }
+    let zero = simd.splat(0.0);
+    NearestTriangles {
+        keys: nearest,
+        certain: if O::ANY_HIT { simd.lt(zero, certain) } else { 0 },
+        ambiguous: simd.le(zero, ambiguous),
+    }
+}
+
+/// Hits of eight rays with the triangles of a list.
+struct ListHits<'l, S: Simd> {
+    /// A bit for each ray that hits a triangle: the closest, or any.
+    hit: u32,
+    /// A bit for each ray without a result.
+    open: u32,
+    /// Hits of the last exact test; valid for the closest hits.
+    exact: Option<ExactHits<'l, S>>,
+}
+
+/// A triangle for each of eight rays, and where it is hit.
+struct ExactHits<'l, S: Simd> {
+    triangles: [&'l ListTriangle; PACKET],
+    t: F64x8<S>,
+    uv: [F64x8<S>; 2],
+}
+
+/// Finds the hits of `all` of eight rays with the triangles of a list.
+#[inline(always)]
+fn find<'l, S: Simd, O: Output>(
+    simd: S,
+    tree: &WideBvh,
+    list: &'l TriangleList,
+    soa: &RaySoa8<S>,
+    all: u32,
+) -> ListHits<'l, S> {
+    let filter_rays = FilterRays::new(simd, soa, tree.centre, tree.size);
+    let proven = filter_rays.proven & all;
+    if proven == 0 {
+        return ListHits { hit: 0, open: all, exact: None };
+    }
+    let NearestTriangles { keys: [first, second, third], certain, ambiguous } =
+        filter::<S, O>(simd, list, &filter_rays);
+    let undecided = ambiguous & !certain;
+    let active = proven & !certain & !undecided;
+    let none = simd.splat(f32::INFINITY);
+
+    // Skip the triangles that rays start on and leave.
+    let (mut candidate, mut next) = (first, second);
+    let starts_at = active & simd.le(t_min(simd, first), filter_rays.min[1]);
+    if starts_at != 0
+        && let Some(of_rays) = triangles(simd, &list.triangles, first)
+    {
+        let leaving = starts_at & leaving(simd, &of_rays, soa, filter_rays.fastest);
+        candidate = simd.select(leaving, second, first);
+        next = simd.select(leaving, third, second);
     }
 
+    let mut exact = None;
+    let (mut hit, mut open) = (0, 0);
+    let possible = active & simd.lt(candidate, none);
+    if possible != 0
+        && let Some(triangles) = triangles(simd, &list.triangles, candidate)
+    {
+        let PacketHit { hit: is_hit, uncertain, t, uv } = intersect_candidates(simd, &triangles, soa);
+        let t_max = t.mul(simd, filter_rays.fastest).round_up(simd);
+        let is_first = simd.lt(t_max, t_min(simd, next));
+        let is_last = simd.le(none, next);
+        hit = possible & is_hit & if O::ANY_HIT { 0xff } else { is_first };
+        let missed = possible & !is_hit & !uncertain & is_last;
+        open = possible & !(hit | missed);
+        exact = Some(ExactHits { triangles, t, uv });
+    }
+    if O::ANY_HIT {
+        hit |= certain;
+    }
+    open |= all & (!proven | undecided);
+    ListHits { hit: hit & all & !open, open, exact }
+}
+
+/// Traces a stream through the list of a tree, all of whose primitives are triangles of the list.
+pub(super) struct ListStream<'q> {
+    pub(super) tree: &'q WideBvh,
+    pub(super) list: &'q TriangleList,
+    /// Receives a bit for each ray without a result, by packet.
+    pub(super) open: &'q mut [u8; STREAM_CAPACITY / PACKET],
+}
+
+impl ListStream<'_> {
+    #[inline(always)]
+    fn trace<S: Simd, O: Output>(self, simd: S, rays: &RayStream, mut write: impl FnMut(usize, ListHits<'_, S>)) {
+        for (at, open) in (0..rays.len()).step_by(PACKET).zip(self.open) {
+            let all = (1 << (rays.len() - at).min(PACKET)) - 1;
+            let hits = find::<S, O>(simd, self.tree, self.list, &RaySoa8::load(simd, rays, at), all);
+            *open = hits.open as u8;
+            write(at, hits);
+        }
+    }
+}
+
+impl WithSimd<&RayStream, &mut HitStream> for ListStream<'_> {
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, rays: &RayStream, hits: &mut HitStream) {
+        self.trace::<S, Option<Hit>>(
+            simd,
+            rays,
+            #[inline(always)]
+            |at, ListHits { hit, exact, .. }| {
+                let mut primitives = [HitStream::NONE; PACKET];
+                if let Some(ExactHits { triangles, t, uv: [v, w] }) = exact {
+                    let ([of_v, of_w], mut hit) = (&mut hits.uv, hit);
+                    *hits.t.vector_mut(at) = t.to_array(simd);
+                    *of_v.vector_mut(at) = v.to_array(simd);
+                    *of_w.vector_mut(at) = w.to_array(simd);
+                    while hit != 0 {
+                        let lane = take_lane(&mut hit);
+                        primitives[lane] = triangles[lane].index;
+                    }
+                }
+                *hits.primitive.vector_mut(at) = primitives;
+            },
+        );
+    }
+}
+
+impl WithSimd<&RayStream, &mut [bool]> for ListStream<'_> {
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, rays: &RayStream, occluded: &mut [bool]) {
+        self.trace::<S, bool>(
+            simd,
+            rays,
+            #[inline(always)]
+            |at, ListHits { hit, .. }| {
+                for (lane, occluded) in occluded.iter_mut().skip(at).take(PACKET).enumerate() {
+                    *occluded = hit >> lane & 1 == 1;
+                }
+            },
+        );
+    }
+}
+
+impl<O: Output> TriangleListTraversal<'_, '_, O> {
     /// Traces as many of eight rays as there are outputs; returns a bit for each without a result.
     #[inline(always)]
     fn trace<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], outputs: &mut [O]) -> u32 {
         let n = outputs.len().min(PACKET);
         let all = (1 << n) - 1;
         let soa = RaySoa8::new(simd, rays);
-        let filter_rays = FilterRays::new(simd, &soa, self.tree.centre, self.tree.size);
-        let proven = filter_rays.proven & all;
-        if proven == 0 {
+        let ListHits { hit, open, exact } = find::<S, O>(simd, self.tree, self.list, &soa, all);
+        if open == all {
             return all;
         }
-        let NearestTriangles { keys: [first, second, third], certain, ambiguous } = self.filter(simd, &filter_rays);
-        let undecided = ambiguous & !certain;
-        let mut active = proven & !certain & !undecided;
-        let none = simd.splat(f32::INFINITY);
-
-        // Skip the triangles that rays start on and leave.
-        let (mut candidate, mut next) = (first, second);
-        let starts_at = active & simd.le(t_min(simd, first), filter_rays.min[1]);
-        if starts_at != 0
-            && let Some(of_rays) = triangles(simd, &self.list.triangles, first)
-        {
-            let leaving = starts_at & leaving(simd, &of_rays, &soa, filter_rays.fastest);
-            candidate = simd.select(leaving, second, first);
-            next = simd.select(leaving, third, second);
-        }
-
-        let mut hits = None;
-        let (mut hit, mut open) = (0, 0);
-        let possible = active & simd.lt(candidate, none);
-        if possible != 0
-            && let Some(of_rays) = triangles(simd, &self.list.triangles, candidate)
-        {
-            let PacketHit { hit: is_hit, uncertain, t, uv } = intersect_candidates(simd, &of_rays, &soa);
-            let t_max = t.mul(simd, filter_rays.fastest).round_up(simd);
-            let is_first = simd.lt(t_max, t_min(simd, next));
-            let is_last = simd.le(none, next);
-            hit = possible & is_hit & if O::ANY_HIT { 0xff } else { is_first };
-            let missed = possible & !is_hit & !uncertain & is_last;
-            open = possible & !(hit | missed);
-            hits = Some((of_rays, t.to_array(simd), uv[0].to_array(simd), uv[1].to_array(simd)));
-        }
-        open |= all & (!proven | undecided);
-        active &= !open;
-
+        let mut active = all & !open;
         if O::ANY_HIT {
-            let occluded = certain | hit;
             for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
-                *output = if occluded >> lane & 1 != 0 { O::HIT } else { O::default() };
+                *output = if hit >> lane & 1 != 0 { O::HIT } else { O::default() };
             }
-            active &= !occluded;
+            active &= !hit;
         } else {
+            let exact = exact.map(|ExactHits { triangles, t, uv: [v, w] }| {
+                (triangles, t.to_array(simd), v.to_array(simd), w.to_array(simd))
+            });
             for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
-                *output = match &hits {
+                *output = match &exact {
                     Some((of_rays, t, v, w)) if hit >> lane & 1 != 0 => {
                         let primitive = of_rays[lane].index;
                         O::from_hit(Some(Hit { t: t[lane], instance: 0, primitive, uv: [v[lane], w[lane]] }))

@@ -30,12 +30,17 @@ impl Draws {
         n_lights: usize,
         plays_roulette: bool,
     ) {
-        let hit_rays = (0..n_rays as u32).filter(|at| hits.primitive.get(*at as usize) != HitStream::NONE);
-        self.hits.clear();
-        self.hits.extend(hit_rays);
-        let Self { light, choice, direction, roulette, hits, samplers: which, pairs, numbers } = self;
+        let Self { light, choice, direction, roulette, hits: hit_rays, samplers: which, pairs, numbers } = self;
+        hit_rays.clear();
         which.clear();
-        which.extend(hits.iter().map(|at| of_rays[*at as usize]));
+        let primitives = hits.primitive.as_slice()[..n_rays].iter();
+        for ((at, primitive), sampler) in (0..).zip(primitives).zip(of_rays) {
+            if *primitive != HitStream::NONE {
+                hit_rays.push(at);
+                which.push(*sampler);
+            }
+        }
+        let hits = &hit_rays[..];
         pairs.resize(which.len(), [0.0; 2]);
         numbers.resize(which.len(), 0.0);
         if n_lights > 0 {
