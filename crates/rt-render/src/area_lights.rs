@@ -68,7 +68,7 @@ impl AreaLights {
         for instance in instances {
             // The inlined triangles of a mesh follow each other, and are one light.
             let number = match (&instance.geometry, before) {
-                (InstanceGeometry::Triangle(..), Some((object, number))) if object == instance.object => number,
+                (InstanceGeometry::Triangle(_), Some((object, number))) if object == instance.object => number,
                 _ => light_of(scene, instance, world_from_parts, levels).map(|light| {
                     found.lights.push(light);
                     found.lights.len() as u32 - 1
@@ -107,7 +107,7 @@ fn light_of(scene: &Scene, instance: &Instance, outer: &Transform, levels: &Bott
             let inner = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
             light_of_mesh(&levels.meshes[*level as usize].mesh, &outer.compose(&inner), emission)
         }
-        InstanceGeometry::Triangle(mesh, ..) => light_of_mesh(mesh, outer, emission),
+        InstanceGeometry::Triangle(triangle) => light_of_mesh(&triangle.mesh, outer, emission),
         InstanceGeometry::Group(..) | InstanceGeometry::Animated(_) => None,
     }
 }

@@ -128,7 +128,7 @@ fn whitted_streams(appearance: &Appearance, world: &Instances<'_>) -> bool {
     let is_supported = |primitive: StreamPrimitive<'_>| match primitive.shape {
         StreamShape::Sphere(_) => !is_textured(primitive.material),
         StreamShape::Plane(_) => true,
-        StreamShape::Triangle { vertex_normals, .. } => vertex_normals.is_none(),
+        StreamShape::Triangle(triangle) => triangle.vertex_normals.is_none(),
     };
     WavefrontWhitted::supports(appearance)
         && stream_primitives(world).all(|primitive| primitive.is_some_and(is_supported))
@@ -178,7 +178,7 @@ fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool])
         casts_shadow |= instance.casts_shadow;
         let mesh = match instance.geometry.static_geometry() {
             InstanceGeometry::Mesh(level, _) => &levels.meshes[*level as usize].mesh,
-            InstanceGeometry::Triangle(mesh, ..) => mesh,
+            InstanceGeometry::Triangle(triangle) => &triangle.mesh,
             _ => continue,
         };
         shading_normals |= !mesh.data().normals.is_empty();

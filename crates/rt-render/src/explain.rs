@@ -104,7 +104,7 @@ impl SceneCounts {
             InstanceGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
             InstanceGeometry::Shape(Shape::Cuboid(_)) => self.boxes += 1,
             InstanceGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
-            InstanceGeometry::Shape(Shape::Triangle(_)) | InstanceGeometry::Triangle(..) => self.triangles += 1,
+            InstanceGeometry::Shape(Shape::Triangle(_)) | InstanceGeometry::Triangle(_) => self.triangles += 1,
             InstanceGeometry::Shape(Shape::Polygon(_)) => self.polygons += 1,
             InstanceGeometry::Shape(Shape::Cylinder(_)) => self.cylinders += 1,
             InstanceGeometry::Shape(Shape::InfiniteCylinder(_)) => self.infinite_cylinders += 1,

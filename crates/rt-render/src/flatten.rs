@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rt_accel::BuildError;
 use rt_geometry::{Primitives, Shape, TransformedShape};
-use rt_math::{Aabb, AnimatedTransformChain, DVec3, Transform};
+use rt_math::{Aabb, AnimatedTransformChain, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Scene, SceneNode};
 use rt_shading::{Alpha, Material, Texture};
 
@@ -13,6 +13,7 @@ use crate::{
     RenderError,
     accel_choice::{self, AccelOptions},
     alpha_mesh::{AlphaTest, AlphaTestedMesh},
+    inlined_triangle::InlinedTriangle,
     instance::{Aggregate, Animated, BottomLevel, Instance, InstanceGeometry, Instances},
     mesh_blas::MeshBlas,
 };
@@ -357,10 +358,10 @@ impl<'s> Flattener<'s> {
         {
             let triangle = |index| {
                 let bounds = Primitives::bounds(&*named.mesh, index);
-                let normal = named.mesh.unit_normal(index).unwrap_or(DVec3::Z);
-                self.instance(node, here, InstanceGeometry::Triangle(Arc::clone(&named.mesh), index, normal), bounds)
+                let triangle = Box::new(InlinedTriangle::new(&named.mesh, index)?);
+                Some(self.instance(node, here, InstanceGeometry::Triangle(triangle), bounds))
             };
-            return (0..count as u32).map(triangle).collect();
+            return (0..count as u32).filter_map(triangle).collect();
         }
         let key = (id.0, alpha_test.as_ref().map(|_| node.material.0));
         let level = match self.mesh_levels.get(&key) {

@@ -12,10 +12,11 @@ use rt_geometry::{
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
 use rt_shading::{
-    LazyHit, LazyPlane, NormalMap, StreamPrimitive, StreamShape, SurfaceHit, Texture, TrianglePoint, light::LightId,
+    LazyHit, LazyPlane, NormalMap, StreamPrimitive, StreamShape, StreamTriangle, SurfaceHit, Texture, TrianglePoint,
+    light::LightId,
 };
 
-use crate::{mesh_blas::MeshBlas, work_probe::WorkProbe};
+use crate::{inlined_triangle::InlinedTriangle, mesh_blas::MeshBlas, work_probe::WorkProbe};
 
 /// A placed object, in the space of its aggregate.
 #[derive(Debug)]
@@ -102,8 +103,7 @@ pub(crate) enum InstanceGeometry {
     TransformedShape(Box<TransformedShape>),
     /// Index of a [`MeshBlas`]; no transform means the identity.
     Mesh(u32, Option<Box<Transform>>),
-    /// Inlined triangle of a small mesh without transform and normal map, with its unit normal.
-    Triangle(Arc<TriangleMesh>, u32, DVec3),
+    Triangle(Box<InlinedTriangle>),
     /// Index of an [`Aggregate`].
     Group(u32, Option<Box<Transform>>),
     Animated(Box<Animated>),
@@ -234,9 +234,12 @@ impl Instances<'_> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
         // The common kinds come first, so that their results are constructed in place.
         match &instance.geometry {
-            InstanceGeometry::Triangle(mesh, triangle, normal) => {
-                instance.triangle_surface((mesh, *triangle, Some(*normal)), ray, hit, needs)
-            }
+            InstanceGeometry::Triangle(triangle) => instance.triangle_surface(
+                (&triangle.mesh, triangle.index, Some(triangle.shape.normal)),
+                ray,
+                hit,
+                needs,
+            ),
             InstanceGeometry::Mesh(level, None) if instance.normal_map.is_none() => {
                 let mesh = &self.levels.meshes[*level as usize].mesh;
                 instance.triangle_surface((mesh, hit.primitive, None), ray, hit, needs)
@@ -255,10 +258,9 @@ impl Instances<'_> {
         let shape = match &instance.geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => StreamShape::Sphere(sphere),
             InstanceGeometry::Shape(Shape::Plane(plane)) => StreamShape::Plane(plane),
-            InstanceGeometry::Triangle(mesh, triangle, normal) => {
-                of_mesh = Some(*triangle);
-                let (vertices, vertex_normals) = (mesh.vertices(*triangle)?, mesh.vertex_normals(*triangle));
-                StreamShape::Triangle { vertices, normal: *normal, vertex_normals }
+            InstanceGeometry::Triangle(triangle) => {
+                of_mesh = Some(triangle.index);
+                StreamShape::Triangle(&triangle.shape)
             }
             _ => return None,
         };
@@ -287,15 +289,15 @@ impl Instances<'_> {
     #[inline]
     pub(crate) fn triangle(&self, hit: &Hit, needs: InteractionFlags) -> Option<LazyHit<TrianglePoint>> {
         let instance = self.instances.get(self.instance_index(hit) as usize)?;
-        let InstanceGeometry::Triangle(mesh, triangle, normal) = &instance.geometry else { return None };
+        let InstanceGeometry::Triangle(triangle) = &instance.geometry else { return None };
+        let InlinedTriangle { mesh, index, shape: StreamTriangle { vertices, normal, .. } } = &**triangle;
         let (data, InteractionFlags { uv, shading_normal, detail }) = (mesh.data(), instance.needs(needs));
         if (detail && data.has_attributes()) || (shading_normal && !data.normals.is_empty()) {
             return None;
         }
-        let vertex_uvs = if uv { mesh.vertex_uvs(*triangle)? } else { [[0.0; 2]; 3] };
-        let vertices = mesh.vertices(*triangle)?;
-        let shape = TrianglePoint { vertices, uv: hit.uv, normal: *normal, vertex_uvs };
-        Some(instance.lazy_hit(hit.t, shape, Some(*triangle)))
+        let vertex_uvs = if uv { mesh.vertex_uvs(*index)? } else { [[0.0; 2]; 3] };
+        let shape = TrianglePoint { vertices: *vertices, uv: hit.uv, normal: *normal, vertex_uvs };
+        Some(instance.lazy_hit(hit.t, shape, Some(*index)))
     }
 
     fn surface_of(
@@ -324,9 +326,12 @@ impl Instances<'_> {
                 }
                 instance.surface_hit(hit.t, to_world(surface, transform.as_deref()), Some(hit.primitive))
             }
-            InstanceGeometry::Triangle(mesh, triangle, normal) => {
-                instance.triangle_surface((mesh, *triangle, Some(*normal)), ray, hit, needs)?
-            }
+            InstanceGeometry::Triangle(triangle) => instance.triangle_surface(
+                (&triangle.mesh, triangle.index, Some(triangle.shape.normal)),
+                ray,
+                hit,
+                needs,
+            )?,
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
@@ -369,8 +374,8 @@ impl Instances<'_> {
                 let hit = level.closest(&self.levels.textures, &ray, span, probe)?;
                 Some(Hit { instance: index, ..hit })
             }
-            InstanceGeometry::Triangle(mesh, triangle, _) => {
-                let hit = mesh.intersect(*triangle, ray, span)?;
+            InstanceGeometry::Triangle(triangle) => {
+                let hit = triangle.mesh.intersect(triangle.index, ray, span)?;
                 Some(self.hit_of(index, hit.t, hit.uv))
             }
             InstanceGeometry::Group(level, transform) => {
@@ -406,7 +411,7 @@ impl Instances<'_> {
                 let level = &self.levels.meshes[*level as usize];
                 level.occluded(&self.levels.textures, &to_local(ray, transform.as_deref()), span, probe)
             }
-            InstanceGeometry::Triangle(mesh, triangle, _) => mesh.intersect(*triangle, ray, span).is_some(),
+            InstanceGeometry::Triangle(triangle) => triangle.mesh.intersect(triangle.index, ray, span).is_some(),
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
@@ -440,7 +445,7 @@ impl Instances<'_> {
                 let rays = to_local_animated(rays, animated);
                 self.closest_batch_on((index, &animated.geometry), &rays, hits, probe);
             }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(..) => {
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
                 for ((ray, span), hit) in rays.iter().zip(hits) {
                     *hit = self.closest_on((index, geometry), ray, *span, probe);
                 }
@@ -470,7 +475,7 @@ impl Instances<'_> {
                 let rays = to_local_animated(rays, animated);
                 self.occluded_batch_by(&animated.geometry, &rays, blocked, probe);
             }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(..) => {
+            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
                 for ((ray, span), blocked) in rays.iter().zip(blocked) {
                     *blocked = self.occluded_by(geometry, ray, *span, probe);
                 }
@@ -518,7 +523,7 @@ impl Primitives for Instances<'_> {
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match &self.instances[index as usize].geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
-            InstanceGeometry::Triangle(mesh, triangle, _) => mesh.batch_kernel(*triangle),
+            InstanceGeometry::Triangle(triangle) => triangle.mesh.batch_kernel(triangle.index),
             geometry if geometry.is_structure() => BatchKernel::Instance,
             _ => BatchKernel::Single,
         }
@@ -561,10 +566,8 @@ impl Primitives for Instances<'_> {
             }
             InstanceGeometry::Shape(Shape::Cuboid(axis_box)) => PrimitiveGeometry::Box(axis_box.bounds()),
             InstanceGeometry::Shape(Shape::Triangle(triangle)) => PrimitiveGeometry::Triangle(triangle.vertices()),
-            InstanceGeometry::Triangle(mesh, triangle, _) if self.is_flat => mesh.geometry(*triangle),
-            InstanceGeometry::Triangle(mesh, triangle, _) => {
-                mesh.vertices(*triangle).map_or(PrimitiveGeometry::Opaque, PrimitiveGeometry::Triangle)
-            }
+            InstanceGeometry::Triangle(triangle) if self.is_flat => triangle.mesh.geometry(triangle.index),
+            InstanceGeometry::Triangle(triangle) => PrimitiveGeometry::Triangle(triangle.shape.vertices),
             _ => PrimitiveGeometry::Opaque,
         }
     }

@@ -66,6 +66,7 @@ mod flatten;
 mod forecast;
 mod frame;
 mod frustum_cull;
+mod inlined_triangle;
 mod instance;
 mod integrator;
 mod layer_pass;

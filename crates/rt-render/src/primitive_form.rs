@@ -26,8 +26,8 @@ impl Instances<'_> {
         match &self.instances[index as usize].geometry {
             InstanceGeometry::Shape(shape) => PrimitiveForm::of(shape),
             InstanceGeometry::TransformedShape(placed) => PrimitiveForm::of_placed(placed),
-            InstanceGeometry::Triangle(mesh, ..) if mesh.data().normals.is_empty() => PrimitiveForm::Flat,
-            InstanceGeometry::Triangle(..)
+            InstanceGeometry::Triangle(triangle) if triangle.mesh.data().normals.is_empty() => PrimitiveForm::Flat,
+            InstanceGeometry::Triangle(_)
             | InstanceGeometry::Mesh(..)
             | InstanceGeometry::Group(..)
             | InstanceGeometry::Animated(_) => PrimitiveForm::Other,

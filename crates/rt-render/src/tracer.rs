@@ -233,7 +233,7 @@ impl StreamQueries for SceneTracer<'_> {
     fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
         let instance = self.world.instances.get(index as usize);
         match instance.map(|instance| &instance.geometry) {
-            Some(InstanceGeometry::Triangle(mesh, triangle, _)) => mesh.vertex_uvs(*triangle).unwrap_or_default(),
+            Some(InstanceGeometry::Triangle(triangle)) => triangle.mesh.vertex_uvs(triangle.index).unwrap_or_default(),
             _ => [[0.0; 2]; 3],
         }
     }

@@ -122,7 +122,7 @@ pub use scene_queries::{
     ClosestHit, LazyHit, LazyPlane, LazyShapes, LazySurface, RadianceSample, SceneQueries, SurfaceHit, TrianglePoint,
 };
 pub use shading_features::ShadingFeatures;
-pub use stream_queries::{StreamPrimitive, StreamQueries, StreamShape};
+pub use stream_queries::{StreamPrimitive, StreamQueries, StreamShape, StreamTriangle};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use viewed_surface::is_inside;
 pub use whitted::{ShadingCounts, WavefrontWhitted, Whitted};

@@ -25,14 +25,18 @@ pub enum StreamShape<'w> {
     /// An infinite plane.
     Plane(&'w Plane),
     /// A triangle.
-    Triangle {
-        /// World space.
-        vertices: [DVec3; 3],
-        /// Unit normal of the front.
-        normal: DVec3,
-        /// Unit normals of the vertices, if they are interpolated.
-        vertex_normals: Option<[Vec3; 3]>,
-    },
+    Triangle(&'w StreamTriangle),
+}
+
+/// Triangle of a [`StreamShape`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreamTriangle {
+    /// World space.
+    pub vertices: [DVec3; 3],
+    /// Unit normal of the front.
+    pub normal: DVec3,
+    /// Unit normals of the vertices, if they are interpolated.
+    pub vertex_normals: Option<[Vec3; 3]>,
 }
 
 /// Queries for streams of rays. All rays are at time 0.

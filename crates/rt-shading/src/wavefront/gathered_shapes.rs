@@ -1,6 +1,9 @@
 //! Shapes of the primitives that several rays hit, one for each lane.
 
-use crate::{lanes::LANES, stream_queries::StreamShape};
+use crate::{
+    lanes::LANES,
+    stream_queries::{StreamShape, StreamTriangle},
+};
 use rt_math::DVec3;
 
 /// Shapes in lanes. Lanes of neither mask are triangles.
@@ -42,7 +45,7 @@ impl GatheredShapes {
                 set(a, lane, plane.point());
                 plane.normal()
             }
-            StreamShape::Triangle { vertices, normal, vertex_normals } => {
+            StreamShape::Triangle(StreamTriangle { vertices, normal, vertex_normals }) => {
                 set(a, lane, vertices[0]);
                 set(b, lane, vertices[1]);
                 set(c, lane, vertices[2]);

@@ -1,7 +1,10 @@
 //! Points, normals and squares of checkerboards where rays hit primitives, in lanes.
 
 use super::gathered_shapes::GatheredShapes;
-use crate::{lane_set::LaneSet, stream_queries::StreamShape};
+use crate::{
+    lane_set::LaneSet,
+    stream_queries::{StreamShape, StreamTriangle},
+};
 use rt_geometry::{
     HitStream, RayStream, SmoothPoint, interpolate, plane_point, plane_uv, smooth_point, sphere_point, triangle_point,
 };
@@ -29,7 +32,7 @@ impl<L: LaneSet> HitPoints<L> {
                 ray.on_sphere(lanes.splat_point(sphere.centre()), lanes.splat_f64(sphere.radius()))
             }
             StreamShape::Plane(plane) => ray.on_plane([plane.point(), plane.normal()].map(|p| lanes.splat_point(p))),
-            StreamShape::Triangle { vertices: [a, b, c], normal, .. } => {
+            StreamShape::Triangle(StreamTriangle { vertices: [a, b, c], normal, .. }) => {
                 let corners = [lanes.splat_point(*a), lanes.splat_point(*b), lanes.splat_point(*c)];
                 let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
                 [point, error, lanes.splat_point(*normal)]
@@ -97,7 +100,7 @@ impl<L: LaneSet> HitPoints<L> {
                 let (point, normal) = (lanes.splat_point(plane.point()), lanes.splat_point(plane.normal()));
                 plane_uv(point, normal, [self.origin, self.direction], self.t)
             }
-            StreamShape::Triangle { .. } => {
+            StreamShape::Triangle(_) => {
                 let [a, b, c] = vertex_uvs();
                 let weights = Self::uv_of_triangle(lanes, hits, at);
                 let corner = |x: f32| lanes.splat_f64(f64::from(x));

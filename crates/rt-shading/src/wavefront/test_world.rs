@@ -1,16 +1,16 @@
 //! A world of shapes for tests of integrators of streams.
 
 use crate::{
-    LazyHit, LazyPlane, LazySurface, RadianceSample, StreamPrimitive, StreamQueries, StreamShape, SurfaceHit,
-    TrianglePoint, light::LightId, scene_queries::SceneQueries,
+    LazyHit, LazyPlane, LazySurface, RadianceSample, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle,
+    SurfaceHit, TrianglePoint, light::LightId, scene_queries::SceneQueries,
 };
 use rt_geometry::{Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, Sphere, WatertightRay, smooth_point};
-use rt_math::{DVec3, Interval, Ray, Vec3, random};
+use rt_math::{DVec3, Interval, Ray, random};
 
 pub(crate) enum TestShape {
     Sphere(Sphere),
     Plane(Plane),
-    Triangle { vertices: [DVec3; 3], normal: DVec3, vertex_uvs: [[f32; 2]; 3], vertex_normals: Option<[Vec3; 3]> },
+    Triangle(StreamTriangle, [[f32; 2]; 3]),
 }
 
 pub(crate) struct TestPrimitive {
@@ -34,7 +34,7 @@ impl TestShape {
     /// Triangle without texture coordinates and interpolated normals.
     pub(crate) fn triangle(vertices: [DVec3; 3]) -> Self {
         let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).normalize();
-        Self::Triangle { vertices, normal, vertex_uvs: [[0.0; 2]; 3], vertex_normals: None }
+        Self::Triangle(StreamTriangle { vertices, normal, vertex_normals: None }, [[0.0; 2]; 3])
     }
 }
 
@@ -51,7 +51,7 @@ impl ShapeWorld {
         let triangles = (60..90).map(|key| {
             let centre = vector(key, 0) * 3.0;
             let mut shape = TestShape::triangle([3, 6, 9].map(|at| (centre + vector(key, at)) * scale));
-            if let TestShape::Triangle { vertex_uvs, .. } = &mut shape {
+            if let TestShape::Triangle(_, vertex_uvs) = &mut shape {
                 *vertex_uvs = [12, 14, 16].map(|at| [number(key, at) as f32 * 3.0, number(key, at + 1) as f32 * 3.0]);
             }
             primitive(shape, material(key))
@@ -67,7 +67,7 @@ impl ShapeWorld {
             let hit = match &primitive.shape {
                 TestShape::Sphere(sphere) => sphere.intersect(ray, span),
                 TestShape::Plane(plane) => plane.intersect(ray, span),
-                TestShape::Triangle { vertices, .. } => watertight.intersect(*vertices, span),
+                TestShape::Triangle(triangle, _) => watertight.intersect(triangle.vertices, span),
             };
             hit.map(|hit| Hit { t: hit.t, instance: 0, primitive: at as u32, uv: hit.uv })
         });
@@ -85,7 +85,7 @@ impl SceneQueries for ShapeWorld {
         let mut hit = match *shape {
             TestShape::Sphere(sphere) => hit(sphere, t, primitive, *material, ray),
             TestShape::Plane(plane) => hit(LazyPlane { plane, needs_uv: true }, t, primitive, *material, ray),
-            TestShape::Triangle { vertices, normal, vertex_uvs, vertex_normals } => {
+            TestShape::Triangle(StreamTriangle { vertices, normal, vertex_normals }, vertex_uvs) => {
                 let mut hit = hit(TrianglePoint { vertices, uv, normal, vertex_uvs }, t, primitive, *material, ray);
                 if let Some(normals) = vertex_normals {
                     let surface = &mut hit.interaction;
@@ -126,16 +126,14 @@ impl StreamQueries for ShapeWorld {
         let shape = match shape {
             TestShape::Sphere(sphere) => StreamShape::Sphere(sphere),
             TestShape::Plane(plane) => StreamShape::Plane(plane),
-            &TestShape::Triangle { vertices, normal, vertex_normals, .. } => {
-                StreamShape::Triangle { vertices, normal, vertex_normals }
-            }
+            TestShape::Triangle(triangle, _) => StreamShape::Triangle(triangle),
         };
         Some(StreamPrimitive { shape, object: index, material: *material, light: *light })
     }
 
     fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
         match self.0[index as usize].shape {
-            TestShape::Triangle { vertex_uvs, .. } => vertex_uvs,
+            TestShape::Triangle(_, vertex_uvs) => vertex_uvs,
             _ => [[0.0; 2]; 3],
         }
     }

@@ -116,8 +116,10 @@ impl<E: Element> Spawned<E> {
             if hit == 0 {
                 continue;
             }
-            for lane in each_lane(hit) {
-                seen[paths.sample.get(at + lane) as usize].hit = true;
+            if wave.bounces == 0 {
+                for lane in each_lane(hit) {
+                    seen[paths.sample.get(at + lane) as usize].hit = true;
+                }
             }
             gather(at, hit, &mut self.gathered);
             let mask = self.gathered.valid;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     Background, BsdfCache, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, PathTracer, Phong,
-    Transport,
+    StreamTriangle, Transport,
     lane_set::Float64Lane,
     light::{Emission, EnvironmentLight, Light, LightId, LightSampling, MeshLight, QuadLight, SphereLight},
     path::{Clamp, tests::Independent},
@@ -65,7 +65,7 @@ impl Room {
         let mut world = ShapeWorld::new(8, scale);
         // Every second triangle has interpolated normals, some of which face away from the viewer.
         for (at, primitive) in world.0.iter_mut().enumerate().step_by(2) {
-            if let TestShape::Triangle { normal, vertex_normals, .. } = &mut primitive.shape {
+            if let TestShape::Triangle(StreamTriangle { normal, vertex_normals, .. }, _) = &mut primitive.shape {
                 let bent = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
                 *vertex_normals = Some([60, 63, 66].map(bent));
             }
