@@ -1,8 +1,8 @@
 //! Shading in `f32` compared with `f64`, with the same samples.
 //!
-//! Each scene file is rendered twice by `whitted`. With one sample, a pixel is one ray tree: its relative difference counts rounding
-//! errors, and trees in which a ray took another way. With more samples, the means of both images are compared. Scenes that are shaded
-//! in `f64` anyway give equal images.
+//! Each scene file is rendered twice by `whitted`, and twice by `path`. With one sample, a pixel is one ray tree or path: its relative
+//! difference counts rounding errors, and rays that took another way. With more samples, the means of both images are compared.
+//! Scenes that are shaded in `f64` anyway give equal images.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ const SAMPLES: [&str; 2] = ["4", "64"];
 
 /// Bounds of the classes of relative differences.
 const CLASSES: [f64; 5] = [1e-7, 1e-6, 1e-5, 1e-4, 1e-3];
-/// Most trees in which a ray may take another way: those that differ by more than the last class.
+/// Most trees or paths in which a ray may take another way: those that differ by more than the last class.
 const MAX_SHARE: f64 = 5e-3;
 /// Most standard errors between the means, unless the difference is below [`MAX_SHIFT`].
 const MAX_Z: f64 = 5.0;
@@ -26,19 +26,24 @@ const MAX_SHIFT: f64 = 1e-6;
 
 struct Precision {
     scene: PathBuf,
+    integrator: &'static str,
     name: String,
 }
 
-/// One unit per scene file of the project and per golden image.
+/// Integrators that may shade in `f32`.
+const INTEGRATORS: [&str; 2] = ["whitted", "path"];
+
+/// One unit per integrator, and per scene file of the project and golden image.
 pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
     let mut scenes = workspace.files("scenes", ".ron")?;
     scenes.extend(workspace.files("scenes/spd", ".nff")?);
     scenes.extend(workspace.files("tests/golden", ".ron")?);
-    let unit = |scene: PathBuf| {
-        let name = format!("precision/{}", workspace.relative(&scene.with_extension("")));
-        Box::new(Precision { scene, name }) as Box<dyn Unit>
+    let unit = |(scene, integrator): (PathBuf, &'static str)| {
+        let name = format!("precision/{integrator}/{}", workspace.relative(&scene.with_extension("")));
+        Box::new(Precision { scene, integrator, name }) as Box<dyn Unit>
     };
-    Ok(scenes.into_iter().map(unit).collect())
+    let of_scene = |scene: PathBuf| INTEGRATORS.map(|integrator| (scene.clone(), integrator));
+    Ok(scenes.into_iter().flat_map(of_scene).map(unit).collect())
 }
 
 impl Unit for Precision {
@@ -66,7 +71,8 @@ impl Precision {
     fn images(&self, context: &Context, folder: &Path, size: &[&str], spp: &str) -> Result<[Image; 2], TaskError> {
         let mut images = Vec::new();
         for precision in ["f32", "f64"] {
-            let args = size.iter().copied().chain(["--integrator", "whitted", "--precision", precision, "--spp", spp]);
+            let args =
+                size.iter().copied().chain(["--integrator", self.integrator, "--precision", precision, "--spp", spp]);
             context.renderer.render(folder, &self.scene, "linear.pfm", args)?;
             images.push(read_image(&folder.join("linear.pfm")).map_err(TaskError::other)?);
         }
@@ -120,7 +126,7 @@ impl Differences {
             .collect();
         let other_ways = self.counts[CLASSES.len()];
         findings.note(format!(
-            "ray trees by relative difference: {}, more: {:.3} %; largest {:.2e}",
+            "trees or paths by relative difference: {}, more: {:.3} %; largest {:.2e}",
             classes.join(", "),
             share(other_ways),
             self.largest
@@ -130,7 +136,7 @@ impl Differences {
         }
         if other_ways as f64 > MAX_SHARE * total as f64 {
             findings.problem(format!(
-                "{other_ways} of {total} ray trees differ by more than {:e}",
+                "{other_ways} of {total} trees or paths differ by more than {:e}",
                 CLASSES[CLASSES.len() - 1]
             ));
         }
