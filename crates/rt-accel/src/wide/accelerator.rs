@@ -158,7 +158,7 @@ impl WideBvh {
         let Some(list) = list else { return false };
         let mut open = [0; STREAM_CAPACITY / PACKET];
         let traversal = ListStream { tree: self, list, open: &mut open };
-        if !self.level.dispatch_packets(traversal, rays, &mut *results) {
+        if !self.level.dispatch_lists(traversal, rays, &mut *results) {
             return false;
         }
         for (first, open) in (0..).step_by(PACKET).zip(open) {

@@ -10,47 +10,55 @@ pub(super) const PACKET: usize = 8;
 
 /// One number of eight rays.
 #[derive(Clone, Copy)]
-pub(super) struct F64x8<S: Simd> {
-    pub(super) low: S::F64x4,
-    pub(super) high: S::F64x4,
-}
+pub(super) struct F64x8<S: Simd>(S::F64x8);
 
-/// Wraps operations on four numbers as operations on eight.
+/// Wraps operations of a level.
 macro_rules! lane_wise {
-    ($($name:ident($($other:ident),*) = $half:ident;)*) => {$(
+    ($($name:ident($($other:ident),*) = $operation:ident;)*) => {$(
         #[inline(always)]
         pub(super) fn $name(self, simd: S $(, $other: Self)*) -> Self {
-            Self { low: simd.$half(self.low $(, $other.low)*), high: simd.$half(self.high $(, $other.high)*) }
+            Self(simd.$operation(self.0 $(, $other.0)*))
         }
     )*};
 }
 
 impl<S: Simd> F64x8<S> {
     lane_wise! {
-        add(other) = add_f64;
-        sub(other) = sub_f64;
-        mul(other) = mul_f64;
-        div(other) = div_f64;
-        min(other) = min_f64;
-        max(other) = max_f64;
-        sqrt() = sqrt_f64;
-        abs() = abs_f64;
-        select_by_sign(positive, negative) = select_by_sign;
+        add(other) = add_f64x8;
+        sub(other) = sub_f64x8;
+        mul(other) = mul_f64x8;
+        div(other) = div_f64x8;
+        min(other) = min_f64x8;
+        max(other) = max_f64x8;
+        sqrt() = sqrt_f64x8;
+        abs() = abs_f64x8;
+        select_by_sign(positive, negative) = select_by_sign_f64x8;
     }
 
     #[inline(always)]
-    pub(super) fn new(simd: S, [a, b, c, d, e, f, g, h]: [f64; PACKET]) -> Self {
-        Self { low: simd.f64x4([a, b, c, d]), high: simd.f64x4([e, f, g, h]) }
+    pub(super) fn new(simd: S, of: [f64; PACKET]) -> Self {
+        Self(simd.f64x8(of))
+    }
+
+    #[inline(always)]
+    pub(super) fn from_f32(simd: S, of: [f32; PACKET]) -> Self {
+        Self(simd.to_f64x8(of))
     }
 
     #[inline(always)]
     pub(super) fn splat(simd: S, x: f64) -> Self {
-        Self { low: simd.f64x4([x; 4]), high: simd.f64x4([x; 4]) }
+        Self(simd.f64x8([x; PACKET]))
     }
 
     #[inline(always)]
     pub(super) fn splat3(simd: S, p: DVec3) -> [Self; 3] {
         [Self::splat(simd, p.x), Self::splat(simd, p.y), Self::splat(simd, p.z)]
+    }
+
+    /// The first four and the last four numbers.
+    #[inline(always)]
+    pub(super) fn halves(self, simd: S) -> [S::F64x4; 2] {
+        simd.halves(self.0)
     }
 
     /// Non-negative numbers with the signs of others.
@@ -62,51 +70,55 @@ impl<S: Simd> F64x8<S> {
     /// A bit for each lane with `self ≤ other`; never where one is NaN.
     #[inline(always)]
     pub(super) fn le(self, simd: S, other: Self) -> u32 {
-        simd.le_f64(self.low, other.low) | simd.le_f64(self.high, other.high) << 4
+        simd.le_f64x8(self.0, other.0)
     }
 
     /// A bit for each lane with `self < other`; never where one is NaN.
     #[inline(always)]
     pub(super) fn lt(self, simd: S, other: Self) -> u32 {
-        simd.lt_f64(self.low, other.low) | simd.lt_f64(self.high, other.high) << 4
+        simd.lt_f64x8(self.0, other.0)
     }
 
     /// Sign bits.
     #[inline(always)]
     pub(super) fn signs(self, simd: S) -> u32 {
-        simd.signs(self.low) | simd.signs(self.high) << 4
+        simd.signs_f64x8(self.0)
     }
 
     #[inline(always)]
     pub(super) fn to_array(self, simd: S) -> [f64; PACKET] {
-        let [a, b, c, d] = simd.to_f64_array(self.low);
-        let [e, f, g, h] = simd.to_f64_array(self.high);
+        let [low, high] = self.halves(simd);
+        let [a, b, c, d] = simd.to_f64_array(low);
+        let [e, f, g, h] = simd.to_f64_array(high);
         [a, b, c, d, e, f, g, h]
     }
 
     /// Minimum of the lanes; any of them if one is NaN.
     #[inline(always)]
     pub(super) fn reduce_min(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_f64_array(simd.min_f64(self.low, self.high));
+        let [low, high] = self.halves(simd);
+        let [a, b, c, d] = simd.to_f64_array(simd.min_f64(low, high));
         a.min(b).min(c.min(d))
     }
 
     /// Maximum of the lanes; any of them if one is NaN.
     #[inline(always)]
     pub(super) fn reduce_max(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_f64_array(simd.max_f64(self.low, self.high));
+        let [low, high] = self.halves(simd);
+        let [a, b, c, d] = simd.to_f64_array(simd.max_f64(low, high));
         a.max(b).max(c.max(d))
     }
 
     #[inline(always)]
     pub(super) fn reduce_sum(self, simd: S) -> f64 {
-        let [a, b, c, d] = simd.to_f64_array(simd.add_f64(self.low, self.high));
+        let [low, high] = self.halves(simd);
+        let [a, b, c, d] = simd.to_f64_array(simd.add_f64(low, high));
         a + b + (c + d)
     }
 
     #[inline(always)]
     pub(super) fn to_f32(self, simd: S) -> S::F32x8 {
-        simd.concat_to_f32(self.low, self.high)
+        simd.narrow_f64x8(self.0)
     }
 
     /// SIMD version of [`round_down`](super::ray::round_down).

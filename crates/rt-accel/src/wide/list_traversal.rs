@@ -162,20 +162,19 @@ fn intersect_candidates<S: Simd>(simd: S, triangles: &[&ListTriangle; PACKET], r
     }
     macro_rules! corner {
         ($at:literal) => {
-            F64x8 {
-                low: simd.to_f64([
+            F64x8::from_f32(
+                simd,
+                [
                     a.corners[first!(0) + $at],
                     b.corners[first!(1) + $at],
                     c.corners[first!(2) + $at],
                     d.corners[first!(3) + $at],
-                ]),
-                high: simd.to_f64([
                     e.corners[first!(4) + $at],
                     f.corners[first!(5) + $at],
                     g.corners[first!(6) + $at],
                     h.corners[first!(7) + $at],
-                ]),
-            }
+                ],
+            )
         };
     }
     let vertices = [

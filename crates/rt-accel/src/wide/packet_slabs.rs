@@ -54,9 +54,11 @@ impl<S: Simd> PacketSlabs<S> {
     ) -> Self {
         let zero = simd.splat(0.0);
         let mut this = Self { scale: [zero; 3], near_shift: [zero; 3], far_shift: [zero; 3], sides, min };
+        let [steepest_low, steepest_high] = steepest.halves(simd);
         for axis in 0..3 {
-            let low = SlabCoeffs::new(simd, q[axis].low, inverse[axis].low, steepest.low, size);
-            let high = SlabCoeffs::new(simd, q[axis].high, inverse[axis].high, steepest.high, size);
+            let ([q_low, q_high], [inverse_low, inverse_high]) = (q[axis].halves(simd), inverse[axis].halves(simd));
+            let low = SlabCoeffs::new(simd, q_low, inverse_low, steepest_low, size);
+            let high = SlabCoeffs::new(simd, q_high, inverse_high, steepest_high, size);
             this.scale[axis] = simd.concat_to_f32(low.scale, high.scale);
             this.near_shift[axis] = simd.concat_to_f32(low.near_shift, high.near_shift);
             this.far_shift[axis] = simd.concat_to_f32(low.far_shift, high.far_shift);

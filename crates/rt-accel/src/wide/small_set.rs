@@ -94,7 +94,7 @@ impl SmallSet {
         let mut tester = Tester { primitives, probe };
         let stats = TraversalStats::default();
         let mut batch = Batch { entries, indices: self.indices(), is_first: true, tester: &mut tester, stats };
-        let is_traced = self.level.dispatch_packets(StreamTraversal { batch: &mut batch }, rays, output);
+        let is_traced = self.level.dispatch_lists(StreamTraversal { batch: &mut batch }, rays, output);
         batch.stats.add_to(tester.probe);
         is_traced
     }
@@ -153,7 +153,7 @@ impl SmallSet {
                 [entry] if entry.is_instance() => batch.trace_instance(entry.index, rays, outputs),
                 _ => {
                     let is_traced = entries.iter().any(SetEntry::has_kernel)
-                        && self.level.dispatch_packets(&mut batch, rays, &mut *outputs);
+                        && self.level.dispatch_lists(&mut batch, rays, &mut *outputs);
                     if !is_traced {
                         batch.trace_singly(rays, outputs);
                     }

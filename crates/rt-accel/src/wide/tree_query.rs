@@ -111,7 +111,7 @@ fn trace_small<O: TreeQuery>(
         }
         let mut open = 0;
         let traversal = TriangleListTraversal { tree, list, context: &mut *context, open: &mut open };
-        if !tree.level.dispatch_packets(traversal, rays, &mut *outputs) {
+        if !tree.level.dispatch_lists(traversal, rays, &mut *outputs) {
             return false;
         }
         while open != 0 {

@@ -71,10 +71,7 @@ fn current_name(name: &str) -> &str {
 pub(super) fn simd() -> impl TypedValueParser<Value = SimdLevel> {
     named(SimdLevel::ALL, SimdLevel::name).try_map(|level| match level {
         level if level.is_available() => Ok(level),
-        level if level.is_compiled() => {
-            Err("this processor does not support it; remove --simd to use the best available")
-        }
-        _ => Err("this program is built without it; build with `--features all-simd`"),
+        _ => Err("this processor does not support it; remove --simd to use the best available"),
     })
 }
 

@@ -8,6 +8,7 @@ use core::mem::MaybeUninit;
 pub(in crate::wide) trait Simd: Copy {
     type F32x8: Copy;
     type F64x4: Copy;
+    type F64x8: Copy;
 
     /// True if a ray takes so few instructions that interleaving rays hides memory latency.
     const INTERLEAVE: bool;
@@ -88,6 +89,29 @@ pub(in crate::wide) trait Simd: Copy {
     fn signs(self, a: Self::F64x4) -> u32;
     fn lt_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
     fn le_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
+    fn f64x8(self, of: [f64; 8]) -> Self::F64x8;
+    fn to_f64x8(self, of: [f32; 8]) -> Self::F64x8;
+    /// Rounds to the nearest `f32`.
+    fn narrow_f64x8(self, a: Self::F64x8) -> Self::F32x8;
+    /// The first four and the last four numbers.
+    fn halves(self, a: Self::F64x8) -> [Self::F64x4; 2];
+    fn add_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
+    fn sub_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
+    fn mul_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
+    fn div_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
+    fn sqrt_f64x8(self, a: Self::F64x8) -> Self::F64x8;
+    fn abs_f64x8(self, a: Self::F64x8) -> Self::F64x8;
+    /// See [`min_f64`](Self::min_f64).
+    fn min_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
+    /// See [`max_f64`](Self::max_f64).
+    fn max_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
+    /// See [`select_by_sign`](Self::select_by_sign).
+    fn select_by_sign_f64x8(self, by: Self::F64x8, positive: Self::F64x8, negative: Self::F64x8) -> Self::F64x8;
+    /// Sign bits of the eight numbers.
+    fn signs_f64x8(self, a: Self::F64x8) -> u32;
+    fn lt_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> u32;
+    fn le_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> u32;
+
     /// The first three numbers in the order 1, 2, 0.
     fn yzx(self, a: Self::F64x4) -> Self::F64x4;
     /// The first three numbers in the order 2, 0, 1.
@@ -100,6 +124,70 @@ pub(in crate::wide) trait Simd: Copy {
     /// Prefetches the cache line at any address.
     fn prefetch<T>(self, line: *const T);
 }
+
+/// Eight `f64` as twice four, for levels without such vectors.
+macro_rules! f64x8_as_halves {
+    () => {
+        $crate::wide::simd::lanes::f64x8_as_halves! {
+            add_f64x8(a, b) = add_f64;
+            sub_f64x8(a, b) = sub_f64;
+            mul_f64x8(a, b) = mul_f64;
+            div_f64x8(a, b) = div_f64;
+            sqrt_f64x8(a) = sqrt_f64;
+            abs_f64x8(a) = abs_f64;
+            min_f64x8(a, b) = min_f64;
+            max_f64x8(a, b) = max_f64;
+            select_by_sign_f64x8(by, positive, negative) = select_by_sign;
+        }
+    };
+    ($($name:ident($($arg:ident),*) = $half:ident;)+) => {
+        type F64x8 = [Self::F64x4; 2];
+
+        #[inline(always)]
+        fn f64x8(self, [a, b, c, d, e, f, g, h]: [f64; 8]) -> Self::F64x8 {
+            [self.f64x4([a, b, c, d]), self.f64x4([e, f, g, h])]
+        }
+
+        #[inline(always)]
+        fn to_f64x8(self, [a, b, c, d, e, f, g, h]: [f32; 8]) -> Self::F64x8 {
+            [self.to_f64([a, b, c, d]), self.to_f64([e, f, g, h])]
+        }
+
+        #[inline(always)]
+        fn narrow_f64x8(self, [low, high]: Self::F64x8) -> Self::F32x8 {
+            self.concat_to_f32(low, high)
+        }
+
+        #[inline(always)]
+        fn halves(self, a: Self::F64x8) -> [Self::F64x4; 2] {
+            a
+        }
+
+        #[inline(always)]
+        fn signs_f64x8(self, [low, high]: Self::F64x8) -> u32 {
+            self.signs(low) | self.signs(high) << 4
+        }
+
+        #[inline(always)]
+        fn lt_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> u32 {
+            self.lt_f64(a[0], b[0]) | self.lt_f64(a[1], b[1]) << 4
+        }
+
+        #[inline(always)]
+        fn le_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> u32 {
+            self.le_f64(a[0], b[0]) | self.le_f64(a[1], b[1]) << 4
+        }
+
+        $(
+            #[inline(always)]
+            fn $name(self, $($arg: Self::F64x8),*) -> Self::F64x8 {
+                [self.$half($($arg[0]),*), self.$half($($arg[1]),*)]
+            }
+        )+
+    };
+}
+
+pub(in crate::wide) use f64x8_as_halves;
 
 /// A computation that is compiled for every level. `run` must be `#[inline(always)]`.
 ///

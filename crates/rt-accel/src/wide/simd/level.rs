@@ -7,9 +7,9 @@ use super::x86;
 
 /// Instruction set of the traversal kernels.
 ///
-/// On x86-64, the feature `all-simd` of the crate compiles AVX-512 and portable packets, which take half of the time to
-/// build the crate. Without it, AVX2 replaces AVX-512, and rays of a batch are traced one by one at the portable
-/// level. The results are the same.
+/// On x86-64, the feature `all-simd` of the crate compiles trees for AVX-512, and portable packets, which take half of the time to
+/// build the crate. Without it, AVX2 replaces AVX-512 in trees, but not in lists of few primitives, and rays of a batch are traced one
+/// by one at the portable level. The results are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SimdLevel {
@@ -17,7 +17,7 @@ pub enum SimdLevel {
     Portable,
     /// AVX2 with fused multiply-add.
     Avx2,
-    /// AVX-512 with 256-bit vectors: AVX2 plus mask registers.
+    /// AVX-512: mask registers, and eight `f64` in a vector.
     Avx512,
 }
 
@@ -39,13 +39,11 @@ impl SimdLevel {
         Self::ALL.iter().rev().copied().find(|level| level.is_available()).unwrap_or(Self::Portable)
     }
 
-    /// True if the crate was compiled with kernels of the level. AVX2 needs a target of x86-64, and AVX-512 also the feature
-    /// `all-simd`.
+    /// True if the crate was compiled with kernels of the level. AVX2 and AVX-512 need a target of x86-64.
     pub const fn is_compiled(self) -> bool {
         match self {
             Self::Portable => true,
-            Self::Avx2 => cfg!(target_arch = "x86_64"),
-            Self::Avx512 => cfg!(all(target_arch = "x86_64", feature = "all-simd")),
+            Self::Avx2 | Self::Avx512 => cfg!(target_arch = "x86_64"),
         }
     }
 
@@ -61,7 +59,7 @@ pub(in crate::wide) enum DetectedSimd {
     Portable(Portable),
     #[cfg(target_arch = "x86_64")]
     Avx2(x86::Avx2),
-    #[cfg(all(target_arch = "x86_64", feature = "all-simd"))]
+    #[cfg(target_arch = "x86_64")]
     Avx512(x86::Avx512),
 }
 
@@ -78,9 +76,9 @@ impl DetectedSimd {
             SimdLevel::Portable => Some(Self::Portable(Portable)),
             #[cfg(target_arch = "x86_64")]
             SimdLevel::Avx2 => x86::Avx2::detect().map(Self::Avx2),
-            #[cfg(all(target_arch = "x86_64", feature = "all-simd"))]
+            #[cfg(target_arch = "x86_64")]
             SimdLevel::Avx512 => x86::Avx512::detect().map(Self::Avx512),
-            #[cfg(not(all(target_arch = "x86_64", feature = "all-simd")))]
+            #[cfg(not(target_arch = "x86_64"))]
             _ => None,
         }
     }
@@ -90,7 +88,7 @@ impl DetectedSimd {
             Self::Portable(_) => SimdLevel::Portable,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(_) => SimdLevel::Avx2,
-            #[cfg(all(target_arch = "x86_64", feature = "all-simd"))]
+            #[cfg(target_arch = "x86_64")]
             Self::Avx512(_) => SimdLevel::Avx512,
         }
     }
@@ -104,6 +102,8 @@ impl DetectedSimd {
             Self::Avx2(simd) => simd.dispatch(kernel, a, b),
             #[cfg(all(target_arch = "x86_64", feature = "all-simd"))]
             Self::Avx512(simd) => simd.dispatch(kernel, a, b),
+            #[cfg(all(target_arch = "x86_64", not(feature = "all-simd")))]
+            Self::Avx512(simd) => simd.as_avx2().dispatch(kernel, a, b),
         }
     }
 
@@ -120,6 +120,20 @@ impl DetectedSimd {
             Self::Avx2(simd) => simd.dispatch(kernel, a, b),
             #[cfg(all(target_arch = "x86_64", feature = "all-simd"))]
             Self::Avx512(simd) => simd.dispatch(kernel, a, b),
+            #[cfg(all(target_arch = "x86_64", not(feature = "all-simd")))]
+            Self::Avx512(simd) => simd.as_avx2().dispatch(kernel, a, b),
+        }
+        true
+    }
+
+    /// Version of [`dispatch_packets`](Self::dispatch_packets) for small kernels, which are always compiled for AVX-512.
+    #[must_use]
+    #[inline(always)]
+    pub(in crate::wide) fn dispatch_lists<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(simd) => simd.dispatch(kernel, a, b),
+            _ => return self.dispatch_packets(kernel, a, b),
         }
         true
     }

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use glam::Vec4;
 
-use super::lanes::{Simd, WithSimd};
+use super::lanes::{Simd, WithSimd, f64x8_as_halves};
 
 /// Proof of instructions that every processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +44,8 @@ macro_rules! methods {
 impl Simd for Portable {
     type F32x8 = F32x8;
     type F64x4 = F64x4;
+
+    f64x8_as_halves!();
 
     const FUSED: bool = false;
     const INTERLEAVE: bool = false;

@@ -6,7 +6,7 @@
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 
-use super::lanes::{Simd, WithSimd};
+use super::lanes::{Simd, WithSimd, f64x8_as_halves};
 
 /// Sorts eight numbers in descending order by a bitonic network (Batcher 1968), without branches.
 ///
@@ -225,7 +225,6 @@ level!(
     /// AVX2 and FMA.
     Avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt", ["avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"]
 );
-#[cfg(feature = "all-simd")]
 level!(
     /// AVX-512 with vectors of any length.
     Avx512,
@@ -233,8 +232,17 @@ level!(
     ["avx512f", "avx512vl", "avx512dq", "avx512bw", "avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"]
 );
 
+#[cfg(not(feature = "all-simd"))]
+impl Avx512 {
+    /// The level below.
+    pub(super) const fn as_avx2(self) -> Avx2 {
+        Avx2(())
+    }
+}
+
 impl Simd for Avx2 {
     common_methods!();
+    f64x8_as_halves!();
     methods! {
         fn le(a: __m256, b: __m256) -> u32 { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32 }
         fn lt(a: __m256, b: __m256) -> u32 { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32 }
@@ -246,10 +254,35 @@ impl Simd for Avx2 {
     }
 }
 
-#[cfg(feature = "all-simd")]
 impl Simd for Avx512 {
+    type F64x8 = __m512d;
+
     common_methods!();
     methods! {
+        fn f64x8(of: [f64; 8]) -> __m512d {
+            let [a, b, c, d, e, f, g, h] = of;
+            _mm512_setr_pd(a, b, c, d, e, f, g, h)
+        }
+        fn to_f64x8(of: [f32; 8]) -> __m512d {
+            let [a, b, c, d, e, f, g, h] = of;
+            _mm512_cvtps_pd(_mm256_setr_ps(a, b, c, d, e, f, g, h))
+        }
+        fn narrow_f64x8(a: __m512d) -> __m256 { _mm512_cvtpd_ps(a) }
+        fn halves(a: __m512d) -> [__m256d; 2] { [_mm512_castpd512_pd256(a), _mm512_extractf64x4_pd::<1>(a)] }
+        fn add_f64x8(a: __m512d, b: __m512d) -> __m512d { _mm512_add_pd(a, b) }
+        fn sub_f64x8(a: __m512d, b: __m512d) -> __m512d { _mm512_sub_pd(a, b) }
+        fn mul_f64x8(a: __m512d, b: __m512d) -> __m512d { _mm512_mul_pd(a, b) }
+        fn div_f64x8(a: __m512d, b: __m512d) -> __m512d { _mm512_div_pd(a, b) }
+        fn sqrt_f64x8(a: __m512d) -> __m512d { _mm512_sqrt_pd(a) }
+        fn abs_f64x8(a: __m512d) -> __m512d { _mm512_abs_pd(a) }
+        fn min_f64x8(a: __m512d, b: __m512d) -> __m512d { _mm512_min_pd(a, b) }
+        fn max_f64x8(a: __m512d, b: __m512d) -> __m512d { _mm512_max_pd(a, b) }
+        fn select_by_sign_f64x8(by: __m512d, positive: __m512d, negative: __m512d) -> __m512d {
+            _mm512_mask_blend_pd(_mm512_movepi64_mask(_mm512_castpd_si512(by)), positive, negative)
+        }
+        fn signs_f64x8(a: __m512d) -> u32 { u32::from(_mm512_movepi64_mask(_mm512_castpd_si512(a))) }
+        fn lt_f64x8(a: __m512d, b: __m512d) -> u32 { u32::from(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)) }
+        fn le_f64x8(a: __m512d, b: __m512d) -> u32 { u32::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b)) }
         fn le(a: __m256, b: __m256) -> u32 { u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b)) }
         fn lt(a: __m256, b: __m256) -> u32 { u32::from(_mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b)) }
         fn select(mask: u32, a: __m256, b: __m256) -> __m256 { _mm256_mask_blend_ps(mask as u8, b, a) }
