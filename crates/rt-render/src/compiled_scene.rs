@@ -124,9 +124,9 @@ impl<'s> CompiledScene<'s> {
 fn whitted_streams(appearance: &Appearance, world: &Instances<'_>) -> bool {
     let materials = &appearance.materials;
     let is_textured = |material: u32| materials.get(material as usize).is_none_or(Material::is_textured);
-    // A textured sphere needs texture coordinates, which lanes do not compute.
+    // Lanes do not compute texture coordinates of spheres and polygons.
     let is_supported = |primitive: StreamPrimitive<'_>| match primitive.shape {
-        StreamShape::Sphere(_) => !is_textured(primitive.material),
+        StreamShape::Sphere(_) | StreamShape::Polygon(_) => !is_textured(primitive.material),
         StreamShape::Plane(_) => true,
         StreamShape::Triangle(triangle) => triangle.vertex_normals.is_none(),
     };

@@ -249,7 +249,7 @@ impl Instances<'_> {
         }
     }
 
-    /// An instance as a primitive that is shaded in lanes: a sphere, a plane or a triangle, without transform. `None` for all
+    /// An instance as a primitive that is shaded in lanes: a sphere, a plane, a polygon or a triangle, without transform. `None` for all
     /// others.
     #[inline(always)]
     pub(crate) fn stream_primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
@@ -258,6 +258,7 @@ impl Instances<'_> {
         let shape = match &instance.geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => StreamShape::Sphere(sphere),
             InstanceGeometry::Shape(Shape::Plane(plane)) => StreamShape::Plane(plane),
+            InstanceGeometry::Shape(Shape::Polygon(polygon)) => StreamShape::Polygon(polygon.plane()),
             InstanceGeometry::Triangle(triangle) => {
                 of_mesh = Some(triangle.index);
                 StreamShape::Triangle(&triangle.shape)

@@ -24,6 +24,8 @@ pub enum StreamShape<'w> {
     Sphere(&'w Sphere),
     /// An infinite plane.
     Plane(&'w Plane),
+    /// A polygon in this plane. Texture coordinates are 0.
+    Polygon(&'w Plane),
     /// A triangle.
     Triangle(&'w StreamTriangle),
 }

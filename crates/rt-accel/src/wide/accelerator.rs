@@ -111,7 +111,7 @@ impl WideBvh {
     }
 
     /// Version of [`closest_batch`](Accelerator::closest_batch) for a stream of rays of any directions. Returns false, without any result,
-    /// unless the tree is small and all its primitives are exact triangles. So it does for a probe that counts work.
+    /// unless the tree is small and most of its primitives are exact triangles. So it does for a probe that counts work.
     #[must_use]
     pub fn closest_stream<P: Primitives, S: Probe>(
         &self,
@@ -154,8 +154,7 @@ impl WideBvh {
     where
         for<'q, 'r> ListStream<'q>: WithSimd<&'r RayStream, &'r mut R>,
     {
-        let list = self.list.as_ref().filter(|list| list.others.is_empty() && !counts_work);
-        let Some(list) = list else { return false };
+        let Some(list) = self.list.as_ref().filter(|_| !counts_work) else { return false };
         let mut open = [0; STREAM_CAPACITY / PACKET];
         let traversal = ListStream { tree: self, list, open: &mut open };
         if !self.level.dispatch_lists(traversal, rays, &mut *results) {

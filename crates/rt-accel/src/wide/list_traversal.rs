@@ -20,7 +20,7 @@ use super::packet_triangles::intersect_each;
 use super::query::Output;
 use super::ray_soa::{PacketHit, RaySoa8, pad_to_packet};
 use super::simd::{Simd, WithSimd, take_lane};
-use super::triangle_list::{ListTriangle, MAX_TRIANGLES, NORMAL_ERROR, TriangleList};
+use super::triangle_list::{ListOther, ListTriangle, MAX_TRIANGLES, NORMAL_ERROR, TriangleList};
 
 /// Last bits of a key: the number of a triangle. The others are those of a lower bound of `t`.
 const NUMBER: u32 = MAX_TRIANGLES as u32 - 1;
@@ -239,6 +239,32 @@ struct ExactHits<'l, S: Simd> {
     uv: [F64x8<S>; 2],
 }
 
+impl ListOther {
+    /// Rays of a mask that cross the padded bounds within their spans.
+    #[inline(always)]
+    fn crossed<S: Simd>(&self, simd: S, soa: &RaySoa8<S>, mask: u32) -> (u32, F64x8<S>) {
+        let (low, high) = (F64x8::splat3(simd, self.bounds.min), F64x8::splat3(simd, self.bounds.max));
+        let zero = F64x8::splat(simd, 0.0);
+        let [enter, leave] = soa.cross_box(simd, low, high, zero);
+        let enter = enter.mul(simd, F64x8::splat(simd, 1.0 - BOX_SLACK)).max(simd, soa.min);
+        let leave = leave.mul(simd, F64x8::splat(simd, 1.0 + BOX_SLACK)).min(simd, soa.max);
+        // Planes that a ray lies in are no constraint.
+        let [x, y, z] = soa.direction;
+        let along_planes = x.abs(simd).le(simd, zero) | y.abs(simd).le(simd, zero) | z.abs(simd).le(simd, zero);
+        (mask & (along_planes | enter.le(simd, leave)), enter)
+    }
+
+    /// Rays of a mask that may hit it before the triangle that they hit.
+    #[inline(always)]
+    fn may_be_hit<S: Simd>(&self, simd: S, soa: &RaySoa8<S>, mask: u32, hits: &ListHits<'_, S>) -> u32 {
+        let (crossed, enter) = self.crossed(simd, soa, mask);
+        match &hits.exact {
+            Some(exact) => crossed & (!hits.hit | enter.le(simd, exact.t)),
+            None => crossed,
+        }
+    }
+}
+
 /// Finds the hits of `all` of eight rays with the triangles of a list.
 #[inline(always)]
 fn find<'l, S: Simd, O: Output>(
@@ -292,7 +318,7 @@ fn find<'l, S: Simd, O: Output>(
     ListHits { hit: hit & all & !open, open, exact }
 }
 
-/// Traces a stream through the list of a tree, all of whose primitives are triangles of the list.
+/// Traces a stream through the list of a tree. A ray that may hit a primitive that is no triangle has no result.
 pub(super) struct ListStream<'q> {
     pub(super) tree: &'q WideBvh,
     pub(super) list: &'q TriangleList,
@@ -305,7 +331,15 @@ impl ListStream<'_> {
     fn trace<S: Simd, O: Output>(self, simd: S, rays: &RayStream, mut write: impl FnMut(usize, ListHits<'_, S>)) {
         for (at, open) in (0..rays.len()).step_by(PACKET).zip(self.open) {
             let all = (1 << (rays.len() - at).min(PACKET)) - 1;
-            let hits = find::<S, O>(simd, self.tree, self.list, &RaySoa8::load(simd, rays, at), all);
+            let soa = RaySoa8::load(simd, rays, at);
+            let mut hits = find::<S, O>(simd, self.tree, self.list, &soa, all);
+            for other in &self.list.others {
+                if !O::ANY_HIT || other.casts_shadow {
+                    let decided = all & !hits.open & if O::ANY_HIT { !hits.hit } else { !0 };
+                    hits.open |= other.may_be_hit(simd, &soa, decided, &hits);
+                }
+            }
+            hits.hit &= !hits.open;
             *open = hits.open as u8;
             write(at, hits);
         }
@@ -402,15 +436,7 @@ impl<O: Output> TriangleListTraversal<'_, '_, O> {
             if mask == 0 || O::ANY_HIT && !other.casts_shadow {
                 continue;
             }
-            let (low, high) = (F64x8::splat3(simd, other.bounds.min), F64x8::splat3(simd, other.bounds.max));
-            let zero = F64x8::splat(simd, 0.0);
-            let [enter, leave] = soa.cross_box(simd, low, high, zero);
-            let enter = enter.mul(simd, F64x8::splat(simd, 1.0 - BOX_SLACK));
-            let leave = leave.mul(simd, F64x8::splat(simd, 1.0 + BOX_SLACK));
-            // Planes that a ray lies in are no constraint.
-            let [x, y, z] = soa.direction;
-            let along_planes = x.abs(simd).le(simd, zero) | y.abs(simd).le(simd, zero) | z.abs(simd).le(simd, zero);
-            let mut possible = mask & (along_planes | enter.max(simd, soa.min).le(simd, leave));
+            let (mut possible, _) = other.crossed(simd, soa, mask);
             while possible != 0 {
                 let lane = take_lane(&mut possible);
                 let (ray, span) = &rays[lane];

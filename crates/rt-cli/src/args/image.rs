@@ -73,7 +73,7 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "Rendering")]
     pub(crate) simd: Option<SimdLevel>,
 
-    /// Choose the numbers in which surfaces are shaded: `f32` for spheres, planes and small flat meshes under `whitted`, elsewhere `f64`; or
+    /// Choose the numbers in which surfaces are shaded: `f32` for simple scenes of spheres, planes and small meshes, elsewhere `f64`; or
     /// `f64` everywhere, as reference
     #[arg(long, value_name = "NAME", value_parser = named(Precision::ALL, Precision::name), default_value = "f32", help_heading = "Rendering")]
     pub(crate) precision: Precision,

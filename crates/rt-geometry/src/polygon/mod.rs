@@ -131,6 +131,11 @@ impl Polygon {
         self.rule.is_inside(self.rings(), &WatertightRay::new(ray)).then_some(hit)
     }
 
+    /// Plane of the polygon: the surface at its hits is that of the plane, but for texture coordinates.
+    pub const fn plane(&self) -> &Plane {
+        &self.plane
+    }
+
     /// The surface at a hit of [`intersect`](Self::intersect).
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit, needs: InteractionFlags) -> SurfaceInteraction {
         let surface = self.plane.surface(ray, hit, needs);

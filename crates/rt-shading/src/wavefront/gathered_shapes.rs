@@ -11,7 +11,7 @@ use rt_math::DVec3;
 pub(crate) struct GatheredShapes {
     /// Lanes of spheres, with the centre as first corner and the radius as first coordinate of the normal.
     pub(crate) spheres: u8,
-    /// Lanes of planes, with a point as first corner.
+    /// Lanes of planes and polygons, with a point of the plane as first corner.
     pub(crate) planes: u8,
     /// Lanes of triangles with interpolated normals.
     pub(crate) smooth: u8,
@@ -40,7 +40,7 @@ impl GatheredShapes {
                 set(a, lane, sphere.centre());
                 DVec3::splat(sphere.radius())
             }
-            StreamShape::Plane(plane) => {
+            StreamShape::Plane(plane) | StreamShape::Polygon(plane) => {
                 self.planes |= 1 << lane;
                 set(a, lane, plane.point());
                 plane.normal()

@@ -31,7 +31,9 @@ impl<L: LaneSet> HitPoints<L> {
             StreamShape::Sphere(sphere) => {
                 ray.on_sphere(lanes.splat_point(sphere.centre()), lanes.splat_f64(sphere.radius()))
             }
-            StreamShape::Plane(plane) => ray.on_plane([plane.point(), plane.normal()].map(|p| lanes.splat_point(p))),
+            StreamShape::Plane(plane) | StreamShape::Polygon(plane) => {
+                ray.on_plane([plane.point(), plane.normal()].map(|p| lanes.splat_point(p)))
+            }
             StreamShape::Triangle(StreamTriangle { vertices: [a, b, c], normal, .. }) => {
                 let corners = [lanes.splat_point(*a), lanes.splat_point(*b), lanes.splat_point(*c)];
                 let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
@@ -95,7 +97,7 @@ impl<L: LaneSet> HitPoints<L> {
         side: f64,
     ) -> u8 {
         let [u, v] = match shape {
-            StreamShape::Sphere(_) => return 0,
+            StreamShape::Sphere(_) | StreamShape::Polygon(_) => return 0,
             StreamShape::Plane(plane) => {
                 let (point, normal) = (lanes.splat_point(plane.point()), lanes.splat_point(plane.normal()));
                 plane_uv(point, normal, [self.origin, self.direction], self.t)

@@ -39,15 +39,7 @@ impl SimdLevel {
         Self::ALL.iter().rev().copied().find(|level| level.is_available()).unwrap_or(Self::Portable)
     }
 
-    /// True if the crate was compiled with kernels of the level. AVX2 and AVX-512 need a target of x86-64.
-    pub const fn is_compiled(self) -> bool {
-        match self {
-            Self::Portable => true,
-            Self::Avx2 | Self::Avx512 => cfg!(target_arch = "x86_64"),
-        }
-    }
-
-    /// True if this processor supports the level, and the level is compiled.
+    /// True if this processor supports the level.
     pub fn is_available(self) -> bool {
         DetectedSimd::detect(self).is_some()
     }
@@ -160,7 +152,6 @@ mod tests {
         for (i, &level) in SimdLevel::ALL.iter().enumerate() {
             let expected = SimdLevel::ALL[..=i].iter().rev().find(|level| level.is_available());
             assert_eq!(Some(&DetectedSimd::new(level).level()), expected);
-            assert!(level.is_compiled() || !level.is_available());
         }
         assert!(SimdLevel::Portable.is_available());
     }

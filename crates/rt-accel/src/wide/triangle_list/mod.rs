@@ -3,5 +3,5 @@
 mod entry;
 mod list;
 
-pub(super) use entry::{FilterPair, FilterTriangle, ListTriangle, NORMAL_ERROR};
+pub(super) use entry::{FilterPair, FilterTriangle, ListOther, ListTriangle, NORMAL_ERROR};
 pub(super) use list::{MAX_TRIANGLES, TriangleList};

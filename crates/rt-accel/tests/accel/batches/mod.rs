@@ -5,6 +5,7 @@ use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
 use rt_accel::{Aabb, DVec3, Hit, Interval, Ray};
+use rt_geometry::{HitStream, RayStream};
 
 /// Traces a batch for closest and any hits: of trees and of small sets, which share no trait.
 macro_rules! trace_batch {
@@ -13,6 +14,17 @@ macro_rules! trace_batch {
         $accel.closest_batch($primitives, $rays, &mut hits, $counters);
         $accel.occluded_batch($primitives, $rays, &mut occluded, $counters);
         (hits, occluded)
+    }};
+}
+
+/// Version of `trace_batch` for a stream; `None` if there are no kernels for streams.
+macro_rules! trace_stream {
+    ($accel:expr, $primitives:expr, $rays:expr, $counters:expr) => {{
+        let (stream, mut hits) = (super::stream_of($rays), rt_geometry::HitStream::default());
+        let mut occluded = vec![false; $rays.len()];
+        let is_traced = $accel.closest_stream($primitives, &stream, &mut hits, $counters);
+        assert_eq!($accel.occluded_stream($primitives, &stream, &mut occluded, $counters), is_traced);
+        is_traced.then(|| (super::hits_of(&hits, $rays.len()), occluded))
     }};
 }
 
@@ -49,6 +61,21 @@ fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> 
     }
     rays.truncate(n_rays);
     rays
+}
+
+fn stream_of(rays: &[(Ray, Interval)]) -> RayStream {
+    let mut stream = RayStream::default();
+    rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+    stream
+}
+
+fn hits_of(hits: &HitStream, count: usize) -> Vec<Option<Hit>> {
+    let hit = |at| {
+        let (t, primitive, [u, v]) = (hits.t.get(at), hits.primitive.get(at), &hits.uv);
+        let hit = Hit { t, instance: 0, primitive, uv: [u.get(at), v.get(at)] };
+        (primitive != HitStream::NONE).then_some(hit)
+    };
+    (0..count).map(hit).collect()
 }
 
 fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {

@@ -4,34 +4,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SmallSet;
 use rt_accel::{
-    Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray,
-    SphereKernel, brute_force,
+    Aabb, Accelerator, Counters, DVec3, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray, SphereKernel,
+    brute_force,
 };
-use rt_geometry::{HitStream, RayStream, STREAM_CAPACITY};
+use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;
 
 use super::{bundles, key, levels, with_odd_ones};
 use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup};
-
-/// Closest hits and occlusion of rays as a stream.
-fn trace_stream(
-    set: &SmallSet,
-    soup: &Soup,
-    rays: &[(Ray, Interval)],
-    counters: &mut Counters,
-) -> (Vec<Option<Hit>>, Vec<bool>) {
-    let (mut stream, mut hits, mut occluded) = (RayStream::default(), HitStream::default(), vec![false; rays.len()]);
-    rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
-    assert!(set.closest_stream(soup, &stream, &mut hits, counters));
-    assert!(set.occluded_stream(soup, &stream, &mut occluded, counters));
-    let hit = |at| {
-        let (t, primitive, [u, v]) = (hits.t.get(at), hits.primitive.get(at), &hits.uv);
-        let hit = Hit { t, instance: 0, primitive, uv: [u.get(at), v.get(at)] };
-        (primitive != HitStream::NONE).then_some(hit)
-    };
-    ((0..rays.len()).map(hit).collect(), occluded)
-}
 
 /// Bit-identical results, and equal counters.
 #[test]
@@ -72,7 +53,8 @@ fn small_sets_equal_brute_force() {
                 let (of_all, blocked) = trace_batch!(all, &soup, rays, &mut counted[0]);
                 let (of_linear, blocked_by_linear) = trace_batch!(linear, &soup, rays, &mut counted[1]);
                 let (of_some, blocked_by_some) = trace_batch!(some, &soup, rays, &mut counted[2]);
-                let streamed = trace_stream(&all, &soup, rays, &mut counted_by_streams);
+                let streamed =
+                    trace_stream!(all, &soup, rays, &mut counted_by_streams).expect("a set without instances");
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     assert_eq!((key(streamed.0[i]), streamed.1[i]), (key(of_all[i]), blocked[i]), "{name}");

@@ -1,7 +1,7 @@
 //! Batches of rays through trees of so few triangles that incoherent rays are tested against all of them.
 
 use rt_accel::{Aabb, Accelerator, Counters, DVec3, Interval, NoProbe, Ray, WideBvh, brute_force};
-use rt_geometry::{InteractionFlags, Probe, ShapeHit, Triangle};
+use rt_geometry::{InteractionFlags, Probe, STREAM_CAPACITY, ShapeHit, Triangle};
 use rt_math::Vec3;
 
 use super::{bundles, key, levels, with_odd_ones};
@@ -22,13 +22,25 @@ impl Probe for NodesOfOpenRays {
     }
 }
 
-/// Compares batches of many sizes with brute force; returns the number of hits.
-fn compare(name: &str, tree: &WideBvh, soup: &Soup, rays: &[(Ray, Interval)], draw: &mut Draw) -> usize {
+/// Compares batches of many sizes with brute force, and streams with batches; returns the number of hits.
+fn compare(
+    name: &str,
+    tree: &WideBvh,
+    soup: &Soup,
+    rays: &[(Ray, Interval)],
+    (draw, n_streamed): (&mut Draw, &mut usize),
+) -> usize {
     let (mut n_hits, mut first) = (0, 0);
     while first < rays.len() {
-        let n = draw.pick(&[1, 2, 3, 5, 8, 13, 64, 100, 300]).min(rays.len() - first);
+        let n = draw.pick(&[1, 2, 3, 5, 8, 13, 64, 100, STREAM_CAPACITY]).min(rays.len() - first);
         let rays = &rays[first..first + n];
         let (hits, occluded) = trace_batch!(tree, soup, rays, &mut NoProbe);
+        if let Some((streamed, occluded_in_stream)) = trace_stream!(tree, soup, rays, &mut NoProbe) {
+            *n_streamed += n;
+            for (i, hit) in streamed.into_iter().enumerate() {
+                assert_eq!((key(hit), occluded_in_stream[i]), (key(hits[i]), occluded[i]), "{name}: {:?}", rays[i]);
+            }
+        }
         for (i, (ray, span)) in rays.iter().enumerate() {
             let expected = brute_force::closest(soup, ray, *span, &mut NoProbe);
             assert_eq!(key(hits[i]), key(expected), "{name}: {ray:?} {span:?}");
@@ -93,7 +105,7 @@ fn batches_through_few_triangles_equal_brute_force() {
     let seed = Draw::run_seed();
     println!("small trees: seed {seed}");
     let draw = &mut Draw::new(seed);
-    let mut n_hits = 0;
+    let (mut n_hits, mut n_streamed) = (0, 0);
     for round in 0..60 {
         let mut soup = if round % 2 == 0 { boxes_in_a_box(draw) } else { Soup::facets(draw) };
         let n = draw.pick(&[1, 2, 9, 16, 31, 40, 64, 70]).min(soup.0.len());
@@ -124,10 +136,10 @@ fn batches_through_few_triangles_equal_brute_force() {
         for level in levels() {
             let tree = WideBvh::build(&soup).unwrap().with_level(level);
             let name = format!("round {round}, {n} at {scale:e} and {offset:e}, {}", level.name());
-            n_hits += compare(&name, &tree, &soup, &rays, draw);
+            n_hits += compare(&name, &tree, &soup, &rays, (draw, &mut n_streamed));
         }
     }
-    assert!(n_hits > 30_000, "{n_hits} hits");
+    assert!(n_hits > 30_000 && n_streamed > 30_000, "{n_hits} hits, {n_streamed} rays of streams");
 }
 
 /// Results would also be right if all rays were left open, so this test counts nodes. Every ray starts on a triangle, and most
@@ -150,8 +162,20 @@ fn few_rays_need_the_nodes_of_a_small_tree() {
         let direction = surface.geometric_normal * side + draw.point() * 0.57;
         rays.push((surface.spawn_ray(direction, 0.0), Interval::SPAWNED));
     }
+    // Rays that end just before a triangle, as those to lamps do.
+    let mut segments = Vec::new();
+    for (ray, _) in &rays {
+        let Solid::Facet([a, b, c]) = draw.pick(&soup.0) else { continue };
+        let target = a.lerp(b, draw.between(0.1, 0.9) as f32).lerp(c, draw.between(0.1, 0.9) as f32).as_dvec3();
+        let direction = (target - ray.origin) * (1.0 - 1e-12);
+        segments.push((Ray { direction, ..*ray }, Interval::SEGMENT));
+    }
     for level in levels() {
         let tree = WideBvh::build(&soup).unwrap().with_level(level);
+        let (mut occluded, mut to_lamps) = (vec![false; segments.len()], NodesOfOpenRays::default());
+        tree.occluded_batch(&soup, &segments, &mut occluded, &mut to_lamps);
+        let n_free = occluded.iter().filter(|is_occluded| !**is_occluded).count();
+        assert!(n_free > 300 && to_lamps.0 <= 100, "{}: {} nodes, {n_free} rays free", level.name(), to_lamps.0);
         let (mut closest, mut any) = (NodesOfOpenRays::default(), NodesOfOpenRays::default());
         tree.closest_batch(&soup, &rays, &mut vec![None; rays.len()], &mut closest);
         tree.occluded_batch(&soup, &rays, &mut vec![false; rays.len()], &mut any);
