@@ -91,7 +91,8 @@ impl MaterialModel {
             }
             Self::Mix(parts) => {
                 let mut lobes = LobeList::default();
-                for (weight, part) in parts {
+                // A light that reflects as well is a mix with a part that reflects nothing.
+                for (weight, part) in parts.iter().filter(|(_, part)| *part != Self::Black) {
                     lobes.push_all(*weight, &part.bsdf(at));
                 }
                 lobes.into_bsdf()
