@@ -100,6 +100,8 @@ impl TriangleMesh {
     pub fn unit_normal(&self, triangle: u32) -> Option<DVec3> {
         self.data.triangles.get(triangle as usize).map(|&triangle| unit_normal(self.corners(triangle)))
     }
+
+    /// Interpolated normal and lifted point.
     #[inline(always)]
     fn smooth(
         &self,

@@ -39,7 +39,7 @@ pub(crate) struct CompiledScene<'s> {
     /// Lights that light tracing starts from, if the integrator traces light.
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) features: ShadingFeatures,
-    /// True if `whitted` may shade the scene in `f32`, as a stream of rays.
+    /// True if the integrator may shade the scene in `f32`, as streams of rays.
     pub(crate) has_stream_primitives: bool,
     /// True if a material in use emits light.
     pub(crate) has_emission: bool,

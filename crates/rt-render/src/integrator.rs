@@ -43,10 +43,6 @@ impl IntegratorState {
         }
     }
 
-    pub(crate) const fn is_whitted(&self) -> bool {
-        matches!(self, Self::Whitted)
-    }
-
     /// True if it takes random numbers after those of the camera ray.
     pub(crate) const fn uses_samplers(&self) -> bool {
         matches!(self, Self::Path(_) | Self::AmbientOcclusion(_))

@@ -55,8 +55,8 @@ impl ThreadState {
         if let Some(level) = lanes {
             whitted.shade_in_lanes(level, &plan.scene.appearance);
         }
-        let shades_streams = |is_whitted| plan.shades_streams() && is_whitted == plan.integrator.is_whitted();
-        let wavefront_whitted = shades_streams(true).then(|| {
+        let is_whitted = matches!(plan.integrator, IntegratorState::Whitted);
+        let wavefront_whitted = (plan.shades_streams() && is_whitted).then(|| {
             let mut wavefront = WavefrontWhitted::new(
                 settings.depth,
                 settings.min_contribution,
@@ -66,7 +66,7 @@ impl ThreadState {
             wavefront.set_lanes(lanes);
             wavefront
         });
-        let wavefront_paths = shades_streams(false).then(|| {
+        let wavefront_paths = (plan.shades_streams() && !is_whitted).then(|| {
             let mut wavefront =
                 WavefrontPathTracer::new(plan.integrator.path_settings(), plan.scene.features, &plan.scene.appearance);
             wavefront.set_lanes(lanes);

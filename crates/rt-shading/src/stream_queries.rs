@@ -4,7 +4,7 @@ use crate::{SceneQueries, light::LightId};
 use rt_geometry::{HitStream, Plane, RayKind, RayStream, Sphere};
 use rt_math::{DVec3, Vec3};
 
-/// Primitive of a world whose primitives are spheres, planes and flat triangles.
+/// Primitive of a world whose primitives are spheres, planes, polygons and triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreamPrimitive<'w> {
     /// The shape, in world space.

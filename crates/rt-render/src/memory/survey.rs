@@ -10,6 +10,7 @@ use crate::{
     RenderError,
     accel_choice::{AccelOptions, MAX_LINEAR, choose},
     flatten::{MAX_INLINED_TRIANGLES, count_group_uses, group_of},
+    inlined_triangle::InlinedTriangle,
     instance::{Animated, Instance},
 };
 
@@ -170,7 +171,10 @@ impl<'s> Surveyor<'s, '_> {
                 match &node.content {
                     None => {}
                     Some(Content::Shape(shape)) => sum.add(1, each + shape_bytes(shape)),
-                    Some(Content::Mesh(id)) => sum.add(self.mesh(node, *id, is_untransformed), each),
+                    Some(Content::Mesh(id)) => match self.inlined_triangles(node, *id, is_untransformed) {
+                        Some(triangles) => sum.add(triangles, each + size_of::<InlinedTriangle>() as u64 + HEADER),
+                        None => sum.add(self.mesh(node, *id), each),
+                    },
                     Some(Content::Instance(id)) => match (within_group, self.group_uses[id.0 as usize]) {
                         (false, 1) => open.push((&group_of(self.scene, node, *id)?.nodes, is_untransformed)),
                         (false, _) => {
@@ -189,15 +193,19 @@ impl<'s> Surveyor<'s, '_> {
         Ok(sum)
     }
 
+    /// Number of triangles of a mesh that are instances of their own; `None` for a mesh with its own level.
+    fn inlined_triangles(&self, node: &SceneNode, id: MeshId, is_untransformed: bool) -> Option<u64> {
+        let triangles = self.scene.meshes.get(id.0 as usize)?.mesh.data().triangles.len();
+        let material = self.scene.appearance.materials.get(node.material.0 as usize);
+        let is_plain = material.is_none_or(|m| m.normal_map.is_none() && m.alpha == rt_shading::Alpha::OPAQUE);
+        (triangles <= MAX_INLINED_TRIANGLES && is_untransformed && is_plain).then_some(triangles as u64)
+    }
+
     /// Number of instances of a mesh. Its level is added on the first use.
-    fn mesh(&mut self, node: &SceneNode, id: MeshId, is_untransformed: bool) -> u64 {
+    fn mesh(&mut self, node: &SceneNode, id: MeshId) -> u64 {
         let Some(named) = self.scene.meshes.get(id.0 as usize) else { return 0 };
         let triangles = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
-        let is_plain = material.is_none_or(|m| m.normal_map.is_none() && m.alpha == rt_shading::Alpha::OPAQUE);
-        if triangles <= MAX_INLINED_TRIANGLES && is_untransformed && is_plain {
-            return triangles as u64;
-        }
         let alpha_test = material.filter(|m| m.alpha != rt_shading::Alpha::OPAQUE).map(|_| node.material.0);
         if self.meshes.insert((id.0, alpha_test)) {
             self.add_accel(triangles as u64, || {

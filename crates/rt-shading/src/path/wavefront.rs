@@ -6,7 +6,7 @@
 //!    └────────────────── next rays <────────────────┘
 //! ```
 //!
-//! All paths of a wave have the same number of bounces. Each lane gathers the numbers of its shape: after the first surface, rays that
+//! All paths of a wave have had the same number of bounces. Each lane gathers the numbers of its shape: after the first surface, rays that
 //! follow each other hit different primitives. Paths that have ended leave no gaps in the stream.
 
 mod draws;
@@ -14,7 +14,8 @@ mod shade;
 
 use super::{Lighting, PathSettings};
 use crate::{
-    Appearance, ColorTexture, LaneLevel, Material, RadianceSample, ShadingCounts, ShadingFeatures, StreamQueries,
+    Appearance, Background, ColorTexture, LaneLevel, Material, RadianceSample, ShadingCounts, ShadingFeatures,
+    StreamQueries,
     bsdf::{DiffusePhong, LaneSurface},
     bsdf_cache::uniform_bsdf,
     lane_set::{Element, LaneSet, OneLane, SimdLanes},
@@ -28,8 +29,8 @@ use rt_geometry::{HitStream, RayKind, RayStream, StreamArray};
 use rt_math::{Rgb, Sampler};
 use shade::{Gathered, gather};
 
-/// [`PathTracer`](super::PathTracer) for worlds of spheres, planes and flat triangles that do not move, with uniform diffuse materials,
-/// and for all light transport but [`Transport::Specular`](super::Transport). It shades in `f32`; positions, hits, densities of lights and sums are `f64`.
+/// [`PathTracer`](super::PathTracer) for worlds of spheres, planes, polygons and triangles that do not move, with uniform diffuse
+/// materials, and for all light transport but [`Transport::Specular`](super::Transport). It shades in `f32`; positions, hits, densities of lights and sums are `f64`.
 ///
 /// Paths use the same samples as there. The radiance of a camera ray is bit-identical in every wave, with every instruction set, and
 /// with one lane. Keep one instance per thread: all buffers are reused.
@@ -99,7 +100,8 @@ impl DiffuseMaterial {
 }
 
 impl<S: Sampler + Clone> WavefrontPathTracer<S> {
-    /// Integrator with these settings. It computes only these `features`. All later calls must be with this appearance.
+    /// Integrator with these settings. It computes only these `features`. All later calls must be with this appearance. Under
+    /// [`Transport::Specular`](super::Transport) it computes full transport.
     pub fn new(settings: PathSettings, features: ShadingFeatures, appearance: &Appearance) -> Self {
         Self {
             settings,
@@ -122,11 +124,17 @@ impl<S: Sampler + Clone> WavefrontPathTracer<S> {
             let DiffuseMaterial { albedo, emission: [front, back] } = material;
             [albedo, front, back].into_iter().all(is_in_range)
         };
+        let is_usual_background = match &appearance.background {
+            Background::Constant(radiance) => is_in_range(*radiance),
+            Background::Gradient { bottom, top } => is_in_range(*bottom) && is_in_range(*top),
+            Background::Environment(_) => true,
+        };
         let is_supported = |index: u32| {
             let material = appearance.materials.get(index as usize);
             material.and_then(DiffuseMaterial::of).is_some_and(is_usual)
         };
-        lights.delta_lights().count() <= MAX_LIGHTS
+        is_usual_background
+            && lights.delta_lights().count() <= MAX_LIGHTS
             && lights.delta_lights().all(is_usual_light)
             && materials.into_iter().all(is_supported)
     }

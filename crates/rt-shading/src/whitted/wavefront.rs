@@ -32,7 +32,7 @@ const MAX_EXPONENT: f64 = 1000.0;
 /// Indices of refraction.
 const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
 
-/// [`Whitted`](super::Whitted) for worlds of spheres, planes and flat triangles that do not move, with uniform or checkered
+/// [`Whitted`](super::Whitted) for worlds of spheres, planes, polygons and flat triangles that do not move, with uniform or checkered
 /// materials. It shades in `f32`; positions, hits and sums are `f64`.
 ///
 /// Ray trees are traversed as there. The radiance of a camera ray is bit-identical in every wave, with every instruction set, and

@@ -124,10 +124,12 @@ impl DetectedSimd {
     pub(in crate::wide) fn dispatch_lists<A, B, K: WithSimd<A, B>>(self, kernel: K, a: A, b: B) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512(simd) => simd.dispatch(kernel, a, b),
-            _ => return self.dispatch_packets(kernel, a, b),
+            Self::Avx512(simd) => {
+                simd.dispatch(kernel, a, b);
+                true
+            }
+            _ => self.dispatch_packets(kernel, a, b),
         }
-        true
     }
 }
 

@@ -371,12 +371,14 @@ impl<L: LaneSet> LightSamples<L> {
     #[inline(always)]
     fn new(shade: &Shade<'_, L>, wave: &Wave<'_, L::Element>, vertices: &Vertices<L>) -> Self {
         let &Shade { lanes, lighting, .. } = shade;
-        let Vertices { at, mask, points, normal, .. } = vertices;
+        let Vertices { at, mask, surface, normal, .. } = vertices;
+        // The origin of the next ray: its hit is weighted for this point.
+        let from = surface.near_origin;
         let [u, v] = &wave.draws.light;
         let u = [lanes.load_f64(u.vector(*at)), lanes.load_f64(v.vector(*at))];
         let normal = lanes.widen_vector(*normal);
         let choice = lanes.load_f64(wave.draws.choice.vector(*at));
-        let (indices, probability) = lanes.choose_lights(lighting.lights, points.point, normal, choice);
+        let (indices, probability) = lanes.choose_lights(lighting.lights, from, normal, choice);
         let zero = lanes.splat_f64(0.0);
         let none = Vector3::new(zero, zero, zero);
         let mut all = Self { lit: 0, infinite: 0, direction: none, target: none, weighted: none, pdf: zero };
@@ -386,7 +388,7 @@ impl<L: LaneSet> LightSamples<L> {
             waiting &= !same;
             match lighting.lights.sampled_lights().get(indices[first] as usize) {
                 Some(Light::Quad(quad)) if !quad.emission().radiance().is_black() => {
-                    let sampled = quad.sample_li_lanes(points.point, u);
+                    let sampled = quad.sample_li_lanes(from, u);
                     let pdf = sampled.pdf * probability;
                     let radiance = lanes.splat_point(quad.emission().radiance().to_array().into());
                     let is_same = lanes.mask_f64(same);
@@ -396,7 +398,7 @@ impl<L: LaneSet> LightSamples<L> {
                     all.weighted = Vector3::select(is_same, radiance / pdf, all.weighted);
                     all.pdf = Real::select(is_same, pdf, all.pdf);
                 }
-                Some(light) => all.sample_one_by_one(lanes, light, same, (points.point, u, probability)),
+                Some(light) => all.sample_one_by_one(lanes, light, same, (from, u, probability)),
                 None => {}
             }
         }
