@@ -1,10 +1,10 @@
 //! Determinism: the image is a function of scene, settings and seed, bit for bit.
 
-use crate::support::{everything, film, spheres};
+use crate::support::{everything, film, room, spheres};
 use rt_camera::{Filter, SamplerKind};
 use rt_image::Image;
 use rt_math::Rgb;
-use rt_render::{Crop, FirstHitLayer, PlanOptions, Quality, RenderPlan, Rendering, RunOptions, SimdLevel};
+use rt_render::{Crop, FirstHitLayer, PlanOptions, Precision, Quality, RenderPlan, Rendering, RunOptions, SimdLevel};
 use rt_scene_io::{Accel, Integrator, Scene};
 use rt_shading::ColorTexture;
 
@@ -20,7 +20,7 @@ fn assert_interesting(film: &Image) {
 
 #[test]
 fn threads_do_not_change_the_image() {
-    for scene in [spheres(), everything()] {
+    for scene in [spheres(), everything(), room()] {
         let one =
             render(&scene, PlanOptions::default(), RunOptions { threads: 1, count: true, ..RunOptions::default() });
         assert_interesting(&one.film);
@@ -59,7 +59,7 @@ fn renders_on_threads_of_a_pool_do_not_nest() {
 
 #[test]
 fn structures_do_not_change_the_image() {
-    for mut scene in [spheres(), everything()] {
+    for mut scene in [spheres(), everything(), room()] {
         let auto = film(&scene);
         for accel in Accel::ALL {
             scene.settings.accel = accel;
@@ -70,7 +70,7 @@ fn structures_do_not_change_the_image() {
 
 #[test]
 fn instructions_and_qualities_do_not_change_the_image() {
-    for mut scene in [spheres(), everything()] {
+    for mut scene in [spheres(), everything(), room()] {
         let auto = film(&scene);
         scene.settings.accel = Accel::Wide;
         for &simd in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
@@ -91,6 +91,23 @@ fn trimming_does_not_change_the_image() {
             let full = render(&scene, PlanOptions { full: true, ..PlanOptions::default() }, RunOptions::default());
             assert_eq!(film(&scene), full.film, "{}: {integrator:?}", scene.name);
         }
+    }
+}
+
+/// Path tracing shades this scene in `f32`, and all others in `f64`.
+#[test]
+fn trimming_does_not_change_paths_in_streams() {
+    let mut scene = room();
+    for integrator in [Integrator::Path, Integrator::Direct, Integrator::Caustics] {
+        scene.settings.integrator = integrator;
+        let rendered = |options| render(&scene, options, RunOptions::default()).film;
+        let trimmed = film(&scene);
+        assert_interesting(&trimmed);
+        assert_eq!(trimmed, rendered(PlanOptions { full: true, ..PlanOptions::default() }), "{integrator:?}");
+        let exact = rendered(PlanOptions { precision: Precision::F64, ..PlanOptions::default() });
+        let differ = trimmed.pixels().iter().flatten().zip(exact.pixels().iter().flatten());
+        let differ = differ.map(|(a, b)| (a - b).abs() / b.max(1e-3)).fold(0.0, f32::max);
+        assert!((1e-9..1e-3).contains(&differ), "{integrator:?}: {differ:e}");
     }
 }
 

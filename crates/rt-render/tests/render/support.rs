@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
-use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_geometry::{Cuboid, InsideRule, MeshData, Plane, Polygon, Shape, Sphere, Triangle, TriangleMesh};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_render::{PlanOptions, RenderPlan, RunOptions};
 use rt_scene_io::{
-    Content, Group, GroupId, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode,
+    Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode,
 };
 use rt_shading::{
     Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
@@ -75,6 +75,48 @@ pub(crate) fn spheres() -> Scene {
         nodes,
         ..Scene::empty("spheres")
     }
+}
+
+/// Diffuse scene that path tracing shades in streams: small meshes, of which one has the same triangles twice, spheres, a plane, a lamp
+/// and a point light.
+pub(crate) fn room() -> Scene {
+    let mut scene = spheres();
+    let diffuse = |name: &str, [r, g, b]: [f64; 3]| {
+        let diffuse = ColorTexture::Constant(Rgb::new(r, g, b));
+        material(name, Phong { diffuse, ambient: ColorTexture::ZERO, ..Phong::default() })
+    };
+    let lamp = Material { emission: gray(6.0), ..diffuse("lamp", [0.5; 3]) };
+    scene.appearance.materials = vec![diffuse("white", [0.7; 3]), diffuse("red", [0.8, 0.2, 0.1]), lamp];
+    scene.appearance.lights.truncate(1);
+    let tent = [[-2.0, -1.5, -2.0], [2.0, -1.5, -2.0], [2.0, 1.5, -2.5], [-2.0, 1.5, -2.5], [0.0, 2.0, 0.5]];
+    let positions: Vec<Vec3> = tent.map(Vec3::from_array).to_vec();
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [2, 4, 3]];
+    let mut smooth = MeshData { positions: positions.clone(), triangles: triangles.clone(), ..MeshData::default() };
+    smooth.smooth_normals();
+    let twice = MeshData { positions, triangles: triangles.repeat(2), ..MeshData::default() };
+    let meshes = [("twice", twice), ("smooth", smooth)];
+    scene.meshes = meshes
+        .map(|(name, data)| NamedMesh {
+            name: name.into(),
+            mesh: Arc::new(TriangleMesh::build(data).expect("a mesh").0),
+        })
+        .into();
+    let corners = [[-1.0, 3.0, 0.0], [1.0, 3.0, 0.0], [1.0, 3.0, 1.5], [-1.0, 3.0, 1.5]].map(DVec3::from_array);
+    let outline = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex).expect("a polygon");
+    let floor = Plane::new(DVec3::NEG_Y * 1.5, DVec3::Y).expect("a plane");
+    let node = |content, material| SceneNode::new(content, MaterialId(material));
+    let mut smooth = node(Content::Mesh(MeshId(1)), 1);
+    smooth.casts_shadow = false;
+    scene.nodes = vec![
+        node(Content::Mesh(MeshId(0)), 0),
+        smooth,
+        node(Content::Shape(Shape::Polygon(Arc::new(outline))), 2),
+        node(Content::Shape(Shape::Plane(floor)), 0),
+        node(sphere(-0.8, -0.6, 1.0, 0.8), 1),
+        node(sphere(1.2, -0.9, 1.5, 0.5), 0),
+    ];
+    scene.settings = RenderSettings { integrator: Integrator::Path, depth: 6, ..scene.settings };
+    Scene { name: "room".into(), ..scene }
 }
 
 /// A bumpy sheet of 2·8² triangles over [−1, 1]², smooth and textured: too many to be inlined, and few for brute force.
