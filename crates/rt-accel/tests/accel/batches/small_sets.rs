@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SmallSet;
 use rt_accel::{
-    Aabb, Accelerator, Counters, DVec3, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray, SphereKernel,
-    brute_force,
+    Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray,
+    SphereKernel, brute_force,
 };
 use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;

@@ -175,7 +175,7 @@ fn few_rays_need_the_nodes_of_a_small_tree() {
         let (mut occluded, mut to_lamps) = (vec![false; segments.len()], NodesOfOpenRays::default());
         tree.occluded_batch(&soup, &segments, &mut occluded, &mut to_lamps);
         let n_free = occluded.iter().filter(|is_occluded| !**is_occluded).count();
-        assert!(n_free > 300 && to_lamps.0 <= 100, "{}: {} nodes, {n_free} rays free", level.name(), to_lamps.0);
+        assert!(n_free > 300 && to_lamps.0 <= 700, "{}: {} nodes, {n_free} rays free", level.name(), to_lamps.0);
         let (mut closest, mut any) = (NodesOfOpenRays::default(), NodesOfOpenRays::default());
         tree.closest_batch(&soup, &rays, &mut vec![None; rays.len()], &mut closest);
         tree.occluded_batch(&soup, &rays, &mut vec![false; rays.len()], &mut any);
