@@ -16,8 +16,8 @@ pub struct SmoothPoint<R: Real> {
     pub is_valid: R::Mask,
 }
 
-/// Interpolated normal and lifted point, given a point with its geometric normal, the vertices with their normals, barycentric
-/// coordinates of the second and third vertex, and the direction of the ray.
+/// Interpolated normal and lifted point, given a point with its geometric normal, and the vertices with their normals. Barycentric
+/// coordinates are those of the second and third vertex; `direction` is that of the ray.
 ///
 /// The point is the mean of the projections of the hit point on the tangent planes of the vertices, on the side of the ray.
 /// Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021.

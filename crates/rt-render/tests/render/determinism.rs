@@ -1,6 +1,6 @@
 //! Determinism: the image is a function of scene, settings and seed, bit for bit.
 
-use crate::support::{everything, film, room, spheres};
+use crate::support::{diffuse_shapes, everything, film, spheres};
 use rt_camera::{Filter, SamplerKind};
 use rt_image::Image;
 use rt_math::Rgb;
@@ -20,7 +20,7 @@ fn assert_interesting(film: &Image) {
 
 #[test]
 fn threads_do_not_change_the_image() {
-    for scene in [spheres(), everything(), room()] {
+    for scene in [spheres(), everything(), diffuse_shapes()] {
         let one =
             render(&scene, PlanOptions::default(), RunOptions { threads: 1, count: true, ..RunOptions::default() });
         assert_interesting(&one.film);
@@ -59,7 +59,7 @@ fn renders_on_threads_of_a_pool_do_not_nest() {
 
 #[test]
 fn structures_do_not_change_the_image() {
-    for mut scene in [spheres(), everything(), room()] {
+    for mut scene in [spheres(), everything(), diffuse_shapes()] {
         let auto = film(&scene);
         for accel in Accel::ALL {
             scene.settings.accel = accel;
@@ -70,7 +70,7 @@ fn structures_do_not_change_the_image() {
 
 #[test]
 fn instructions_and_qualities_do_not_change_the_image() {
-    for mut scene in [spheres(), everything(), room()] {
+    for mut scene in [spheres(), everything(), diffuse_shapes()] {
         let auto = film(&scene);
         scene.settings.accel = Accel::Wide;
         for &simd in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
@@ -97,7 +97,7 @@ fn trimming_does_not_change_the_image() {
 /// Path tracing shades this scene in `f32`, and all others in `f64`.
 #[test]
 fn trimming_does_not_change_paths_in_streams() {
-    let mut scene = room();
+    let mut scene = diffuse_shapes();
     for integrator in [Integrator::Path, Integrator::Direct, Integrator::Caustics] {
         scene.settings.integrator = integrator;
         let rendered = |options| render(&scene, options, RunOptions::default()).film;

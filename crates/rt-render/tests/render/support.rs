@@ -77,16 +77,16 @@ pub(crate) fn spheres() -> Scene {
     }
 }
 
-/// Diffuse scene that path tracing shades in streams: small meshes, of which one has the same triangles twice, spheres, a plane, a lamp
-/// and a point light.
-pub(crate) fn room() -> Scene {
+/// Diffuse scene that path tracing shades in streams: small meshes, spheres, a plane, an emissive polygon and a point light. One mesh
+/// has its triangles twice.
+pub(crate) fn diffuse_shapes() -> Scene {
     let mut scene = spheres();
     let diffuse = |name: &str, [r, g, b]: [f64; 3]| {
         let diffuse = ColorTexture::Constant(Rgb::new(r, g, b));
         material(name, Phong { diffuse, ambient: ColorTexture::ZERO, ..Phong::default() })
     };
-    let lamp = Material { emission: gray(6.0), ..diffuse("lamp", [0.5; 3]) };
-    scene.appearance.materials = vec![diffuse("white", [0.7; 3]), diffuse("red", [0.8, 0.2, 0.1]), lamp];
+    let bright = Material { emission: gray(6.0), ..diffuse("bright", [0.5; 3]) };
+    scene.appearance.materials = vec![diffuse("white", [0.7; 3]), diffuse("red", [0.8, 0.2, 0.1]), bright];
     scene.appearance.lights.truncate(1);
     let tent = [[-2.0, -1.5, -2.0], [2.0, -1.5, -2.0], [2.0, 1.5, -2.5], [-2.0, 1.5, -2.5], [0.0, 2.0, 0.5]];
     let positions: Vec<Vec3> = tent.map(Vec3::from_array).to_vec();
@@ -116,7 +116,7 @@ pub(crate) fn room() -> Scene {
         node(sphere(1.2, -0.9, 1.5, 0.5), 0),
     ];
     scene.settings = RenderSettings { integrator: Integrator::Path, depth: 6, ..scene.settings };
-    Scene { name: "room".into(), ..scene }
+    Scene { name: "diffuse shapes".into(), ..scene }
 }
 
 /// A bumpy sheet of 2·8² triangles over [−1, 1]², smooth and textured: too many to be inlined, and few for brute force.

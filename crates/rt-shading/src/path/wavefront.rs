@@ -9,25 +9,25 @@
 //! All paths of a wave have had the same number of bounces. Each lane gathers the numbers of its shape: after the first surface, rays that
 //! follow each other hit different primitives. Paths that have ended leave no gaps in the stream.
 
-mod draws;
+mod diffuse_material;
+mod gathered;
 mod shade;
+mod wave_samples;
 
 use super::{Lighting, PathSettings};
 use crate::{
-    Appearance, Background, ColorTexture, LaneLevel, Material, RadianceSample, ShadingCounts, ShadingFeatures,
-    StreamQueries,
-    bsdf::{DiffusePhong, LaneSurface},
-    bsdf_cache::uniform_bsdf,
+    Appearance, Background, LaneLevel, RadianceSample, ShadingCounts, ShadingFeatures, StreamQueries,
     lane_set::{Element, LaneSet, OneLane, SimdLanes},
     lanes::dispatch,
-    light::{EmissionSides, LightSet},
+    light::LightSet,
     wavefront::{MAX_LIGHTS, delta_lights::is_usual_light, is_in_range, streams::ShadowRayStream},
 };
-use draws::Draws;
+use diffuse_material::DiffuseMaterial;
 use fearless_simd::Simd as _;
+use gathered::{Gathered, gather};
 use rt_geometry::{HitStream, RayKind, RayStream, StreamArray};
 use rt_math::{Rgb, Sampler};
-use shade::{Gathered, gather};
+use wave_samples::WaveSamples;
 
 /// [`PathTracer`](super::PathTracer) for worlds of spheres, planes, polygons and triangles that do not move, with uniform diffuse
 /// materials, and for all light transport but [`Transport::Specular`](super::Transport). It shades in `f32`; positions, hits, densities of lights and sums are `f64`.
@@ -41,30 +41,22 @@ pub struct WavefrontPathTracer<S> {
     /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
     materials: Vec<Option<DiffuseMaterial>>,
-    streams: Wavefront<S, f32>,
-}
-
-/// A uniform diffuse material.
-#[derive(Clone, Copy, Debug)]
-struct DiffuseMaterial {
-    albedo: Rgb,
-    /// Emitted radiance of the front and of the back.
-    emission: [Rgb; 2],
+    streams: PathStreams<S, f32>,
 }
 
 /// Streams of a wave, and the samplers of its paths.
 #[derive(Clone, Debug)]
-struct Wavefront<S, E: Element> {
+struct PathStreams<S, E: Element> {
     samplers: Vec<S>,
-    draws: Draws,
+    samples: WaveSamples,
     paths: PathStream<E>,
     hits: HitStream,
-    spawned: Spawned<E>,
+    spawned: SpawnedPaths<E>,
 }
 
 /// Rays that the hits of a wave spawn.
 #[derive(Clone, Debug, Default)]
-struct Spawned<E: Element> {
+struct SpawnedPaths<E: Element> {
     paths: PathStream<E>,
     /// Shadow rays to each delta light, and to the sampled light.
     delta: Vec<ShadowRayStream<E>>,
@@ -88,17 +80,6 @@ struct PathStream<E: Element> {
     normal: [StreamArray<E>; 3],
 }
 
-impl DiffuseMaterial {
-    /// `None` for a material of any other kind.
-    fn of(material: &Material) -> Option<Self> {
-        let surface = uniform_bsdf(material)?.as_lane_surface()?;
-        let LaneSurface::DiffusePhong(DiffusePhong { diffuse, highlight: None }) = surface else { return None };
-        let ColorTexture::Constant(emission) = material.emission else { return None };
-        let back = if material.emission_sides == EmissionSides::Front { Rgb::BLACK } else { emission };
-        (diffuse.roughness == 0.0).then_some(Self { albedo: diffuse.albedo, emission: [emission, back] })
-    }
-}
-
 impl<S: Sampler + Clone> WavefrontPathTracer<S> {
     /// Integrator with these settings. It computes only these `features`. All later calls must be with this appearance. Under
     /// [`Transport::Specular`](super::Transport) it computes full transport.
@@ -108,7 +89,7 @@ impl<S: Sampler + Clone> WavefrontPathTracer<S> {
             features,
             lanes: LaneLevel::best(),
             materials: appearance.materials.iter().map(DiffuseMaterial::of).collect(),
-            streams: Wavefront::new(),
+            streams: PathStreams::new(),
         }
     }
 
@@ -161,14 +142,14 @@ impl<S: Sampler + Clone> WavefrontPathTracer<S> {
         let batch = (rays, samplers, seen);
         match self.lanes {
             Some(level) => dispatch!(level, simd => {
-                let shade = &Shade { lanes: SimdLanes(simd), settings, features, lighting, materials };
+                let shade = &PathShading { lanes: SimdLanes(simd), settings, features, lighting, materials };
                 self.streams.trace(shade, world, batch, |gather, wave, spawned, seen| simd.vectorize(
                     #[inline(always)]
                     || spawned.shade(shade, gather, wave, seen),
                 ));
             }),
             None => {
-                let shade = &Shade { lanes: OneLane::new(), settings, features, lighting, materials };
+                let shade = &PathShading { lanes: OneLane::new(), settings, features, lighting, materials };
                 self.streams.trace(shade, world, batch, |gather, wave, spawned, seen| {
                     spawned.shade(shade, gather, wave, seen);
                 });
@@ -178,10 +159,10 @@ impl<S: Sampler + Clone> WavefrontPathTracer<S> {
 }
 
 /// Camera rays, their samplers, and their radiance.
-type Batch<'a, S> = (&'a mut RayStream, &'a [S], &'a mut [RadianceSample]);
+type PathBatch<'a, S> = (&'a mut RayStream, &'a [S], &'a mut [RadianceSample]);
 
 /// Inputs of all shading stages of a batch.
-struct Shade<'a, L> {
+struct PathShading<'a, L> {
     lanes: L,
     settings: &'a PathSettings,
     features: &'a ShadingFeatures,
@@ -191,10 +172,10 @@ struct Shade<'a, L> {
 
 /// Rays of a wave with their closest hits and samples.
 #[derive(Clone, Copy)]
-struct Wave<'a, E: Element> {
+struct PathWave<'a, E: Element> {
     paths: &'a PathStream<E>,
     hits: &'a HitStream,
-    draws: &'a Draws,
+    samples: &'a WaveSamples,
     /// Number of surfaces that have scattered the paths.
     bounces: u32,
     plays_roulette: bool,
@@ -202,26 +183,26 @@ struct Wave<'a, E: Element> {
     emission_only: bool,
 }
 
-impl<S: Sampler + Clone, E: Element> Wavefront<S, E> {
+impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
     fn new() -> Self {
         Self {
             samplers: Vec::new(),
-            draws: Draws::default(),
+            samples: WaveSamples::default(),
             paths: PathStream::default(),
             hits: HitStream::default(),
-            spawned: Spawned::default(),
+            spawned: SpawnedPaths::default(),
         }
     }
 
-    /// Traces the paths of camera rays. `shade_stage` calls [`Spawned::shade`], compiled for the lanes.
+    /// Traces the paths of camera rays. `shade_stage` calls [`SpawnedPaths::shade`], compiled for the lanes.
     fn trace<W: StreamQueries, L: LaneSet<Element = E>>(
         &mut self,
-        shade: &Shade<'_, L>,
+        shade: &PathShading<'_, L>,
         world: &mut W,
-        (rays, samplers, seen): Batch<'_, S>,
-        shade_stage: impl Fn(&GatherHits<'_>, &Wave<'_, E>, &mut Spawned<E>, &mut [RadianceSample]),
+        (rays, samplers, seen): PathBatch<'_, S>,
+        shade_stage: impl Fn(&GatherHits<'_>, &PathWave<'_, E>, &mut SpawnedPaths<E>, &mut [RadianceSample]),
     ) {
-        let &Shade { settings: PathSettings { max_depth, rr_start_depth, clamp, .. }, lighting, .. } = shade;
+        let &PathShading { settings: PathSettings { max_depth, rr_start_depth, clamp, .. }, lighting, .. } = shade;
         seen.fill(RadianceSample::MISS);
         samplers.clone_into(&mut self.samplers);
         let n_lights = lighting.lights.sampled_lights().len();
@@ -233,14 +214,14 @@ impl<S: Sampler + Clone, E: Element> Wavefront<S, E> {
         let mut kind = RayKind::Primary;
         let mut bounces = 0;
         while !self.paths.rays.is_empty() {
-            let Self { samplers, draws, paths, hits, spawned } = self;
+            let Self { samplers, samples, paths, hits, spawned } = self;
             world.closest_stream(&paths.rays, kind, hits);
             let emission_only = bounces > *max_depth;
             let plays_roulette = bounces >= *rr_start_depth;
             if !emission_only {
-                draws.draw(samplers, (paths.sample.as_slice(), hits, paths.rays.len()), n_lights, plays_roulette);
+                samples.draw(samplers, (paths.sample.as_slice(), hits, paths.rays.len()), n_lights, plays_roulette);
             }
-            let wave = Wave { paths, hits, draws, bounces, plays_roulette, emission_only };
+            let wave = PathWave { paths, hits, samples, bounces, plays_roulette, emission_only };
             let world_of_hits = &*world;
             let gather = |at: usize, mask: u8, gathered: &mut Gathered| {
                 gather(world_of_hits, shade.materials, (wave.hits, at), mask, gathered);

@@ -24,7 +24,7 @@ use core::ops::RangeInclusive;
 use fearless_simd::Simd as _;
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
 use rt_math::{Interval, Ray, Rgb};
-use streams::PathStream;
+use streams::TreeStream;
 
 /// Largest exponent of a highlight: the power multiplies the rounding error of the cosine by it.
 const MAX_EXPONENT: f64 = 1000.0;
@@ -61,8 +61,8 @@ struct Settings {
 #[derive(Clone, Debug, Default)]
 struct Wavefront<E: Element> {
     /// Rays of the current wave, by kind.
-    reflected: PathStream<E>,
-    refracted: PathStream<E>,
+    reflected: TreeStream<E>,
+    refracted: TreeStream<E>,
     hits: HitStream,
     spawned: Spawned<E>,
 }
@@ -71,8 +71,8 @@ struct Wavefront<E: Element> {
 #[derive(Clone, Debug, Default)]
 struct Spawned<E: Element> {
     /// Rays of the next wave, by kind.
-    reflected: PathStream<E>,
-    refracted: PathStream<E>,
+    reflected: TreeStream<E>,
+    refracted: TreeStream<E>,
     /// Shadow rays by light.
     lights: Vec<ShadowRayStream<E>>,
     /// Ray trees of the samples; empty in scenes that defer no rays.
@@ -198,7 +198,7 @@ struct Shade<'a, L> {
 }
 
 /// Rays of a wave with their closest hits.
-type Wave<'a, E> = (&'a PathStream<E>, &'a HitStream);
+type Wave<'a, E> = (&'a TreeStream<E>, &'a HitStream);
 
 impl<E: Element> Wavefront<E> {
     /// Traces the ray trees of camera rays. `shade_stage` calls [`Spawned::shade`], compiled for the lanes.

@@ -162,7 +162,7 @@ fn few_rays_need_the_nodes_of_a_small_tree() {
         let direction = surface.geometric_normal * side + draw.point() * 0.57;
         rays.push((surface.spawn_ray(direction, 0.0), Interval::SPAWNED));
     }
-    // Rays that end just before a triangle, as those to lamps do.
+    // Rays that end just before a triangle, as those to light sources do.
     let mut segments = Vec::new();
     for (ray, _) in &rays {
         let Solid::Facet([a, b, c]) = draw.pick(&soup.0) else { continue };
@@ -172,10 +172,10 @@ fn few_rays_need_the_nodes_of_a_small_tree() {
     }
     for level in levels() {
         let tree = WideBvh::build(&soup).unwrap().with_level(level);
-        let (mut occluded, mut to_lamps) = (vec![false; segments.len()], NodesOfOpenRays::default());
-        tree.occluded_batch(&soup, &segments, &mut occluded, &mut to_lamps);
+        let (mut occluded, mut to_lights) = (vec![false; segments.len()], NodesOfOpenRays::default());
+        tree.occluded_batch(&soup, &segments, &mut occluded, &mut to_lights);
         let n_free = occluded.iter().filter(|is_occluded| !**is_occluded).count();
-        assert!(n_free > 300 && to_lamps.0 <= 700, "{}: {} nodes, {n_free} rays free", level.name(), to_lamps.0);
+        assert!(n_free > 300 && to_lights.0 <= 700, "{}: {} nodes, {n_free} rays free", level.name(), to_lights.0);
         let (mut closest, mut any) = (NodesOfOpenRays::default(), NodesOfOpenRays::default());
         tree.closest_batch(&soup, &rays, &mut vec![None; rays.len()], &mut closest);
         tree.occluded_batch(&soup, &rays, &mut vec![false; rays.len()], &mut any);

@@ -1,15 +1,14 @@
 //! Shading of a wave in lanes: emission, light samples, and the next rays.
 
-use super::{DiffuseMaterial, GatherHits, PathStream, Shade, Spawned, Wave};
+use super::{GatherHits, PathShading, PathStream, PathWave, SpawnedPaths, gathered::Gathered};
 use crate::{
     RadianceSample,
     bsdf::cosine_hemisphere_lanes,
     lane_set::{Element, LaneSet},
     lanes::{LANES, each_lane, first_lanes, is_zero},
-    light::{Light, LightId},
+    light::Light,
     mis::power_heuristic,
     russian_roulette::survival_probability,
-    stream_queries::StreamQueries,
     wavefront::{
         delta_lights::sample_li,
         gathered_shapes::GatheredShapes,
@@ -21,45 +20,6 @@ use crate::{
 use core::f64::consts::FRAC_1_PI;
 use rt_geometry::{HitStream, SmoothPoint};
 use rt_math::{DVec3, Interval, Mask, Real, Rgb, Vector3, tangents};
-
-/// Surfaces of hits, one for each lane.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Gathered {
-    shapes: GatheredShapes,
-    albedo: [[f64; LANES]; 3],
-    /// Lanes with a material; all others end their path.
-    valid: u8,
-    /// Lanes of emissive materials, with the radiance of both sides.
-    emissive: u8,
-    emission: [[Rgb; 2]; LANES],
-    lights: [Option<LightId>; LANES],
-}
-
-/// Gathers the surfaces of the hits of a mask, from index `at` on.
-pub(super) fn gather<W: StreamQueries>(
-    world: &W,
-    materials: &[Option<DiffuseMaterial>],
-    (hits, at): (&HitStream, usize),
-    mask: u8,
-    gathered: &mut Gathered,
-) {
-    let Gathered { shapes, albedo: [r, g, b], valid, emissive, emission, lights } = gathered;
-    shapes.clear();
-    (*valid, *emissive) = (0, 0);
-    for lane in each_lane(mask) {
-        let Some(primitive) = world.primitive(hits.primitive.get(at + lane)) else { continue };
-        let Some(Some(material)) = materials.get(primitive.material as usize) else { continue };
-        let lane = lane % LANES;
-        shapes.set(lane, &primitive.shape);
-        let DiffuseMaterial { albedo, emission: radiance } = material;
-        (r[lane], g[lane], b[lane]) = (albedo.r, albedo.g, albedo.b);
-        *valid |= 1 << lane;
-        if !radiance[0].is_black() {
-            *emissive |= 1 << lane;
-            (emission[lane], lights[lane]) = (*radiance, primitive.light);
-        }
-    }
-}
 
 /// Hits of some lanes.
 struct Vertices<L: LaneSet> {
@@ -93,18 +53,18 @@ struct LightSamples<L: LaneSet> {
     pdf: L::D,
 }
 
-impl<E: Element> Spawned<E> {
+impl<E: Element> SpawnedPaths<E> {
     /// Shades the closest hits of a wave.
     #[inline(always)]
     pub(super) fn shade<L: LaneSet<Element = E>>(
         &mut self,
-        shade: &Shade<'_, L>,
+        shade: &PathShading<'_, L>,
         gather: &GatherHits<'_>,
-        wave: &Wave<'_, E>,
+        wave: &PathWave<'_, E>,
         seen: &mut [RadianceSample],
     ) {
-        let &Shade { lanes, features, .. } = shade;
-        let &Wave { paths, hits, .. } = wave;
+        let &PathShading { lanes, features, .. } = shade;
+        let &PathWave { paths, hits, .. } = wave;
         let n_rays = paths.rays.len();
         for at in (0..n_rays).step_by(L::N) {
             let used = first_lanes((n_rays - at).min(L::N));
@@ -154,8 +114,8 @@ impl<E: Element> Spawned<E> {
     #[inline(never)]
     fn add_background<L>(
         &mut self,
-        shade: &Shade<'_, L>,
-        wave: &Wave<'_, E>,
+        shade: &PathShading<'_, L>,
+        wave: &PathWave<'_, E>,
         (at, missed): (usize, u8),
         seen: &mut [RadianceSample],
     ) {
@@ -180,8 +140,8 @@ impl<E: Element> Spawned<E> {
     #[inline(never)]
     fn add_emission<L: LaneSet>(
         &mut self,
-        shade: &Shade<'_, L>,
-        wave: &Wave<'_, E>,
+        shade: &PathShading<'_, L>,
+        wave: &PathWave<'_, E>,
         (first, points, inside): (usize, &HitPoints<L>, u8),
         seen: &mut [RadianceSample],
     ) {
@@ -211,12 +171,12 @@ impl<E: Element> Spawned<E> {
     #[inline(always)]
     fn sample_delta_lights<L: LaneSet<Element = E>>(
         &mut self,
-        shade: &Shade<'_, L>,
-        wave: &Wave<'_, E>,
+        shade: &PathShading<'_, L>,
+        wave: &PathWave<'_, E>,
         vertices: &Vertices<L>,
         seen: &mut [RadianceSample],
     ) {
-        let &Shade { lanes, lighting, settings, .. } = shade;
+        let &PathShading { lanes, lighting, settings, .. } = shade;
         let Vertices { at, mask, points, shadow_origin, albedo, throughput, .. } = vertices;
         let samples = wave.paths.sample.vector(*at);
         for (light, stream) in lighting.lights.delta_lights().zip(&mut self.delta) {
@@ -259,11 +219,11 @@ impl<E: Element> Spawned<E> {
     #[inline(always)]
     fn sample_light<L: LaneSet<Element = E>>(
         &mut self,
-        shade: &Shade<'_, L>,
-        wave: &Wave<'_, E>,
+        shade: &PathShading<'_, L>,
+        wave: &PathWave<'_, E>,
         vertices: &Vertices<L>,
     ) {
-        let &Shade { lanes, .. } = shade;
+        let &PathShading { lanes, .. } = shade;
         let Vertices { at, mask, shadow_origin, albedo, throughput, .. } = vertices;
         let LightSamples { lit, infinite, direction, target, weighted, pdf } = LightSamples::new(shade, wave, vertices);
         let zero = lanes.splat(0.0);
@@ -286,11 +246,16 @@ impl<E: Element> Spawned<E> {
 
     /// Samples the next direction of the paths.
     #[inline(always)]
-    fn scatter<L: LaneSet<Element = E>>(&mut self, shade: &Shade<'_, L>, wave: &Wave<'_, E>, vertices: &Vertices<L>) {
-        let &Shade { lanes, settings, .. } = shade;
+    fn scatter<L: LaneSet<Element = E>>(
+        &mut self,
+        shade: &PathShading<'_, L>,
+        wave: &PathWave<'_, E>,
+        vertices: &Vertices<L>,
+    ) {
+        let &PathShading { lanes, settings, .. } = shade;
         let &Vertices { at, mask, ref surface, normal, albedo, throughput, .. } = vertices;
         let zero = lanes.splat(0.0);
-        let [u, v] = &wave.draws.direction;
+        let [u, v] = &wave.samples.direction;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let local = lanes.narrow_vector(cosine_hemisphere_lanes(u));
         let pdf = local.z * FRAC_1_PI;
@@ -306,7 +271,7 @@ impl<E: Element> Spawned<E> {
         let mut alive = continued & !lanes.bits(is_zero(after));
         if wave.plays_roulette {
             let survival = survival_probability(after.x.max(after.y).max(after.z), lanes.splat(1.0));
-            let u = lanes.load_f64(wave.draws.roulette.vector(at));
+            let u = lanes.load_f64(wave.samples.roulette.vector(at));
             alive &= lanes.bits_f64(u.lt(lanes.widen(survival)));
             after = after / survival;
         }
@@ -369,15 +334,15 @@ fn turned_to_viewer<L: LaneSet>(normal: Vector3<L::F>, surface: &ShadedSurface<L
 impl<L: LaneSet> LightSamples<L> {
     /// Samples a light for each lane: for all lanes that have chosen the same parallelogram at once, and for others one by one.
     #[inline(always)]
-    fn new(shade: &Shade<'_, L>, wave: &Wave<'_, L::Element>, vertices: &Vertices<L>) -> Self {
-        let &Shade { lanes, lighting, .. } = shade;
+    fn new(shade: &PathShading<'_, L>, wave: &PathWave<'_, L::Element>, vertices: &Vertices<L>) -> Self {
+        let &PathShading { lanes, lighting, .. } = shade;
         let Vertices { at, mask, surface, normal, .. } = vertices;
         // The origin of the next ray: its hit is weighted for this point.
         let from = surface.near_origin;
-        let [u, v] = &wave.draws.light;
+        let [u, v] = &wave.samples.light;
         let u = [lanes.load_f64(u.vector(*at)), lanes.load_f64(v.vector(*at))];
         let normal = lanes.widen_vector(*normal);
-        let choice = lanes.load_f64(wave.draws.choice.vector(*at));
+        let choice = lanes.load_f64(wave.samples.choice.vector(*at));
         let (indices, probability) = lanes.choose_lights(lighting.lights, from, normal, choice);
         let zero = lanes.splat_f64(0.0);
         let none = Vector3::new(zero, zero, zero);
@@ -445,7 +410,7 @@ impl<L: LaneSet> LightSamples<L> {
     }
 }
 
-impl<L> Shade<'_, L> {
+impl<L> PathShading<'_, L> {
     /// True if the emission of the next surface or the background may contribute.
     fn scene_emits(&self) -> bool {
         self.features.emission || !self.lighting.appearance.background.is_black()

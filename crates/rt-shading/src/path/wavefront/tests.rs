@@ -2,10 +2,12 @@
 
 use super::*;
 use crate::{
-    Background, BsdfCache, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, PathTracer, Phong,
-    StreamTriangle, Transport,
+    Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
+    PathTracer, Phong, StreamTriangle, Transport,
     lane_set::Float64Lane,
-    light::{Emission, EnvironmentLight, Light, LightId, LightSampling, MeshLight, QuadLight, SphereLight},
+    light::{
+        Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, MeshLight, QuadLight, SphereLight,
+    },
     path::{Clamp, tests::Independent},
     wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, camera_rays, difference, number, vector},
 };
@@ -33,7 +35,7 @@ fn materials() -> Vec<Material> {
 }
 
 /// Materials of lights, which emit on both sides, and on the front. Those before are of other shapes.
-const LAMPS: [u32; 2] = [8, 9];
+const EMITTERS: [u32; 2] = [8, 9];
 
 /// Index of no material.
 const MISSING: u32 = 99;
@@ -42,35 +44,35 @@ const MISSING: u32 = 99;
 const LIGHT: Rgb = Rgb::new(7.0, 5.0, 3.0);
 
 /// World with lights of some kinds.
-struct Room {
+struct TestScene {
     world: ShapeWorld,
     appearance: Appearance,
     lights: LightSet,
     features: ShadingFeatures,
 }
 
-/// Kinds of lights in a [`Room`].
+/// Kinds of lights in a [`TestScene`].
 #[derive(Clone, Copy, Debug, Default)]
-struct Lamps {
+struct LightKinds {
     quad: bool,
     others: bool,
     delta: bool,
     sky: bool,
 }
 
-const ROOMS: [Lamps; 5] = [
-    Lamps { quad: true, others: false, delta: false, sky: false },
-    Lamps { quad: true, others: true, delta: true, sky: false },
-    Lamps { quad: false, others: false, delta: true, sky: false },
-    Lamps { quad: false, others: false, delta: false, sky: true },
-    Lamps { quad: true, others: true, delta: true, sky: true },
+const LIT_BY: [LightKinds; 5] = [
+    LightKinds { quad: true, others: false, delta: false, sky: false },
+    LightKinds { quad: true, others: true, delta: true, sky: false },
+    LightKinds { quad: false, others: false, delta: true, sky: false },
+    LightKinds { quad: false, others: false, delta: false, sky: true },
+    LightKinds { quad: true, others: true, delta: true, sky: true },
 ];
 
-impl Room {
-    fn new(lamps: Lamps, scale: f64) -> Self {
+impl TestScene {
+    fn new(kinds: LightKinds, scale: f64) -> Self {
         let emission = |sides| Emission::new(LIGHT, sides).expect("light");
-        let mut world = ShapeWorld::new(LAMPS[0], scale);
-        for primitive in world.0.iter_mut().filter(|primitive| primitive.material == LAMPS[0]) {
+        let mut world = ShapeWorld::new(EMITTERS[0], scale);
+        for primitive in world.0.iter_mut().filter(|primitive| primitive.material == EMITTERS[0]) {
             primitive.material = MISSING;
         }
         // Every second triangle has interpolated normals, some of which face away from the viewer.
@@ -86,7 +88,7 @@ impl Room {
             world.0.extend(shapes.into_iter().map(|shape| TestPrimitive { shape, material, light: Some(light_id) }));
             lights.push(light);
         };
-        if lamps.quad {
+        if kinds.quad {
             let [corner, x, y] = [DVec3::new(-1.0, 4.0, -1.0), DVec3::X * 2.0, DVec3::Z * 2.0].map(|v| v * scale);
             let quad = QuadLight::new(corner, [x, y], emission(EmissionSides::Both)).expect("a light");
             let [a, b, c] = [corner + x, corner + x + y, corner + y];
@@ -94,26 +96,26 @@ impl Room {
                 Light::Quad(quad),
                 None,
                 vec![TestShape::triangle([corner, a, b]), TestShape::triangle([corner, b, c])],
-                LAMPS[0],
+                EMITTERS[0],
             );
         }
-        if lamps.others {
+        if kinds.others {
             let (centre, radius) = (DVec3::new(3.0, 2.0, 1.0) * scale, 0.5 * scale);
             let sphere = SphereLight::new(centre, radius, emission(EmissionSides::Front)).expect("a light");
             let shape = TestShape::Sphere(Sphere::new(centre, radius).expect("a sphere"));
-            add(Light::Sphere(sphere), None, vec![shape], LAMPS[1]);
+            add(Light::Sphere(sphere), None, vec![shape], EMITTERS[1]);
             let triangle = [DVec3::new(-4.0, 1.0, 2.0), DVec3::new(-4.0, 2.0, 2.0), DVec3::new(-3.0, 1.5, 3.0)];
             let triangle = triangle.map(|v| v * scale);
             let mesh = MeshLight::new([triangle], emission(EmissionSides::Both)).expect("a light");
-            add(Light::Mesh(mesh), Some(0), vec![TestShape::triangle(triangle)], LAMPS[0]);
+            add(Light::Mesh(mesh), Some(0), vec![TestShape::triangle(triangle)], EMITTERS[0]);
         }
         let mut background = Background::Constant(Rgb::BLACK);
-        if lamps.sky {
+        if kinds.sky {
             let radiance = Rgb::new(0.3, 0.4, 0.6);
             lights.push(Light::Environment(EnvironmentLight::constant(radiance).expect("a light")));
             background = Background::Constant(radiance);
         }
-        if lamps.delta {
+        if kinds.delta {
             let delta = |kind, casts_shadows| {
                 let intensity = Rgb::new(2.0, 1.5, 1.0);
                 Light::Delta(DeltaLight {
@@ -143,22 +145,22 @@ fn samplers(count: usize) -> Vec<Independent> {
     (0..count as u64).map(|key| Independent { key, dimension: 0 }).collect()
 }
 
-type Image = (Vec<RadianceSample>, ShadingCounts);
+type Rendered = (Vec<RadianceSample>, ShadingCounts);
 
-/// Image of camera rays, in streams as large as possible.
+/// Rendered of camera rays, in streams as large as possible.
 fn in_streams<L: LaneSet<Element = E>, E: Element>(
-    room: &mut Room,
+    scene: &mut TestScene,
     settings: &PathSettings,
     rays: &[(Ray, Interval)],
     lanes: L,
-) -> Image {
-    let Room { world, appearance, lights, features } = room;
+) -> Rendered {
+    let TestScene { world, appearance, lights, features } = scene;
     let bsdfs = BsdfCache::default();
     let materials: Vec<_> = appearance.materials.iter().map(DiffuseMaterial::of).collect();
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
-    let shade = &Shade { lanes, settings, features, lighting, materials: &materials };
+    let shade = &PathShading { lanes, settings, features, lighting, materials: &materials };
     let (samplers, mut seen) = (samplers(rays.len()), vec![RadianceSample::MISS; rays.len()]);
-    let mut streams = Wavefront::<Independent, E>::new();
+    let mut streams = PathStreams::<Independent, E>::new();
     let batches = rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY));
     for ((rays, seen), samplers) in batches.zip(samplers.chunks(STREAM_CAPACITY)) {
         let mut stream = RayStream::default();
@@ -170,15 +172,15 @@ fn in_streams<L: LaneSet<Element = E>, E: Element>(
     (seen, streams.spawned.counts)
 }
 
-fn in_lanes(level: LaneLevel, room: &mut Room, settings: &PathSettings, rays: &[(Ray, Interval)]) -> Image {
-    dispatch!(level, simd => in_streams(room, settings, rays, SimdLanes(simd)))
+fn in_lanes(level: LaneLevel, scene: &mut TestScene, settings: &PathSettings, rays: &[(Ray, Interval)]) -> Rendered {
+    dispatch!(level, simd => in_streams(scene, settings, rays, SimdLanes(simd)))
 }
 
-fn of_path_tracer(room: &mut Room, settings: PathSettings, rays: &[(Ray, Interval)]) -> Image {
+fn of_path_tracer(scene: &mut TestScene, settings: PathSettings, rays: &[(Ray, Interval)]) -> Rendered {
     let bsdfs = BsdfCache::default();
-    let mut paths = PathTracer::new(settings, room.features);
+    let mut paths = PathTracer::new(settings, scene.features);
     let mut seen = vec![RadianceSample::MISS; rays.len()];
-    let Room { world, appearance, lights, .. } = room;
+    let TestScene { world, appearance, lights, .. } = scene;
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
     paths.radiance_of(world, lighting, rays, &samplers(rays.len()), &mut seen);
     (seen, paths.take_counts())
@@ -187,51 +189,51 @@ fn of_path_tracer(room: &mut Room, settings: PathSettings, rays: &[(Ray, Interva
 #[test]
 fn shading_in_f64_gives_the_radiance_of_the_path_tracer() {
     let rays = camera_rays(1500, 1.0);
-    for lamps in ROOMS {
+    for kinds in LIT_BY {
         for (max_depth, clamp) in [(5, Clamp::NONE), (0, Clamp::NONE), (3, Clamp::new(0.2).expect("a bound"))] {
             let settings = PathSettings { clamp, ..settings(max_depth) };
-            let mut room = Room::new(lamps, 1.0);
-            let (expected, counts) = of_path_tracer(&mut room, settings, &rays);
-            let (found, found_counts) = in_streams(&mut room, &settings, &rays, Float64Lane::new());
-            // On a lamp, rounding decides whether the lamp itself reaches a point or one next to it.
+            let mut scene = TestScene::new(kinds, 1.0);
+            let (expected, counts) = of_path_tracer(&mut scene, settings, &rays);
+            let (found, found_counts) = in_streams(&mut scene, &settings, &rays, Float64Lane::new());
+            // On a light source, rounding decides whether the source itself reaches a point or one next to it.
             let skipped = counts.shadow_rays_skipped.abs_diff(found_counts.shadow_rays_skipped);
-            assert!(skipped <= if lamps.others { 5 } else { 0 }, "{skipped}, {lamps:?}, {settings:?}");
+            assert!(skipped <= if kinds.others { 5 } else { 0 }, "{skipped}, {kinds:?}, {settings:?}");
             let named = |counts: ShadingCounts| {
                 let others = ShadingCounts { shadow_rays_skipped: 0, ..counts.without_lanes() };
                 (others.named(), counts.clamped)
             };
-            assert_eq!(named(counts), named(found_counts), "{lamps:?}, {settings:?}");
+            assert_eq!(named(counts), named(found_counts), "{kinds:?}, {settings:?}");
             // So do its choices of a light there.
             let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-9;
             let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
-            let most = if lamps.others { 3 } else { 0 };
-            assert!(differing.len() <= most, "{differing:?}, {lamps:?}, {settings:?}");
+            let most = if kinds.others { 3 } else { 0 };
+            assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
         }
     }
 }
 
-/// What a plan may leave out, other choices of lights, other kinds of delta lights, and roulette from the start.
+/// Covers features that a plan leaves out, other choices of lights, other delta lights, and roulette from the start.
 #[test]
 fn shading_in_f64_agrees_with_the_path_tracer_for_other_settings() {
     let rays = camera_rays(600, 1.0);
-    let compare = |room: &mut Room, settings: PathSettings| {
-        let (expected, counts) = of_path_tracer(room, settings, &rays);
-        let (found, found_counts) = in_streams(room, &settings, &rays, Float64Lane::new());
+    let compare = |scene: &mut TestScene, settings: PathSettings| {
+        let (expected, counts) = of_path_tracer(scene, settings, &rays);
+        let (found, found_counts) = in_streams(scene, &settings, &rays, Float64Lane::new());
         assert_eq!(counts.depth_limited, found_counts.depth_limited, "{settings:?}");
         for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
             assert!(a.hit == b.hit && difference(a, b) < 1e-9, "ray {at}: {a:?}, {b:?}, {settings:?}");
         }
         counts
     };
-    let mut unlit = Room::new(ROOMS[2], 1.0);
+    let mut unlit = TestScene::new(LIT_BY[2], 1.0);
     unlit.features.emission = false;
     assert!(compare(&mut unlit, settings(1)).depth_limited > 100);
-    let mut room = Room::new(ROOMS[1], 1.0);
+    let mut scene = TestScene::new(LIT_BY[1], 1.0);
     let settings = settings(4);
-    compare(&mut room, PathSettings { transport: Transport::NonCaustic, rr_start_depth: 0, ..settings });
+    compare(&mut scene, PathSettings { transport: Transport::NonCaustic, rr_start_depth: 0, ..settings });
     for sampling in [LightSampling::Uniform, LightSampling::Power] {
-        room.lights = LightSet::new(room.lights.lights().to_vec(), sampling, 10.0);
-        compare(&mut room, settings);
+        scene.lights = LightSet::new(scene.lights.lights().to_vec(), sampling, 10.0);
+        compare(&mut scene, settings);
     }
     let position = DVec3::new(0.5, 3.0, 1.0);
     let kinds = [
@@ -248,24 +250,24 @@ fn shading_in_f64_agrees_with_the_path_tracer_for_other_settings() {
         let (name, intensity, units) = (String::new(), Rgb::gray(30.0), LightUnits::Physical);
         Light::Delta(DeltaLight { name, kind, intensity, units, casts_shadows: true })
     });
-    room.lights = LightSet::new(lights.to_vec(), LightSampling::Tree, 10.0);
-    room.appearance.background = Background::Gradient { bottom: Rgb::gray(0.1), top: Rgb::new(0.2, 0.4, 0.9) };
-    compare(&mut room, settings);
+    scene.lights = LightSet::new(lights.to_vec(), LightSampling::Tree, 10.0);
+    scene.appearance.background = Background::Gradient { bottom: Rgb::gray(0.1), top: Rgb::new(0.2, 0.4, 0.9) };
+    compare(&mut scene, settings);
 }
 
 #[test]
-fn the_rooms_of_these_tests_have_all_cases() {
+fn the_scenes_of_these_tests_have_all_cases() {
     let rays = camera_rays(1500, 1.0);
-    for lamps in ROOMS {
-        let mut room = Room::new(lamps, 1.0);
-        let (seen, counts) = of_path_tracer(&mut room, settings(5), &rays);
+    for kinds in LIT_BY {
+        let mut scene = TestScene::new(kinds, 1.0);
+        let (seen, counts) = of_path_tracer(&mut scene, settings(5), &rays);
         let lit = seen.iter().filter(|seen| seen.radiance.max_component() > 0.0).count();
         let missed = seen.iter().filter(|seen| !seen.hit).count();
-        assert!(lit > 700 && missed > 100, "{lit}, {missed}, {lamps:?}");
-        assert!(counts.shadow_rays_skipped > 100, "{counts:?}, {lamps:?}");
+        assert!(lit > 700 && missed > 100, "{lit}, {missed}, {kinds:?}");
+        assert!(counts.shadow_rays_skipped > 100, "{counts:?}, {kinds:?}");
         let (_, clamped) =
-            of_path_tracer(&mut room, PathSettings { clamp: Clamp::new(0.2).expect("a bound"), ..settings(3) }, &rays);
-        assert!(clamped.clamped > 10, "{clamped:?}, {lamps:?}");
+            of_path_tracer(&mut scene, PathSettings { clamp: Clamp::new(0.2).expect("a bound"), ..settings(3) }, &rays);
+        assert!(clamped.clamped > 10, "{clamped:?}, {kinds:?}");
     }
 }
 
@@ -274,14 +276,14 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
     if LaneLevel::best().is_none() {
         println!("skipped: this processor lacks AVX2");
     }
-    for lamps in ROOMS {
+    for kinds in LIT_BY {
         for n_rays in [1, 7, 8, 9, 255, 257, 600] {
             let rays = camera_rays(n_rays, 1.0);
-            let mut room = Room::new(lamps, 1.0);
-            let one = in_streams(&mut room, &settings(5), &rays, OneLane::new());
+            let mut scene = TestScene::new(kinds, 1.0);
+            let one = in_streams(&mut scene, &settings(5), &rays, OneLane::new());
             for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-                let lanes = in_lanes(level, &mut room, &settings(5), &rays);
-                assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {lamps:?}");
+                let lanes = in_lanes(level, &mut scene, &settings(5), &rays);
+                assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {kinds:?}");
                 for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
                     let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
                     assert!(bits(a) == bits(b) && a.hit == b.hit, "ray {at} of {n_rays}: {a:?}, {b:?}, {level:?}");
@@ -294,9 +296,9 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
 /// Shares of rays whose radiance differs by more than 1e-4 and 1e-2 from that in `f64`.
 fn shares_of_differences(scale: f64) -> [f64; 2] {
     let rays = camera_rays(3000, scale);
-    let mut room = Room::new(ROOMS[1], scale);
-    let (exact, _) = of_path_tracer(&mut room, settings(5), &rays);
-    let (found, _) = in_streams(&mut room, &settings(5), &rays, OneLane::new());
+    let mut scene = TestScene::new(LIT_BY[1], scale);
+    let (exact, _) = of_path_tracer(&mut scene, settings(5), &rays);
+    let (found, _) = in_streams(&mut scene, &settings(5), &rays, OneLane::new());
     [1e-4, 1e-2].map(|bound| {
         let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < bound && a.hit == b.hit));
         differing.count() as f64 / rays.len() as f64
@@ -320,23 +322,23 @@ fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
 /// Regression: lights were sampled from the point on the surface, and weighted for a point next to it. Rounding puts points of a sphere
 /// on either side of it, where its samples differ.
 #[test]
-fn the_radiance_in_a_closed_lamp_is_that_of_the_series() {
+fn the_radiance_in_a_closed_light_source_is_that_of_the_series() {
     let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("light");
     let (centre, radius) = (DVec3::new(0.3, -0.7, 1.1), 1.3);
-    let lamp = SphereLight::new(centre, radius, emission).expect("a light");
+    let source = SphereLight::new(centre, radius, emission).expect("a light");
     let shape = TestShape::Sphere(Sphere::new(centre, radius).expect("a sphere"));
     let grey = Phong { diffuse: ColorTexture::Constant(Rgb::gray(0.5)), ..Phong::default() };
     let material = Material { emission: ColorTexture::Constant(Rgb::WHITE), ..Material::new(String::new(), grey) };
     let light = Some(LightId { index: 0, triangle: None });
-    let mut room = Room {
+    let mut scene = TestScene {
         world: ShapeWorld(vec![TestPrimitive { shape, material: 0, light }]),
         appearance: Appearance { materials: vec![material], ..Appearance::default() },
-        lights: LightSet::new(vec![Light::Sphere(lamp)], LightSampling::Tree, 1.0),
+        lights: LightSet::new(vec![Light::Sphere(source)], LightSampling::Tree, 1.0),
         features: ShadingFeatures::ALL,
     };
     let rays: Vec<_> =
         (0..100_000).map(|key| (Ray::new(DVec3::new(0.1, 0.2, 0.3), vector(key, 90)), Interval::FORWARD)).collect();
-    let (seen, _) = in_streams(&mut room, &settings(100), &rays, OneLane::new());
+    let (seen, _) = in_streams(&mut scene, &settings(100), &rays, OneLane::new());
     let radiance: Vec<f64> = seen.iter().map(|seen| seen.radiance.g).collect();
     let n = radiance.len() as f64;
     let mean = radiance.iter().sum::<f64>() / n;
@@ -344,21 +346,21 @@ fn the_radiance_in_a_closed_lamp_is_that_of_the_series() {
     // 1 / (1 − ½)
     // 1 / (1 − ½)
     println!("DBG {mean} ± {error}");
-    let (e, _) = of_path_tracer(&mut room, settings(100), &rays);
+    let (e, _) = of_path_tracer(&mut scene, settings(100), &rays);
     println!("DBG path {}", e.iter().map(|s| s.radiance.g).sum::<f64>() / n);
     assert!((mean - 2.0).abs() < 4.0 * error && error < 0.003, "{mean} ± {error}");
 }
 
 #[test]
 fn a_call_with_too_few_samplers_does_nothing() {
-    let mut room = Room::new(ROOMS[0], 1.0);
+    let mut scene = TestScene::new(LIT_BY[0], 1.0);
     let bsdfs = BsdfCache::default();
     let mut stream = RayStream::default();
     camera_rays(3, 1.0).iter().for_each(|(ray, span)| stream.push(ray, *span));
-    let mut wavefront = WavefrontPathTracer::new(settings(1), ShadingFeatures::ALL, &room.appearance);
+    let mut wavefront = WavefrontPathTracer::new(settings(1), ShadingFeatures::ALL, &scene.appearance);
     let marked = RadianceSample { radiance: Rgb::gray(9.0), hit: false };
     let mut seen = [marked; 3];
-    let Room { world, appearance, lights, .. } = &mut room;
+    let TestScene { world, appearance, lights, .. } = &mut scene;
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
     wavefront.radiance_of_stream(world, lighting, &mut stream, &samplers(2), &mut seen);
     assert_eq!(seen, [marked; 3]);
@@ -368,11 +370,11 @@ fn a_call_with_too_few_samplers_does_nothing() {
 
 #[test]
 fn other_materials_and_numbers_out_of_the_range_of_f32_are_not_supported() {
-    let room = Room::new(ROOMS[1], 1.0);
+    let scene = TestScene::new(LIT_BY[1], 1.0);
     let supports = |appearance: &Appearance, material| {
-        WavefrontPathTracer::<Independent>::supports(appearance, &room.lights, [0, material])
+        WavefrontPathTracer::<Independent>::supports(appearance, &scene.lights, [0, material])
     };
-    let usual = &room.appearance;
+    let usual = &scene.appearance;
     assert!((0..usual.materials.len() as u32).all(|material| supports(usual, material)));
     let with = |change: fn(&mut Material)| {
         let mut appearance = usual.clone();

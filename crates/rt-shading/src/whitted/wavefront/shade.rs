@@ -1,6 +1,6 @@
 //! Shading of a wave in lanes: emission, direct light, and secondary rays.
 
-use super::{Shade, Spawned, Wave, streams::PathStream};
+use super::{Shade, Spawned, Wave, streams::TreeStream};
 use crate::{
     Background, RadianceSample, SurfaceHit,
     hit_context::{MAX_NULL_INTERFACES, SurfaceTransmission},
@@ -93,7 +93,7 @@ impl<E: Element> Spawned<E> {
         &mut self,
         shade: &Shade<'_, L>,
         mut group: Group<'_, L>,
-        paths: &PathStream<E>,
+        paths: &TreeStream<E>,
         seen: &mut [RadianceSample],
     ) {
         let &Shade { lanes, settings, .. } = shade;
@@ -117,7 +117,7 @@ impl<E: Element> Spawned<E> {
         &mut self,
         shade: &Shade<'_, L>,
         missed: u8,
-        (paths, at): (&PathStream<E>, usize),
+        (paths, at): (&TreeStream<E>, usize),
         seen: &mut [RadianceSample],
     ) {
         let &Shade { lanes, appearance, .. } = shade;
@@ -138,7 +138,7 @@ impl<E: Element> Spawned<E> {
 
     /// Ends paths on a surface without material.
     #[inline(never)]
-    fn end_without_material(&mut self, mask: u8, (paths, at): (&PathStream<E>, usize), seen: &mut [RadianceSample]) {
+    fn end_without_material(&mut self, mask: u8, (paths, at): (&TreeStream<E>, usize), seen: &mut [RadianceSample]) {
         for lane in each_lane(mask) {
             let sample = paths.sample.get(at + lane);
             seen[sample as usize].hit = true;
@@ -160,7 +160,7 @@ impl<E: Element> Spawned<E> {
         shade: &Shade<'_, L>,
         group: &mut Group<'_, L>,
         surface: &ShadedSurface<L>,
-        paths: &PathStream<E>,
+        paths: &TreeStream<E>,
         seen: &mut [RadianceSample],
     ) {
         let &Shade { lanes, settings, appearance } = shade;
@@ -224,7 +224,7 @@ impl<E: Element> Spawned<E> {
         (group, lane, t): (&Group<'_, L>, usize, f64),
         interface: Option<&MediumInterface>,
         way: f64,
-        paths: &PathStream<E>,
+        paths: &TreeStream<E>,
         seen: &mut [RadianceSample],
     ) {
         let &Shade { lanes, settings, .. } = shade;
@@ -266,7 +266,7 @@ impl<E: Element> Spawned<E> {
         lanes: L,
         group: &Group<'_, L>,
         surface: &ShadedSurface<L>,
-        paths: &PathStream<E>,
+        paths: &TreeStream<E>,
         seen: &mut [RadianceSample],
     ) {
         for (mask, side) in [(group.mask & !surface.inside, 0), (group.mask & surface.inside, 1)] {
@@ -291,7 +291,7 @@ impl<E: Element> Spawned<E> {
         shade: &Shade<'_, L>,
         group: &Group<'_, L>,
         surface: &ShadedSurface<L>,
-        paths: &PathStream<E>,
+        paths: &TreeStream<E>,
         seen: &mut [RadianceSample],
     ) {
         let &Shade { lanes, settings, appearance } = shade;
@@ -345,7 +345,7 @@ impl<E: Element> Spawned<E> {
         shade: &Shade<'_, L>,
         group: &Group<'_, L>,
         surface: &ShadedSurface<L>,
-        paths: &PathStream<E>,
+        paths: &TreeStream<E>,
     ) {
         let &Shade { lanes, settings, .. } = shade;
         let &Group { phong, at, mask, weight, transmits, eta, .. } = group;
@@ -432,7 +432,7 @@ impl<E: Element> Spawned<E> {
         surface: &ShadedSurface<L>,
         (mask, mirrored): (u8, u8),
         [directions, weights]: [Vector3<L::F>; 2],
-        paths: &PathStream<E>,
+        paths: &TreeStream<E>,
     ) {
         let points = group.points;
         let directions = lanes.widen_vector(directions);

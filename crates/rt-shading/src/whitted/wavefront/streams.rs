@@ -7,7 +7,7 @@ use rt_math::{Interval, Ray, Rgb};
 
 /// Rays of paths, one array for each number.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PathStream<E: Element> {
+pub(super) struct TreeStream<E: Element> {
     pub(super) rays: RayStream,
     /// Index of the camera ray.
     pub(super) sample: StreamArray<u32>,
@@ -17,7 +17,7 @@ pub(super) struct PathStream<E: Element> {
     pub(super) weight: [StreamArray<E>; 3],
 }
 
-impl<E: Element> PathStream<E> {
+impl<E: Element> TreeStream<E> {
     pub(super) const fn len(&self) -> usize {
         self.rays.len()
     }

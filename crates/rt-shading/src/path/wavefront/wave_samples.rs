@@ -5,7 +5,7 @@ use rt_math::Sampler;
 
 /// Samples by index of the ray, one array for each number. Those of rays that hit nothing have no meaning.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Draws {
+pub(super) struct WaveSamples {
     /// Point on the sampled light.
     pub(super) light: [StreamArray<f64>; 2],
     /// Choice of a light.
@@ -21,8 +21,8 @@ pub(super) struct Draws {
     numbers: Vec<f64>,
 }
 
-impl Draws {
-    /// Draws the samples of all rays that hit a surface, for one of `n_lights`, and for the next direction.
+impl WaveSamples {
+    /// WaveSamples the samples of all rays that hit a surface, for one of `n_lights`, and for the next direction.
     pub(super) fn draw<S: Sampler>(
         &mut self,
         samplers: &mut [S],
