@@ -30,7 +30,8 @@ use rt_math::{Rgb, Sampler};
 use wave_samples::WaveSamples;
 
 /// [`PathTracer`](super::PathTracer) for worlds of spheres, planes, polygons and triangles that do not move, with uniform diffuse
-/// materials, and for all light transport but [`Transport::Specular`](super::Transport). It shades in `f32`; positions, hits, densities of lights and sums are `f64`.
+/// materials. It computes all light transport but [`Transport::Specular`](super::Transport), and shades in `f32`; positions, hits,
+/// densities of lights and sums are `f64`.
 ///
 /// Paths use the same samples as there. The radiance of a camera ray is bit-identical in every wave, with every instruction set, and
 /// with one lane. Keep one instance per thread: all buffers are reused.
