@@ -224,10 +224,10 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
             }
             let wave = PathWave { paths, hits, samples, bounces, plays_roulette, emission_only };
             let world_of_hits = &*world;
-            let gather = |at: usize, mask: u8, gathered: &mut Gathered| {
+            let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered| {
                 gather(world_of_hits, shade.materials, (wave.hits, at), mask, gathered);
             };
-            shade_stage(&gather, &wave, spawned, seen);
+            shade_stage(&gather_hits, &wave, spawned, seen);
             for light in spawned.delta.iter_mut().take(n_delta).chain([&mut spawned.sampled]) {
                 let counts = &mut spawned.counts;
                 let bounded = |radiance| clamp.apply(bounces + 1, radiance, counts);

@@ -6,7 +6,7 @@ use crate::{
     lane_set::LaneSet,
     light::{DeltaLiLanes, SpotCone},
 };
-use rt_math::{Real, Vector3};
+use rt_math::{DVec3, Real, Vector3};
 
 /// Squared distances of lights that are certain not to overflow or underflow in `f32`.
 const MIN_SQUARED: f64 = 1e-30;
@@ -24,14 +24,16 @@ pub(crate) fn is_usual_light(light: &DeltaLight) -> bool {
     is_in_range(light.intensity) && light.kind.cone().is_none_or(is_wide)
 }
 
-/// Light that arrives at the points of a mask, given the vectors to its position.
+/// Light that arrives at the points of a mask.
 #[inline(always)]
 pub(crate) fn sample_li<L: LaneSet>(
     lanes: L,
     light: &DeltaLight,
-    to_light: Vector3<L::F>,
-    (points, mask): (&HitPoints<L>, u8),
+    points: &HitPoints<L>,
+    mask: u8,
 ) -> DeltaLiLanes<L::F> {
+    let position = light.kind.position().map_or(points.point, |position| lanes.splat_point(position));
+    let to_light = lanes.narrow_vector(position - points.point);
     let incident = light.sample_li_from(to_light);
     let squared = to_light.length_squared();
     let is_usual = squared.gt(lanes.splat(MIN_SQUARED)) & squared.lt(lanes.splat(MAX_SQUARED));
@@ -47,4 +49,14 @@ pub(crate) fn sample_li<L: LaneSet>(
         distance: Real::select(is_usual, incident.distance, lanes.narrow(exact.distance)),
         is_lit: (is_usual & incident.is_lit) | (!is_usual & is_lit),
     }
+}
+
+/// Directions of shadow rays from these origins, and the parameters at which they end.
+#[inline(always)]
+pub(crate) fn shadow_rays<L: LaneSet>(lanes: L, light: &DeltaLight, origin: Vector3<L::D>) -> (Vector3<L::D>, L::D) {
+    let direction = match light.kind.position() {
+        Some(position) => lanes.splat_point(position) - origin,
+        None => lanes.splat_point(light.kind.offset_from(DVec3::ZERO)),
+    };
+    (direction, light.shadow_end(direction))
 }

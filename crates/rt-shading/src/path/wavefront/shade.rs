@@ -10,7 +10,7 @@ use crate::{
     mis::power_heuristic,
     russian_roulette::survival_probability,
     wavefront::{
-        delta_lights::sample_li,
+        delta_lights::{sample_li, shadow_rays},
         gathered_shapes::GatheredShapes,
         hit_points::HitPoints,
         shaded_surface::{ShadedSurface, offset},
@@ -181,12 +181,7 @@ impl<E: Element> SpawnedPaths<E> {
         let samples = wave.paths.sample.vector(*at);
         for (light, stream) in lighting.lights.delta_lights().zip(&mut self.delta) {
             let zero = lanes.splat(0.0);
-            let position = light.kind.position().map(|position| lanes.splat_point(position));
-            let to_light = match position {
-                Some(position) => lanes.narrow_vector(position - points.point),
-                None => Vector3::new(zero, zero, zero),
-            };
-            let incident = sample_li(lanes, light, to_light, (points, *mask));
+            let incident = sample_li(lanes, light, points, *mask);
             let cos = vertices.cosines(lanes, incident.direction);
             // Cancels the 1/π of BSDFs for lights in classical units.
             let factor = FRAC_1_PI * light.units.irradiance_factor();
@@ -196,11 +191,7 @@ impl<E: Element> SpawnedPaths<E> {
             if light.casts_shadows {
                 let black = lanes.bits(incident.is_lit) & mask & !lit;
                 self.counts.shadow_rays_skipped += u64::from(black.count_ones());
-                let direction = match position {
-                    Some(position) => position - *shadow_origin,
-                    None => lanes.splat_point(light.kind.offset_from(DVec3::ZERO)),
-                };
-                let end = light.shadow_end(direction);
+                let (direction, end) = shadow_rays(lanes, light, *shadow_origin);
                 stream.push(lanes, lit, [*shadow_origin, direction], end, (radiance, samples));
             } else if settings.clamp.applies_after(wave.bounces + 1) {
                 let radiance = lanes.store_vector(radiance);

@@ -52,7 +52,7 @@ struct TestScene {
 }
 
 /// Kinds of lights in a [`TestScene`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct LightKinds {
     quad: bool,
     others: bool,
@@ -147,7 +147,7 @@ fn samplers(count: usize) -> Vec<Independent> {
 
 type Rendered = (Vec<RadianceSample>, ShadingCounts);
 
-/// Rendered of camera rays, in streams as large as possible.
+/// Radiance of camera rays, in streams as large as possible.
 fn in_streams<L: LaneSet<Element = E>, E: Element>(
     scene: &mut TestScene,
     settings: &PathSettings,
@@ -343,7 +343,6 @@ fn the_radiance_in_a_closed_light_source_is_that_of_the_series() {
     let n = radiance.len() as f64;
     let mean = radiance.iter().sum::<f64>() / n;
     let error = (radiance.iter().map(|r| (r - mean) * (r - mean)).sum::<f64>() / n / n).sqrt();
-    // 1 / (1 − ½)
     // 1 / (1 − ½)
     println!("DBG {mean} ± {error}");
     let (e, _) = of_path_tracer(&mut scene, settings(100), &rays);

@@ -22,7 +22,7 @@ pub(super) struct WaveSamples {
 }
 
 impl WaveSamples {
-    /// WaveSamples the samples of all rays that hit a surface, for one of `n_lights`, and for the next direction.
+    /// Draws the samples of all rays that hit a surface, for one of `n_lights`, and for the next direction.
     pub(super) fn draw<S: Sampler>(
         &mut self,
         samplers: &mut [S],

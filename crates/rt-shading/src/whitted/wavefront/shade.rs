@@ -11,7 +11,7 @@ use crate::{
     optics,
     stream_queries::{StreamPrimitive, StreamQueries},
     wavefront::{
-        delta_lights::sample_li,
+        delta_lights::{sample_li, shadow_rays},
         hit_points::HitPoints,
         shaded_surface::{ShadedSurface, offset},
         streams::{add_radiance, append},
@@ -23,7 +23,7 @@ use crate::{
     },
 };
 use rt_geometry::{HitStream, SurfaceInteraction};
-use rt_math::{DVec3, Interval, Ray, Real, Rgb, Vector3};
+use rt_math::{Interval, Ray, Real, Rgb, Vector3};
 
 /// Hits of some lanes on one primitive with one Phong model.
 struct Group<'a, L: LaneSet> {
@@ -301,12 +301,7 @@ impl<E: Element> Spawned<E> {
         let has_highlight = phong.specular != Rgb::BLACK;
         for (light, stream) in appearance.lights.iter().zip(&mut self.lights) {
             let shadowed = settings.features.shadows && light.casts_shadows;
-            let position = light.kind.position().map(|position| lanes.splat_point(position));
-            let to_light = match position {
-                Some(position) => lanes.narrow_vector(position - points.point),
-                None => Vector3::new(zero, zero, zero),
-            };
-            let incident = sample_li(lanes, light, to_light, (points, mask));
+            let incident = sample_li(lanes, light, points, mask);
             let wi = incident.direction;
             let cos = normal.dot(wi);
             let faces = incident.is_lit & cos.gt(zero);
@@ -329,11 +324,7 @@ impl<E: Element> Spawned<E> {
                 continue;
             }
             self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
-            let direction = match position {
-                Some(position) => position - near_origin,
-                None => lanes.splat_point(light.kind.offset_from(DVec3::ZERO)),
-            };
-            let end = light.shadow_end(direction);
+            let (direction, end) = shadow_rays(lanes, light, near_origin);
             stream.push(lanes, lit, [near_origin, direction], end, (radiance, paths.sample.vector(at)));
         }
     }
