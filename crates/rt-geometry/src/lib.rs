@@ -83,6 +83,7 @@ mod triangle;
 mod triangulator;
 mod watertight_triangle;
 
+pub use area::{unit_normal, unit_normal_lanes};
 pub use capped_quadric::CappedQuadric;
 pub use closest_point::ClosestPoint;
 pub use cuboid::Cuboid;

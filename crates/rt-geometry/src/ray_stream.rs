@@ -71,7 +71,7 @@ impl<T> StreamArray<T> {
     }
 }
 
-/// Up to [`STREAM_CAPACITY`] rays, one array for each number. All rays are at time 0.
+/// Up to [`STREAM_CAPACITY`] rays, one array for each number.
 ///
 /// The numbers behind the last ray have no meaning.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,6 +84,8 @@ pub struct RayStream {
     pub min: StreamArray<f64>,
     /// Greatest parameters of hits.
     pub max: StreamArray<f64>,
+    /// Times in the shutter interval, as [`Ray::time`].
+    pub time: StreamArray<f64>,
     len: usize,
 }
 
@@ -97,6 +99,11 @@ impl RayStream {
     /// True without any ray.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
+    }
+
+    /// True if a ray is at another time than 0.
+    pub fn has_time(&self) -> bool {
+        self.time.as_slice()[..self.len].iter().any(|time| *time != 0.0)
     }
 
     /// Removes all rays.
@@ -118,7 +125,7 @@ impl RayStream {
         if at == STREAM_CAPACITY {
             return;
         }
-        let Ray { origin, direction, .. } = ray;
+        let Ray { origin, direction, time } = *ray;
         let ([x, y, z], [u, v, w]) = (&mut self.origin, &mut self.direction);
         x.set(at, origin.x);
         y.set(at, origin.y);
@@ -128,6 +135,7 @@ impl RayStream {
         w.set(at, direction.z);
         self.min.set(at, span.min);
         self.max.set(at, span.max);
+        self.time.set(at, time);
         self.grow(1);
     }
 
@@ -136,7 +144,7 @@ impl RayStream {
     pub fn get(&self, at: usize) -> (Ray, Interval) {
         let vector = |[x, y, z]: &[StreamArray<f64>; 3]| DVec3::new(x.get(at), y.get(at), z.get(at));
         let span = Interval { min: self.min.get(at), max: self.max.get(at) };
-        (Ray::new(vector(&self.origin), vector(&self.direction)), span)
+        (Ray { origin: vector(&self.origin), direction: vector(&self.direction), time: self.time.get(at) }, span)
     }
 }
 
@@ -145,7 +153,9 @@ impl RayStream {
 pub struct HitStream {
     /// Parameters of the hits.
     pub t: StreamArray<f64>,
-    /// Indices of the hit primitives; [`NONE`](Self::NONE) for a miss.
+    /// See [`Hit::instance`].
+    pub instance: StreamArray<u32>,
+    /// See [`Hit::primitive`]; [`NONE`](Self::NONE) for a miss.
     pub primitive: StreamArray<u32>,
     /// See [`Hit::uv`].
     pub uv: [StreamArray<f64>; 2],
@@ -160,10 +170,19 @@ impl HitStream {
     pub fn set(&mut self, at: usize, hit: Option<&Hit>) {
         let Some(hit) = hit else { return self.primitive.set(at, Self::NONE) };
         self.t.set(at, hit.t);
+        self.instance.set(at, hit.instance);
         self.primitive.set(at, hit.primitive);
         let [u, v] = &mut self.uv;
         u.set(at, hit.uv[0]);
         v.set(at, hit.uv[1]);
+    }
+
+    /// The hit of a ray; `None` for a miss.
+    #[inline(always)]
+    pub fn get(&self, at: usize) -> Option<Hit> {
+        let (primitive, [u, v]) = (self.primitive.get(at), &self.uv);
+        let hit = || Hit { t: self.t.get(at), instance: self.instance.get(at), primitive, uv: [u.get(at), v.get(at)] };
+        (primitive != Self::NONE).then(hit)
     }
 }
 
@@ -174,19 +193,20 @@ mod tests {
     #[test]
     fn rays_and_hits_keep_their_numbers() {
         let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
-        let ray = |at: usize| Ray::new(DVec3::new(at as f64, 0.5, -1.0), DVec3::new(1.0, -(at as f64), 2.0));
+        let ray = |at: usize| Ray {
+            time: at as f64 * 0.1,
+            ..Ray::new(DVec3::new(at as f64, 0.5, -1.0), DVec3::new(1.0, -(at as f64), 2.0))
+        };
+        let hit = |at: usize| Hit { t: at as f64, instance: 7, primitive: at as u32, uv: [0.5, at as f64] };
         let span = |at: usize| Interval::new(0.25, at as f64);
         for at in 0..STREAM_CAPACITY {
             rays.push(&ray(at), span(at));
-            let hit = Hit { t: at as f64, instance: 0, primitive: at as u32, uv: [0.5, at as f64] };
-            hits.set(at, Some(&hit).filter(|_| at % 3 > 0));
+            hits.set(at, Some(&hit(at)).filter(|_| at % 3 > 0));
         }
         assert_eq!(rays.len(), STREAM_CAPACITY);
         for at in 0..STREAM_CAPACITY {
             assert_eq!(rays.get(at), (ray(at), span(at)));
-            let primitive = if at % 3 > 0 { at as u32 } else { HitStream::NONE };
-            assert_eq!(hits.primitive.get(at), primitive);
-            assert!(at % 3 == 0 || (hits.t.get(at), hits.uv[1].get(at)) == (at as f64, at as f64));
+            assert_eq!(hits.get(at), (at % 3 > 0).then(|| hit(at)));
         }
         rays.clear();
         assert!(rays.is_empty());

@@ -1,7 +1,7 @@
 //! Media around the origins of camera rays.
 
 use rt_camera::{Camera, Projection};
-use rt_math::{Aabb, DVec2, DVec3, Interval, Ray};
+use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
 use rt_shading::{InteriorList, Material, SceneQueries};
 
@@ -54,12 +54,12 @@ impl CameraMedium {
         &self,
         world: &mut dyn SceneQueries,
         materials: &[Material],
-        rays: &[(Ray, Interval)],
+        rays: impl ExactSizeIterator<Item = Ray>,
         surroundings: &mut Vec<InteriorList>,
     ) {
         surroundings.resize_with(rays.len(), InteriorList::default);
-        for ((ray, _), interior) in rays.iter().zip(surroundings) {
-            self.find(world, materials, ray, interior);
+        for (ray, interior) in rays.zip(surroundings) {
+            self.find(world, materials, &ray, interior);
         }
     }
 

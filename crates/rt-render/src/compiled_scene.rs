@@ -2,10 +2,9 @@
 
 use std::borrow::Cow;
 
-use rt_camera::SampleStream;
 use rt_scene_io::{Integrator, MaterialId, Scene};
 use rt_shading::{
-    Appearance, BsdfCache, LightSources, Material, ShadingFeatures, StreamPrimitive, StreamShape, WavefrontPathTracer,
+    Appearance, BsdfCache, LightSources, Lighting, Material, ShadingFeatures, StreamPrimitive, StreamShape,
     WavefrontWhitted, light::LightSet,
 };
 
@@ -39,7 +38,7 @@ pub(crate) struct CompiledScene<'s> {
     /// Lights that light tracing starts from, if the integrator traces light.
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) features: ShadingFeatures,
-    /// True if the integrator may shade the scene in `f32`, as streams of rays.
+    /// True if `whitted` may shade the scene in `f32`, as streams of rays.
     pub(crate) has_stream_primitives: bool,
     /// True if a material in use emits light.
     pub(crate) has_emission: bool,
@@ -85,13 +84,8 @@ impl<'s> CompiledScene<'s> {
             Integrator::Caustics => light_sources(&appearance, &lights, &world),
             _ => None,
         };
-        let has_stream_primitives = match integrator {
-            Integrator::Whitted => whitted_streams(&appearance, &world.instances()),
-            Integrator::Path | Integrator::Direct | Integrator::Caustics => {
-                medium.is_none() && path_streams(&appearance, &lights, &world.instances())
-            }
-            _ => false,
-        };
+        let has_stream_primitives =
+            integrator == Integrator::Whitted && whitted_streams(&appearance, &world.instances());
         Ok(Self {
             source,
             space,
@@ -107,6 +101,11 @@ impl<'s> CompiledScene<'s> {
             has_emission: used_features.emission,
             has_specular: used_features.reflection || used_features.refraction,
         })
+    }
+
+    /// Materials and lights for integrators that sample lights.
+    pub(crate) fn lighting(&self) -> Lighting<'_> {
+        Lighting { appearance: &self.appearance, lights: &self.lights, bsdfs: &self.bsdfs }
     }
 
     /// False if the scene has no light: there is no delta light and no emissive surface, and the integrator gathers no light from
@@ -129,23 +128,10 @@ fn whitted_streams(appearance: &Appearance, world: &Instances<'_>) -> bool {
         StreamShape::Sphere(_) | StreamShape::Polygon(_) => !is_textured(primitive.material),
         StreamShape::Plane(_) => true,
         StreamShape::Triangle(triangle) => triangle.vertex_normals.is_none(),
+        StreamShape::MeshTriangle(..) => false,
     };
     WavefrontWhitted::supports(appearance)
-        && stream_primitives(world).all(|primitive| primitive.is_some_and(is_supported))
-}
-
-/// Version of [`whitted_streams`] for a [`WavefrontPathTracer`].
-fn path_streams(appearance: &Appearance, lights: &LightSet, world: &Instances<'_>) -> bool {
-    let mut materials: Vec<u32> = world.instances.iter().map(|instance| instance.material).collect();
-    materials.sort_unstable();
-    materials.dedup();
-    stream_primitives(world).all(|primitive| primitive.is_some())
-        && WavefrontPathTracer::<SampleStream>::supports(appearance, lights, materials)
-}
-
-/// All instances as primitives of streams; `None` for those that are none.
-fn stream_primitives<'w>(world: &'w Instances<'w>) -> impl Iterator<Item = Option<StreamPrimitive<'w>>> {
-    (0..world.instances.len() as u32).map(|index| world.stream_primitive(index))
+        && world.stream_primitives().all(|primitive| primitive.is_some_and(is_supported))
 }
 
 /// Marks the instances whose texture coordinates are used: those with a textured material.

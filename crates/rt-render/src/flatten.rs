@@ -167,7 +167,9 @@ impl<'s> Flattener<'s> {
         }
         let is_flat =
             self.may_be_flat && !within_group && !instances.iter().any(|instance| instance.geometry.is_structure());
-        let set = Instances { instances: &instances, levels: &self.levels, is_flat };
+        let mut set = Instances { instances: &instances, levels: &self.levels, is_flat, has_only_primitives: false };
+        let has_only_primitives = set.stream_primitives().all(|primitive| primitive.is_some());
+        set.has_only_primitives = has_only_primitives;
         let structure = accel_choice::build(self.accel_options, &set).map_err(|source| {
             let object = match source {
                 BuildError::BadBounds { index, .. } => instances[index as usize].name.to_string(),
@@ -175,7 +177,7 @@ impl<'s> Flattener<'s> {
             };
             RenderError::Build { object, source }
         })?;
-        Ok(Aggregate { instances, structure, is_flat })
+        Ok(Aggregate { instances, structure, is_flat, has_only_primitives })
     }
 
     /// Upper bound on the number of instances of [`collect`](Self::collect).

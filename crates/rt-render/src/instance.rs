@@ -142,12 +142,15 @@ pub(crate) struct Aggregate {
     /// True if each instance is one primitive and its index identifies a hit. The accelerator can then intersect its own
     /// copies of triangles.
     pub(crate) is_flat: bool,
+    /// True if all instances are primitives of streams.
+    pub(crate) has_only_primitives: bool,
 }
 
 impl Aggregate {
     /// Instances as a set of primitives.
     pub(crate) fn set<'w>(&'w self, levels: &'w BottomLevel) -> Instances<'w> {
-        Instances { instances: &self.instances, levels, is_flat: self.is_flat }
+        let &Self { ref instances, is_flat, has_only_primitives, .. } = self;
+        Instances { instances, levels, is_flat, has_only_primitives }
     }
 
     /// Instance of a consecutive index of a primitive of the group; `None` without any instance.
@@ -183,6 +186,8 @@ pub(crate) struct Instances<'w> {
     pub(crate) instances: &'w [Instance],
     pub(crate) levels: &'w BottomLevel,
     pub(crate) is_flat: bool,
+    /// See [`Aggregate::has_only_primitives`].
+    pub(crate) has_only_primitives: bool,
 }
 
 /// Ray in the space below a transform.
@@ -249,24 +254,44 @@ impl Instances<'_> {
         }
     }
 
-    /// An instance as a primitive that is shaded in lanes: a sphere, a plane, a polygon or a triangle, without transform. `None` for all
-    /// others.
+    /// A hit primitive whose surface is computed in lanes: a sphere, a plane, a polygon or a triangle, without transform and normal map.
+    /// `None` for all others.
     #[inline(always)]
-    pub(crate) fn stream_primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
-        let instance = self.instances.get(index as usize)?;
+    pub(crate) fn stream_primitive(&self, hit: [u32; 2]) -> Option<StreamPrimitive<'_>> {
+        let [instance, primitive] = hit;
+        let instance = self.instances.get(if self.is_flat { primitive } else { instance } as usize)?;
         let mut of_mesh = None;
         let shape = match &instance.geometry {
-            InstanceGeometry::Shape(Shape::Sphere(sphere)) => StreamShape::Sphere(sphere),
-            InstanceGeometry::Shape(Shape::Plane(plane)) => StreamShape::Plane(plane),
-            InstanceGeometry::Shape(Shape::Polygon(polygon)) => StreamShape::Polygon(polygon.plane()),
             InstanceGeometry::Triangle(triangle) => {
                 of_mesh = Some(triangle.index);
                 StreamShape::Triangle(&triangle.shape)
             }
+            InstanceGeometry::Mesh(level, None) if instance.normal_map.is_none() => {
+                of_mesh = Some(primitive);
+                StreamShape::MeshTriangle(&self.levels.meshes[*level as usize].mesh, primitive)
+            }
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => StreamShape::Sphere(sphere),
+            InstanceGeometry::Shape(Shape::Plane(plane)) => StreamShape::Plane(plane),
+            InstanceGeometry::Shape(Shape::Polygon(polygon)) => StreamShape::Polygon(polygon.plane()),
             _ => return None,
         };
         let light = instance.light_id(of_mesh);
         Some(StreamPrimitive { shape, object: instance.object, material: instance.material, light })
+    }
+
+    /// All instances as primitives of streams; `None` for those that are none. A mesh is one of its triangles.
+    pub(crate) fn stream_primitives(&self) -> impl Iterator<Item = Option<StreamPrimitive<'_>>> {
+        (0..self.instances.len() as u32).map(|index| self.stream_primitive([index; 2]))
+    }
+
+    /// Texture coordinates of the vertices of a hit triangle; `None` for all other primitives.
+    pub(crate) fn vertex_uvs(&self, hit: [u32; 2]) -> Option<[[f32; 2]; 3]> {
+        let [instance, primitive] = hit;
+        match &self.instances.get(if self.is_flat { primitive } else { instance } as usize)?.geometry {
+            InstanceGeometry::Triangle(triangle) => triangle.mesh.vertex_uvs(triangle.index),
+            InstanceGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.vertex_uvs(primitive),
+            _ => None,
+        }
     }
 
     /// Hit on a sphere without transform and texture coordinates; `None` for all others.

@@ -8,8 +8,8 @@ use rt_camera::SampleStream;
 use rt_math::Ray;
 use rt_scene_io::Integrator;
 use rt_shading::{
-    Background, InteriorList, LaneLevel, Lighting, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer,
-    ShadingCounts, WavefrontPathTracer, WavefrontWhitted, Whitted,
+    Background, InteriorList, LaneLevel, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
+    WavefrontWhitted, Whitted,
 };
 
 use crate::{
@@ -34,8 +34,6 @@ pub(crate) struct ThreadState {
     /// For worlds that it supports.
     wavefront_whitted: Option<WavefrontWhitted>,
     paths: PathTracer<SampleStream>,
-    /// For worlds that it supports.
-    wavefront_paths: Option<WavefrontPathTracer<SampleStream>>,
     occlusion: OcclusionWave,
     camera: PrimaryRayBatch,
     buffers: TracerBuffers,
@@ -45,6 +43,9 @@ impl ThreadState {
     pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
         let settings = &plan.scene.source.settings;
         let mut paths = PathTracer::new(plan.integrator.path_settings(), plan.scene.features);
+        if plan.options.precision == Precision::F64 {
+            paths = paths.in_f64();
+        }
         let mut whitted = Whitted::new(settings.depth, settings.min_contribution, plan.scene.features);
         let lanes = match plan.scene.accel.simd {
             Some(SimdLevel::Portable) => None,
@@ -55,8 +56,7 @@ impl ThreadState {
         if let Some(level) = lanes {
             whitted.shade_in_lanes(level, &plan.scene.appearance);
         }
-        let is_whitted = matches!(plan.integrator, IntegratorState::Whitted);
-        let wavefront_whitted = (plan.shades_streams() && is_whitted).then(|| {
+        let wavefront_whitted = plan.shades_streams().then(|| {
             let mut wavefront = WavefrontWhitted::new(
                 settings.depth,
                 settings.min_contribution,
@@ -66,17 +66,10 @@ impl ThreadState {
             wavefront.set_lanes(lanes);
             wavefront
         });
-        let wavefront_paths = (plan.shades_streams() && !is_whitted).then(|| {
-            let mut wavefront =
-                WavefrontPathTracer::new(plan.integrator.path_settings(), plan.scene.features, &plan.scene.appearance);
-            wavefront.set_lanes(lanes);
-            wavefront
-        });
         Self {
             whitted,
             wavefront_whitted,
             paths,
-            wavefront_paths,
             occlusion: OcclusionWave::default(),
             camera: PrimaryRayBatch::default(),
             buffers: TracerBuffers::default(),
@@ -104,9 +97,8 @@ impl RenderPlan<'_> {
         {
             return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
         }
-        let ThreadState { whitted, wavefront_whitted, paths, wavefront_paths, occlusion, camera, buffers } = worker;
-        let lighting =
-            Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
+        let ThreadState { whitted, wavefront_whitted, paths, occlusion, camera, buffers } = worker;
+        let lighting = self.scene.lighting();
         let materials = &self.scene.appearance.materials;
         let mut tracer =
             SceneTracer::new(world, structure, primary_target, probe).with_buffers(core::mem::take(buffers));
@@ -142,23 +134,19 @@ impl RenderPlan<'_> {
                 result.shading = reference.counts;
                 result
             }
-            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => match wavefront_paths {
-                Some(wavefront) => self.sample_stream(job, camera, |rays, samplers, seen| {
-                    wavefront.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
-                }),
-                None => {
-                    paths.set_surroundings(core::slice::from_ref(interior));
-                    self.sample_tile(job, camera, |batch, seen| {
-                        paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
-                    })
-                }
-            },
+            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
+                paths.set_surroundings(core::slice::from_ref(interior));
+                self.sample_stream(job, camera, |rays, samplers, seen| {
+                    paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
+                })
+            }
             (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
                 let mut surroundings = Vec::new();
-                self.sample_tile(job, camera, |batch, seen| {
-                    medium.find_all(&mut tracer, materials, batch.rays, &mut surroundings);
+                self.sample_stream(job, camera, |rays, samplers, seen| {
+                    let all = (0..rays.len()).map(|at| rays.get(at).0);
+                    medium.find_all(&mut tracer, materials, all, &mut surroundings);
                     paths.set_surroundings(&surroundings);
-                    paths.radiance_of(&mut tracer, lighting, batch.rays, batch.samplers, seen);
+                    paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
                 })
             }
             (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
@@ -168,7 +156,8 @@ impl RenderPlan<'_> {
                 Some(wavefront) => {
                     let mut surroundings = Vec::new();
                     self.sample_tile(job, camera, |batch, seen| {
-                        medium.find_all(&mut tracer, materials, batch.rays, &mut surroundings);
+                        let rays = batch.rays.iter().map(|(ray, _)| *ray);
+                        medium.find_all(&mut tracer, materials, rays, &mut surroundings);
                         wavefront.set_surroundings(&surroundings);
                         wavefront.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
                     })
@@ -193,7 +182,6 @@ impl RenderPlan<'_> {
         result.shading += whitted.take_counts();
         result.shading += paths.take_counts();
         result.shading += wavefront_whitted.as_mut().map(WavefrontWhitted::take_counts).unwrap_or_default();
-        result.shading += wavefront_paths.as_mut().map(WavefrontPathTracer::take_counts).unwrap_or_default();
         *buffers = tracer.into_buffers();
         result
     }
@@ -212,10 +200,9 @@ impl RenderPlan<'_> {
         })
     }
 
-    /// True if an integrator of streams renders the scene. It does not depend on what the plan leaves out. Streams have no time, which the
-    /// depth layer of a moving camera needs.
+    /// True if the integrator of streams renders the scene under `whitted`. It does not depend on what the plan leaves out.
     fn shades_streams(&self) -> bool {
-        self.options.precision == Precision::F32 && self.scene.has_stream_primitives && !self.frame.camera.moves()
+        self.options.precision == Precision::F32 && self.scene.has_stream_primitives
     }
 
     /// Objects in view of the tile, if their number is small.

@@ -5,12 +5,7 @@ use rt_geometry::{Hit, HitStream, InteractionFlags, Probe, RayCounts, RayKind, R
 use rt_math::{Interval, Ray};
 use rt_shading::{ClosestHit, LazyShapes, SceneQueries, StreamPrimitive, StreamQueries, SurfaceHit};
 
-use crate::{
-    frustum_cull::PrimaryTarget,
-    instance::{InstanceGeometry, Instances},
-    tile_layers::TileLayers,
-    work_probe::WorkProbe,
-};
+use crate::{frustum_cull::PrimaryTarget, instance::Instances, tile_layers::TileLayers, work_probe::WorkProbe};
 
 /// Traces and counts the rays of an integrator. The accelerator is dispatched once per batch, so that integrators are not
 /// compiled for each accelerator.
@@ -208,7 +203,6 @@ impl StreamQueries for SceneTracer<'_> {
         let batch = self.batch_of(rays);
         self.trace_counted(&batch, kind);
         for (at, hit) in self.hits.iter().enumerate() {
-            let hit = hit.map(|hit| Hit { primitive: self.world.instance_index(&hit), ..hit });
             hits.set(at, hit.as_ref());
         }
         self.stream = batch;
@@ -226,15 +220,19 @@ impl StreamQueries for SceneTracer<'_> {
     }
 
     #[inline(always)]
-    fn primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
-        self.world.stream_primitive(index)
+    fn primitive(&self, hits: &HitStream, at: usize) -> Option<StreamPrimitive<'_>> {
+        self.world.stream_primitive([hits.instance.get(at), hits.primitive.get(at)])
     }
 
-    fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
-        let instance = self.world.instances.get(index as usize);
-        match instance.map(|instance| &instance.geometry) {
-            Some(InstanceGeometry::Triangle(triangle)) => triangle.mesh.vertex_uvs(triangle.index).unwrap_or_default(),
-            _ => [[0.0; 2]; 3],
-        }
+    fn has_only_primitives(&self) -> bool {
+        self.world.has_only_primitives
+    }
+
+    fn surface(&self, ray: &Ray, hits: &HitStream, at: usize, needs: InteractionFlags) -> Option<SurfaceHit> {
+        self.world.surface(ray, &hits.get(at)?, needs)
+    }
+
+    fn vertex_uvs(&self, hits: &HitStream, at: usize) -> [[f32; 2]; 3] {
+        self.world.vertex_uvs([hits.instance.get(at), hits.primitive.get(at)]).unwrap_or_default()
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     bsdf::{Bsdf, LaneSurface},
 };
 use rt_geometry::SurfaceInteraction;
-use rt_math::{DVec3, Rgb};
+use rt_math::DVec3;
 
 /// BSDFs of [uniform](crate::Material::is_uniform) materials, computed once and not at every hit. The default is empty: all
 /// BSDFs are computed at the hit.
@@ -13,17 +13,7 @@ use rt_math::{DVec3, Rgb};
 pub struct BsdfCache {
     /// BSDF by material.
     bsdfs: Vec<Option<Box<CachedBsdf>>>,
-    /// Surface by material; `None` unless it can be shaded in lanes everywhere.
-    in_lanes: Vec<Option<LaneMaterial>>,
     n_used: usize,
-}
-
-/// Uniform material that can be shaded in lanes, and that neither emits nor transmits light.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LaneMaterial {
-    pub(crate) surface: LaneSurface,
-    /// Coefficient of ambient light.
-    pub(crate) ambient: Rgb,
 }
 
 /// BSDF of a material, and the part of it without diffuse lobes.
@@ -52,33 +42,19 @@ pub(crate) fn uniform_bsdf(material: &Material) -> Option<Bsdf> {
 impl BsdfCache {
     /// BSDFs of the materials of an appearance that are `used`.
     pub fn new(appearance: &Appearance, used: impl Fn(usize) -> bool) -> Self {
-        let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
         let materials = || appearance.materials.iter().enumerate().map(|(index, material)| (used(index), material));
-        let bsdfs: Vec<_> = materials()
+        let bsdfs = materials()
             .map(|(is_used, material)| {
                 let bsdf = if is_used { uniform_bsdf(material) } else { None };
                 bsdf.map(|bsdf| Box::new(CachedBsdf::new(bsdf)))
             })
             .collect();
-        let in_lanes = bsdfs.iter().zip(&appearance.materials).map(|(cached, material)| {
-            let surface = cached.as_ref()?.in_lanes?;
-            let ambient = material.ambient(&material.to_phong(), &appearance.textures, &anywhere);
-            let is_opaque = material.emission.is_zero() && !material.model.is_transmissive();
-            is_opaque.then_some(LaneMaterial { surface, ambient })
-        });
-        let in_lanes = in_lanes.collect();
-        Self { in_lanes, bsdfs, n_used: materials().filter(|(is_used, _)| *is_used).count() }
+        Self { bsdfs, n_used: materials().filter(|(is_used, _)| *is_used).count() }
     }
 
     /// Numbers of cached materials and of used materials.
     pub fn count(&self) -> (usize, usize) {
         (self.bsdfs.iter().flatten().count(), self.n_used)
-    }
-
-    /// Surface of a material that can be shaded in lanes everywhere; `None` for all others.
-    #[inline(always)]
-    pub(crate) fn in_lanes(&self, material: u32) -> Option<&LaneMaterial> {
-        self.in_lanes.get(material as usize)?.as_ref()
     }
 
     /// BSDF of a material; `None` if it must be computed at the hit.
@@ -94,7 +70,7 @@ mod tests {
         ColorTexture, FloatTexture, InteriorMedium, LayeredBase, LayeredSurface, MaterialModel, Phong, TextureId,
     };
     use rt_geometry::VertexAttributes;
-    use rt_math::Vec3;
+    use rt_math::{Rgb, Vec3};
 
     #[test]
     fn only_uniform_materials_are_cached() {

@@ -3,7 +3,7 @@
 //! ```text
 //!   SimdLanes     eight in registers, AVX2 or AVX-512
 //!   OneLane       one: any processor
-//!   Float64Lane   one, with `f64` for shading as well: the reference of tests
+//!   Float64Lane   one, with `f64` for shading as well: the reference
 //! ```
 
 use crate::{
@@ -30,6 +30,9 @@ pub(crate) trait LaneSet: Copy {
 
     /// Element of [`F`](Self::F) in memory.
     type Element: Element;
+
+    /// Calls a function with the instructions of the lanes, for functions that are not inlined.
+    fn vectorize<T>(self, f: impl FnOnce() -> T) -> T;
 
     /// The same number for shading in all lanes.
     fn splat(self, x: f64) -> Self::F;
@@ -195,7 +198,6 @@ pub(crate) struct Single<R, E>(PhantomData<(R, E)>);
 pub(crate) type OneLane = Single<F32, f32>;
 
 /// One hit at a time, shaded in `f64`: the reference.
-#[cfg(test)]
 pub(crate) type Float64Lane = Single<f64, f64>;
 
 impl<R, E> Single<R, E> {
@@ -218,6 +220,11 @@ impl<R: Pow + Default + Into<f64>, E: Element> LaneSet for Single<R, E> {
     type F = R;
     type D = f64;
     type Element = E;
+
+    #[inline(always)]
+    fn vectorize<T>(self, f: impl FnOnce() -> T) -> T {
+        f()
+    }
 
     #[inline(always)]
     fn splat(self, x: f64) -> R {
@@ -336,6 +343,11 @@ impl<S: Simd> LaneSet for SimdLanes<S> {
     type F = Lanes32<S>;
     type D = Lanes<S>;
     type Element = f32;
+
+    #[inline(always)]
+    fn vectorize<T>(self, f: impl FnOnce() -> T) -> T {
+        self.0.vectorize(f)
+    }
 
     #[inline(always)]
     fn splat(self, x: f64) -> Lanes32<S> {

@@ -31,6 +31,11 @@ impl MediumTracker {
         self.passages > MAX_NULL_INTERFACES
     }
 
+    /// Number of bounces that consecutive null interfaces have cost.
+    pub(crate) const fn bounces_of_passages(&self) -> u32 {
+        self.passages.saturating_sub(MAX_NULL_INTERFACES)
+    }
+
     /// Applies the absorption of the medium before a surface; `length` is world units per unit of the ray parameter.
     pub(crate) fn absorb(
         &self,

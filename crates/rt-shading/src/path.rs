@@ -1,42 +1,40 @@
-//! Path tracing in waves, with next-event estimation and MIS.
+//! Path tracing with next-event estimation and MIS, in stages that read and write structures of arrays.
+//!
+//! ```text
+//!   rays ──> closest hits ──> group by kind ──> draw samples ──> shade in lanes ──> shadow rays ──> occluded? ──> samples
+//!    ▲                             │                                  │
+//!    │                             └──> shade one by one ─┐           │
+//!    └──────────────────── next rays <────────────────────┴───────────┘
+//! ```
+//!
+//! All paths of a wave have had the same number of bounces. Each lane gathers the numbers of its shape and of its BSDF: after the first
+//! surface, rays that follow each other hit different primitives. Paths that have ended leave no gaps in the streams. Surfaces that
+//! transmit light, and those whose BSDF has no version for lanes, are shaded one by one, with the same streams.
 
 mod clamp;
 mod direct_lighting;
-mod direct_lighting_lanes;
+mod gathered;
+mod inputs;
 mod lane_bsdf;
+mod lane_material;
+mod light_samples;
+mod path_stream;
+mod settings;
 mod shade;
 mod shade_lanes;
 pub(crate) mod transport;
-mod vertex_block;
-mod vertex_queue;
-mod vertex_stages;
 mod wave;
-mod wavefront;
+mod wave_samples;
 
-use crate::{
-    Appearance, BsdfCache, ClosestHit, InteriorList, LazyShapes, RadianceSample, SceneQueries, ShadingCounts,
-    ShadingFeatures, lanes::LaneLevel, light::LightSet, ray_queues::RayQueues,
-};
+use crate::{InteriorList, RadianceSample, ShadingCounts, ShadingFeatures, StreamQueries, lanes::LaneLevel};
 pub use clamp::Clamp;
-use rt_geometry::RayKind;
+use inputs::PathInputs;
+use lane_material::LaneMaterials;
+use rt_geometry::{RayStream, STREAM_CAPACITY};
 use rt_math::{Interval, Ray, Sampler};
+pub use settings::{Lighting, PathSettings};
 pub use transport::Transport;
-use vertex_queue::{LazyShapeHit, QueueKind, VertexQueue};
-use wave::{Path, ShadowRayQueue};
-pub use wavefront::WavefrontPathTracer;
-
-/// Parameters of path tracing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathSettings {
-    /// Maximum bounces after the first surface: 0 for emission and direct light.
-    pub max_depth: u32,
-    /// Bounces before Russian roulette starts.
-    pub rr_start_depth: u32,
-    /// Light transport beyond the first surface.
-    pub transport: Transport,
-    /// Bound on contributions of indirect light; none by default.
-    pub clamp: Clamp,
-}
+use wave::{PathBatch, PathStreams};
 
 /// Unidirectional path tracing with next-event estimation (Kajiya 1986; Veach 1997, 10.2).
 ///
@@ -53,66 +51,56 @@ pub struct PathSettings {
 /// thus counts π times, and kd is an albedo. Dielectrics nest as they do there. Shadow rays pass through no surface: only BSDF samples
 /// find light behind glass.
 ///
-/// A wave traces many paths, each with its own sampler. The radiance of a camera ray is thus bit-identical in every wave. Keep one
-/// instance per thread: all buffers are reused.
+/// Shading in lanes is in `f32`; positions, hits, densities of lights and sums are `f64`. The radiance of a camera ray is bit-identical
+/// in every wave, with every instruction set, and with one lane. Keep one instance per thread: all buffers are reused.
 #[derive(Clone, Debug)]
 pub struct PathTracer<S> {
     settings: PathSettings,
     features: ShadingFeatures,
+    /// Known after the first call.
+    materials: Option<LaneMaterials>,
     /// Media around the camera: one list for all paths, or one for each.
     surroundings: Vec<InteriorList>,
-    paths: Vec<Path>,
-    /// Samplers of the paths.
-    samplers: Vec<S>,
-    /// Rays of the current wave.
-    ray_queues: RayQueues<u32>,
-    next: RayQueues<u32>,
-    shadows: ShadowRayQueue,
-    /// Vertices that are shaded in lanes, one queue for each kind of surface.
-    queues: [VertexQueue<S>; 3],
-    /// Instruction set of lanes; `None` to shade all vertices one by one.
+    /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
-    /// True if the emission of the next surface or the background may contribute.
-    scene_emits: bool,
-    counts: ShadingCounts,
+    /// False as long as all rays are at time 0.
+    has_time: bool,
+    streams: Streams<S>,
 }
 
-/// Materials and lights for an integrator.
-#[derive(Clone, Copy, Debug)]
-pub struct Lighting<'a> {
-    /// Materials, textures and the background.
-    pub appearance: &'a Appearance,
-    /// All lights.
-    pub lights: &'a LightSet,
-    /// BSDFs of uniform materials of this appearance, or `default()`.
-    pub bsdfs: &'a BsdfCache,
+/// Streams with the numbers for shading.
+#[derive(Clone, Debug)]
+enum Streams<S> {
+    F32(PathStreams<S, f32>),
+    F64(PathStreams<S, f64>),
 }
 
 impl<S: Sampler + Clone> PathTracer<S> {
-    /// Integrator with these settings. It computes only these `features`.
+    /// Integrator with these settings. It computes only these `features`. All calls must be with the same lighting.
     pub fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
         Self {
             settings,
             features,
+            materials: None,
             surroundings: Vec::new(),
-            paths: Vec::new(),
-            samplers: Vec::new(),
-            ray_queues: RayQueues::default(),
-            next: RayQueues::default(),
-            shadows: ShadowRayQueue::default(),
-            queues: QueueKind::ALL.map(VertexQueue::new),
             lanes: LaneLevel::best(),
-            scene_emits: false,
-            counts: ShadingCounts::default(),
+            has_time: false,
+            streams: Streams::F32(PathStreams::new()),
         }
     }
 
-    /// Shades in SIMD lanes of this level, or with `None` one vertex at a time. The result is bit-identical.
+    /// Shades in SIMD lanes of this level, or with `None` one hit at a time. The result is bit-identical.
     pub fn set_lanes(&mut self, level: Option<LaneLevel>) {
         self.lanes = level;
     }
 
-    /// Sets the media around the camera: one list for all paths, or one for each path of the next wave. Without a list, all
+    /// Shades in `f64` with the same code, one hit at a time.
+    #[must_use]
+    pub fn in_f64(self) -> Self {
+        Self { streams: Streams::F64(PathStreams::new()), ..self }
+    }
+
+    /// Sets the media around the camera: one list for all paths, or one for each path of the next call. Without a list, all
     /// paths start in air.
     pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
         surroundings.clone_into(&mut self.surroundings);
@@ -120,93 +108,65 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Work done since the counts were last taken.
     pub fn take_counts(&mut self) -> ShadingCounts {
-        core::mem::take(&mut self.counts)
+        core::mem::take(match &mut self.streams {
+            Streams::F32(streams) => &mut streams.spawned.counts,
+            Streams::F64(streams) => &mut streams.spawned.counts,
+        })
     }
 
     /// Estimates the radiance of camera rays: `seen[i]` is that of `rays[i]`, whose path uses `samplers[i]`. Entries beyond the
     /// shortest slice are unchanged. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of(
         &mut self,
-        world: &mut impl SceneQueries,
+        world: &mut impl StreamQueries,
         lighting: Lighting<'_>,
         rays: &[(Ray, Interval)],
         samplers: &[S],
         seen: &mut [RadianceSample],
     ) {
-        let count = rays.len().min(samplers.len()).min(seen.len());
-        let seen = &mut seen[..count];
-        seen.fill(RadianceSample::MISS);
-        self.scene_emits = self.features.emission || !lighting.appearance.background.is_black();
-        self.start(&samplers[..count]);
-        self.trace(world, lighting, RayKind::Primary, &rays[..count], |at| at as u32, seen);
-        self.end_wave(world, seen);
-        while !self.ray_queues.is_empty() {
-            let ray_queues = core::mem::take(&mut self.ray_queues);
-            for (kind, queue) in ray_queues.queues() {
-                self.trace(world, lighting, kind, &queue.rays, |at| queue.paths[at], seen);
-            }
-            self.ray_queues = ray_queues;
-            self.end_wave(world, seen);
+        let mut stream = RayStream::default();
+        let batches = rays.chunks(STREAM_CAPACITY).zip(samplers.chunks(STREAM_CAPACITY));
+        for (number, ((rays, samplers), seen)) in batches.zip(seen.chunks_mut(STREAM_CAPACITY)).enumerate() {
+            let count = rays.len().min(samplers.len()).min(seen.len());
+            stream.clear();
+            rays[..count].iter().for_each(|(ray, span)| stream.push(ray, *span));
+            let (samplers, seen) = (&samplers[..count], &mut seen[..count]);
+            self.trace(world, lighting, (number * STREAM_CAPACITY, &mut stream, samplers, seen));
         }
     }
 
-    /// Traces rays of one kind; `path` maps the index of a ray to that of its path.
-    fn trace(
+    /// Version of [`radiance_of`](Self::radiance_of) for a stream, whose rays are lost. Does nothing unless `samplers` and `seen` have an
+    /// entry for each ray.
+    pub fn radiance_of_stream(
         &mut self,
-        world: &mut impl SceneQueries,
+        world: &mut impl StreamQueries,
         lighting: Lighting<'_>,
-        kind: RayKind,
-        rays: &[(Ray, Interval)],
-        path: impl Fn(usize) -> u32,
+        rays: &mut RayStream,
+        samplers: &[S],
         seen: &mut [RadianceSample],
     ) {
-        let needs = self.features.surface();
-        if self.lanes.is_none() {
-            return world.closest_batch(rays, kind, needs, |at, hit| {
-                let (id, ray) = (path(at), &rays[at].0);
-                let seen = &mut seen[id as usize];
-                match hit {
-                    Some(hit) => self.shade_hit(lighting, id, ray, hit, seen),
-                    None => self.shade_miss(lighting, id, ray, seen),
-                }
-            });
+        if seen.len() == rays.len() && samplers.len() == rays.len() {
+            self.trace(world, lighting, (0, rays, samplers, seen));
         }
-        world.closest_hits(rays, kind, (needs, LazyShapes::SpheresAndTriangles), |at, hit| {
-            let (id, ray) = (path(at), &rays[at].0);
-            let seen = &mut seen[id as usize];
-            match hit {
-                Some(ClosestHit::Triangle(hit)) => {
-                    self.shade_lazily(lighting, id, ray, LazyShapeHit::Triangle(hit), seen);
-                }
-                Some(ClosestHit::Sphere(hit)) => self.shade_lazily(lighting, id, ray, LazyShapeHit::Sphere(hit), seen),
-                Some(ClosestHit::Plane(hit)) => self.shade_hit(lighting, id, ray, &mut hit.surface(ray), seen),
-                Some(ClosestHit::Surface(hit)) => self.shade_hit(lighting, id, ray, hit, seen),
-                None => self.shade_miss(lighting, id, ray, seen),
-            }
-        });
-        self.shade_queues(lighting, seen);
     }
 
-    /// Traces the shadow rays of a wave, and starts the next wave.
-    fn end_wave(&mut self, world: &mut impl SceneQueries, seen: &mut [RadianceSample]) {
-        let (clamp, counts) = (self.settings.clamp, &mut self.counts);
-        let bounded = |radiance| clamp.bounded(radiance, counts);
-        self.shadows.resolve(|rays, blocked| world.occluded_batch(rays, blocked), bounded, seen);
-        self.ray_queues.clear();
-        core::mem::swap(&mut self.ray_queues, &mut self.next);
-    }
-
-    /// Starts a path for each sampler.
-    fn start(&mut self, samplers: &[S]) {
-        samplers.clone_into(&mut self.samplers);
-        // Lists of bodies keep their memory from wave to wave.
-        self.paths.truncate(samplers.len());
-        self.paths.iter_mut().for_each(Path::reset);
-        self.paths.resize_with(samplers.len(), Path::default);
-        if self.features.refraction {
-            for (path, surroundings) in self.paths.iter_mut().zip(self.surroundings.iter().cycle()) {
-                path.medium_tracker.interior.clone_from(surroundings);
-            }
+    /// Traces the paths of camera rays, of which the first has this number in the call.
+    fn trace(
+        &mut self,
+        world: &mut impl StreamQueries,
+        lighting: Lighting<'_>,
+        (first, rays, samplers, seen): (usize, &mut RayStream, &[S], &mut [RadianceSample]),
+    ) {
+        let Self { settings, features, materials, surroundings, lanes, has_time, streams } = self;
+        *has_time |= rays.has_time();
+        let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting));
+        let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
+        let first_list = if surroundings.len() > 1 { first } else { 0 };
+        let surroundings = surroundings.get(first_list..).unwrap_or_default();
+        let batch = PathBatch { rays, samplers, surroundings, seen };
+        match streams {
+            Streams::F32(streams) => streams.trace(inputs, *lanes, world, batch),
+            Streams::F64(streams) => streams.trace(inputs, None, world, batch),
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Ray queries on structures of arrays, for integrators that shade in lanes.
 
-use crate::{SceneQueries, light::LightId};
-use rt_geometry::{HitStream, Plane, RayKind, RayStream, Sphere};
-use rt_math::{DVec3, Vec3};
+use crate::{SceneQueries, SurfaceHit, light::LightId};
+use rt_geometry::{HitStream, InteractionFlags, Plane, RayKind, RayStream, Sphere, TriangleMesh};
+use rt_math::{DVec3, Ray, Vec3};
 
-/// Primitive of a world whose primitives are spheres, planes, polygons and triangles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Hit primitive whose surface an integrator computes in lanes.
+#[derive(Clone, Copy, Debug)]
 pub struct StreamPrimitive<'w> {
     /// The shape, in world space.
     pub shape: StreamShape<'w>,
@@ -18,7 +18,7 @@ pub struct StreamPrimitive<'w> {
 }
 
 /// Shape of a [`StreamPrimitive`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum StreamShape<'w> {
     /// A sphere. Texture coordinates are 0.
     Sphere(&'w Sphere),
@@ -28,6 +28,8 @@ pub enum StreamShape<'w> {
     Polygon(&'w Plane),
     /// A triangle.
     Triangle(&'w StreamTriangle),
+    /// The triangle of this index of a mesh.
+    MeshTriangle(&'w TriangleMesh, u32),
 }
 
 /// Triangle of a [`StreamShape`].
@@ -41,17 +43,71 @@ pub struct StreamTriangle {
     pub vertex_normals: Option<[Vec3; 3]>,
 }
 
-/// Queries for streams of rays. All rays are at time 0.
-pub trait StreamQueries: SceneQueries {
+/// Queries for streams of rays.
+pub trait StreamQueries {
     /// Closest hits of rays of one kind: the entry `i` of `hits` is that of ray `i`.
     fn closest_stream(&mut self, rays: &RayStream, kind: RayKind, hits: &mut HitStream);
 
     /// Version of [`occluded_batch`](SceneQueries::occluded_batch) for a stream.
     fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]);
 
-    /// A primitive by its index in hits; `None` if there is none.
-    fn primitive(&self, index: u32) -> Option<StreamPrimitive<'_>>;
+    /// The primitive that a ray has hit; `None` for one of any other shape, and for a miss.
+    fn primitive(&self, hits: &HitStream, at: usize) -> Option<StreamPrimitive<'_>>;
 
-    /// Texture coordinates of the vertices of a triangle; zeros if there are none.
-    fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3];
+    /// True if all hits are on such primitives, with a material.
+    fn has_only_primitives(&self) -> bool {
+        false
+    }
+
+    /// The surface that a ray has hit, with the needed data; `None` for a miss. The ray is that of the hit.
+    fn surface(&self, ray: &Ray, hits: &HitStream, at: usize, needs: InteractionFlags) -> Option<SurfaceHit>;
+
+    /// Texture coordinates of the vertices of a hit triangle; zeros if there are none.
+    fn vertex_uvs(&self, hits: &HitStream, at: usize) -> [[f32; 2]; 3];
+}
+
+/// Streams of a world that answers queries one by one, and computes all surfaces itself.
+pub struct SingleQueries<'w> {
+    world: &'w mut dyn SceneQueries,
+    hits: Vec<SurfaceHit>,
+}
+
+impl<'w> SingleQueries<'w> {
+    /// The streams of a world.
+    pub const fn new(world: &'w mut dyn SceneQueries) -> Self {
+        Self { world, hits: Vec::new() }
+    }
+}
+
+impl StreamQueries for SingleQueries<'_> {
+    fn closest_stream(&mut self, rays: &RayStream, kind: RayKind, hits: &mut HitStream) {
+        self.hits.clear();
+        for at in 0..rays.len() {
+            let (ray, span) = rays.get(at);
+            let hit = self.world.closest(&ray, span, kind, InteractionFlags::ALL);
+            let primitive = self.hits.len() as u32;
+            let of_hit = |hit: &SurfaceHit| rt_geometry::Hit { t: hit.t, instance: 0, primitive, uv: [0.0; 2] };
+            hits.set(at, hit.as_ref().map(of_hit).as_ref());
+            self.hits.extend(hit);
+        }
+    }
+
+    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
+        for (at, blocked) in blocked.iter_mut().enumerate() {
+            let (ray, span) = rays.get(at);
+            *blocked = self.world.occluded(&ray, span);
+        }
+    }
+
+    fn primitive(&self, _: &HitStream, _: usize) -> Option<StreamPrimitive<'_>> {
+        None
+    }
+
+    fn surface(&self, _: &Ray, hits: &HitStream, at: usize, _: InteractionFlags) -> Option<SurfaceHit> {
+        self.hits.get(hits.get(at)?.primitive as usize).copied()
+    }
+
+    fn vertex_uvs(&self, _: &HitStream, _: usize) -> [[f32; 2]; 3] {
+        [[0.0; 2]; 3]
+    }
 }

@@ -37,6 +37,13 @@ const IN_F32: [&str; 3] = [
     "precision/path/scenes/lecture/cornell-full",
 ];
 
+/// Scenes with blended surfaces. Rounding of a ray changes the random number that decides whether it passes one, so that more paths take
+/// another way.
+const BLENDED: [&str; 2] = ["tests/golden/gltf-materials/scene", "tests/golden/obj-materials/scene"];
+
+/// Largest share of paths that may take another way in these.
+const MAX_SHARE_BLENDED: f64 = 0.1;
+
 /// Integrators that may shade in `f32`.
 const INTEGRATORS: [&str; 2] = ["whitted", "path"];
 
@@ -69,7 +76,8 @@ impl Unit for Precision {
             findings.note("equal: shaded in f64");
             return Ok(());
         }
-        differences.check(findings);
+        let is_blended = BLENDED.iter().any(|scene| self.name.ends_with(scene));
+        differences.check(if is_blended { MAX_SHARE_BLENDED } else { MAX_SHARE }, findings);
         let [image, exact] = self.images(context, folder, size, SAMPLES[usize::from(context.full)])?;
         check_means(&image, &exact, findings);
         Ok(())
@@ -126,7 +134,7 @@ impl Differences {
         self.largest = self.largest.max(difference);
     }
 
-    fn check(&self, findings: &mut Findings) {
+    fn check(&self, max_share: f64, findings: &mut Findings) {
         let total: u64 = self.counts.iter().sum();
         let share = |count: u64| 100.0 * count as f64 / total.max(1) as f64;
         let classes: Vec<_> = CLASSES
@@ -144,7 +152,7 @@ impl Differences {
         if self.not_finite > 0 {
             findings.problem(format!("{} pixels are finite in one image only", self.not_finite));
         }
-        if other_ways as f64 > MAX_SHARE * total as f64 {
+        if other_ways as f64 > max_share * total as f64 {
             findings.problem(format!(
                 "{other_ways} of {total} trees or paths differ by more than {:e}",
                 CLASSES[CLASSES.len() - 1]
@@ -183,7 +191,7 @@ mod tests {
         }
         assert_eq!((differences.counts, differences.not_finite), ([1, 1, 1, 0, 0, 1], 1));
         let mut findings = Findings::default();
-        differences.check(&mut findings);
+        differences.check(MAX_SHARE, &mut findings);
         assert_eq!(findings.problems.len(), 2, "{findings:?}");
     }
 }

@@ -365,6 +365,7 @@ impl WithSimd<&RayStream, &mut HitStream> for ListStream<'_> {
                         primitives[lane] = triangles[lane].index;
                     }
                 }
+                *hits.instance.vector_mut(at) = [0; PACKET];
                 *hits.primitive.vector_mut(at) = primitives;
             },
         );

@@ -445,16 +445,17 @@ impl SetResults {
     /// Writes the closest hits to a stream, from index `at` on.
     #[inline(always)]
     fn write(&self, entries: &[SetEntry], hits: &mut HitStream, at: usize) {
-        let mut primitives = [HitStream::NONE; PACKET];
-        for (lane, (primitive, entry)) in primitives.iter_mut().zip(self.entries).enumerate() {
+        let (mut instances, mut primitives) = ([0; PACKET], [HitStream::NONE; PACKET]);
+        for (lane, entry) in self.entries.into_iter().enumerate() {
             if self.hit >> lane & 1 == 1
                 && let Some(entry) = entries.get(entry as usize)
             {
-                *primitive = entry.index;
+                [instances[lane], primitives[lane]] = entry.hit_ids;
             }
         }
         let ([to_u, to_v], [u, v]) = (&mut hits.uv, &self.uv);
         *hits.t.vector_mut(at) = self.t;
+        *hits.instance.vector_mut(at) = instances;
         *hits.primitive.vector_mut(at) = primitives;
         (*to_u.vector_mut(at), *to_v.vector_mut(at)) = (*u, *v);
     }

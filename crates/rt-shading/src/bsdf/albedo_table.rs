@@ -6,6 +6,7 @@ use super::{
     schlick::schlick_weight,
 };
 use crate::{
+    lane_set::LaneSet,
     lanes::{LANES, LaneArray, LaneLevel, Lanes, Simd, dispatch},
     optics::reflect_lanes,
 };
@@ -88,22 +89,23 @@ impl LayerAlbedo {
 
 /// Directional albedos as by [`LayerAlbedo::directional`], of the layers of the lanes; not valid where there is none.
 #[inline(always)]
-pub(super) fn directional_lanes<S: Simd>(simd: S, layers: &[Option<LayerAlbedo>; LANES], cos: Lanes<S>) -> Lanes<S> {
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+pub(super) fn directional_lanes<L: LaneSet>(lanes: L, layers: &[Option<LayerAlbedo>; LANES], cos: L::D) -> L::D {
+    let (zero, one) = (lanes.splat_f64(0.0), lanes.splat_f64(1.0));
     let last = (COSINES - 1) as f64;
     let x = Real::select(cos.gt(zero), cos.min(one), zero);
     // The addition rounds to an integer.
     let root = x.sqrt() * last;
     let rounded = root + INTEGER - INTEGER;
-    let below = Real::select(rounded.gt(root), rounded - 1.0, rounded).min(Lanes::splat(simd, last - 1.0));
-    let (from, to) = (below / Lanes::splat(simd, last), (below + 1.0) / Lanes::splat(simd, last));
+    let below = Real::select(rounded.gt(root), rounded - 1.0, rounded).min(lanes.splat_f64(last - 1.0));
+    let (from, to) = (below / lanes.splat_f64(last), (below + 1.0) / lanes.splat_f64(last));
     let (from, to) = (from * from, to * to);
     let fraction = (x - from) / (to - from);
-    let columns = below.store();
+    let mut columns = [0.0; LANES];
+    lanes.store_f64(below, &mut columns);
     // By row, column and part.
     let mut cells = [[[LaneArray::default(); 2]; 2]; 2];
     let mut between_rows = [0.0; LANES];
-    for lane in 0..LANES {
+    for lane in 0..L::N {
         let (Some(layer), column) = (&layers[lane], columns[lane] as usize) else { continue };
         for (cells, row) in cells.iter_mut().zip(&layer.rows) {
             let Some(splits) = row.albedo.get(column..column + 2) else { continue };
@@ -113,13 +115,13 @@ pub(super) fn directional_lanes<S: Simd>(simd: S, layers: &[Option<LayerAlbedo>;
         }
         between_rows[lane] = layer.fraction;
     }
-    let between_rows = Lanes::load(simd, &between_rows);
+    let between_rows = lanes.load_f64(&between_rows);
     let mut split = [zero; 2];
     for part in 0..2 {
         let mut of_rows = [zero; 2];
         for row in 0..2 {
             let [from, to] = &cells[row];
-            let (from, to) = (Lanes::load(simd, &from[part]), Lanes::load(simd, &to[part]));
+            let (from, to) = (lanes.load_f64(&from[part]), lanes.load_f64(&to[part]));
             of_rows[row] = from + (to - from) * fraction;
         }
         split[part] = of_rows[0] + (of_rows[1] - of_rows[0]) * between_rows;

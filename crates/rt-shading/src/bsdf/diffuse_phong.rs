@@ -6,8 +6,12 @@ use super::{
     oren_nayar::oren_nayar_lanes,
     phong_lobe::{phong_direction_lanes, phong_lobe_lanes, reflect_dir_lanes},
 };
+use crate::wavefront::is_in_range;
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{Float64, Mask, Vector3};
+
+/// Largest exponent in lanes: the power multiplies the rounding error of the cosine by it.
+const MAX_EXPONENT: f64 = 1000.0;
 
 /// Diffuse lobe, and a Phong lobe if there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,10 +35,11 @@ impl DiffusePhong {
         Self { diffuse, highlight: None }
     }
 
-    /// True if all parameters are finite.
-    pub(crate) fn is_finite(&self) -> bool {
-        let is_finite = |phong: WeightedPhong| phong.lobe.reflectance.is_finite() && phong.lobe.exponent.is_finite();
-        self.diffuse.albedo.is_finite() && self.highlight.is_none_or(is_finite)
+    /// True if all parameters are in the usual range of `f32`, and the highlight is wide enough for directions in it.
+    pub(crate) fn is_usual(&self) -> bool {
+        let is_usual =
+            |phong: WeightedPhong| is_in_range(phong.lobe.reflectance) && phong.lobe.clamped_exponent() <= MAX_EXPONENT;
+        is_in_range(self.diffuse.albedo) && self.highlight.is_none_or(is_usual)
     }
 
     /// The lobes of a mix, if it has these alone, in this order, and samples both.

@@ -1,20 +1,25 @@
-//! The metallic-roughness BSDF in SIMD lanes.
+//! The metallic-roughness BSDF in lanes.
 
 use super::{
-    Coupling, Ggx, MetallicRoughness,
+    Coupling, MetallicRoughness,
     albedo_table::{LayerAlbedo, directional_lanes},
     ggx::{IsotropicGgx, normalize_or_up},
     lambert::cosine_hemisphere_lanes,
     schlick::{dielectric_fresnel, schlick_weight},
 };
 use crate::{
-    lanes::{LANES, LaneArray, LaneMask, Lanes, Simd},
+    lane_set::LaneSet,
+    lanes::{LANES, LaneArray},
     optics::reflect_lanes,
+    wavefront::is_in_range,
 };
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{Mask, Real, Vector3};
 
-/// Rough [`MetallicRoughness`] with [`Coupling::Albedo`] and finite parameters, and the albedo of its layer.
+/// Least roughness in lanes: facets of a narrower distribution multiply the rounding error of directions in `f32`.
+const MIN_ROUGHNESS: f64 = 0.1;
+
+/// Rough [`MetallicRoughness`] with [`Coupling::Albedo`] and usual parameters, and the albedo of its layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetallicRoughnessLayer {
     pub(crate) surface: MetallicRoughness,
@@ -25,8 +30,7 @@ impl MetallicRoughnessLayer {
     /// The surface, if it can be shaded in lanes.
     pub(super) fn new(surface: &MetallicRoughness) -> Option<Self> {
         let MetallicRoughness { base_color, coupling, roughness, .. } = *surface;
-        Ggx::from_roughness(roughness)?;
-        let is_usual = coupling == Coupling::Albedo && base_color.is_finite() && roughness.is_finite();
+        let is_usual = coupling == Coupling::Albedo && is_in_range(base_color) && roughness >= MIN_ROUGHNESS;
         is_usual.then(|| Self { surface: *surface, albedo: LayerAlbedo::new(roughness) })
     }
 }
@@ -52,59 +56,59 @@ impl MetallicRoughnessBlock {
 }
 
 /// Eight surfaces from the side of their viewers.
-pub(crate) struct MetallicRoughnessLanes<S: Simd> {
-    simd: S,
+pub(crate) struct MetallicRoughnessLanes<L: LaneSet> {
+    lanes: L,
     albedos: [Option<LayerAlbedo>; LANES],
     /// 1 − Ē.
-    transmitted: Lanes<S>,
-    base_color: Vector3<Lanes<S>>,
-    metallic: Lanes<S>,
-    facets: IsotropicGgx<Lanes<S>>,
-    wo: Vector3<Lanes<S>>,
+    transmitted: L::D,
+    base_color: Vector3<L::D>,
+    metallic: L::D,
+    facets: IsotropicGgx<L::D>,
+    wo: Vector3<L::D>,
     /// S(wo) of [`Ggx`].
-    stretched: Lanes<S>,
+    stretched: L::D,
     /// 1 − E(wo).
-    passes: Lanes<S>,
+    passes: L::D,
     /// Probability with which the specular lobe is sampled.
-    chance: Lanes<S>,
+    chance: L::D,
 }
 
 /// Directions sampled from these surfaces.
-pub(crate) struct MetallicRoughnessSample<S: Simd> {
-    pub(crate) wi: Vector3<Lanes<S>>,
-    pub(crate) value: Vector3<Lanes<S>>,
-    pub(crate) pdf: Lanes<S>,
-    pub(crate) is_diffuse: LaneMask<S>,
+pub(crate) struct MetallicRoughnessSample<L: LaneSet> {
+    pub(crate) wi: Vector3<L::D>,
+    pub(crate) value: Vector3<L::D>,
+    pub(crate) pdf: L::D,
+    pub(crate) is_diffuse: <L::D as Real>::Mask,
 }
 
-impl<S: Simd> MetallicRoughnessLanes<S> {
+impl<L: LaneSet> MetallicRoughnessLanes<L> {
     /// Surfaces of these colours and roughnesses, seen from directions above the surface.
     #[inline(always)]
     pub(crate) fn new(
-        simd: S,
+        lanes: L,
         block: &MetallicRoughnessBlock,
-        base_color: Vector3<Lanes<S>>,
-        roughness: Lanes<S>,
-        wo: Vector3<Lanes<S>>,
+        base_color: Vector3<L::D>,
+        roughness: L::D,
+        wo: Vector3<L::D>,
     ) -> Self {
-        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let metallic = Lanes::load(simd, &block.metallic);
+        let (zero, one) = (lanes.splat_f64(0.0), lanes.splat_f64(1.0));
+        let metallic = lanes.load_f64(&block.metallic);
         let roughness = roughness.min(one);
         let facets = IsotropicGgx { alpha: roughness * roughness };
-        let layer = directional_lanes(simd, &block.albedos, wo.z);
+        let layer = directional_lanes(lanes, &block.albedos, wo.z);
         let color = base_color.x.max(base_color.y).max(base_color.z);
         let specular = (one - metallic) * layer + metallic * color;
         let diffuse = (one - metallic) * (one - layer) * color;
         let chance = Real::select(diffuse.gt(zero), specular / (specular + diffuse), one);
         let (stretched, passes) = (facets.stretched_length(wo), one - layer);
-        let (albedos, transmitted) = (block.albedos, Lanes::load(simd, &block.transmitted));
-        Self { simd, albedos, transmitted, base_color, metallic, facets, wo, stretched, passes, chance }
+        let (albedos, transmitted) = (block.albedos, lanes.load_f64(&block.transmitted));
+        Self { lanes, albedos, transmitted, base_color, metallic, facets, wo, stretched, passes, chance }
     }
 
     /// Value without the cosine, and density, for directions above the surface with the normalised half vectors `m`.
     #[inline(always)]
-    fn value_with_pdf(&self, wi: Vector3<Lanes<S>>, m: Vector3<Lanes<S>>) -> (Vector3<Lanes<S>>, Lanes<S>) {
-        let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
+    fn value_with_pdf(&self, wi: Vector3<L::D>, m: Vector3<L::D>) -> (Vector3<L::D>, L::D) {
+        let (zero, one) = (self.lanes.splat_f64(0.0), self.lanes.splat_f64(1.0));
         let dielectric = one - self.metallic;
         let d = self.facets.d(m);
         let facets = d / ((self.wo.z * self.facets.stretched_length(wi) + wi.z * self.stretched) * 2.0);
@@ -119,9 +123,9 @@ impl<S: Simd> MetallicRoughnessLanes<S> {
         );
         let mut value = specular * facets;
         if dielectric.gt(zero).any() {
-            let passes = self.passes * (one - directional_lanes(self.simd, &self.albedos, wi.z));
-            value = self.base_color * (dielectric * (passes / self.transmitted)) * Lanes::splat(self.simd, FRAC_1_PI)
-                + value;
+            let passes = self.passes * (one - directional_lanes(self.lanes, &self.albedos, wi.z));
+            value =
+                self.base_color * (dielectric * (passes / self.transmitted)) * self.lanes.splat_f64(FRAC_1_PI) + value;
         }
         let of_facets = d / ((self.wo.z + self.stretched) * 2.0);
         (value, self.chance * of_facets + (one - self.chance) * (wi.z * FRAC_1_PI))
@@ -129,13 +133,13 @@ impl<S: Simd> MetallicRoughnessLanes<S> {
 
     /// Value without the cosine, and density, for directions above the surface.
     #[inline(always)]
-    pub(crate) fn eval_with_pdf(&self, wi: Vector3<Lanes<S>>) -> (Vector3<Lanes<S>>, Lanes<S>) {
+    pub(crate) fn eval_with_pdf(&self, wi: Vector3<L::D>) -> (Vector3<L::D>, L::D) {
         self.value_with_pdf(wi, normalize_or_up(self.wo + wi))
     }
 
     /// Samples directions, some of which are below the surface, by numbers for the choice of a lobe and for the direction.
     #[inline(always)]
-    pub(crate) fn sample(&self, u_lobe: Lanes<S>, u: [Lanes<S>; 2]) -> MetallicRoughnessSample<S> {
+    pub(crate) fn sample(&self, u_lobe: L::D, u: [L::D; 2]) -> MetallicRoughnessSample<L> {
         let is_diffuse = !u_lobe.lt(self.chance);
         let mut m = self.wo;
         let mut wi = self.wo;

@@ -90,7 +90,6 @@ pub use oren_nayar::OrenNayar;
 pub use phong_lobe::PhongLobe;
 pub use sample::{BsdfSample, Scattering};
 pub use sheen::Sheen;
-pub(crate) use side::HORIZON;
 pub use specular_transmission::SpecularTransmission;
 pub use thin_glass::ThinGlass;
 
@@ -241,8 +240,8 @@ impl Bsdf {
         }
     }
 
-    /// The BSDF for lanes, if it is a diffuse lobe, alone or followed by a Phong lobe, or a rough metallic-roughness surface,
-    /// with finite parameters.
+    /// The BSDF for lanes, if it is a diffuse lobe, alone or followed by a Phong lobe, or a rough metallic-roughness surface. Its
+    /// parameters must be in the usual range of `f32`, and its highlight not too narrow.
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {
@@ -252,7 +251,7 @@ impl Bsdf {
             Self::Mix(mix) => DiffusePhong::of_mix(mix)?,
             Self::Layered(_) => return None,
         };
-        lobes.is_finite().then_some(LaneSurface::DiffusePhong(lobes))
+        lobes.is_usual().then_some(LaneSurface::DiffusePhong(lobes))
     }
 
     /// True if [`Bsdf::sample`] uses its first number, which chooses a lobe.

@@ -1,44 +1,42 @@
 //! Next-event estimation: light samples at path vertices, with MIS weights, and their shadow rays.
 
-use super::{Lighting, PathTracer};
-use crate::{RadianceSample, bsdf::Scattering, interior_list::MediumInterface, medium::Medium, vertex::Vertex};
+use super::{inputs::PathInputs, shade::HitPath, wave::SpawnedPaths};
+use crate::{RadianceSample, bsdf::Scattering, lane_set::Element, medium::Medium, vertex::Vertex};
 use rt_math::{DVec3, Interval, Rgb, Sampler};
 
-impl<S: Sampler + Clone> PathTracer<S> {
+impl<E: Element> SpawnedPaths<E> {
     /// Samples all delta lights and one area or environment light, and queues their shadow rays.
-    pub(super) fn sample_direct_lighting(
+    pub(super) fn sample_direct_lighting<S: Sampler>(
         &mut self,
-        lighting: Lighting<'_>,
-        id: u32,
+        inputs: &PathInputs<'_>,
+        path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
-        interface: Option<&MediumInterface>,
+        sampler: &mut S,
         seen: &mut RadianceSample,
     ) {
         if vertex.bsdf.is_delta() {
             return;
         }
-        let path = &self.paths[id as usize];
-        let media =
-            self.features.absorption.then(|| path.medium_tracker.media(&lighting.appearance.materials, interface));
-        self.sample_delta_lights(lighting, id, vertex, media, seen);
-        self.sample_light(lighting, id, vertex, media);
+        let materials = &inputs.lighting.appearance.materials;
+        let tracker = &self.states[path.sample as usize].medium_tracker;
+        let media = inputs.features.absorption.then(|| tracker.media(materials, path.interface));
+        self.sample_delta_lights(inputs, path, vertex, media, seen);
+        self.sample_light(inputs, path, vertex, media, sampler);
     }
 
     /// Queues shadow rays to all delta lights, with `media` on both sides of the surface.
     fn sample_delta_lights(
         &mut self,
-        lighting: Lighting<'_>,
-        id: u32,
+        inputs: &PathInputs<'_>,
+        path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
         media: Option<[Medium; 2]>,
         seen: &mut RadianceSample,
     ) {
-        let clamp = self.settings.clamp;
-        let path = &self.paths[id as usize];
-        let is_clamped = clamp.applies_after(path.bounces + 1);
+        let (clamp, bounces) = (inputs.settings.clamp, path.wave.bounces);
         let surface = vertex.view.surface;
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
-        for light in lighting.lights.delta_lights() {
+        for (light, stream) in inputs.lighting.lights.delta_lights().zip(&mut self.delta) {
             let Some(lit) = light.sample_li(surface.point) else { continue };
             let scattered = vertex.eval(lit.direction);
             // Cancels the 1/π of BSDFs for lights in classical units.
@@ -47,27 +45,32 @@ impl<S: Sampler + Clone> PathTracer<S> {
                 self.counts.shadow_rays_skipped += u64::from(light.casts_shadows);
             } else if light.casts_shadows {
                 let radiance = attenuated(radiance, vertex, media, (lit.direction, lit.distance));
-                self.shadows.push(light.shadow_ray(&shadow_rays, &lit, vertex.time), id, radiance, is_clamped);
+                stream.push_ray(light.shadow_ray(&shadow_rays, &lit, vertex.time), path.sample, radiance);
             } else {
-                seen.radiance += clamp.apply(path.bounces + 1, radiance, &mut self.counts);
+                seen.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
             }
         }
     }
 
     /// Samples one area or environment light, with `media` on both sides of the surface.
-    fn sample_light(&mut self, lighting: Lighting<'_>, id: u32, vertex: &Vertex<'_>, media: Option<[Medium; 2]>) {
-        let path = &self.paths[id as usize];
-        let is_clamped = self.settings.clamp.applies_after(path.bounces + 1);
+    fn sample_light<S: Sampler>(
+        &mut self,
+        inputs: &PathInputs<'_>,
+        path: &HitPath<'_, E>,
+        vertex: &Vertex<'_>,
+        media: Option<[Medium; 2]>,
+        sampler: &mut S,
+    ) {
+        let lights = inputs.lighting.lights;
         let surface = vertex.view.surface;
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
-        let n_sampled = lighting.lights.sampled_lights().len();
+        let n_sampled = lights.sampled_lights().len();
         if n_sampled == 0 {
             return;
         }
-        let sampler = &mut self.samplers[id as usize];
         let u = sampler.next_2d();
         let choice = if n_sampled > 1 { sampler.next_1d() } else { 0.0 };
-        let Some(light) = lighting.lights.sample_li(surface.point, vertex.normal, choice, u) else {
+        let Some(light) = lights.sample_li(surface.point, vertex.normal, choice, u) else {
             self.counts.shadow_rays_skipped += 1;
             return;
         };
@@ -83,7 +86,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         };
         let distance = light.sample.point.map_or(f64::INFINITY, |point| (point - surface.point).length());
         let radiance = attenuated(radiance, vertex, media, (light.sample.direction, distance));
-        self.shadows.push(ray, id, radiance, is_clamped);
+        self.sampled.push_ray(ray, path.sample, radiance);
     }
 }
 

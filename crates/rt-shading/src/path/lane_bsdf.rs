@@ -1,147 +1,307 @@
-//! BSDFs of eight path vertices in lanes, one type for each queue of vertices.
+//! BSDFs of several path vertices in lanes.
+//!
+//! Lambertian lobes are computed in the numbers for shading. All other lobes are computed in `f64`, in the shading frame, where their
+//! elementary functions are exact. These functions are not inlined, and called only for vectors that have such a lobe.
 
-use super::vertex_block::{Block, FollowedLobes};
+use super::gathered::GatheredBsdfs;
 use crate::{
     bsdf::{DiffusePhongLanes, MetallicRoughnessLanes, MetallicRoughnessSample, cosine_hemisphere_lanes},
-    lanes::{LaneMask, Lanes, Simd},
+    lane_set::LaneSet,
     mis::power_heuristic,
+    viewed_surface::MIN_COSINE,
 };
-use core::f64::consts::FRAC_1_PI;
-use rt_math::{Real, Vector3};
+use core::f64::consts::{FRAC_1_PI, PI};
+use rt_math::{Real, Vector3, tangents};
 
-/// BSDFs of eight vertices. All directions are above the surface.
-pub(super) trait LaneBsdf<S: Simd>: Sized {
-    /// BSDFs of the block, seen from `wo`.
-    fn load(simd: S, block: &Block, wo: Vector3<Lanes<S>>) -> Self;
+/// Shading frames: normals on the viewer's side, and tangents.
+#[derive(Clone, Copy)]
+struct FrameLanes<L: LaneSet> {
+    normal: Vector3<L::F>,
+    tangents: [Vector3<L::F>; 2],
+}
 
-    /// Values without the cosine.
-    fn eval(&self, wi: Vector3<Lanes<S>>) -> Vector3<Lanes<S>>;
+/// BSDFs of the hits of some lanes.
+pub(super) struct BsdfLanes<'a, L: LaneSet> {
+    lanes: L,
+    frame: FrameLanes<L>,
+    /// Albedos of Lambertian lobes.
+    albedo: Vector3<L::F>,
+    /// Other lobes, if there are any.
+    lobes: Option<&'a LobeLanes<L>>,
+    /// True if directions of diffuse lobes are sampled only below layers.
+    follows_specular_only: bool,
+}
 
-    /// Values for light that is sampled with density `pdf`, with its MIS weight.
-    fn eval_mis(&self, wi: Vector3<Lanes<S>>, pdf: Lanes<S>, lobes: FollowedLobes) -> Vector3<Lanes<S>>;
-
-    /// Samples the next directions, by numbers for the choice of a lobe and for the direction. Not called for [`FollowedLobes::Nothing`].
-    fn sample(&self, u_lobe: Lanes<S>, u: [Lanes<S>; 2], lobes: FollowedLobes) -> SampledLanes<S>;
+/// Lobes that are not Lambertian.
+pub(super) struct LobeLanes<L: LaneSet> {
+    lanes: L,
+    frame: FrameLanes<L>,
+    /// To the viewer, in the shading frame.
+    wo: Vector3<L::D>,
+    /// Lanes of each kind.
+    rough: u8,
+    glossy: u8,
+    layered: u8,
+    diffuse_phong: DiffusePhongLanes<L::D>,
+    layers: Option<MetallicRoughnessLanes<L>>,
+    follows_specular_only: bool,
 }
 
 /// Directions sampled from BSDFs.
-pub(super) struct SampledLanes<S: Simd> {
-    /// In the shading frame; not above the surface where the light is absorbed.
-    pub(super) local: Vector3<Lanes<S>>,
-    /// Values without the cosine.
-    pub(super) value: Vector3<Lanes<S>>,
-    pub(super) pdf: Lanes<S>,
-    /// False where the sample is not valid.
-    pub(super) is_valid: LaneMask<S>,
+pub(super) struct SampledLanes<L: LaneSet> {
+    /// In the shading frame.
+    local: Vector3<L::F>,
+    /// BSDF times cosine divided by density.
+    pub(super) weight: Vector3<L::F>,
+    pub(super) pdf: L::F,
+    /// Lanes whose sample is valid.
+    pub(super) valid: u8,
     /// Lanes that have sampled a diffuse lobe.
     pub(super) diffuse: u8,
 }
 
-/// A diffuse lobe.
-pub(super) struct Diffuse<S: Simd> {
-    lobe: DiffusePhongLanes<Lanes<S>>,
-    wo: Vector3<Lanes<S>>,
-}
-
-impl<S: Simd> LaneBsdf<S> for Diffuse<S> {
+impl<L: LaneSet> FrameLanes<L> {
+    /// Direction in the frame, given its cosine to the normal.
     #[inline(always)]
-    fn load(simd: S, block: &Block, wo: Vector3<Lanes<S>>) -> Self {
-        Self { lobe: block.load_bsdf(simd, false), wo }
-    }
-
-    #[inline(always)]
-    fn eval(&self, wi: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
-        self.lobe.diffuse_value(self.wo, wi)
-    }
-
-    #[inline(always)]
-    fn eval_mis(&self, wi: Vector3<Lanes<S>>, pdf: Lanes<S>, lobes: FollowedLobes) -> Vector3<Lanes<S>> {
-        let value = self.eval(wi);
-        if lobes == FollowedLobes::All { value * power_heuristic(pdf, wi.z * FRAC_1_PI) } else { value }
-    }
-
-    #[inline(always)]
-    fn sample(&self, _: Lanes<S>, u: [Lanes<S>; 2], _: FollowedLobes) -> SampledLanes<S> {
-        let local = cosine_hemisphere_lanes(u);
-        let pdf = local.z * FRAC_1_PI;
-        let is_valid = pdf.gt(pdf.splat(0.0));
-        SampledLanes { local, value: self.eval(local), pdf, is_valid, diffuse: !0 }
+    fn local(&self, lanes: L, direction: Vector3<L::F>, cos: L::F) -> Vector3<L::D> {
+        let [tangent, bitangent] = self.tangents;
+        lanes.widen_vector(Vector3::new(direction.dot(tangent), direction.dot(bitangent), cos))
     }
 }
 
-/// A diffuse lobe and a Phong lobe.
-pub(super) struct DiffuseAndPhong<S: Simd> {
-    simd: S,
-    lobes: DiffusePhongLanes<Lanes<S>>,
-    wo: Vector3<Lanes<S>>,
-}
-
-impl<S: Simd> LaneBsdf<S> for DiffuseAndPhong<S> {
+impl<'a, L: LaneSet> BsdfLanes<'a, L> {
+    /// BSDFs of surfaces with normals on the viewer's side, seen along unit directions. Those of `inside` are seen from behind. `lobes` is
+    /// storage: what is large is not moved.
     #[inline(always)]
-    fn load(simd: S, block: &Block, wo: Vector3<Lanes<S>>) -> Self {
-        Self { simd, lobes: block.load_bsdf(simd, true), wo }
+    pub(super) fn new(
+        lanes: L,
+        bsdfs: &GatheredBsdfs,
+        (normal, inside): (Vector3<L::F>, u8),
+        direction: Vector3<L::F>,
+        (follows_specular_only, lobes): (bool, &'a mut Option<LobeLanes<L>>),
+    ) -> Self {
+        let outside = Vector3::select(lanes.mask(inside), -normal, normal);
+        let frame = FrameLanes { normal, tangents: tangents(outside) };
+        let albedo = lanes.narrow_vector(lanes.load_coordinates(&bsdfs.albedo));
+        let mut of_lobes = None;
+        if bsdfs.rough | bsdfs.glossy | bsdfs.metallic_roughness != 0 {
+            of_lobes = Some(&*LobeLanes::set(lobes, lanes, bsdfs, (&frame, &direction, follows_specular_only)));
+        }
+        Self { lanes, frame, albedo, lobes: of_lobes, follows_specular_only }
     }
 
+    /// BSDF times cosine times a factor, for directions above the surface with these cosines to the normal.
     #[inline(always)]
-    fn eval(&self, wi: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
-        let values = self.lobes.values(self.wo, wi);
-        values.diffuse + values.phong
-    }
-
-    #[inline(always)]
-    fn eval_mis(&self, wi: Vector3<Lanes<S>>, pdf: Lanes<S>, lobes: FollowedLobes) -> Vector3<Lanes<S>> {
-        let values = self.lobes.values(self.wo, wi);
-        let all = values.diffuse + values.phong;
-        if lobes == FollowedLobes::All {
-            all * power_heuristic(pdf, self.lobes.pdf(&values))
-        } else {
-            all - values.phong * (pdf.splat(1.0) - power_heuristic(pdf, values.phong_pdf))
+    pub(super) fn reflected(&self, direction: Vector3<L::F>, cos: L::F, factor: f64) -> Vector3<L::F> {
+        let reflected = self.albedo * (cos * (FRAC_1_PI * factor));
+        match &self.lobes {
+            Some(lobes) => lobes.reflected(&reflected, (&direction, &cos), factor),
+            None => reflected,
         }
     }
 
+    /// BSDF times cosine and MIS weight, for light sampled with the density `pdf`.
     #[inline(always)]
-    fn sample(&self, u_lobe: Lanes<S>, u: [Lanes<S>; 2], lobes: FollowedLobes) -> SampledLanes<S> {
-        let samples_diffuse = lobes == FollowedLobes::All;
-        let is_diffuse =
-            if samples_diffuse { self.lobes.chooses_diffuse(u_lobe) } else { LaneMask::from_bits(self.simd, 0) };
-        let local = self.lobes.sample(self.wo, is_diffuse, u);
-        let values = self.lobes.values(self.wo, local);
-        let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
-        let (value, pdf) = if samples_diffuse {
-            (values.diffuse + values.phong, self.lobes.pdf(&values))
-        } else {
-            (values.phong, values.phong_pdf)
-        };
-        let is_valid = own_pdf.gt(pdf.splat(0.0)) & is_density(pdf) & value.is_finite();
-        SampledLanes { local, value, pdf, is_valid, diffuse: is_diffuse.bits() }
+    pub(super) fn reflected_mis(&self, direction: Vector3<L::F>, cos: L::F, pdf: L::F) -> Vector3<L::F> {
+        let bsdf_pdf = cos * FRAC_1_PI;
+        let weight = if self.follows_specular_only { self.lanes.splat(1.0) } else { power_heuristic(pdf, bsdf_pdf) };
+        let reflected = self.albedo * (bsdf_pdf * weight);
+        match &self.lobes {
+            Some(lobes) => lobes.reflected_mis(&reflected, (&direction, &cos), &pdf),
+            None => reflected,
+        }
+    }
+
+    /// Samples directions, by numbers for the choice of a lobe and for the direction.
+    #[inline(always)]
+    pub(super) fn sample(&self, u_lobe: L::D, u: [L::D; 2]) -> SampledLanes<L> {
+        let lanes = self.lanes;
+        let local = lanes.narrow_vector(cosine_hemisphere_lanes(u));
+        let valid = if self.follows_specular_only { 0 } else { !0 };
+        let sampled = SampledLanes { local, weight: self.albedo, pdf: local.z * FRAC_1_PI, valid, diffuse: !0 };
+        match &self.lobes {
+            Some(lobes) => lobes.sample(&sampled, &u_lobe, &u),
+            None => sampled,
+        }
+    }
+
+    /// Sampled directions in space, and the lanes in which they are above the shading surface.
+    #[inline(always)]
+    pub(super) fn direction(&self, SampledLanes { local, .. }: &SampledLanes<L>) -> (Vector3<L::F>, u8) {
+        let FrameLanes { normal, tangents: [tangent, bitangent] } = self.frame;
+        let above = self.lanes.bits(local.z.gt(self.lanes.splat(0.0)));
+        (tangent * local.x + bitangent * local.y + normal * local.z, above)
     }
 }
 
-impl<S: Simd> LaneBsdf<S> for MetallicRoughnessLanes<S> {
-    #[inline(always)]
-    fn load(simd: S, block: &Block, wo: Vector3<Lanes<S>>) -> Self {
-        let (color, roughness) = (Lanes::load_vector(simd, &block.albedo), Lanes::load(simd, &block.roughness));
-        Self::new(simd, &block.layer, color, roughness, wo)
+impl<L: LaneSet> LobeLanes<L> {
+    /// Lobes, in their storage.
+    #[inline(never)]
+    fn set<'a>(
+        storage: &'a mut Option<Self>,
+        lanes: L,
+        bsdfs: &GatheredBsdfs,
+        (frame, direction, follows_specular_only): (&FrameLanes<L>, &Vector3<L::F>, bool),
+    ) -> &'a mut Self {
+        lanes.vectorize(
+            #[inline(always)]
+            || {
+                let &GatheredBsdfs { rough, glossy, metallic_roughness: layered, .. } = bsdfs;
+                let cos = (-*direction).dot(frame.normal).max(lanes.splat(MIN_COSINE));
+                let wo = frame.local(lanes, -*direction, cos);
+                let (color, roughness) = (lanes.load_coordinates(&bsdfs.albedo), lanes.load_f64(&bsdfs.roughness));
+                let diffuse_phong = DiffusePhongLanes {
+                    albedo: color,
+                    roughness,
+                    reflectance: lanes.load_coordinates(&bsdfs.reflectance),
+                    exponent: lanes.load_f64(&bsdfs.exponent),
+                    weights: [lanes.load_f64(&bsdfs.weights[0]), lanes.load_f64(&bsdfs.weights[1])],
+                    probabilities: [lanes.load_f64(&bsdfs.probabilities[0]), lanes.load_f64(&bsdfs.probabilities[1])],
+                };
+                let mut layers = None;
+                if layered != 0 {
+                    layers = Some(MetallicRoughnessLanes::new(lanes, &bsdfs.layers, color, roughness, wo));
+                }
+                let frame = *frame;
+                storage.insert(Self {
+                    lanes,
+                    frame,
+                    wo,
+                    rough,
+                    glossy,
+                    layered,
+                    diffuse_phong,
+                    layers,
+                    follows_specular_only,
+                })
+            },
+        )
     }
 
-    #[inline(always)]
-    fn eval(&self, wi: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
-        self.eval_with_pdf(wi).0
+    /// Version of [`BsdfLanes::reflected`] that replaces the numbers of the lanes of these lobes.
+    #[inline(never)]
+    fn reflected(
+        &self,
+        reflected: &Vector3<L::F>,
+        (direction, cos): (&Vector3<L::F>, &L::F),
+        factor: f64,
+    ) -> Vector3<L::F> {
+        self.lanes.vectorize(
+            #[inline(always)]
+            || {
+                let wi = self.frame.local(self.lanes, *direction, *cos);
+                let (mut reflected, scale) = (*reflected, wi.z * factor);
+                if self.rough != 0 {
+                    let value = self.diffuse_phong.diffuse_value(self.wo, wi);
+                    reflected = self.replaced(reflected, self.rough, value * scale);
+                }
+                if self.glossy != 0 {
+                    let values = self.diffuse_phong.values(self.wo, wi);
+                    reflected = self.replaced(reflected, self.glossy, (values.diffuse + values.phong) * scale);
+                }
+                if let Some(layers) = &self.layers {
+                    reflected = self.replaced(reflected, self.layered, layers.eval_with_pdf(wi).0 * scale);
+                }
+                reflected
+            },
+        )
     }
 
-    #[inline(always)]
-    fn eval_mis(&self, wi: Vector3<Lanes<S>>, pdf: Lanes<S>, lobes: FollowedLobes) -> Vector3<Lanes<S>> {
-        let (value, own_pdf) = self.eval_with_pdf(wi);
-        let weight = power_heuristic(pdf, own_pdf);
-        if lobes == FollowedLobes::All { value * weight } else { value - value * (pdf.splat(1.0) - weight) }
+    /// Version of [`BsdfLanes::reflected_mis`] that replaces the numbers of the lanes of these lobes.
+    #[inline(never)]
+    fn reflected_mis(
+        &self,
+        reflected: &Vector3<L::F>,
+        (direction, cos): (&Vector3<L::F>, &L::F),
+        pdf: &L::F,
+    ) -> Vector3<L::F> {
+        let &Self { lanes, wo, rough, glossy, layered, follows_specular_only, .. } = self;
+        lanes.vectorize(
+            #[inline(always)]
+            || {
+                let wi = self.frame.local(lanes, *direction, *cos);
+                let (mut reflected, pdf, one) = (*reflected, lanes.widen(*pdf), lanes.splat_f64(1.0));
+                let lobes = &self.diffuse_phong;
+                if rough != 0 {
+                    let weight = if follows_specular_only { one } else { power_heuristic(pdf, wi.z * FRAC_1_PI) };
+                    reflected = self.replaced(reflected, rough, lobes.diffuse_value(wo, wi) * (wi.z * weight));
+                }
+                if glossy != 0 {
+                    let values = lobes.values(wo, wi);
+                    let all = values.diffuse + values.phong;
+                    let value = if follows_specular_only {
+                        all - values.phong * (one - power_heuristic(pdf, values.phong_pdf))
+                    } else {
+                        all * power_heuristic(pdf, lobes.pdf(&values))
+                    };
+                    reflected = self.replaced(reflected, glossy, value * wi.z);
+                }
+                if let Some(layers) = &self.layers {
+                    let (value, own_pdf) = layers.eval_with_pdf(wi);
+                    reflected = self.replaced(reflected, layered, value * (wi.z * power_heuristic(pdf, own_pdf)));
+                }
+                reflected
+            },
+        )
     }
 
+    /// Version of [`BsdfLanes::sample`] that replaces the samples of the lanes of these lobes.
+    #[inline(never)]
+    fn sample(&self, lambertian: &SampledLanes<L>, u_lobe: &L::D, u: &[L::D; 2]) -> SampledLanes<L> {
+        let &Self { lanes, wo, rough, glossy, layered, follows_specular_only, .. } = self;
+        lanes.vectorize(
+            #[inline(always)]
+            || {
+                let &SampledLanes { mut local, mut weight, mut pdf, mut valid, mut diffuse } = lambertian;
+                let lobes = &self.diffuse_phong;
+                if rough != 0 && !follows_specular_only {
+                    let value = lobes.diffuse_value(wo, lanes.widen_vector(local));
+                    weight = self.replaced(weight, rough, value * lanes.splat_f64(PI));
+                }
+                if glossy != 0 {
+                    let mut is_diffuse = lanes.mask_f64(0);
+                    if !follows_specular_only {
+                        is_diffuse = lobes.chooses_diffuse(*u_lobe);
+                    }
+                    let wi = lobes.sample(wo, is_diffuse, *u);
+                    let values = lobes.values(wo, wi);
+                    let (value, density) = if follows_specular_only {
+                        (values.phong, values.phong_pdf)
+                    } else {
+                        (values.diffuse + values.phong, lobes.pdf(&values))
+                    };
+                    let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
+                    let is_valid = own_pdf.gt(lanes.splat_f64(0.0)) & is_density(density) & value.is_finite();
+                    (valid, diffuse) = (
+                        (valid & !glossy) | (glossy & lanes.bits_f64(is_valid)),
+                        (diffuse & !glossy) | (glossy & lanes.bits_f64(is_diffuse)),
+                    );
+                    let is_glossy = lanes.mask(glossy);
+                    local = Vector3::select(is_glossy, lanes.narrow_vector(wi), local);
+                    pdf = Real::select(is_glossy, lanes.narrow(density), pdf);
+                    weight = self.replaced(weight, glossy, value * (wi.z / density));
+                }
+                if let Some(layers) = &self.layers {
+                    let MetallicRoughnessSample { wi, value, pdf: density, is_diffuse } = layers.sample(*u_lobe, *u);
+                    let is_valid = is_density(density) & value.is_finite() & wi.is_finite();
+                    (valid, diffuse) = (
+                        (valid & !layered) | (layered & lanes.bits_f64(is_valid)),
+                        (diffuse & !layered) | (layered & lanes.bits_f64(is_diffuse)),
+                    );
+                    let is_layered = lanes.mask(layered);
+                    local = Vector3::select(is_layered, lanes.narrow_vector(wi), local);
+                    pdf = Real::select(is_layered, lanes.narrow(density), pdf);
+                    weight = self.replaced(weight, layered, value * (wi.z / density));
+                }
+                SampledLanes { local, weight, pdf, valid, diffuse }
+            },
+        )
+    }
+
+    /// Colours, with others in the lanes of a mask.
     #[inline(always)]
-    fn sample(&self, u_lobe: Lanes<S>, u: [Lanes<S>; 2], _: FollowedLobes) -> SampledLanes<S> {
-        let MetallicRoughnessSample { wi: local, value, pdf, is_diffuse } =
-            MetallicRoughnessLanes::sample(self, u_lobe, u);
-        let is_valid = is_density(pdf) & value.is_finite() & local.is_finite();
-        SampledLanes { local, value, pdf, is_valid, diffuse: is_diffuse.bits() }
+    fn replaced(&self, colors: Vector3<L::F>, mask: u8, others: Vector3<L::D>) -> Vector3<L::F> {
+        Vector3::select(self.lanes.mask(mask), self.lanes.narrow_vector(others), colors)
     }
 }
 

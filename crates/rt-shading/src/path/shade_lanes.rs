@@ -1,104 +1,388 @@
-//! Shading of queued path vertices in lanes.
+//! Shading of hits in lanes: emission, light samples, and the next rays.
 
 use super::{
-    Lighting, PathTracer, Transport,
-    vertex_block::FollowedLobes,
-    vertex_queue::{QueueKind, SampledDelta, VertexQueue},
-    wave::PrevVertex,
+    gathered::Gathered,
+    inputs::PathInputs,
+    lane_bsdf::{BsdfLanes, SampledLanes},
+    light_samples::LightSamples,
+    wave::{GatherHits, PathWave, ShadingElement, SpawnedPaths},
+    wave_samples::WaveSamples,
 };
 use crate::{
     RadianceSample,
     bsdf::Scattering,
-    lanes::{LANES, LaneLevel},
-    vertex::Vertex,
-    viewed_surface::ViewedSurface,
+    lane_set::{Element, Float64Lane, LaneSet, OneLane, SimdLanes},
+    lanes::{LANES, LaneLevel, dispatch, each_lane, first_lanes, is_zero},
+    mis::power_heuristic,
+    russian_roulette::survival_probability,
+    wavefront::{
+        delta_lights::{sample_li, shadow_rays},
+        gathered_shapes::GatheredShapes,
+        hit_points::HitPoints,
+        shaded_surface::{ShadedSurface, offset},
+        streams::{add_radiance, append},
+    },
 };
-use rt_math::{Interval, Ray, Sampler};
+use fearless_simd::Simd as _;
+use rt_geometry::{HitStream, SmoothPoint};
+use rt_math::{Interval, Mask, Real, Rgb, Vector3};
 
-impl<S: Sampler + Clone> PathTracer<S> {
-    /// Shades the queued vertices that a wave has found.
-    pub(super) fn shade_queues(&mut self, lighting: Lighting<'_>, seen: &mut [RadianceSample]) {
-        let Some(level) = self.lanes else { return };
-        for kind in QueueKind::ALL {
-            let queue = &mut self.queues[kind as usize];
-            if !queue.is_empty() {
-                let mut queue = core::mem::replace(queue, VertexQueue::new(kind));
-                self.shade_queue(level, lighting, &mut queue, seen);
-                queue.clear();
-                self.queues[kind as usize] = queue;
-            }
-        }
-    }
+/// Hits of some lanes.
+struct Vertices<L: LaneSet> {
+    /// Index of the first ray.
+    at: usize,
+    mask: u8,
+    points: HitPoints<L>,
+    surface: ShadedSurface<L>,
+    /// Unit normals that are shaded with, on the viewer's side.
+    normal: Vector3<L::F>,
+    /// Lanes in which these are interpolated.
+    smooth: u8,
+    shadow_origin: Vector3<L::D>,
+    throughput: Vector3<L::F>,
+    /// Times of the rays; `None` if all are 0.
+    time: Option<L::D>,
+}
 
-    /// Shades the vertices of a queue.
-    fn shade_queue(
-        &mut self,
-        level: LaneLevel,
-        lighting: Lighting<'_>,
-        queue: &mut VertexQueue<S>,
+impl ShadingElement for f32 {
+    fn shade(
+        spawned: &mut SpawnedPaths<Self>,
+        level: Option<LaneLevel>,
+        inputs: &PathInputs<'_>,
+        gather: &GatherHits<'_>,
+        wave: (&PathWave<'_, Self>, &WaveSamples),
         seen: &mut [RadianceSample],
     ) {
-        let lobes = queue.sampled_lobes(self.settings.transport != Transport::Specular);
-        let (clamp, n_lights) = (self.settings.clamp, lighting.lights.sampled_lights().len());
-        let n_delta = lighting.lights.delta_lights().count();
-        queue.draw(&mut self.samplers, n_lights, lobes);
-        queue.shade(level, lighting.lights, lobes);
-        self.counts.lanes += queue.vertices().len().next_multiple_of(LANES) as u64;
-        for (at, queued) in queue.vertices().iter().enumerate() {
-            let id = queued.path;
-            let Some(scattered) = queue.scattered(at) else {
-                self.samplers[id as usize] = queue.sampler_before(at);
-                let (mut surface, (direction, is_inside), bsdf) = queue.surface(at);
-                let view = ViewedSurface::new(direction, is_inside, &mut surface);
-                let vertex = Vertex::new(view, &bsdf, queued.time);
-                let specular = if lobes == FollowedLobes::Specular { bsdf.without_diffuse() } else { None };
-                let vertex =
-                    if lobes == FollowedLobes::All { vertex } else { vertex.with_sampled_lobes(specular.as_ref()) };
-                self.scatter(lighting, id, &vertex, None, &mut seen[id as usize]);
-                continue;
-            };
-            self.counts.lanes_used += 1;
-            let path = &mut self.paths[id as usize];
-            let is_clamped = clamp.applies_after(path.bounces + 1);
-            for (number, light) in lighting.lights.delta_lights().enumerate() {
-                match queue.delta_light(at, number, n_delta) {
-                    SampledDelta::Unlit => {}
-                    SampledDelta::Black => self.counts.shadow_rays_skipped += u64::from(light.casts_shadows),
-                    SampledDelta::Lit { radiance, origin, direction, end } if light.casts_shadows => {
-                        let ray = Ray { origin, direction, time: queued.time };
-                        self.shadows.push((ray, Interval { max: end, ..Interval::SPAWNED }), id, radiance, is_clamped);
-                    }
-                    SampledDelta::Lit { radiance, .. } => {
-                        seen[id as usize].radiance += clamp.apply(path.bounces + 1, radiance, &mut self.counts);
-                    }
-                }
-            }
-            if let Some((origin, direction, radiance)) = scattered.direct {
-                let span = if scattered.is_light_infinite { Interval::SPAWNED } else { Interval::SEGMENT };
-                let ray = Ray { origin, direction, time: queued.time };
-                self.shadows.push((ray, span), id, radiance, is_clamped);
-            } else {
-                self.counts.shadow_rays_skipped += u64::from(n_lights > 0);
-            }
-            let Some(next) = scattered.next else { continue };
-            let ends = path.bounces >= self.settings.max_depth || (lobes == FollowedLobes::Specular && next.is_diffuse);
-            if ends && !self.scene_emits {
-                self.counts.depth_limited += 1;
-                continue;
-            }
-            if !next.is_alive {
-                continue;
-            }
-            let (point, normal) = queue.point_and_normal(at);
-            path.throughput = next.throughput;
-            path.first_bounce_nonspecular |= path.bounces == 0;
-            path.bounces += 1;
-            path.emission_only = ends;
-            path.prev = PrevVertex { point, normal: Some(normal), pdf: Some(next.pdf) };
-            path.medium_tracker.scatter(None, Scattering::Reflection);
-            let ray = Ray { origin: next.origin, direction: next.direction, time: queued.time };
-            let next = if next.is_diffuse { &mut self.next.diffuse } else { &mut self.next.reflected };
-            next.push(ray, Interval::SPAWNED, id);
+        match level {
+            Some(level) => dispatch!(level, simd => simd.vectorize(
+                #[inline(always)]
+                || spawned.shade((SimdLanes(simd), inputs), gather, wave, seen),
+            )),
+            None => spawned.shade((OneLane::new(), inputs), gather, wave, seen),
         }
     }
+}
+
+impl ShadingElement for f64 {
+    fn shade(
+        spawned: &mut SpawnedPaths<Self>,
+        _: Option<LaneLevel>,
+        inputs: &PathInputs<'_>,
+        gather: &GatherHits<'_>,
+        wave: (&PathWave<'_, Self>, &WaveSamples),
+        seen: &mut [RadianceSample],
+    ) {
+        spawned.shade((Float64Lane::new(), inputs), gather, wave, seen);
+    }
+}
+
+impl<E: Element> SpawnedPaths<E> {
+    /// Shades those closest hits of a wave that are shaded in lanes.
+    #[inline(always)]
+    fn shade<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &PathInputs<'_>),
+        gather: &GatherHits<'_>,
+        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        seen: &mut [RadianceSample],
+    ) {
+        let &PathWave { paths, hits, bounces } = wave;
+        let n_rays = paths.rays.len();
+        let mut lobes = None;
+        for at in (0..n_rays).step_by(L::N) {
+            let used = first_lanes((n_rays - at).min(L::N));
+            let missed = lanes.equal(hits.primitive.vector(at), HitStream::NONE) & used;
+            if missed != 0 {
+                self.add_background(inputs, wave, (at, missed), seen);
+            }
+            let hit = used & !missed;
+            if hit == 0 {
+                continue;
+            }
+            gather(at, hit, &mut self.gathered);
+            let mask = self.gathered.valid;
+            if mask == 0 {
+                continue;
+            }
+            if bounces == 0 {
+                for lane in each_lane(mask) {
+                    seen[paths.sample.get(at + lane) as usize].hit = true;
+                }
+            }
+            let points = HitPoints::on_shapes(lanes, &self.gathered.shapes, &paths.rays, hits, at);
+            let surface = ShadedSurface::new(lanes, &points, mask);
+            if inputs.features.emission && self.gathered.emissive != 0 {
+                self.add_emission((lanes, inputs), wave, (at, &points, surface.inside), seen);
+            }
+            let mask = mask & !self.gathered.emission_only;
+            if mask == 0 {
+                continue;
+            }
+            self.counts.lanes += L::N as u64;
+            self.counts.lanes_used += u64::from(mask.count_ones());
+            let throughput = lanes.load_vector(&paths.throughput, at);
+            let smooth = mask & (self.gathered.shapes.smooth | self.gathered.shapes.surfaces);
+            let (normal, shadow_origin) = (surface.normal, surface.near_origin);
+            let time = if inputs.has_time { Some(lanes.load_f64(paths.rays.time.vector(at))) } else { None };
+            let mut vertices = Vertices { at, mask, points, surface, normal, smooth, shadow_origin, throughput, time };
+            if smooth != 0 {
+                vertices.interpolate_normals(lanes, &self.gathered.shapes, hits);
+            }
+            let side = (vertices.normal, vertices.surface.inside);
+            let direction = vertices.surface.direction;
+            let lobes = (inputs.follows_specular_only(), &mut lobes);
+            let bsdf = BsdfLanes::new(lanes, &self.gathered.bsdfs, side, direction, lobes);
+            self.reflect_delta_lights((lanes, inputs), wave, (&vertices, &bsdf), seen);
+            if !inputs.lighting.lights.sampled_lights().is_empty() {
+                self.reflect_light((lanes, inputs), (wave, samples), (&vertices, &bsdf));
+            }
+            self.scatter((lanes, inputs), (wave, samples), (&vertices, &bsdf));
+        }
+    }
+
+    /// Adds the background to the samples of paths that hit nothing.
+    #[inline(never)]
+    fn add_background(
+        &mut self,
+        inputs: &PathInputs<'_>,
+        wave: &PathWave<'_, E>,
+        (at, missed): (usize, u8),
+        seen: &mut [RadianceSample],
+    ) {
+        let background = &inputs.lighting.appearance.background;
+        if background.is_black() {
+            return;
+        }
+        for at in each_lane(missed).map(|lane| at + lane) {
+            let (ray, _) = wave.paths.rays.get(at);
+            let sample = wave.paths.sample.get(at) as usize;
+            let vertex = wave.paths.prev_vertex(at, &self.states[sample]);
+            let light_pdf = vertex.pdf_li_environment(&inputs.lighting, ray.direction);
+            let weight = if light_pdf > 0.0 { power_heuristic(vertex.pdf, light_pdf) } else { 1.0 };
+            let radiance = wave.paths.throughput(at) * weight * background.radiance(ray.direction);
+            seen[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
+        }
+    }
+
+    /// Adds the emission of surfaces.
+    #[inline(never)]
+    fn add_emission<L: LaneSet>(
+        &mut self,
+        (lanes, inputs): (L, &PathInputs<'_>),
+        wave: &PathWave<'_, E>,
+        (first, points, inside): (usize, &HitPoints<L>, u8),
+        seen: &mut [RadianceSample],
+    ) {
+        for lane in each_lane(self.gathered.emissive) {
+            let Gathered { emission, lights, .. } = &self.gathered;
+            let (emitted, light) = (emission[lane][usize::from(inside >> lane & 1)], lights[lane]);
+            let at = first + lane;
+            if emitted.is_black() || self.is_caustic(inputs, wave, at, light.is_some()) {
+                continue;
+            }
+            let [on_light, _, light_normal] = points.get(lanes, lane);
+            let weight = self.mis_weight_area(inputs, wave, at, light, (on_light, light_normal));
+            let radiance = wave.paths.throughput(at) * emitted * weight;
+            let radiance = inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
+            seen[wave.paths.sample.get(at) as usize].radiance += radiance;
+        }
+    }
+
+    /// Adds the light of all delta lights, or queues their shadow rays.
+    #[inline(always)]
+    fn reflect_delta_lights<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &PathInputs<'_>),
+        wave: &PathWave<'_, E>,
+        (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
+        seen: &mut [RadianceSample],
+    ) {
+        let clamp = inputs.settings.clamp;
+        let Vertices { at, mask, points, shadow_origin, throughput, time, .. } = vertices;
+        let samples = wave.paths.sample.vector(*at);
+        for (light, stream) in inputs.lighting.lights.delta_lights().zip(&mut self.delta) {
+            let zero = lanes.splat(0.0);
+            let incident = sample_li(lanes, light, points, *mask);
+            let cos = vertices.cosines(lanes, incident.direction);
+            // Cancels the 1/π of BSDFs for lights in classical units.
+            let reflected = bsdf.reflected(incident.direction, cos, light.units.irradiance_factor());
+            let radiance = reflected.scaled_by(*throughput).scaled_by(incident.strength);
+            let lit = lanes.bits(incident.is_lit & cos.gt(zero) & !is_zero(radiance)) & mask;
+            if light.casts_shadows {
+                let black = lanes.bits(incident.is_lit) & mask & !lit;
+                self.counts.shadow_rays_skipped += u64::from(black.count_ones());
+                let (direction, end) = shadow_rays(lanes, light, *shadow_origin);
+                stream.push(lanes, lit, [*shadow_origin, direction], (end, *time), (radiance, samples));
+            } else if clamp.applies_after(wave.bounces + 1) {
+                let radiance = lanes.store_vector(radiance);
+                for lane in each_lane(lit) {
+                    let [r, g, b] = [0, 1, 2].map(|c| radiance[c][lane].into());
+                    seen[samples[lane] as usize].radiance +=
+                        clamp.apply(wave.bounces + 1, Rgb::new(r, g, b), &mut self.counts);
+                }
+            } else {
+                add_radiance(lanes, lit, radiance, true, samples, seen);
+            }
+        }
+    }
+
+    /// Samples one of the area and environment lights, and queues the shadow rays.
+    #[inline(always)]
+    fn reflect_light<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &PathInputs<'_>),
+        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
+    ) {
+        let &Vertices { at, mask, shadow_origin, throughput, normal, time, .. } = vertices;
+        // The origin of the next ray: its hit is weighted for this point.
+        let from = (vertices.surface.near_origin, normal);
+        let LightSamples { lit, infinite, direction, target, weighted, pdf } =
+            LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), mask);
+        let zero = lanes.splat(0.0);
+        let direction = lanes.narrow_vector(direction);
+        let cos = vertices.cosines(lanes, direction);
+        let reflected = bsdf.reflected_mis(direction, cos, lanes.narrow(pdf));
+        let radiance = reflected.scaled_by(throughput).scaled_by(lanes.narrow_vector(weighted));
+        let lit = lanes.bits(cos.gt(zero) & !is_zero(reflected)) & lit & mask;
+        self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
+        let (mut to_light, mut end) = (target - shadow_origin, lanes.splat_f64(Interval::SEGMENT.max));
+        if infinite != 0 {
+            let infinite = lanes.mask_f64(infinite);
+            to_light = Vector3::select(infinite, target, to_light);
+            end = Real::select(infinite, lanes.splat_f64(Interval::SPAWNED.max), end);
+        }
+        let of_rays = wave.paths.sample.vector(at);
+        self.sampled.push(lanes, lit, [shadow_origin, to_light], (end, time), (radiance, of_rays));
+    }
+
+    /// Samples the next direction of the paths.
+    #[inline(always)]
+    fn scatter<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &PathInputs<'_>),
+        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
+    ) {
+        let &Vertices { at, mask, ref surface, normal, throughput, time, .. } = vertices;
+        let [u, v] = &samples.direction;
+        let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
+        let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
+        let (direction, above) = bsdf.direction(&sampled);
+        let SampledLanes { weight, pdf, valid, diffuse, .. } = sampled;
+        let is_continued = direction.dot(surface.normal).gt(lanes.splat(0.0));
+        let mut continued = mask & valid & above & lanes.bits(is_continued);
+        let mut ends = if inputs.follows_specular_only() { diffuse } else { 0 };
+        if wave.bounces >= inputs.settings.max_depth {
+            ends = !0;
+        }
+        if !inputs.scene_emits() {
+            self.counts.depth_limited += u64::from((continued & ends).count_ones());
+            continued &= !ends;
+        }
+        if continued == 0 {
+            return;
+        }
+        let mut after = throughput.scaled_by(weight);
+        let mut alive = continued & !lanes.bits(is_zero(after));
+        if inputs.plays_roulette(wave.bounces) {
+            let eta_scale = self.eta_scales(lanes, inputs, (wave, at), mask);
+            let survival = survival_probability(after.x.max(after.y).max(after.z), eta_scale);
+            let u = lanes.load_f64(samples.roulette.vector(at));
+            alive &= lanes.bits_f64(u.lt(lanes.widen(survival)));
+            after = after / survival;
+        }
+        let rays = [surface.near_origin, lanes.widen_vector(direction)];
+        let of_rays = wave.paths.sample.vector(at);
+        for (mask, next) in [(alive & diffuse, &mut self.paths.diffuse), (alive & !diffuse, &mut self.paths.reflected)]
+        {
+            if mask != 0 {
+                let end = next.rays.len();
+                append(lanes, &mut next.rays, mask, rays, (lanes.splat_f64(Interval::SPAWNED.max), time));
+                lanes.compress_vector(after, mask, &mut next.throughput, end);
+                lanes.compress(pdf, mask, next.pdf.vector_mut(end));
+                lanes.compress_vector(normal, mask, &mut next.normal, end);
+                lanes.compress_u32(of_rays, mask, next.sample.vector_mut(end));
+            }
+        }
+        if inputs.materials.track_states {
+            self.update_states(alive, ends, of_rays, wave.bounces);
+        }
+    }
+
+    /// Squared relative indices of refraction that the paths of some lanes have collected.
+    #[inline(always)]
+    fn eta_scales<L: LaneSet<Element = E>>(
+        &self,
+        lanes: L,
+        inputs: &PathInputs<'_>,
+        (wave, at): (&PathWave<'_, E>, usize),
+        mask: u8,
+    ) -> L::F {
+        if !inputs.materials.track_states {
+            return lanes.splat(1.0);
+        }
+        let mut scales = [E::rounded(1.0); LANES];
+        for lane in each_lane(mask) {
+            scales[lane] = E::rounded(self.states[wave.paths.sample.get(at + lane) as usize].eta_scale);
+        }
+        lanes.load(&scales)
+    }
+
+    /// Updates the states of paths that a reflection has continued.
+    #[inline(never)]
+    fn update_states(&mut self, alive: u8, ends: u8, samples: &[u32; LANES], bounces: u32) {
+        for lane in each_lane(alive) {
+            let state = &mut self.states[samples[lane] as usize];
+            state.first_bounce_nonspecular |= bounces == 0;
+            state.emission_only = ends >> lane & 1 == 1;
+            state.vertex = None;
+            state.medium_tracker.scatter(None, Scattering::Reflection);
+        }
+    }
+}
+
+impl<L: LaneSet> Vertices<L> {
+    /// Replaces the normals of triangles with interpolated normals, and the origins of shadow rays there.
+    #[inline(always)]
+    fn interpolate_normals(&mut self, lanes: L, shapes: &GatheredShapes, hits: &HitStream) {
+        let Self { at, points, surface, .. } = self;
+        let SmoothPoint { normal, shadow_point, is_valid, .. } = points.smooth(lanes, shapes, (hits, *at));
+        self.smooth &= lanes.bits_f64(is_valid);
+        let (zero, is_smooth) = (lanes.splat_f64(0.0), lanes.mask_f64(self.smooth));
+        let is_inside = lanes.mask_f64(surface.inside);
+        let outwards = Vector3::select(is_inside, -points.outside, points.outside);
+        let lift = (shadow_point - points.point).dot(outwards);
+        let start = Vector3::select(lift.lt(zero), points.point, shadow_point);
+        let origin = offset(lanes, points, (start, outwards), self.smooth);
+        self.shadow_origin = Vector3::select(is_smooth, origin, self.shadow_origin);
+        let normal = turned_to_viewer(lanes.narrow_vector(Vector3::select(is_inside, -normal, normal)), surface);
+        self.normal = Vector3::select(lanes.mask(self.smooth), normal, self.normal);
+    }
+
+    /// Cosines of directions to the normals. Where interpolated and geometric normal disagree about the side of a direction, they are 0.
+    #[inline(always)]
+    fn cosines(&self, lanes: L, direction: Vector3<L::F>) -> L::F {
+        let cos = self.normal.dot(direction);
+        if self.smooth == 0 {
+            return cos;
+        }
+        let zero = lanes.splat(0.0);
+        Real::select(self.surface.normal.dot(direction).gt(zero), cos, zero)
+    }
+}
+
+/// Unit normals, bent where they face away from the viewer until they are perpendicular to the view, as by
+/// [`ViewedSurface`](crate::viewed_surface::ViewedSurface).
+#[inline(always)]
+fn turned_to_viewer<L: LaneSet>(normal: Vector3<L::F>, surface: &ShadedSurface<L>) -> Vector3<L::F> {
+    let wo = -surface.direction;
+    let facing = normal.dot(wo);
+    let is_away = facing.lt(facing.splat(0.0));
+    if !is_away.any() {
+        return normal;
+    }
+    let (bent, has_length) = (normal - wo * facing).try_normalize();
+    let bent = Vector3::select(has_length, bent, surface.normal);
+    Vector3::select(is_away, bent, normal)
 }

@@ -1,12 +1,15 @@
 mod bent_normals;
+mod lanes;
 mod reference;
 
 use super::*;
 use crate::{
-    Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LazyHit, LightUnits,
-    Material, MaterialModel, Phong, ReferencePathTracer, SurfaceHit, Transmission, TrianglePoint,
-    light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, QuadLight},
+    Appearance, Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits,
+    Material, MaterialModel, Phong, ReferencePathTracer, SceneQueries, SurfaceHit, Transmission,
+    light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, LightSet, QuadLight},
     scene_queries::dynamic,
+    stream_queries::SingleQueries,
+    wavefront::test_world::difference,
 };
 use core::f64::consts::PI;
 use rt_geometry::{InteractionFlags, Plane, Polygon, RayKind, Shape, Sphere};
@@ -45,40 +48,6 @@ impl SceneQueries for Shapes {
         Some(SurfaceHit { t: hit.t, interaction, object: object as u32, material: *material, light })
     }
 
-    /// Leaves surfaces of triangles and spheres to the integrator.
-    fn closest_hits(
-        &mut self,
-        rays: &[(Ray, Interval)],
-        kind: RayKind,
-        (needs, lazy): (InteractionFlags, LazyShapes),
-        mut met: impl FnMut(usize, Option<ClosestHit<'_>>),
-    ) {
-        for (at, (ray, span)) in rays.iter().enumerate() {
-            let mut hit = self.closest(ray, *span, kind, needs);
-            let Some(surface) = &mut hit else {
-                met(at, None);
-                continue;
-            };
-            match &self.0[surface.object as usize].0 {
-                Shape::Sphere(sphere) if !needs.uv => {
-                    let SurfaceHit { t, object, material, light, .. } = *surface;
-                    let sphere = LazyHit { t, shape: *sphere, object, material, light };
-                    met(at, Some(ClosestHit::Sphere(&sphere)));
-                }
-                Shape::Triangle(triangle) if lazy == LazyShapes::SpheresAndTriangles && !needs.uv => {
-                    let uv = triangle.intersect(ray, *span).expect("it is the closest hit").uv;
-                    let normal = surface.interaction.geometric_normal;
-                    let SurfaceHit { t, object, material, light, .. } = *surface;
-                    let vertices = triangle.vertices();
-                    let shape = TrianglePoint { vertices, uv, normal, vertex_uvs: [[0.0; 2]; 3] };
-                    let triangle = LazyHit { t, shape, object, material, light };
-                    met(at, Some(ClosestHit::Triangle(&triangle)));
-                }
-                _ => met(at, Some(ClosestHit::Surface(surface))),
-            }
-        }
-    }
-
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
         self.0.iter().any(|(shape, ..)| shape.intersect(ray, span).is_some())
     }
@@ -94,6 +63,11 @@ fn emissive(model: MaterialModel, emission: f64) -> Material {
 
 fn diffuse(albedo: f64) -> MaterialModel {
     MaterialModel::Diffuse { albedo: gray(albedo), roughness: 0.0 }
+}
+
+fn metallic_roughness(metallic: f64, roughness: f64) -> MaterialModel {
+    let base_color = ColorTexture::Constant(Rgb::new(0.9, 0.5, 0.1));
+    MaterialModel::MetallicRoughness { base_color, metallic, roughness }
 }
 
 struct Scene {
@@ -135,10 +109,10 @@ impl Scene {
     }
 }
 
-/// Radiance of camera rays, each with its own random numbers, and the work of the wave. Every path has the bits of the reference,
-/// in SIMD lanes and without. There is one list of surroundings for all rays, or one for each.
+/// Radiance of camera rays in `f64`, each with its own random numbers, and the work of shading in `f32`. The radiance is that of the
+/// reference; in `f32`, it has the same bits at all levels. There is one list of surroundings for all rays, or one for each.
 fn trace(
-    world: &mut impl SceneQueries,
+    world: &mut dyn SceneQueries,
     lighting: Lighting<'_>,
     settings: PathSettings,
     surroundings: &[InteriorList],
@@ -146,32 +120,43 @@ fn trace(
 ) -> (Vec<RadianceSample>, ShadingCounts) {
     let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
     let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
-    let levels = [LaneLevel::avx2(), LaneLevel::best(), None];
-    let [in_avx2, (seen, counts), (of_scalars, counts_of_scalars)] = levels.map(|level| {
+    let features = ShadingFeatures::of(lighting.appearance, |_| true);
+    let mut radiance_of = |mut paths: PathTracer<Independent>| {
         let mut seen = vec![RadianceSample::MISS; rays.len()];
-        let mut wave = PathTracer::new(settings, ShadingFeatures::of(lighting.appearance, |_| true));
-        wave.set_lanes(level);
-        wave.set_surroundings(surroundings);
-        wave.radiance_of(world, lighting, &spans, &samplers, &mut seen);
-        (seen, wave.take_counts())
+        paths.set_surroundings(surroundings);
+        paths.radiance_of(&mut SingleQueries::new(world), lighting, &spans, &samplers, &mut seen);
+        (seen, paths.take_counts())
+    };
+    let levels = [LaneLevel::avx2(), LaneLevel::best(), None];
+    let [in_avx2, (in_f32, counts), (one_by_one, counts_of_one)] = levels.map(|level| {
+        let mut paths = PathTracer::new(settings, features);
+        paths.set_lanes(level);
+        radiance_of(paths)
     });
-    assert!(in_avx2 == (seen.clone(), counts), "AVX2 differs from the best level");
-    assert_eq!(counts.without_lanes(), counts_of_scalars, "{settings:?}");
+    assert!(in_avx2 == (in_f32.clone(), counts), "AVX2 differs from the best level");
+    assert_eq!(counts.without_lanes(), counts_of_one.without_lanes(), "{settings:?}");
     assert!(counts.lanes_used <= counts.lanes, "{counts:?}");
-    for (at, (in_lanes, by_itself)) in seen.iter().zip(&of_scalars).enumerate() {
+    for (at, (in_lanes, by_itself)) in in_f32.iter().zip(&one_by_one).enumerate() {
         assert_eq!(bits(in_lanes), bits(by_itself), "path {at} of {settings:?}: {in_lanes:?}, {by_itself:?}");
     }
+    let (seen, counts_in_f64) = radiance_of(PathTracer::new(settings, features).in_f64());
+    let differing = seen.iter().zip(&in_f32).filter(|(a, b)| !(a.hit == b.hit && difference(a, b) < 1e-3)).count();
+    assert!(differing <= 1 + rays.len() / 50, "{differing} of {} paths differ in f32: {settings:?}", rays.len());
     if settings.transport != Transport::Specular {
         let (air, none) = (InteriorList::default(), ShadingCounts::default());
         let mut reference = ReferencePathTracer { settings, lighting, surroundings: air, counts: none };
+        let mut differing = Vec::new();
         for (at, (ray, sampler)) in rays.iter().zip(&samplers).enumerate() {
             reference.surroundings.clone_from(&surroundings[at % surroundings.len()]);
             let expected = reference.li(world, ray, &mut sampler.clone());
-            assert_eq!(bits(&seen[at]), bits(&expected), "path {at} of {settings:?}: {:?}, {expected:?}", seen[at]);
+            if !(seen[at].hit == expected.hit && difference(&seen[at], &expected) < 1e-9) {
+                differing.push((at, seen[at], expected));
+            }
         }
-        let of_media_and_clamp =
-            |counts: &ShadingCounts| [counts.passages, counts.interior_overflows, counts.clamped, counts.clamped_units];
-        assert_eq!(of_media_and_clamp(&counts), of_media_and_clamp(&reference.counts), "{settings:?}");
+        // On a light source, rounding decides whether the source itself reaches a point or one next to it.
+        assert!(differing.len() <= rays.len() / 500, "{settings:?}: {differing:?}");
+        let of_media_and_clamp = |counts: &ShadingCounts| [counts.passages, counts.interior_overflows, counts.clamped];
+        assert_eq!(of_media_and_clamp(&counts_in_f64), of_media_and_clamp(&reference.counts), "{settings:?}");
     }
     (seen, counts)
 }
@@ -395,11 +380,23 @@ fn what_is_seen_does_not_depend_on_the_wave() {
     let lights = scene.light_set();
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let mut together = vec![RadianceSample::MISS; 20];
-    PathTracer::new(paths(6), features).radiance_of(&mut scene.shapes, lighting, &rays, &samplers, &mut together);
+    PathTracer::new(paths(6), features).radiance_of(
+        &mut SingleQueries::new(&mut scene.shapes),
+        lighting,
+        &rays,
+        &samplers,
+        &mut together,
+    );
     let mut one_by_one = vec![RadianceSample::MISS; 20];
     let mut tracer = PathTracer::new(paths(6), features);
     for i in 0..20 {
-        tracer.radiance_of(&mut scene.shapes, lighting, &rays[i..=i], &samplers[i..=i], &mut one_by_one[i..=i]);
+        tracer.radiance_of(
+            &mut SingleQueries::new(&mut scene.shapes),
+            lighting,
+            &rays[i..=i],
+            &samplers[i..=i],
+            &mut one_by_one[i..=i],
+        );
     }
     assert_eq!(together, one_by_one);
     assert!(together.iter().any(|seen| !seen.radiance.is_black()));

@@ -1,113 +1,247 @@
-//! State of paths between vertices, and the queue of shadow rays.
+//! Waves of paths: all have had the same number of bounces.
 
-use crate::{RadianceSample, SurfaceHit, medium_tracker::MediumTracker};
-use rt_math::{DVec3, Interval, Ray, Rgb};
+use super::{
+    gathered::{Gathered, HitGroups, gather},
+    inputs::PathInputs,
+    lane_material::{LaneMaterial, VertexKind},
+    path_stream::{PathStream, PathStreamsByKind, WavePathState},
+    wave_samples::WaveSamples,
+};
+use crate::{
+    InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamQueries, bsdf::LaneSurface, lane_set::Element,
+    wavefront::streams::ShadowRayStream,
+};
+use rt_geometry::{HitStream, RayKind, RayStream};
+use rt_math::Sampler;
 
-/// Previous vertex of a path, for the MIS weights of lights that it hits.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PrevVertex {
-    pub(super) point: DVec3,
-    /// Normal for the sampling of lights there.
-    pub(super) normal: Option<DVec3>,
-    /// Density of the path's direction; `None` for a delta direction, which has no competing light sample.
-    pub(super) pdf: Option<f64>,
+/// Camera rays, their samplers, the media around the camera, and the radiance of the rays.
+pub(super) struct PathBatch<'a, S> {
+    pub(super) rays: &'a mut RayStream,
+    pub(super) samplers: &'a [S],
+    /// One list for all rays, or one for each; none for air.
+    pub(super) surroundings: &'a [InteriorList],
+    pub(super) seen: &'a mut [RadianceSample],
 }
 
-/// State of a path.
+/// Streams of a wave, and the samplers of its paths.
 #[derive(Clone, Debug)]
-pub(super) struct Path {
-    pub(super) medium_tracker: MediumTracker,
-    /// Throughput (β): weight of radiance in the pixel.
-    pub(super) throughput: Rgb,
-    /// Accumulated η² from refraction (pbrt's `etaScale`); Russian roulette uses `throughput * eta_scale`.
-    pub(super) eta_scale: f64,
-    pub(super) prev: PrevVertex,
-    /// Number of surfaces that have scattered it.
-    pub(super) bounces: u32,
-    /// True if the first of them sampled a non-delta lobe.
-    pub(super) first_bounce_nonspecular: bool,
-    /// True if the path ends after the emission of the next surface.
-    pub(super) emission_only: bool,
+pub(super) struct PathStreams<S, E: Element> {
+    samplers: Vec<S>,
+    samples: WaveSamples,
+    paths: PathStreamsByKind<E>,
+    /// Paths that have passed null interfaces in this wave.
+    passed: PathStream<E>,
+    hits: HitStream,
+    groups: HitGroups,
+    pub(super) spawned: SpawnedPaths<E>,
 }
 
-const CAMERA_VERTEX: PrevVertex = PrevVertex { point: DVec3::ZERO, normal: None, pdf: None };
-
-impl Default for Path {
-    fn default() -> Self {
-        Self {
-            medium_tracker: MediumTracker::default(),
-            throughput: Rgb::WHITE,
-            eta_scale: 1.0,
-            prev: CAMERA_VERTEX,
-            bounces: 0,
-            first_bounce_nonspecular: false,
-            emission_only: false,
-        }
-    }
-}
-
-impl Path {
-    /// Restarts the path and keeps its memory.
-    pub(super) fn reset(&mut self) {
-        let mut medium_tracker = core::mem::take(&mut self.medium_tracker);
-        medium_tracker.reset();
-        *self = Self { medium_tracker, ..Self::default() };
-    }
-
-    /// True if [`LightTracingIntegrator`](crate::LightTracingIntegrator) computes the emission of this hit. It belongs to a sampled
-    /// light, the last bounce was specular, and the first was not.
-    pub(super) fn is_caustic_of(&self, hit: &SurfaceHit) -> bool {
-        hit.light.is_some() && self.first_bounce_nonspecular && self.prev.pdf.is_none()
-    }
-}
-
-/// Sampled direct light and its shadow rays.
+/// Rays that the hits of a wave spawn, and the state of its paths.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ShadowRayQueue {
-    rays: Vec<(Ray, Interval)>,
-    /// Path of each ray, and its contribution if the ray is unoccluded.
-    sampled: Vec<(u32, Rgb)>,
-    /// Indices into `sampled` of clamped indirect light, in order; empty without a bound.
-    indirect: Vec<u32>,
-    blocked: Vec<bool>,
+pub(super) struct SpawnedPaths<E: Element> {
+    pub(super) paths: PathStreamsByKind<E>,
+    /// Rays that continue behind null interfaces, in the same wave.
+    pub(super) passing: PathStream<E>,
+    /// Shadow rays to each delta light, and to the sampled light.
+    pub(super) delta: Vec<ShadowRayStream<E>>,
+    pub(super) sampled: ShadowRayStream<E>,
+    pub(super) states: Vec<WavePathState>,
+    /// Surfaces of the hits that are shaded in lanes.
+    pub(super) gathered: Gathered,
+    pub(super) counts: ShadingCounts,
 }
 
-impl ShadowRayQueue {
-    #[inline(always)]
-    pub(super) fn push(&mut self, ray: (Ray, Interval), path: u32, radiance: Rgb, is_clamped: bool) {
-        if is_clamped {
-            self.indirect.push(self.sampled.len() as u32);
+/// Rays of a wave with their closest hits.
+#[derive(Clone, Copy)]
+pub(super) struct PathWave<'a, E: Element> {
+    pub(super) paths: &'a PathStream<E>,
+    pub(super) hits: &'a HitStream,
+    /// Number of surfaces that have scattered the paths.
+    pub(super) bounces: u32,
+}
+
+/// Numbers that hits are shaded in.
+pub(super) trait ShadingElement: Element {
+    /// Shades those closest hits of a wave that are shaded in lanes, with the instructions of a level, or one by one. All levels have the
+    /// same results.
+    fn shade(
+        spawned: &mut SpawnedPaths<Self>,
+        level: Option<LaneLevel>,
+        inputs: &PathInputs<'_>,
+        gather: &GatherHits<'_>,
+        wave: (&PathWave<'_, Self>, &WaveSamples),
+        seen: &mut [RadianceSample],
+    );
+}
+
+/// Gathers the surfaces of the hits of some lanes, from an index on.
+pub(super) type GatherHits<'a> = dyn Fn(usize, u8, &mut Gathered) + 'a;
+
+impl<S: Sampler + Clone, E: ShadingElement> PathStreams<S, E> {
+    pub(super) fn new() -> Self {
+        Self {
+            samplers: Vec::new(),
+            samples: WaveSamples::default(),
+            paths: PathStreamsByKind::default(),
+            passed: PathStream::default(),
+            hits: HitStream::default(),
+            groups: HitGroups::default(),
+            spawned: SpawnedPaths::default(),
         }
-        self.rays.push(ray);
-        self.sampled.push((path, radiance));
     }
 
-    /// Traces the rays and adds unoccluded light to the radiance of the paths, clamped where it is indirect.
-    pub(super) fn resolve(
+    /// Traces the paths of camera rays, and shades them at a level.
+    pub(super) fn trace<W: StreamQueries>(
         &mut self,
-        mut occluded: impl FnMut(&[(Ray, Interval)], &mut [bool]),
-        mut bounded: impl FnMut(Rgb) -> Rgb,
+        inputs: &PathInputs<'_>,
+        level: Option<LaneLevel>,
+        world: &mut W,
+        batch: PathBatch<'_, S>,
+    ) {
+        let PathBatch { rays, samplers, surroundings, seen } = batch;
+        seen.fill(RadianceSample::MISS);
+        samplers.clone_into(&mut self.samplers);
+        let n_delta = inputs.lighting.lights.delta_lights().count();
+        self.spawned.start(inputs, n_delta, (samplers.len(), surroundings));
+        self.paths.clear();
+        self.paths.diffuse.start(rays);
+        let mut diffuse_kind = RayKind::Primary;
+        let mut bounces = 0;
+        while !self.paths.is_empty() {
+            let Self { samplers, samples, paths, passed, hits, groups, spawned } = self;
+            let mut shade = |kind: RayKind, paths: &PathStream<E>, spawned: &mut SpawnedPaths<E>| {
+                if paths.rays.is_empty() {
+                    return;
+                }
+                world.closest_stream(&paths.rays, kind, hits);
+                let wave = &PathWave { paths, hits, bounces };
+                spawned.group(inputs, &*world, wave, (groups, samplers), seen);
+                samples.draw(inputs, samplers, (paths.sample.as_slice(), groups.kinds()), bounces);
+                let (world, groups) = (&*world, &*groups);
+                let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered| {
+                    gather(world, inputs.materials, (wave.hits, groups, at), mask, gathered);
+                };
+                E::shade(spawned, level, inputs, &gather_hits, (wave, samples), seen);
+            };
+            for (kind, paths) in [
+                (RayKind::Reflection, &paths.reflected),
+                (RayKind::Refraction, &paths.refracted),
+                (diffuse_kind, &paths.diffuse),
+            ] {
+                shade(kind, paths, spawned);
+                while !spawned.passing.rays.is_empty() {
+                    passed.rays.clear();
+                    core::mem::swap(passed, &mut spawned.passing);
+                    shade(RayKind::Refraction, passed, spawned);
+                }
+            }
+            let clamp = inputs.settings.clamp;
+            for light in spawned.delta.iter_mut().take(n_delta).chain([&mut spawned.sampled]) {
+                let counts = &mut spawned.counts;
+                let bounded = |radiance| clamp.apply(bounces + 1, radiance, counts);
+                light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), bounded, seen);
+            }
+            paths.clear();
+            core::mem::swap(paths, &mut spawned.paths);
+            diffuse_kind = RayKind::Diffuse;
+            bounces += 1;
+        }
+    }
+}
+
+impl<E: Element> SpawnedPaths<E> {
+    /// Makes space for lights and samples.
+    fn start(&mut self, inputs: &PathInputs<'_>, n_delta: usize, (n_samples, surroundings): (usize, &[InteriorList])) {
+        if self.delta.len() < n_delta {
+            self.delta.resize_with(n_delta, ShadowRayStream::default);
+        }
+        if self.states.len() < n_samples {
+            self.states.resize_with(n_samples, WavePathState::default);
+        }
+        if inputs.materials.track_states {
+            let air = InteriorList::default();
+            let surroundings = if inputs.features.refraction { surroundings } else { &[] };
+            let mut surroundings = surroundings.iter().cycle();
+            for state in &mut self.states[..n_samples] {
+                state.restart(surroundings.next().unwrap_or(&air));
+            }
+        }
+    }
+
+    /// Groups the hits of a wave by the code that shades them. Those that are not shaded in lanes are shaded here.
+    fn group<W: StreamQueries, S: Sampler>(
+        &mut self,
+        inputs: &PathInputs<'_>,
+        world: &W,
+        wave: &PathWave<'_, E>,
+        (groups, samplers): (&mut HitGroups, &mut [S]),
         seen: &mut [RadianceSample],
     ) {
-        if self.rays.is_empty() {
+        let PathWave { paths, hits, bounces } = wave;
+        let (needs, tracks_states) = (inputs.features.surface(), inputs.materials.track_states);
+        let ends_all = *bounces > inputs.settings.max_depth;
+        groups.clear();
+        if let Some(kind) = inputs.materials.kind
+            && world.has_only_primitives()
+            && !tracks_states
+            && !inputs.has_ambient_light(false)
+        {
+            groups.fill(
+                &hits.primitive.as_slice()[..paths.rays.len()],
+                if ends_all { VertexKind::EmissionOnly } else { kind },
+            );
             return;
         }
-        self.blocked.clear();
-        self.blocked.resize(self.rays.len(), false);
-        occluded(&self.rays, &mut self.blocked);
-        for &at in &self.indirect {
-            if !self.blocked[at as usize] {
-                let radiance = &mut self.sampled[at as usize].1;
-                *radiance = bounded(*radiance);
+        for at in 0..paths.rays.len() {
+            if hits.primitive.get(at) == HitStream::NONE {
+                groups.push(VertexKind::Done);
+                continue;
+            }
+            let id = paths.sample.get(at) as usize;
+            let material = world.primitive(hits, at).and_then(|hit| inputs.materials.get(hit.material));
+            if let Some(material) = material
+                && !(tracks_states && self.states[id].absorbs(inputs))
+            {
+                let ends = ends_all || (tracks_states && self.states[id].emission_only);
+                if !ends {
+                    self.add_ambient(inputs, wave, at, material, &mut seen[id]);
+                }
+                groups.push(if ends { VertexKind::EmissionOnly } else { VertexKind::of(&material.surface) });
+                continue;
+            }
+            let (ray, _) = paths.rays.get(at);
+            let hit = world.surface(&ray, hits, at, needs);
+            let vertex = hit.and_then(|mut hit| {
+                let surface = self.shade_hit(inputs, (wave, at), &mut hit, &mut samplers[id], &mut seen[id])?;
+                Some((hit.interaction, surface))
+            });
+            match vertex {
+                Some((interaction, surface)) => groups.push_surface(interaction, surface),
+                None => groups.push(VertexKind::Done),
             }
         }
-        self.indirect.clear();
-        for ((path, radiance), is_blocked) in self.sampled.iter().zip(&self.blocked) {
-            if !is_blocked {
-                seen[*path as usize].radiance += *radiance;
-            }
+    }
+
+    /// Adds reflected ambient light where it stands for the background.
+    fn add_ambient(
+        &mut self,
+        inputs: &PathInputs<'_>,
+        wave: &PathWave<'_, E>,
+        at: usize,
+        material: &LaneMaterial,
+        seen: &mut RadianceSample,
+    ) {
+        let is_layered = matches!(material.surface, LaneSurface::MetallicRoughness(_));
+        if inputs.has_ambient_light(is_layered) {
+            let radiance = wave.paths.throughput(at) * material.ambient * inputs.lighting.appearance.ambient;
+            seen.radiance += inputs.settings.clamp.apply(wave.bounces + 1, radiance, &mut self.counts);
         }
-        self.rays.clear();
-        self.sampled.clear();
+    }
+}
+
+impl WavePathState {
+    /// True if the path is in a medium that absorbs.
+    fn absorbs(&self, inputs: &PathInputs<'_>) -> bool {
+        inputs.features.absorption && self.medium_tracker.absorbs(&inputs.lighting.appearance.materials)
     }
 }

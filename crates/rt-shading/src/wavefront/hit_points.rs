@@ -3,10 +3,12 @@
 use super::gathered_shapes::GatheredShapes;
 use crate::{
     lane_set::LaneSet,
+    lanes::each_lane,
     stream_queries::{StreamShape, StreamTriangle},
 };
 use rt_geometry::{
     HitStream, RayStream, SmoothPoint, interpolate, plane_point, plane_uv, smooth_point, sphere_point, triangle_point,
+    unit_normal, unit_normal_lanes,
 };
 use rt_math::{DVec3, Mask, Real, Vector3};
 
@@ -39,6 +41,13 @@ impl<L: LaneSet> HitPoints<L> {
                 let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
                 [point, error, lanes.splat_point(*normal)]
             }
+            StreamShape::MeshTriangle(mesh, index) => {
+                let vertices = mesh.vertices(*index).unwrap_or_default();
+                let [a, b, c] = vertices;
+                let corners = [lanes.splat_point(a), lanes.splat_point(b), lanes.splat_point(c)];
+                let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
+                [point, error, lanes.splat_point(unit_normal(vertices))]
+            }
         };
         ray.hit(surface)
     }
@@ -47,38 +56,47 @@ impl<L: LaneSet> HitPoints<L> {
     #[inline(always)]
     pub(crate) fn on_shapes(lanes: L, shapes: &GatheredShapes, rays: &RayStream, hits: &HitStream, at: usize) -> Self {
         let ray = &RayLanes::new(lanes, rays, hits, at);
-        let GatheredShapes { spheres, planes, corners: [a, b, c], normal, .. } = shapes;
-        let (a, normal) = (lanes.load_coordinates(a), lanes.load_coordinates(normal));
+        let &GatheredShapes { spheres, planes, meshes, surfaces, corners: [ref a, ref b, ref c], ref normal, .. } =
+            shapes;
+        let (a, mut normal) = (lanes.load_coordinates(a), lanes.load_coordinates(normal));
         let corners = [a, lanes.load_coordinates(b), lanes.load_coordinates(c)];
+        if meshes != 0 {
+            let normal_of_mesh = normals_of_triangles(lanes, corners, meshes);
+            normal = Vector3::select(lanes.mask_f64(meshes), normal_of_mesh, normal);
+        }
         let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
         let mut surface = [point, error, normal];
-        for (mask, other) in [(*spheres, ray.on_sphere(a, normal.x)), (*planes, ray.on_plane([a, normal]))] {
-            if mask != 0 {
-                let mask = lanes.mask_f64(mask);
-                let [point, error, outside] = surface;
-                let [other_point, other_error, other_outside] = other;
-                surface = [
-                    Vector3::select(mask, other_point, point),
-                    Vector3::select(mask, other_error, error),
-                    Vector3::select(mask, other_outside, outside),
-                ];
-            }
+        if spheres != 0 {
+            surface = replaced(lanes, surface, spheres, ray.on_sphere(a, normal.x));
+        }
+        if planes != 0 {
+            surface = replaced(lanes, surface, planes, ray.on_plane([a, normal]));
+        }
+        if surfaces != 0 {
+            surface = replaced(lanes, surface, surfaces, [a, corners[1], normal]);
         }
         ray.hit(surface)
     }
 
-    /// Normals and lifted points on triangles with interpolated normals, as on [`on_shapes`](Self::on_shapes).
+    /// Interpolated normals and lifted points, as on [`on_shapes`](Self::on_shapes). Those of flat triangles are not valid.
     #[inline(always)]
     pub(crate) fn smooth(
         &self,
         lanes: L,
-        GatheredShapes { corners: [a, b, c], vertex_normals: [d, e, f], .. }: &GatheredShapes,
+        GatheredShapes { surfaces, corners: [a, b, c], vertex_normals: [d, e, f], .. }: &GatheredShapes,
         (hits, at): (&HitStream, usize),
     ) -> SmoothPoint<L::D> {
         let corners = [lanes.load_coordinates(a), lanes.load_coordinates(b), lanes.load_coordinates(c)];
         let normals = [lanes.load_coordinates(d), lanes.load_coordinates(e), lanes.load_coordinates(f)];
         let uv = Self::uv_of_triangle(lanes, hits, at);
-        smooth_point((self.point, self.outside), corners, normals, uv, self.direction)
+        let mut smooth = smooth_point((self.point, self.outside), corners, normals, uv, self.direction);
+        if *surfaces != 0 {
+            let is_known = lanes.mask_f64(*surfaces);
+            smooth.normal = Vector3::select(is_known, normals[0], smooth.normal);
+            smooth.shadow_point = Vector3::select(is_known, corners[2], smooth.shadow_point);
+            smooth.is_valid = smooth.is_valid | is_known;
+        }
+        smooth
     }
 
     #[inline(always)]
@@ -102,7 +120,7 @@ impl<L: LaneSet> HitPoints<L> {
                 let (point, normal) = (lanes.splat_point(plane.point()), lanes.splat_point(plane.normal()));
                 plane_uv(point, normal, [self.origin, self.direction], self.t)
             }
-            StreamShape::Triangle(_) => {
+            StreamShape::Triangle(_) | StreamShape::MeshTriangle(..) => {
                 let [a, b, c] = vertex_uvs();
                 let weights = Self::uv_of_triangle(lanes, hits, at);
                 let corner = |x: f32| lanes.splat_f64(f64::from(x));
@@ -121,6 +139,44 @@ impl<L: LaneSet> HitPoints<L> {
     pub(crate) fn get(&self, lanes: L, lane: usize) -> [DVec3; 3] {
         [self.point, self.error, self.outside].map(|v| DVec3::from(lanes.store_point(v).map(|numbers| numbers[lane])))
     }
+}
+
+/// Surfaces, with others in the lanes of a mask.
+#[inline(always)]
+fn replaced<L: LaneSet>(lanes: L, surfaces: Surfaces<L>, mask: u8, others: Surfaces<L>) -> Surfaces<L> {
+    let (mask, [point, error, outside], [other_point, other_error, other_outside]) =
+        (lanes.mask_f64(mask), surfaces, others);
+    [
+        Vector3::select(mask, other_point, point),
+        Vector3::select(mask, other_error, error),
+        Vector3::select(mask, other_outside, outside),
+    ]
+}
+
+/// Unit normals of the triangles of a mask.
+#[inline(always)]
+fn normals_of_triangles<L: LaneSet>(lanes: L, corners: [Vector3<L::D>; 3], mask: u8) -> Vector3<L::D> {
+    let (normals, is_valid) = unit_normal_lanes(corners);
+    let slivers = mask & !lanes.bits_f64(is_valid);
+    if slivers == 0 { normals } else { normals_of_slivers(lanes, corners, normals, slivers) }
+}
+
+/// Replaces the normals of some lanes.
+#[inline(never)]
+fn normals_of_slivers<L: LaneSet>(
+    lanes: L,
+    [a, b, c]: [Vector3<L::D>; 3],
+    normals: Vector3<L::D>,
+    slivers: u8,
+) -> Vector3<L::D> {
+    let (corners, mut normals) = ([a, b, c].map(|p| lanes.store_point(p)), lanes.store_point(normals));
+    for lane in each_lane(slivers) {
+        let normal = unit_normal(corners.map(|corner| corner.map(|numbers| numbers[lane]).into()));
+        for (numbers, coordinate) in normals.iter_mut().zip(normal.to_array()) {
+            numbers[lane] = coordinate;
+        }
+    }
+    lanes.load_coordinates(&normals)
 }
 
 /// Rays with the parameters of their hits.

@@ -3,7 +3,7 @@
 use super::hit_points::HitPoints;
 use crate::{lane_set::LaneSet, lanes::each_lane};
 use rt_geometry::{SurfaceInteraction, offset_point};
-use rt_math::{DVec3, Real, Vector3};
+use rt_math::{DVec3, Mask, Real, Vector3};
 
 /// Surfaces of some hits, for shading.
 pub(crate) struct ShadedSurface<L: LaneSet> {
@@ -24,7 +24,14 @@ impl<L: LaneSet> ShadedSurface<L> {
     #[inline(always)]
     pub(crate) fn new(lanes: L, points: &HitPoints<L>, mask: u8) -> Self {
         let length = points.direction.length();
-        let direction = points.direction / length;
+        let mut direction = points.direction / length;
+        let is_finite = direction.is_finite();
+        if !is_finite.all() {
+            // The square of the length is out of range.
+            let Vector3 { x, y, z } = points.direction;
+            let scaled = points.direction / x.abs().max(y.abs()).max(z.abs());
+            direction = Vector3::select(is_finite, direction, scaled / scaled.length());
+        }
         let is_inside = direction.dot(points.outside).gt(lanes.splat_f64(0.0));
         let normal = Vector3::select(is_inside, -points.outside, points.outside);
         Self {

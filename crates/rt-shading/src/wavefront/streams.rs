@@ -6,7 +6,7 @@ use crate::{
     lanes::each_lane,
 };
 use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
-use rt_math::{Interval, Rgb, Vector3};
+use rt_math::{Interval, Ray, Rgb, Vector3};
 
 /// Shadow rays to one light, with what it adds to samples if they are not occluded.
 #[derive(Clone, Debug)]
@@ -38,13 +38,23 @@ impl<E: Element> ShadowRayStream<E> {
         lanes: L,
         mask: u8,
         rays: [Vector3<L::D>; 2],
-        max: L::D,
+        (max, time): (L::D, Option<L::D>),
         (radiance, samples): (Vector3<L::F>, &[u32; 8]),
     ) {
         let end = self.rays.len();
-        append(lanes, &mut self.rays, mask, rays, max);
+        append(lanes, &mut self.rays, mask, rays, (max, time));
         lanes.compress_vector(radiance, mask, &mut self.radiance, end);
         lanes.compress_u32(samples, mask, self.sample.vector_mut(end));
+    }
+
+    /// Appends a ray with its radiance and sample.
+    pub(crate) fn push_ray(&mut self, (ray, span): (Ray, Interval), sample: u32, radiance: Rgb) {
+        let at = self.rays.len();
+        self.sample.set(at, sample);
+        for (to, component) in self.radiance.iter_mut().zip(radiance.to_array()) {
+            to.set(at, E::rounded(component));
+        }
+        self.rays.push(&ray, span);
     }
 
     /// Traces the rays, adds the light of those that are not occluded, and removes all. `bounded` is applied to that light.
@@ -88,19 +98,22 @@ pub(crate) fn add_radiance<L: LaneSet>(
     }
 }
 
-/// Appends the rays of some lanes, which start on a surface.
+/// Appends the rays of some lanes, which start on a surface. Without times, all rays ever appended are at time 0.
 #[inline(always)]
 pub(crate) fn append<L: LaneSet>(
     lanes: L,
     rays: &mut RayStream,
     mask: u8,
     [origin, direction]: [Vector3<L::D>; 2],
-    max: L::D,
+    (max, time): (L::D, Option<L::D>),
 ) {
     let end = rays.len();
     lanes.compress_point(origin, mask, &mut rays.origin, end);
     lanes.compress_point(direction, mask, &mut rays.direction, end);
     lanes.store_f64(lanes.splat_f64(Interval::SPAWNED.min), rays.min.vector_mut(end));
     lanes.compress_f64(max, mask, rays.max.vector_mut(end));
+    if let Some(time) = time {
+        lanes.compress_f64(time, mask, rays.time.vector_mut(end));
+    }
     rays.grow(mask.count_ones() as usize);
 }

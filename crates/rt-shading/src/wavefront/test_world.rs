@@ -1,10 +1,13 @@
 //! A world of shapes for tests of integrators of streams.
 
 use crate::{
-    LazyHit, LazyPlane, LazySurface, RadianceSample, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle,
-    SurfaceHit, TrianglePoint, light::LightId, scene_queries::SceneQueries,
+    RadianceSample, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle, SurfaceHit, light::LightId,
+    scene_queries::SceneQueries,
 };
-use rt_geometry::{Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, Sphere, WatertightRay, smooth_point};
+use rt_geometry::{
+    Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, ShapeHit, Sphere, SurfaceInteraction, WatertightRay,
+    interpolate, smooth_point, triangle_point,
+};
 use rt_math::{DVec3, Interval, Ray, random};
 
 pub(crate) enum TestShape {
@@ -75,30 +78,36 @@ impl ShapeWorld {
     }
 }
 
-impl SceneQueries for ShapeWorld {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
-        let Hit { t, primitive, uv, .. } = self.hit(ray, span)?;
+impl ShapeWorld {
+    fn surface_of(&self, ray: &Ray, hit: Hit) -> SurfaceHit {
+        let Hit { t, primitive, uv, .. } = hit;
         let TestPrimitive { shape, material, light } = &self.0[primitive as usize];
-        fn hit<T: LazySurface>(shape: T, t: f64, object: u32, material: u32, ray: &Ray) -> SurfaceHit {
-            LazyHit { t, shape, object, material, light: None }.surface(ray)
-        }
-        let mut hit = match *shape {
-            TestShape::Sphere(sphere) => hit(sphere, t, primitive, *material, ray),
-            TestShape::Plane(plane) => hit(LazyPlane { plane, needs_uv: true }, t, primitive, *material, ray),
-            TestShape::Triangle(StreamTriangle { vertices, normal, vertex_normals }, vertex_uvs) => {
-                let mut hit = hit(TrianglePoint { vertices, uv, normal, vertex_uvs }, t, primitive, *material, ray);
+        let shape_hit = ShapeHit { t, uv: [0.0; 2] };
+        let interaction = match shape {
+            TestShape::Sphere(sphere) => sphere.surface(ray, &shape_hit, InteractionFlags::NONE),
+            TestShape::Plane(plane) => plane.surface(ray, &shape_hit, InteractionFlags::ALL),
+            TestShape::Triangle(triangle, vertex_uvs) => {
+                let StreamTriangle { vertices, normal, vertex_normals } = *triangle;
+                let corners = vertices.map(Into::into);
+                let (point, error) = triangle_point(corners, uv);
+                let of_vertices = |k: usize| interpolate(vertex_uvs.map(|uv| f64::from(uv[k])), uv);
+                let mut surface =
+                    SurfaceInteraction::flat(point.into(), error.into(), normal, [of_vertices(0), of_vertices(1)]);
                 if let Some(normals) = vertex_normals {
-                    let surface = &mut hit.interaction;
-                    let (point, normal) = (surface.point.into(), surface.geometric_normal.into());
-                    let (corners, normals) = (vertices.map(Into::into), normals.map(|n| n.as_dvec3().into()));
-                    let smooth = smooth_point((point, normal), corners, normals, uv, ray.direction.into());
+                    let normals = normals.map(|n| n.as_dvec3().into());
+                    let smooth = smooth_point((point, normal.into()), corners, normals, uv, ray.direction.into());
                     (surface.shading_normal, surface.shadow_point) = (smooth.normal.into(), smooth.shadow_point.into());
                 }
-                hit
+                surface
             }
         };
-        hit.light = *light;
-        Some(hit)
+        SurfaceHit { t, interaction, object: primitive, material: *material, light: *light }
+    }
+}
+
+impl SceneQueries for ShapeWorld {
+    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
+        Some(self.surface_of(ray, self.hit(ray, span)?))
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -121,7 +130,8 @@ impl StreamQueries for ShapeWorld {
         }
     }
 
-    fn primitive(&self, index: u32) -> Option<StreamPrimitive<'_>> {
+    fn primitive(&self, hits: &HitStream, at: usize) -> Option<StreamPrimitive<'_>> {
+        let index = hits.get(at)?.primitive;
         let TestPrimitive { shape, material, light } = self.0.get(index as usize)?;
         let shape = match shape {
             TestShape::Sphere(sphere) => StreamShape::Sphere(sphere),
@@ -131,8 +141,12 @@ impl StreamQueries for ShapeWorld {
         Some(StreamPrimitive { shape, object: index, material: *material, light: *light })
     }
 
-    fn vertex_uvs(&self, index: u32) -> [[f32; 2]; 3] {
-        match self.0[index as usize].shape {
+    fn surface(&self, ray: &Ray, hits: &HitStream, at: usize, _: InteractionFlags) -> Option<SurfaceHit> {
+        Some(self.surface_of(ray, hits.get(at)?))
+    }
+
+    fn vertex_uvs(&self, hits: &HitStream, at: usize) -> [[f32; 2]; 3] {
+        match self.0[hits.primitive.get(at) as usize].shape {
             TestShape::Triangle(_, vertex_uvs) => vertex_uvs,
             _ => [[0.0; 2]; 3],
         }

@@ -42,6 +42,8 @@ pub struct WavefrontWhitted {
     settings: Settings,
     /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
+    /// False as long as all rays are at time 0.
+    has_time: bool,
     streams: Wavefront<f32>,
 }
 
@@ -90,6 +92,7 @@ impl WavefrontWhitted {
         Self {
             settings: Settings { max_depth, min_contribution, features, surroundings: Vec::new(), phongs },
             lanes: LaneLevel::best(),
+            has_time: false,
             streams: Wavefront::default(),
         }
     }
@@ -163,17 +166,18 @@ impl WavefrontWhitted {
     }
 
     fn trace(&mut self, world: &mut impl StreamQueries, appearance: &Appearance, batch: Batch<'_>) {
-        let settings = &self.settings;
+        self.has_time |= batch.1.has_time();
+        let (settings, has_time) = (&self.settings, self.has_time);
         match self.lanes {
             Some(level) => dispatch!(level, simd => {
-                let shade = &Shade { lanes: SimdLanes(simd), settings, appearance };
+                let shade = &Shade { lanes: SimdLanes(simd), settings, appearance, has_time };
                 self.streams.trace(shade, world, batch, |world, wave, spawned, seen| simd.vectorize(
                     #[inline(always)]
                     || spawned.shade(shade, world, wave, seen),
                 ));
             }),
             None => {
-                let shade = &Shade { lanes: OneLane::new(), settings, appearance };
+                let shade = &Shade { lanes: OneLane::new(), settings, appearance, has_time };
                 self.streams.trace(shade, world, batch, |world, wave, spawned, seen| {
                     spawned.shade(shade, world, wave, seen);
                 });
@@ -195,6 +199,8 @@ struct Shade<'a, L> {
     lanes: L,
     settings: &'a Settings,
     appearance: &'a Appearance,
+    /// False if all rays are at time 0.
+    has_time: bool,
 }
 
 /// Rays of a wave with their closest hits.

@@ -7,7 +7,7 @@ use rt_geometry::{InsideRule, Plane, Polygon, Shape};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
     Appearance, BsdfCache, Clamp, ColorTexture, Lighting, Material, PathSettings, PathTracer, Phong, RadianceSample,
-    ShadingFeatures, Transport,
+    ShadingFeatures, SingleQueries, Transport,
     light::{EmissionSides, LightSampling, LightSet},
 };
 use rt_tests::ShapeSet;
@@ -129,7 +129,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream)
         samplers.push(sample);
     }
     let mut seen = vec![RadianceSample::MISS; rays.len()];
-    paths.radiance_of(&mut world, lighting, &rays, &samplers, &mut seen);
+    paths.radiance_of(&mut SingleQueries::new(&mut world), lighting, &rays, &samplers, &mut seen);
     let sum: f64 = seen.iter().map(|seen| seen.radiance.g).sum();
     Ok(sum / rays.len() as f64 * PI / ALBEDO)
 }

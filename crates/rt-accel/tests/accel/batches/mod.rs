@@ -70,12 +70,7 @@ fn stream_of(rays: &[(Ray, Interval)]) -> RayStream {
 }
 
 fn hits_of(hits: &HitStream, count: usize) -> Vec<Option<Hit>> {
-    let hit = |at| {
-        let (t, primitive, [u, v]) = (hits.t.get(at), hits.primitive.get(at), &hits.uv);
-        let hit = Hit { t, instance: 0, primitive, uv: [u.get(at), v.get(at)] };
-        (primitive != HitStream::NONE).then_some(hit)
-    };
-    (0..count).map(hit).collect()
+    (0..count).map(|at| hits.get(at)).collect()
 }
 
 fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {

@@ -47,7 +47,7 @@ fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, cou
     let lights = scene.light_set();
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let rays = vec![towards_wall(wo); count as usize];
-    let (seen, _) = trace(&mut dynamic(&mut world), lighting, settings, &[InteriorList::default()], &rays);
+    let (seen, _) = trace(&mut world, lighting, settings, &[InteriorList::default()], &rays);
     mean_and_error(&seen)
 }
 

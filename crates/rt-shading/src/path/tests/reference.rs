@@ -1,4 +1,4 @@
-//! The wave and the reference integrator return the same bits, for scenes with all features and all settings.
+//! Waves in `f64` and the reference integrator return the same radiance, for scenes with all features and all settings.
 //!
 //! `trace` compares every path of all other tests of path tracing, too.
 
@@ -147,7 +147,7 @@ fn views(count: u64) -> Vec<Ray> {
 }
 
 #[test]
-fn every_path_has_the_bits_of_the_reference() {
+fn every_path_has_the_radiance_of_the_reference() {
     let scene = exhibition();
     let mut world = BentNormals(Shapes(scene.shapes.0.clone()));
     let lights = scene.light_set();
@@ -158,7 +158,7 @@ fn every_path_has_the_bits_of_the_reference() {
     let mixed: Vec<_> = (0..3000).map(|at| if at % 2 == 0 { air.clone() } else { water.clone() }).collect();
     for settings in all_settings() {
         for surroundings in [from_ref(&air), from_ref(&water), &mixed] {
-            let (seen, counts) = trace(&mut dynamic(&mut world), lighting, settings, surroundings, &views(3000));
+            let (seen, counts) = trace(&mut world, lighting, settings, surroundings, &views(3000));
             // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             let (min_lit, min_passages) = if surroundings == from_ref(&air) { (1500, 1000) } else { (150, 0) };
@@ -167,11 +167,6 @@ fn every_path_has_the_bits_of_the_reference() {
             assert_eq!(counts.clamped > 100, may_clamp, "{settings:?}: {counts:?}");
         }
     }
-}
-
-fn metallic_roughness(metallic: f64, roughness: f64) -> MaterialModel {
-    let base_color = ColorTexture::Constant(Rgb::new(0.9, 0.5, 0.1));
-    MaterialModel::MetallicRoughness { base_color, metallic, roughness }
 }
 
 /// Triangles and spheres of all materials, some of which emit light, above a plane; a quad is the light.
@@ -235,7 +230,7 @@ fn several_lights(scene: &Scene) -> Vec<Light> {
 }
 
 #[test]
-fn every_path_between_triangles_and_spheres_has_the_bits_of_the_reference() {
+fn every_path_between_triangles_and_spheres_has_the_radiance_of_the_reference() {
     let mut scene = triangles_and_spheres();
     let point = |x, shadow_near| {
         let position = DVec3::new(x, 2.5, 1.5);
@@ -265,8 +260,7 @@ fn every_path_between_triangles_and_spheres_has_the_bits_of_the_reference() {
         let mut world = Shapes(scene.shapes.0.clone());
         let distributed = [0, 4].map(|max_depth| PathSettings { max_depth, ..DISTRIBUTED });
         for settings in all_settings().chain(distributed) {
-            let (seen, counts) =
-                trace(&mut dynamic(&mut world), lighting, settings, &[InteriorList::default()], &views(3001));
+            let (seen, counts) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(3001));
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             assert!(lit > 500, "{lit} of 3001, {settings:?}");
             // Rays hit the floor, which has a highlight, more often than all else.
@@ -277,7 +271,7 @@ fn every_path_between_triangles_and_spheres_has_the_bits_of_the_reference() {
 
 /// Metallic-roughness surfaces alone, textured and not, of all roughnesses, in a scene where nothing else emits light.
 #[test]
-fn metallic_roughness_in_lanes_has_the_bits_of_the_reference() {
+fn metallic_roughness_in_lanes_has_the_radiance_of_the_reference() {
     for (at, roughness) in [0.0, 0.02, 0.1, 0.5, 0.98, 1.0, 3.0, f64::NAN].into_iter().enumerate() {
         let metallic = [0.0, 0.5, 1.0][at % 3];
         let base = LayeredBase::MetallicRoughness {
@@ -297,7 +291,7 @@ fn metallic_roughness_in_lanes_has_the_bits_of_the_reference() {
         let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
         for settings in [paths(0), paths(4), DISTRIBUTED] {
             let (_, counts) = trace(&mut scene.shapes, lighting, settings, &[InteriorList::default()], &views(1001));
-            let is_rough = roughness > 0.01;
+            let is_rough = roughness >= 0.1;
             assert!(!is_rough || counts.lanes_used > 700 || LaneLevel::best().is_none(), "{settings:?}: {counts:?}");
         }
     }
@@ -305,7 +299,7 @@ fn metallic_roughness_in_lanes_has_the_bits_of_the_reference() {
 
 /// Spheres that are so small and far away that rounding puts hits on their centres, and a path within a sphere.
 #[test]
-fn stiff_spheres_have_the_bits_of_the_reference() {
+fn stiff_spheres_have_the_radiance_of_the_reference() {
     let materials = vec![emissive(diffuse(0.8), 0.0)];
     let mut scene = Scene::new(materials, triangles_and_spheres().lights);
     for x in 0..8 {
@@ -316,7 +310,7 @@ fn stiff_spheres_have_the_bits_of_the_reference() {
     let (lights, bsdfs) = (scene.light_set(), BsdfCache::new(&scene.appearance, |_| true));
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     let on_centres = |x: f64| Ray::new(DVec3::new(x, 0.0, 1e17), DVec3::NEG_Z * 1e3);
-    let within = |x: f64| Ray::new(DVec3::new(x, 0.0, -3e20), DVec3::new(0.1 * x, 1.0, 0.3) * 1e-310);
+    let within = |x: f64| Ray::new(DVec3::new(x, 0.0, -3e20), DVec3::new(0.1 * x, 1.0, 0.3) * 1e-280);
     let rays: Vec<_> = (0..8).map(f64::from).flat_map(|x| [on_centres(x), within(x)]).collect();
     let (seen, counts) = trace(&mut scene.shapes, lighting, paths(5), &[InteriorList::default()], &rays);
     assert!(seen.iter().all(|seen| seen.hit));
@@ -325,7 +319,7 @@ fn stiff_spheres_have_the_bits_of_the_reference() {
 
 /// Null interfaces: more than a ray may pass without a bounce, and more solids within each other than a list holds.
 #[test]
-fn a_path_through_many_null_interfaces_has_the_bits_of_the_reference() {
+fn a_path_through_many_null_interfaces_has_the_radiance_of_the_reference() {
     let air = solid(MaterialModel::Dielectric { roughness: 0.0, transmittance: gray(1.0) }, InteriorMedium::clear(1.0));
     let mut scene = Scene::new(vec![air, emissive(diffuse(0.5), 0.3)], Vec::new());
     scene.appearance.background = Background::Constant(Rgb::WHITE);

@@ -55,7 +55,7 @@ impl<E: Element> Spawned<E> {
         let &Shade { lanes, settings, .. } = shade;
         for at in (0..paths.len()).step_by(L::N) {
             let used = first_lanes((paths.len() - at).min(L::N));
-            let indices = hits.primitive.vector(at);
+            let [instances, indices] = [hits.instance.vector(at), hits.primitive.vector(at)];
             let missed = lanes.equal(indices, HitStream::NONE) & used;
             if missed != 0 {
                 self.leave_scene(shade, missed, (paths, at), seen);
@@ -63,9 +63,9 @@ impl<E: Element> Spawned<E> {
             let mut rest = used & !missed;
             while let Some(first) = each_lane(rest).next() {
                 let index = indices[first];
-                let mask = lanes.equal(indices, index) & rest;
+                let mask = lanes.equal(indices, index) & lanes.equal(instances, instances[first]) & rest;
                 rest &= !mask;
-                let Some(primitive) = &world.primitive(index) else { continue };
+                let Some(primitive) = &world.primitive(hits, at + first) else { continue };
                 let points = &HitPoints::new(lanes, &primitive.shape, &paths.rays, hits, at);
                 let Some(Some(model)) = settings.phongs.get(primitive.material as usize) else {
                     self.end_without_material(mask, (paths, at), seen);
@@ -73,7 +73,7 @@ impl<E: Element> Spawned<E> {
                 };
                 let mut odd = 0;
                 if model.is_checkered() {
-                    let vertex_uvs = || world.vertex_uvs(index);
+                    let vertex_uvs = || world.vertex_uvs(hits, at + first);
                     odd = mask & points.odd_squares(lanes, (&primitive.shape, vertex_uvs), (hits, at), model.side);
                 }
                 for (mask, square) in [(mask & !odd, 0), (odd, 1)] {
@@ -163,7 +163,7 @@ impl<E: Element> Spawned<E> {
         paths: &TreeStream<E>,
         seen: &mut [RadianceSample],
     ) {
-        let &Shade { lanes, settings, appearance } = shade;
+        let &Shade { lanes, settings, appearance, .. } = shade;
         let transmission = group.phong.interface;
         if transmission == SurfaceTransmission::None && !settings.features.absorption {
             return;
@@ -294,7 +294,7 @@ impl<E: Element> Spawned<E> {
         paths: &TreeStream<E>,
         seen: &mut [RadianceSample],
     ) {
-        let &Shade { lanes, settings, appearance } = shade;
+        let &Shade { lanes, settings, appearance, .. } = shade;
         let &Group { phong, points, at, mask, .. } = group;
         let &ShadedSurface { normal, direction, near_origin, .. } = surface;
         let zero = lanes.splat(0.0);
@@ -325,7 +325,8 @@ impl<E: Element> Spawned<E> {
             }
             self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
             let (direction, end) = shadow_rays(lanes, light, near_origin);
-            stream.push(lanes, lit, [near_origin, direction], end, (radiance, paths.sample.vector(at)));
+            let time = shade.times(paths, at);
+            stream.push(lanes, lit, [near_origin, direction], (end, time), (radiance, paths.sample.vector(at)));
         }
     }
 
@@ -389,7 +390,8 @@ impl<E: Element> Spawned<E> {
                 let next = &mut self.reflected;
                 let end = next.len();
                 let rays = [near_origin, lanes.widen_vector(bent)];
-                append(lanes, &mut next.rays, mirrored, rays, lanes.splat_f64(f64::INFINITY));
+                let time = shade.times(paths, at);
+                append(lanes, &mut next.rays, mirrored, rays, (lanes.splat_f64(f64::INFINITY), time));
                 lanes.compress_vector(weight, mirrored, &mut next.weight, end);
                 let mut depth = *paths.depth.vector(at);
                 depth.iter_mut().for_each(|depth| *depth = depth.wrapping_add(1));
@@ -439,7 +441,8 @@ impl<E: Element> Spawned<E> {
             let is_inside = surface.inside >> lane & 1 == 1;
             let event = group.phong.interface.event(&mut tree.interior, group.body(), is_inside);
             let of_lane = |[x, y, z]: &[[f64; 8]; 3]| [x[lane & 7], y[lane & 7], z[lane & 7]];
-            let ray = Ray::new(of_lane(&origins).into(), of_lane(&directions).into());
+            let time = paths.rays.time.get(at);
+            let ray = Ray { origin: of_lane(&origins).into(), direction: of_lane(&directions).into(), time };
             let weight = of_lane(&weights).into();
             let path = TreePath { sample, depth: paths.depth.get(at) + 1, passages: 0, weight, start: 0.0 };
             if mirrored >> lane & 1 == 1 {
@@ -449,6 +452,14 @@ impl<E: Element> Spawned<E> {
                 self.refracted.push(&ray, Interval::SPAWNED, &path);
             }
         }
+    }
+}
+
+impl<L: LaneSet> Shade<'_, L> {
+    /// Times of rays; `None` if all are 0.
+    #[inline(always)]
+    fn times<E: Element>(&self, paths: &TreeStream<E>, at: usize) -> Option<L::D> {
+        if self.has_time { Some(self.lanes.load_f64(paths.rays.time.vector(at))) } else { None }
     }
 }
 

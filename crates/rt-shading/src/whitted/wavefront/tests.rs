@@ -64,7 +64,7 @@ impl View<'_> {
         let &Self { features, appearance, rays } = self;
         let WavefrontWhitted { settings, .. } = &WavefrontWhitted::new(4, 1e-3, features, appearance);
         let mut streams = Wavefront::<f64>::default();
-        let shade = &Shade { lanes: Float64Lane::new(), settings, appearance };
+        let shade = &Shade { lanes: Float64Lane::new(), settings, appearance, has_time: false };
         for (rays, seen) in rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY)) {
             let mut stream = RayStream::default();
             rays.iter().for_each(|(ray, span)| stream.push(ray, *span));

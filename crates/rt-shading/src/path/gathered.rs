@@ -1,0 +1,177 @@
+//! Surfaces of the hits of several rays.
+
+use super::lane_material::{LaneMaterials, VertexKind};
+use crate::{
+    bsdf::{DiffusePhong, LaneSurface, MetallicRoughnessBlock, WeightedPhong},
+    lanes::{LANES, LaneArray, each_lane},
+    light::LightId,
+    stream_queries::StreamQueries,
+    wavefront::gathered_shapes::GatheredShapes,
+};
+use rt_geometry::{HitStream, STREAM_CAPACITY, SurfaceInteraction};
+use rt_math::Rgb;
+
+/// Hits of a wave, grouped by the code that shades them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HitGroups {
+    kinds: Vec<VertexKind>,
+    /// Surfaces that are known, in the order of their rays.
+    surfaces: Vec<(SurfaceInteraction, LaneSurface)>,
+    /// Rays of these, in this order.
+    rays: Vec<u32>,
+}
+
+impl HitGroups {
+    pub(super) fn clear(&mut self) {
+        self.kinds.clear();
+        self.surfaces.clear();
+        self.rays.clear();
+    }
+
+    /// Appends the group of the next ray.
+    #[inline(always)]
+    pub(super) fn push(&mut self, kind: VertexKind) {
+        self.kinds.push(kind);
+    }
+
+    /// Version of [`push`](Self::push) for a surface that is known.
+    pub(super) fn push_surface(&mut self, interaction: SurfaceInteraction, surface: LaneSurface) {
+        self.rays.push(self.kinds.len() as u32);
+        self.kinds.push(VertexKind::of(&surface));
+        self.surfaces.push((interaction, surface));
+    }
+
+    /// Appends the same group for all rays that hit a primitive.
+    pub(super) fn fill(&mut self, primitives: &[u32], kind: VertexKind) {
+        let of_ray = |primitive: &u32| if *primitive == HitStream::NONE { VertexKind::Done } else { kind };
+        self.kinds.extend(primitives.iter().map(of_ray));
+    }
+
+    /// Group of each ray.
+    pub(super) fn kinds(&self) -> &[VertexKind] {
+        &self.kinds[..self.kinds.len().min(STREAM_CAPACITY)]
+    }
+
+    /// The surface of a ray, if it is known.
+    #[inline(always)]
+    fn surface(&self, at: usize) -> Option<&(SurfaceInteraction, LaneSurface)> {
+        if self.rays.is_empty() {
+            return None;
+        }
+        self.surfaces.get(self.rays.binary_search(&(at as u32)).ok()?)
+    }
+}
+
+/// Surfaces of hits, one for each lane.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gathered {
+    pub(super) shapes: GatheredShapes,
+    /// Lanes whose hits are gathered; all others end their path.
+    pub(super) valid: u8,
+    /// Those whose path ends after emission.
+    pub(super) emission_only: u8,
+    /// Lanes of emissive materials, with the radiance of both sides.
+    pub(super) emissive: u8,
+    pub(super) emission: [[Rgb; 2]; LANES],
+    pub(super) lights: [Option<LightId>; LANES],
+    pub(super) bsdfs: GatheredBsdfs,
+}
+
+/// BSDFs of hits, one for each lane. Lanes of no mask have a Lambertian lobe.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GatheredBsdfs {
+    /// Lanes of each kind.
+    pub(super) rough: u8,
+    pub(super) glossy: u8,
+    pub(super) metallic_roughness: u8,
+    /// Albedo of the diffuse lobe, or base colour.
+    pub(super) albedo: [LaneArray; 3],
+    /// Roughness; that of a diffuse lobe is in [0, 1].
+    pub(super) roughness: LaneArray,
+    /// Phong lobes, with the weights and probabilities of [`WeightedPhong`].
+    pub(super) reflectance: [LaneArray; 3],
+    pub(super) exponent: LaneArray,
+    pub(super) weights: [LaneArray; 2],
+    pub(super) probabilities: [LaneArray; 2],
+    /// Further parameters of metallic-roughness surfaces.
+    pub(super) layers: MetallicRoughnessBlock,
+}
+
+impl GatheredBsdfs {
+    const fn clear(&mut self) {
+        (self.rough, self.glossy, self.metallic_roughness) = (0, 0, 0);
+    }
+
+    /// Sets the BSDF of a lane, once.
+    #[inline(always)]
+    fn set(&mut self, lane: usize, surface: &LaneSurface) {
+        let lane = lane % LANES;
+        let set_color = |[r, g, b]: &mut [LaneArray; 3], color: Rgb| {
+            (r[lane], g[lane], b[lane]) = (color.r, color.g, color.b);
+        };
+        match surface {
+            LaneSurface::DiffusePhong(DiffusePhong { diffuse, highlight }) => {
+                set_color(&mut self.albedo, diffuse.albedo);
+                if highlight.is_none() && !(diffuse.roughness > 0.0) {
+                    return;
+                }
+                self.roughness[lane] = diffuse.clamped_roughness();
+                let Some(WeightedPhong { lobe, weights, probabilities }) = highlight else {
+                    self.rough |= 1 << lane;
+                    return;
+                };
+                self.glossy |= 1 << lane;
+                set_color(&mut self.reflectance, lobe.reflectance);
+                self.exponent[lane] = lobe.clamped_exponent();
+                for part in 0..2 {
+                    self.weights[part][lane] = weights[part];
+                    self.probabilities[part][lane] = probabilities[part];
+                }
+            }
+            LaneSurface::MetallicRoughness(layer) => {
+                self.metallic_roughness |= 1 << lane;
+                set_color(&mut self.albedo, layer.surface.base_color);
+                self.roughness[lane] = layer.surface.roughness;
+                self.layers.set(lane, layer);
+            }
+        }
+    }
+}
+
+/// Gathers the surfaces of the hits of a mask, from index `at` on.
+pub(super) fn gather<W: StreamQueries>(
+    world: &W,
+    materials: &LaneMaterials,
+    (hits, groups, first): (&HitStream, &HitGroups, usize),
+    mask: u8,
+    gathered: &mut Gathered,
+) {
+    let Gathered { shapes, valid, emission_only, emissive, emission, lights, bsdfs } = gathered;
+    shapes.clear();
+    bsdfs.clear();
+    (*valid, *emission_only, *emissive) = (0, 0, 0);
+    for lane in each_lane(mask) {
+        let (lane, at) = (lane % LANES, first + lane);
+        let kind = groups.kinds.get(at).copied().unwrap_or_default();
+        if kind == VertexKind::Done {
+            continue;
+        }
+        *valid |= 1 << lane;
+        if kind == VertexKind::EmissionOnly {
+            *emission_only |= 1 << lane;
+        }
+        if let Some((interaction, surface)) = groups.surface(at) {
+            shapes.set_surface(lane, interaction);
+            bsdfs.set(lane, surface);
+            continue;
+        }
+        let Some(primitive) = world.primitive(hits, at) else { continue };
+        let Some(material) = materials.get(primitive.material) else { continue };
+        shapes.set(lane, &primitive.shape);
+        bsdfs.set(lane, &material.surface);
+        if !material.emission[0].is_black() {
+            *emissive |= 1 << lane;
+            (emission[lane], lights[lane]) = (material.emission, primitive.light);
+        }
+    }
+}

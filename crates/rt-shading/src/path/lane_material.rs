@@ -1,0 +1,119 @@
+//! Materials that are shaded in lanes.
+
+use super::settings::Lighting;
+use crate::{
+    ColorTexture, Material,
+    bsdf::{DiffusePhong, LaneSurface, OrenNayar},
+    bsdf_cache::uniform_bsdf,
+    light::{EmissionSides, Light},
+    wavefront::{delta_lights::is_usual_light, is_in_range},
+};
+use rt_geometry::SurfaceInteraction;
+use rt_math::{DVec3, Rgb};
+
+/// A uniform, opaque material that is shaded in lanes everywhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LaneMaterial {
+    pub(super) surface: LaneSurface,
+    /// Emitted radiance of the front and of the back.
+    pub(super) emission: [Rgb; 2],
+    /// Coefficient of ambient light.
+    pub(super) ambient: Rgb,
+}
+
+/// Materials of a scene by index; `None` for those that are not shaded in lanes everywhere.
+#[derive(Clone, Debug)]
+pub(super) struct LaneMaterials {
+    materials: Vec<Option<LaneMaterial>>,
+    /// True if a surface may change the [`WavePathState`](super::path_stream::WavePathState) of paths.
+    pub(super) track_states: bool,
+    /// Kind of all materials, if it is the same.
+    pub(super) kind: Option<VertexKind>,
+}
+
+/// Group of hits by the code that shades them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd)]
+pub(super) enum VertexKind {
+    /// The ray has missed everything, or its hit is shaded by itself.
+    #[default]
+    Done,
+    /// The path ends after emission.
+    EmissionOnly,
+    /// Lambert's law.
+    Diffuse,
+    /// A rough diffuse lobe.
+    RoughDiffuse,
+    /// A diffuse lobe and a Phong lobe.
+    Glossy,
+    /// The metallic-roughness model.
+    MetallicRoughness,
+}
+
+impl VertexKind {
+    pub(super) const fn of(surface: &LaneSurface) -> Self {
+        match surface {
+            LaneSurface::DiffusePhong(DiffusePhong { highlight: Some(_), .. }) => Self::Glossy,
+            LaneSurface::DiffusePhong(DiffusePhong { diffuse: OrenNayar { roughness, .. }, .. }) => {
+                if *roughness > 0.0 { Self::RoughDiffuse } else { Self::Diffuse }
+            }
+            LaneSurface::MetallicRoughness(_) => Self::MetallicRoughness,
+        }
+    }
+
+    /// True if a number chooses the lobe that is sampled.
+    pub(super) const fn chooses_lobe(self) -> bool {
+        matches!(self, Self::Glossy | Self::MetallicRoughness)
+    }
+
+    /// True if diffuse reflection is all there is.
+    pub(super) const fn is_diffuse(self) -> bool {
+        matches!(self, Self::Diffuse | Self::RoughDiffuse)
+    }
+}
+
+impl LaneMaterials {
+    /// Materials of a scene. None is shaded in lanes if the numbers of a light leave the usual range of `f32`.
+    pub(super) fn new(lighting: Lighting<'_>) -> Self {
+        let has_usual_lights = lighting.lights.lights().iter().all(is_usual);
+        let of = |material| if has_usual_lights { LaneMaterial::of(material) } else { None };
+        let materials: Vec<_> = lighting.appearance.materials.iter().map(of).collect();
+        let keeps_states = |material: &Option<LaneMaterial>| {
+            material.is_some_and(|material| matches!(material.surface, LaneSurface::DiffusePhong(_)))
+        };
+        let kind_of =
+            |material: &Option<LaneMaterial>| material.as_ref().map(|material| VertexKind::of(&material.surface));
+        let kind = materials.first().and_then(kind_of);
+        let kind = kind.filter(|_| materials.iter().all(|material| kind_of(material) == kind));
+        Self { track_states: !materials.iter().all(keeps_states), kind, materials }
+    }
+
+    /// Material of an index; `None` if hits on it are shaded by themselves.
+    #[inline(always)]
+    pub(super) fn get(&self, index: u32) -> Option<&LaneMaterial> {
+        self.materials.get(index as usize)?.as_ref()
+    }
+}
+
+/// True if the numbers of a light are in the usual range of `f32`.
+fn is_usual(light: &Light) -> bool {
+    match light {
+        Light::Delta(light) => is_usual_light(light),
+        Light::Environment(_) => true,
+        _ => [DVec3::Z, DVec3::NEG_Z].iter().all(|direction| is_in_range(light.le(*direction, DVec3::Z))),
+    }
+}
+
+impl LaneMaterial {
+    fn of(material: &Material) -> Option<Self> {
+        let ColorTexture::Constant(emission) = material.emission else { return None };
+        let is_opaque = material.interior.is_none() && !material.model.is_transmissive();
+        if !is_opaque || !is_in_range(emission) {
+            return None;
+        }
+        let surface = uniform_bsdf(material)?.as_lane_surface()?;
+        let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+        let ambient = material.ambient(&material.to_phong(), &[], &anywhere);
+        let back = if material.emission_sides == EmissionSides::Front { Rgb::BLACK } else { emission };
+        Some(Self { surface, emission: [emission, back], ambient })
+    }
+}
