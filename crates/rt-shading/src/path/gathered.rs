@@ -1,8 +1,12 @@
 //! Surfaces of the hits of several rays.
 
-use super::lane_material::{LaneMaterials, VertexKind};
+use super::{
+    lane_material::{LaneMaterials, VertexKind},
+    path_stream::PathStream,
+};
 use crate::{
     bsdf::{DiffusePhong, LaneSurface, MetallicRoughnessBlock, WeightedPhong},
+    lane_set::Element,
     lanes::{LANES, LaneArray, each_lane},
     light::LightId,
     stream_queries::StreamQueries,
@@ -45,6 +49,38 @@ impl HitGroups {
     pub(super) fn fill(&mut self, primitives: &[u32], kind: VertexKind) {
         let of_ray = |primitive: &u32| if *primitive == HitStream::NONE { VertexKind::Done } else { kind };
         self.kinds.extend(primitives.iter().map(of_ray));
+    }
+
+    /// True if lanes would stay empty, because other rays lie between those that are shaded in lanes.
+    pub(super) fn is_sparse(&self) -> bool {
+        let is_shaded = |kind: &VertexKind| *kind != VertexKind::Done;
+        let in_vector = |kinds: &[VertexKind]| kinds.iter().filter(|kind| is_shaded(kind)).count();
+        let counts = self.kinds().chunks(LANES).map(in_vector).filter(|count| *count > 0);
+        let (n_vectors, n_rays) = counts.fold((0, 0), |(vectors, rays), count| (vectors + 1, rays + count));
+        n_rays < n_vectors * LANES * 3 / 4
+    }
+
+    /// Copies the rays that are shaded in lanes with their hits, and leaves out all others.
+    pub(super) fn compact<E: Element>(
+        &mut self,
+        (paths, hits): (&PathStream<E>, &HitStream),
+        (dense, dense_hits): &mut (PathStream<E>, HitStream),
+    ) {
+        dense.rays.clear();
+        let mut known = self.rays.iter_mut().peekable();
+        for at in 0..self.kinds.len() {
+            if self.kinds[at] == VertexKind::Done {
+                continue;
+            }
+            let to = dense.rays.len();
+            if let Some(ray) = known.next_if(|ray| **ray == at as u32) {
+                *ray = to as u32;
+            }
+            self.kinds[to] = self.kinds[at];
+            dense.push_from(paths, at);
+            dense_hits.set(to, hits.get(at).as_ref());
+        }
+        self.kinds.truncate(dense.rays.len());
     }
 
     /// Group of each ray.

@@ -110,6 +110,21 @@ impl<E: Element> PathStream<E> {
         self.rays.push(ray, span);
     }
 
+    /// Appends a path of another stream.
+    pub(super) fn push_from(&mut self, other: &Self, from: usize) {
+        let at = self.rays.len();
+        let (ray, span) = other.rays.get(from);
+        self.sample.set(at, other.sample.get(from));
+        self.pdf.set(at, other.pdf.get(from));
+        for (to, numbers) in self.throughput.iter_mut().zip(&other.throughput) {
+            to.set(at, numbers.get(from));
+        }
+        for (to, numbers) in self.normal.iter_mut().zip(&other.normal) {
+            to.set(at, numbers.get(from));
+        }
+        self.rays.push(&ray, span);
+    }
+
     /// Path of an index.
     pub(super) fn get(&self, at: usize) -> PathRecord {
         let [x, y, z] = &self.normal;

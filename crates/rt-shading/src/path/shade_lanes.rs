@@ -13,7 +13,6 @@ use crate::{
     bsdf::Scattering,
     lane_set::{Element, Float64Lane, LaneSet, OneLane, SimdLanes},
     lanes::{LANES, LaneLevel, dispatch, each_lane, first_lanes, is_zero},
-    mis::power_heuristic,
     russian_roulette::survival_probability,
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
@@ -91,15 +90,7 @@ impl<E: Element> SpawnedPaths<E> {
         let mut lobes = None;
         for at in (0..n_rays).step_by(L::N) {
             let used = first_lanes((n_rays - at).min(L::N));
-            let missed = lanes.equal(hits.primitive.vector(at), HitStream::NONE) & used;
-            if missed != 0 {
-                self.add_background(inputs, wave, (at, missed), seen);
-            }
-            let hit = used & !missed;
-            if hit == 0 {
-                continue;
-            }
-            gather(at, hit, &mut self.gathered);
+            gather(at, used, &mut self.gathered);
             let mask = self.gathered.valid;
             if mask == 0 {
                 continue;
@@ -137,30 +128,6 @@ impl<E: Element> SpawnedPaths<E> {
                 self.reflect_light((lanes, inputs), (wave, samples), (&vertices, &bsdf));
             }
             self.scatter((lanes, inputs), (wave, samples), (&vertices, &bsdf));
-        }
-    }
-
-    /// Adds the background to the samples of paths that hit nothing.
-    #[inline(never)]
-    fn add_background(
-        &mut self,
-        inputs: &PathInputs<'_>,
-        wave: &PathWave<'_, E>,
-        (at, missed): (usize, u8),
-        seen: &mut [RadianceSample],
-    ) {
-        let background = &inputs.lighting.appearance.background;
-        if background.is_black() {
-            return;
-        }
-        for at in each_lane(missed).map(|lane| at + lane) {
-            let (ray, _) = wave.paths.rays.get(at);
-            let sample = wave.paths.sample.get(at) as usize;
-            let vertex = wave.paths.prev_vertex(at, &self.states[sample]);
-            let light_pdf = vertex.pdf_li_environment(&inputs.lighting, ray.direction);
-            let weight = if light_pdf > 0.0 { power_heuristic(vertex.pdf, light_pdf) } else { 1.0 };
-            let radiance = wave.paths.throughput(at) * weight * background.radiance(ray.direction);
-            seen[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
         }
     }
 

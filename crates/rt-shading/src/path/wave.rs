@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamQueries, bsdf::LaneSurface, lane_set::Element,
-    wavefront::streams::ShadowRayStream,
+    mis::power_heuristic, wavefront::streams::ShadowRayStream,
 };
 use rt_geometry::{HitStream, RayKind, RayStream};
 use rt_math::Sampler;
@@ -33,6 +33,8 @@ pub(super) struct PathStreams<S, E: Element> {
     passed: PathStream<E>,
     hits: HitStream,
     groups: HitGroups,
+    /// Paths and hits that are shaded in lanes, without gaps.
+    dense: (PathStream<E>, HitStream),
     pub(super) spawned: SpawnedPaths<E>,
 }
 
@@ -86,6 +88,7 @@ impl<S: Sampler + Clone, E: ShadingElement> PathStreams<S, E> {
             passed: PathStream::default(),
             hits: HitStream::default(),
             groups: HitGroups::default(),
+            dense: Default::default(),
             spawned: SpawnedPaths::default(),
         }
     }
@@ -108,15 +111,21 @@ impl<S: Sampler + Clone, E: ShadingElement> PathStreams<S, E> {
         let mut diffuse_kind = RayKind::Primary;
         let mut bounces = 0;
         while !self.paths.is_empty() {
-            let Self { samplers, samples, paths, passed, hits, groups, spawned } = self;
+            let Self { samplers, samples, paths, passed, hits, groups, dense, spawned } = self;
             let mut shade = |kind: RayKind, paths: &PathStream<E>, spawned: &mut SpawnedPaths<E>| {
                 if paths.rays.is_empty() {
                     return;
                 }
                 world.closest_stream(&paths.rays, kind, hits);
-                let wave = &PathWave { paths, hits, bounces };
+                let mut wave = &PathWave { paths, hits, bounces };
                 spawned.group(inputs, &*world, wave, (groups, samplers), seen);
-                samples.draw(inputs, samplers, (paths.sample.as_slice(), groups.kinds()), bounces);
+                let compacted;
+                if groups.is_sparse() {
+                    groups.compact((wave.paths, wave.hits), dense);
+                    compacted = PathWave { paths: &dense.0, hits: &dense.1, bounces };
+                    wave = &compacted;
+                }
+                samples.draw(inputs, samplers, (wave.paths.sample.as_slice(), groups.kinds()), bounces);
                 let (world, groups) = (&*world, &*groups);
                 let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered| {
                     gather(world, inputs.materials, (wave.hits, groups, at), mask, gathered);
@@ -186,14 +195,17 @@ impl<E: Element> SpawnedPaths<E> {
             && !tracks_states
             && !inputs.has_ambient_light(false)
         {
-            groups.fill(
-                &hits.primitive.as_slice()[..paths.rays.len()],
-                if ends_all { VertexKind::EmissionOnly } else { kind },
-            );
+            let primitives = &hits.primitive.as_slice()[..paths.rays.len()];
+            groups.fill(primitives, if ends_all { VertexKind::EmissionOnly } else { kind });
+            if !inputs.lighting.appearance.background.is_black() {
+                let misses = primitives.iter().enumerate().filter(|(_, primitive)| **primitive == HitStream::NONE);
+                misses.for_each(|(at, _)| self.add_background(inputs, wave, at, seen));
+            }
             return;
         }
         for at in 0..paths.rays.len() {
             if hits.primitive.get(at) == HitStream::NONE {
+                self.add_background(inputs, wave, at, seen);
                 groups.push(VertexKind::Done);
                 continue;
             }
@@ -220,6 +232,27 @@ impl<E: Element> SpawnedPaths<E> {
                 None => groups.push(VertexKind::Done),
             }
         }
+    }
+
+    /// Adds the background to the sample of a path that hits nothing.
+    fn add_background(
+        &mut self,
+        inputs: &PathInputs<'_>,
+        wave: &PathWave<'_, E>,
+        at: usize,
+        seen: &mut [RadianceSample],
+    ) {
+        let background = &inputs.lighting.appearance.background;
+        if background.is_black() {
+            return;
+        }
+        let (ray, _) = wave.paths.rays.get(at);
+        let sample = wave.paths.sample.get(at) as usize;
+        let vertex = wave.paths.prev_vertex(at, &self.states[sample]);
+        let light_pdf = vertex.pdf_li_environment(&inputs.lighting, ray.direction);
+        let weight = if light_pdf > 0.0 { power_heuristic(vertex.pdf, light_pdf) } else { 1.0 };
+        let radiance = wave.paths.throughput(at) * weight * background.radiance(ray.direction);
+        seen[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
     }
 
     /// Adds reflected ambient light where it stands for the background.
