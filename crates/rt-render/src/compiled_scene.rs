@@ -3,17 +3,14 @@
 use std::borrow::Cow;
 
 use rt_scene_io::{Integrator, MaterialId, Scene};
-use rt_shading::{
-    Appearance, BsdfCache, LightSources, Lighting, Material, ShadingFeatures, StreamPrimitive, StreamShape,
-    WavefrontWhitted, light::LightSet,
-};
+use rt_shading::{Appearance, BsdfCache, LightSources, Lighting, Material, ShadingFeatures, light::LightSet};
 
 use crate::{
     RenderError, RenderSpace,
     accel_choice::AccelOptions,
     area_lights::find_animated_light,
     flatten::flatten,
-    instance::{Aggregate, BottomLevel, InstanceGeometry, Instances},
+    instance::{Aggregate, BottomLevel, InstanceGeometry},
     light_set::light_set,
     light_sources::light_sources,
     plan_options::PlanOptions,
@@ -38,8 +35,6 @@ pub(crate) struct CompiledScene<'s> {
     /// Lights that light tracing starts from, if the integrator traces light.
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) features: ShadingFeatures,
-    /// True if `whitted` may shade the scene in `f32`, as streams of rays.
-    pub(crate) has_stream_primitives: bool,
     /// True if a material in use emits light.
     pub(crate) has_emission: bool,
     /// True if a material in use mirrors or refracts.
@@ -84,8 +79,6 @@ impl<'s> CompiledScene<'s> {
             Integrator::Caustics => light_sources(&appearance, &lights, &world),
             _ => None,
         };
-        let has_stream_primitives =
-            integrator == Integrator::Whitted && whitted_streams(&appearance, &world.instances());
         Ok(Self {
             source,
             space,
@@ -97,7 +90,6 @@ impl<'s> CompiledScene<'s> {
             bsdfs,
             light_sources,
             features: if trims_shading { used_features } else { ShadingFeatures::ALL },
-            has_stream_primitives,
             has_emission: used_features.emission,
             has_specular: used_features.reflection || used_features.refraction,
         })
@@ -117,21 +109,6 @@ impl<'s> CompiledScene<'s> {
         let has_ambient = !ambient.is_black() && !integrator.gathers_background();
         !lights.is_empty() || has_ambient || (gathers && !background.is_black()) || self.has_emission
     }
-}
-
-/// True if a [`WavefrontWhitted`] supports the materials and all instances. It does not depend on what a plan leaves out.
-fn whitted_streams(appearance: &Appearance, world: &Instances<'_>) -> bool {
-    let materials = &appearance.materials;
-    let is_textured = |material: u32| materials.get(material as usize).is_none_or(Material::is_textured);
-    // Lanes do not compute texture coordinates of spheres and polygons.
-    let is_supported = |primitive: StreamPrimitive<'_>| match primitive.shape {
-        StreamShape::Sphere(_) | StreamShape::Polygon(_) => !is_textured(primitive.material),
-        StreamShape::Plane(_) => true,
-        StreamShape::Triangle(triangle) => triangle.vertex_normals.is_none(),
-        StreamShape::MeshTriangle(..) => false,
-    };
-    WavefrontWhitted::supports(appearance)
-        && world.stream_primitives().all(|primitive| primitive.is_some_and(is_supported))
 }
 
 /// Marks the instances whose texture coordinates are used: those with a textured material.

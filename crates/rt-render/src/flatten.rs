@@ -7,7 +7,7 @@ use rt_accel::BuildError;
 use rt_geometry::{Primitives, Shape, TransformedShape};
 use rt_math::{Aabb, AnimatedTransformChain, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, MeshId, NamedMesh, Scene, SceneNode};
-use rt_shading::{Alpha, Material, Texture};
+use rt_shading::{Alpha, Material, StreamPrimitive, StreamShape, Texture};
 
 use crate::{
     RenderError,
@@ -168,7 +168,14 @@ impl<'s> Flattener<'s> {
         let is_flat =
             self.may_be_flat && !within_group && !instances.iter().any(|instance| instance.geometry.is_structure());
         let mut set = Instances { instances: &instances, levels: &self.levels, is_flat, has_only_primitives: false };
-        let has_only_primitives = set.stream_primitives().all(|primitive| primitive.is_some());
+        let is_textured =
+            |material: u32| self.scene.appearance.materials.get(material as usize).is_none_or(Material::is_textured);
+        // Streams have no texture coordinates of spheres and polygons.
+        let has_only_primitives = set.stream_primitives().all(|primitive| {
+            primitive.is_some_and(|StreamPrimitive { shape, material, .. }| {
+                !(matches!(shape, StreamShape::Sphere(_) | StreamShape::Polygon(_)) && is_textured(material))
+            })
+        });
         set.has_only_primitives = has_only_primitives;
         let structure = accel_choice::build(self.accel_options, &set).map_err(|source| {
             let object = match source {

@@ -7,14 +7,11 @@ use std::{borrow::Cow, sync::Arc};
 
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{
-    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, Sphere,
-    SurfaceInteraction, TransformedShape, TriangleMesh,
+    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, SurfaceInteraction,
+    TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
-use rt_shading::{
-    LazyHit, LazyPlane, NormalMap, StreamPrimitive, StreamShape, StreamTriangle, SurfaceHit, Texture, TrianglePoint,
-    light::LightId,
-};
+use rt_shading::{NormalMap, StreamPrimitive, StreamShape, SurfaceHit, Texture, light::LightId};
 
 use crate::{inlined_triangle::InlinedTriangle, mesh_blas::MeshBlas, work_probe::WorkProbe};
 
@@ -61,12 +58,6 @@ impl Instance {
     fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
         let light = self.light.map(|index| LightId { index, triangle });
         SurfaceHit { t, interaction, object: self.object, material: self.material, light }
-    }
-
-    /// Hit at `t` on a shape whose surface is not computed yet, as of [`surface_hit`](Self::surface_hit).
-    #[inline(always)]
-    fn lazy_hit<T>(&self, t: f64, shape: T, triangle: Option<u32>) -> LazyHit<T> {
-        LazyHit { t, shape, object: self.object, material: self.material, light: self.light_id(triangle) }
     }
 
     /// Light of a hit on it, on a triangle if it is a mesh.
@@ -142,7 +133,7 @@ pub(crate) struct Aggregate {
     /// True if each instance is one primitive and its index identifies a hit. The accelerator can then intersect its own
     /// copies of triangles.
     pub(crate) is_flat: bool,
-    /// True if all instances are primitives of streams.
+    /// True if all instances are primitives of streams, and textured ones have texture coordinates there.
     pub(crate) has_only_primitives: bool,
 }
 
@@ -292,38 +283,6 @@ impl Instances<'_> {
             InstanceGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.vertex_uvs(primitive),
             _ => None,
         }
-    }
-
-    /// Hit on a sphere without transform and texture coordinates; `None` for all others.
-    #[inline]
-    pub(crate) fn sphere(&self, hit: &Hit, needs: InteractionFlags) -> Option<LazyHit<Sphere>> {
-        let instance = self.instances.get(self.instance_index(hit) as usize)?;
-        let InstanceGeometry::Shape(Shape::Sphere(sphere)) = instance.geometry else { return None };
-        (!instance.needs(needs).uv).then(|| instance.lazy_hit(hit.t, sphere, None))
-    }
-
-    /// Hit on a plane without transform; `None` for all others.
-    #[inline]
-    pub(crate) fn plane(&self, hit: &Hit, needs: InteractionFlags) -> Option<LazyHit<LazyPlane>> {
-        let instance = self.instances.get(self.instance_index(hit) as usize)?;
-        let InstanceGeometry::Shape(Shape::Plane(plane)) = instance.geometry else { return None };
-        let shape = LazyPlane { plane, needs_uv: instance.needs(needs).uv };
-        Some(instance.lazy_hit(hit.t, shape, None))
-    }
-
-    /// Hit on an inlined triangle without vertex attributes that are needed; `None` for all others.
-    #[inline]
-    pub(crate) fn triangle(&self, hit: &Hit, needs: InteractionFlags) -> Option<LazyHit<TrianglePoint>> {
-        let instance = self.instances.get(self.instance_index(hit) as usize)?;
-        let InstanceGeometry::Triangle(triangle) = &instance.geometry else { return None };
-        let InlinedTriangle { mesh, index, shape: StreamTriangle { vertices, normal, .. } } = &**triangle;
-        let (data, InteractionFlags { uv, shading_normal, detail }) = (mesh.data(), instance.needs(needs));
-        if (detail && data.has_attributes()) || (shading_normal && !data.normals.is_empty()) {
-            return None;
-        }
-        let vertex_uvs = if uv { mesh.vertex_uvs(*index)? } else { [[0.0; 2]; 3] };
-        let shape = TrianglePoint { vertices: *vertices, uv: hit.uv, normal: *normal, vertex_uvs };
-        Some(instance.lazy_hit(hit.t, shape, Some(*index)))
     }
 
     fn surface_of(

@@ -9,7 +9,7 @@ use rt_math::Ray;
 use rt_scene_io::Integrator;
 use rt_shading::{
     Background, InteriorList, LaneLevel, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
-    WavefrontWhitted, Whitted,
+    Whitted,
 };
 
 use crate::{
@@ -31,8 +31,6 @@ use crate::{
 /// Buffers that a thread reuses from tile to tile.
 pub(crate) struct ThreadState {
     whitted: Whitted,
-    /// For worlds that it supports.
-    wavefront_whitted: Option<WavefrontWhitted>,
     paths: PathTracer<SampleStream>,
     occlusion: OcclusionWave,
     camera: PrimaryRayBatch,
@@ -43,32 +41,19 @@ impl ThreadState {
     pub(crate) fn new(plan: &RenderPlan<'_>) -> Self {
         let settings = &plan.scene.source.settings;
         let mut paths = PathTracer::new(plan.integrator.path_settings(), plan.scene.features);
-        if plan.options.precision == Precision::F64 {
-            paths = paths.in_f64();
-        }
         let mut whitted = Whitted::new(settings.depth, settings.min_contribution, plan.scene.features);
+        if plan.options.precision == Precision::F64 {
+            (paths, whitted) = (paths.in_f64(), whitted.in_f64());
+        }
         let lanes = match plan.scene.accel.simd {
             Some(SimdLevel::Portable) => None,
             Some(SimdLevel::Avx2) => LaneLevel::avx2(),
             Some(SimdLevel::Avx512) | None => LaneLevel::best(),
         };
         paths.set_lanes(lanes);
-        if let Some(level) = lanes {
-            whitted.shade_in_lanes(level, &plan.scene.appearance);
-        }
-        let wavefront_whitted = plan.shades_streams().then(|| {
-            let mut wavefront = WavefrontWhitted::new(
-                settings.depth,
-                settings.min_contribution,
-                plan.scene.features,
-                &plan.scene.appearance,
-            );
-            wavefront.set_lanes(lanes);
-            wavefront
-        });
+        whitted.set_lanes(lanes);
         Self {
             whitted,
-            wavefront_whitted,
             paths,
             occlusion: OcclusionWave::default(),
             camera: PrimaryRayBatch::default(),
@@ -97,27 +82,19 @@ impl RenderPlan<'_> {
         {
             return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
         }
-        let ThreadState { whitted, wavefront_whitted, paths, occlusion, camera, buffers } = worker;
+        let ThreadState { whitted, paths, occlusion, camera, buffers } = worker;
         let lighting = self.scene.lighting();
         let materials = &self.scene.appearance.materials;
         let mut tracer =
             SceneTracer::new(world, structure, primary_target, probe).with_buffers(core::mem::take(buffers));
         tracer.layers = layers;
         let mut result = match (&self.integrator, &self.frame.medium) {
-            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => match wavefront_whitted {
-                Some(wavefront) => {
-                    wavefront.set_surroundings(core::slice::from_ref(interior));
-                    self.sample_stream(job, camera, |rays, _, seen| {
-                        wavefront.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
-                    })
-                }
-                None => {
-                    whitted.set_surroundings(interior);
-                    self.sample_tile(job, camera, |batch, seen| {
-                        whitted.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
-                    })
-                }
-            },
+            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
+                whitted.set_surroundings(core::slice::from_ref(interior));
+                self.sample_stream(job, camera, |rays, _, seen| {
+                    whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
+                })
+            }
             (IntegratorState::Path(settings), medium) if self.integrator_kind() == Integrator::PathReference => {
                 let mut reference = ReferencePathTracer {
                     settings: *settings,
@@ -152,25 +129,15 @@ impl RenderPlan<'_> {
             (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
                 occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
             }),
-            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => match wavefront_whitted {
-                Some(wavefront) => {
-                    let mut surroundings = Vec::new();
-                    self.sample_tile(job, camera, |batch, seen| {
-                        let rays = batch.rays.iter().map(|(ray, _)| *ray);
-                        medium.find_all(&mut tracer, materials, rays, &mut surroundings);
-                        wavefront.set_surroundings(&surroundings);
-                        wavefront.radiance_of(&mut tracer, &self.scene.appearance, batch.rays, seen);
-                    })
-                }
-                None => {
-                    let mut interior = InteriorList::default();
-                    self.sample_per_ray(job, camera, |ray| {
-                        medium.find(&mut tracer, materials, ray, &mut interior);
-                        whitted.set_surroundings(&interior);
-                        whitted.radiance(&mut tracer, &self.scene.appearance, ray)
-                    })
-                }
-            },
+            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => {
+                let mut surroundings = Vec::new();
+                self.sample_stream(job, camera, |rays, _, seen| {
+                    let all = (0..rays.len()).map(|at| rays.get(at).0);
+                    medium.find_all(&mut tracer, materials, all, &mut surroundings);
+                    whitted.set_surroundings(&surroundings);
+                    whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
+                })
+            }
             (IntegratorState::Aov(view), _) => {
                 self.sample_tile(job, camera, |batch, seen| view.radiance_of(&mut tracer, batch.rays, seen))
             }
@@ -181,7 +148,6 @@ impl RenderPlan<'_> {
         result.layers = tracer.layers.take().map(|layers| layers.channels()).unwrap_or_default();
         result.shading += whitted.take_counts();
         result.shading += paths.take_counts();
-        result.shading += wavefront_whitted.as_mut().map(WavefrontWhitted::take_counts).unwrap_or_default();
         *buffers = tracer.into_buffers();
         result
     }
@@ -198,11 +164,6 @@ impl RenderPlan<'_> {
                 *seen = radiance(ray);
             }
         })
-    }
-
-    /// True if the integrator of streams renders the scene under `whitted`. It does not depend on what the plan leaves out.
-    fn shades_streams(&self) -> bool {
-        self.options.precision == Precision::F32 && self.scene.has_stream_primitives
     }
 
     /// Objects in view of the tile, if their number is small.

@@ -3,7 +3,7 @@
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{Hit, HitStream, InteractionFlags, Probe, RayCounts, RayKind, RayStream};
 use rt_math::{Interval, Ray};
-use rt_shading::{ClosestHit, LazyShapes, SceneQueries, StreamPrimitive, StreamQueries, SurfaceHit};
+use rt_shading::{SceneQueries, StreamPrimitive, StreamQueries, SurfaceHit};
 
 use crate::{frustum_cull::PrimaryTarget, instance::Instances, tile_layers::TileLayers, work_probe::WorkProbe};
 
@@ -144,36 +144,6 @@ impl SceneQueries for SceneTracer<'_> {
             match hit {
                 Some(hit) => on_hit(at, self.world.surface(ray, hit, needs).as_mut()),
                 None => on_hit(at, None),
-            }
-        }
-    }
-
-    #[inline]
-    fn closest_hits(
-        &mut self,
-        rays: &[(Ray, Interval)],
-        kind: RayKind,
-        (needs, lazy): (InteractionFlags, LazyShapes),
-        mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
-    ) {
-        if !self.trace_batch(rays, kind) {
-            return (0..rays.len()).for_each(|at| on_hit(at, None));
-        }
-        for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
-            let Some(hit) = hit else {
-                on_hit(at, None);
-                continue;
-            };
-            if let Some(triangle) = &self.world.triangle(hit, needs) {
-                on_hit(at, Some(ClosestHit::Triangle(triangle)));
-            } else if let Some(sphere) = &self.world.sphere(hit, needs) {
-                on_hit(at, Some(ClosestHit::Sphere(sphere)));
-            } else if lazy == LazyShapes::All
-                && let Some(plane) = &self.world.plane(hit, needs)
-            {
-                on_hit(at, Some(ClosestHit::Plane(plane)));
-            } else {
-                on_hit(at, self.world.surface(ray, hit, needs).as_mut().map(ClosestHit::Surface));
             }
         }
     }

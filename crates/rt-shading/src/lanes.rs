@@ -8,7 +8,7 @@ pub(crate) use fearless_simd::Simd;
 use fearless_simd::{
     ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f32x8, f64x8, mask32x8, mask64x8, u64x8,
 };
-use rt_math::{DVec3, Float64, Mask, Real, Rgb, Vector3};
+use rt_math::{DVec3, Float64, Mask, Real, Vector3};
 
 /// Number of lanes.
 pub(crate) const LANES: usize = 8;
@@ -76,11 +76,6 @@ pub(crate) use dispatch;
 pub(crate) struct LaneBits<S: Simd>(u64x8<S>);
 
 impl<S: Simd> Lanes<S> {
-    #[inline(always)]
-    pub(crate) fn load_vector(simd: S, lanes: &Vector3<LaneArray>) -> Vector3<Self> {
-        Vector3::new(Self::load(simd, &lanes.x), Self::load(simd, &lanes.y), Self::load(simd, &lanes.z))
-    }
-
     /// Largest integers that are not greater.
     #[inline(always)]
     pub(crate) fn floor(self) -> Self {
@@ -362,24 +357,6 @@ impl Iterator for LaneIndices {
 #[inline(always)]
 pub(crate) fn get(lanes: &Vector3<LaneArray>, lane: usize) -> DVec3 {
     DVec3::new(lanes.x[lane], lanes.y[lane], lanes.z[lane])
-}
-
-/// Sets the vector of one lane.
-#[inline(always)]
-pub(crate) fn set(lanes: &mut Vector3<LaneArray>, lane: usize, v: DVec3) {
-    (lanes.x[lane], lanes.y[lane], lanes.z[lane]) = (v.x, v.y, v.z);
-}
-
-/// Colour of one lane.
-#[inline(always)]
-pub(crate) fn get_rgb(lanes: &Vector3<LaneArray>, lane: usize) -> Rgb {
-    get(lanes, lane).to_array().into()
-}
-
-/// Sets the colour of one lane.
-#[inline(always)]
-pub(crate) fn set_rgb(lanes: &mut Vector3<LaneArray>, lane: usize, rgb: Rgb) {
-    set(lanes, lane, rgb.to_array().into());
 }
 
 /// True where all coordinates are zero.

@@ -118,11 +118,9 @@ pub use normal_map::NormalMap;
 pub use path::{Clamp, Lighting, PathSettings, PathTracer, Transport};
 pub use phong::{Highlight, Phong, Transmission};
 pub use reference_path_tracer::ReferencePathTracer;
-pub use scene_queries::{
-    ClosestHit, LazyHit, LazyPlane, LazyShapes, LazySurface, RadianceSample, SceneQueries, SurfaceHit, TrianglePoint,
-};
+pub use scene_queries::{RadianceSample, SceneQueries, SurfaceHit};
 pub use shading_features::ShadingFeatures;
 pub use stream_queries::{SingleQueries, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use viewed_surface::is_inside;
-pub use whitted::{ShadingCounts, WavefrontWhitted, Whitted};
+pub use whitted::{ShadingCounts, Whitted};

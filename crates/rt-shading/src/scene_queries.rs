@@ -1,10 +1,8 @@
 //! Ray queries of integrators.
 
 use crate::light::LightId;
-use rt_geometry::{
-    InteractionFlags, Plane, RayKind, ShapeHit, Sphere, SurfaceInteraction, interpolate, triangle_point,
-};
-use rt_math::{DVec3, Interval, Ray, Rgb};
+use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
+use rt_math::{Interval, Ray, Rgb};
 
 /// Closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,102 +33,6 @@ impl SurfaceHit {
     }
 }
 
-/// Shape at a hit, whose surface is not computed yet.
-pub trait LazySurface {
-    /// The surface at a hit of this ray at the parameter `t`.
-    fn surface(&self, ray: &Ray, t: f64) -> SurfaceInteraction;
-}
-
-/// Closest hit of a ray with a shape, whose surface is not computed yet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LazyHit<T> {
-    /// Ray parameter of the hit.
-    pub t: f64,
-    /// The shape, in world space.
-    pub shape: T,
-    /// See [`SurfaceHit::object`].
-    pub object: u32,
-    /// See [`SurfaceHit::material`].
-    pub material: u32,
-    /// See [`SurfaceHit::light`].
-    pub light: Option<LightId>,
-}
-
-impl<T: LazySurface> LazyHit<T> {
-    /// The hit with its surface.
-    pub fn surface(&self, ray: &Ray) -> SurfaceHit {
-        let Self { t, ref shape, object, material, light } = *self;
-        SurfaceHit { t, interaction: shape.surface(ray, t), object, material, light }
-    }
-}
-
-/// A sphere without texture coordinates.
-impl LazySurface for Sphere {
-    fn surface(&self, ray: &Ray, t: f64) -> SurfaceInteraction {
-        Self::surface(self, ray, &ShapeHit { t, uv: [0.0; 2] }, InteractionFlags::NONE)
-    }
-}
-
-/// Point of a triangle without interpolated normals and vertex attributes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrianglePoint {
-    /// Vertices, in world space.
-    pub vertices: [DVec3; 3],
-    /// Barycentric weights of the second and third vertex.
-    pub uv: [f64; 2],
-    /// Unit normal on the side from which the vertices run counter-clockwise.
-    pub normal: DVec3,
-    /// Texture coordinates of the vertices; zero where they are not needed.
-    pub vertex_uvs: [[f32; 2]; 3],
-}
-
-impl LazySurface for TrianglePoint {
-    fn surface(&self, _: &Ray, _: f64) -> SurfaceInteraction {
-        let Self { vertices: [a, b, c], uv, normal, vertex_uvs } = *self;
-        let (point, point_error) = triangle_point([a.into(), b.into(), c.into()], uv);
-        let texture = |k: usize| interpolate(vertex_uvs.map(|uv| f64::from(uv[k])), uv);
-        SurfaceInteraction::flat(point.into(), point_error.into(), normal, [texture(0), texture(1)])
-    }
-}
-
-/// An infinite plane, with texture coordinates if they are needed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LazyPlane {
-    /// The plane, in world space.
-    pub plane: Plane,
-    /// True if texture coordinates are needed.
-    pub needs_uv: bool,
-}
-
-impl LazySurface for LazyPlane {
-    fn surface(&self, ray: &Ray, t: f64) -> SurfaceInteraction {
-        let needs = InteractionFlags { uv: self.needs_uv, ..InteractionFlags::NONE };
-        self.plane.surface(ray, &ShapeHit { t, uv: [0.0; 2] }, needs)
-    }
-}
-
-/// Closest hit of a ray, with or without its surface.
-#[derive(Debug, PartialEq)]
-pub enum ClosestHit<'h> {
-    /// A hit with its surface.
-    Surface(&'h mut SurfaceHit),
-    /// A hit on a sphere without texture coordinates.
-    Sphere(&'h LazyHit<Sphere>),
-    /// A hit on a triangle without interpolated normals and vertex attributes.
-    Triangle(&'h LazyHit<TrianglePoint>),
-    /// A hit on an infinite plane.
-    Plane(&'h LazyHit<LazyPlane>),
-}
-
-/// Shapes whose surfaces an integrator may compute.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LazyShapes {
-    /// [`ClosestHit::Sphere`] or [`ClosestHit::Triangle`] instead of [`ClosestHit::Surface`].
-    SpheresAndTriangles,
-    /// All kinds of [`ClosestHit`].
-    All,
-}
-
 /// The world of an integrator: it answers ray queries and counts them.
 pub trait SceneQueries {
     /// Closest surface along the ray within `span`, with the needed data; `None` for a miss. The ray counts
@@ -154,20 +56,6 @@ pub trait SceneQueries {
         for (at, (ray, span)) in rays.iter().enumerate() {
             on_hit(at, self.closest(ray, *span, kind, needs).as_mut());
         }
-    }
-
-    /// Version of [`closest_batch`](Self::closest_batch) that may leave surfaces of some shapes to the integrator, which computes
-    /// several together.
-    fn closest_hits(
-        &mut self,
-        rays: &[(Ray, Interval)],
-        kind: RayKind,
-        (needs, _): (InteractionFlags, LazyShapes),
-        mut on_hit: impl FnMut(usize, Option<ClosestHit<'_>>),
-    ) where
-        Self: Sized,
-    {
-        self.closest_batch(rays, kind, needs, |at, hit| on_hit(at, hit.map(ClosestHit::Surface)));
     }
 
     /// [`occluded`](Self::occluded) for many rays: `blocked[i]` answers `rays[i]`.

@@ -11,9 +11,6 @@ pub(crate) mod test_world;
 use core::ops::RangeInclusive;
 use rt_math::Rgb;
 
-/// Most delta lights: each has a stream of shadow rays.
-pub(crate) const MAX_LIGHTS: usize = 64;
-
 /// Components of colours that are not 0.
 const COLOR_RANGE: RangeInclusive<f64> = 1e-12..=1e12;
 

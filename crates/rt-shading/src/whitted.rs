@@ -1,113 +1,119 @@
-//! Classical recursive ray tracing, in waves.
+//! Classical recursive ray tracing, in stages that read and write structures of arrays.
+//!
+//! ```text
+//!   rays ──> closest hits ──> shade in lanes, or one by one ──> shadow rays ──> occluded? ──> samples
+//!    ▲                                   │
+//!    └───────── mirrored, refracted <────┘
+//! ```
+//!
+//! Eight rays that follow each other in a stream are shaded together: all that hit the same primitive, or triangles of the same material.
+//! So the numbers of the material are the same in all lanes. Surfaces and materials without a version for lanes are shaded one by one,
+//! with the same streams.
 
 mod counts;
-mod direct_lighting;
-mod hit_block;
-mod hit_queue;
+mod inputs;
 mod lane_phong;
-mod point_lanes;
+mod ray_tree;
 mod shade;
 mod shade_lanes;
+mod streams;
 mod wave;
-mod wavefront;
 
 use crate::{
-    Appearance, ClosestHit, InteriorList, LazyShapes, RadianceSample, SceneQueries, ShadingFeatures, lanes::LaneLevel,
-    ray_queues::RayQueues,
+    Appearance, InteriorList, RadianceSample, SceneQueries, ShadingFeatures,
+    lanes::LaneLevel,
+    stream_queries::{SingleQueries, StreamQueries},
 };
 pub use counts::ShadingCounts;
-use direct_lighting::DirectLighting;
-use hit_queue::HitQueue;
-use lane_phong::LanePhong;
-use rt_geometry::RayKind;
-use rt_math::{Interval, Ray, Rgb};
-use wave::{RayTree, TreePath};
-pub use wavefront::WavefrontWhitted;
+use inputs::{Settings, TreeInputs};
+use lane_phong::LanePhongs;
+use rt_geometry::{RayStream, STREAM_CAPACITY};
+use rt_math::{Interval, Ray};
+use wave::{TreeBatch, TreeStreams};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
 /// Waves hold many camera rays (Laine, Karras and Aila, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs", 2013).
 /// A wave traces one ray of each to its closest hit, then all shadow rays from there.
 ///
-/// The ray tree of each camera ray is traversed depth first with a stack of its own. Only `max_depth` limits the depth, and the
-/// radiance of a camera ray is bit-identical in every wave. Keep one instance per thread: all buffers are reused.
+/// The ray tree of each camera ray is traversed depth first with a stack of its own. Only `max_depth` limits the depth. Shading in lanes
+/// is in `f32`; positions, hits and sums are `f64`. The radiance of a camera ray is bit-identical in every wave, with every instruction
+/// set, and with one lane. Keep one instance per thread: all buffers are reused.
 ///
 /// Rays carry the list of dielectrics that they are inside of ([`InteriorList`]). At equal indices of refraction on both sides of a
 /// surface, Fresnel reflection is 0 and light is not deflected. If nothing else makes the surface visible
 /// ([`Phong::is_clear`](crate::Phong::is_clear)), the same ray continues, and no bounce is counted.
 #[derive(Clone, Debug)]
 pub struct Whitted {
-    max_depth: u32,
-    min_contribution: f64,
-    features: ShadingFeatures,
-    /// Media around the camera.
-    surroundings: InteriorList,
-    /// Rays of the current wave.
-    wave: RayQueues<TreePath>,
-    next: RayQueues<TreePath>,
-    /// Paths of camera rays.
-    camera_paths: Vec<TreePath>,
-    samples: Vec<RayTree>,
-    /// Samples whose path has ended in this wave.
-    ended: Vec<u32>,
-    direct_lighting: DirectLighting,
-    /// Hits that are shaded in lanes.
-    queue: HitQueue,
-    /// Phong models by material, for lanes.
-    phongs: Vec<Option<LanePhong>>,
-    /// Instruction set of lanes; `None` to shade all hits one by one.
+    settings: Settings,
+    /// Known after the first call.
+    phongs: Option<LanePhongs>,
+    /// Media around the camera: one list for all rays, or one for each.
+    surroundings: Vec<InteriorList>,
+    /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
-    counts: ShadingCounts,
+    /// False as long as all rays are at time 0.
+    has_time: bool,
+    /// True to shade in `f64`.
+    is_f64: bool,
+    in_f32: TreeStreams<f32>,
+    in_f64: TreeStreams<f64>,
 }
 
 impl Whitted {
     /// Integrator of up to `max_depth` bounces after the first hit. Rays whose weight in the pixel is below `min_contribution` in all
-    /// components are not traced. It computes only these `features`.
+    /// components are not traced. It computes only these `features`. All calls must be with the same appearance.
     pub fn new(max_depth: u32, min_contribution: f64, features: ShadingFeatures) -> Self {
         Self {
-            max_depth,
-            min_contribution,
-            features,
-            surroundings: InteriorList::default(),
-            wave: RayQueues::default(),
-            next: RayQueues::default(),
-            camera_paths: Vec::new(),
-            samples: Vec::new(),
-            ended: Vec::new(),
-            direct_lighting: DirectLighting::default(),
-            queue: HitQueue::default(),
-            phongs: Vec::new(),
-            lanes: None,
-            counts: ShadingCounts::default(),
+            settings: Settings { max_depth, min_contribution, features },
+            phongs: None,
+            surroundings: Vec::new(),
+            lanes: LaneLevel::best(),
+            has_time: false,
+            is_f64: false,
+            in_f32: TreeStreams::default(),
+            in_f64: TreeStreams::default(),
         }
     }
 
-    /// Shades spheres, flat triangles and planes in SIMD lanes of this level. The result is bit-identical. All later calls must
-    /// be with this appearance.
-    pub fn shade_in_lanes(&mut self, level: LaneLevel, appearance: &Appearance) {
-        self.lanes = Some(level);
-        self.phongs = LanePhong::of_all(appearance, &self.features);
+    /// Shades in SIMD lanes of this level, or with `None` one hit at a time. The result is bit-identical.
+    pub const fn set_lanes(&mut self, level: Option<LaneLevel>) {
+        self.lanes = level;
     }
 
-    /// Sets the media around the camera; air by default.
-    pub fn set_surroundings(&mut self, surroundings: &InteriorList) {
-        self.surroundings.clone_from(surroundings);
+    /// Shades in `f64` with the same code, one hit at a time.
+    #[must_use]
+    pub fn in_f64(self) -> Self {
+        Self { is_f64: true, ..self }
+    }
+
+    /// Sets the media around the camera: one list for all rays, or one for each ray of the next call. Without a list, all rays start
+    /// in air.
+    pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
+        surroundings.clone_into(&mut self.surroundings);
     }
 
     /// Work done so far.
-    pub const fn counts(&self) -> ShadingCounts {
-        self.counts
+    pub fn counts(&self) -> ShadingCounts {
+        let mut counts = self.in_f32.spawned.counts;
+        counts += self.in_f64.spawned.counts;
+        counts
     }
 
     /// Work done since the counts were last taken.
     pub fn take_counts(&mut self) -> ShadingCounts {
-        core::mem::take(&mut self.counts)
+        let counts = self.counts();
+        (self.in_f32.spawned.counts, self.in_f64.spawned.counts) = Default::default();
+        counts
     }
 
-    /// Version of [`radiance_of`](Self::radiance_of) for one camera ray.
-    pub fn radiance(&mut self, world: &mut impl SceneQueries, appearance: &Appearance, ray: &Ray) -> RadianceSample {
-        let mut seen = [RadianceSample::MISS];
-        self.radiance_of(world, appearance, &[(*ray, Interval::FORWARD)], &mut seen);
+    /// Radiance of one camera ray in a world whose queries are answered one by one, in `f64`.
+    pub fn radiance(&mut self, world: &mut dyn SceneQueries, appearance: &Appearance, ray: &Ray) -> RadianceSample {
+        let (mut rays, mut seen) = (RayStream::default(), [RadianceSample::MISS]);
+        rays.push(ray, Interval::FORWARD);
+        let is_f64 = core::mem::replace(&mut self.is_f64, true);
+        self.trace(&mut SingleQueries::new(world), appearance, (0, &mut rays, &mut seen));
+        self.is_f64 = is_f64;
         seen[0]
     }
 
@@ -115,123 +121,54 @@ impl Whitted {
     /// give non-finite radiance, which the caller handles.
     pub fn radiance_of(
         &mut self,
-        world: &mut impl SceneQueries,
+        world: &mut impl StreamQueries,
         appearance: &Appearance,
         rays: &[(Ray, Interval)],
         seen: &mut [RadianceSample],
     ) {
-        let count = rays.len().min(seen.len());
-        let (rays, seen) = (&rays[..count], &mut seen[..count]);
-        seen.fill(RadianceSample::MISS);
-        self.start(count);
-        self.direct_lighting.start(appearance.lights.len());
-        let camera_paths = core::mem::take(&mut self.camera_paths);
-        self.intersect_and_shade(world, appearance, RayKind::Primary, (rays, &camera_paths), seen);
-        self.camera_paths = camera_paths;
-        self.end_wave(world, seen);
-        while !self.wave.is_empty() {
-            let wave = core::mem::take(&mut self.wave);
-            for (kind, queue) in wave.queues() {
-                self.intersect_and_shade(world, appearance, kind, (&queue.rays, &queue.paths), seen);
-            }
-            self.wave = wave;
-            self.end_wave(world, seen);
+        let mut stream = RayStream::default();
+        let batches = rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY));
+        for (number, (rays, seen)) in batches.enumerate() {
+            stream.clear();
+            rays.iter().take(seen.len()).for_each(|(ray, span)| stream.push(ray, *span));
+            let count = stream.len();
+            self.trace(world, appearance, (number * STREAM_CAPACITY, &mut stream, &mut seen[..count]));
         }
     }
 
-    /// Allocates state for the samples of `count` camera rays.
-    fn start(&mut self, count: usize) {
-        if self.samples.len() < count {
-            self.samples.resize_with(count, RayTree::default);
-            let camera_path = |at| TreePath { sample: at, depth: 0, passages: 0, weight: Rgb::WHITE, start: 0.0 };
-            self.camera_paths.extend((self.camera_paths.len() as u32..count as u32).map(camera_path));
-        }
-        if self.features.refraction {
-            for sample in &mut self.samples[..count] {
-                sample.interior.clone_from(&self.surroundings);
-            }
-        }
-    }
-
-    /// Traces rays of one kind, and shades their hits.
-    fn intersect_and_shade(
+    /// Version of [`radiance_of`](Self::radiance_of) for a stream, whose rays are lost. Does nothing unless `seen` has an entry for each
+    /// ray.
+    pub fn radiance_of_stream(
         &mut self,
-        world: &mut impl SceneQueries,
+        world: &mut impl StreamQueries,
         appearance: &Appearance,
-        kind: RayKind,
-        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
+        rays: &mut RayStream,
         seen: &mut [RadianceSample],
     ) {
-        let Some(level) = self.lanes else {
-            return world.closest_batch(rays, kind, self.features.surface(), |at, hit| {
-                let path = paths[at];
-                let (ray, seen) = (&rays[at].0, &mut seen[path.sample as usize]);
-                match hit {
-                    Some(hit) => self.shade(appearance, path, ray, hit, seen),
-                    None => self.leave_scene(appearance, &path, ray, seen),
-                }
-            });
-        };
-        world.closest_hits(
-            rays,
-            kind,
-            (self.features.surface(), LazyShapes::All),
-            // Inlined, so that a hit stays in registers until it is in the queue.
-            #[inline(always)]
-            |at, hit| match hit {
-                Some(ClosestHit::Sphere(hit)) if self.is_in_lanes(hit.material) => self.queue.push_sphere(at, hit),
-                Some(ClosestHit::Triangle(hit)) if self.is_in_lanes(hit.material) => self.queue.push_triangle(at, hit),
-                Some(ClosestHit::Plane(hit)) if self.is_in_lanes(hit.material) => self.queue.push_plane(at, hit),
-                Some(hit) => {
-                    let path = paths[at];
-                    self.shade_closest(appearance, path, &rays[at].0, hit, &mut seen[path.sample as usize]);
-                }
-                None => {
-                    let path = &paths[at];
-                    self.leave_scene(appearance, path, &rays[at].0, &mut seen[path.sample as usize]);
-                }
-            },
-        );
-        self.shade_queue(level, appearance, (rays, paths), seen);
+        if seen.len() == rays.len() {
+            self.trace(world, appearance, (0, rays, seen));
+        }
     }
 
-    /// Shades a hit by itself.
-    fn shade_closest(
+    /// Traces the trees of camera rays, of which the first has this number in the call.
+    fn trace(
         &mut self,
+        world: &mut impl StreamQueries,
         appearance: &Appearance,
-        path: TreePath,
-        ray: &Ray,
-        hit: ClosestHit<'_>,
-        seen: &mut RadianceSample,
+        (first, rays, seen): (usize, &mut RayStream, &mut [RadianceSample]),
     ) {
-        match hit {
-            ClosestHit::Sphere(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
-            ClosestHit::Triangle(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
-            ClosestHit::Plane(hit) => self.shade(appearance, path, ray, &mut hit.surface(ray), seen),
-            ClosestHit::Surface(hit) => self.shade(appearance, path, ray, hit, seen),
+        self.has_time |= rays.has_time();
+        let Self { settings, phongs, surroundings, lanes, has_time, is_f64, in_f32, in_f64 } = self;
+        let phongs = phongs.get_or_insert_with(|| LanePhongs::new(appearance, &settings.features));
+        let inputs = &TreeInputs { settings, appearance, phongs, has_time: *has_time };
+        let first_list = if surroundings.len() > 1 { first } else { 0 };
+        let surroundings = surroundings.get(first_list..).unwrap_or_default();
+        let batch = TreeBatch { rays, surroundings, seen };
+        if *is_f64 {
+            in_f64.trace(inputs, None, world, batch);
+        } else {
+            in_f32.trace(inputs, *lanes, world, batch);
         }
-    }
-
-    /// True if lanes shade the material.
-    #[inline(always)]
-    fn is_in_lanes(&self, material: u32) -> bool {
-        matches!(self.phongs.get(material as usize), Some(Some(_)))
-    }
-
-    /// Traces the shadow rays of a wave, and fills the next one.
-    fn end_wave(&mut self, world: &mut impl SceneQueries, seen: &mut [RadianceSample]) {
-        self.direct_lighting.resolve(self.lanes, |rays, blocked| world.occluded_batch(rays, blocked), seen);
-        self.next_wave();
-    }
-
-    /// Starts the next wave, with deferred rays of samples whose path has ended.
-    fn next_wave(&mut self) {
-        for &sample in &self.ended {
-            self.samples[sample as usize].pop_deferred(&mut self.next);
-        }
-        self.ended.clear();
-        self.wave.clear();
-        core::mem::swap(&mut self.wave, &mut self.next);
     }
 }
 

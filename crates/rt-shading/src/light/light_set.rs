@@ -219,6 +219,7 @@ impl LightSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane_set::{LaneSet as _, SimdLanes};
     use crate::light::{
         DeltaLightKind, Emission, EmissionSides, EnvironmentLight, Falloff, LightUnits, QuadLight, SphereLight,
     };
@@ -316,7 +317,7 @@ mod tests {
                 let normals = core::array::from_fn(|lane| vector(at, 30 + lane as u64).normalize());
                 let choices = core::array::from_fn(|lane| number(at, 40 + lane as u64));
                 let lanes = |v: &[DVec3; LANES]| {
-                    Lanes::load_vector(simd, &Vector3::new(v.map(|v| v.x), v.map(|v| v.y), v.map(|v| v.z)))
+                    SimdLanes(simd).load_coordinates(&[v.map(|v| v.x), v.map(|v| v.y), v.map(|v| v.z)])
                 };
                 let choice = Lanes::load(simd, &choices);
                 let (found, probabilities) = set.choose_lanes(simd, lanes(&points), lanes(&normals), choice);

@@ -16,15 +16,13 @@ use crate::{
     russian_roulette::survival_probability,
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
-        gathered_shapes::GatheredShapes,
         hit_points::HitPoints,
-        shaded_surface::{ShadedSurface, offset},
+        shaded_surface::{ShadedSurface, ShadingNormals},
         streams::{add_radiance, append},
     },
 };
 use fearless_simd::Simd as _;
-use rt_geometry::{HitStream, SmoothPoint};
-use rt_math::{Interval, Mask, Real, Rgb, Vector3};
+use rt_math::{Interval, Real, Rgb, Vector3};
 
 /// Hits of some lanes.
 struct Vertices<L: LaneSet> {
@@ -33,11 +31,7 @@ struct Vertices<L: LaneSet> {
     mask: u8,
     points: HitPoints<L>,
     surface: ShadedSurface<L>,
-    /// Unit normals that are shaded with, on the viewer's side.
-    normal: Vector3<L::F>,
-    /// Lanes in which these are interpolated.
-    smooth: u8,
-    shadow_origin: Vector3<L::D>,
+    normals: ShadingNormals<L>,
     throughput: Vector3<L::F>,
     /// Times of the rays; `None` if all are 0.
     time: Option<L::D>,
@@ -113,13 +107,13 @@ impl<E: Element> SpawnedPaths<E> {
             self.counts.lanes_used += u64::from(mask.count_ones());
             let throughput = lanes.load_vector(&paths.throughput, at);
             let smooth = mask & (self.gathered.shapes.smooth | self.gathered.shapes.surfaces);
-            let (normal, shadow_origin) = (surface.normal, surface.near_origin);
-            let time = if inputs.has_time { Some(lanes.load_f64(paths.rays.time.vector(at))) } else { None };
-            let mut vertices = Vertices { at, mask, points, surface, normal, smooth, shadow_origin, throughput, time };
+            let mut normals = ShadingNormals::flat(&surface);
             if smooth != 0 {
-                vertices.interpolate_normals(lanes, &self.gathered.shapes, hits);
+                normals.interpolate(lanes, (&points, &surface), &self.gathered.shapes, (hits, at), smooth);
             }
-            let side = (vertices.normal, vertices.surface.inside);
+            let time = if inputs.has_time { Some(lanes.load_f64(paths.rays.time.vector(at))) } else { None };
+            let vertices = Vertices { at, mask, points, surface, normals, throughput, time };
+            let side = (vertices.normals.normal, vertices.surface.inside);
             let direction = vertices.surface.direction;
             let lobes = (inputs.follows_specular_only(), &mut lobes);
             let bsdf = BsdfLanes::new(lanes, &self.gathered.bsdfs, side, direction, lobes);
@@ -165,7 +159,8 @@ impl<E: Element> SpawnedPaths<E> {
         seen: &mut [RadianceSample],
     ) {
         let clamp = inputs.settings.clamp;
-        let Vertices { at, mask, points, shadow_origin, throughput, time, .. } = vertices;
+        let Vertices { at, mask, points, normals, throughput, time, .. } = vertices;
+        let shadow_origin = &normals.shadow_origin;
         let samples = wave.paths.sample.vector(*at);
         for (light, stream) in inputs.lighting.lights.delta_lights().zip(&mut self.delta) {
             let zero = lanes.splat(0.0);
@@ -201,7 +196,8 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, shadow_origin, throughput, normal, time, .. } = vertices;
+        let &Vertices { at, mask, ref normals, throughput, time, .. } = vertices;
+        let &ShadingNormals { normal, shadow_origin, .. } = normals;
         // The origin of the next ray: its hit is weighted for this point.
         let from = (vertices.surface.near_origin, normal);
         let LightSamples { lit, infinite, direction, target, weighted, pdf } =
@@ -231,7 +227,8 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, ref surface, normal, throughput, time, .. } = vertices;
+        let &Vertices { at, mask, ref surface, ref normals, throughput, time, .. } = vertices;
+        let normal = normals.normal;
         let [u, v] = &samples.direction;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
@@ -310,46 +307,14 @@ impl<E: Element> SpawnedPaths<E> {
 }
 
 impl<L: LaneSet> Vertices<L> {
-    /// Replaces the normals of triangles with interpolated normals, and the origins of shadow rays there.
-    #[inline(always)]
-    fn interpolate_normals(&mut self, lanes: L, shapes: &GatheredShapes, hits: &HitStream) {
-        let Self { at, points, surface, .. } = self;
-        let SmoothPoint { normal, shadow_point, is_valid, .. } = points.smooth(lanes, shapes, (hits, *at));
-        self.smooth &= lanes.bits_f64(is_valid);
-        let (zero, is_smooth) = (lanes.splat_f64(0.0), lanes.mask_f64(self.smooth));
-        let is_inside = lanes.mask_f64(surface.inside);
-        let outwards = Vector3::select(is_inside, -points.outside, points.outside);
-        let lift = (shadow_point - points.point).dot(outwards);
-        let start = Vector3::select(lift.lt(zero), points.point, shadow_point);
-        let origin = offset(lanes, points, (start, outwards), self.smooth);
-        self.shadow_origin = Vector3::select(is_smooth, origin, self.shadow_origin);
-        let normal = turned_to_viewer(lanes.narrow_vector(Vector3::select(is_inside, -normal, normal)), surface);
-        self.normal = Vector3::select(lanes.mask(self.smooth), normal, self.normal);
-    }
-
     /// Cosines of directions to the normals. Where interpolated and geometric normal disagree about the side of a direction, they are 0.
     #[inline(always)]
     fn cosines(&self, lanes: L, direction: Vector3<L::F>) -> L::F {
-        let cos = self.normal.dot(direction);
-        if self.smooth == 0 {
+        let cos = self.normals.normal.dot(direction);
+        if self.normals.smooth == 0 {
             return cos;
         }
         let zero = lanes.splat(0.0);
         Real::select(self.surface.normal.dot(direction).gt(zero), cos, zero)
     }
-}
-
-/// Unit normals, bent where they face away from the viewer until they are perpendicular to the view, as by
-/// [`ViewedSurface`](crate::viewed_surface::ViewedSurface).
-#[inline(always)]
-fn turned_to_viewer<L: LaneSet>(normal: Vector3<L::F>, surface: &ShadedSurface<L>) -> Vector3<L::F> {
-    let wo = -surface.direction;
-    let facing = normal.dot(wo);
-    let is_away = facing.lt(facing.splat(0.0));
-    if !is_away.any() {
-        return normal;
-    }
-    let (bent, has_length) = (normal - wo * facing).try_normalize();
-    let bent = Vector3::select(has_length, bent, surface.normal);
-    Vector3::select(is_away, bent, normal)
 }

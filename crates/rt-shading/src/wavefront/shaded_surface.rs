@@ -1,8 +1,8 @@
 //! Surfaces at hits, seen from the side of the viewer.
 
-use super::hit_points::HitPoints;
+use super::{gathered_shapes::GatheredShapes, hit_points::HitPoints};
 use crate::{lane_set::LaneSet, lanes::each_lane};
-use rt_geometry::{SurfaceInteraction, offset_point};
+use rt_geometry::{HitStream, SmoothPoint, SurfaceInteraction, offset_point};
 use rt_math::{DVec3, Mask, Real, Vector3};
 
 /// Surfaces of some hits, for shading.
@@ -42,6 +42,61 @@ impl<L: LaneSet> ShadedSurface<L> {
             length,
         }
     }
+}
+
+/// Normals that hits are shaded with, and the points that shadow rays start from.
+pub(crate) struct ShadingNormals<L: LaneSet> {
+    /// Unit normals on the viewer's side.
+    pub(crate) normal: Vector3<L::F>,
+    /// Lanes in which these are interpolated.
+    pub(crate) smooth: u8,
+    pub(crate) shadow_origin: Vector3<L::D>,
+}
+
+impl<L: LaneSet> ShadingNormals<L> {
+    /// Normals of the surfaces themselves.
+    #[inline(always)]
+    pub(crate) const fn flat(surface: &ShadedSurface<L>) -> Self {
+        Self { normal: surface.normal, smooth: 0, shadow_origin: surface.near_origin }
+    }
+
+    /// Replaces the normals of lanes whose normals are interpolated, and the points for shadow rays there.
+    #[inline(always)]
+    pub(crate) fn interpolate(
+        &mut self,
+        lanes: L,
+        (points, surface): (&HitPoints<L>, &ShadedSurface<L>),
+        shapes: &GatheredShapes,
+        (hits, at): (&HitStream, usize),
+        smooth: u8,
+    ) {
+        let SmoothPoint { normal, shadow_point, is_valid, .. } = points.smooth(lanes, shapes, (hits, at));
+        self.smooth = smooth & lanes.bits_f64(is_valid);
+        let (zero, is_smooth) = (lanes.splat_f64(0.0), lanes.mask_f64(self.smooth));
+        let is_inside = lanes.mask_f64(surface.inside);
+        let outwards = Vector3::select(is_inside, -points.outside, points.outside);
+        let lift = (shadow_point - points.point).dot(outwards);
+        let start = Vector3::select(lift.lt(zero), points.point, shadow_point);
+        let origin = offset(lanes, points, (start, outwards), self.smooth);
+        self.shadow_origin = Vector3::select(is_smooth, origin, self.shadow_origin);
+        let normal = turned_to_viewer(lanes.narrow_vector(Vector3::select(is_inside, -normal, normal)), surface);
+        self.normal = Vector3::select(lanes.mask(self.smooth), normal, self.normal);
+    }
+}
+
+/// Unit normals, bent where they face away from the viewer until they are perpendicular to the view, as by
+/// [`ViewedSurface`](crate::viewed_surface::ViewedSurface).
+#[inline(always)]
+fn turned_to_viewer<L: LaneSet>(normal: Vector3<L::F>, surface: &ShadedSurface<L>) -> Vector3<L::F> {
+    let wo = -surface.direction;
+    let facing = normal.dot(wo);
+    let is_away = facing.lt(facing.splat(0.0));
+    if !is_away.any() {
+        return normal;
+    }
+    let (bent, has_length) = (normal - wo * facing).try_normalize();
+    let bent = Vector3::select(has_length, bent, surface.normal);
+    Vector3::select(is_away, bent, normal)
 }
 
 /// Points on the surface, or above it, moved off it by the error bound of `points`, in the direction of the normal or its opposite.

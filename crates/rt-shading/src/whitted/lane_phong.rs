@@ -2,9 +2,18 @@
 
 use crate::{
     Appearance, ColorTexture, FloatTexture, Highlight, Material, ShadingFeatures, Texture, TextureId,
-    hit_context::SurfaceTransmission, light::EmissionSides,
+    hit_context::SurfaceTransmission,
+    light::EmissionSides,
+    wavefront::{delta_lights::is_usual_light, is_in_range},
 };
+use core::ops::RangeInclusive;
 use rt_math::{Rgb, Vector3, transcendental::Pow};
+
+/// Largest exponent of a highlight: the power multiplies the rounding error of the cosine by it.
+const MAX_EXPONENT: f64 = 1000.0;
+
+/// Indices of refraction.
+const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// Phong model of a material, whose textures are checkerboards with squares of the same size, or which has none.
 #[derive(Clone, Debug)]
@@ -31,13 +40,41 @@ pub(super) struct UniformPhong {
     pub(super) interface: SurfaceTransmission,
 }
 
-impl LanePhong {
-    /// A surface that scatters no light.
-    pub(super) const BLACK: Self = Self { squares: [UniformPhong::BLACK; 2], side: f64::INFINITY };
+/// Phong models of the materials of a scene by index; `None` for those that are shaded one by one.
+#[derive(Clone, Debug)]
+pub(super) struct LanePhongs {
+    phongs: Vec<Option<LanePhong>>,
+    /// True if there are no others.
+    pub(super) are_complete: bool,
+}
 
-    /// Models of all materials; `None` for those that are shaded one by one.
-    pub(super) fn of_all(appearance: &Appearance, features: &ShadingFeatures) -> Vec<Option<Self>> {
-        appearance.materials.iter().map(|material| Self::of(material, appearance, features)).collect()
+impl LanePhongs {
+    /// Models with these features. Which materials have one does not depend on the features. None has one if the numbers of a light leave
+    /// the usual range of `f32`. Light with inverse-square falloff may still overflow at a distance of less than 10⁻¹³.
+    pub(super) fn new(appearance: &Appearance, features: &ShadingFeatures) -> Self {
+        let has_usual_lights = appearance.lights.iter().all(is_usual_light);
+        let of = |material: &Material| {
+            let has_usual_medium = material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
+            let is_usual = has_usual_lights
+                && has_usual_medium
+                && LanePhong::of(material, appearance, &ShadingFeatures::ALL).is_some_and(|phong| phong.is_usual());
+            if is_usual { LanePhong::of(material, appearance, features) } else { None }
+        };
+        let phongs: Vec<_> = appearance.materials.iter().map(of).collect();
+        Self { are_complete: phongs.iter().all(Option::is_some), phongs }
+    }
+
+    /// Model of a material.
+    #[inline(always)]
+    pub(super) fn get(&self, material: u32) -> Option<&LanePhong> {
+        self.phongs.get(material as usize)?.as_ref()
+    }
+}
+
+impl LanePhong {
+    /// True for colours in the usual range of `f32`, and highlights that are wide enough for cosines in it.
+    fn is_usual(&self) -> bool {
+        self.colors().all(is_in_range) && self.exponent() <= MAX_EXPONENT
     }
 
     fn of(material: &Material, appearance: &Appearance, features: &ShadingFeatures) -> Option<Self> {
@@ -59,14 +96,14 @@ impl LanePhong {
     }
 
     /// Largest exponent of the highlights of squares.
-    pub(super) fn exponent(&self) -> f64 {
+    fn exponent(&self) -> f64 {
         let of_square = |square: &UniformPhong| if square.specular == Rgb::BLACK { 0.0 } else { square.exponent };
         let [even, odd] = &self.squares;
         of_square(even).max(of_square(odd))
     }
 
     /// Colours of all squares.
-    pub(super) fn colors(&self) -> impl Iterator<Item = Rgb> {
+    fn colors(&self) -> impl Iterator<Item = Rgb> {
         let of_square = |square: &UniformPhong| {
             let [front, back] = square.radiance;
             [front, back, square.diffuse, square.specular, square.mirror, square.transmission_coefficient()]
@@ -88,18 +125,6 @@ impl LanePhong {
 }
 
 impl UniformPhong {
-    /// A surface that scatters no light.
-    const BLACK: Self = Self {
-        radiance: [Rgb::BLACK; 2],
-        diffuse: Rgb::BLACK,
-        specular: Rgb::BLACK,
-        exponent: 0.0,
-        highlight: Highlight::Phong,
-        mirror: Rgb::BLACK,
-        transmission: None,
-        interface: SurfaceTransmission::None,
-    };
-
     /// Model with the constant colours of textures.
     fn of(
         material: &Material,
@@ -143,17 +168,6 @@ impl UniformPhong {
     #[inline(always)]
     pub(super) fn transmission_coefficient(&self) -> Rgb {
         self.transmission.map_or(Rgb::BLACK, |(coefficient, _)| coefficient)
-    }
-
-    /// Bit `lane`, set if Fresnel's equations apply to transmitted light.
-    #[inline(always)]
-    pub(super) fn fresnel_bit(&self, lane: u32) -> u8 {
-        u8::from(self.transmission.is_some_and(|(_, has_fresnel)| has_fresnel)) << lane
-    }
-
-    /// Shape and exponent of the highlight.
-    pub(super) const fn highlight(&self) -> (Highlight, f64) {
-        (self.highlight, self.exponent)
     }
 
     /// Version of [`Highlight::strength`] for lanes, given the normal, `wo` and `wi`.

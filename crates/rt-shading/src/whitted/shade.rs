@@ -1,125 +1,111 @@
-//! Shading of hits: local illumination and secondary rays.
+//! Shading of hits one by one: local illumination and secondary rays.
 
-use super::{Whitted, wave::TreePath};
+use super::{inputs::TreeInputs, ray_tree::TreePath, wave::SpawnedRays};
 use crate::{
-    Appearance, Material, Phong, RadianceSample, SurfaceHit,
+    Material, Phong, RadianceSample, SurfaceHit,
     hit_context::{HitContext, MAX_NULL_INTERFACES},
     interior_list::MediumInterface,
+    lane_set::Element,
     medium, optics,
     viewed_surface::ViewedSurface,
 };
 use rt_math::{Interval, Ray, Rgb};
 
-impl Whitted {
+impl<E: Element> SpawnedRays<E> {
     /// Shades the hit of a path and spawns its secondary rays. At a null interface the path continues in the next wave.
-    #[inline]
-    pub(super) fn shade(
+    pub(super) fn shade_hit(
         &mut self,
-        appearance: &Appearance,
+        inputs: &TreeInputs<'_>,
         mut path: TreePath,
         ray: &Ray,
         hit: &mut SurfaceHit,
         seen: &mut RadianceSample,
     ) {
-        let interior = &mut self.samples[path.sample as usize].interior;
-        let Some(context) = HitContext::new(&self.features, &appearance.materials, ray, hit) else {
+        let (features, materials) = (&inputs.settings.features, &inputs.appearance.materials);
+        let Some(context) = HitContext::new(features, materials, ray, hit) else {
             seen.hit = true;
-            return self.ended.push(path.sample);
+            return self.end_path(inputs, path.sample);
         };
-        let interface = context.interface(interior, &appearance.materials, hit.body());
+        let tree = &mut self.trees[path.sample as usize];
+        let interface = context.interface(&mut tree.interior, materials, hit.body());
         let interface = interface.as_ref();
-        let way = (hit.t - path.start) * context.length;
+        let way = (hit.t - tree.start) * context.length;
         if !context.is_visible(interface) {
-            return self.skip_interface(hit, ray, interface, way, path, seen);
+            return self.skip_interface(inputs, (ray, path), hit, (interface, way), seen);
         }
         seen.hit = true;
-        if self.features.absorption {
-            let interior = &self.samples[path.sample as usize].interior;
-            let medium = interface.map_or_else(|| interior.medium(&appearance.materials), |c| c.before);
+        if features.absorption {
+            let medium = interface.map_or_else(|| tree.interior.medium(materials), |c| c.before);
             self.absorb(&mut path.weight, medium.absorption, way);
         }
         let HitContext { material, direction, is_inside, .. } = context;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let phong = &material.to_phong();
-        self.shade_direct(appearance, material, phong, &view, &path, ray.time);
+        self.shade_direct(inputs, (material, phong), &view, (&path, ray.time), seen);
         let interface = interface.filter(|_| phong.transmission.is_some());
-        self.spawn_secondary_rays(appearance, phong, &view, interface, &path, ray.time);
+        self.spawn_secondary_rays(inputs, phong, (&view, interface), (&path, ray.time));
     }
 
-    /// Adds the background to the radiance of a path that hits nothing, and ends the path.
-    #[inline(always)]
-    pub(super) fn leave_scene(
+    /// Continues the ray of a path behind a null interface, a distance `way` from where absorption is accounted for.
+    pub(super) fn skip_interface(
         &mut self,
-        appearance: &Appearance,
-        path: &TreePath,
-        ray: &Ray,
-        seen: &mut RadianceSample,
-    ) {
-        seen.radiance += path.weight * appearance.background.radiance(ray.direction);
-        self.ended.push(path.sample);
-    }
-
-    /// Continues the same ray behind a null interface.
-    fn skip_interface(
-        &mut self,
+        inputs: &TreeInputs<'_>,
+        (ray, mut path): (&Ray, TreePath),
         hit: &SurfaceHit,
-        ray: &Ray,
-        interface: Option<&MediumInterface>,
-        way: f64,
-        mut path: TreePath,
+        (interface, way): (Option<&MediumInterface>, f64),
         seen: &mut RadianceSample,
     ) {
         if let Some(interface) = interface {
             if interface.before.absorption != interface.after.absorption {
                 seen.hit |= self.absorb(&mut path.weight, interface.before.absorption, way);
-                path.start = hit.t;
+                self.trees[path.sample as usize].start = hit.t;
             }
-            self.samples[path.sample as usize].interior.cross(interface);
+            self.trees[path.sample as usize].interior.cross(interface);
         } else {
             self.counts.interior_overflows += 1;
         }
         self.counts.passages += 1;
-        path.passages += 1;
-        path.depth += u32::from(path.passages > MAX_NULL_INTERFACES);
-        if path.depth > self.max_depth {
+        let tree = &mut self.trees[path.sample as usize];
+        tree.passages += 1;
+        path.depth += u32::from(tree.passages > MAX_NULL_INTERFACES);
+        if path.depth > inputs.settings.max_depth {
             self.counts.depth_limited += 1;
-            return self.ended.push(path.sample);
+            return self.end_path(inputs, path.sample);
         }
-        self.next.refracted.push(*ray, hit.span_after(ray), path);
+        self.refracted.push(ray, hit.span_after(ray), &path);
     }
 
     /// Beer's law over a distance in world units; true if the medium absorbs.
-    fn absorb(&mut self, weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
+    pub(super) fn absorb(&mut self, weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
         let absorbs = medium::absorb(weight, absorption, way);
         self.counts.absorption += u64::from(absorbs);
         absorbs
     }
 
     /// Emission of a surface, and the direct light that it reflects.
-    #[inline]
     fn shade_direct(
         &mut self,
-        appearance: &Appearance,
-        material: &Material,
-        phong: &Phong,
-        view: &ViewedSurface,
-        path: &TreePath,
-        time: f64,
+        inputs: &TreeInputs<'_>,
+        (material, phong): (&Material, &Phong),
+        view: &ViewedSurface<'_>,
+        (path, time): (&TreePath, f64),
+        seen: &mut RadianceSample,
     ) {
-        let surface = view.surface;
-        let textures = &appearance.textures;
+        let &TreeInputs { appearance, settings, .. } = inputs;
+        let (features, surface, textures) = (&settings.features, view.surface, &appearance.textures);
         let mut radiance = Rgb::BLACK;
-        if self.features.emission {
+        if features.emission {
             radiance += material.emitted_radiance(textures, surface, view.is_inside);
         }
-        if self.features.ambient {
+        if features.ambient {
             radiance += material.ambient(phong, textures, surface) * appearance.ambient;
         }
+        seen.radiance += path.weight * radiance;
         let diffuse = phong.diffuse.at(textures, surface);
-        let specular = if self.features.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
+        let specular = if features.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
-        for (number, light) in appearance.lights.iter().enumerate() {
-            let shadowed = self.features.shadows && light.casts_shadows;
+        for (light, stream) in appearance.lights.iter().zip(&mut self.lights) {
+            let shadowed = features.shadows && light.casts_shadows;
             if light.is_behind(surface.point.into(), view.normal.into()) {
                 self.counts.shadow_rays_skipped += u64::from(shadowed);
                 continue;
@@ -127,7 +113,7 @@ impl Whitted {
             let lit = light.sample_li(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
             let reflected = lit.map_or(Rgb::BLACK, |lit| {
                 let mut reflectance = diffuse * view.normal.dot(lit.direction);
-                if self.features.highlights && !specular.is_black() {
+                if features.highlights && !specular.is_black() {
                     self.counts.highlights += 1;
                     let strength =
                         phong.highlight.strength(view.normal, -view.direction, lit.direction, phong.exponent);
@@ -137,93 +123,86 @@ impl Whitted {
             });
             match lit {
                 Some(lit) if !reflected.is_black() => {
+                    let radiance = path.weight * reflected;
                     if shadowed {
-                        let (ray, span) = light.shadow_ray(&shadow_rays, &lit, time);
-                        self.direct_lighting.push_shadowed(number, reflected, ray, span);
+                        stream.push_ray(light.shadow_ray(&shadow_rays, &lit, time), path.sample, radiance);
                     } else {
-                        self.direct_lighting.push(reflected);
+                        seen.radiance += radiance;
                     }
                 }
                 _ => self.counts.shadow_rays_skipped += u64::from(shadowed),
             }
         }
-        self.direct_lighting.end_surface(path, radiance);
     }
 
-    /// Spawns the mirrored and the refracted ray of a surface.
-    #[inline]
+    /// Spawns the mirrored and the refracted ray of a surface with media on both sides.
     fn spawn_secondary_rays(
         &mut self,
-        appearance: &Appearance,
+        inputs: &TreeInputs<'_>,
         phong: &Phong,
-        view: &ViewedSurface,
-        interface: Option<&MediumInterface>,
-        path: &TreePath,
-        time: f64,
+        (view, interface): (&ViewedSurface<'_>, Option<&MediumInterface>),
+        (path, time): (&TreePath, f64),
     ) {
-        if path.depth >= self.max_depth {
+        let features = &inputs.settings.features;
+        if path.depth >= inputs.settings.max_depth {
             self.counts.depth_limited += u64::from(interface.is_some() || !phong.mirror.is_zero());
-            return self.ended.push(path.sample);
+            return self.end_path(inputs, path.sample);
         }
         let surface = view.surface;
-        let textures = &appearance.textures;
-        let bounced = |weight| TreePath { depth: path.depth + 1, passages: 0, start: 0.0, weight, ..*path };
+        let textures = &inputs.appearance.textures;
+        let bounced = |weight| TreePath { depth: path.depth + 1, weight, ..*path };
         let mut reflected_part = 1.0;
         let mut refracted = None;
         if let (Some(interface), Some(transmission)) = (interface, &phong.transmission) {
             self.counts.refractions += 1;
             let eta = interface.before.ior / interface.after.ior;
-            if self.features.fresnel && transmission.fresnel {
+            if features.fresnel && transmission.fresnel {
                 self.counts.fresnel += 1;
                 reflected_part =
                     if interface.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
             }
             let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
             let weight = path.weight * transmission.coefficient.at(textures, surface) * passed_part;
-            if self.is_significant(weight) {
+            if inputs.is_significant(weight) {
                 let direction = if interface.is_null() { Some(view.direction) } else { view.refracted(eta) };
                 refracted = direction.map(|direction| (interface, direction, bounced(weight)));
             }
         }
-        let mirrored = self.features.reflection.then(|| {
+        let mirrored = features.reflection.then(|| {
             self.counts.mirrors += 1;
             path.weight * phong.mirror.at(textures, surface) * reflected_part
         });
-        let mirrored = mirrored.filter(|weight| self.is_significant(*weight));
+        let mirrored = mirrored.filter(|weight| inputs.is_significant(*weight));
         let mirrored = mirrored.map(|weight| (surface.spawn_ray(view.mirrored(), time), bounced(weight)));
         let refracted =
             refracted.map(|(interface, direction, path)| (surface.spawn_ray(direction, time), path, interface));
-        self.push_secondary_rays(path.sample, mirrored, refracted);
+        self.push_secondary_rays(inputs, path.sample, mirrored, refracted);
     }
 
     /// Continues with the mirrored ray and defers the refracted one. Without a mirrored ray it continues with the refracted one.
-    #[inline(always)]
     fn push_secondary_rays(
         &mut self,
+        inputs: &TreeInputs<'_>,
         sample: u32,
         mirrored: Option<(Ray, TreePath)>,
         refracted: Option<(Ray, TreePath, &MediumInterface)>,
     ) {
-        let state = &mut self.samples[sample as usize];
+        let tree = &mut self.trees[sample as usize];
+        tree.bounce();
         let ends = mirrored.is_none() && refracted.is_none();
         if let Some((ray, path, interface)) = refracted {
             if mirrored.is_some() {
-                state.defer(ray, &path, interface.event);
+                tree.defer(ray, &path, interface.event);
             } else {
-                state.interior.cross(interface);
-                self.next.refracted.push(ray, Interval::SPAWNED, path);
+                tree.interior.cross(interface);
+                self.refracted.push(&ray, Interval::SPAWNED, &path);
             }
         }
         if let Some((ray, path)) = mirrored {
-            self.next.reflected.push(ray, Interval::SPAWNED, path);
+            self.reflected.push(&ray, Interval::SPAWNED, &path);
         }
         if ends {
-            self.ended.push(sample);
+            self.end_path(inputs, sample);
         }
-    }
-
-    /// False for a weight that is invisible in the pixel.
-    fn is_significant(&self, weight: Rgb) -> bool {
-        !(weight.is_black() || weight.max_component() < self.min_contribution)
     }
 }

@@ -1,214 +1,522 @@
-//! Shading of queued hits in lanes.
-//!
-//! ```text
-//!   hits ─▶ surfaces ─▶ media on both sides ─▶ secondary rays ─▶ direct light ─▶ shadow rays, next rays
-//!            lanes             scalar               lanes           lanes
-//! ```
-//!
-//! Results have the bits of [`Whitted::shade`]. Lanes in which a rare case occurs are shaded one by one.
+//! Shading of hits in lanes: emission, direct light, and secondary rays.
 
 use super::{
-    Whitted,
-    hit_block::{HitBlock, PhongLanes, RayBlock, SecondaryRays},
-    hit_queue::{QueuedHit, eight},
-    lane_phong::LanePhong,
-    point_lanes::{ShapeLanes, each},
-    wave::TreePath,
+    inputs::TreeInputs,
+    lane_phong::UniformPhong,
+    ray_tree::TreePath,
+    streams::TreeStream,
+    wave::{FindPrimitive, FindVertexUvs, SpawnedRays, TreeElement, TreeWave},
 };
 use crate::{
-    Appearance, RadianceSample,
+    Background, LaneLevel, RadianceSample, SurfaceHit,
     hit_context::SurfaceTransmission,
-    lanes::{LANES, LaneLevel, Simd, dispatch, each_lane, first_lanes, get_rgb, set_rgb},
+    interior_list::{MediumEntry, MediumInterface},
+    lane_set::{Element, Float64Lane, LaneSet, OneLane, SimdLanes},
+    lanes::{LANES, dispatch, each_lane, first_lanes, is_zero},
     medium::absorb,
+    optics,
+    stream_queries::{StreamPrimitive, StreamShape},
+    wavefront::{
+        delta_lights::{sample_li, shadow_rays},
+        hit_points::HitPoints,
+        is_in_range,
+        shaded_surface::{ShadedSurface, ShadingNormals, offset},
+        streams::{add_radiance, append},
+    },
 };
-use rt_math::{Interval, Ray};
+use fearless_simd::Simd as _;
+use rt_geometry::{HitStream, SurfaceInteraction};
+use rt_math::{Interval, Ray, Real, Rgb, Vector3};
 
-impl Whitted {
-    /// Shades all queued hits, which are of these rays.
-    pub(super) fn shade_queue(
-        &mut self,
-        level: LaneLevel,
-        appearance: &Appearance,
-        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
+/// Hits of some lanes on surfaces with one Phong model.
+struct Group<'a, L: LaneSet> {
+    phong: &'a UniformPhong,
+    material: u32,
+    /// Index of the object of each lane.
+    objects: &'a [u32; LANES],
+    points: &'a HitPoints<L>,
+    surface: &'a ShadedSurface<L>,
+    normals: &'a ShadingNormals<L>,
+    /// Index of the first ray.
+    at: usize,
+    /// Lanes that hit, and whose surface is visible.
+    mask: u8,
+    /// Weights of the radiance in the pixel, after absorption.
+    weight: Vector3<L::F>,
+    /// Lanes whose surface transmits light.
+    transmits: u8,
+    /// Index of refraction before the surface divided by that behind it; 1 where no light is transmitted.
+    eta: L::F,
+}
+
+impl TreeElement for f32 {
+    fn shade<'w>(
+        spawned: &mut SpawnedRays<Self>,
+        level: Option<LaneLevel>,
+        inputs: &TreeInputs<'_>,
+        world: (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        wave: TreeWave<'_, Self>,
         seen: &mut [RadianceSample],
     ) {
-        let (mut queue, phongs) = (core::mem::take(&mut self.queue), core::mem::take(&mut self.phongs));
-        let batch = (rays, paths);
-        self.shade_shapes(level, appearance, (&mut queue.spheres, &phongs), batch, seen);
-        self.shade_shapes(level, appearance, (&mut queue.triangles, &phongs), batch, seen);
-        self.shade_shapes(level, appearance, (&mut queue.planes, &phongs), batch, seen);
-        (self.queue, self.phongs) = (queue, phongs);
-    }
-
-    /// Shades hits on shapes of one kind, and removes them.
-    fn shade_shapes<T: ShapeLanes>(
-        &mut self,
-        level: LaneLevel,
-        appearance: &Appearance,
-        (hits, phongs): (&mut Vec<QueuedHit<T>>, &[Option<LanePhong>]),
-        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
-        seen: &mut [RadianceSample],
-    ) {
-        if hits.is_empty() {
-            return;
-        }
-        dispatch!(level, simd => simd.vectorize(
-            #[inline(always)]
-            || self.shade_blocks(simd, appearance, (hits, phongs), (rays, paths), seen),
-        ));
-        hits.clear();
-    }
-
-    /// Shades hits, eight at a time, and those in which a rare case occurs by themselves.
-    #[inline(always)]
-    fn shade_blocks<S: Simd, T: ShapeLanes>(
-        &mut self,
-        simd: S,
-        appearance: &Appearance,
-        (hits, phongs): (&[QueuedHit<T>], &[Option<LanePhong>]),
-        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
-        seen: &mut [RadianceSample],
-    ) {
-        for hits in hits.chunks(LANES) {
-            let valid = self.shade_block(simd, appearance, (hits, phongs), (rays, paths));
-            let rare = !valid & first_lanes(hits.len());
-            self.counts.lanes += LANES as u64;
-            self.counts.lanes_used += u64::from(hits.len() as u32 - rare.count_ones());
-            for lane in each_lane(rare) {
-                let at = hits[lane].ray as usize;
-                let (ray, path) = (&rays[at].0, paths[at]);
-                let seen = &mut seen[path.sample as usize];
-                self.shade(appearance, path, ray, &mut hits[lane].surface(ray), seen);
-            }
-        }
-    }
-
-    /// Shades one to eight hits. Bit `i` of the result is set for hit `i`, unless it must be shaded by itself.
-    #[inline(always)]
-    fn shade_block<S: Simd, T: ShapeLanes>(
-        &mut self,
-        simd: S,
-        appearance: &Appearance,
-        (hits, phongs): (&[QueuedHit<T>], &[Option<LanePhong>]),
-        (rays, paths): (&[(Ray, Interval)], &[TreePath]),
-    ) -> u8 {
-        let materials = each!(eight(hits), |hit| phong(phongs, hit));
-        let mut block = HitBlock::new(simd, (hits, materials), (rays, paths), self.max_depth);
-        if self.features.refraction {
-            self.find_interfaces(appearance, (hits, materials), &mut block, paths);
-        }
-        let odd = block.odd;
-        let phongs = each!(materials, |phong, lane| phong.square(odd >> lane));
-        let secondary = block.secondary_rays(simd, phongs, (&self.features, self.min_contribution));
-        block.exclude_grazing_lights(simd, &appearance.lights);
-        let radiance = block.radiance(simd, phongs);
-
-        let phongs = PhongLanes::new(simd, phongs);
-        let near_origin = block.near_origin();
-        for (number, light) in appearance.lights.iter().enumerate() {
-            let shadowed = self.features.shadows && light.casts_shadows;
-            let reflected = block.reflect(simd, light, &phongs);
-            self.counts.highlights += u64::from(reflected.highlights.count_ones());
-            if shadowed {
-                self.counts.shadow_rays_skipped += u64::from((block.valid & !reflected.lit).count_ones());
-            }
-            self.direct_lighting.push_block(number, &reflected, (&near_origin, &block.times), shadowed);
-        }
-        self.direct_lighting.end_block(&block, radiance);
-        self.push_block((hits, materials), (&block, &secondary), paths);
-        block.valid
-    }
-
-    /// Finds the media on both sides of hits, and applies absorption. Hits on invisible interfaces are marked, to be shaded one by
-    /// one.
-    #[inline(always)]
-    fn find_interfaces<S: Simd, T>(
-        &mut self,
-        appearance: &Appearance,
-        (hits, phongs): (&[QueuedHit<T>], [&LanePhong; LANES]),
-        block: &mut HitBlock<S>,
-        paths: &[TreePath],
-    ) {
-        let materials = &appearance.materials;
-        for (lane, &QueuedHit { ray, body, t, .. }) in hits.iter().enumerate() {
-            let path = &paths[ray as usize];
-            let interior = &mut self.samples[path.sample as usize].interior;
-            let Some(material) = materials.get(body.material as usize) else { continue };
-            let phong = phongs[lane].square(0);
-            let surface = phong.interface;
-            if surface == SurfaceTransmission::None && (interior.is_empty() || !self.features.absorption) {
-                continue;
-            }
-            let interface = surface.interface(interior, materials, body, block.inside >> lane & 1 == 1);
-            let interface = interface.as_ref();
-            if !surface.is_visible(material, interface) {
-                block.valid &= !(1 << lane);
-                continue;
-            }
-            if self.features.absorption {
-                let around = interface.map_or_else(|| interior.medium(materials), |c| c.before);
-                let way = (t - path.start) * block.length[lane];
-                let mut weight = path.weight;
-                if absorb(&mut weight, around.absorption, way) {
-                    set_rgb(&mut block.weight, lane, weight);
-                    block.absorbed |= 1 << lane;
-                }
-            }
-            if let Some(interface) = interface.filter(|_| phong.transmission.is_some()) {
-                block.eta[lane] = interface.before.ior / interface.after.ior;
-                block.transmits |= 1 << lane;
-            }
-        }
-    }
-
-    /// Appends the secondary rays of a block, as [`push_secondary_rays`](Self::push_secondary_rays) does.
-    #[inline(always)]
-    fn push_block<S: Simd, T>(
-        &mut self,
-        (hits, phongs): (&[QueuedHit<T>], [&LanePhong; LANES]),
-        (block, secondary): (&HitBlock<S>, &SecondaryRays),
-        paths: &[TreePath],
-    ) {
-        let continues = block.valid & block.continues;
-        let ends = block.valid & !continues;
-        let count = |mask: u8| u64::from(mask.count_ones());
-        self.counts.absorption += count(block.valid & block.absorbed);
-        self.counts.depth_limited += count(ends & secondary.is_specular);
-        self.counts.refractions += count(continues & block.transmits);
-        self.counts.fresnel += count(continues & secondary.fresnel);
-        self.counts.mirrors += if self.features.reflection { count(continues) } else { 0 };
-
-        let (mirrored, refracted) = (continues & secondary.mirrored.mask, continues & secondary.refracted.mask);
-        let bounced = |lane: usize, rays: &RayBlock| {
-            let path = &paths[hits[lane].ray as usize];
-            let weight = get_rgb(&rays.weight, lane);
-            TreePath { sample: block.samples[lane], depth: path.depth + 1, passages: 0, weight, start: 0.0 }
-        };
-        for lane in each_lane(mirrored) {
-            let ray = secondary.mirrored.ray(lane, block.times[lane]);
-            self.next.reflected.push(ray, Interval::SPAWNED, bounced(lane, &secondary.mirrored));
-        }
-        for lane in each_lane(refracted) {
-            let (hit, is_inside) = (&hits[lane], block.inside >> lane & 1 == 1);
-            let state = &mut self.samples[block.samples[lane] as usize];
-            let event = phongs[lane].square(0).interface.event(&mut state.interior, hit.body, is_inside);
-            let ray = secondary.refracted.ray(lane, block.times[lane]);
-            let path = bounced(lane, &secondary.refracted);
-            if mirrored >> lane & 1 == 1 {
-                state.defer(ray, &path, event);
-            } else {
-                state.interior.apply(event);
-                self.next.refracted.push(ray, Interval::SPAWNED, path);
-            }
-        }
-        for lane in each_lane(block.valid & !(mirrored | refracted)) {
-            self.ended.push(block.samples[lane]);
+        match level {
+            Some(level) => dispatch!(level, simd => simd.vectorize(
+                #[inline(always)]
+                || spawned.shade((SimdLanes(simd), inputs), world, wave, seen),
+            )),
+            None => spawned.shade((OneLane::new(), inputs), world, wave, seen),
         }
     }
 }
 
-/// Phong model of a hit. Only hits on materials with one are queued.
+impl TreeElement for f64 {
+    fn shade<'w>(
+        spawned: &mut SpawnedRays<Self>,
+        _: Option<LaneLevel>,
+        inputs: &TreeInputs<'_>,
+        world: (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        wave: TreeWave<'_, Self>,
+        seen: &mut [RadianceSample],
+    ) {
+        spawned.shade((Float64Lane::new(), inputs), world, wave, seen);
+    }
+}
+
+impl<E: Element> SpawnedRays<E> {
+    /// Shades those closest hits of a wave that are shaded in lanes, and adds the background to the samples of rays without a hit.
+    #[inline(always)]
+    fn shade<'w, L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        (find_primitive, find_vertex_uvs): (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        (paths, hits): TreeWave<'_, E>,
+        seen: &mut [RadianceSample],
+    ) {
+        for at in (0..paths.len()).step_by(L::N) {
+            let used = first_lanes((paths.len() - at).min(L::N));
+            let [instances, indices] = [hits.instance.vector(at), hits.primitive.vector(at)];
+            let missed = lanes.equal(indices, HitStream::NONE) & used;
+            if missed != 0 {
+                self.leave_scene((lanes, inputs), missed, (paths, at), seen);
+            }
+            let mut rest = self.in_lanes.bits(at) & used & !missed;
+            while let Some(first) = each_lane(rest).next() {
+                let Some(primitive) = find_primitive(at + first) else { break };
+                let Some(model) = inputs.phongs.get(primitive.material) else { break };
+                let mut mask = lanes.equal(indices, indices[first]) & lanes.equal(instances, instances[first]) & rest;
+                let mut objects = [primitive.object; LANES];
+                let is_triangle = matches!(primitive.shape, StreamShape::Triangle(_) | StreamShape::MeshTriangle(..));
+                let is_gathered = is_triangle && !model.is_checkered();
+                if is_gathered {
+                    mask = self.gather_triangles(find_primitive, (at, rest), primitive.material, &mut objects);
+                }
+                rest &= !mask;
+                let (points, smooth) = if is_gathered {
+                    let points = HitPoints::on_shapes(lanes, &self.gathered, &paths.rays, hits, at);
+                    (points, self.gathered.smooth & mask)
+                } else {
+                    (HitPoints::new(lanes, &primitive.shape, &paths.rays, hits, at), 0)
+                };
+                let points = &points;
+                let surface = &ShadedSurface::new(lanes, points, mask);
+                let mut normals = ShadingNormals::flat(surface);
+                if smooth != 0 {
+                    normals.interpolate(lanes, (points, surface), &self.gathered, (hits, at), smooth);
+                }
+                let mut odd = 0;
+                if model.is_checkered() {
+                    let vertex_uvs = || find_vertex_uvs(at + first);
+                    odd = mask & points.odd_squares(lanes, (&primitive.shape, vertex_uvs), (hits, at), model.side);
+                }
+                for (mask, square) in [(mask & !odd, 0), (odd, 1)] {
+                    if mask != 0 {
+                        let (phong, material) = (model.square(square), primitive.material);
+                        let (weight, eta) = (lanes.load_vector(&paths.weight, at), lanes.splat(1.0));
+                        let (objects, normals) = (&objects, &normals);
+                        let group = Group {
+                            phong,
+                            material,
+                            objects,
+                            points,
+                            surface,
+                            normals,
+                            at,
+                            mask,
+                            weight,
+                            transmits: 0,
+                            eta,
+                        };
+                        self.shade_group((lanes, inputs), group, paths, seen);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gathers the triangles of a material that the rays of a mask have hit, from index `at` on, and returns their lanes.
+    #[inline(never)]
+    fn gather_triangles(
+        &mut self,
+        find_primitive: &FindPrimitive<'_>,
+        (at, mask): (usize, u8),
+        material: u32,
+        objects: &mut [u32; LANES],
+    ) -> u8 {
+        self.gathered.clear();
+        let mut gathered = 0;
+        for lane in each_lane(mask) {
+            let Some(primitive) = find_primitive(at + lane) else { continue };
+            let StreamPrimitive { shape, object, .. } = primitive;
+            let is_triangle = matches!(shape, StreamShape::Triangle(_) | StreamShape::MeshTriangle(..));
+            if is_triangle && primitive.material == material {
+                self.gathered.set(lane, &shape);
+                objects[lane % LANES] = object;
+                gathered |= 1 << lane;
+            }
+        }
+        gathered
+    }
+
+    #[inline(always)]
+    fn shade_group<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        mut group: Group<'_, L>,
+        paths: &TreeStream<E>,
+        seen: &mut [RadianceSample],
+    ) {
+        if inputs.settings.features.refraction {
+            self.find_interfaces((lanes, inputs), &mut group, paths, seen);
+            if group.mask == 0 {
+                return;
+            }
+        }
+        self.counts.lanes += L::N as u64;
+        self.counts.lanes_used += u64::from(group.mask.count_ones());
+        self.add_emission(lanes, &group, paths, seen);
+        self.sample_lights((lanes, inputs), &group, paths, seen);
+        self.spawn_rays((lanes, inputs), &group, paths);
+    }
+
+    /// Adds the background to the samples of paths that hit nothing, and ends the paths.
+    #[inline(always)]
+    fn leave_scene<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        missed: u8,
+        (paths, at): (&TreeStream<E>, usize),
+        seen: &mut [RadianceSample],
+    ) {
+        match inputs.appearance.background {
+            Background::Constant(radiance) if is_in_range(radiance) => {
+                let radiance = lanes.splat_rgb(radiance).scaled_by(lanes.load_vector(&paths.weight, at));
+                add_radiance(lanes, missed, radiance, false, paths.sample.vector(at), seen);
+            }
+            ref background => {
+                for lane in each_lane(missed) {
+                    let (ray, _) = paths.rays.get(at + lane);
+                    let radiance = paths.weight(at + lane) * background.radiance(ray.direction);
+                    seen[paths.sample.get(at + lane) as usize].radiance += radiance;
+                }
+            }
+        }
+        if inputs.settings.features.refraction {
+            self.ended.extend(each_lane(missed).map(|lane| paths.sample.get(at + lane)));
+        }
+    }
+
+    /// Finds the media on both sides of hits, and applies absorption. At invisible interfaces, paths go on behind the surface.
+    #[inline(always)]
+    fn find_interfaces<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        group: &mut Group<'_, L>,
+        paths: &TreeStream<E>,
+        seen: &mut [RadianceSample],
+    ) {
+        let &TreeInputs { settings, appearance, .. } = inputs;
+        let transmission = group.phong.interface;
+        if transmission == SurfaceTransmission::None && !settings.features.absorption {
+            return;
+        }
+        let (materials, surface) = (&appearance.materials, group.surface);
+        let Some(material) = materials.get(group.material as usize) else { return };
+        let (mut t, mut length) = ([0.0; 8], [0.0; 8]);
+        lanes.store_f64(group.points.t, &mut t);
+        lanes.store_f64(surface.length, &mut length);
+        let (mut eta, mut weight) = ([E::rounded(1.0); 8], [[E::default(); 8]; 3]);
+        let mut is_absorbed = false;
+        for lane in each_lane(group.mask) {
+            let at = group.at + lane;
+            let tree = &mut self.trees[paths.sample.get(at) as usize];
+            if transmission == SurfaceTransmission::None && tree.interior.is_empty() {
+                continue;
+            }
+            let is_inside = surface.inside >> lane & 1 == 1;
+            let interface = transmission.interface(&mut tree.interior, materials, group.body(lane), is_inside);
+            let interface = interface.as_ref();
+            let way = (t[lane] - tree.start) * length[lane];
+            if !transmission.is_visible(material, interface) {
+                group.mask &= !(1 << lane);
+                self.skip_interface_of_lane((lanes, inputs), (group, lane, t[lane]), (interface, way), paths, seen);
+                continue;
+            }
+            if settings.features.absorption {
+                let around = interface.map_or_else(|| tree.interior.medium(materials), |c| c.before);
+                let mut absorbed = paths.weight(at);
+                if absorb(&mut absorbed, around.absorption, way) {
+                    self.counts.absorption += 1;
+                    if !core::mem::replace(&mut is_absorbed, true) {
+                        lanes.store(group.weight.x, &mut weight[0]);
+                        lanes.store(group.weight.y, &mut weight[1]);
+                        lanes.store(group.weight.z, &mut weight[2]);
+                    }
+                    for (weight, absorbed) in weight.iter_mut().zip(absorbed.to_array()) {
+                        weight[lane] = E::rounded(absorbed);
+                    }
+                }
+            }
+            if let Some(interface) = interface.filter(|_| group.phong.transmission.is_some()) {
+                eta[lane] = E::rounded(interface.before.ior / interface.after.ior);
+                group.transmits |= 1 << lane;
+            }
+        }
+        group.eta = lanes.load(&eta);
+        if is_absorbed {
+            let [r, g, b] = &weight;
+            group.weight = Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b));
+        }
+    }
+
+    /// Continues the ray of a lane behind a null interface.
+    #[inline(never)]
+    fn skip_interface_of_lane<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        (group, lane, t): (&Group<'_, L>, usize, f64),
+        (interface, way): (Option<&MediumInterface>, f64),
+        paths: &TreeStream<E>,
+        seen: &mut [RadianceSample],
+    ) {
+        let (path, (ray, _)) = (paths.get(group.at + lane), paths.rays.get(group.at + lane));
+        let [point, error, normal] = group.points.get(lanes, lane);
+        let interaction = SurfaceInteraction::flat(point, error, normal, [0.0; 2]);
+        let MediumEntry { object, material } = group.body(lane);
+        let hit = SurfaceHit { t, interaction, object, material, light: None };
+        let seen = &mut seen[path.sample as usize];
+        self.skip_interface(inputs, (&ray, path), &hit, (interface, way), seen);
+    }
+
+    /// Adds emission and reflected ambient light.
+    #[inline(always)]
+    fn add_emission<L: LaneSet<Element = E>>(
+        &self,
+        lanes: L,
+        group: &Group<'_, L>,
+        paths: &TreeStream<E>,
+        seen: &mut [RadianceSample],
+    ) {
+        let inside = group.surface.inside;
+        for (mask, side) in [(group.mask & !inside, 0), (group.mask & inside, 1)] {
+            if mask != 0 {
+                let radiance = group.phong.radiance_from(side);
+                add_radiance(
+                    lanes,
+                    mask,
+                    lanes.splat_rgb(radiance).scaled_by(group.weight),
+                    true,
+                    paths.sample.vector(group.at),
+                    seen,
+                );
+            }
+        }
+    }
+
+    /// Adds the light of all delta lights, or queues their shadow rays.
+    #[inline(always)]
+    fn sample_lights<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        group: &Group<'_, L>,
+        paths: &TreeStream<E>,
+        seen: &mut [RadianceSample],
+    ) {
+        let &TreeInputs { settings, appearance, .. } = inputs;
+        let &Group { phong, points, surface, normals, at, mask, .. } = group;
+        let (direction, &ShadingNormals { normal, shadow_origin, .. }) = (surface.direction, normals);
+        let zero = lanes.splat(0.0);
+        let has_highlight = phong.specular != Rgb::BLACK;
+        for (light, stream) in appearance.lights.iter().zip(&mut self.lights) {
+            let shadowed = settings.features.shadows && light.casts_shadows;
+            let incident = sample_li(lanes, light, points, mask);
+            let wi = incident.direction;
+            let cos = normal.dot(wi);
+            let faces = incident.is_lit & cos.gt(zero);
+            let faced = lanes.bits(faces) & mask;
+            if faced == 0 {
+                self.counts.shadow_rays_skipped += if shadowed { u64::from(mask.count_ones()) } else { 0 };
+                continue;
+            }
+            let mut reflectance = lanes.splat_rgb(phong.diffuse) * cos;
+            if has_highlight {
+                self.counts.highlights += u64::from(faced.count_ones());
+                let strength = phong.highlight_strength([normal, -direction, wi]);
+                reflectance = reflectance + lanes.splat_rgb(phong.specular) * strength;
+            }
+            let radiance = reflectance.scaled_by(incident.strength) * lanes.splat(light.units.classical_factor());
+            let lit = faced & !lanes.bits(is_zero(radiance));
+            let radiance = radiance.scaled_by(group.weight);
+            if !shadowed {
+                add_radiance(lanes, lit, radiance, true, paths.sample.vector(at), seen);
+                continue;
+            }
+            self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
+            let (direction, end) = shadow_rays(lanes, light, shadow_origin);
+            let time = inputs.times(lanes, paths, at);
+            stream.push(lanes, lit, [shadow_origin, direction], (end, time), (radiance, paths.sample.vector(at)));
+        }
+    }
+
+    /// Spawns the mirrored and the refracted rays. Of two rays, the refracted one is deferred.
+    #[inline(always)]
+    fn spawn_rays<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        group: &Group<'_, L>,
+        paths: &TreeStream<E>,
+    ) {
+        let settings = inputs.settings;
+        let &Group { phong, surface, normals, at, mask, weight, transmits, eta, .. } = group;
+        let &ShadedSurface { normal: towards_viewer, direction, near_origin, .. } = surface;
+        let normal = normals.normal;
+        let features = &settings.features;
+        let count = |mask: u8| u64::from(mask.count_ones());
+        let is_specular = phong.mirror != Rgb::BLACK;
+        let mut continues = 0;
+        for (lane, depth) in paths.depth.vector(at).iter().enumerate() {
+            continues |= u8::from(*depth < settings.max_depth) << lane;
+        }
+        let continues = continues & mask;
+        self.counts.depth_limited += count(if is_specular { mask & !continues } else { transmits & mask & !continues });
+        self.counts.mirrors += if features.reflection { count(continues) } else { 0 };
+        let transmits = transmits & continues;
+        let mut reflected_part = lanes.splat(1.0);
+        let mut refracted = None;
+        if transmits != 0 {
+            self.counts.refractions += count(transmits);
+            let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
+            let has_fresnel = phong.transmission.is_some_and(|(_, has_fresnel)| has_fresnel);
+            // An index-matched interface does not deflect or reflect the ray.
+            let is_null = eta.eq(one);
+            if features.fresnel && has_fresnel {
+                self.counts.fresnel += count(transmits);
+                let reflectance = Real::select(is_null, zero, optics::fresnel(-direction.dot(normal), eta));
+                reflected_part = Real::select(lanes.mask(transmits), reflectance, one);
+            }
+            let passed_part = if has_fresnel { one - reflected_part } else { one };
+            let weight = weight.scaled_by(lanes.splat_rgb(phong.transmission_coefficient())) * passed_part;
+            let significant = transmits & lanes.bits(is_significant(weight, settings.min_contribution));
+            if significant != 0 {
+                let sin_i = direction.cross(normal).length();
+                let (bent, is_transmitted) = optics::refract_lanes(direction, normal, eta, sin_i);
+                let turns_back = bent.dot(-towards_viewer).lt(zero);
+                let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, -towards_viewer), bent);
+                let bent = Vector3::select(is_null, direction, bent);
+                let mask = significant & lanes.bits(is_transmitted | is_null);
+                refracted = (mask != 0).then_some((mask, bent, weight));
+            }
+        }
+        let mut mirrored = 0;
+        if features.reflection && is_specular && continues != 0 {
+            let weight = weight.scaled_by(lanes.splat_rgb(phong.mirror)) * reflected_part;
+            mirrored = continues & lanes.bits(is_significant(weight, settings.min_contribution));
+            if mirrored != 0 {
+                let bent = optics::reflect_lanes(direction, normal);
+                let zero = lanes.splat(0.0);
+                let turns_back = bent.dot(towards_viewer).lt(zero);
+                let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, towards_viewer), bent);
+                let next = &mut self.reflected;
+                let end = next.len();
+                let rays = [near_origin, lanes.widen_vector(bent)];
+                let time = inputs.times(lanes, paths, at);
+                append(lanes, &mut next.rays, mirrored, rays, (lanes.splat_f64(f64::INFINITY), time));
+                lanes.compress_vector(weight, mirrored, &mut next.weight, end);
+                let mut depth = *paths.depth.vector(at);
+                depth.iter_mut().for_each(|depth| *depth = depth.wrapping_add(1));
+                lanes.compress_u32(&depth, mirrored, next.depth.vector_mut(end));
+                lanes.compress_u32(paths.sample.vector(at), mirrored, next.sample.vector_mut(end));
+            }
+        }
+        let mut refracts = 0;
+        if let Some((mask, bent, weight)) = refracted {
+            refracts = mask;
+            self.push_refracted(lanes, group, (mask, mirrored), [bent, weight], paths);
+        }
+        if features.refraction {
+            for lane in each_lane(mask) {
+                let sample = paths.sample.get(at + lane);
+                let tree = &mut self.trees[sample as usize];
+                tree.bounce();
+                if (mirrored | refracts) >> lane & 1 == 0 {
+                    self.end_path(inputs, sample);
+                }
+            }
+        }
+    }
+
+    /// Defers the refracted rays of lanes that have mirrored rays as well, and continues with those of the other lanes.
+    #[inline(always)]
+    fn push_refracted<L: LaneSet<Element = E>>(
+        &mut self,
+        lanes: L,
+        group: &Group<'_, L>,
+        (mask, mirrored): (u8, u8),
+        [directions, weights]: [Vector3<L::F>; 2],
+        paths: &TreeStream<E>,
+    ) {
+        let points = group.points;
+        let directions = lanes.widen_vector(directions);
+        let outwards =
+            Vector3::select(directions.dot(points.outside).lt(lanes.splat_f64(0.0)), -points.outside, points.outside);
+        let origins = lanes.store_point(offset(lanes, points, (points.point, outwards), mask));
+        let weights = lanes.store_point(lanes.widen_vector(weights));
+        let directions = lanes.store_point(directions);
+        for lane in each_lane(mask) {
+            let at = group.at + lane;
+            let sample = paths.sample.get(at);
+            let tree = &mut self.trees[sample as usize];
+            let is_inside = group.surface.inside >> lane & 1 == 1;
+            let event = group.phong.interface.event(&mut tree.interior, group.body(lane), is_inside);
+            let of_lane = |[x, y, z]: &[[f64; 8]; 3]| [x[lane & 7], y[lane & 7], z[lane & 7]];
+            let time = paths.rays.time.get(at);
+            let ray = Ray { origin: of_lane(&origins).into(), direction: of_lane(&directions).into(), time };
+            let weight = of_lane(&weights).into();
+            let path = TreePath { sample, depth: paths.depth.get(at) + 1, weight };
+            if mirrored >> lane & 1 == 1 {
+                tree.defer(ray, &path, event);
+            } else {
+                tree.interior.apply(event);
+                self.refracted.push(&ray, Interval::SPAWNED, &path);
+            }
+        }
+    }
+}
+
+impl TreeInputs<'_> {
+    /// Times of rays; `None` if all are 0.
+    #[inline(always)]
+    fn times<L: LaneSet>(&self, lanes: L, paths: &TreeStream<L::Element>, at: usize) -> Option<L::D> {
+        if self.has_time { Some(lanes.load_f64(paths.rays.time.vector(at))) } else { None }
+    }
+}
+
+impl<L: LaneSet> Group<'_, L> {
+    const fn body(&self, lane: usize) -> MediumEntry {
+        MediumEntry { object: self.objects[lane % LANES], material: self.material }
+    }
+}
+
+/// True for weights that are visible in the pixel.
 #[inline(always)]
-fn phong<'a, T>(phongs: &'a [Option<LanePhong>], queued: &QueuedHit<T>) -> &'a LanePhong {
-    phongs.get(queued.body.material as usize).and_then(Option::as_ref).unwrap_or(&LanePhong::BLACK)
+fn is_significant<R: Real>(weight: Vector3<R>, min_contribution: f64) -> R::Mask {
+    !weight.x.max(weight.y).max(weight.z).lt(weight.x.splat(min_contribution)) & !is_zero(weight)
 }

@@ -6,7 +6,7 @@ use crate::{
     SurfaceHit, Transmission, scene_queries::dynamic,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
-use rt_math::{DVec3, Interval, transcendental::exp};
+use rt_math::{DVec3, Rgb, transcendental::exp};
 
 /// A world in which every ray meets the surface `material` at distance 2 from either side, `bounces` times over,
 /// and then leaves. It turns its normal against the ray, or along it for rays that come from inside.

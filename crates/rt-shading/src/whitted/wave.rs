@@ -1,88 +1,207 @@
-//! Waves of rays, and deferred rays.
-//!
-//! ```text
-//!            ┌──────────────── next wave ────────────────┐
-//!            ▼                                           │
-//!   paths ──> intersect ──> shade ──> shadow rays ──> resolve ──> samples
-//!                             └─> deferred rays of each sample ─┘
-//! ```
+//! Waves of rays: one of each ray tree.
 
+use super::{counts::ShadingCounts, inputs::TreeInputs, lane_phong::LanePhong, ray_tree::RayTree, streams::TreeStream};
 use crate::{
-    InteriorList,
-    interior_list::{InterfaceEvent, InteriorListStack},
-    ray_queues::RayQueues,
+    InteriorList, LaneLevel, RadianceSample,
+    lane_set::Element,
+    stream_queries::{StreamPrimitive, StreamQueries, StreamShape},
+    wavefront::{gathered_shapes::GatheredShapes, streams::ShadowRayStream},
 };
-use rt_math::{Interval, Ray, Rgb};
+use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
+use rt_math::Interval;
 
-/// Current path in a ray tree.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TreePath {
-    /// Index of its camera ray.
-    pub(super) sample: u32,
-    /// Bounces so far.
-    pub(super) depth: u32,
-    /// Null interfaces that its ray has passed.
-    pub(super) passages: u32,
-    /// Weight of its radiance in the pixel.
-    pub(super) weight: Rgb,
-    /// Absorption is accounted for up to this parameter of its ray.
-    pub(super) start: f64,
+/// Camera rays, the media around the camera, and the radiance of the rays.
+pub(super) struct TreeBatch<'a> {
+    pub(super) rays: &'a mut RayStream,
+    /// One list for all rays, or one for each; none for air.
+    pub(super) surroundings: &'a [InteriorList],
+    pub(super) seen: &'a mut [RadianceSample],
 }
 
-/// Refracted ray that is traced after the tree of the mirrored one.
-#[derive(Clone, Copy, Debug)]
-struct DeferredRay {
-    ray: Ray,
-    path: TreePath,
-    /// Length of its list of enclosing dielectrics.
-    bodies: u32,
-}
-
-/// State of the ray tree of a camera ray between waves. The tree is traversed depth first, and each wave holds one path of it. The
-/// order of sums thus does not depend on the rest of the wave.
+/// Streams of a wave.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RayTree {
-    deferred: Vec<DeferredRay>,
-    /// Media around the rays in `deferred`.
-    interiors: InteriorListStack,
-    /// Media around the current path.
-    pub(super) interior: InteriorList,
-    /// For [`WavefrontWhitted`](crate::WavefrontWhitted), null interfaces that the current ray has passed.
-    pub(super) passages: u32,
-    /// There, absorption is accounted for up to this parameter of the current ray.
-    pub(super) start: f64,
+pub(super) struct TreeStreams<E: Element> {
+    /// Rays of the current wave, by kind.
+    reflected: TreeStream<E>,
+    refracted: TreeStream<E>,
+    hits: HitStream,
+    pub(super) spawned: SpawnedRays<E>,
 }
 
-impl RayTree {
-    /// Defers a ray that crosses a surface.
-    #[inline(always)]
-    pub(super) fn defer(&mut self, ray: Ray, path: &TreePath, event: InterfaceEvent) {
-        let bodies = self.interiors.push(&self.interior, event);
-        self.deferred.push(DeferredRay { ray, path: *path, bodies });
+/// Rays that the hits of a wave spawn, and the state of samples.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SpawnedRays<E: Element> {
+    /// Rays of the next wave, by kind.
+    pub(super) reflected: TreeStream<E>,
+    pub(super) refracted: TreeStream<E>,
+    /// Shadow rays by light.
+    pub(super) lights: Vec<ShadowRayStream<E>>,
+    /// Ray trees of the samples.
+    pub(super) trees: Vec<RayTree>,
+    /// Samples whose path has ended in this wave, in scenes that defer rays.
+    pub(super) ended: Vec<u32>,
+    /// Rays whose hits are shaded in lanes.
+    pub(super) in_lanes: RaySet,
+    /// Triangles of the hits that are shaded together.
+    pub(super) gathered: GatheredShapes,
+    pub(super) counts: ShadingCounts,
+}
+
+/// Rays of a wave with their closest hits.
+pub(super) type TreeWave<'a, E> = (&'a TreeStream<E>, &'a HitStream);
+
+/// The hit primitive of a ray.
+pub(super) type FindPrimitive<'a> = dyn Fn(usize) -> Option<StreamPrimitive<'a>> + 'a;
+
+/// Texture coordinates of the vertices of the triangle that a ray has hit.
+pub(super) type FindVertexUvs<'a> = dyn Fn(usize) -> [[f32; 2]; 3] + 'a;
+
+/// Numbers that hits are shaded in.
+pub(super) trait TreeElement: Element {
+    /// Shades those closest hits of a wave that are shaded in lanes, with the instructions of a level, or one by one. All levels have the
+    /// same results.
+    fn shade<'w>(
+        spawned: &mut SpawnedRays<Self>,
+        level: Option<LaneLevel>,
+        inputs: &TreeInputs<'_>,
+        world: (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        wave: TreeWave<'_, Self>,
+        seen: &mut [RadianceSample],
+    );
+}
+
+/// Set of rays of a stream.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RaySet([u64; STREAM_CAPACITY / 64]);
+
+impl RaySet {
+    pub(super) const fn clear(&mut self) {
+        self.0 = [0; STREAM_CAPACITY / 64];
     }
 
-    /// Moves the ray that was deferred last into the wave, if there is one.
-    #[inline]
-    pub(super) fn pop_deferred(&mut self, wave: &mut RayQueues<TreePath>) {
-        if let Some((ray, path)) = self.pop() {
-            wave.refracted.push(ray, Interval::SPAWNED, path);
+    #[inline(always)]
+    pub(super) fn insert(&mut self, at: usize) {
+        self.0[at / 64 % self.0.len()] |= 1 << (at % 64);
+    }
+
+    /// Bits of up to eight rays, from a multiple of their number on.
+    #[inline(always)]
+    pub(super) fn bits(&self, at: usize) -> u8 {
+        (self.0[at / 64 % self.0.len()] >> (at % 64)) as u8
+    }
+}
+
+impl<E: TreeElement> TreeStreams<E> {
+    /// Traces the ray trees of camera rays, and shades them at a level.
+    pub(super) fn trace<W: StreamQueries>(
+        &mut self,
+        inputs: &TreeInputs<'_>,
+        level: Option<LaneLevel>,
+        world: &mut W,
+        batch: TreeBatch<'_>,
+    ) {
+        let TreeBatch { rays, surroundings, seen } = batch;
+        seen.fill(RadianceSample::MISS);
+        self.spawned.start(inputs, (rays.len(), surroundings));
+        self.refracted.clear();
+        self.reflected.start(rays);
+        let mut first_kind = RayKind::Primary;
+        while !self.reflected.is_empty() || !self.refracted.is_empty() {
+            let Self { reflected, refracted, hits, spawned } = self;
+            for (paths, kind) in [(&*reflected, first_kind), (&*refracted, RayKind::Refraction)] {
+                if !paths.is_empty() {
+                    world.closest_stream(&paths.rays, kind, hits);
+                    spawned.group(inputs, &*world, (paths, hits), seen);
+                    let (world, hits) = (&*world, &*hits);
+                    let primitive = |at: usize| world.primitive(hits, at);
+                    let vertex_uvs = |at: usize| world.vertex_uvs(hits, at);
+                    E::shade(spawned, level, inputs, (&primitive, &vertex_uvs), (paths, hits), seen);
+                }
+            }
+            first_kind = RayKind::Reflection;
+            for light in &mut spawned.lights {
+                light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), |radiance| radiance, seen);
+            }
+            self.next_wave();
         }
     }
 
-    /// Removes the ray that was deferred last, if there is one, and makes it the current path.
-    #[inline]
-    pub(super) fn pop(&mut self) -> Option<(Ray, TreePath)> {
-        let DeferredRay { ray, path, bodies } = self.deferred.pop()?;
-        self.interiors.pop(&mut self.interior, bodies);
-        (self.passages, self.start) = (path.passages, path.start);
-        Some((ray, path))
+    /// Starts the next wave, with deferred rays of samples whose path has ended.
+    fn next_wave(&mut self) {
+        let Self { reflected, refracted, spawned, .. } = self;
+        for sample in spawned.ended.drain(..) {
+            if let Some((ray, path)) = spawned.trees[sample as usize].pop() {
+                spawned.refracted.push(&ray, Interval::SPAWNED, &path);
+            }
+        }
+        for (wave, next) in [(reflected, &mut spawned.reflected), (refracted, &mut spawned.refracted)] {
+            wave.clear();
+            core::mem::swap(wave, next);
+        }
+    }
+}
+
+impl<E: Element> SpawnedRays<E> {
+    /// Makes space for lights and samples.
+    fn start(&mut self, inputs: &TreeInputs<'_>, (n_samples, surroundings): (usize, &[InteriorList])) {
+        let n_lights = inputs.appearance.lights.len();
+        if self.lights.len() < n_lights {
+            self.lights.resize_with(n_lights, ShadowRayStream::default);
+        }
+        if self.trees.len() < n_samples {
+            self.trees.resize_with(n_samples, RayTree::default);
+        }
+        if inputs.settings.features.refraction {
+            let air = InteriorList::default();
+            let mut surroundings = surroundings.iter().cycle();
+            for tree in &mut self.trees[..n_samples] {
+                tree.restart(surroundings.next().unwrap_or(&air));
+            }
+        }
     }
 
-    /// Restarts the tree with a camera ray in these media.
-    pub(super) fn restart(&mut self, surroundings: &InteriorList) {
-        self.deferred.clear();
-        self.interiors.clear();
-        self.interior.clone_from(surroundings);
-        (self.passages, self.start) = (0, 0.0);
+    /// Finds the hits that are shaded in lanes, and shades all others.
+    fn group<W: StreamQueries>(
+        &mut self,
+        inputs: &TreeInputs<'_>,
+        world: &W,
+        (paths, hits): TreeWave<'_, E>,
+        seen: &mut [RadianceSample],
+    ) {
+        self.in_lanes.clear();
+        let needs = inputs.settings.features.surface();
+        let are_all_in_lanes = inputs.phongs.are_complete && world.has_only_primitives();
+        for (at, primitive) in hits.primitive.as_slice()[..paths.len()].iter().enumerate() {
+            if *primitive == HitStream::NONE {
+                continue;
+            }
+            let is_in_lanes = |primitive: StreamPrimitive<'_>| {
+                inputs.phongs.get(primitive.material).is_some_and(|phong| phong.shades(&primitive.shape))
+            };
+            if are_all_in_lanes || world.primitive(hits, at).is_some_and(is_in_lanes) {
+                self.in_lanes.insert(at);
+                continue;
+            }
+            let (ray, _) = paths.rays.get(at);
+            if let Some(mut hit) = world.surface(&ray, hits, at, needs) {
+                let seen = &mut seen[paths.sample.get(at) as usize];
+                self.shade_hit(inputs, paths.get(at), &ray, &mut hit, seen);
+            }
+        }
+    }
+
+    /// Ends the path of a sample: its last deferred ray is next.
+    #[inline(always)]
+    pub(super) fn end_path(&mut self, inputs: &TreeInputs<'_>, sample: u32) {
+        if inputs.settings.features.refraction {
+            self.ended.push(sample);
+        }
+    }
+}
+
+impl LanePhong {
+    /// True if hits on shapes of this kind are shaded in lanes: these have no texture coordinates of spheres and polygons.
+    fn shades(&self, shape: &StreamShape<'_>) -> bool {
+        !(self.is_checkered() && matches!(shape, StreamShape::Sphere(_) | StreamShape::Polygon(_)))
     }
 }

@@ -6,7 +6,7 @@ use crate::{
 };
 use rt_geometry::{Cuboid, InteractionFlags, Plane, RayKind, Shape, Sphere, Triangle};
 use rt_math::{
-    DVec3,
+    DVec3, Rgb,
     transcendental::{acos, asin, cos, exp, sin, sincos, tan},
 };
 
@@ -318,7 +318,7 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     assert!(!interior.is_empty());
     for surroundings in [&interior, &InteriorList::filled_with(0)] {
         let mut whitted = Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true));
-        whitted.set_surroundings(surroundings);
+        whitted.set_surroundings(core::slice::from_ref(surroundings));
         let seen = whitted.radiance(&mut dynamic(&mut world), &appearance, &ray).radiance;
         let in_glass = asin(sin(20f64.to_radians()) * 1.33 / 1.5);
         let expected = exp(-0.5 * 0.5 / cos(20f64.to_radians()) - 0.25 * 9.0 / cos(in_glass));

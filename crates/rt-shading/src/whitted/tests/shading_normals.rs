@@ -6,7 +6,7 @@ use crate::{
     Transmission, optics, scene_queries::dynamic,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
-use rt_math::{DVec3, Interval};
+use rt_math::{DVec3, Interval, Rgb};
 
 /// A floor at height 0 whose shading normal is not its own. The first ray meets it at the origin; later ones leave.
 struct Facet {

@@ -1,6 +1,6 @@
 //! Streams of rays with the numbers of their paths.
 
-use super::super::wave::TreePath;
+use super::ray_tree::TreePath;
 use crate::lane_set::Element;
 use rt_geometry::{RayStream, StreamArray};
 use rt_math::{Interval, Ray, Rgb};
@@ -53,6 +53,12 @@ impl<E: Element> TreeStream<E> {
         r.set(at, E::rounded(weight.r));
         g.set(at, E::rounded(weight.g));
         b.set(at, E::rounded(weight.b));
+    }
+
+    /// Path of an index.
+    #[inline(always)]
+    pub(super) fn get(&self, at: usize) -> TreePath {
+        TreePath { sample: self.sample.get(at), depth: self.depth.get(at), weight: self.weight(at) }
     }
 
     /// Weight of a path.
