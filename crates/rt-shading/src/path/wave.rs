@@ -222,9 +222,10 @@ impl<E: Element> SpawnedPaths<E> {
                 continue;
             }
             let (ray, _) = paths.rays.get(at);
-            let hit = world.surface(&ray, hits, at, needs);
-            let vertex = hit.and_then(|mut hit| {
-                let surface = self.shade_hit(inputs, (wave, at), &mut hit, &mut samplers[id], &mut seen[id])?;
+            // The surface is large, and not moved.
+            let hit = &mut world.surface(&ray, hits, at, needs);
+            let vertex = hit.as_mut().and_then(|hit| {
+                let surface = self.shade_hit(inputs, (wave, at), hit, &mut samplers[id], &mut seen[id])?;
                 Some((hit.interaction, surface))
             });
             match vertex {

@@ -5,7 +5,7 @@ use super::{
     lane_phong::UniformPhong,
     ray_tree::TreePath,
     streams::TreeStream,
-    wave::{FindPrimitive, FindVertexUvs, SpawnedRays, TreeElement, TreeWave},
+    wave::{SpawnedRays, TreeElement, TreeWave},
 };
 use crate::{
     Background, LaneLevel, RadianceSample, SurfaceHit,
@@ -15,7 +15,7 @@ use crate::{
     lanes::{LANES, dispatch, each_lane, first_lanes, is_zero},
     medium::absorb,
     optics,
-    stream_queries::{StreamPrimitive, StreamShape},
+    stream_queries::{StreamPrimitive, StreamQueries, StreamShape},
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
         hit_points::HitPoints,
@@ -50,11 +50,11 @@ struct Group<'a, L: LaneSet> {
 }
 
 impl TreeElement for f32 {
-    fn shade<'w>(
+    fn shade<W: StreamQueries>(
         spawned: &mut SpawnedRays<Self>,
         level: Option<LaneLevel>,
         inputs: &TreeInputs<'_>,
-        world: (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        world: &W,
         wave: TreeWave<'_, Self>,
         seen: &mut [RadianceSample],
     ) {
@@ -69,11 +69,11 @@ impl TreeElement for f32 {
 }
 
 impl TreeElement for f64 {
-    fn shade<'w>(
+    fn shade<W: StreamQueries>(
         spawned: &mut SpawnedRays<Self>,
         _: Option<LaneLevel>,
         inputs: &TreeInputs<'_>,
-        world: (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        world: &W,
         wave: TreeWave<'_, Self>,
         seen: &mut [RadianceSample],
     ) {
@@ -84,10 +84,10 @@ impl TreeElement for f64 {
 impl<E: Element> SpawnedRays<E> {
     /// Shades those closest hits of a wave that are shaded in lanes, and adds the background to the samples of rays without a hit.
     #[inline(always)]
-    fn shade<'w, L: LaneSet<Element = E>>(
+    fn shade<W: StreamQueries, L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &TreeInputs<'_>),
-        (find_primitive, find_vertex_uvs): (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        world: &W,
         (paths, hits): TreeWave<'_, E>,
         seen: &mut [RadianceSample],
     ) {
@@ -100,51 +100,29 @@ impl<E: Element> SpawnedRays<E> {
             }
             let mut rest = self.in_lanes.bits(at) & used & !missed;
             while let Some(first) = each_lane(rest).next() {
-                let Some(primitive) = find_primitive(at + first) else { break };
+                let Some(primitive) = world.primitive(hits, at + first) else { break };
                 let Some(model) = inputs.phongs.get(primitive.material) else { break };
-                let mut mask = lanes.equal(indices, indices[first]) & lanes.equal(instances, instances[first]) & rest;
-                let mut objects = [primitive.object; LANES];
                 let is_triangle = matches!(primitive.shape, StreamShape::Triangle(_) | StreamShape::MeshTriangle(..));
-                let is_gathered = is_triangle && !model.is_checkered();
-                if is_gathered {
-                    mask = self.gather_triangles(find_primitive, (at, rest), primitive.material, &mut objects);
+                if is_triangle && !model.is_checkered() {
+                    let phong = (model.square(0), primitive.material);
+                    rest &= !self.shade_triangles((lanes, inputs), world, (paths, hits), (at, rest), phong, seen);
+                    continue;
                 }
+                let mask = lanes.equal(indices, indices[first]) & lanes.equal(instances, instances[first]) & rest;
                 rest &= !mask;
-                let (points, smooth) = if is_gathered {
-                    let points = HitPoints::on_shapes(lanes, &self.gathered, &paths.rays, hits, at);
-                    (points, self.gathered.smooth & mask)
-                } else {
-                    (HitPoints::new(lanes, &primitive.shape, &paths.rays, hits, at), 0)
-                };
-                let points = &points;
+                let points = &HitPoints::new(lanes, &primitive.shape, &paths.rays, hits, at);
                 let surface = &ShadedSurface::new(lanes, points, mask);
-                let mut normals = ShadingNormals::flat(surface);
-                if smooth != 0 {
-                    normals.interpolate(lanes, (points, surface), &self.gathered, (hits, at), smooth);
-                }
+                let normals = &ShadingNormals::flat(surface);
                 let mut odd = 0;
                 if model.is_checkered() {
-                    let vertex_uvs = || find_vertex_uvs(at + first);
+                    let vertex_uvs = || world.vertex_uvs(hits, at + first);
                     odd = mask & points.odd_squares(lanes, (&primitive.shape, vertex_uvs), (hits, at), model.side);
                 }
                 for (mask, square) in [(mask & !odd, 0), (odd, 1)] {
                     if mask != 0 {
-                        let (phong, material) = (model.square(square), primitive.material);
-                        let (weight, eta) = (lanes.load_vector(&paths.weight, at), lanes.splat(1.0));
-                        let (objects, normals) = (&objects, &normals);
-                        let group = Group {
-                            phong,
-                            material,
-                            objects,
-                            points,
-                            surface,
-                            normals,
-                            at,
-                            mask,
-                            weight,
-                            transmits: 0,
-                            eta,
-                        };
+                        let phong = (model.square(square), primitive.material);
+                        let objects = &[primitive.object; LANES];
+                        let group = Group::new(lanes, phong, (points, surface, normals), objects, (paths, at, mask));
                         self.shade_group((lanes, inputs), group, paths, seen);
                     }
                 }
@@ -152,19 +130,50 @@ impl<E: Element> SpawnedRays<E> {
         }
     }
 
+    /// Shades the hits of some lanes, from index `at` on, on triangles of a material with this model. Returns their lanes.
+    #[inline(never)]
+    fn shade_triangles<W: StreamQueries, L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        world: &W,
+        (paths, hits): TreeWave<'_, E>,
+        (at, mask): (usize, u8),
+        (phong, material): (&UniformPhong, u32),
+        seen: &mut [RadianceSample],
+    ) -> u8 {
+        lanes.vectorize(
+            #[inline(always)]
+            || {
+                let mut objects = [0; LANES];
+                let mask = self.gather_triangles(world, (hits, at, mask), material, &mut objects);
+                let points = &HitPoints::on_shapes(lanes, &self.gathered, &paths.rays, hits, at);
+                let surface = &ShadedSurface::new(lanes, points, mask);
+                let mut normals = ShadingNormals::flat(surface);
+                let smooth = mask & self.gathered.smooth;
+                if smooth != 0 {
+                    normals.interpolate(lanes, (points, surface), &self.gathered, (hits, at), smooth);
+                }
+                let surfaces = (points, surface, &normals);
+                let group = Group::new(lanes, (phong, material), surfaces, &objects, (paths, at, mask));
+                self.shade_group((lanes, inputs), group, paths, seen);
+                mask
+            },
+        )
+    }
+
     /// Gathers the triangles of a material that the rays of a mask have hit, from index `at` on, and returns their lanes.
     #[inline(never)]
-    fn gather_triangles(
+    fn gather_triangles<W: StreamQueries>(
         &mut self,
-        find_primitive: &FindPrimitive<'_>,
-        (at, mask): (usize, u8),
+        world: &W,
+        (hits, at, mask): (&HitStream, usize, u8),
         material: u32,
         objects: &mut [u32; LANES],
     ) -> u8 {
         self.gathered.clear();
         let mut gathered = 0;
         for lane in each_lane(mask) {
-            let Some(primitive) = find_primitive(at + lane) else { continue };
+            let Some(primitive) = world.primitive(hits, at + lane) else { continue };
             let StreamPrimitive { shape, object, .. } = primitive;
             let is_triangle = matches!(shape, StreamShape::Triangle(_) | StreamShape::MeshTriangle(..));
             if is_triangle && primitive.material == material {
@@ -509,7 +518,20 @@ impl TreeInputs<'_> {
     }
 }
 
-impl<L: LaneSet> Group<'_, L> {
+impl<'a, L: LaneSet> Group<'a, L> {
+    /// Hits of a mask of lanes, from the ray `at` on.
+    #[inline(always)]
+    fn new(
+        lanes: L,
+        (phong, material): (&'a UniformPhong, u32),
+        (points, surface, normals): (&'a HitPoints<L>, &'a ShadedSurface<L>, &'a ShadingNormals<L>),
+        objects: &'a [u32; LANES],
+        (paths, at, mask): (&TreeStream<L::Element>, usize, u8),
+    ) -> Self {
+        let (weight, eta) = (lanes.load_vector(&paths.weight, at), lanes.splat(1.0));
+        Self { phong, material, objects, points, surface, normals, at, mask, weight, transmits: 0, eta }
+    }
+
     const fn body(&self, lane: usize) -> MediumEntry {
         MediumEntry { object: self.objects[lane % LANES], material: self.material }
     }

@@ -50,21 +50,15 @@ pub(super) struct SpawnedRays<E: Element> {
 /// Rays of a wave with their closest hits.
 pub(super) type TreeWave<'a, E> = (&'a TreeStream<E>, &'a HitStream);
 
-/// The hit primitive of a ray.
-pub(super) type FindPrimitive<'a> = dyn Fn(usize) -> Option<StreamPrimitive<'a>> + 'a;
-
-/// Texture coordinates of the vertices of the triangle that a ray has hit.
-pub(super) type FindVertexUvs<'a> = dyn Fn(usize) -> [[f32; 2]; 3] + 'a;
-
 /// Numbers that hits are shaded in.
 pub(super) trait TreeElement: Element {
     /// Shades those closest hits of a wave that are shaded in lanes, with the instructions of a level, or one by one. All levels have the
     /// same results.
-    fn shade<'w>(
+    fn shade<W: StreamQueries>(
         spawned: &mut SpawnedRays<Self>,
         level: Option<LaneLevel>,
         inputs: &TreeInputs<'_>,
-        world: (&FindPrimitive<'w>, &FindVertexUvs<'w>),
+        world: &W,
         wave: TreeWave<'_, Self>,
         seen: &mut [RadianceSample],
     );
@@ -75,8 +69,9 @@ pub(super) trait TreeElement: Element {
 pub(super) struct RaySet([u64; STREAM_CAPACITY / 64]);
 
 impl RaySet {
-    pub(super) const fn clear(&mut self) {
-        self.0 = [0; STREAM_CAPACITY / 64];
+    /// All rays, or none.
+    const fn all(is_in: bool) -> Self {
+        Self([if is_in { !0 } else { 0 }; STREAM_CAPACITY / 64])
     }
 
     #[inline(always)]
@@ -112,10 +107,7 @@ impl<E: TreeElement> TreeStreams<E> {
                 if !paths.is_empty() {
                     world.closest_stream(&paths.rays, kind, hits);
                     spawned.group(inputs, &*world, (paths, hits), seen);
-                    let (world, hits) = (&*world, &*hits);
-                    let primitive = |at: usize| world.primitive(hits, at);
-                    let vertex_uvs = |at: usize| world.vertex_uvs(hits, at);
-                    E::shade(spawned, level, inputs, (&primitive, &vertex_uvs), (paths, hits), seen);
+                    E::shade(spawned, level, inputs, &*world, (paths, hits), seen);
                 }
             }
             first_kind = RayKind::Reflection;
@@ -168,9 +160,12 @@ impl<E: Element> SpawnedRays<E> {
         (paths, hits): TreeWave<'_, E>,
         seen: &mut [RadianceSample],
     ) {
-        self.in_lanes.clear();
+        let are_all = inputs.phongs.are_complete && world.has_only_primitives();
+        self.in_lanes = RaySet::all(are_all);
+        if are_all {
+            return;
+        }
         let needs = inputs.settings.features.surface();
-        let are_all_in_lanes = inputs.phongs.are_complete && world.has_only_primitives();
         for (at, primitive) in hits.primitive.as_slice()[..paths.len()].iter().enumerate() {
             if *primitive == HitStream::NONE {
                 continue;
@@ -178,14 +173,15 @@ impl<E: Element> SpawnedRays<E> {
             let is_in_lanes = |primitive: StreamPrimitive<'_>| {
                 inputs.phongs.get(primitive.material).is_some_and(|phong| phong.shades(&primitive.shape))
             };
-            if are_all_in_lanes || world.primitive(hits, at).is_some_and(is_in_lanes) {
+            if world.primitive(hits, at).is_some_and(is_in_lanes) {
                 self.in_lanes.insert(at);
                 continue;
             }
             let (ray, _) = paths.rays.get(at);
-            if let Some(mut hit) = world.surface(&ray, hits, at, needs) {
+            // The surface is large, and not moved.
+            if let Some(hit) = &mut world.surface(&ray, hits, at, needs) {
                 let seen = &mut seen[paths.sample.get(at) as usize];
-                self.shade_hit(inputs, paths.get(at), &ray, &mut hit, seen);
+                self.shade_hit(inputs, paths.get(at), &ray, hit, seen);
             }
         }
     }
