@@ -39,7 +39,7 @@ pub struct PlanOptions {
 /// Type of the numbers that surfaces are shaded in. Positions, hits and sums of samples are always `f64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// `f32` under `whitted` and in path tracing, in simple scenes of spheres, planes and small meshes; elsewhere `f64`.
+    /// `f32` under `whitted` and in path tracing, for common shapes and materials; elsewhere `f64`.
     #[default]
     F32,
     /// `f64`: the reference.

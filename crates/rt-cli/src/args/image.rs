@@ -73,8 +73,8 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "Rendering")]
     pub(crate) simd: Option<SimdLevel>,
 
-    /// Choose the numbers in which surfaces are shaded: `f32` for simple scenes of spheres, planes and small meshes, elsewhere `f64`; or
-    /// `f64` everywhere, as reference
+    /// Choose the numbers in which surfaces are shaded: `f32` for common shapes and materials, elsewhere `f64`; or `f64` everywhere, as
+    /// reference
     #[arg(long, value_name = "NAME", value_parser = named(Precision::ALL, Precision::name), default_value = "f32", help_heading = "Rendering")]
     pub(crate) precision: Precision,
 

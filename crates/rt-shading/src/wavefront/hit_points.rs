@@ -7,8 +7,8 @@ use crate::{
     stream_queries::{StreamShape, StreamTriangle},
 };
 use rt_geometry::{
-    HitStream, RayStream, SmoothPoint, interpolate, plane_point, plane_uv, smooth_point, sphere_point, triangle_point,
-    unit_normal, unit_normal_lanes,
+    HitStream, RayStream, SmoothPoint, SurfaceInteraction, interpolate, plane_point, plane_uv, smooth_point,
+    sphere_point, triangle_point, unit_normal, unit_normal_lanes,
 };
 use rt_math::{DVec3, Mask, Real, Vector3};
 
@@ -133,6 +133,13 @@ impl<L: LaneSet> HitPoints<L> {
         let side = lanes.splat_f64(side);
         let half = (lanes.floor_f64(u / side) + lanes.floor_f64(v / side)) * 0.5;
         !lanes.bits_f64((half - lanes.floor_f64(half)).eq(lanes.splat_f64(0.0)))
+    }
+
+    /// Surface of a lane, without texture coordinates and interpolated normal.
+    #[inline(never)]
+    pub(crate) fn surface(&self, lanes: L, lane: usize) -> SurfaceInteraction {
+        let [point, error, normal] = self.get(lanes, lane);
+        SurfaceInteraction::flat(point, error, normal, [0.0; 2])
     }
 
     /// Point of a lane with its error bound, and its normal on the outside.

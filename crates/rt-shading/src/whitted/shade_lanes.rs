@@ -25,7 +25,7 @@ use crate::{
     },
 };
 use fearless_simd::Simd as _;
-use rt_geometry::{HitStream, SurfaceInteraction};
+use rt_geometry::HitStream;
 use rt_math::{Interval, Ray, Real, Rgb, Vector3};
 
 /// Hits of some lanes on surfaces with one Phong model.
@@ -266,7 +266,11 @@ impl<E: Element> SpawnedRays<E> {
             let way = (t[lane] - tree.start) * length[lane];
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
-                self.skip_interface_of_lane((lanes, inputs), (group, lane, t[lane]), (interface, way), paths, seen);
+                let (at, body) = (group.at + lane, group.body(lane));
+                let interaction = group.points.surface(lanes, lane);
+                let hit =
+                    SurfaceHit { t: t[lane], interaction, object: body.object, material: body.material, light: None };
+                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, way), seen);
                 continue;
             }
             if settings.features.absorption {
@@ -296,23 +300,19 @@ impl<E: Element> SpawnedRays<E> {
         }
     }
 
-    /// Continues the ray of a lane behind a null interface.
+    /// Continues a ray of a stream behind a null interface.
     #[inline(never)]
-    fn skip_interface_of_lane<L: LaneSet<Element = E>>(
+    fn skip_interface_of_ray(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
-        (group, lane, t): (&Group<'_, L>, usize, f64),
-        (interface, way): (Option<&MediumInterface>, f64),
-        paths: &TreeStream<E>,
+        inputs: &TreeInputs<'_>,
+        (paths, at): (&TreeStream<E>, usize),
+        hit: &SurfaceHit,
+        interface: (Option<&MediumInterface>, f64),
         seen: &mut [RadianceSample],
     ) {
-        let (path, (ray, _)) = (paths.get(group.at + lane), paths.rays.get(group.at + lane));
-        let [point, error, normal] = group.points.get(lanes, lane);
-        let interaction = SurfaceInteraction::flat(point, error, normal, [0.0; 2]);
-        let MediumEntry { object, material } = group.body(lane);
-        let hit = SurfaceHit { t, interaction, object, material, light: None };
+        let (path, (ray, _)) = (paths.get(at), paths.rays.get(at));
         let seen = &mut seen[path.sample as usize];
-        self.skip_interface(inputs, (&ray, path), &hit, (interface, way), seen);
+        self.skip_interface(inputs, (&ray, path), hit, interface, seen);
     }
 
     /// Adds emission and reflected ambient light.
