@@ -229,7 +229,9 @@ impl<E: Element> SpawnedRays<E> {
             }
         }
         if inputs.settings.features.refraction {
-            self.ended.extend(each_lane(missed).map(|lane| paths.sample.get(at + lane)));
+            for lane in each_lane(missed) {
+                self.ended.push(paths.sample.get(at + lane));
+            }
         }
     }
 

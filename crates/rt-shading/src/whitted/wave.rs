@@ -121,11 +121,12 @@ impl<E: TreeElement> TreeStreams<E> {
     /// Starts the next wave, with deferred rays of samples whose path has ended.
     fn next_wave(&mut self) {
         let Self { reflected, refracted, spawned, .. } = self;
-        for sample in spawned.ended.drain(..) {
+        for &sample in &spawned.ended {
             if let Some((ray, path)) = spawned.trees[sample as usize].pop() {
                 spawned.refracted.push(&ray, Interval::SPAWNED, &path);
             }
         }
+        spawned.ended.clear();
         for (wave, next) in [(reflected, &mut spawned.reflected), (refracted, &mut spawned.refracted)] {
             wave.clear();
             core::mem::swap(wave, next);
