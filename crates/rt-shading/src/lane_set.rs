@@ -7,7 +7,7 @@
 //! ```
 
 use crate::{
-    lanes::{LANES, LaneArray, LaneMask, LaneMask32, Lanes, Lanes32, Simd},
+    lanes::{LANES, LaneArray, LaneLevel, LaneMask, LaneMask32, Lanes, Lanes32, Simd, dispatch},
     light::{LightSet, SampledLight},
 };
 use core::marker::PhantomData;
@@ -175,6 +175,15 @@ pub(crate) trait LaneSet: Copy {
 pub(crate) trait Element: Copy + Default + Into<f64> {
     /// The nearest number of the type.
     fn rounded(x: f64) -> Self;
+
+    /// Runs a stage with the instructions of a level, or one hit at a time. All levels have the same results.
+    fn run(level: Option<LaneLevel>, stage: impl LaneStage<Self>);
+}
+
+/// Stage of an integrator that shades hits in lanes.
+pub(crate) trait LaneStage<E: Element> {
+    /// Runs the stage. The function must be inlined.
+    fn run<L: LaneSet<Element = E>>(self, lanes: L);
 }
 
 impl Element for f32 {
@@ -182,12 +191,27 @@ impl Element for f32 {
     fn rounded(x: f64) -> Self {
         x as Self
     }
+
+    #[inline(always)]
+    fn run(level: Option<LaneLevel>, stage: impl LaneStage<Self>) {
+        match level {
+            Some(level) => dispatch!(level, simd => simd.vectorize(
+                #[inline(always)]
+                || stage.run(SimdLanes(simd)),
+            )),
+            None => stage.run(OneLane::new()),
+        }
+    }
 }
 
 impl Element for f64 {
     #[inline(always)]
     fn rounded(x: f64) -> Self {
         x
+    }
+
+    fn run(_: Option<LaneLevel>, stage: impl LaneStage<Self>) {
+        stage.run(Float64Lane::new());
     }
 }
 

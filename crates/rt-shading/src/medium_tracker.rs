@@ -31,7 +31,7 @@ impl MediumTracker {
         self.passages > MAX_NULL_INTERFACES
     }
 
-    /// Number of bounces that consecutive null interfaces have cost.
+    /// Number of bounces that null interfaces have cost since the last surface.
     pub(crate) const fn bounces_of_passages(&self) -> u32 {
         self.passages.saturating_sub(MAX_NULL_INTERFACES)
     }

@@ -9,7 +9,8 @@
 //!
 //! All paths of a wave have had the same number of bounces. Each lane gathers the numbers of its shape and of its BSDF: after the first
 //! surface, rays that follow each other hit different primitives. Paths that have ended leave no gaps in the streams. Surfaces that
-//! transmit light, and those whose BSDF has no version for lanes, are shaded one by one, with the same streams.
+//! transmit light or lie in an absorbing medium, and those whose BSDF has no version for lanes, are shaded one by one, with the same
+//! streams.
 
 mod clamp;
 mod direct_lighting;
@@ -159,6 +160,10 @@ impl<S: Sampler + Clone> PathTracer<S> {
     ) {
         let Self { settings, features, materials, surroundings, lanes, has_time, streams } = self;
         *has_time |= rays.has_time();
+        if !*has_time {
+            // Rays that stages append behind these get no times.
+            rays.time.as_mut_slice().fill(0.0);
+        }
         let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting));
         let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
         let first_list = if surroundings.len() > 1 { first } else { 0 };

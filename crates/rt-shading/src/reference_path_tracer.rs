@@ -106,11 +106,8 @@ impl ReferencePathTracer<'_> {
                 let is_dimmed =
                     path.media.skip_interface(interface, &hit, length, &mut path.throughput, &mut self.counts);
                 path.seen.hit |= is_dimmed;
-                if path.media.null_limit_exceeded() {
-                    if path.bounces >= max_depth {
-                        return path.seen;
-                    }
-                    path.bounces += 1;
+                if path.media.null_limit_exceeded() && path.bounces + path.media.bounces_of_passages() > max_depth {
+                    return path.seen;
                 }
                 (span, kind) = (hit.span_after(&ray), RayKind::Refraction);
                 continue;

@@ -54,7 +54,7 @@ pub trait StreamQueries {
     /// The primitive that a ray has hit; `None` for one of any other shape, and for a miss.
     fn primitive(&self, hits: &HitStream, at: usize) -> Option<StreamPrimitive<'_>>;
 
-    /// True if all hits are on such primitives, with a material.
+    /// True if all hits are on such primitives, and no texture is on a sphere or polygon.
     fn has_only_primitives(&self) -> bool {
         false
     }

@@ -11,9 +11,12 @@
 //! with the same streams.
 
 mod counts;
+mod hit_group;
 mod inputs;
+mod interfaces;
 mod lane_phong;
 mod ray_tree;
+mod secondary_rays;
 mod shade;
 mod shade_lanes;
 mod streams;
@@ -158,6 +161,10 @@ impl Whitted {
         (first, rays, seen): (usize, &mut RayStream, &mut [RadianceSample]),
     ) {
         self.has_time |= rays.has_time();
+        if !self.has_time {
+            // Rays that stages append behind these get no times.
+            rays.time.as_mut_slice().fill(0.0);
+        }
         let Self { settings, phongs, surroundings, lanes, has_time, is_f64, in_f32, in_f64 } = self;
         let phongs = phongs.get_or_insert_with(|| LanePhongs::new(appearance, &settings.features));
         let inputs = &TreeInputs { settings, appearance, phongs, has_time: *has_time };

@@ -12,7 +12,7 @@ use crate::{
     stream_queries::StreamQueries,
     wavefront::gathered_shapes::GatheredShapes,
 };
-use rt_geometry::{HitStream, STREAM_CAPACITY, SurfaceInteraction};
+use rt_geometry::{HitStream, SurfaceInteraction};
 use rt_math::Rgb;
 
 /// Hits of a wave, grouped by the code that shades them.
@@ -85,7 +85,7 @@ impl HitGroups {
 
     /// Group of each ray.
     pub(super) fn kinds(&self) -> &[VertexKind] {
-        &self.kinds[..self.kinds.len().min(STREAM_CAPACITY)]
+        &self.kinds
     }
 
     /// The surface of a ray, if it is known.
@@ -192,22 +192,22 @@ pub(super) fn gather<W: StreamQueries>(
         if kind == VertexKind::Done {
             continue;
         }
-        *valid |= 1 << lane;
-        if kind == VertexKind::EmissionOnly {
-            *emission_only |= 1 << lane;
-        }
         if let Some((interaction, surface)) = groups.surface(at) {
             shapes.set_surface(lane, interaction);
             bsdfs.set(lane, surface);
-            continue;
+        } else {
+            let Some(primitive) = world.primitive(hits, at) else { continue };
+            let Some(material) = materials.get(primitive.material) else { continue };
+            shapes.set(lane, &primitive.shape);
+            bsdfs.set(lane, &material.surface);
+            if !material.emission[0].is_black() {
+                *emissive |= 1 << lane;
+                (emission[lane], lights[lane]) = (material.emission, primitive.light);
+            }
         }
-        let Some(primitive) = world.primitive(hits, at) else { continue };
-        let Some(material) = materials.get(primitive.material) else { continue };
-        shapes.set(lane, &primitive.shape);
-        bsdfs.set(lane, &material.surface);
-        if !material.emission[0].is_black() {
-            *emissive |= 1 << lane;
-            (emission[lane], lights[lane]) = (material.emission, primitive.light);
+        *valid |= 1 << lane;
+        if kind == VertexKind::EmissionOnly {
+            *emission_only |= 1 << lane;
         }
     }
 }

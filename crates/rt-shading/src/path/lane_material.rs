@@ -21,10 +21,13 @@ pub(super) struct LaneMaterial {
     pub(super) ambient: Rgb,
 }
 
-/// Materials of a scene by index; `None` for those that are not shaded in lanes everywhere.
+/// Materials of a scene by index; `None` for those that are not shaded in lanes everywhere. The BSDF of a hit on one of these may still
+/// have a version for lanes.
 #[derive(Clone, Debug)]
 pub(super) struct LaneMaterials {
     materials: Vec<Option<LaneMaterial>>,
+    /// False if the numbers of a light leave the usual range of `f32`: then all hits are shaded one by one.
+    pub(super) has_usual_lights: bool,
     /// True if a surface may change the [`WavePathState`](super::path_stream::WavePathState) of paths.
     pub(super) track_states: bool,
     /// Kind of all materials, if it is the same.
@@ -72,7 +75,7 @@ impl VertexKind {
 }
 
 impl LaneMaterials {
-    /// Materials of a scene. None is shaded in lanes if the numbers of a light leave the usual range of `f32`.
+    /// Materials of a scene.
     pub(super) fn new(lighting: Lighting<'_>) -> Self {
         let has_usual_lights = lighting.lights.lights().iter().all(is_usual);
         let of = |material| if has_usual_lights { LaneMaterial::of(material) } else { None };
@@ -84,10 +87,10 @@ impl LaneMaterials {
             |material: &Option<LaneMaterial>| material.as_ref().map(|material| VertexKind::of(&material.surface));
         let kind = materials.first().and_then(kind_of);
         let kind = kind.filter(|_| materials.iter().all(|material| kind_of(material) == kind));
-        Self { track_states: !materials.iter().all(keeps_states), kind, materials }
+        Self { has_usual_lights, track_states: !materials.iter().all(keeps_states), kind, materials }
     }
 
-    /// Material of an index; `None` if hits on it are shaded by themselves.
+    /// Material of an index; `None` if it is not shaded in lanes everywhere.
     #[inline(always)]
     pub(super) fn get(&self, index: u32) -> Option<&LaneMaterial> {
         self.materials.get(index as usize)?.as_ref()

@@ -94,10 +94,10 @@ impl<E: Element> SpawnedPaths<E> {
         };
         if inputs.has_ambient_light(bsdf.is_diffuse_below_layer()) {
             let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, view.surface);
-            let radiance = path.throughput * ambient * lighting.appearance.ambient;
-            seen.radiance += settings.clamp.apply(wave.bounces + 1, radiance, &mut self.counts);
+            self.add_ambient(inputs, wave.bounces, path.throughput * ambient, seen);
         }
         if let Some(surface) = in_lanes
+            && inputs.materials.has_usual_lights
             && interface.is_none()
             && !was_absorbed
         {
@@ -162,7 +162,7 @@ impl<E: Element> SpawnedPaths<E> {
         let tracker = &mut state.medium_tracker;
         seen.hit |= tracker.skip_interface(interface, hit, length, &mut throughput, &mut self.counts);
         let bounces = wave.bounces + tracker.bounces_of_passages();
-        if bounces > inputs.settings.max_depth + u32::from(state.emission_only) {
+        if bounces > inputs.settings.max_depth.saturating_add(u32::from(state.emission_only)) {
             self.counts.depth_limited += 1;
             return;
         }
@@ -208,7 +208,8 @@ impl<E: Element> SpawnedPaths<E> {
         state.vertex = Some(vertex.view.surface.point);
         state.medium_tracker.scatter(path.interface, sample.kind);
         let ray = vertex.view.surface.spawn_ray(wi, vertex.time);
-        let pdf = if sample.is_delta { 0.0 } else { sample.pdf };
+        // In `f32`, the density must not be rounded to that of a delta direction.
+        let pdf = if sample.is_delta { 0.0 } else { sample.pdf.max(f64::from(f32::MIN_POSITIVE)) };
         let normal = vertex.normal.unwrap_or(DVec3::ZERO);
         self.paths.push(&sample, &ray, &PathRecord { sample: path.sample, throughput, pdf, normal });
     }

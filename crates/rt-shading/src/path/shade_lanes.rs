@@ -5,23 +5,22 @@ use super::{
     inputs::PathInputs,
     lane_bsdf::{BsdfLanes, SampledLanes},
     light_samples::LightSamples,
-    wave::{GatherHits, PathWave, ShadingElement, SpawnedPaths},
+    wave::{GatherHits, PathWave, ShadeHits, SpawnedPaths},
     wave_samples::WaveSamples,
 };
 use crate::{
     RadianceSample,
     bsdf::Scattering,
-    lane_set::{Element, Float64Lane, LaneSet, OneLane, SimdLanes},
-    lanes::{LANES, LaneLevel, dispatch, each_lane, first_lanes, is_zero},
+    lane_set::{Element, LaneSet, LaneStage},
+    lanes::{LANES, each_lane, first_lanes, is_zero},
     russian_roulette::survival_probability,
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
         hit_points::HitPoints,
         shaded_surface::{ShadedSurface, ShadingNormals},
-        streams::{add_radiance, append},
+        streams::{add_radiance, append, times},
     },
 };
-use fearless_simd::Simd as _;
 use rt_math::{Interval, Real, Rgb, Vector3};
 
 /// Hits of some lanes.
@@ -37,35 +36,11 @@ struct Vertices<L: LaneSet> {
     time: Option<L::D>,
 }
 
-impl ShadingElement for f32 {
-    fn shade(
-        spawned: &mut SpawnedPaths<Self>,
-        level: Option<LaneLevel>,
-        inputs: &PathInputs<'_>,
-        gather: &GatherHits<'_>,
-        wave: (&PathWave<'_, Self>, &WaveSamples),
-        seen: &mut [RadianceSample],
-    ) {
-        match level {
-            Some(level) => dispatch!(level, simd => simd.vectorize(
-                #[inline(always)]
-                || spawned.shade((SimdLanes(simd), inputs), gather, wave, seen),
-            )),
-            None => spawned.shade((OneLane::new(), inputs), gather, wave, seen),
-        }
-    }
-}
-
-impl ShadingElement for f64 {
-    fn shade(
-        spawned: &mut SpawnedPaths<Self>,
-        _: Option<LaneLevel>,
-        inputs: &PathInputs<'_>,
-        gather: &GatherHits<'_>,
-        wave: (&PathWave<'_, Self>, &WaveSamples),
-        seen: &mut [RadianceSample],
-    ) {
-        spawned.shade((Float64Lane::new(), inputs), gather, wave, seen);
+impl<E: Element> LaneStage<E> for ShadeHits<'_, E> {
+    #[inline(always)]
+    fn run<L: LaneSet<Element = E>>(self, lanes: L) {
+        let Self { spawned, inputs, gather, wave, samples, seen } = self;
+        spawned.shade((lanes, inputs), gather, (wave, samples), seen);
     }
 }
 
@@ -111,7 +86,7 @@ impl<E: Element> SpawnedPaths<E> {
             if smooth != 0 {
                 normals.interpolate(lanes, (&points, &surface), &self.gathered.shapes, (hits, at), smooth);
             }
-            let time = if inputs.has_time { Some(lanes.load_f64(paths.rays.time.vector(at))) } else { None };
+            let time = times(lanes, &paths.rays, at, inputs.has_time);
             let vertices = Vertices { at, mask, points, surface, normals, throughput, time };
             let side = (vertices.normals.normal, vertices.surface.inside);
             let direction = vertices.surface.direction;

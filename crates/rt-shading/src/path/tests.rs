@@ -335,6 +335,35 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
     assert!((seen.radiance.g - left).abs() < 1e-12, "{seen:?} is not {left}");
 }
 
+/// Regression: the reference still charged bounces for more than 1024 null interfaces after the next surface; waves did not.
+#[test]
+fn bounces_charged_for_null_interfaces_end_with_the_ray() {
+    struct Sheets;
+    impl SceneQueries for Sheets {
+        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
+            let t = span.min.floor() + 1.0;
+            let is_wall = t == 1030.0;
+            // Rays enter and leave the medium by turns.
+            let against = if (t as u32).is_multiple_of(2) { ray.direction } else { -ray.direction };
+            let normal = if is_wall { -ray.direction } else { against }.normalize();
+            let interaction = rt_geometry::SurfaceInteraction::flat(ray.at(t), DVec3::ZERO, normal, [0.0; 2]);
+            Some(SurfaceHit { t, interaction, object: 0, material: u32::from(is_wall), light: None })
+        }
+        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
+            false
+        }
+    }
+    let clear = MaterialModel::Dielectric { roughness: 0.0, transmittance: gray(1.0) };
+    let clear = Material { interior: Some(InteriorMedium::clear(1.0)), ..emissive(clear, 0.0) };
+    let scene = Scene::new(vec![clear, emissive(diffuse(0.5), 1.0)], Vec::new());
+    let (lights, bsdfs) = (scene.light_set(), BsdfCache::default());
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+    let settings = PathSettings { rr_start_depth: 100, ..paths(8) };
+    let (seen, counts) = trace(&mut Sheets, lighting, settings, &[InteriorList::default()], &[at_origin(); 4]);
+    // 1, ½, ... of the first four walls. The way to each costs five bounces: four and five more are too many.
+    assert_eq!((seen[0].radiance.g, counts.depth_limited), (1.875, 4), "{seen:?}, {counts:?}");
+}
+
 #[test]
 fn delta_lights_are_as_bright_as_under_whitted() {
     let kind = DeltaLightKind::Point {

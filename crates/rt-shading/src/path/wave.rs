@@ -3,7 +3,7 @@
 use super::{
     gathered::{Gathered, HitGroups, gather},
     inputs::PathInputs,
-    lane_material::{LaneMaterial, VertexKind},
+    lane_material::VertexKind,
     path_stream::{PathStream, PathStreamsByKind, WavePathState},
     wave_samples::WaveSamples,
 };
@@ -12,7 +12,7 @@ use crate::{
     mis::power_heuristic, wavefront::streams::ShadowRayStream,
 };
 use rt_geometry::{HitStream, RayKind, RayStream};
-use rt_math::Sampler;
+use rt_math::{Rgb, Sampler};
 
 /// Camera rays, their samplers, the media around the camera, and the radiance of the rays.
 pub(super) struct PathBatch<'a, S> {
@@ -62,24 +62,20 @@ pub(super) struct PathWave<'a, E: Element> {
     pub(super) bounces: u32,
 }
 
-/// Numbers that hits are shaded in.
-pub(super) trait ShadingElement: Element {
-    /// Shades those closest hits of a wave that are shaded in lanes, with the instructions of a level, or one by one. All levels have the
-    /// same results.
-    fn shade(
-        spawned: &mut SpawnedPaths<Self>,
-        level: Option<LaneLevel>,
-        inputs: &PathInputs<'_>,
-        gather: &GatherHits<'_>,
-        wave: (&PathWave<'_, Self>, &WaveSamples),
-        seen: &mut [RadianceSample],
-    );
+/// Stage that shades those closest hits of a wave that are shaded in lanes.
+pub(super) struct ShadeHits<'a, E: Element> {
+    pub(super) spawned: &'a mut SpawnedPaths<E>,
+    pub(super) inputs: &'a PathInputs<'a>,
+    pub(super) gather: &'a GatherHits<'a>,
+    pub(super) wave: &'a PathWave<'a, E>,
+    pub(super) samples: &'a WaveSamples,
+    pub(super) seen: &'a mut [RadianceSample],
 }
 
 /// Gathers the surfaces of the hits of some lanes, from an index on.
 pub(super) type GatherHits<'a> = dyn Fn(usize, u8, &mut Gathered) + 'a;
 
-impl<S: Sampler + Clone, E: ShadingElement> PathStreams<S, E> {
+impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
     pub(super) fn new() -> Self {
         Self {
             samplers: Vec::new(),
@@ -130,7 +126,7 @@ impl<S: Sampler + Clone, E: ShadingElement> PathStreams<S, E> {
                 let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered| {
                     gather(world, inputs.materials, (wave.hits, groups, at), mask, gathered);
                 };
-                E::shade(spawned, level, inputs, &gather_hits, (wave, samples), seen);
+                E::run(level, ShadeHits { spawned, inputs, gather: &gather_hits, wave, samples, seen });
             };
             for (kind, paths) in [
                 (RayKind::Reflection, &paths.reflected),
@@ -215,8 +211,10 @@ impl<E: Element> SpawnedPaths<E> {
                 && !(tracks_states && self.states[id].absorbs(inputs))
             {
                 let ends = ends_all || (tracks_states && self.states[id].emission_only);
-                if !ends {
-                    self.add_ambient(inputs, wave, at, material, &mut seen[id]);
+                let is_layered = matches!(material.surface, LaneSurface::MetallicRoughness(_));
+                if !ends && inputs.has_ambient_light(is_layered) {
+                    let weight = paths.throughput(at) * material.ambient;
+                    self.add_ambient(inputs, *bounces, weight, &mut seen[id]);
                 }
                 groups.push(if ends { VertexKind::EmissionOnly } else { VertexKind::of(&material.surface) });
                 continue;
@@ -256,20 +254,16 @@ impl<E: Element> SpawnedPaths<E> {
         seen[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
     }
 
-    /// Adds reflected ambient light where it stands for the background.
-    fn add_ambient(
+    /// Adds ambient light that a surface reflects, with this weight in the pixel.
+    pub(super) fn add_ambient(
         &mut self,
         inputs: &PathInputs<'_>,
-        wave: &PathWave<'_, E>,
-        at: usize,
-        material: &LaneMaterial,
+        bounces: u32,
+        weight: Rgb,
         seen: &mut RadianceSample,
     ) {
-        let is_layered = matches!(material.surface, LaneSurface::MetallicRoughness(_));
-        if inputs.has_ambient_light(is_layered) {
-            let radiance = wave.paths.throughput(at) * material.ambient * inputs.lighting.appearance.ambient;
-            seen.radiance += inputs.settings.clamp.apply(wave.bounces + 1, radiance, &mut self.counts);
-        }
+        let radiance = weight * inputs.lighting.appearance.ambient;
+        seen.radiance += inputs.settings.clamp.apply(bounces + 1, radiance, &mut self.counts);
     }
 }
 

@@ -27,6 +27,8 @@ pub(crate) struct GatheredShapes {
     pub(crate) normal: [[f64; LANES]; 3],
     /// Coordinates of the unit normals of vertices.
     pub(crate) vertex_normals: [[[f64; LANES]; 3]; 3],
+    /// Texture coordinates u and v of vertices.
+    pub(crate) vertex_uvs: [[[f64; LANES]; 3]; 2],
 }
 
 impl GatheredShapes {
@@ -83,6 +85,15 @@ impl GatheredShapes {
         self.smooth |= 1 << lane;
         for (to, normal) in self.vertex_normals.iter_mut().zip(normals) {
             set(to, lane, normal.as_dvec3());
+        }
+    }
+
+    /// Sets the texture coordinates of the vertices of a triangle.
+    #[inline(always)]
+    pub(crate) fn set_uvs(&mut self, lane: usize, vertex_uvs: [[f32; 2]; 3]) {
+        let [us, vs] = &mut self.vertex_uvs;
+        for ((u, v), uv) in us.iter_mut().zip(vs).zip(vertex_uvs) {
+            (u[lane % LANES], v[lane % LANES]) = (f64::from(uv[0]), f64::from(uv[1]));
         }
     }
 

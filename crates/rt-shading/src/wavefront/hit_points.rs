@@ -1,16 +1,12 @@
-//! Points, normals and squares of checkerboards where rays hit primitives, in lanes.
+//! Points, normals and texture coordinates where rays hit primitives, in lanes.
 
 use super::gathered_shapes::GatheredShapes;
-use crate::{
-    lane_set::LaneSet,
-    lanes::each_lane,
-    stream_queries::{StreamShape, StreamTriangle},
-};
+use crate::{lane_set::LaneSet, lanes::each_lane};
 use rt_geometry::{
-    HitStream, RayStream, SmoothPoint, SurfaceInteraction, interpolate, plane_point, plane_uv, smooth_point,
-    sphere_point, triangle_point, unit_normal, unit_normal_lanes,
+    HitStream, Plane, RayStream, SmoothPoint, Sphere, SurfaceInteraction, interpolate, plane_point, plane_uv,
+    smooth_point, sphere_point, triangle_point, unit_normal, unit_normal_lanes,
 };
-use rt_math::{DVec3, Mask, Real, Vector3};
+use rt_math::{DVec3, Mask, Vector3};
 
 /// Hits of several rays.
 pub(crate) struct HitPoints<L: LaneSet> {
@@ -25,31 +21,18 @@ pub(crate) struct HitPoints<L: LaneSet> {
 }
 
 impl<L: LaneSet> HitPoints<L> {
-    /// Hits on the same primitive of the rays from index `at` on.
+    /// Hits on a sphere of the rays from index `at` on.
     #[inline(always)]
-    pub(crate) fn new(lanes: L, shape: &StreamShape<'_>, rays: &RayStream, hits: &HitStream, at: usize) -> Self {
+    pub(crate) fn on_sphere(lanes: L, sphere: &Sphere, (rays, hits): (&RayStream, &HitStream), at: usize) -> Self {
         let ray = &RayLanes::new(lanes, rays, hits, at);
-        let surface = match shape {
-            StreamShape::Sphere(sphere) => {
-                ray.on_sphere(lanes.splat_point(sphere.centre()), lanes.splat_f64(sphere.radius()))
-            }
-            StreamShape::Plane(plane) | StreamShape::Polygon(plane) => {
-                ray.on_plane([plane.point(), plane.normal()].map(|p| lanes.splat_point(p)))
-            }
-            StreamShape::Triangle(StreamTriangle { vertices: [a, b, c], normal, .. }) => {
-                let corners = [lanes.splat_point(*a), lanes.splat_point(*b), lanes.splat_point(*c)];
-                let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
-                [point, error, lanes.splat_point(*normal)]
-            }
-            StreamShape::MeshTriangle(mesh, index) => {
-                let vertices = mesh.vertices(*index).unwrap_or_default();
-                let [a, b, c] = vertices;
-                let corners = [lanes.splat_point(a), lanes.splat_point(b), lanes.splat_point(c)];
-                let (point, error) = triangle_point(corners, Self::uv_of_triangle(lanes, hits, at));
-                [point, error, lanes.splat_point(unit_normal(vertices))]
-            }
-        };
-        ray.hit(surface)
+        ray.hit(ray.on_sphere(lanes.splat_point(sphere.centre()), lanes.splat_f64(sphere.radius())))
+    }
+
+    /// Hits on a plane of the rays from index `at` on.
+    #[inline(always)]
+    pub(crate) fn on_plane(lanes: L, plane: &Plane, (rays, hits): (&RayStream, &HitStream), at: usize) -> Self {
+        let ray = &RayLanes::new(lanes, rays, hits, at);
+        ray.hit(ray.on_plane([plane.point(), plane.normal()].map(|p| lanes.splat_point(p))))
     }
 
     /// Hits on gathered shapes of the rays from index `at` on.
@@ -105,34 +88,22 @@ impl<L: LaneSet> HitPoints<L> {
         [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))]
     }
 
-    /// Lanes on an odd square of a checkerboard with this side.
+    /// Texture coordinates on a plane.
     #[inline(always)]
-    pub(crate) fn odd_squares(
-        &self,
-        lanes: L,
-        (shape, vertex_uvs): (&StreamShape<'_>, impl FnOnce() -> [[f32; 2]; 3]),
-        (hits, at): (&HitStream, usize),
-        side: f64,
-    ) -> u8 {
-        let [u, v] = match shape {
-            StreamShape::Sphere(_) | StreamShape::Polygon(_) => return 0,
-            StreamShape::Plane(plane) => {
-                let (point, normal) = (lanes.splat_point(plane.point()), lanes.splat_point(plane.normal()));
-                plane_uv(point, normal, [self.origin, self.direction], self.t)
-            }
-            StreamShape::Triangle(_) | StreamShape::MeshTriangle(..) => {
-                let [a, b, c] = vertex_uvs();
-                let weights = Self::uv_of_triangle(lanes, hits, at);
-                let corner = |x: f32| lanes.splat_f64(f64::from(x));
-                [
-                    interpolate([corner(a[0]), corner(b[0]), corner(c[0])], weights),
-                    interpolate([corner(a[1]), corner(b[1]), corner(c[1])], weights),
-                ]
-            }
-        };
-        let side = lanes.splat_f64(side);
-        let half = (lanes.floor_f64(u / side) + lanes.floor_f64(v / side)) * 0.5;
-        !lanes.bits_f64((half - lanes.floor_f64(half)).eq(lanes.splat_f64(0.0)))
+    pub(crate) fn uv_on_plane(&self, lanes: L, plane: &Plane) -> [L::D; 2] {
+        let [point, normal] = [plane.point(), plane.normal()].map(|p| lanes.splat_point(p));
+        plane_uv(point, normal, [self.origin, self.direction], self.t)
+    }
+
+    /// Texture coordinates on gathered triangles, those of whose vertices are known.
+    #[inline(always)]
+    pub(crate) fn uv_on_triangles(lanes: L, shapes: &GatheredShapes, hits: &HitStream, at: usize) -> [L::D; 2] {
+        let weights = Self::uv_of_triangle(lanes, hits, at);
+        let [[a, b, c], [d, e, f]] = &shapes.vertex_uvs;
+        [
+            interpolate([lanes.load_f64(a), lanes.load_f64(b), lanes.load_f64(c)], weights),
+            interpolate([lanes.load_f64(d), lanes.load_f64(e), lanes.load_f64(f)], weights),
+        ]
     }
 
     /// Surface of a lane, without texture coordinates and interpolated normal.

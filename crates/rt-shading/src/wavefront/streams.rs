@@ -41,6 +41,9 @@ impl<E: Element> ShadowRayStream<E> {
         (max, time): (L::D, Option<L::D>),
         (radiance, samples): (Vector3<L::F>, &[u32; 8]),
     ) {
+        if mask == 0 {
+            return;
+        }
         let end = self.rays.len();
         append(lanes, &mut self.rays, mask, rays, (max, time));
         lanes.compress_vector(radiance, mask, &mut self.radiance, end);
@@ -96,6 +99,12 @@ pub(crate) fn add_radiance<L: LaneSet>(
         seen.radiance += Rgb::new(r[lane & 7].into(), g[lane & 7].into(), b[lane & 7].into());
         seen.hit |= is_hit;
     }
+}
+
+/// Times of the rays from index `at` on; `None` if all are 0.
+#[inline(always)]
+pub(crate) fn times<L: LaneSet>(lanes: L, rays: &RayStream, at: usize, has_time: bool) -> Option<L::D> {
+    if has_time { Some(lanes.load_f64(rays.time.vector(at))) } else { None }
 }
 
 /// Appends the rays of some lanes, which start on a surface. Without times, all rays ever appended are at time 0.

@@ -3,11 +3,12 @@
 use crate::{
     Appearance, ColorTexture, FloatTexture, Highlight, Material, ShadingFeatures, Texture, TextureId,
     hit_context::SurfaceTransmission,
+    lane_set::LaneSet,
     light::EmissionSides,
     wavefront::{delta_lights::is_usual_light, is_in_range},
 };
 use core::ops::RangeInclusive;
-use rt_math::{Rgb, Vector3, transcendental::Pow};
+use rt_math::{Real as _, Rgb, Vector3, transcendental::Pow};
 
 /// Largest exponent of a highlight: the power multiplies the rounding error of the cosine by it.
 const MAX_EXPONENT: f64 = 1000.0;
@@ -21,7 +22,7 @@ pub(super) struct LanePhong {
     /// Models of even and of odd squares.
     squares: [UniformPhong; 2],
     /// Side of a square in texture space; infinite without textures.
-    pub(super) side: f64,
+    side: f64,
 }
 
 /// Phong model without textures.
@@ -115,6 +116,14 @@ impl LanePhong {
     #[inline(always)]
     pub(super) const fn is_checkered(&self) -> bool {
         self.side != f64::INFINITY
+    }
+
+    /// Lanes on an odd square of the checkerboard, given texture coordinates.
+    #[inline(always)]
+    pub(super) fn odd_squares<L: LaneSet>(&self, lanes: L, [u, v]: [L::D; 2]) -> u8 {
+        let side = lanes.splat_f64(self.side);
+        let half = (lanes.floor_f64(u / side) + lanes.floor_f64(v / side)) * 0.5;
+        !lanes.bits_f64((half - lanes.floor_f64(half)).eq(lanes.splat_f64(0.0)))
     }
 
     /// Model of an odd square if the lowest bit of `odd` is set, else of an even one.

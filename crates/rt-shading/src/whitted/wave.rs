@@ -50,18 +50,13 @@ pub(super) struct SpawnedRays<E: Element> {
 /// Rays of a wave with their closest hits.
 pub(super) type TreeWave<'a, E> = (&'a TreeStream<E>, &'a HitStream);
 
-/// Numbers that hits are shaded in.
-pub(super) trait TreeElement: Element {
-    /// Shades those closest hits of a wave that are shaded in lanes, with the instructions of a level, or one by one. All levels have the
-    /// same results.
-    fn shade<W: StreamQueries>(
-        spawned: &mut SpawnedRays<Self>,
-        level: Option<LaneLevel>,
-        inputs: &TreeInputs<'_>,
-        world: &W,
-        wave: TreeWave<'_, Self>,
-        seen: &mut [RadianceSample],
-    );
+/// Stage that shades those closest hits of a wave that are shaded in lanes.
+pub(super) struct ShadeHits<'a, W, E: Element> {
+    pub(super) spawned: &'a mut SpawnedRays<E>,
+    pub(super) inputs: &'a TreeInputs<'a>,
+    pub(super) world: &'a W,
+    pub(super) wave: TreeWave<'a, E>,
+    pub(super) seen: &'a mut [RadianceSample],
 }
 
 /// Set of rays of a stream.
@@ -86,7 +81,7 @@ impl RaySet {
     }
 }
 
-impl<E: TreeElement> TreeStreams<E> {
+impl<E: Element> TreeStreams<E> {
     /// Traces the ray trees of camera rays, and shades them at a level.
     pub(super) fn trace<W: StreamQueries>(
         &mut self,
@@ -107,7 +102,7 @@ impl<E: TreeElement> TreeStreams<E> {
                 if !paths.is_empty() {
                     world.closest_stream(&paths.rays, kind, hits);
                     spawned.group(inputs, &*world, (paths, hits), seen);
-                    E::shade(spawned, level, inputs, &*world, (paths, hits), seen);
+                    E::run(level, ShadeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen });
                 }
             }
             first_kind = RayKind::Reflection;

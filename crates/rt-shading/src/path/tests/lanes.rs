@@ -343,6 +343,31 @@ fn the_radiance_in_a_closed_light_source_is_that_of_the_series() {
     assert!((mean - 2.0).abs() < 4.0 * error && error < 0.003, "{mean} ± {error}");
 }
 
+/// Regression: only surfaces of which lanes know the material were kept out of lanes.
+#[test]
+fn lights_out_of_the_range_of_f32_keep_all_hits_out_of_lanes() {
+    let rays = camera_rays(1500, 1.0);
+    let mut scene = TestScene::new(LIT_BY[2], 1.0);
+    let position = DVec3::new(0.5, 300.0, 1.0);
+    let kind = DeltaLightKind::Spot {
+        position,
+        direction: DVec3::NEG_Y,
+        cos_inner: 1.0 - 1e-5,
+        cos_outer: 1.0 - 5e-5,
+        falloff: Falloff::None,
+    };
+    let (name, intensity, units) = (String::new(), Rgb::gray(30.0), LightUnits::Physical);
+    let spot = DeltaLight { name, kind, intensity, units, casts_shadows: true };
+    scene.lights = LightSet::new(vec![Light::Delta(spot)], LightSampling::Tree, 10.0);
+    let (exact, _) = of_reference(&mut scene, settings(5), &rays);
+    let (found, counts) = in_f32(&mut scene, LaneLevel::best(), settings(5), &rays);
+    let lit = exact.iter().filter(|seen| seen.radiance.max_component() > 0.0).count();
+    assert!(lit > 300 && counts.lanes == 0, "{lit}, {counts:?}");
+    for (at, (a, b)) in exact.iter().zip(&found).enumerate() {
+        assert!(difference(a, b) < 1e-5, "ray {at}: {a:?}, {b:?}");
+    }
+}
+
 #[test]
 fn a_call_with_too_few_samplers_does_nothing() {
     let mut scene = TestScene::new(LIT_BY[0], 1.0);

@@ -189,6 +189,30 @@ fn lanes_in_f64_give_the_radiance_of_hits_that_are_shaded_one_by_one() {
     }
 }
 
+/// Regression: checkered triangles were shaded with the normals of their planes.
+#[test]
+fn checkered_triangles_are_shaded_with_interpolated_normals() {
+    let mut appearance = appearance(1.0);
+    let is_checkered = |material: &Material| {
+        let phong = material.to_phong();
+        matches!(
+            [phong.diffuse, phong.ambient],
+            [ColorTexture::Textured(TextureId(0), _), _] | [_, ColorTexture::Textured(..)]
+        )
+    };
+    appearance.materials.retain(is_checkered);
+    let mut world = shapes(&appearance, 1.0);
+    world.0.retain(|primitive| matches!(primitive.shape, TestShape::Triangle(..)));
+    let rays = camera_rays(2000, 1.0);
+    let view = View { features: ShadingFeatures::ALL, appearance: &appearance, rays: &rays };
+    let (expected, _) = view.one_by_one(&mut world);
+    let (found, counts) = view.in_f64(&mut world);
+    assert!(counts.lanes_used > 200, "{counts:?}");
+    for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
+        assert!(difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}");
+    }
+}
+
 /// Regression: a deferred ray continued with the distance up to which absorption was accounted for of the ray that had just left the
 /// scene.
 #[test]

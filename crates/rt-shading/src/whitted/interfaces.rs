@@ -1,0 +1,102 @@
+//! Media on both sides of the hits of a group.
+
+use super::{
+    hit_group::{HitGroup, HitSurfaces},
+    inputs::TreeInputs,
+    streams::TreeStream,
+    wave::SpawnedRays,
+};
+use crate::{
+    RadianceSample, SurfaceHit,
+    hit_context::SurfaceTransmission,
+    interior_list::MediumInterface,
+    lane_set::{Element, LaneSet},
+    lanes::each_lane,
+    medium::absorb,
+};
+use rt_math::Vector3;
+
+impl<E: Element> SpawnedRays<E> {
+    /// Finds the media on both sides of hits, and applies absorption. At invisible interfaces, paths go on behind the surface.
+    #[inline(always)]
+    pub(super) fn find_interfaces<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &TreeInputs<'_>),
+        group: &mut HitGroup<'_, L>,
+        paths: &TreeStream<E>,
+        seen: &mut [RadianceSample],
+    ) {
+        let &TreeInputs { settings, appearance, .. } = inputs;
+        let transmission = group.phong.interface;
+        if transmission == SurfaceTransmission::None && !settings.features.absorption {
+            return;
+        }
+        let (materials, surfaces) = (&appearance.materials, group.surfaces);
+        let HitSurfaces { points, surface, .. } = surfaces;
+        let Some(material) = materials.get(surfaces.material as usize) else { return };
+        let (mut t, mut length) = ([0.0; 8], [0.0; 8]);
+        lanes.store_f64(points.t, &mut t);
+        lanes.store_f64(surface.length, &mut length);
+        let (mut eta, mut weight) = ([E::rounded(1.0); 8], [[E::default(); 8]; 3]);
+        let mut is_absorbed = false;
+        for lane in each_lane(group.mask) {
+            let at = group.at + lane;
+            let tree = &mut self.trees[paths.sample.get(at) as usize];
+            if transmission == SurfaceTransmission::None && tree.interior.is_empty() {
+                continue;
+            }
+            let is_inside = surface.inside >> lane & 1 == 1;
+            let interface = transmission.interface(&mut tree.interior, materials, surfaces.body(lane), is_inside);
+            let interface = interface.as_ref();
+            let way = (t[lane] - tree.start) * length[lane];
+            if !transmission.is_visible(material, interface) {
+                group.mask &= !(1 << lane);
+                let (at, body) = (group.at + lane, surfaces.body(lane));
+                let interaction = points.surface(lanes, lane);
+                let hit =
+                    SurfaceHit { t: t[lane], interaction, object: body.object, material: body.material, light: None };
+                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, way), seen);
+                continue;
+            }
+            if settings.features.absorption {
+                let around = interface.map_or_else(|| tree.interior.medium(materials), |c| c.before);
+                let mut absorbed = paths.weight(at);
+                if absorb(&mut absorbed, around.absorption, way) {
+                    self.counts.absorption += 1;
+                    if !core::mem::replace(&mut is_absorbed, true) {
+                        lanes.store(group.weight.x, &mut weight[0]);
+                        lanes.store(group.weight.y, &mut weight[1]);
+                        lanes.store(group.weight.z, &mut weight[2]);
+                    }
+                    for (weight, absorbed) in weight.iter_mut().zip(absorbed.to_array()) {
+                        weight[lane] = E::rounded(absorbed);
+                    }
+                }
+            }
+            if let Some(interface) = interface.filter(|_| group.phong.transmission.is_some()) {
+                eta[lane] = E::rounded(interface.before.ior / interface.after.ior);
+                group.transmits |= 1 << lane;
+            }
+        }
+        group.eta = lanes.load(&eta);
+        if is_absorbed {
+            let [r, g, b] = &weight;
+            group.weight = Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b));
+        }
+    }
+
+    /// Continues a ray of a stream behind a null interface.
+    #[inline(never)]
+    fn skip_interface_of_ray(
+        &mut self,
+        inputs: &TreeInputs<'_>,
+        (paths, at): (&TreeStream<E>, usize),
+        hit: &SurfaceHit,
+        interface: (Option<&MediumInterface>, f64),
+        seen: &mut [RadianceSample],
+    ) {
+        let (path, (ray, _)) = (paths.get(at), paths.rays.get(at));
+        let seen = &mut seen[path.sample as usize];
+        self.skip_interface(inputs, (&ray, path), hit, interface, seen);
+    }
+}
