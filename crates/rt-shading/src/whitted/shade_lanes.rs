@@ -127,18 +127,27 @@ impl<E: Element> SpawnedRays<E> {
         objects: &mut [u32; LANES],
     ) -> u8 {
         self.gathered.clear();
-        let mut gathered = 0;
-        for lane in each_lane(mask) {
-            let Some(primitive) = world.primitive(hits, at + lane) else { continue };
+        let [instances, indices] = [hits.instance.vector(at), hits.primitive.vector(at)];
+        let (mut rest, mut gathered) = (mask, 0);
+        while let Some(first) = each_lane(rest).next() {
+            let mut same = 0;
+            for lane in each_lane(rest) {
+                same |= u8::from(indices[lane] == indices[first] && instances[lane] == instances[first]) << lane;
+            }
+            rest &= !same;
+            let Some(primitive) = world.primitive(hits, at + first) else { continue };
             let StreamPrimitive { shape, object, .. } = primitive;
             let is_triangle = matches!(shape, StreamShape::Triangle(_) | StreamShape::MeshTriangle(..));
             if is_triangle && primitive.material == material {
-                self.gathered.set(lane, &shape);
-                if has_uv {
-                    self.gathered.set_uvs(lane, world.vertex_uvs(hits, at + lane));
+                let vertex_uvs = if has_uv { world.vertex_uvs(hits, at + first) } else { [[0.0; 2]; 3] };
+                for lane in each_lane(same) {
+                    self.gathered.set(lane, &shape);
+                    if has_uv {
+                        self.gathered.set_uvs(lane, vertex_uvs);
+                    }
+                    objects[lane % LANES] = object;
                 }
-                objects[lane % LANES] = object;
-                gathered |= 1 << lane;
+                gathered |= same;
             }
         }
         gathered
