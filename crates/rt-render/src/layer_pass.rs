@@ -1,17 +1,19 @@
 //! Layers of tiles that have none after a render, with camera rays of their own.
 
-use rt_accel::Accelerator;
-use rt_geometry::Hit;
+use rt_geometry::{HitStream, RayKind};
+use rt_shading::StreamQueries;
 
 use crate::{
     RenderError, RenderPlan, Rendering,
     first_hit_layers::{FilmLayers, FirstHitLayer, LayerValues, MAX_LAYER_SAMPLES},
+    frustum_cull::PrimaryTarget,
     parallel_for::{parallel_for, thread_count},
     passes::PassSpec,
     primary_rays::PrimaryRayBatch,
     tile::tiles,
     tile_job::TileJob,
     tile_layers::{LayerContext, TileLayers},
+    tracer::SceneTracer,
     work_probe::WorkProbe,
 };
 
@@ -83,12 +85,11 @@ impl RenderPlan<'_> {
         let job = &TileJob { simple: simple.as_ref(), ..*job };
         let samples = |pixel| job.samples_of(pixel).min(MAX_LAYER_SAMPLES);
         let mut sums = TileLayers::new(self.layer_context(), layers, job.tile.pixels().map(samples).collect());
-        let mut hits: Vec<Option<Hit>> = Vec::new();
+        let mut tracer = SceneTracer::new(world, structure, PrimaryTarget::All(structure), WorkProbe::default());
+        let mut hits = HitStream::default();
         let mut trace = |batch: &mut PrimaryRayBatch| {
-            hits.clear();
-            hits.resize(batch.rays().len(), None);
-            structure.closest_batch(world, batch.rays(), &mut hits, &mut WorkProbe::default());
-            sums.add(world, batch.rays(), &hits);
+            tracer.closest_stream(batch.rays(), RayKind::Primary, &mut hits);
+            sums.add(world, (0..batch.rays().len()).map(|at| (batch.rays().get(at).0, hits.get(at))));
             batch.clear();
         };
         for pixel in job.tile.pixels() {

@@ -2,7 +2,7 @@
 
 use rt_camera::{PixelSampler, SampleStream};
 use rt_geometry::{RayStream, STREAM_CAPACITY};
-use rt_math::{DVec2, Interval, Ray, Rgb, Sampler};
+use rt_math::{DVec2, Interval, Rgb, Sampler};
 use rt_shading::RadianceSample;
 
 use crate::{
@@ -34,10 +34,7 @@ pub(crate) struct PrimaryRayBatch {
     on_lens: Vec<[f64; 2]>,
     /// Times of these samples, as parts of the open shutter.
     times: Vec<f64>,
-    rays: Vec<(Ray, Interval)>,
-    /// The rays as a stream instead, for an integrator of streams.
-    stream: RayStream,
-    is_stream: bool,
+    rays: RayStream,
     /// Filter weight of each sample.
     weights: Vec<f64>,
     seen: Vec<RadianceSample>,
@@ -45,18 +42,9 @@ pub(crate) struct PrimaryRayBatch {
     samplers: Vec<SampleStream>,
 }
 
-/// Camera rays for an integrator.
-pub(crate) struct CameraRays<'a> {
-    pub(crate) rays: &'a [(Ray, Interval)],
-    /// The rays, if the batch makes a stream.
-    stream: &'a mut RayStream,
-    /// Sampler of each ray, if the integrator uses samplers.
-    pub(crate) samplers: &'a [SampleStream],
-}
-
 impl PrimaryRayBatch {
-    /// Rays with their spans.
-    pub(crate) fn rays(&self) -> &[(Ray, Interval)] {
+    /// Rays with their intervals.
+    pub(crate) const fn rays(&self) -> &RayStream {
         &self.rays
     }
 
@@ -66,7 +54,6 @@ impl PrimaryRayBatch {
 
     pub(crate) fn clear(&mut self) {
         self.rays.clear();
-        self.stream.clear();
         self.weights.clear();
         self.samplers.clear();
     }
@@ -74,33 +61,12 @@ impl PrimaryRayBatch {
 
 impl RenderPlan<'_> {
     /// Takes the samples of a tile, ordered by pixel, pass and sample index. `radiance` is the integrator: it computes the
-    /// radiance of a batch of rays.
+    /// radiance of a stream of rays, which it may replace. There is a sampler for each ray if the integrator uses any.
     pub(crate) fn sample_tile(
         &self,
         job: &TileJob<'_>,
         batch: &mut PrimaryRayBatch,
-        radiance: impl FnMut(CameraRays<'_>, &mut [RadianceSample]),
-    ) -> TileResult {
-        batch.is_stream = false;
-        self.sample_batches(job, batch, radiance)
-    }
-
-    /// Version of [`sample_tile`](Self::sample_tile) for an integrator of streams.
-    pub(crate) fn sample_stream(
-        &self,
-        job: &TileJob<'_>,
-        batch: &mut PrimaryRayBatch,
         mut radiance: impl FnMut(&mut RayStream, &[SampleStream], &mut [RadianceSample]),
-    ) -> TileResult {
-        batch.is_stream = true;
-        self.sample_batches(job, batch, |rays, seen| radiance(rays.stream, rays.samplers, seen))
-    }
-
-    fn sample_batches(
-        &self,
-        job: &TileJob<'_>,
-        batch: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(CameraRays<'_>, &mut [RadianceSample]),
     ) -> TileResult {
         let pass_spec = job.pass_spec;
         let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
@@ -141,7 +107,7 @@ impl RenderPlan<'_> {
     ) {
         debug_assert!(count <= BATCH_SIZE, "more samples than indices");
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
-        let PrimaryRayBatch { positions, on_lens, times, rays, stream, is_stream, weights, samplers, .. } = batch;
+        let PrimaryRayBatch { positions, on_lens, times, rays, weights, samplers, .. } = batch;
         positions.resize(count, [0.0; 2]);
         on_lens.resize(count, [0.5; 2]);
         times.resize(count, 0.0);
@@ -167,11 +133,7 @@ impl RenderPlan<'_> {
             let (offset, weight) = self.frame.filter.sample(position);
             let time = if has_motion { self.frame.camera.shutter_time(time) } else { 0.0 };
             let ray = self.frame.camera.generate_ray(corner + offset, on_lens, time);
-            if *is_stream {
-                stream.push(&ray, Interval::FORWARD);
-            } else {
-                rays.push((ray, Interval::FORWARD));
-            }
+            rays.push(&ray, Interval::FORWARD);
             weights.push(weight);
         }
     }
@@ -182,11 +144,11 @@ fn trace<N: Iterator<Item = u32>>(
     batch: &mut PrimaryRayBatch,
     accumulator: &mut TileAccumulator<N>,
     backdrop: Option<Rgb>,
-    radiance: &mut impl FnMut(CameraRays<'_>, &mut [RadianceSample]),
+    radiance: &mut impl FnMut(&mut RayStream, &[SampleStream], &mut [RadianceSample]),
 ) {
     batch.seen.resize(batch.weights.len(), RadianceSample::MISS);
-    let PrimaryRayBatch { rays, stream, samplers, seen, .. } = batch;
-    radiance(CameraRays { rays, stream, samplers }, seen);
+    let PrimaryRayBatch { rays, samplers, seen, .. } = batch;
+    radiance(rays, samplers, seen);
     for (seen, weight) in batch.seen.iter_mut().zip(&batch.weights) {
         match backdrop {
             Some(backdrop) if !seen.hit => seen.radiance = backdrop,

@@ -5,7 +5,7 @@ use rt_accel::{
     wide::{SimdLevel, SmallSet},
 };
 use rt_camera::SampleStream;
-use rt_math::Ray;
+use rt_geometry::HitStream;
 use rt_scene_io::Integrator;
 use rt_shading::{
     Background, InteriorList, LaneLevel, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
@@ -33,6 +33,7 @@ pub(crate) struct ThreadState {
     whitted: Whitted,
     paths: PathTracer<SampleStream>,
     occlusion: OcclusionWave,
+    hits: HitStream,
     camera: PrimaryRayBatch,
     buffers: TracerBuffers,
 }
@@ -56,6 +57,7 @@ impl ThreadState {
             whitted,
             paths,
             occlusion: OcclusionWave::default(),
+            hits: HitStream::default(),
             camera: PrimaryRayBatch::default(),
             buffers: TracerBuffers::default(),
         }
@@ -82,7 +84,7 @@ impl RenderPlan<'_> {
         {
             return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
         }
-        let ThreadState { whitted, paths, occlusion, camera, buffers } = worker;
+        let ThreadState { whitted, paths, occlusion, hits, camera, buffers } = worker;
         let lighting = self.scene.lighting();
         let materials = &self.scene.appearance.materials;
         let mut tracer =
@@ -91,7 +93,7 @@ impl RenderPlan<'_> {
         let mut result = match (&self.integrator, &self.frame.medium) {
             (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
                 whitted.set_surroundings(core::slice::from_ref(interior));
-                self.sample_stream(job, camera, |rays, _, seen| {
+                self.sample_tile(job, camera, |rays, _, seen| {
                     whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
                 })
             }
@@ -102,10 +104,11 @@ impl RenderPlan<'_> {
                     surroundings: InteriorList::default(),
                     counts: ShadingCounts::default(),
                 };
-                let mut result = self.sample_tile(job, camera, |batch, seen| {
-                    for (((ray, _), sampler), seen) in batch.rays.iter().zip(batch.samplers).zip(seen) {
-                        medium.find(&mut tracer, materials, ray, &mut reference.surroundings);
-                        *seen = reference.li(&mut tracer, ray, &mut sampler.clone());
+                let mut result = self.sample_tile(job, camera, |rays, samplers, seen| {
+                    for (at, (sampler, seen)) in samplers.iter().zip(seen).enumerate() {
+                        let (ray, _) = rays.get(at);
+                        medium.find(&mut tracer, materials, &ray, &mut reference.surroundings);
+                        *seen = reference.li(&mut tracer, &ray, &mut sampler.clone());
                     }
                 });
                 result.shading = reference.counts;
@@ -113,25 +116,25 @@ impl RenderPlan<'_> {
             }
             (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
                 paths.set_surroundings(core::slice::from_ref(interior));
-                self.sample_stream(job, camera, |rays, samplers, seen| {
+                self.sample_tile(job, camera, |rays, samplers, seen| {
                     paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
                 })
             }
             (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
                 let mut surroundings = Vec::new();
-                self.sample_stream(job, camera, |rays, samplers, seen| {
+                self.sample_tile(job, camera, |rays, samplers, seen| {
                     let all = (0..rays.len()).map(|at| rays.get(at).0);
                     medium.find_all(&mut tracer, materials, all, &mut surroundings);
                     paths.set_surroundings(&surroundings);
                     paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
                 })
             }
-            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |batch, seen| {
-                occlusion.radiance_of(view, &mut tracer, batch.rays, batch.samplers, seen);
+            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |rays, samplers, seen| {
+                occlusion.radiance_of(view, &mut tracer, rays, samplers, seen);
             }),
             (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => {
                 let mut surroundings = Vec::new();
-                self.sample_stream(job, camera, |rays, _, seen| {
+                self.sample_tile(job, camera, |rays, _, seen| {
                     let all = (0..rays.len()).map(|at| rays.get(at).0);
                     medium.find_all(&mut tracer, materials, all, &mut surroundings);
                     whitted.set_surroundings(&surroundings);
@@ -139,9 +142,13 @@ impl RenderPlan<'_> {
                 })
             }
             (IntegratorState::Aov(view), _) => {
-                self.sample_tile(job, camera, |batch, seen| view.radiance_of(&mut tracer, batch.rays, seen))
+                self.sample_tile(job, camera, |rays, _, seen| view.radiance_of(&mut tracer, rays, hits, seen))
             }
-            (IntegratorState::Cost, _) => self.sample_per_ray(job, camera, |ray| cost(&mut tracer, ray)),
+            (IntegratorState::Cost, _) => self.sample_tile(job, camera, |rays, _, seen| {
+                for (at, seen) in seen.iter_mut().enumerate() {
+                    *seen = cost(&mut tracer, &rays.get(at).0);
+                }
+            }),
         };
         result.counters = tracer.probe.counters(tracer.rays);
         result.primary_rays_skipped = tracer.skipped;
@@ -150,20 +157,6 @@ impl RenderPlan<'_> {
         result.shading += paths.take_counts();
         *buffers = tracer.into_buffers();
         result
-    }
-
-    /// Renders a tile ray by ray.
-    fn sample_per_ray(
-        &self,
-        job: &TileJob<'_>,
-        camera: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(&Ray) -> RadianceSample,
-    ) -> TileResult {
-        self.sample_tile(job, camera, |batch, seen| {
-            for ((ray, _), seen) in batch.rays.iter().zip(seen) {
-                *seen = radiance(ray);
-            }
-        })
     }
 
     /// Objects in view of the tile, if their number is small.

@@ -2,7 +2,7 @@
 
 use rt_camera::Camera;
 use rt_geometry::{Hit, InteractionFlags};
-use rt_math::{DVec3, Interval, Ray, Rgb};
+use rt_math::{DVec3, Ray, Rgb};
 use rt_shading::{Appearance, MaterialEvalContext, SurfaceHit, is_inside};
 
 use crate::{
@@ -54,19 +54,19 @@ impl<'a> TileLayers<'a> {
         Self { layers, needs: FirstHitLayer::needs(layers), context, samples, sums, next: (0, 0) }
     }
 
-    /// Adds the next camera rays.
-    pub(crate) fn add(&mut self, world: &Instances<'_>, rays: &[(Ray, Interval)], hits: &[Option<Hit>]) {
-        let mut rest = rays.iter().zip(hits);
+    /// Adds the next camera rays, with their hits.
+    pub(crate) fn add(&mut self, world: &Instances<'_>, rays: impl ExactSizeIterator<Item = (Ray, Option<Hit>)>) {
+        let mut rest = rays;
         while let (true, Some(&samples)) = (rest.len() > 0, self.samples.get(self.next.0)) {
             let count = rest.len().min((samples - self.next.1) as usize);
             let used = count.min(MAX_LAYER_SAMPLES.saturating_sub(self.next.1) as usize);
             let sums = &mut self.sums[self.next.0];
-            for ((ray, _), hit) in rest.by_ref().take(used) {
-                let surface = hit.as_ref().and_then(|hit| Some((hit, world.surface(ray, hit, self.needs)?)));
+            for (ray, hit) in rest.by_ref().take(used) {
+                let surface = hit.and_then(|hit| Some((hit, world.surface(&ray, &hit, self.needs)?)));
                 if let Some((hit, surface)) = surface {
-                    sums.add(&self.context, ray, &surface);
+                    sums.add(&self.context, &ray, &surface);
                     if sums.hits == 1 {
-                        let [object, instance] = world.ids(hit).unwrap_or([u32::MAX; 2]);
+                        let [object, instance] = world.ids(&hit).unwrap_or([u32::MAX; 2]);
                         sums.ids = [object, surface.material, instance].map(|id| id.saturating_add(1));
                     }
                 }

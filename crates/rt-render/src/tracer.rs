@@ -77,25 +77,6 @@ impl<'w> SceneTracer<'w> {
         can_skip
     }
 
-    /// Traces rays into the buffer of hits; false for rays that cannot hit anything.
-    fn trace_batch(&mut self, rays: &[(Ray, Interval)], kind: RayKind) -> bool {
-        let traces = !self.can_skip(kind, rays.len());
-        if traces {
-            self.trace_counted(rays, kind);
-        }
-        traces
-    }
-
-    /// Traces rays, which have been counted, into the buffer of hits.
-    fn trace_counted(&mut self, rays: &[(Ray, Interval)], kind: RayKind) {
-        self.hits.clear();
-        self.hits.resize(rays.len(), None);
-        self.target(kind).closest_batch(self.world, rays, &mut self.hits, &mut self.probe);
-        if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
-            layers.add(self.world, rays, &self.hits);
-        }
-    }
-
     /// The rays of a stream in the reused buffer, which the caller returns.
     fn batch_of(&mut self, rays: &RayStream) -> Vec<(Ray, Interval)> {
         let mut batch = core::mem::take(&mut self.stream);
@@ -119,7 +100,7 @@ impl SceneQueries for SceneTracer<'_> {
         }
         let hit = self.target(kind).closest(self.world, ray, span, &mut self.probe);
         if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
-            layers.add(self.world, &[(*ray, span)], &[hit]);
+            layers.add(self.world, core::iter::once((*ray, hit)));
         }
         self.world.surface(ray, &hit?, needs)
     }
@@ -127,30 +108,6 @@ impl SceneQueries for SceneTracer<'_> {
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
         self.count(RayKind::Shadow, 1);
         self.structure.occluded(self.world, ray, span, &mut self.probe)
-    }
-
-    #[inline]
-    fn closest_batch(
-        &mut self,
-        rays: &[(Ray, Interval)],
-        kind: RayKind,
-        needs: InteractionFlags,
-        mut on_hit: impl FnMut(usize, Option<&mut SurfaceHit>),
-    ) {
-        if !self.trace_batch(rays, kind) {
-            return (0..rays.len()).for_each(|at| on_hit(at, None));
-        }
-        for (at, ((ray, _), hit)) in rays.iter().zip(&self.hits).enumerate() {
-            match hit {
-                Some(hit) => on_hit(at, self.world.surface(ray, hit, needs).as_mut()),
-                None => on_hit(at, None),
-            }
-        }
-    }
-
-    fn occluded_batch(&mut self, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
-        self.count(RayKind::Shadow, rays.len());
-        self.structure.occluded_batch(self.world, rays, blocked, &mut self.probe);
     }
 }
 
@@ -162,20 +119,24 @@ impl StreamQueries for SceneTracer<'_> {
         let (world, probe) = (self.world, &mut self.probe);
         let is_traced = match kind {
             RayKind::Primary => {
-                let few = if self.layers.is_none() { self.primary_target.small_set() } else { None };
+                let few = self.primary_target.small_set();
                 few.is_some_and(|few| few.closest_stream(world, rays, hits, probe))
             }
             _ => self.structure.closest_stream(world, rays, hits, probe),
         };
-        if is_traced {
-            return;
+        if !is_traced {
+            let batch = self.batch_of(rays);
+            self.hits.clear();
+            self.hits.resize(batch.len(), None);
+            self.target(kind).closest_batch(world, &batch, &mut self.hits, &mut self.probe);
+            for (at, hit) in self.hits.iter().enumerate() {
+                hits.set(at, hit.as_ref());
+            }
+            self.stream = batch;
         }
-        let batch = self.batch_of(rays);
-        self.trace_counted(&batch, kind);
-        for (at, hit) in self.hits.iter().enumerate() {
-            hits.set(at, hit.as_ref());
+        if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
+            layers.add(world, (0..rays.len()).map(|at| (rays.get(at).0, hits.get(at))));
         }
-        self.stream = batch;
     }
 
     fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {

@@ -1,12 +1,12 @@
 //! Ambient occlusion.
 
 use crate::{
-    RadianceSample, SceneQueries,
+    RadianceSample, StreamQueries,
     bsdf::cosine_hemisphere,
     viewed_surface::{ViewedSurface, is_inside},
 };
-use rt_geometry::{InteractionFlags, RayKind};
-use rt_math::{Frame, Interval, Ray, Rgb, Sampler};
+use rt_geometry::{HitStream, InteractionFlags, RayKind, RayStream, STREAM_CAPACITY, StreamArray};
+use rt_math::{Frame, Interval, Rgb, Sampler};
 
 /// Shows the part of the sky that each point of a surface sees, weighted by the cosine: ∫ V(ω) cos θ / π dω. It is 1 on an
 /// open plain, and the image is white where no surface is. Source: Zhukov, Iones and Kronin, "An ambient light illumination
@@ -20,47 +20,48 @@ pub struct AmbientOcclusion {
 /// Buffers reused between waves. Keep one per thread.
 #[derive(Clone, Debug, Default)]
 pub struct OcclusionWave {
-    rays: Vec<(Ray, Interval)>,
-    /// The camera ray that each belongs to.
-    places: Vec<u32>,
-    blocked: Vec<bool>,
+    hits: HitStream,
+    rays: RayStream,
+    /// Index of the camera ray of each.
+    samples: StreamArray<u32>,
 }
 
 impl OcclusionWave {
-    /// An estimate from one direction for each camera ray: `seen[i]` answers `rays[i]`, which draws from `samplers[i]`.
+    /// An estimate from one direction for each camera ray: `seen[i]` is that of ray `i`, which draws from `samplers[i]`.
     pub fn radiance_of<S: Sampler + Clone>(
         &mut self,
         view: &AmbientOcclusion,
-        world: &mut impl SceneQueries,
-        rays: &[(Ray, Interval)],
+        world: &mut impl StreamQueries,
+        rays: &RayStream,
         samplers: &[S],
         seen: &mut [RadianceSample],
     ) {
         self.rays.clear();
-        self.places.clear();
         let needs = InteractionFlags { shading_normal: true, ..InteractionFlags::NONE };
-        world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
-            seen[at] = RadianceSample { radiance: Rgb::WHITE, hit: hit.is_some() };
-            let (Some(hit), Some(sampler)) = (hit, samplers.get(at)) else { return };
-            let ray = &rays[at].0;
+        world.closest_stream(rays, RayKind::Primary, &mut self.hits);
+        for (at, (seen, sampler)) in seen.iter_mut().zip(samplers).enumerate().take(rays.len()) {
+            let (ray, _) = rays.get(at);
+            let hit = world.surface(&ray, &self.hits, at, needs);
+            *seen = RadianceSample { radiance: Rgb::WHITE, hit: hit.is_some() };
+            let Some(mut hit) = hit else { continue };
             let direction = ray.direction.normalize();
             let inside = is_inside(direction, &hit.interaction);
             let surface = ViewedSurface::new(direction, inside, &mut hit.interaction);
             let towards = Frame::from_z(surface.normal).from_local(cosine_hemisphere(sampler.clone().next_2d()));
             if towards.dot(surface.surface.geometric_normal) * if inside { -1.0 } else { 1.0 } <= 0.0 {
                 // Below the actual surface, where an interpolated normal reaches.
-                seen[at].radiance = Rgb::BLACK;
-                return;
+                seen.radiance = Rgb::BLACK;
+                continue;
             }
-            let spawned = surface.surface.spawn_ray(towards, ray.time);
-            self.rays.push((spawned, Interval { max: view.reach, ..Interval::SPAWNED }));
-            self.places.push(at as u32);
-        });
-        self.blocked.clear();
-        self.blocked.resize(self.rays.len(), false);
-        world.occluded_batch(&self.rays, &mut self.blocked);
-        for (place, _) in self.places.iter().zip(&self.blocked).filter(|(_, blocked)| **blocked) {
-            seen[*place as usize].radiance = Rgb::BLACK;
+            self.samples.set(self.rays.len(), at as u32);
+            let span = Interval { max: view.reach, ..Interval::SPAWNED };
+            self.rays.push(&surface.surface.spawn_ray(towards, ray.time), span);
+        }
+        let mut blocked = [false; STREAM_CAPACITY];
+        let blocked = &mut blocked[..self.rays.len()];
+        world.occluded_stream(&self.rays, blocked);
+        for (sample, _) in self.samples.as_slice().iter().zip(blocked).filter(|(_, blocked)| **blocked) {
+            seen[*sample as usize].radiance = Rgb::BLACK;
         }
     }
 }

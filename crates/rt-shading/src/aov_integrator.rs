@@ -1,8 +1,8 @@
 //! Views of the first surface: properties of its geometry.
 
-use crate::{RadianceSample, SceneQueries, SurfaceHit};
-use rt_geometry::{InteractionFlags, RayKind};
-use rt_math::{DVec3, Interval, Ray, Rgb};
+use crate::{RadianceSample, StreamQueries, SurfaceHit};
+use rt_geometry::{HitStream, InteractionFlags, RayKind, RayStream};
+use rt_math::{DVec3, Rgb};
 
 /// Shows a property of the first surface that a camera ray hits; black for a miss.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,16 +22,24 @@ pub enum AovIntegrator {
 }
 
 impl AovIntegrator {
-    /// Computes the result of camera rays: `seen[i]` answers `rays[i]`.
-    pub fn radiance_of(&self, world: &mut impl SceneQueries, rays: &[(Ray, Interval)], seen: &mut [RadianceSample]) {
+    /// Computes the result of camera rays: `seen[i]` is that of ray `i`. `hits` is a buffer.
+    pub fn radiance_of(
+        &self,
+        world: &mut impl StreamQueries,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        seen: &mut [RadianceSample],
+    ) {
         let needs = InteractionFlags {
             uv: matches!(self, Self::Uv | Self::Normals),
             shading_normal: matches!(self, Self::Normals),
             detail: matches!(self, Self::Normals),
         };
-        world.closest_batch(rays, RayKind::Primary, needs, |at, hit| {
-            seen[at] = hit.map_or(RadianceSample::MISS, |hit| RadianceSample { radiance: self.shown(hit), hit: true });
-        });
+        world.closest_stream(rays, RayKind::Primary, hits);
+        for (at, seen) in seen.iter_mut().enumerate().take(rays.len()) {
+            let hit = world.surface(&rays.get(at).0, hits, at, needs);
+            *seen = hit.map_or(RadianceSample::MISS, |hit| RadianceSample { radiance: self.shown(&hit), hit: true });
+        }
     }
 
     fn shown(&self, hit: &SurfaceHit) -> Rgb {

@@ -82,7 +82,7 @@ pub mod optics;
 mod path;
 mod phong;
 mod phong_to_bsdf;
-mod ray_queues;
+mod ray_kind;
 mod reference_path_tracer;
 mod russian_roulette;
 mod scene_queries;

@@ -1,5 +1,6 @@
 //! Light tracing in waves: caustics by paths from the lights.
 
+mod light_rays;
 mod projection_map;
 mod scatter;
 mod sources;
@@ -8,13 +9,11 @@ mod wave;
 pub use projection_map::{ProjectionMap, TargetSphere};
 pub use sources::LightSources;
 
-use crate::{
-    Lighting, SceneQueries, ShadingCounts, ShadingFeatures,
-    path::PathSettings,
-    ray_queues::{RayQueue, RayQueues},
-};
+use crate::{Lighting, SceneQueries, ShadingCounts, ShadingFeatures, StreamQueries, path::PathSettings};
+use light_rays::{LightRayStream, LightRays};
+use rt_geometry::{HitStream, RayKind, STREAM_CAPACITY};
 use rt_math::{DVec2, DVec3, Interval, Rgb, Sampler};
-use wave::{Connection, LightPath};
+use wave::LightPaths;
 
 /// Projection of a point to a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,36 +69,28 @@ pub struct LightTracingScene<'a> {
 /// Keep one instance per thread: all buffers are reused.
 #[derive(Clone, Debug)]
 pub struct LightTracingIntegrator<S> {
-    settings: PathSettings,
-    features: ShadingFeatures,
-    paths: Vec<LightPath<S>>,
-    connections: Vec<Connection>,
     /// Rays of the current wave.
-    ray_queues: RayQueues<u32>,
-    next: RayQueues<u32>,
-    /// Rays from surfaces to the camera.
-    to_camera: RayQueue<u32>,
-    counts: ShadingCounts,
+    rays: LightRays,
+    /// Rays to the camera that are traced.
+    to_camera: LightRayStream,
+    hits: HitStream,
+    paths: LightPaths<S>,
 }
 
 impl<S: Sampler> LightTracingIntegrator<S> {
     /// Integrator with these settings. It computes only these `features`.
     pub fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
         Self {
-            settings,
-            features,
-            paths: Vec::new(),
-            connections: Vec::new(),
-            ray_queues: RayQueues::default(),
-            next: RayQueues::default(),
-            to_camera: RayQueue::default(),
-            counts: ShadingCounts::default(),
+            rays: LightRays::default(),
+            to_camera: LightRayStream::default(),
+            hits: HitStream::default(),
+            paths: LightPaths::new(settings, features),
         }
     }
 
     /// Work done since the counts were last taken.
     pub fn take_counts(&mut self) -> ShadingCounts {
-        core::mem::take(&mut self.counts)
+        core::mem::take(&mut self.paths.counts)
     }
 
     /// Traces a path for each sampler, at its time.
@@ -109,59 +100,75 @@ impl<S: Sampler> LightTracingIntegrator<S> {
     /// give non-finite contributions, which the caller handles.
     pub fn trace(
         &mut self,
-        world: &mut impl SceneQueries,
+        world: &mut (impl SceneQueries + StreamQueries),
         scene: LightTracingScene<'_>,
         samplers: impl IntoIterator<Item = (S, f64)>,
         sample_wi: impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
         mut splat: impl FnMut(DVec2, Rgb),
     ) {
-        self.paths.clear();
-        for (sampler, time) in samplers {
-            self.sample_le(world, scene, sampler, time);
-        }
-        while !self.ray_queues.is_empty() {
-            let ray_queues = core::mem::take(&mut self.ray_queues);
-            for (kind, queue) in ray_queues.queues() {
-                world.closest_batch(&queue.rays, kind, self.features.surface(), |at, hit| {
-                    if let Some(hit) = hit {
-                        self.shade_hit(scene.lighting, queue.paths[at], &queue.rays[at].0, hit, &sample_wi);
-                    }
-                });
+        let mut samplers = samplers.into_iter().peekable();
+        while samplers.peek().is_some() {
+            self.paths.clear();
+            for (sampler, time) in samplers.by_ref().take(STREAM_CAPACITY) {
+                self.paths.sample_le(world, scene, sampler, time);
             }
-            self.ray_queues = ray_queues;
-            self.ray_queues.clear();
-            core::mem::swap(&mut self.ray_queues, &mut self.next);
-            self.resolve_connections(world, scene.lighting, &mut splat);
+            while !self.paths.next.is_empty() {
+                self.shade_hits(world, scene.lighting, &sample_wi);
+                self.resolve_connections(world, scene.lighting, &mut splat);
+            }
+        }
+    }
+
+    /// Traces the next rays of all paths, and shades their hits.
+    fn shade_hits(
+        &mut self,
+        world: &mut impl StreamQueries,
+        lighting: Lighting<'_>,
+        sample_wi: &impl Fn(DVec3, f64, &mut S) -> Option<CameraWiSample>,
+    ) {
+        let Self { rays, hits, paths, .. } = self;
+        rays.clear();
+        core::mem::swap(rays, &mut paths.next);
+        for (kind, stream) in rays.by_kind() {
+            if stream.rays.is_empty() {
+                continue;
+            }
+            world.closest_stream(&stream.rays, kind, hits);
+            for at in 0..stream.rays.len() {
+                let (ray, _) = stream.rays.get(at);
+                if let Some(mut hit) = world.surface(&ray, hits, at, paths.features.surface()) {
+                    paths.shade_hit(lighting, stream.ids.get(at), &ray, &mut hit, sample_wi);
+                }
+            }
         }
     }
 
     /// Traces the rays to the camera, through null interfaces.
     fn resolve_connections(
         &mut self,
-        world: &mut impl SceneQueries,
+        world: &mut impl StreamQueries,
         lighting: Lighting<'_>,
         splat: &mut impl FnMut(DVec2, Rgb),
     ) {
-        let mut queue = core::mem::take(&mut self.to_camera);
-        while !queue.rays.is_empty() {
-            let next = &mut self.to_camera;
-            let (connections, counts, features) = (&mut self.connections, &mut self.counts, &self.features);
-            world.closest_batch(&queue.rays, rt_geometry::RayKind::Shadow, self.features.surface(), |at, hit| {
-                let (id, ray) = (queue.paths[at], &queue.rays[at].0);
+        let Self { to_camera, hits, paths: LightPaths { connections, to_camera: next, counts, features, .. }, .. } =
+            self;
+        while !next.rays.is_empty() {
+            to_camera.rays.clear();
+            core::mem::swap(to_camera, next);
+            world.closest_stream(&to_camera.rays, RayKind::Shadow, hits);
+            for at in 0..to_camera.rays.len() {
+                let (id, (ray, _)) = (to_camera.ids.get(at), to_camera.rays.get(at));
                 let connection = &mut connections[id as usize];
-                match hit {
-                    None => splat(connection.raster, connection.arriving(lighting, features, ray)),
+                match world.surface(&ray, hits, at, features.surface()) {
+                    None => splat(connection.raster, connection.arriving(lighting, features, &ray)),
                     Some(hit) => {
-                        if let Some(min) = connection.skip_interface(lighting, features, ray, hit, counts) {
-                            next.push(*ray, Interval { min, ..Interval::SEGMENT }, id);
+                        if let Some(min) = connection.skip_interface(lighting, features, &ray, &hit, counts) {
+                            next.push(&ray, Interval { min, ..Interval::SEGMENT }, id);
                         }
                     }
                 }
-            });
-            queue.clear();
-            core::mem::swap(&mut queue, &mut self.to_camera);
+            }
         }
-        self.to_camera = queue;
-        self.connections.clear();
+        connections.clear();
     }
 }

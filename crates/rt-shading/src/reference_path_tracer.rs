@@ -25,7 +25,7 @@ use crate::{
     medium::Medium,
     medium_tracker::MediumTracker,
     mis::power_heuristic,
-    ray_queues::kind_of,
+    ray_kind::kind_of,
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,

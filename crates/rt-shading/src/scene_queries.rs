@@ -41,29 +41,6 @@ pub trait SceneQueries {
 
     /// True if something that casts shadows lies on the ray within `span`.
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool;
-
-    /// [`closest`](Self::closest) for many rays of one kind: calls `on_hit` with the index of each ray and its hit, in
-    /// their order. Override it where many are faster together.
-    fn closest_batch(
-        &mut self,
-        rays: &[(Ray, Interval)],
-        kind: RayKind,
-        needs: InteractionFlags,
-        mut on_hit: impl FnMut(usize, Option<&mut SurfaceHit>),
-    ) where
-        Self: Sized,
-    {
-        for (at, (ray, span)) in rays.iter().enumerate() {
-            on_hit(at, self.closest(ray, *span, kind, needs).as_mut());
-        }
-    }
-
-    /// [`occluded`](Self::occluded) for many rays: `blocked[i]` answers `rays[i]`.
-    fn occluded_batch(&mut self, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
-        for ((ray, span), blocked) in rays.iter().zip(blocked) {
-            *blocked = self.occluded(ray, *span);
-        }
-    }
 }
 
 /// A world behind a reference, for which integrators are compiled once. It computes all surfaces itself.
@@ -74,10 +51,6 @@ impl SceneQueries for &mut dyn SceneQueries {
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
         (**self).occluded(ray, span)
-    }
-
-    fn occluded_batch(&mut self, rays: &[(Ray, Interval)], blocked: &mut [bool]) {
-        (**self).occluded_batch(rays, blocked);
     }
 }
 

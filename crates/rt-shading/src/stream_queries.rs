@@ -48,7 +48,7 @@ pub trait StreamQueries {
     /// Closest hits of rays of one kind: the entry `i` of `hits` is that of ray `i`.
     fn closest_stream(&mut self, rays: &RayStream, kind: RayKind, hits: &mut HitStream);
 
-    /// Version of [`occluded_batch`](SceneQueries::occluded_batch) for a stream.
+    /// True in `blocked[i]` if something that casts shadows lies on ray `i`, within its interval.
     fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]);
 
     /// The primitive that a ray has hit; `None` for one of any other shape, and for a miss.

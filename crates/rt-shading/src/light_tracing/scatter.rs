@@ -1,9 +1,9 @@
 //! Emission of light paths, and their scattering at surfaces.
 
 use super::{
-    CameraWiSample, LightTracingIntegrator, LightTracingScene,
+    CameraWiSample, LightTracingScene,
     sources::LeSample,
-    wave::{Connection, LightPath},
+    wave::{Connection, LightPath, LightPaths},
 };
 use crate::{
     Lighting, SceneQueries, SurfaceHit,
@@ -26,7 +26,7 @@ struct LightVertex<'a> {
     interface: Option<MediumInterface>,
 }
 
-impl<S: Sampler> LightTracingIntegrator<S> {
+impl<S: Sampler> LightPaths<S> {
     /// Starts a path.
     pub(super) fn sample_le(
         &mut self,
@@ -43,7 +43,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
             medium_tracker.interior.find_enclosing_media_within(scene.sources.bodies(), world, materials, &ray);
         }
         let no_falloff_distance = no_falloff.then_some(0.0);
-        self.ray_queues.push(None, ray, span, self.paths.len() as u32);
+        self.next.push(None, &ray, span, self.paths.len() as u32);
         self.paths.push(LightPath {
             sampler,
             medium_tracker,
@@ -110,7 +110,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
             self.counts.depth_limited += 1;
             return;
         }
-        self.next.refracted.push(*ray, hit.span_after(ray), id);
+        self.next.refracted.push(ray, hit.span_after(ray), id);
     }
 
     /// Queues the ray from a vertex to the camera, if the vertex projects to the image.
@@ -142,7 +142,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
             .scatter(interface.as_ref(), if is_behind { Scattering::Transmission } else { Scattering::Reflection });
         let origin = surface.spawn_ray(to_camera, vertex.time).origin;
         let ray = Ray { origin, direction: camera.origin - origin, time: vertex.time };
-        self.to_camera.push(ray, Interval::SEGMENT, self.connections.len() as u32);
+        self.to_camera.push(&ray, Interval::SEGMENT, self.connections.len() as u32);
         self.connections.push(Connection { medium_tracker, raster: camera.raster, light });
     }
 
@@ -177,7 +177,7 @@ impl<S: Sampler> LightTracingIntegrator<S> {
         }
         path.medium_tracker.scatter(light_vertex.interface.as_ref(), sample.kind);
         let ray = surface.spawn_ray(wi, vertex.time);
-        self.next.push(Some(&sample), ray, Interval::SPAWNED, id);
+        self.next.push(Some(&sample), &ray, Interval::SPAWNED, id);
     }
 }
 

@@ -1,9 +1,45 @@
 //! State of light paths between vertices, and of connections to the camera.
 
+use super::light_rays::{LightRayStream, LightRays};
 use crate::{
-    Lighting, ShadingCounts, ShadingFeatures, SurfaceHit, hit_context::HitContext, medium_tracker::MediumTracker,
+    Lighting, PathSettings, ShadingCounts, ShadingFeatures, SurfaceHit, hit_context::HitContext,
+    medium_tracker::MediumTracker,
 };
 use rt_math::{DVec2, Ray, Rgb};
+
+/// Paths of a wave, and the rays that their vertices spawn.
+#[derive(Clone, Debug)]
+pub(super) struct LightPaths<S> {
+    pub(super) settings: PathSettings,
+    pub(super) features: ShadingFeatures,
+    pub(super) paths: Vec<LightPath<S>>,
+    pub(super) connections: Vec<Connection>,
+    /// Rays of the next wave.
+    pub(super) next: LightRays,
+    /// Rays from surfaces to the camera.
+    pub(super) to_camera: LightRayStream,
+    pub(super) counts: ShadingCounts,
+}
+
+impl<S> LightPaths<S> {
+    pub(super) fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
+        Self {
+            settings,
+            features,
+            paths: Vec::new(),
+            connections: Vec::new(),
+            next: LightRays::default(),
+            to_camera: LightRayStream::default(),
+            counts: ShadingCounts::default(),
+        }
+    }
+
+    /// Removes all paths.
+    pub(super) fn clear(&mut self) {
+        self.paths.clear();
+        self.next.clear();
+    }
+}
 
 /// State of a light path.
 #[derive(Clone, Debug)]

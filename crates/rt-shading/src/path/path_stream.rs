@@ -2,8 +2,7 @@
 
 use super::settings::Lighting;
 use crate::{
-    bsdf::BsdfSample, interior_list::InteriorList, lane_set::Element, medium_tracker::MediumTracker,
-    ray_queues::kind_of,
+    bsdf::BsdfSample, interior_list::InteriorList, lane_set::Element, medium_tracker::MediumTracker, ray_kind::kind_of,
 };
 use rt_geometry::{RayKind, RayStream, StreamArray};
 use rt_math::{DVec3, Interval, Ray, Rgb};
