@@ -5,7 +5,7 @@ use super::{
     side::{Side, same_side},
 };
 use crate::optics;
-use rt_math::{DVec3, Rgb};
+use rt_math::{DVec3, Real, Rgb};
 
 /// Complex index of refraction n + ik per channel.
 ///
@@ -48,21 +48,26 @@ impl ComplexIor {
 /// Fresnel's equations with a complex index (Born and Wolf, 14.4). With k = 0 it is [`optics::fresnel`] for 1/n. Let
 /// a + ib = √((n + ik)² − sin²). Rs is |cos − a − ib|² / |cos + a + ib|², and Rp is Rs · |a + ib − sin·tan|² /
 /// |a + ib + sin·tan|².
-pub fn conductor_fresnel(cos_i: f64, n: f64, k: f64) -> f64 {
-    let cos2 = cos_i.clamp(0.0, 1.0) * cos_i.clamp(0.0, 1.0);
-    let sin2 = 1.0 - cos2;
+#[inline(always)]
+pub fn conductor_fresnel<R: Real>(cos_i: R, n: R, k: R) -> R {
+    let (zero, one) = (n.splat(0.0), n.splat(1.0));
+    let cos = cos_i.max(zero).min(one);
+    let cos2 = cos * cos;
+    let sin2 = one - cos2;
     let real = (n - k) * (n + k) - sin2;
-    let size = (real * real + 4.0 * n * n * k * k).sqrt();
-    let a = (0.5 * (size + real)).max(0.0).sqrt();
-    let across = 2.0 * a * cos2.sqrt();
+    let size = (real * real + n * n * k * k * 4.0).sqrt();
+    let a = ((size + real) * 0.5).max(zero).sqrt();
+    let across = a * cos2.sqrt() * 2.0;
     let perpendicular = ratio(size + cos2, across);
     let parallel = perpendicular * ratio(cos2 * size + sin2 * sin2, across * sin2);
-    0.5 * (perpendicular + parallel)
+    (perpendicular + parallel) * 0.5
 }
 
 /// (a − b) / (a + b); 1 if both are 0, as at the horizon.
-fn ratio(a: f64, b: f64) -> f64 {
-    if a + b > 0.0 { (a - b) / (a + b) } else { 1.0 }
+#[inline(always)]
+fn ratio<R: Real>(a: R, b: R) -> R {
+    let (sum, one) = (a + b, a.splat(1.0));
+    R::select(sum.gt(a.splat(0.0)), (a - b) / sum, one)
 }
 
 /// Smooth or rough metal: f = F·D·G₂ / (4 cos cos) with microfacets of [`Ggx`] (Cook, Torrance 1982).

@@ -56,6 +56,7 @@ mod dispersive_dielectric;
 mod ggx;
 mod lambert;
 mod layered;
+mod metal_lanes;
 mod metallic_roughness;
 mod metallic_roughness_lanes;
 mod mirror;
@@ -80,6 +81,7 @@ pub use ggx::Ggx;
 pub use lambert::Lambert;
 pub(crate) use lambert::{cosine_hemisphere, cosine_hemisphere_lanes};
 pub use layered::Layered;
+pub(crate) use metal_lanes::{MetalBlock, MetalLanes, MetalSample};
 pub use metallic_roughness::{Coupling, MetallicRoughness};
 pub(crate) use metallic_roughness_lanes::{
     MetallicRoughnessBlock, MetallicRoughnessLanes, MetallicRoughnessLayer, MetallicRoughnessSample,
@@ -93,6 +95,7 @@ pub use sheen::Sheen;
 pub use specular_transmission::SpecularTransmission;
 pub use thin_glass::ThinGlass;
 
+use crate::wavefront::is_in_range;
 use rt_math::{DVec3, Rgb};
 
 /// BSDF of a surface at a point: one [`Bxdf`], a [`Mix`] of several, or [`Layered`].
@@ -125,6 +128,8 @@ pub enum Bsdf {
 pub(crate) enum LaneSurface {
     DiffusePhong(DiffusePhong),
     MetallicRoughness(MetallicRoughnessLayer),
+    Conductor(Conductor),
+    Mirror(Mirror),
 }
 
 impl<T: Into<Bxdf>> From<T> for Bsdf {
@@ -154,6 +159,8 @@ impl From<LaneSurface> for Bsdf {
         match surface {
             LaneSurface::DiffusePhong(lobes) => lobes.into(),
             LaneSurface::MetallicRoughness(layer) => layer.surface.into(),
+            LaneSurface::Conductor(conductor) => conductor.into(),
+            LaneSurface::Mirror(mirror) => mirror.into(),
         }
     }
 }
@@ -240,12 +247,16 @@ impl Bsdf {
         }
     }
 
-    /// The BSDF for lanes, if it is a diffuse lobe, alone or followed by a Phong lobe, or a rough metallic-roughness surface. Its
-    /// parameters must be in the usual range of `f32`, and its highlight not too narrow.
+    /// The BSDF for lanes, if it is a diffuse lobe, alone or followed by a Phong lobe, a rough metallic-roughness surface, a metal or a
+    /// mirror. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {
                 return MetallicRoughnessLayer::new(surface).map(LaneSurface::MetallicRoughness);
+            }
+            Self::Single(Bxdf::Conductor(metal)) => return metal.is_usual().then_some(LaneSurface::Conductor(*metal)),
+            Self::Single(Bxdf::Mirror(mirror)) => {
+                return is_in_range(mirror.reflectance).then_some(LaneSurface::Mirror(*mirror));
             }
             Self::Single(lobe) => DiffusePhong::diffuse(lobe.as_diffuse()?),
             Self::Mix(mix) => DiffusePhong::of_mix(mix)?,

@@ -5,7 +5,7 @@ use super::{
     path_stream::PathStream,
 };
 use crate::{
-    bsdf::{DiffusePhong, LaneSurface, MetallicRoughnessBlock, WeightedPhong},
+    bsdf::{DiffusePhong, LaneSurface, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
     lane_set::Element,
     lanes::{LANES, LaneArray, each_lane},
     light::LightId,
@@ -131,11 +131,18 @@ pub(super) struct GatheredBsdfs {
     pub(super) probabilities: [LaneArray; 2],
     /// Further parameters of metallic-roughness surfaces.
     pub(super) layers: MetallicRoughnessBlock,
+    pub(super) metals: MetalBlock,
 }
 
 impl GatheredBsdfs {
     const fn clear(&mut self) {
         (self.rough, self.glossy, self.metallic_roughness) = (0, 0, 0);
+        self.metals.clear();
+    }
+
+    /// Lanes of BSDFs that are not Lambertian.
+    pub(super) const fn others(&self) -> u8 {
+        self.rough | self.glossy | self.metallic_roughness | self.metals.all
     }
 
     /// Sets the BSDF of a lane, once.
@@ -170,6 +177,8 @@ impl GatheredBsdfs {
                 self.roughness[lane] = layer.surface.roughness;
                 self.layers.set(lane, layer);
             }
+            LaneSurface::Conductor(conductor) => self.metals.set_conductor(lane, conductor),
+            LaneSurface::Mirror(mirror) => self.metals.set_mirror(lane, mirror),
         }
     }
 }

@@ -5,7 +5,10 @@
 
 use super::gathered::GatheredBsdfs;
 use crate::{
-    bsdf::{DiffusePhongLanes, MetallicRoughnessLanes, MetallicRoughnessSample, cosine_hemisphere_lanes},
+    bsdf::{
+        DiffusePhongLanes, MetalLanes, MetalSample, MetallicRoughnessLanes, MetallicRoughnessSample,
+        cosine_hemisphere_lanes,
+    },
     lane_set::LaneSet,
     mis::power_heuristic,
     viewed_surface::MIN_COSINE,
@@ -42,8 +45,10 @@ pub(super) struct LobeLanes<L: LaneSet> {
     rough: u8,
     glossy: u8,
     layered: u8,
+    metallic: u8,
     diffuse_phong: DiffusePhongLanes<L::D>,
     layers: Option<MetallicRoughnessLanes<L>>,
+    metals: Option<MetalLanes<L>>,
     follows_specular_only: bool,
 }
 
@@ -84,7 +89,7 @@ impl<'a, L: LaneSet> BsdfLanes<'a, L> {
         let frame = FrameLanes { normal, tangents: tangents(outside) };
         let albedo = lanes.narrow_vector(lanes.load_coordinates(&bsdfs.albedo));
         let mut of_lobes = None;
-        if bsdfs.rough | bsdfs.glossy | bsdfs.metallic_roughness != 0 {
+        if bsdfs.others() != 0 {
             of_lobes = Some(&*LobeLanes::set(lobes, lanes, bsdfs, (&frame, &direction, follows_specular_only)));
         }
         Self { lanes, frame, albedo, lobes: of_lobes, follows_specular_only }
@@ -162,6 +167,10 @@ impl<L: LaneSet> LobeLanes<L> {
                 if layered != 0 {
                     layers = Some(MetallicRoughnessLanes::new(lanes, &bsdfs.layers, color, roughness, wo));
                 }
+                let mut metals = None;
+                if bsdfs.metals.all != 0 {
+                    metals = Some(MetalLanes::new(lanes, &bsdfs.metals, wo));
+                }
                 let frame = *frame;
                 storage.insert(Self {
                     lanes,
@@ -170,8 +179,10 @@ impl<L: LaneSet> LobeLanes<L> {
                     rough,
                     glossy,
                     layered,
+                    metallic: bsdfs.metals.all,
                     diffuse_phong,
                     layers,
+                    metals,
                     follows_specular_only,
                 })
             },
@@ -202,6 +213,9 @@ impl<L: LaneSet> LobeLanes<L> {
                 if let Some(layers) = &self.layers {
                     reflected = self.replaced(reflected, self.layered, layers.eval_with_pdf(wi).0 * scale);
                 }
+                if let Some(metals) = &self.metals {
+                    reflected = self.replaced(reflected, self.metallic, metals.eval_with_pdf(wi).0 * scale);
+                }
                 reflected
             },
         )
@@ -215,7 +229,7 @@ impl<L: LaneSet> LobeLanes<L> {
         (direction, cos): (&Vector3<L::F>, &L::F),
         pdf: &L::F,
     ) -> Vector3<L::F> {
-        let &Self { lanes, wo, rough, glossy, layered, follows_specular_only, .. } = self;
+        let &Self { lanes, wo, rough, glossy, layered, metallic, follows_specular_only, .. } = self;
         lanes.vectorize(
             #[inline(always)]
             || {
@@ -240,6 +254,10 @@ impl<L: LaneSet> LobeLanes<L> {
                     let (value, own_pdf) = layers.eval_with_pdf(wi);
                     reflected = self.replaced(reflected, layered, value * (wi.z * power_heuristic(pdf, own_pdf)));
                 }
+                if let Some(metals) = &self.metals {
+                    let (value, own_pdf) = metals.eval_with_pdf(wi);
+                    reflected = self.replaced(reflected, metallic, value * (wi.z * power_heuristic(pdf, own_pdf)));
+                }
                 reflected
             },
         )
@@ -248,7 +266,7 @@ impl<L: LaneSet> LobeLanes<L> {
     /// Version of [`BsdfLanes::sample`] that replaces the samples of the lanes of these lobes.
     #[inline(never)]
     fn sample(&self, lambertian: &SampledLanes<L>, u_lobe: &L::D, u: &[L::D; 2]) -> SampledLanes<L> {
-        let &Self { lanes, wo, rough, glossy, layered, follows_specular_only, .. } = self;
+        let &Self { lanes, wo, rough, glossy, layered, metallic, follows_specular_only, .. } = self;
         lanes.vectorize(
             #[inline(always)]
             || {
@@ -292,6 +310,16 @@ impl<L: LaneSet> LobeLanes<L> {
                     local = Vector3::select(is_layered, lanes.narrow_vector(wi), local);
                     pdf = Real::select(is_layered, lanes.narrow(density), pdf);
                     weight = self.replaced(weight, layered, value * (wi.z / density));
+                }
+                if let Some(metals) = &self.metals {
+                    let MetalSample { wi, weight: of_metal, pdf: density } = metals.sample(*u);
+                    let is_valid = is_density(density) & of_metal.is_finite() & wi.is_finite();
+                    valid = (valid & !metallic) | (metallic & lanes.bits_f64(is_valid));
+                    diffuse &= !metallic;
+                    let is_metal = lanes.mask(metallic);
+                    local = Vector3::select(is_metal, lanes.narrow_vector(wi), local);
+                    pdf = Real::select(is_metal, lanes.narrow(density), pdf);
+                    weight = self.replaced(weight, metallic, of_metal);
                 }
                 SampledLanes { local, weight, pdf, valid, diffuse }
             },

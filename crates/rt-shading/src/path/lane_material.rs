@@ -50,16 +50,22 @@ pub(super) enum VertexKind {
     Glossy,
     /// The metallic-roughness model.
     MetallicRoughness,
+    /// A rough metal.
+    Conductor,
+    /// A smooth metal or a mirror: light is not sampled.
+    Specular,
 }
 
 impl VertexKind {
-    pub(super) const fn of(surface: &LaneSurface) -> Self {
+    pub(super) fn of(surface: &LaneSurface) -> Self {
         match surface {
             LaneSurface::DiffusePhong(DiffusePhong { highlight: Some(_), .. }) => Self::Glossy,
             LaneSurface::DiffusePhong(DiffusePhong { diffuse: OrenNayar { roughness, .. }, .. }) => {
                 if *roughness > 0.0 { Self::RoughDiffuse } else { Self::Diffuse }
             }
             LaneSurface::MetallicRoughness(_) => Self::MetallicRoughness,
+            LaneSurface::Conductor(conductor) if !conductor.is_smooth() => Self::Conductor,
+            LaneSurface::Conductor(_) | LaneSurface::Mirror(_) => Self::Specular,
         }
     }
 

@@ -13,6 +13,7 @@ use crate::{
     bsdf::Scattering,
     lane_set::{Element, LaneSet, LaneStage},
     lanes::{LANES, each_lane, first_lanes, is_zero},
+    optics,
     russian_roulette::survival_probability,
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
@@ -28,6 +29,8 @@ struct Vertices<L: LaneSet> {
     /// Index of the first ray.
     at: usize,
     mask: u8,
+    /// Those whose lobe is a delta distribution: light is not sampled.
+    delta: u8,
     points: HitPoints<L>,
     surface: ShadedSurface<L>,
     normals: ShadingNormals<L>,
@@ -87,14 +90,17 @@ impl<E: Element> SpawnedPaths<E> {
                 normals.interpolate(lanes, (&points, &surface), &self.gathered.shapes, (hits, at), smooth);
             }
             let time = times(lanes, &paths.rays, at, inputs.has_time);
-            let vertices = Vertices { at, mask, points, surface, normals, throughput, time };
+            let delta = mask & self.gathered.bsdfs.metals.delta;
+            let vertices = Vertices { at, mask, delta, points, surface, normals, throughput, time };
             let side = (vertices.normals.normal, vertices.surface.inside);
             let direction = vertices.surface.direction;
             let lobes = (inputs.follows_specular_only(), &mut lobes);
             let bsdf = BsdfLanes::new(lanes, &self.gathered.bsdfs, side, direction, lobes);
-            self.reflect_delta_lights((lanes, inputs), wave, (&vertices, &bsdf), seen);
-            if !inputs.lighting.lights.sampled_lights().is_empty() {
-                self.reflect_light((lanes, inputs), (wave, samples), (&vertices, &bsdf));
+            if delta != mask {
+                self.reflect_delta_lights((lanes, inputs), wave, (&vertices, &bsdf), seen);
+                if !inputs.lighting.lights.sampled_lights().is_empty() {
+                    self.reflect_light((lanes, inputs), (wave, samples), (&vertices, &bsdf));
+                }
             }
             self.scatter((lanes, inputs), (wave, samples), (&vertices, &bsdf));
         }
@@ -134,12 +140,13 @@ impl<E: Element> SpawnedPaths<E> {
         seen: &mut [RadianceSample],
     ) {
         let clamp = inputs.settings.clamp;
-        let Vertices { at, mask, points, normals, throughput, time, .. } = vertices;
+        let Vertices { at, points, normals, throughput, time, .. } = vertices;
+        let mask = vertices.mask & !vertices.delta;
         let shadow_origin = &normals.shadow_origin;
         let samples = wave.paths.sample.vector(*at);
         for (light, stream) in inputs.lighting.lights.delta_lights().zip(&mut self.delta) {
             let zero = lanes.splat(0.0);
-            let incident = sample_li(lanes, light, points, *mask);
+            let incident = sample_li(lanes, light, points, mask);
             let cos = vertices.cosines(lanes, incident.direction);
             // Cancels the 1/π of BSDFs for lights in classical units.
             let reflected = bsdf.reflected(incident.direction, cos, light.units.irradiance_factor());
@@ -171,7 +178,8 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, ref normals, throughput, time, .. } = vertices;
+        let &Vertices { at, ref normals, throughput, time, .. } = vertices;
+        let mask = vertices.mask & !vertices.delta;
         let &ShadingNormals { normal, shadow_origin, .. } = normals;
         // The origin of the next ray: its hit is weighted for this point.
         let from = (vertices.surface.near_origin, normal);
@@ -202,15 +210,25 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, ref surface, ref normals, throughput, time, .. } = vertices;
+        let &Vertices { at, mask, delta, ref surface, ref normals, throughput, time, .. } = vertices;
         let normal = normals.normal;
         let [u, v] = &samples.direction;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
-        let (direction, above) = bsdf.direction(&sampled);
-        let SampledLanes { weight, pdf, valid, diffuse, .. } = sampled;
-        let is_continued = direction.dot(surface.normal).gt(lanes.splat(0.0));
-        let mut continued = mask & valid & above & lanes.bits(is_continued);
+        let (mut direction, above) = bsdf.direction(&sampled);
+        let SampledLanes { weight, mut pdf, valid, diffuse, .. } = sampled;
+        let zero = lanes.splat(0.0);
+        let mut outside = lanes.bits(direction.dot(surface.normal).gt(zero));
+        if delta != 0 {
+            pdf = Real::select(lanes.mask(delta), zero, pdf);
+            let kept = self.specular_paths((wave, at), delta & !outside);
+            if kept != 0 {
+                let mirrored = optics::reflect_lanes(direction, surface.normal);
+                direction = Vector3::select(lanes.mask(kept), mirrored, direction);
+                outside |= kept;
+            }
+        }
+        let mut continued = mask & valid & above & outside;
         let mut ends = if inputs.follows_specular_only() { diffuse } else { 0 };
         if wave.bounces >= inputs.settings.max_depth {
             ends = !0;
@@ -245,8 +263,19 @@ impl<E: Element> SpawnedPaths<E> {
             }
         }
         if inputs.materials.track_states {
-            self.update_states(alive, ends, of_rays, wave.bounces);
+            self.update_states(alive, [ends, delta], of_rays, wave.bounces);
         }
+    }
+
+    /// Lanes of a mask whose paths keep a delta direction on its side of the surface: those without a bounce that is not specular at the
+    /// first surface. See [`ViewedSurface::continued`](crate::viewed_surface::ViewedSurface::continued).
+    fn specular_paths(&self, (wave, at): (&PathWave<'_, E>, usize), mask: u8) -> u8 {
+        let mut specular = 0;
+        for lane in each_lane(mask) {
+            let state = &self.states[wave.paths.sample.get(at + lane) as usize];
+            specular |= u8::from(!state.first_bounce_nonspecular) << lane;
+        }
+        specular
     }
 
     /// Squared relative indices of refraction that the paths of some lanes have collected.
@@ -270,10 +299,10 @@ impl<E: Element> SpawnedPaths<E> {
 
     /// Updates the states of paths that a reflection has continued.
     #[inline(never)]
-    fn update_states(&mut self, alive: u8, ends: u8, samples: &[u32; LANES], bounces: u32) {
+    fn update_states(&mut self, alive: u8, [ends, delta]: [u8; 2], samples: &[u32; LANES], bounces: u32) {
         for lane in each_lane(alive) {
             let state = &mut self.states[samples[lane] as usize];
-            state.first_bounce_nonspecular |= bounces == 0;
+            state.first_bounce_nonspecular |= bounces == 0 && delta >> lane & 1 == 0;
             state.emission_only = ends >> lane & 1 == 1;
             state.vertex = None;
             state.medium_tracker.scatter(None, Scattering::Reflection);

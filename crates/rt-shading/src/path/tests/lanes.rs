@@ -5,6 +5,7 @@ use crate::{
     Appearance, Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorList, InteriorMedium,
     LaneLevel, LightUnits, Material, MaterialModel, PathTracer, Phong, RadianceSample, ReferencePathTracer,
     ShadingCounts, ShadingFeatures, StreamTriangle, Transport,
+    bsdf::ComplexIor,
     light::{
         Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, LightSet, MeshLight, QuadLight,
         SphereLight,
@@ -251,6 +252,62 @@ fn shading_in_f64_agrees_with_the_reference_for_other_settings() {
     compare(&mut scene, settings);
 }
 
+/// Some materials replaced by metals and a mirror, whose interpolated normals send directions to the wrong side of the surface.
+fn with_metals(mut scene: TestScene) -> TestScene {
+    let metal = |ior, roughness| MaterialModel::Conductor { ior, roughness };
+    let tinted = ColorTexture::Constant(Rgb::new(0.9, 0.6, 0.3));
+    let metals = [
+        metal(ComplexIor::GOLD, 0.3),
+        metal(ComplexIor::SILVER, 0.0),
+        metal(ComplexIor::COPPER, 1.0),
+        metal(ComplexIor::CHROMIUM, 0.0),
+    ];
+    let metals = metals.map(|model| Material::new(String::new(), model));
+    let mirror = Material::new(String::new(), Phong { mirror: tinted, ..Phong::BLACK });
+    for (material, metal) in scene.appearance.materials[1..].iter_mut().zip(metals.into_iter().chain([mirror])) {
+        *material = metal;
+    }
+    scene
+}
+
+#[test]
+fn metals_and_mirrors_in_f64_have_the_radiance_of_the_reference() {
+    let rays = camera_rays(1500, 1.0);
+    for kinds in LIT_BY {
+        let mut scene = with_metals(TestScene::new(kinds, 1.0));
+        for transport in [Transport::Full, Transport::NonCaustic] {
+            for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
+                let settings = PathSettings { transport, rr_start_depth, ..settings(max_depth) };
+                let (expected, _) = of_reference(&mut scene, settings, &rays);
+                let (found, counts) = in_f64(&mut scene, settings, &rays);
+                assert!(counts.lanes_used > 500, "{counts:?}");
+                // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
+                let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
+                let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
+                let most = if kinds.others { 4 } else { 0 };
+                assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn metals_and_mirrors_have_the_bits_of_single_hits_at_all_levels() {
+    let rays = camera_rays(600, 1.0);
+    for kinds in [LIT_BY[1], LIT_BY[4]] {
+        let mut scene = with_metals(TestScene::new(kinds, 1.0));
+        let one = in_f32(&mut scene, None, settings(5), &rays);
+        for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
+            let lanes = in_f32(&mut scene, Some(level), settings(5), &rays);
+            assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {kinds:?}");
+            for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
+                let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
+                assert!(bits(a) == bits(b) && a.hit == b.hit, "ray {at}: {a:?}, {b:?}, {level:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_scenes_of_these_tests_have_all_cases() {
     let rays = camera_rays(1500, 1.0);
@@ -403,6 +460,8 @@ fn transmissive_and_textured_materials_and_numbers_out_of_the_range_of_f32_are_n
         assert!(in_lanes(other.clone()), "{other:?}");
     }
     assert!(in_lanes(of_model(metallic_roughness(0.5, 0.3))));
+    let gold = |roughness| of_model(MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness });
+    assert!(in_lanes(gold(0.0)) && in_lanes(gold(0.2)) && !in_lanes(gold(0.05)));
     for other in [
         glowing(ColorTexture::Constant(Rgb::gray(1e20))),
         glowing(ColorTexture::Textured(crate::TextureId(0), Rgb::WHITE)),

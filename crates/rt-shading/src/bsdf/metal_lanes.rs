@@ -1,0 +1,154 @@
+//! Metals and mirrors in lanes.
+
+use super::{
+    ComplexIor, Conductor, Ggx, Mirror, conductor_fresnel,
+    ggx::{IsotropicGgx, normalize_or_up},
+};
+use crate::{
+    lane_set::LaneSet,
+    lanes::{LANES, LaneArray},
+    optics::reflect_lanes,
+    wavefront::is_in_range,
+};
+use rt_math::{DVec3, Real, Rgb, Vector3};
+
+/// Least roughness of rough metals in lanes: facets of a narrower distribution multiply the rounding error of directions in `f32`.
+const MIN_ROUGHNESS: f64 = 0.1;
+
+impl Conductor {
+    /// True if it can be shaded in lanes: smooth, or rough enough, with a usual index of refraction.
+    pub(super) fn is_usual(&self) -> bool {
+        (self.is_smooth() || self.roughness >= MIN_ROUGHNESS) && is_in_range(self.ior.n) && is_in_range(self.ior.k)
+    }
+}
+
+/// Parameters of eight metals or mirrors.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MetalBlock {
+    /// Lanes of metals and mirrors.
+    pub(crate) all: u8,
+    /// Those whose lobe is a delta distribution.
+    pub(crate) delta: u8,
+    mirrors: u8,
+    /// Complex indices of refraction, by channel.
+    n: [LaneArray; 3],
+    k: [LaneArray; 3],
+    /// Reflectances of mirrors.
+    reflectance: [LaneArray; 3],
+    /// α of [`Ggx`]; 1 for delta lobes.
+    alpha: LaneArray,
+}
+
+impl MetalBlock {
+    pub(crate) const fn clear(&mut self) {
+        (self.all, self.delta, self.mirrors) = (0, 0, 0);
+    }
+
+    /// Sets the metal of one lane, once.
+    pub(crate) fn set_conductor(&mut self, lane: usize, conductor: &Conductor) {
+        let Conductor { ior: ComplexIor { n, k }, roughness } = *conductor;
+        let facets = Ggx::from_roughness(roughness);
+        self.all |= 1 << lane;
+        self.delta |= u8::from(facets.is_none()) << lane;
+        self.alpha[lane % LANES] = facets.map_or(1.0, |facets| facets.alpha());
+        set_color(&mut self.n, lane, n);
+        set_color(&mut self.k, lane, k);
+    }
+
+    /// Sets the mirror of one lane, once.
+    pub(crate) fn set_mirror(&mut self, lane: usize, mirror: &Mirror) {
+        for lanes in [&mut self.all, &mut self.delta, &mut self.mirrors] {
+            *lanes |= 1 << lane;
+        }
+        self.alpha[lane % LANES] = 1.0;
+        set_color(&mut self.reflectance, lane, mirror.reflectance);
+    }
+}
+
+fn set_color([r, g, b]: &mut [LaneArray; 3], lane: usize, color: Rgb) {
+    let lane = lane % LANES;
+    (r[lane], g[lane], b[lane]) = (color.r, color.g, color.b);
+}
+
+/// Eight metals or mirrors from the side of their viewers.
+pub(crate) struct MetalLanes<L: LaneSet> {
+    lanes: L,
+    delta: u8,
+    mirrors: u8,
+    n: Vector3<L::D>,
+    k: Vector3<L::D>,
+    reflectance: Vector3<L::D>,
+    facets: IsotropicGgx<L::D>,
+    wo: Vector3<L::D>,
+    /// S(wo) of [`Ggx`].
+    stretched: L::D,
+}
+
+/// Directions sampled from these surfaces.
+pub(crate) struct MetalSample<L: LaneSet> {
+    pub(crate) wi: Vector3<L::D>,
+    /// BSDF times cosine divided by density.
+    pub(crate) weight: Vector3<L::D>,
+    /// 1 for a delta lobe.
+    pub(crate) pdf: L::D,
+}
+
+impl<L: LaneSet> MetalLanes<L> {
+    /// Surfaces that are seen from directions above them.
+    #[inline(always)]
+    pub(crate) fn new(lanes: L, block: &MetalBlock, wo: Vector3<L::D>) -> Self {
+        let facets = IsotropicGgx { alpha: lanes.load_f64(&block.alpha) };
+        Self {
+            lanes,
+            delta: block.delta,
+            mirrors: block.mirrors,
+            n: lanes.load_coordinates(&block.n),
+            k: lanes.load_coordinates(&block.k),
+            reflectance: lanes.load_coordinates(&block.reflectance),
+            facets,
+            wo,
+            stretched: facets.stretched_length(wo),
+        }
+    }
+
+    /// Reflectances at cosines between the viewer and the normal of a facet.
+    #[inline(always)]
+    fn fresnel(&self, cos: L::D) -> Vector3<L::D> {
+        let (n, k) = (self.n, self.k);
+        let metal = Vector3::new(
+            conductor_fresnel(cos, n.x, k.x),
+            conductor_fresnel(cos, n.y, k.y),
+            conductor_fresnel(cos, n.z, k.z),
+        );
+        Vector3::select(self.lanes.mask_f64(self.mirrors), self.reflectance, metal)
+    }
+
+    /// Value of perfectly reflecting facets, and density, for directions above the surface with the normalised half vectors `m`.
+    #[inline(always)]
+    fn facets_with_pdf(&self, wi: Vector3<L::D>, m: Vector3<L::D>) -> (L::D, L::D) {
+        let (cos, d) = (self.wo.z, self.facets.d(m));
+        let value = d / ((cos * self.facets.stretched_length(wi) + wi.z * self.stretched) * 2.0);
+        (value, d / ((cos + self.stretched) * 2.0))
+    }
+
+    /// Value without the cosine, and density, for directions above the surface. Not valid for delta lobes.
+    #[inline(always)]
+    pub(crate) fn eval_with_pdf(&self, wi: Vector3<L::D>) -> (Vector3<L::D>, L::D) {
+        let m = normalize_or_up(self.wo + wi);
+        let (facets, pdf) = self.facets_with_pdf(wi, m);
+        (self.fresnel(self.wo.dot(m)) * facets, pdf)
+    }
+
+    /// Samples directions, some of which are below the surface.
+    #[inline(always)]
+    pub(crate) fn sample(&self, u: [L::D; 2]) -> MetalSample<L> {
+        let is_delta = self.lanes.mask_f64(self.delta);
+        let up = self.lanes.splat_point(DVec3::Z);
+        let m = Vector3::select(is_delta, up, self.facets.sample(self.wo, u));
+        let wi = reflect_lanes(-self.wo, m);
+        let (facets, pdf) = self.facets_with_pdf(wi, m);
+        let one = self.lanes.splat_f64(1.0);
+        let (pdf, share) = (Real::select(is_delta, one, pdf), Real::select(is_delta, one, facets * wi.z / pdf));
+        MetalSample { wi, weight: self.fresnel(self.wo.dot(m)) * share, pdf }
+    }
+}
