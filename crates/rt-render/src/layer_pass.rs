@@ -84,12 +84,12 @@ impl RenderPlan<'_> {
         let simple = pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
         let job = &TileJob { simple: simple.as_ref(), ..*job };
         let samples = |pixel| job.samples_of(pixel).min(MAX_LAYER_SAMPLES);
-        let mut sums = TileLayers::new(self.layer_context(), layers, job.tile.pixels().map(samples).collect());
         let mut tracer = SceneTracer::new(world, structure, PrimaryTarget::All(structure), WorkProbe::default());
+        let samples_of_pixels = job.tile.pixels().map(samples).collect();
+        tracer.layers = Some(TileLayers::new(self.layer_context(), layers, samples_of_pixels));
         let mut hits = HitStream::default();
         let mut trace = |batch: &mut PrimaryRayBatch| {
             tracer.closest_stream(batch.rays(), RayKind::Primary, &mut hits);
-            sums.add(world, (0..batch.rays().len()).map(|at| (batch.rays().get(at).0, hits.get(at))));
             batch.clear();
         };
         for pixel in job.tile.pixels() {
@@ -108,6 +108,6 @@ impl RenderPlan<'_> {
             }
         }
         trace(batch);
-        sums.channels()
+        tracer.layers.map(|layers| layers.channels()).unwrap_or_default()
     }
 }

@@ -17,9 +17,6 @@ use crate::{
 /// Paths per work item.
 const CHUNK: u64 = 4096;
 
-/// Paths traced together.
-const BATCH_SIZE: u64 = 256;
-
 /// Seed that separates the random numbers of light paths from those of pixels.
 const LIGHT_PATHS: u64 = 0x6c69_6768_7420_7061;
 
@@ -75,28 +72,25 @@ impl RenderPlan<'_> {
         let sampler = PixelSampler::new(SamplerKind::Sobol, 1, seed);
         let share = 1.0 / pass.paths as f64;
         let end = pass.paths.min((chunk + 1) * CHUNK);
-        for first in (chunk * CHUNK..end).step_by(BATCH_SIZE as usize) {
-            let indices = first..end.min(first + BATCH_SIZE);
-            let samplers = indices.map(|index| {
-                let mut sample = sampler.sample([(index >> 32) as u32, 0], index as u32);
-                let time = self.frame.sample_time(&mut sample);
-                (sample, time)
-            });
-            let scene = LightTracingScene { lighting, sources };
-            let sight = |point, time, sampler: &mut SampleStream| {
-                let on_lens = if self.frame.camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
-                let sight = self.frame.camera.sample_wi(point, on_lens, time)?;
-                Some(CameraWiSample { origin: sight.origin, raster: sight.raster, importance: sight.importance })
-            };
-            tracer.trace(&mut world, scene, samplers, sight, |raster, light| {
-                if light.to_array().iter().all(|c| (0.0..f64::INFINITY).contains(c)) {
-                    let add = |splat| lit.splats.push(splat);
-                    splat(self.frame.filter, self.frame.crop, self.frame.sample_offset, raster, light * share, add);
-                } else {
-                    lit.bad += 1;
-                }
-            });
-        }
+        let samplers = (chunk * CHUNK..end).map(|index| {
+            let mut sample = sampler.sample([(index >> 32) as u32, 0], index as u32);
+            let time = self.frame.sample_time(&mut sample);
+            (sample, time)
+        });
+        let scene = LightTracingScene { lighting, sources };
+        let sight = |point, time, sampler: &mut SampleStream| {
+            let on_lens = if self.frame.camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
+            let sight = self.frame.camera.sample_wi(point, on_lens, time)?;
+            Some(CameraWiSample { origin: sight.origin, raster: sight.raster, importance: sight.importance })
+        };
+        tracer.trace(&mut world, scene, samplers, sight, |raster, light| {
+            if light.to_array().iter().all(|c| (0.0..f64::INFINITY).contains(c)) {
+                let add = |splat| lit.splats.push(splat);
+                splat(self.frame.filter, self.frame.crop, self.frame.sample_offset, raster, light * share, add);
+            } else {
+                lit.bad += 1;
+            }
+        });
         lit.counters = world.probe.counters(world.rays);
         lit.shading = tracer.take_counts();
         lit

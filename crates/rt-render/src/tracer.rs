@@ -7,7 +7,7 @@ use rt_shading::{SceneQueries, StreamPrimitive, StreamQueries, SurfaceHit};
 
 use crate::{frustum_cull::PrimaryTarget, instance::Instances, tile_layers::TileLayers, work_probe::WorkProbe};
 
-/// Traces and counts the rays of an integrator. The accelerator is dispatched once per batch, so that integrators are not
+/// Traces and counts the rays of an integrator. The accelerator is dispatched once per stream, so that integrators are not
 /// compiled for each accelerator.
 pub(crate) struct SceneTracer<'w> {
     pub(crate) world: &'w Instances<'w>,
@@ -25,7 +25,7 @@ pub(crate) struct SceneTracer<'w> {
     /// Buffer for the hits of a batch.
     hits: Vec<Option<Hit>>,
     /// Buffer for the rays of a stream.
-    stream: Vec<(Ray, Interval)>,
+    batch: Vec<(Ray, Interval)>,
 }
 
 /// Buffers of a tracer, for hits and for the rays of a stream.
@@ -47,18 +47,18 @@ impl<'w> SceneTracer<'w> {
             probe,
             layers: None,
             hits: Vec::new(),
-            stream: Vec::new(),
+            batch: Vec::new(),
         }
     }
 
     /// Reuses the buffers of an earlier tracer.
-    pub(crate) fn with_buffers(self, (hits, stream): TracerBuffers) -> Self {
-        Self { hits, stream, ..self }
+    pub(crate) fn with_buffers(self, (hits, batch): TracerBuffers) -> Self {
+        Self { hits, batch, ..self }
     }
 
     /// Returns the buffers for the next tracer.
     pub(crate) fn into_buffers(self) -> TracerBuffers {
-        (self.hits, self.stream)
+        (self.hits, self.batch)
     }
 
     /// Objects that rays of this kind are tested against.
@@ -79,7 +79,7 @@ impl<'w> SceneTracer<'w> {
 
     /// The rays of a stream in the reused buffer, which the caller returns.
     fn batch_of(&mut self, rays: &RayStream) -> Vec<(Ray, Interval)> {
-        let mut batch = core::mem::take(&mut self.stream);
+        let mut batch = core::mem::take(&mut self.batch);
         batch.clear();
         batch.extend((0..rays.len()).map(|at| rays.get(at)));
         batch
@@ -132,7 +132,7 @@ impl StreamQueries for SceneTracer<'_> {
             for (at, hit) in self.hits.iter().enumerate() {
                 hits.set(at, hit.as_ref());
             }
-            self.stream = batch;
+            self.batch = batch;
         }
         if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
             layers.add(world, (0..rays.len()).map(|at| (rays.get(at).0, hits.get(at))));
@@ -147,7 +147,7 @@ impl StreamQueries for SceneTracer<'_> {
         let batch = self.batch_of(rays);
         blocked.fill(false);
         self.structure.occluded_batch(self.world, &batch, blocked, &mut self.probe);
-        self.stream = batch;
+        self.batch = batch;
     }
 
     #[inline(always)]

@@ -27,7 +27,8 @@ pub struct OcclusionWave {
 }
 
 impl OcclusionWave {
-    /// An estimate from one direction for each camera ray: `seen[i]` is that of ray `i`, which draws from `samplers[i]`.
+    /// An estimate from one direction for each camera ray: `seen[i]` is that of ray `i`, which draws from `samplers[i]`. Does nothing
+    /// with fewer samplers or entries of `seen` than rays.
     pub fn radiance_of<S: Sampler + Clone>(
         &mut self,
         view: &AmbientOcclusion,
@@ -36,6 +37,9 @@ impl OcclusionWave {
         samplers: &[S],
         seen: &mut [RadianceSample],
     ) {
+        if samplers.len().min(seen.len()) < rays.len() {
+            return;
+        }
         self.rays.clear();
         let needs = InteractionFlags { shading_normal: true, ..InteractionFlags::NONE };
         world.closest_stream(rays, RayKind::Primary, &mut self.hits);

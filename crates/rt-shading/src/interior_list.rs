@@ -8,7 +8,7 @@ use rt_math::{Aabb, Interval, Ray};
 const CAPACITY: usize = 32;
 
 /// A dielectric: its object, and its material.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct MediumEntry {
     pub(crate) object: u32,
     pub(crate) material: u32,
@@ -94,6 +94,15 @@ impl InteriorList {
     /// True for a point in air.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
+    }
+
+    /// True if a surface of a solid is certainly visible: the point is in air, or in this solid alone, and the ray leaves it.
+    pub(crate) fn shows_surface(&self, material: u32, leaves: impl FnOnce() -> bool) -> bool {
+        match self.entries.as_slice() {
+            [] => true,
+            [only] => only.material == material && leaves(),
+            _ => false,
+        }
     }
 
     /// Sets the medium to air.

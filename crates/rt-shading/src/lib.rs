@@ -13,7 +13,8 @@
 //! **Owns** materials ([`Material`], [`MaterialModel`]) and their [`bsdf`]s, lights ([`light`]), textures, and reflection and
 //! refraction ([`optics`]). It has nested dielectrics ([`InteriorList`]) and the integrators ([`Whitted`], [`PathTracer`],
 //! [`LightTracingIntegrator`], [`AovIntegrator`]).
-//! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`SceneQueries`].
+//! **Does not own** shapes (rt-geometry), or the intersection of rays with them: an integrator queries a [`StreamQueries`], or a
+//! [`SceneQueries`] ray by ray.
 //!
 //! **Read first** `reference_path_tracer.rs`: [`ReferencePathTracer`] is a path integrator for one path at a time, as in textbooks.
 //!

@@ -8,14 +8,15 @@
 //! ```
 //!
 //! All paths of a wave have had the same number of bounces. Each lane gathers the numbers of its shape and of its BSDF: after the first
-//! surface, rays that follow each other hit different primitives. Paths that have ended leave no gaps in the streams. Surfaces that
-//! transmit light or lie in an absorbing medium, and those whose BSDF has no version for lanes, are shaded one by one, with the same
-//! streams.
+//! surface, rays that follow each other hit different primitives. Paths that have ended leave no gaps in the streams. Surfaces
+//! in an absorbing medium, and those whose BSDF has no version for lanes, are shaded one by one, with the same streams. So is glass
+//! among other dielectrics.
 
 mod clamp;
 mod direct_lighting;
 mod gathered;
 mod inputs;
+mod interfaces;
 mod lane_bsdf;
 mod lane_material;
 mod light_samples;

@@ -43,23 +43,6 @@ pub trait SceneQueries {
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool;
 }
 
-/// A world behind a reference, for which integrators are compiled once. It computes all surfaces itself.
-impl SceneQueries for &mut dyn SceneQueries {
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        (**self).closest(ray, span, kind, needs)
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        (**self).occluded(ray, span)
-    }
-}
-
-/// The world of a test. Integrators are compiled once for all of them.
-#[cfg(test)]
-pub(crate) fn dynamic(world: &mut impl SceneQueries) -> &mut dyn SceneQueries {
-    world
-}
-
 /// Result of a camera ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadianceSample {

@@ -1,8 +1,8 @@
-//! Ray queries on structures of arrays, for integrators that shade in lanes.
+//! Ray queries on structures of arrays, and the primitives that integrators shade in lanes.
 
 use crate::{SceneQueries, SurfaceHit, light::LightId};
 use rt_geometry::{HitStream, InteractionFlags, Plane, RayKind, RayStream, Sphere, TriangleMesh};
-use rt_math::{DVec3, Ray, Vec3};
+use rt_math::{DVec3, Interval, Ray, Vec3};
 
 /// Hit primitive whose surface an integrator computes in lanes.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +30,22 @@ pub enum StreamShape<'w> {
     Triangle(&'w StreamTriangle),
     /// The triangle of this index of a mesh.
     MeshTriangle(&'w TriangleMesh, u32),
+}
+
+impl StreamShape<'_> {
+    /// True if the ray leaves the solid that this is the surface of, at a hit with the parameter `t`, up to rounding.
+    pub(crate) fn is_left_by(&self, ray: &Ray, t: f64) -> bool {
+        let outside = match *self {
+            StreamShape::Sphere(sphere) => ray.at(t) - sphere.centre(),
+            StreamShape::Plane(plane) | StreamShape::Polygon(plane) => plane.normal(),
+            StreamShape::Triangle(triangle) => triangle.normal,
+            StreamShape::MeshTriangle(mesh, index) => {
+                let [a, b, c] = mesh.vertices(index).unwrap_or_default();
+                (b - a).cross(c - a)
+            }
+        };
+        ray.direction.dot(outside) > 0.0
+    }
 }
 
 /// Triangle of a [`StreamShape`].
@@ -76,6 +92,16 @@ impl<'w> SingleQueries<'w> {
     /// The streams of a world.
     pub const fn new(world: &'w mut dyn SceneQueries) -> Self {
         Self { world, hits: Vec::new() }
+    }
+}
+
+impl SceneQueries for SingleQueries<'_> {
+    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
+        self.world.closest(ray, span, kind, needs)
+    }
+
+    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
+        self.world.occluded(ray, span)
     }
 }
 

@@ -54,6 +54,7 @@ mod dielectric;
 mod diffuse_phong;
 mod dispersive_dielectric;
 mod ggx;
+mod glass_lanes;
 mod lambert;
 mod layered;
 mod metal_lanes;
@@ -78,6 +79,7 @@ pub use dielectric::Dielectric;
 pub(crate) use diffuse_phong::{DiffusePhong, DiffusePhongLanes, WeightedPhong};
 pub use dispersive_dielectric::DispersiveDielectric;
 pub use ggx::Ggx;
+pub(crate) use glass_lanes::{GlassBlock, GlassLanes, GlassSample};
 pub use lambert::Lambert;
 pub(crate) use lambert::{cosine_hemisphere, cosine_hemisphere_lanes};
 pub use layered::Layered;
@@ -130,6 +132,8 @@ pub(crate) enum LaneSurface {
     MetallicRoughness(MetallicRoughnessLayer),
     Conductor(Conductor),
     Mirror(Mirror),
+    /// Smooth interface of a dielectric with this transmittance.
+    Glass(Rgb),
 }
 
 impl<T: Into<Bxdf>> From<T> for Bsdf {
@@ -151,17 +155,6 @@ impl From<DiffusePhong> for Bsdf {
         let Some(WeightedPhong { lobe, weights: [a, b], .. }) = highlight else { return Self::Single(diffuse) };
         // Weights of a mix are valid.
         Mix::new(&[(a, diffuse), (b, lobe.into())]).map_or(Self::Single(diffuse), Self::Mix)
-    }
-}
-
-impl From<LaneSurface> for Bsdf {
-    fn from(surface: LaneSurface) -> Self {
-        match surface {
-            LaneSurface::DiffusePhong(lobes) => lobes.into(),
-            LaneSurface::MetallicRoughness(layer) => layer.surface.into(),
-            LaneSurface::Conductor(conductor) => conductor.into(),
-            LaneSurface::Mirror(mirror) => mirror.into(),
-        }
     }
 }
 
@@ -247,8 +240,8 @@ impl Bsdf {
         }
     }
 
-    /// The BSDF for lanes, if it is a diffuse lobe, alone or followed by a Phong lobe, a rough metallic-roughness surface, a metal or a
-    /// mirror. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
+    /// The BSDF for lanes, if it is a rough metallic-roughness surface, a metal, a mirror, or a diffuse lobe, which a Phong lobe may
+    /// follow. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {

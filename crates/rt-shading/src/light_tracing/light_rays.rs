@@ -1,7 +1,7 @@
 //! Streams of rays from lights and to the camera.
 
 use crate::{bsdf::BsdfSample, ray_kind::kind_of};
-use rt_geometry::{RayKind, RayStream, StreamArray};
+use rt_geometry::{RayKind, RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{Interval, Ray};
 
 /// Rays of one kind.
@@ -15,6 +15,9 @@ pub(super) struct LightRayStream {
 impl LightRayStream {
     /// Appends a ray. Nothing happens if the stream is full.
     pub(super) fn push(&mut self, ray: &Ray, span: Interval, id: u32) {
+        if self.rays.len() == STREAM_CAPACITY {
+            return;
+        }
         self.ids.set(self.rays.len(), id);
         self.rays.push(ray, span);
     }

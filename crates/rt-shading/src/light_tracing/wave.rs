@@ -37,7 +37,9 @@ impl<S> LightPaths<S> {
     /// Removes all paths.
     pub(super) fn clear(&mut self) {
         self.paths.clear();
+        self.connections.clear();
         self.next.clear();
+        self.to_camera.rays.clear();
     }
 }
 

@@ -5,7 +5,8 @@ use super::{
     path_stream::PathStream,
 };
 use crate::{
-    bsdf::{DiffusePhong, LaneSurface, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
+    bsdf::{DiffusePhong, GlassBlock, LaneSurface, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
+    interior_list::{MediumEntry, MediumInterface},
     lane_set::Element,
     lanes::{LANES, LaneArray, each_lane},
     light::LightId,
@@ -100,7 +101,7 @@ impl HitGroups {
 
 /// Surfaces of hits, one for each lane.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Gathered {
+pub(super) struct Gathered<E: Element> {
     pub(super) shapes: GatheredShapes,
     /// Lanes whose hits are gathered; all others end their path.
     pub(super) valid: u8,
@@ -111,6 +112,12 @@ pub(super) struct Gathered {
     pub(super) emission: [[Rgb; 2]; LANES],
     pub(super) lights: [Option<LightId>; LANES],
     pub(super) bsdfs: GatheredBsdfs,
+    /// Bodies of lanes of glass, and the media on both sides of their surfaces, which are found later.
+    pub(super) bodies: [MediumEntry; LANES],
+    pub(super) interfaces: [Option<MediumInterface>; LANES],
+    /// Lanes of glass in a medium that absorbs, and the throughput of their paths after absorption.
+    pub(super) absorbed: u8,
+    pub(super) dimmed: [[E; LANES]; 3],
 }
 
 /// BSDFs of hits, one for each lane. Lanes of no mask have a Lambertian lobe.
@@ -132,17 +139,24 @@ pub(super) struct GatheredBsdfs {
     /// Further parameters of metallic-roughness surfaces.
     pub(super) layers: MetallicRoughnessBlock,
     pub(super) metals: MetalBlock,
+    pub(super) glass: GlassBlock,
 }
 
 impl GatheredBsdfs {
     const fn clear(&mut self) {
         (self.rough, self.glossy, self.metallic_roughness) = (0, 0, 0);
         self.metals.clear();
+        self.glass.clear();
+    }
+
+    /// Lanes whose lobes are delta distributions.
+    pub(super) const fn delta(&self) -> u8 {
+        self.metals.delta | self.glass.all
     }
 
     /// Lanes of BSDFs that are not Lambertian.
     pub(super) const fn others(&self) -> u8 {
-        self.rough | self.glossy | self.metallic_roughness | self.metals.all
+        self.rough | self.glossy | self.metallic_roughness | self.metals.all | self.glass.all
     }
 
     /// Sets the BSDF of a lane, once.
@@ -179,19 +193,20 @@ impl GatheredBsdfs {
             }
             LaneSurface::Conductor(conductor) => self.metals.set_conductor(lane, conductor),
             LaneSurface::Mirror(mirror) => self.metals.set_mirror(lane, mirror),
+            LaneSurface::Glass(transmittance) => self.glass.set(lane, *transmittance),
         }
     }
 }
 
 /// Gathers the surfaces of the hits of a mask, from index `at` on.
-pub(super) fn gather<W: StreamQueries>(
+pub(super) fn gather<W: StreamQueries, E: Element>(
     world: &W,
     materials: &LaneMaterials,
     (hits, groups, first): (&HitStream, &HitGroups, usize),
     mask: u8,
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<E>,
 ) {
-    let Gathered { shapes, valid, emission_only, emissive, emission, lights, bsdfs } = gathered;
+    let Gathered { shapes, valid, emission_only, emissive, emission, lights, bsdfs, bodies, .. } = gathered;
     shapes.clear();
     bsdfs.clear();
     (*valid, *emission_only, *emissive) = (0, 0, 0);
@@ -209,6 +224,9 @@ pub(super) fn gather<W: StreamQueries>(
             let Some(material) = materials.get(primitive.material) else { continue };
             shapes.set(lane, &primitive.shape);
             bsdfs.set(lane, &material.surface);
+            if kind == VertexKind::Glass {
+                bodies[lane] = MediumEntry { object: primitive.object, material: primitive.material };
+            }
             if !material.emission[0].is_black() {
                 *emissive |= 1 << lane;
                 (emission[lane], lights[lane]) = (material.emission, primitive.light);

@@ -6,8 +6,8 @@
 use super::gathered::GatheredBsdfs;
 use crate::{
     bsdf::{
-        DiffusePhongLanes, MetalLanes, MetalSample, MetallicRoughnessLanes, MetallicRoughnessSample,
-        cosine_hemisphere_lanes,
+        DiffusePhongLanes, GlassLanes, GlassSample, MetalLanes, MetalSample, MetallicRoughnessLanes,
+        MetallicRoughnessSample, cosine_hemisphere_lanes,
     },
     lane_set::LaneSet,
     mis::power_heuristic,
@@ -49,6 +49,7 @@ pub(super) struct LobeLanes<L: LaneSet> {
     diffuse_phong: DiffusePhongLanes<L::D>,
     layers: Option<MetallicRoughnessLanes<L>>,
     metals: Option<MetalLanes<L>>,
+    glass: Option<(u8, GlassLanes<L>)>,
     follows_specular_only: bool,
 }
 
@@ -63,6 +64,10 @@ pub(super) struct SampledLanes<L: LaneSet> {
     pub(super) valid: u8,
     /// Lanes that have sampled a diffuse lobe.
     pub(super) diffuse: u8,
+    /// Lanes that have sampled transmission.
+    pub(super) transmitted: u8,
+    /// Index of refraction on the side of the direction, divided by that on the viewer's side.
+    pub(super) eta: L::F,
 }
 
 impl<L: LaneSet> FrameLanes<L> {
@@ -123,19 +128,25 @@ impl<'a, L: LaneSet> BsdfLanes<'a, L> {
         let lanes = self.lanes;
         let local = lanes.narrow_vector(cosine_hemisphere_lanes(u));
         let valid = if self.follows_specular_only { 0 } else { !0 };
-        let sampled = SampledLanes { local, weight: self.albedo, pdf: local.z * FRAC_1_PI, valid, diffuse: !0 };
+        let (pdf, eta) = (local.z * FRAC_1_PI, lanes.splat(1.0));
+        let sampled = SampledLanes { local, weight: self.albedo, pdf, valid, diffuse: !0, transmitted: 0, eta };
         match &self.lobes {
             Some(lobes) => lobes.sample(&sampled, &u_lobe, &u),
             None => sampled,
         }
     }
 
-    /// Sampled directions in space, and the lanes in which they are above the shading surface.
+    /// Sampled directions in space, and the lanes in which they are on the side of the shading surface that they are sampled for.
     #[inline(always)]
-    pub(super) fn direction(&self, SampledLanes { local, .. }: &SampledLanes<L>) -> (Vector3<L::F>, u8) {
+    pub(super) fn direction(&self, sampled: &SampledLanes<L>) -> (Vector3<L::F>, u8) {
+        let &SampledLanes { local, transmitted, .. } = sampled;
         let FrameLanes { normal, tangents: [tangent, bitangent] } = self.frame;
-        let above = self.lanes.bits(local.z.gt(self.lanes.splat(0.0)));
-        (tangent * local.x + bitangent * local.y + normal * local.z, above)
+        let zero = self.lanes.splat(0.0);
+        let mut on_side = self.lanes.bits(local.z.gt(zero));
+        if transmitted != 0 {
+            on_side = (on_side & !transmitted) | (self.lanes.bits(local.z.lt(zero)) & transmitted);
+        }
+        (tangent * local.x + bitangent * local.y + normal * local.z, on_side)
     }
 }
 
@@ -171,6 +182,10 @@ impl<L: LaneSet> LobeLanes<L> {
                 if bsdfs.metals.all != 0 {
                     metals = Some(MetalLanes::new(lanes, &bsdfs.metals, wo));
                 }
+                let mut glass = None;
+                if bsdfs.glass.all != 0 {
+                    glass = Some((bsdfs.glass.all, GlassLanes::new(lanes, &bsdfs.glass, wo)));
+                }
                 let frame = *frame;
                 storage.insert(Self {
                     lanes,
@@ -183,6 +198,7 @@ impl<L: LaneSet> LobeLanes<L> {
                     diffuse_phong,
                     layers,
                     metals,
+                    glass,
                     follows_specular_only,
                 })
             },
@@ -270,7 +286,8 @@ impl<L: LaneSet> LobeLanes<L> {
         lanes.vectorize(
             #[inline(always)]
             || {
-                let &SampledLanes { mut local, mut weight, mut pdf, mut valid, mut diffuse } = lambertian;
+                let &SampledLanes { mut local, mut weight, mut pdf, mut valid, mut diffuse, mut transmitted, mut eta } =
+                    lambertian;
                 let lobes = &self.diffuse_phong;
                 if rough != 0 && !follows_specular_only {
                     let value = lobes.diffuse_value(wo, lanes.widen_vector(local));
@@ -321,7 +338,19 @@ impl<L: LaneSet> LobeLanes<L> {
                     pdf = Real::select(is_metal, lanes.narrow(density), pdf);
                     weight = self.replaced(weight, metallic, of_metal);
                 }
-                SampledLanes { local, weight, pdf, valid, diffuse }
+                if let Some((glass, lobes)) = &self.glass {
+                    let GlassSample { wi, weight: of_glass, is_transmitted, eta: of_sample, is_valid } =
+                        lobes.sample(*u_lobe);
+                    let is_valid = is_valid & of_glass.is_finite() & wi.is_finite();
+                    valid = (valid & !glass) | (glass & lanes.bits_f64(is_valid));
+                    diffuse &= !glass;
+                    transmitted = glass & lanes.bits_f64(is_transmitted);
+                    let is_glass = lanes.mask(*glass);
+                    local = Vector3::select(is_glass, lanes.narrow_vector(wi), local);
+                    eta = Real::select(is_glass, lanes.narrow(of_sample), eta);
+                    weight = self.replaced(weight, *glass, of_glass);
+                }
+                SampledLanes { local, weight, pdf, valid, diffuse, transmitted, eta }
             },
         )
     }

@@ -2,16 +2,20 @@
 
 use super::settings::Lighting;
 use crate::{
-    ColorTexture, Material,
-    bsdf::{DiffusePhong, LaneSurface, OrenNayar},
+    ColorTexture, Material, MaterialModel,
+    bsdf::{DiffusePhong, Ggx, LaneSurface, OrenNayar},
     bsdf_cache::uniform_bsdf,
     light::{EmissionSides, Light},
     wavefront::{delta_lights::is_usual_light, is_in_range},
 };
+use core::ops::RangeInclusive;
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Rgb};
 
-/// A uniform, opaque material that is shaded in lanes everywhere.
+/// Indices of refraction.
+const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
+
+/// A uniform material that is shaded in lanes everywhere: opaque, or the surface of a solid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LaneMaterial {
     pub(super) surface: LaneSurface,
@@ -52,8 +56,10 @@ pub(super) enum VertexKind {
     MetallicRoughness,
     /// A rough metal.
     Conductor,
-    /// A smooth metal or a mirror: light is not sampled.
-    Specular,
+    /// A smooth metal or a mirror.
+    Mirror,
+    /// A smooth interface of a dielectric.
+    Glass,
 }
 
 impl VertexKind {
@@ -65,13 +71,19 @@ impl VertexKind {
             }
             LaneSurface::MetallicRoughness(_) => Self::MetallicRoughness,
             LaneSurface::Conductor(conductor) if !conductor.is_smooth() => Self::Conductor,
-            LaneSurface::Conductor(_) | LaneSurface::Mirror(_) => Self::Specular,
+            LaneSurface::Conductor(_) | LaneSurface::Mirror(_) => Self::Mirror,
+            LaneSurface::Glass(_) => Self::Glass,
         }
     }
 
     /// True if a number chooses the lobe that is sampled.
     pub(super) const fn chooses_lobe(self) -> bool {
-        matches!(self, Self::Glossy | Self::MetallicRoughness)
+        matches!(self, Self::Glossy | Self::MetallicRoughness | Self::Glass)
+    }
+
+    /// True if all lobes are delta distributions: light is not sampled.
+    pub(super) const fn is_delta(self) -> bool {
+        matches!(self, Self::Mirror | Self::Glass)
     }
 
     /// True if diffuse reflection is all there is.
@@ -115,14 +127,33 @@ fn is_usual(light: &Light) -> bool {
 impl LaneMaterial {
     fn of(material: &Material) -> Option<Self> {
         let ColorTexture::Constant(emission) = material.emission else { return None };
+        if let Some(transmittance) = glass(material).filter(|_| emission.is_black()) {
+            let (surface, ambient) = (LaneSurface::Glass(transmittance), ambient(material));
+            return Some(Self { surface, emission: [Rgb::BLACK; 2], ambient });
+        }
         let is_opaque = material.interior.is_none() && !material.model.is_transmissive();
         if !is_opaque || !is_in_range(emission) {
             return None;
         }
         let surface = uniform_bsdf(material)?.as_lane_surface()?;
-        let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
-        let ambient = material.ambient(&material.to_phong(), &[], &anywhere);
         let back = if material.emission_sides == EmissionSides::Front { Rgb::BLACK } else { emission };
-        Some(Self { surface, emission: [emission, back], ambient })
+        Some(Self { surface, emission: [emission, back], ambient: ambient(material) })
     }
+}
+
+/// Coefficient of ambient light of a material without textures.
+fn ambient(material: &Material) -> Rgb {
+    let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+    material.ambient(&material.to_phong(), &[], &anywhere)
+}
+
+/// Transmittance of a solid with a smooth surface, whose index of refraction is in a usual range, and not that of air.
+fn glass(material: &Material) -> Option<Rgb> {
+    let interior = material.interior.as_ref()?;
+    let MaterialModel::Dielectric { roughness, transmittance: ColorTexture::Constant(transmittance) } = material.model
+    else {
+        return None;
+    };
+    let is_usual = IOR_RANGE.contains(&interior.ior) && interior.ior != 1.0 && is_in_range(transmittance);
+    (is_usual && Ggx::from_roughness(roughness).is_none() && !material.needs_detail()).then_some(transmittance)
 }

@@ -4,7 +4,7 @@ use super::settings::Lighting;
 use crate::{
     bsdf::BsdfSample, interior_list::InteriorList, lane_set::Element, medium_tracker::MediumTracker, ray_kind::kind_of,
 };
-use rt_geometry::{RayKind, RayStream, StreamArray};
+use rt_geometry::{RayKind, RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{DVec3, Interval, Ray, Rgb};
 
 /// Rays of paths, one array for each number.
@@ -98,6 +98,9 @@ impl<E: Element> PathStream<E> {
     /// Appends a path. Nothing happens if the stream is full.
     pub(super) fn push(&mut self, ray: &Ray, span: Interval, path: &PathRecord) {
         let at = self.rays.len();
+        if at == STREAM_CAPACITY {
+            return;
+        }
         self.sample.set(at, path.sample);
         self.pdf.set(at, E::rounded(path.pdf));
         for (to, component) in self.throughput.iter_mut().zip(path.throughput.to_array()) {

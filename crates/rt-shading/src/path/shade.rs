@@ -149,7 +149,7 @@ impl<E: Element> SpawnedPaths<E> {
     }
 
     /// Continues the same ray behind a null interface.
-    fn skip_interface(
+    pub(super) fn skip_interface(
         &mut self,
         inputs: &PathInputs<'_>,
         path: HitPath<'_, E>,

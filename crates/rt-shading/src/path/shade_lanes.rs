@@ -5,6 +5,7 @@ use super::{
     inputs::PathInputs,
     lane_bsdf::{BsdfLanes, SampledLanes},
     light_samples::LightSamples,
+    path_stream::PathStream,
     wave::{GatherHits, PathWave, ShadeHits, SpawnedPaths},
     wave_samples::WaveSamples,
 };
@@ -18,7 +19,7 @@ use crate::{
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
         hit_points::HitPoints,
-        shaded_surface::{ShadedSurface, ShadingNormals},
+        shaded_surface::{ShadedSurface, ShadingNormals, offset},
         streams::{add_radiance, append, times},
     },
 };
@@ -39,6 +40,16 @@ struct Vertices<L: LaneSet> {
     time: Option<L::D>,
 }
 
+/// Next rays of paths, without their origins.
+struct NextRays<L: LaneSet> {
+    direction: Vector3<L::D>,
+    throughput: Vector3<L::F>,
+    pdf: L::F,
+    /// Normal for the sampling of lights at the vertex.
+    normal: Vector3<L::F>,
+    time: Option<L::D>,
+}
+
 impl<E: Element> LaneStage<E> for ShadeHits<'_, E> {
     #[inline(always)]
     fn run<L: LaneSet<Element = E>>(self, lanes: L) {
@@ -53,7 +64,7 @@ impl<E: Element> SpawnedPaths<E> {
     fn shade<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &PathInputs<'_>),
-        gather: &GatherHits<'_>,
+        gather: &GatherHits<'_, E>,
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         seen: &mut [RadianceSample],
     ) {
@@ -77,20 +88,37 @@ impl<E: Element> SpawnedPaths<E> {
             if inputs.features.emission && self.gathered.emissive != 0 {
                 self.add_emission((lanes, inputs), wave, (at, &points, surface.inside), seen);
             }
-            let mask = mask & !self.gathered.emission_only;
+            let mut mask = mask & !self.gathered.emission_only;
             if mask == 0 {
                 continue;
             }
             self.counts.lanes += L::N as u64;
             self.counts.lanes_used += u64::from(mask.count_ones());
-            let throughput = lanes.load_vector(&paths.throughput, at);
+            let mut throughput = lanes.load_vector(&paths.throughput, at);
+            let glass = mask & self.gathered.bsdfs.glass.all;
+            if glass != 0 {
+                let (mut t, mut length) = ([0.0; LANES], [0.0; LANES]);
+                lanes.store_f64(points.t, &mut t);
+                lanes.store_f64(surface.length, &mut length);
+                let hits = (&points, &t, &length);
+                let visible = self.find_interfaces((lanes, inputs), wave, (at, glass, surface.inside), hits, seen);
+                mask = (mask & !glass) | visible;
+                if mask == 0 {
+                    continue;
+                }
+                let Gathered { absorbed, dimmed: [r, g, b], .. } = &self.gathered;
+                if *absorbed != 0 {
+                    let dimmed = Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b));
+                    throughput = Vector3::select(lanes.mask(*absorbed), dimmed, throughput);
+                }
+            }
             let smooth = mask & (self.gathered.shapes.smooth | self.gathered.shapes.surfaces);
             let mut normals = ShadingNormals::flat(&surface);
             if smooth != 0 {
                 normals.interpolate(lanes, (&points, &surface), &self.gathered.shapes, (hits, at), smooth);
             }
             let time = times(lanes, &paths.rays, at, inputs.has_time);
-            let delta = mask & self.gathered.bsdfs.metals.delta;
+            let delta = mask & self.gathered.bsdfs.delta();
             let vertices = Vertices { at, mask, delta, points, surface, normals, throughput, time };
             let side = (vertices.normals.normal, vertices.surface.inside);
             let direction = vertices.surface.direction;
@@ -216,19 +244,23 @@ impl<E: Element> SpawnedPaths<E> {
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
         let (mut direction, above) = bsdf.direction(&sampled);
-        let SampledLanes { weight, mut pdf, valid, diffuse, .. } = sampled;
+        let SampledLanes { weight, mut pdf, valid, diffuse, transmitted, eta, .. } = sampled;
         let zero = lanes.splat(0.0);
-        let mut outside = lanes.bits(direction.dot(surface.normal).gt(zero));
+        let outside = direction.dot(surface.normal);
+        let mut on_side = lanes.bits(outside.gt(zero));
+        // In `f32`, the density must not be rounded to that of a delta direction.
+        pdf = pdf.max(lanes.splat(f64::from(f32::MIN_POSITIVE)));
         if delta != 0 {
             pdf = Real::select(lanes.mask(delta), zero, pdf);
-            let kept = self.specular_paths((wave, at), delta & !outside);
+            on_side = (on_side & !transmitted) | (lanes.bits(outside.lt(zero)) & transmitted);
+            let kept = self.specular_paths((wave, at), delta & !on_side);
             if kept != 0 {
                 let mirrored = optics::reflect_lanes(direction, surface.normal);
                 direction = Vector3::select(lanes.mask(kept), mirrored, direction);
-                outside |= kept;
+                on_side |= kept;
             }
         }
-        let mut continued = mask & valid & above & outside;
+        let mut continued = mask & valid & above & on_side;
         let mut ends = if inputs.follows_specular_only() { diffuse } else { 0 };
         if wave.bounces >= inputs.settings.max_depth {
             ends = !0;
@@ -243,32 +275,42 @@ impl<E: Element> SpawnedPaths<E> {
         let mut after = throughput.scaled_by(weight);
         let mut alive = continued & !lanes.bits(is_zero(after));
         if inputs.plays_roulette(wave.bounces) {
-            let eta_scale = self.eta_scales(lanes, inputs, (wave, at), mask);
+            let mut eta_scale = self.eta_scales(lanes, inputs, (wave, at), mask);
+            if transmitted != 0 {
+                eta_scale = eta_scale * (eta * eta);
+            }
             let survival = survival_probability(after.x.max(after.y).max(after.z), eta_scale);
             let u = lanes.load_f64(samples.roulette.vector(at));
             alive &= lanes.bits_f64(u.lt(lanes.widen(survival)));
             after = after / survival;
         }
-        let rays = [surface.near_origin, lanes.widen_vector(direction)];
+        let direction = lanes.widen_vector(direction);
         let of_rays = wave.paths.sample.vector(at);
-        for (mask, next) in [(alive & diffuse, &mut self.paths.diffuse), (alive & !diffuse, &mut self.paths.reflected)]
-        {
+        let rays = &NextRays { direction, throughput: after, pdf, normal, time };
+        let (origin, reflected) = (surface.near_origin, alive & !diffuse & !transmitted);
+        for (mask, next) in [(alive & diffuse, &mut self.paths.diffuse), (reflected, &mut self.paths.reflected)] {
             if mask != 0 {
-                let end = next.rays.len();
-                append(lanes, &mut next.rays, mask, rays, (lanes.splat_f64(Interval::SPAWNED.max), time));
-                lanes.compress_vector(after, mask, &mut next.throughput, end);
-                lanes.compress(pdf, mask, next.pdf.vector_mut(end));
-                lanes.compress_vector(normal, mask, &mut next.normal, end);
-                lanes.compress_u32(of_rays, mask, next.sample.vector_mut(end));
+                next.push_lanes(lanes, mask, origin, rays, of_rays);
             }
         }
+        if alive & transmitted != 0 {
+            let points = &vertices.points;
+            let is_inside = lanes.mask_f64(surface.inside);
+            let behind = Vector3::select(is_inside, points.outside, -points.outside);
+            let mask = alive & transmitted;
+            let origin = offset(lanes, points, (points.point, behind), mask);
+            self.paths.refracted.push_lanes(lanes, mask, origin, rays, of_rays);
+        }
         if inputs.materials.track_states {
-            self.update_states(alive, [ends, delta], of_rays, wave.bounces);
+            let mut etas = [E::rounded(1.0); LANES];
+            if transmitted != 0 {
+                lanes.store(eta, &mut etas);
+            }
+            self.update_states(alive, [ends, delta, transmitted], (of_rays, &etas), wave.bounces);
         }
     }
 
-    /// Lanes of a mask whose paths keep a delta direction on its side of the surface: those without a bounce that is not specular at the
-    /// first surface. See [`ViewedSurface::continued`](crate::viewed_surface::ViewedSurface::continued).
+    /// Lanes of a mask whose paths keep a delta direction on its side of the surface: their first bounce was specular, or is this one. See [`ViewedSurface::continued`](crate::viewed_surface::ViewedSurface::continued).
     fn specular_paths(&self, (wave, at): (&PathWave<'_, E>, usize), mask: u8) -> u8 {
         let mut specular = 0;
         for lane in each_lane(mask) {
@@ -299,14 +341,47 @@ impl<E: Element> SpawnedPaths<E> {
 
     /// Updates the states of paths that a reflection has continued.
     #[inline(never)]
-    fn update_states(&mut self, alive: u8, [ends, delta]: [u8; 2], samples: &[u32; LANES], bounces: u32) {
+    fn update_states(
+        &mut self,
+        alive: u8,
+        [ends, delta, transmitted]: [u8; 3],
+        (samples, etas): (&[u32; LANES], &[E; LANES]),
+        bounces: u32,
+    ) {
         for lane in each_lane(alive) {
             let state = &mut self.states[samples[lane] as usize];
             state.first_bounce_nonspecular |= bounces == 0 && delta >> lane & 1 == 0;
             state.emission_only = ends >> lane & 1 == 1;
             state.vertex = None;
-            state.medium_tracker.scatter(None, Scattering::Reflection);
+            if transmitted >> lane & 1 == 1 {
+                let eta: f64 = etas[lane].into();
+                state.eta_scale *= eta * eta;
+                state.medium_tracker.scatter(self.gathered.interfaces[lane].as_ref(), Scattering::Transmission);
+            } else {
+                state.medium_tracker.scatter(None, Scattering::Reflection);
+            }
         }
+    }
+}
+
+impl<E: Element> PathStream<E> {
+    /// Appends the next rays of some lanes, with the samples of all lanes.
+    #[inline(always)]
+    fn push_lanes<L: LaneSet<Element = E>>(
+        &mut self,
+        lanes: L,
+        mask: u8,
+        origin: Vector3<L::D>,
+        next: &NextRays<L>,
+        samples: &[u32; LANES],
+    ) {
+        let end = self.rays.len();
+        let rays = [origin, next.direction];
+        append(lanes, &mut self.rays, mask, rays, (lanes.splat_f64(Interval::SPAWNED.max), next.time));
+        lanes.compress_vector(next.throughput, mask, &mut self.throughput, end);
+        lanes.compress(next.pdf, mask, self.pdf.vector_mut(end));
+        lanes.compress_vector(next.normal, mask, &mut self.normal, end);
+        lanes.compress_u32(samples, mask, self.sample.vector_mut(end));
     }
 }
 

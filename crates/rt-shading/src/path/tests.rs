@@ -7,7 +7,6 @@ use crate::{
     Appearance, Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits,
     Material, MaterialModel, Phong, ReferencePathTracer, SceneQueries, SurfaceHit, Transmission,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, LightSet, QuadLight},
-    scene_queries::dynamic,
     stream_queries::SingleQueries,
     wavefront::test_world::difference,
 };
@@ -330,8 +329,7 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
     let left = rt_math::transcendental::pow(0.95, 40.0);
     assert!((mean - left).abs() < 1e-12, "{mean} is not {left}");
     let features = ShadingFeatures::of(&scene.appearance, |_| true);
-    let seen =
-        crate::Whitted::new(100, 0.0, features).radiance(&mut dynamic(&mut scene.shapes), &scene.appearance, &ray);
+    let seen = crate::Whitted::new(100, 0.0, features).radiance(&mut scene.shapes, &scene.appearance, &ray);
     assert!((seen.radiance.g - left).abs() < 1e-12, "{seen:?} is not {left}");
 }
 
@@ -382,11 +380,7 @@ fn delta_lights_are_as_bright_as_under_whitted() {
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
     scene.appearance.lights = vec![light];
     let features = ShadingFeatures::of(&scene.appearance, |_| true);
-    let whitted = crate::Whitted::new(0, 0.0, features).radiance(
-        &mut dynamic(&mut scene.shapes),
-        &scene.appearance,
-        &at_origin(),
-    );
+    let whitted = crate::Whitted::new(0, 0.0, features).radiance(&mut scene.shapes, &scene.appearance, &at_origin());
     for settings in [paths(0), paths(3), DISTRIBUTED] {
         let (mean, error) = scene.estimate(settings, at_origin(), 4);
         assert!((mean / whitted.radiance.g - 1.0).abs() < 1e-12 && error < 1e-15, "{mean}: {whitted:?}");

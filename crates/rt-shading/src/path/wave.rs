@@ -3,13 +3,13 @@
 use super::{
     gathered::{Gathered, HitGroups, gather},
     inputs::PathInputs,
-    lane_material::VertexKind,
+    lane_material::{LaneMaterial, VertexKind},
     path_stream::{PathStream, PathStreamsByKind, WavePathState},
     wave_samples::WaveSamples,
 };
 use crate::{
-    InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamQueries, bsdf::LaneSurface, lane_set::Element,
-    mis::power_heuristic, wavefront::streams::ShadowRayStream,
+    InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamPrimitive, StreamQueries, bsdf::LaneSurface,
+    lane_set::Element, mis::power_heuristic, wavefront::streams::ShadowRayStream,
 };
 use rt_geometry::{HitStream, RayKind, RayStream};
 use rt_math::{Rgb, Sampler};
@@ -49,7 +49,7 @@ pub(super) struct SpawnedPaths<E: Element> {
     pub(super) sampled: ShadowRayStream<E>,
     pub(super) states: Vec<WavePathState>,
     /// Surfaces of the hits that are shaded in lanes.
-    pub(super) gathered: Gathered,
+    pub(super) gathered: Gathered<E>,
     pub(super) counts: ShadingCounts,
 }
 
@@ -66,14 +66,14 @@ pub(super) struct PathWave<'a, E: Element> {
 pub(super) struct ShadeHits<'a, E: Element> {
     pub(super) spawned: &'a mut SpawnedPaths<E>,
     pub(super) inputs: &'a PathInputs<'a>,
-    pub(super) gather: &'a GatherHits<'a>,
+    pub(super) gather: &'a GatherHits<'a, E>,
     pub(super) wave: &'a PathWave<'a, E>,
     pub(super) samples: &'a WaveSamples,
     pub(super) seen: &'a mut [RadianceSample],
 }
 
 /// Gathers the surfaces of the hits of some lanes, from an index on.
-pub(super) type GatherHits<'a> = dyn Fn(usize, u8, &mut Gathered) + 'a;
+pub(super) type GatherHits<'a, E> = dyn Fn(usize, u8, &mut Gathered<E>) + 'a;
 
 impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
     pub(super) fn new() -> Self {
@@ -123,7 +123,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 }
                 samples.draw(inputs, samplers, (wave.paths.sample.as_slice(), groups.kinds()), bounces);
                 let (world, groups) = (&*world, &*groups);
-                let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered| {
+                let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered<E>| {
                     gather(world, inputs.materials, (wave.hits, groups, at), mask, gathered);
                 };
                 E::run(level, ShadeHits { spawned, inputs, gather: &gather_hits, wave, samples, seen });
@@ -206,9 +206,10 @@ impl<E: Element> SpawnedPaths<E> {
                 continue;
             }
             let id = paths.sample.get(at) as usize;
-            let material = world.primitive(hits, at).and_then(|hit| inputs.materials.get(hit.material));
-            if let Some(material) = material
-                && !(tracks_states && self.states[id].absorbs(inputs))
+            let hit = world.primitive(hits, at);
+            let material = hit.and_then(|hit| inputs.materials.get(hit.material));
+            if let (Some(hit), Some(material)) = (hit, material)
+                && !(tracks_states && self.states[id].keeps_out_of_lanes(inputs, (wave, at), (&hit, material)))
             {
                 let ends = ends_all || (tracks_states && self.states[id].emission_only);
                 let is_layered = matches!(material.surface, LaneSurface::MetallicRoughness(_));
@@ -268,8 +269,19 @@ impl<E: Element> SpawnedPaths<E> {
 }
 
 impl WavePathState {
-    /// True if the path is in a medium that absorbs.
-    fn absorbs(&self, inputs: &PathInputs<'_>) -> bool {
-        inputs.features.absorption && self.medium_tracker.absorbs(&inputs.lighting.appearance.materials)
+    /// True if the hit of a path is shaded by itself because of the media around it. That is so for a surface in a medium that absorbs,
+    /// and for glass in another medium than air.
+    fn keeps_out_of_lanes<E: Element>(
+        &self,
+        inputs: &PathInputs<'_>,
+        (wave, at): (&PathWave<'_, E>, usize),
+        (hit, material): (&StreamPrimitive<'_>, &LaneMaterial),
+    ) -> bool {
+        let (tracker, features) = (&self.medium_tracker, inputs.features);
+        if !matches!(material.surface, LaneSurface::Glass(_)) {
+            return features.absorption && tracker.absorbs(&inputs.lighting.appearance.materials);
+        }
+        let leaves = || hit.shape.is_left_by(&wave.paths.rays.get(at).0, wave.hits.t.get(at));
+        !(features.refraction && tracker.interior.shows_surface(hit.material, leaves))
     }
 }

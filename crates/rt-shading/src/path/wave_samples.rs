@@ -41,9 +41,8 @@ impl WaveSamples {
         let Self { light, choice, direction, lobe, roulette, buffers } = self;
         let n_lights = inputs.lighting.lights.sampled_lights().len();
         let is_shaded = |kind: VertexKind| kind > VertexKind::EmissionOnly;
-        let is_specular = |kind: VertexKind| kind == VertexKind::Specular;
         if n_lights > 0 {
-            buffers.select(of_rays, kinds, |kind| is_shaded(kind) && !is_specular(kind));
+            buffers.select(of_rays, kinds, |kind| is_shaded(kind) && !kind.is_delta());
             buffers.draw_pairs(samplers, light);
             if n_lights > 1 {
                 buffers.draw_numbers(samplers, choice);
@@ -51,7 +50,7 @@ impl WaveSamples {
         }
         let follows_specular_only = inputs.follows_specular_only();
         let is_sampled = |kind: VertexKind| is_shaded(kind) && !(follows_specular_only && kind.is_diffuse());
-        if n_lights == 0 || follows_specular_only || kinds.iter().any(|kind| is_specular(*kind)) {
+        if n_lights == 0 || follows_specular_only || kinds.iter().any(|kind| kind.is_delta()) {
             buffers.select(of_rays, kinds, is_sampled);
         }
         buffers.draw_pairs(samplers, direction);

@@ -51,7 +51,7 @@ impl<E: Element> SpawnedRays<E> {
             let way = (t[lane] - tree.start) * length[lane];
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
-                let (at, body) = (group.at + lane, surfaces.body(lane));
+                let body = surfaces.body(lane);
                 let interaction = points.surface(lanes, lane);
                 let hit =
                     SurfaceHit { t: t[lane], interaction, object: body.object, material: body.material, light: None };

@@ -1,11 +1,11 @@
-//! Shading of hits in lanes: emission, direct light, and secondary rays.
+//! Shading of hits in lanes: groups on one material, emission and direct light.
 
 use super::{
     hit_group::{HitGroup, HitSurfaces},
     inputs::TreeInputs,
     lane_phong::LanePhong,
     streams::TreeStream,
-    wave::{ShadeHits, SpawnedRays, TreeWave},
+    wave::{ShadeTreeHits, SpawnedRays, TreeWave},
 };
 use crate::{
     Background, RadianceSample,
@@ -23,7 +23,7 @@ use crate::{
 use rt_geometry::HitStream;
 use rt_math::{Real, Rgb};
 
-impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeHits<'_, W, E> {
+impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeTreeHits<'_, W, E> {
     #[inline(always)]
     fn run<L: LaneSet<Element = E>>(self, lanes: L) {
         let Self { spawned, inputs, world, wave, seen } = self;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material, Phong,
-    SurfaceHit, Transmission, scene_queries::dynamic,
+    SurfaceHit, Transmission,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Rgb, transcendental::exp};
@@ -73,10 +73,9 @@ fn look(world: &mut Echo, appearance: &Appearance, depth: u32) -> (f64, ShadingC
     let features = ShadingFeatures::of(appearance, |_| true);
     let mut whitted = Whitted::new(depth, 0.0, features);
     let ray = Ray::new(DVec3::ZERO, DVec3::new(0.0, 0.0, -3.0));
-    let trimmed = whitted.radiance(&mut dynamic(world), appearance, &ray).radiance;
+    let trimmed = whitted.radiance(world, appearance, &ray).radiance;
     let mut again = Echo { traced: vec![], shadow_rays: 0, ..*world };
-    let full =
-        Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(&mut dynamic(&mut again), appearance, &ray).radiance;
+    let full = Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(&mut again, appearance, &ray).radiance;
     assert_eq!(trimmed, full, "trimmed and full shading must agree to the bit");
     (trimmed.r, whitted.counts())
 }
@@ -109,7 +108,7 @@ fn faint_rays_are_not_followed() {
     let appearance = glowing_mirror();
     let mut world = Echo::new(u32::MAX);
     let mut whitted = Whitted::new(1000, 0.1, ShadingFeatures::ALL);
-    let seen = whitted.radiance(&mut dynamic(&mut world), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!(seen.radiance.r, 1.875);
     assert_eq!(world.traced.len(), 4);
 }
@@ -137,7 +136,7 @@ fn absorption_follows_beers_law() {
     let appearance = white_walls_with(Phong { transmission: Some(clear), ..BARE }, tinted);
     let mut whitted = Whitted::new(2, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
-    let seen = whitted.radiance(&mut dynamic(&mut Echo::new(2)), &appearance, &ray).radiance;
+    let seen = whitted.radiance(&mut Echo::new(2), &appearance, &ray).radiance;
     let expected = Rgb::new(exp(-1.0), 1.0, exp(-2.0));
     assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
 }
@@ -170,8 +169,7 @@ fn what_stands_inside_glass_is_seen_through_it() {
         }
     }
     let mut whitted = Whitted::new(9, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let seen =
-        whitted.radiance(&mut dynamic(&mut Paperweight(0)), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z)).radiance;
+    let seen = whitted.radiance(&mut Paperweight(0), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z)).radiance;
     // The core's own light goes 2 units through the glass, the mirrored room's goes 4.
     let expected = Rgb::new(exp(-1.0) + exp(-2.0), 2.0, exp(-2.0) + exp(-4.0));
     assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
@@ -196,7 +194,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
         }
     }
     let mut whitted = Whitted::new(3, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let seen = whitted.radiance(&mut dynamic(&mut Tilted(0)), &appearance, &Ray::new(DVec3::Z, DVec3::NEG_Z));
+    let seen = whitted.radiance(&mut Tilted(0), &appearance, &Ray::new(DVec3::Z, DVec3::NEG_Z));
     assert_eq!(seen.radiance, Rgb::gray(0.2), "the mirrored part alone");
 }
 

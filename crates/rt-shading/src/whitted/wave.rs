@@ -51,7 +51,7 @@ pub(super) struct SpawnedRays<E: Element> {
 pub(super) type TreeWave<'a, E> = (&'a TreeStream<E>, &'a HitStream);
 
 /// Stage that shades those closest hits of a wave that are shaded in lanes.
-pub(super) struct ShadeHits<'a, W, E: Element> {
+pub(super) struct ShadeTreeHits<'a, W, E: Element> {
     pub(super) spawned: &'a mut SpawnedRays<E>,
     pub(super) inputs: &'a TreeInputs<'a>,
     pub(super) world: &'a W,
@@ -102,7 +102,7 @@ impl<E: Element> TreeStreams<E> {
                 if !paths.is_empty() {
                     world.closest_stream(&paths.rays, kind, hits);
                     spawned.group(inputs, &*world, (paths, hits), seen);
-                    E::run(level, ShadeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen });
+                    E::run(level, ShadeTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen });
                 }
             }
             first_kind = RayKind::Reflection;
@@ -175,9 +175,12 @@ impl<E: Element> SpawnedRays<E> {
             }
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
-            if let Some(hit) = &mut world.surface(&ray, hits, at, needs) {
-                let seen = &mut seen[paths.sample.get(at) as usize];
-                self.shade_hit(inputs, paths.get(at), &ray, hit, seen);
+            match &mut world.surface(&ray, hits, at, needs) {
+                Some(hit) => {
+                    let seen = &mut seen[paths.sample.get(at) as usize];
+                    self.shade_hit(inputs, paths.get(at), &ray, hit, seen);
+                }
+                None => self.end_path(inputs, paths.sample.get(at)),
             }
         }
     }

@@ -54,10 +54,7 @@ fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, cou
 fn whitted(scene: &Scene, normal: DVec3, wo: DVec3) -> f64 {
     let mut world = Tilted { shapes: Shapes(scene.shapes.0.clone()), normal };
     let features = ShadingFeatures::of(&scene.appearance, |_| true);
-    crate::Whitted::new(3, 0.0, features)
-        .radiance(&mut dynamic(&mut world), &scene.appearance, &towards_wall(wo))
-        .radiance
-        .g
+    crate::Whitted::new(3, 0.0, features).radiance(&mut world, &scene.appearance, &towards_wall(wo)).radiance.g
 }
 
 /// A unit vector above the wall at the cosine `y`.

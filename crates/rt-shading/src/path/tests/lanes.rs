@@ -270,17 +270,39 @@ fn with_metals(mut scene: TestScene) -> TestScene {
     scene
 }
 
+/// Some materials replaced by dielectrics, which overlap: clear, absorbing, tinted, of the index of air, and of another priority.
+fn with_glass(mut scene: TestScene) -> TestScene {
+    let clear = InteriorMedium::clear(1.5);
+    let glass = |transmittance, interior| {
+        let transmittance = ColorTexture::Constant(transmittance);
+        let model = MaterialModel::Dielectric { roughness: 0.0, transmittance };
+        Material { interior: Some(interior), ..Material::new(String::new(), model) }
+    };
+    let glasses = [
+        glass(Rgb::WHITE, clear),
+        glass(Rgb::WHITE, InteriorMedium { absorption: Rgb::new(0.5, 0.1, 0.2), ..clear }),
+        glass(Rgb::new(0.9, 0.5, 0.7), InteriorMedium { ior: 2.4, priority: 2, ..clear }),
+        glass(Rgb::WHITE, InteriorMedium { ior: 1.0, absorption: Rgb::new(0.1, 0.5, 0.0), priority: 1 }),
+        glass(Rgb::WHITE, InteriorMedium::clear(0.7)),
+    ];
+    for (material, glass) in scene.appearance.materials[1..].iter_mut().zip(glasses) {
+        *material = glass;
+    }
+    scene
+}
+
 #[test]
-fn metals_and_mirrors_in_f64_have_the_radiance_of_the_reference() {
+fn specular_surfaces_in_f64_have_the_radiance_of_the_reference() {
     let rays = camera_rays(1500, 1.0);
-    for kinds in LIT_BY {
-        let mut scene = with_metals(TestScene::new(kinds, 1.0));
+    for (kinds, replaced) in LIT_BY.into_iter().flat_map(|kinds| [with_metals, with_glass].map(|with| (kinds, with))) {
+        let mut scene = replaced(TestScene::new(kinds, 1.0));
         for transport in [Transport::Full, Transport::NonCaustic] {
             for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
                 let settings = PathSettings { transport, rr_start_depth, ..settings(max_depth) };
-                let (expected, _) = of_reference(&mut scene, settings, &rays);
+                let (expected, of_expected) = of_reference(&mut scene, settings, &rays);
                 let (found, counts) = in_f64(&mut scene, settings, &rays);
                 assert!(counts.lanes_used > 500, "{counts:?}");
+                assert_eq!(of_expected.passages, counts.passages, "{kinds:?}, {settings:?}");
                 // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
                 let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
                 let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
@@ -292,10 +314,10 @@ fn metals_and_mirrors_in_f64_have_the_radiance_of_the_reference() {
 }
 
 #[test]
-fn metals_and_mirrors_have_the_bits_of_single_hits_at_all_levels() {
+fn specular_surfaces_have_the_bits_of_single_hits_at_all_levels() {
     let rays = camera_rays(600, 1.0);
-    for kinds in [LIT_BY[1], LIT_BY[4]] {
-        let mut scene = with_metals(TestScene::new(kinds, 1.0));
+    for (kinds, replaced) in [(LIT_BY[1], with_metals as fn(TestScene) -> TestScene), (LIT_BY[4], with_glass)] {
+        let mut scene = replaced(TestScene::new(kinds, 1.0));
         let one = in_f32(&mut scene, None, settings(5), &rays);
         for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
             let lanes = in_f32(&mut scene, Some(level), settings(5), &rays);
@@ -443,7 +465,7 @@ fn a_call_with_too_few_samplers_does_nothing() {
 }
 
 #[test]
-fn transmissive_and_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_shaded_in_lanes() {
+fn rough_glass_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_shaded_in_lanes() {
     let scene = TestScene::new(LIT_BY[1], 1.0);
     let in_lanes = |material: Material| {
         let appearance = Appearance { materials: vec![material], ..scene.appearance.clone() };
@@ -462,10 +484,17 @@ fn transmissive_and_textured_materials_and_numbers_out_of_the_range_of_f32_are_n
     assert!(in_lanes(of_model(metallic_roughness(0.5, 0.3))));
     let gold = |roughness| of_model(MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness });
     assert!(in_lanes(gold(0.0)) && in_lanes(gold(0.2)) && !in_lanes(gold(0.05)));
+    let glass = |roughness, ior| Material {
+        interior: Some(InteriorMedium::clear(ior)),
+        ..of_model(MaterialModel::Dielectric { roughness, transmittance: ColorTexture::Constant(Rgb::WHITE) })
+    };
+    assert!(in_lanes(glass(0.0, 1.5)));
     for other in [
         glowing(ColorTexture::Constant(Rgb::gray(1e20))),
         glowing(ColorTexture::Textured(crate::TextureId(0), Rgb::WHITE)),
         Material { interior: Some(InteriorMedium::clear(1.5)), ..usual.clone() },
+        glass(0.1, 1.5),
+        glass(0.0, 1.0),
         glossy(1e5),
         of_model(metallic_roughness(0.5, 0.01)),
         of_model(MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(1e-20)), roughness: 0.0 }),

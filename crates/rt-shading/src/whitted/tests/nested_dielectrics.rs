@@ -1,9 +1,7 @@
 //! Tests of nested dielectrics against paths in closed form.
 
 use super::{super::*, BARE};
-use crate::{
-    Background, ColorTexture, InteriorMedium, Material, Phong, SurfaceHit, Transmission, scene_queries::dynamic,
-};
+use crate::{Background, ColorTexture, InteriorMedium, Material, Phong, SurfaceHit, Transmission};
 use rt_geometry::{Cuboid, InteractionFlags, Plane, RayKind, Shape, Sphere, Triangle};
 use rt_math::{
     DVec3, Rgb,
@@ -86,12 +84,9 @@ struct Look {
 fn look(shapes: &[(Shape, u32)], appearance: &Appearance, depth: u32, ray: &Ray) -> Look {
     let mut world = ShapeList::new(shapes.to_vec());
     let mut whitted = Whitted::new(depth, 0.0, ShadingFeatures::of(appearance, |_| true));
-    let seen = whitted.radiance(&mut dynamic(&mut world), appearance, ray);
-    let full = Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(
-        &mut dynamic(&mut ShapeList::new(shapes.to_vec())),
-        appearance,
-        ray,
-    );
+    let seen = whitted.radiance(&mut world, appearance, ray);
+    let full =
+        Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(&mut ShapeList::new(shapes.to_vec()), appearance, ray);
     assert_eq!(seen, full, "trimmed and full shading must agree to the bit");
     Look { seen: seen.radiance, world, counts: whitted.counts() }
 }
@@ -213,11 +208,11 @@ fn smoke_is_seen_though_its_surface_is_not() {
     let appearance = white_walls(&[body(1.0, 0.5, 0)]);
     let mut whitted = Whitted::new(0, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let mut world = ShapeList::new(vec![(sphere(0.0, 0.0, 0.0, 1.0), 0)]);
-    let seen = whitted.radiance(&mut dynamic(&mut world), &appearance, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z));
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z));
     assert!(seen.hit && (seen.radiance.r - exp(-1.0)).abs() < 1e-15);
     let air = white_walls(&[body(1.0, 0.0, 0)]);
     let mut whitted = Whitted::new(0, 0.0, ShadingFeatures::of(&air, |_| true));
-    assert!(!whitted.radiance(&mut dynamic(&mut world), &air, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z)).hit);
+    assert!(!whitted.radiance(&mut world, &air, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z)).hit);
 }
 
 #[test]
@@ -283,11 +278,8 @@ fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
         let distance = 0.9999 * (f64::from(i) / 1e4).sqrt();
         let ray = Ray::new(DVec3::new(cos * distance, sin * distance, 7.0), DVec3::NEG_Z);
         let mut world = ShapeList::new(shapes.to_vec());
-        let seen = Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true)).radiance(
-            &mut dynamic(&mut world),
-            &appearance,
-            &ray,
-        );
+        let seen =
+            Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true)).radiance(&mut world, &appearance, &ray);
         assert_eq!(seen.radiance, Rgb::gray(0.25), "ray {i}");
     }
 }
@@ -319,7 +311,7 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     for surroundings in [&interior, &InteriorList::filled_with(0)] {
         let mut whitted = Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true));
         whitted.set_surroundings(core::slice::from_ref(surroundings));
-        let seen = whitted.radiance(&mut dynamic(&mut world), &appearance, &ray).radiance;
+        let seen = whitted.radiance(&mut world, &appearance, &ray).radiance;
         let in_glass = asin(sin(20f64.to_radians()) * 1.33 / 1.5);
         let expected = exp(-0.5 * 0.5 / cos(20f64.to_radians()) - 0.25 * 9.0 / cos(in_glass));
         assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
@@ -396,7 +388,7 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
     let appearance = white_walls(&[body(1.0, 0.0, 0)]);
     let mut whitted = Whitted::new(7, 0.0, ShadingFeatures::of(&appearance, |_| true));
     let mut world = Sheets(0);
-    let seen = whitted.radiance(&mut dynamic(&mut world), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!((seen.radiance, whitted.counts().depth_limited), (Rgb::BLACK, 1));
     assert_eq!(world.0, crate::hit_context::MAX_NULL_INTERFACES + 8);
 }

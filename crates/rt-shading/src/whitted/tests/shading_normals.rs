@@ -3,7 +3,7 @@
 use super::super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, InteriorMedium, LightUnits, Material, Phong, SurfaceHit,
-    Transmission, optics, scene_queries::dynamic,
+    Transmission, optics,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval, Rgb};
@@ -50,7 +50,7 @@ fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<Delta
     };
     let mut world = Facet { shading_normal, later: vec![], shadow_rays: vec![], met: false };
     let mut whitted = Whitted::new(1, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let seen = whitted.radiance(&mut dynamic(&mut world), &appearance, &Ray::new(-direction, direction));
+    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(-direction, direction));
     (seen.radiance, world)
 }
 

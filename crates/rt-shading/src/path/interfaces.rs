@@ -1,0 +1,62 @@
+//! Media on both sides of glass, in lanes.
+
+use super::{
+    inputs::PathInputs,
+    shade::HitPath,
+    wave::{PathWave, SpawnedPaths},
+};
+use crate::{
+    RadianceSample, SurfaceHit,
+    hit_context::SurfaceTransmission,
+    interior_list::MediumEntry,
+    lane_set::{Element, LaneSet},
+    lanes::{LaneArray, each_lane},
+    wavefront::hit_points::HitPoints,
+};
+
+impl<E: Element> SpawnedPaths<E> {
+    /// Finds the media on both sides of glass, and the throughput after absorption. Returns the lanes of visible surfaces; in all others,
+    /// which rounding has caused, the path goes on behind the surface.
+    #[inline(never)]
+    pub(super) fn find_interfaces<L: LaneSet<Element = E>>(
+        &mut self,
+        (lanes, inputs): (L, &PathInputs<'_>),
+        wave: &PathWave<'_, E>,
+        (first, glass, inside): (usize, u8, u8),
+        (points, t, length): (&HitPoints<L>, &LaneArray, &LaneArray),
+        seen: &mut [RadianceSample],
+    ) -> u8 {
+        let materials = &inputs.lighting.appearance.materials;
+        let mut visible = 0;
+        self.gathered.absorbed = 0;
+        for lane in each_lane(glass) {
+            let (at, body) = (first + lane, self.gathered.bodies[lane]);
+            let (sample, light) = (wave.paths.sample.get(at), wave.paths.throughput(at));
+            let Some(material) = materials.get(body.material as usize) else { continue };
+            let tracker = &mut self.states[sample as usize].medium_tracker;
+            let (solid, is_inside) = (SurfaceTransmission::Solid, inside >> lane & 1 == 1);
+            let interface = solid.interface(&mut tracker.interior, materials, body, is_inside);
+            let interface = interface.as_ref();
+            let Some(interface) = interface.filter(|_| solid.is_visible(material, interface)) else {
+                let MediumEntry { object, material } = body;
+                let interaction = points.surface(lanes, lane);
+                let hit = SurfaceHit { t: t[lane], interaction, object, material, light: None };
+                let path = HitPath { wave, at, sample, throughput: light, interface };
+                self.skip_interface(inputs, path, &hit, length[lane], &mut seen[sample as usize]);
+                continue;
+            };
+            visible |= 1 << lane;
+            if inputs.features.absorption && !interface.before.absorption.is_black() {
+                let mut light = light;
+                tracker.absorb(materials, Some(interface), t[lane], length[lane], &mut light);
+                self.gathered.absorbed |= 1 << lane;
+                for (to, component) in self.gathered.dimmed.iter_mut().zip(light.to_array()) {
+                    to[lane] = E::rounded(component);
+                }
+            }
+            self.gathered.bsdfs.glass.set_eta(lane, interface.after.ior / interface.before.ior);
+            self.gathered.interfaces[lane] = Some(*interface);
+        }
+        visible
+    }
+}
