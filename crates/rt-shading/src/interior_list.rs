@@ -97,7 +97,7 @@ impl InteriorList {
     }
 
     /// True if a surface of a solid is certainly visible: the point is in air, or in this solid alone, and the ray leaves it.
-    pub(crate) fn shows_surface(&self, material: u32, leaves: impl FnOnce() -> bool) -> bool {
+    pub(crate) fn is_surface_visible(&self, material: u32, leaves: impl FnOnce() -> bool) -> bool {
         match self.entries.as_slice() {
             [] => true,
             [only] => only.material == material && leaves(),

@@ -8,7 +8,7 @@ pub(crate) use fearless_simd::Simd;
 use fearless_simd::{
     ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f32x8, f64x8, mask32x8, mask64x8, u64x8,
 };
-use rt_math::{DVec3, Float64, Mask, Real, Vector3};
+use rt_math::{DVec3, Float64, Mask, Real, Rgb, Vector3};
 
 /// Number of lanes.
 pub(crate) const LANES: usize = 8;
@@ -24,6 +24,13 @@ pub(crate) const fn first_lanes(count: usize) -> u8 {
 
 /// One number per lane, in memory.
 pub(crate) type LaneArray = [f64; LANES];
+
+/// Sets the colour of one lane.
+#[inline(always)]
+pub(crate) fn set_color([r, g, b]: &mut [LaneArray; 3], lane: usize, color: Rgb) {
+    let lane = lane % LANES;
+    (r[lane], g[lane], b[lane]) = (color.r, color.g, color.b);
+}
 
 /// Instruction set for code in lanes. The results are the same at all levels.
 #[derive(Clone, Copy, Debug)]

@@ -14,6 +14,9 @@ use rt_math::Rgb;
 /// Components of colours that are not 0.
 const COLOR_RANGE: RangeInclusive<f64> = 1e-12..=1e12;
 
+/// Indices of refraction whose products with a few numbers are neither too large nor too small for `f32`.
+pub(crate) const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
+
 /// True for a colour whose products with a few others are neither too large nor too small for `f32`.
 pub(crate) fn is_in_range(color: Rgb) -> bool {
     color.to_array().iter().all(|c| *c == 0.0 || COLOR_RANGE.contains(c))

@@ -3,6 +3,9 @@
 use core::f64::consts::{PI, TAU};
 use rt_math::{DVec3, Float64, Vector3, transcendental};
 
+/// Least roughness in lanes: facets of a narrower distribution multiply the rounding error of directions in `f32`.
+pub(super) const MIN_LANE_ROUGHNESS: f64 = 0.1;
+
 /// The GGX distribution (Trowbridge, Reitz 1975; Walter et al. 2007) with Smith's masking-shadowing function.
 ///
 /// ```text

@@ -2,7 +2,7 @@
 
 use crate::{
     lane_set::LaneSet,
-    lanes::{LANES, LaneArray},
+    lanes::{LANES, LaneArray, set_color},
     optics,
 };
 use rt_math::{DVec3, Real, Rgb, Vector3};
@@ -25,9 +25,7 @@ impl GlassBlock {
     /// Sets the factor of transmitted light of one lane, once.
     pub(crate) fn set(&mut self, lane: usize, transmittance: Rgb) {
         self.all |= 1 << lane;
-        for (to, component) in self.transmittance.iter_mut().zip(transmittance.to_array()) {
-            to[lane % LANES] = component;
-        }
+        set_color(&mut self.transmittance, lane, transmittance);
     }
 
     /// Sets the relative index of refraction of one lane.

@@ -2,23 +2,20 @@
 
 use super::{
     ComplexIor, Conductor, Ggx, Mirror, conductor_fresnel,
-    ggx::{IsotropicGgx, normalize_or_up},
+    ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS, normalize_or_up},
 };
 use crate::{
     lane_set::LaneSet,
-    lanes::{LANES, LaneArray},
+    lanes::{LANES, LaneArray, set_color},
     optics::reflect_lanes,
     wavefront::is_in_range,
 };
-use rt_math::{DVec3, Real, Rgb, Vector3};
-
-/// Least roughness of rough metals in lanes: facets of a narrower distribution multiply the rounding error of directions in `f32`.
-const MIN_ROUGHNESS: f64 = 0.1;
+use rt_math::{DVec3, Real, Vector3};
 
 impl Conductor {
     /// True if it can be shaded in lanes: smooth, or rough enough, with a usual index of refraction.
     pub(super) fn is_usual(&self) -> bool {
-        (self.is_smooth() || self.roughness >= MIN_ROUGHNESS) && is_in_range(self.ior.n) && is_in_range(self.ior.k)
+        (self.is_smooth() || self.roughness >= MIN_LANE_ROUGHNESS) && is_in_range(self.ior.n) && is_in_range(self.ior.k)
     }
 }
 
@@ -63,11 +60,6 @@ impl MetalBlock {
         self.alpha[lane % LANES] = 1.0;
         set_color(&mut self.reflectance, lane, mirror.reflectance);
     }
-}
-
-fn set_color([r, g, b]: &mut [LaneArray; 3], lane: usize, color: Rgb) {
-    let lane = lane % LANES;
-    (r[lane], g[lane], b[lane]) = (color.r, color.g, color.b);
 }
 
 /// Eight metals or mirrors from the side of their viewers.

@@ -3,7 +3,7 @@
 use super::{
     Coupling, MetallicRoughness,
     albedo_table::{LayerAlbedo, directional_lanes},
-    ggx::{IsotropicGgx, normalize_or_up},
+    ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS, normalize_or_up},
     lambert::cosine_hemisphere_lanes,
     schlick::{dielectric_fresnel, schlick_weight},
 };
@@ -16,9 +16,6 @@ use crate::{
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{Mask, Real, Vector3};
 
-/// Least roughness in lanes: facets of a narrower distribution multiply the rounding error of directions in `f32`.
-const MIN_ROUGHNESS: f64 = 0.1;
-
 /// Rough [`MetallicRoughness`] with [`Coupling::Albedo`] and usual parameters, and the albedo of its layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetallicRoughnessLayer {
@@ -30,7 +27,7 @@ impl MetallicRoughnessLayer {
     /// The surface, if it can be shaded in lanes.
     pub(super) fn new(surface: &MetallicRoughness) -> Option<Self> {
         let MetallicRoughness { base_color, coupling, roughness, .. } = *surface;
-        let is_usual = coupling == Coupling::Albedo && is_in_range(base_color) && roughness >= MIN_ROUGHNESS;
+        let is_usual = coupling == Coupling::Albedo && is_in_range(base_color) && roughness >= MIN_LANE_ROUGHNESS;
         is_usual.then(|| Self { surface: *surface, albedo: LayerAlbedo::new(roughness) })
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     bsdf::{DiffusePhong, GlassBlock, LaneSurface, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
     interior_list::{MediumEntry, MediumInterface},
     lane_set::Element,
-    lanes::{LANES, LaneArray, each_lane},
+    lanes::{LANES, LaneArray, each_lane, set_color},
     light::LightId,
     stream_queries::StreamQueries,
     wavefront::gathered_shapes::GatheredShapes,
@@ -163,12 +163,9 @@ impl GatheredBsdfs {
     #[inline(always)]
     fn set(&mut self, lane: usize, surface: &LaneSurface) {
         let lane = lane % LANES;
-        let set_color = |[r, g, b]: &mut [LaneArray; 3], color: Rgb| {
-            (r[lane], g[lane], b[lane]) = (color.r, color.g, color.b);
-        };
         match surface {
             LaneSurface::DiffusePhong(DiffusePhong { diffuse, highlight }) => {
-                set_color(&mut self.albedo, diffuse.albedo);
+                set_color(&mut self.albedo, lane, diffuse.albedo);
                 if highlight.is_none() && !(diffuse.roughness > 0.0) {
                     return;
                 }
@@ -178,7 +175,7 @@ impl GatheredBsdfs {
                     return;
                 };
                 self.glossy |= 1 << lane;
-                set_color(&mut self.reflectance, lobe.reflectance);
+                set_color(&mut self.reflectance, lane, lobe.reflectance);
                 self.exponent[lane] = lobe.clamped_exponent();
                 for part in 0..2 {
                     self.weights[part][lane] = weights[part];
@@ -187,7 +184,7 @@ impl GatheredBsdfs {
             }
             LaneSurface::MetallicRoughness(layer) => {
                 self.metallic_roughness |= 1 << lane;
-                set_color(&mut self.albedo, layer.surface.base_color);
+                set_color(&mut self.albedo, lane, layer.surface.base_color);
                 self.roughness[lane] = layer.surface.roughness;
                 self.layers.set(lane, layer);
             }

@@ -6,14 +6,10 @@ use crate::{
     bsdf::{DiffusePhong, Ggx, LaneSurface, OrenNayar},
     bsdf_cache::uniform_bsdf,
     light::{EmissionSides, Light},
-    wavefront::{delta_lights::is_usual_light, is_in_range},
+    wavefront::{IOR_RANGE, delta_lights::is_usual_light, is_in_range},
 };
-use core::ops::RangeInclusive;
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Rgb};
-
-/// Indices of refraction.
-const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// A uniform material that is shaded in lanes everywhere: opaque, or the surface of a solid.
 #[derive(Clone, Copy, Debug)]

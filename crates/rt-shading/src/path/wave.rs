@@ -282,6 +282,6 @@ impl WavePathState {
             return features.absorption && tracker.absorbs(&inputs.lighting.appearance.materials);
         }
         let leaves = || hit.shape.is_left_by(&wave.paths.rays.get(at).0, wave.hits.t.get(at));
-        !(features.refraction && tracker.interior.shows_surface(hit.material, leaves))
+        !(features.refraction && tracker.interior.is_surface_visible(hit.material, leaves))
     }
 }

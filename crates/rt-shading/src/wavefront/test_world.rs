@@ -163,6 +163,15 @@ pub(crate) fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
     (0..count).map(|at| (ray(at), Interval::FORWARD)).collect()
 }
 
+/// Asserts that rays see the same, to the bit.
+pub(crate) fn assert_same_bits(a: &[RadianceSample], b: &[RadianceSample], context: &str) {
+    assert_eq!(a.len(), b.len(), "{context}");
+    let bits = |seen: &RadianceSample| (seen.radiance.to_array().map(f64::to_bits), seen.hit);
+    for (at, (a, b)) in a.iter().zip(b).enumerate() {
+        assert!(bits(a) == bits(b), "ray {at} of {context}: {a:?}, {b:?}");
+    }
+}
+
 /// Largest difference of a component, relative to the radiance.
 pub(crate) fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
     let size = a.radiance.max_component().max(b.radiance.max_component()).max(1e-3);

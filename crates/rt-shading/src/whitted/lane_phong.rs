@@ -5,16 +5,12 @@ use crate::{
     hit_context::SurfaceTransmission,
     lane_set::LaneSet,
     light::EmissionSides,
-    wavefront::{delta_lights::is_usual_light, is_in_range},
+    wavefront::{IOR_RANGE, delta_lights::is_usual_light, is_in_range},
 };
-use core::ops::RangeInclusive;
 use rt_math::{Real as _, Rgb, Vector3, transcendental::Pow};
 
 /// Largest exponent of a highlight: the power multiplies the rounding error of the cosine by it.
 const MAX_EXPONENT: f64 = 1000.0;
-
-/// Indices of refraction.
-const IOR_RANGE: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// Phong model of a material, whose textures are checkerboards with squares of the same size, or which has none.
 #[derive(Clone, Debug)]

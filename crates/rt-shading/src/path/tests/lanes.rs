@@ -11,7 +11,9 @@ use crate::{
         SphereLight,
     },
     path::{Clamp, Lighting, lane_material::LaneMaterials},
-    wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, camera_rays, difference, number, vector},
+    wavefront::test_world::{
+        ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, number, vector,
+    },
 };
 use rt_geometry::{RayStream, Sphere};
 use rt_math::{DVec3, Interval, Ray, Rgb};
@@ -252,84 +254,6 @@ fn shading_in_f64_agrees_with_the_reference_for_other_settings() {
     compare(&mut scene, settings);
 }
 
-/// Some materials replaced by metals and a mirror, whose interpolated normals send directions to the wrong side of the surface.
-fn with_metals(mut scene: TestScene) -> TestScene {
-    let metal = |ior, roughness| MaterialModel::Conductor { ior, roughness };
-    let tinted = ColorTexture::Constant(Rgb::new(0.9, 0.6, 0.3));
-    let metals = [
-        metal(ComplexIor::GOLD, 0.3),
-        metal(ComplexIor::SILVER, 0.0),
-        metal(ComplexIor::COPPER, 1.0),
-        metal(ComplexIor::CHROMIUM, 0.0),
-    ];
-    let metals = metals.map(|model| Material::new(String::new(), model));
-    let mirror = Material::new(String::new(), Phong { mirror: tinted, ..Phong::BLACK });
-    for (material, metal) in scene.appearance.materials[1..].iter_mut().zip(metals.into_iter().chain([mirror])) {
-        *material = metal;
-    }
-    scene
-}
-
-/// Some materials replaced by dielectrics, which overlap: clear, absorbing, tinted, of the index of air, and of another priority.
-fn with_glass(mut scene: TestScene) -> TestScene {
-    let clear = InteriorMedium::clear(1.5);
-    let glass = |transmittance, interior| {
-        let transmittance = ColorTexture::Constant(transmittance);
-        let model = MaterialModel::Dielectric { roughness: 0.0, transmittance };
-        Material { interior: Some(interior), ..Material::new(String::new(), model) }
-    };
-    let glasses = [
-        glass(Rgb::WHITE, clear),
-        glass(Rgb::WHITE, InteriorMedium { absorption: Rgb::new(0.5, 0.1, 0.2), ..clear }),
-        glass(Rgb::new(0.9, 0.5, 0.7), InteriorMedium { ior: 2.4, priority: 2, ..clear }),
-        glass(Rgb::WHITE, InteriorMedium { ior: 1.0, absorption: Rgb::new(0.1, 0.5, 0.0), priority: 1 }),
-        glass(Rgb::WHITE, InteriorMedium::clear(0.7)),
-    ];
-    for (material, glass) in scene.appearance.materials[1..].iter_mut().zip(glasses) {
-        *material = glass;
-    }
-    scene
-}
-
-#[test]
-fn specular_surfaces_in_f64_have_the_radiance_of_the_reference() {
-    let rays = camera_rays(1500, 1.0);
-    for (kinds, replaced) in LIT_BY.into_iter().flat_map(|kinds| [with_metals, with_glass].map(|with| (kinds, with))) {
-        let mut scene = replaced(TestScene::new(kinds, 1.0));
-        for transport in [Transport::Full, Transport::NonCaustic] {
-            for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
-                let settings = PathSettings { transport, rr_start_depth, ..settings(max_depth) };
-                let (expected, of_expected) = of_reference(&mut scene, settings, &rays);
-                let (found, counts) = in_f64(&mut scene, settings, &rays);
-                assert!(counts.lanes_used > 500, "{counts:?}");
-                assert_eq!(of_expected.passages, counts.passages, "{kinds:?}, {settings:?}");
-                // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
-                let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
-                let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
-                let most = if kinds.others { 4 } else { 0 };
-                assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn specular_surfaces_have_the_bits_of_single_hits_at_all_levels() {
-    let rays = camera_rays(600, 1.0);
-    for (kinds, replaced) in [(LIT_BY[1], with_metals as fn(TestScene) -> TestScene), (LIT_BY[4], with_glass)] {
-        let mut scene = replaced(TestScene::new(kinds, 1.0));
-        let one = in_f32(&mut scene, None, settings(5), &rays);
-        for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-            let lanes = in_f32(&mut scene, Some(level), settings(5), &rays);
-            assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {kinds:?}");
-            for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
-                let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
-                assert!(bits(a) == bits(b) && a.hit == b.hit, "ray {at}: {a:?}, {b:?}, {level:?}");
-            }
-        }
-    }
-}
-
 #[test]
 fn the_scenes_of_these_tests_have_all_cases() {
     let rays = camera_rays(1500, 1.0);
@@ -359,10 +283,7 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
             for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
                 let lanes = in_f32(&mut scene, Some(level), settings(5), &rays);
                 assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {kinds:?}");
-                for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
-                    let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
-                    assert!(bits(a) == bits(b) && a.hit == b.hit, "ray {at} of {n_rays}: {a:?}, {b:?}, {level:?}");
-                }
+                assert_same_bits(&one.0, &lanes.0, &format!("{n_rays} rays, {level:?}, {kinds:?}"));
             }
         }
     }
@@ -513,3 +434,5 @@ fn rough_glass_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_sh
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     assert!(LaneMaterials::new(lighting).get(0).is_none());
 }
+
+mod specular;

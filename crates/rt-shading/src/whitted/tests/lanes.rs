@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LightUnits, Material,
     Phong, StreamTriangle, Texture, TextureId, Transmission,
-    wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, camera_rays, difference, vector},
+    wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, vector},
 };
 use rt_geometry::Sphere;
 use rt_math::{DVec3, Rgb};
@@ -285,10 +285,7 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
             for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
                 let lanes = view.in_lanes(Some(level), &mut world);
                 assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {features:?}");
-                for (at, (a, b)) in one.0.iter().zip(&lanes.0).enumerate() {
-                    let bits = |seen: &RadianceSample| seen.radiance.to_array().map(f64::to_bits);
-                    assert!(bits(a) == bits(b) && a.hit == b.hit, "ray {at} of {n_rays}: {a:?}, {b:?}, {level:?}");
-                }
+                assert_same_bits(&one.0, &lanes.0, &format!("{n_rays} rays, {level:?}, {features:?}"));
             }
         }
     }
