@@ -163,7 +163,7 @@ pub(crate) fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
     (0..count).map(|at| (ray(at), Interval::FORWARD)).collect()
 }
 
-/// Asserts that rays see the same, to the bit.
+/// Asserts that what rays see is bit-identical.
 pub(crate) fn assert_same_bits(a: &[RadianceSample], b: &[RadianceSample], context: &str) {
     assert_eq!(a.len(), b.len(), "{context}");
     let bits = |seen: &RadianceSample| (seen.radiance.to_array().map(f64::to_bits), seen.hit);
