@@ -76,7 +76,7 @@ fn a_metal_and_glass_are_shaded_in_lanes() {
         let (seen, counts) = in_f32(&mut scene, None, settings(5), &rays);
         let n_hits = seen.iter().filter(|seen| seen.hit).count() as u64;
         // Refracted rays hit the sphere again, from inside.
-        let least =
+        let min_used =
             if scene.appearance.materials[material as usize].interior.is_some() { 3 * n_hits / 2 } else { n_hits };
         assert!(n_hits > 500 && counts.lanes_used >= min_used, "{n_hits}, {counts:?}");
     }
