@@ -8,6 +8,7 @@ use rt_math::{AnimatedTransform, DVec2, DVec3, Ray, Transform, transcendental::t
 
 use crate::{
     CameraError, Lens,
+    simd::vectorize,
     view_volume::{Pencil, Rim, ViewVolume},
 };
 
@@ -60,6 +61,15 @@ impl CameraSettings {
     pub const fn new(world_from_camera: Transform, projection: Projection) -> Self {
         Self { world_from_camera, moves_to: None, shutter: [0.0, 1.0], projection, lens_shift: DVec2::ZERO, lens: None }
     }
+}
+
+/// Where [`Camera::rays`] writes rays: one slice for each coordinate.
+#[derive(Debug)]
+pub struct RayArrays<'a> {
+    /// Coordinates of the origins, in world space.
+    pub origin: [&'a mut [f64]; 3],
+    /// Coordinates of the directions, in world space; not of unit length.
+    pub direction: [&'a mut [f64]; 3],
 }
 
 /// A camera and the image that it exposes, ready to cast rays.
@@ -245,6 +255,35 @@ impl Camera {
         Ray { origin, direction, time }
     }
 
+    /// [`ray`](Self::ray) for many raster points, given by their offsets from `corner`, when the shutter opens. Bit-identical to rays
+    /// one by one. Only as many are computed as all slices have numbers.
+    pub fn rays(&self, corner: DVec2, offsets: &[[f64; 2]], rays: RayArrays<'_>) {
+        let Self { is_perspective, forward, step_right, step_down, principal_point, .. } = *self;
+        let pinhole = self.world_from_camera.translation();
+        let RayArrays { origin: [x, y, z], direction: [u, v, w] } = rays;
+        vectorize(
+            #[inline(always)]
+            || {
+                let (origins, directions) = (x.iter_mut().zip(y).zip(z), u.iter_mut().zip(v).zip(w));
+                for ((&[i, j], ((x, y), z)), ((u, v), w)) in offsets.iter().zip(origins).zip(directions) {
+                    let (i, j) = (corner.x + i - principal_point.x, corner.y + j - principal_point.y);
+                    let across = [
+                        step_right.x * i + step_down.x * j,
+                        step_right.y * i + step_down.y * j,
+                        step_right.z * i + step_down.z * j,
+                    ];
+                    if is_perspective {
+                        [*x, *y, *z] = pinhole.to_array();
+                        [*u, *v, *w] = [forward.x + across[0], forward.y + across[1], forward.z + across[2]];
+                    } else {
+                        [*x, *y, *z] = [pinhole.x + across[0], pinhole.y + across[1], pinhole.z + across[2]];
+                        [*u, *v, *w] = forward.to_array();
+                    }
+                }
+            },
+        );
+    }
+
     /// Depth of a world-space point along the view axis when the shutter opens, in units of the camera's space.
     /// Negative behind the camera.
     pub fn depth(&self, world: DVec3) -> f64 {
@@ -326,6 +365,32 @@ mod tests {
 
     fn orthographic(height: f64) -> CameraSettings {
         CameraSettings { projection: Projection::Orthographic { height }, ..perspective(1.0, FovAxis::Vertical) }
+    }
+
+    #[test]
+    fn rays_of_many_raster_points_are_those_one_by_one() {
+        let place =
+            Transform::look_at(DVec3::new(2.0, -1.0, 5.0), DVec3::new(0.1, 0.2, 0.3), DVec3::Y).expect("a view");
+        for settings in [perspective(0.7, FovAxis::Horizontal), orthographic(3.0)] {
+            let settings = CameraSettings { world_from_camera: place, lens_shift: DVec2::new(0.3, -0.1), ..settings };
+            let camera = Camera::new(&settings, 64, 48).expect("a camera");
+            let offsets: [_; 37] = core::array::from_fn(|at| [at as f64 * 0.13 - 0.5, 0.7 - (at * at) as f64 * 0.01]);
+            let corner = DVec2::new(17.0, 31.0);
+            let (mut origin, mut direction) = ([[0.0; 37]; 3], [[0.0; 37]; 3]);
+            camera.rays(
+                corner,
+                &offsets,
+                RayArrays {
+                    origin: origin.each_mut().map(<[_; 37]>::as_mut_slice),
+                    direction: direction.each_mut().map(<[_; 37]>::as_mut_slice),
+                },
+            );
+            for (at, offset) in offsets.into_iter().enumerate() {
+                let ray = camera.ray(corner + DVec2::from_array(offset), 0.0);
+                assert_eq!(ray.origin.to_array(), origin.map(|numbers| numbers[at]), "{settings:?}");
+                assert_eq!(ray.direction.to_array(), direction.map(|numbers| numbers[at]), "{settings:?}");
+            }
+        }
     }
 
     #[test]

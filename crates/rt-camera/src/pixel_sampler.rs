@@ -102,13 +102,13 @@ impl PixelSampler {
             return positions.fill([0.5; 2]);
         }
         let mut replication = self.replication(pixel, first);
-        let mut samples = SampleLanes::<LANES> { pixels: [pixel; LANES], ..SampleLanes::EMPTY };
-        for positions in positions.chunks_mut(LANES) {
-            for lane in 0..positions.len() {
-                (samples.keys[lane], samples.indices[lane]) = (replication.key, replication.index);
-                replication.advance();
-            }
-            positions.copy_from_slice(&draw_lanes(&self.pattern, &samples)[..positions.len()]);
+        let mut positions = positions;
+        while !positions.is_empty() {
+            let count = positions.len().min((self.pattern.period() - replication.index) as usize);
+            let (drawn, rest) = core::mem::take(&mut positions).split_at_mut(count);
+            replication.draw_positions(drawn);
+            replication.restart();
+            positions = rest;
         }
     }
 
@@ -145,9 +145,33 @@ impl Replication {
     fn advance(&mut self) {
         self.index += 1;
         if self.index == self.pattern.period() {
-            self.number = self.number.wrapping_add(1);
-            (self.key, self.index) = (replication_key(self.pixel_key, self.number), 0);
+            self.restart();
         }
+    }
+
+    /// Goes to the first sample of the next replication.
+    #[inline(always)]
+    fn restart(&mut self) {
+        self.number = self.number.wrapping_add(1);
+        (self.key, self.index) = (replication_key(self.pixel_key, self.number), 0);
+    }
+
+    /// Positions in the pixel of the samples from the place on. There must not be more than the replication has left.
+    fn draw_positions(&self, positions: &mut [[f64; 2]]) {
+        let Self { pattern, pixel, key, index, .. } = *self;
+        let last = pattern.period() - 1;
+        vectorize(
+            #[inline(always)]
+            || {
+                for (group, first) in positions.chunks_mut(LANES).zip((index..).step_by(LANES)) {
+                    let drawn = Coordinates::draw(&pattern, &SampleLanes::<LANES>::positions(key, pixel, first, last));
+                    match <&mut [_; LANES]>::try_from(&mut *group) {
+                        Ok(group) => *group = drawn,
+                        Err(_) => group.copy_from_slice(&drawn[..group.len()]),
+                    }
+                }
+            },
+        );
     }
 }
 
@@ -204,6 +228,11 @@ impl Sampler for SampleStream {
 }
 
 impl SampleStream {
+    /// Leaves out the position in the pixel, the first pair, which [`PixelSampler::positions`] draws for many samples.
+    pub const fn skip_position(&mut self) {
+        self.dimension = 2;
+    }
+
     #[inline]
     fn next<C: Coordinates>(&mut self) -> C {
         let Self { pattern, pixel, index, key, .. } = *self;

@@ -155,6 +155,14 @@ impl<const N: usize> SampleLanes<N> {
     /// No samples: all lanes are zero.
     pub(crate) const EMPTY: Self = Self { keys: [0; N], indices: [0; N], dimensions: [0; N], pixels: [[0; 2]; N] };
 
+    /// Positions in a pixel, from the sample `first` of a replication on, at most up to `last`. All share the key, which the
+    /// compiler then hashes once.
+    #[inline(always)]
+    pub(crate) fn positions(key: u64, pixel: [u32; 2], first: u32, last: u32) -> Self {
+        let indices = lanes(|lane| first.wrapping_add(lane as u32).min(last));
+        Self { keys: [key; N], indices, dimensions: [0; N], pixels: [pixel; N] }
+    }
+
     /// One of the samples.
     pub(crate) const fn lane(&self, lane: usize) -> SampleLanes<1> {
         SampleLanes {

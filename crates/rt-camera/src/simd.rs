@@ -4,21 +4,23 @@
 mod x86 {
     use std::sync::LazyLock;
 
-    use fearless_simd::{Avx2, Level, Simd};
+    use fearless_simd::{Avx2, Avx512, Level, Simd};
 
-    static AVX2: LazyLock<Option<Avx2>> = LazyLock::new(|| Level::new().as_avx2());
+    static LEVELS: LazyLock<(Option<Avx512>, Option<Avx2>)> =
+        LazyLock::new(|| (Level::new().as_avx512(), Level::new().as_avx2()));
 
     #[inline(always)]
     pub(super) fn vectorize<R>(function: impl FnOnce() -> R) -> R {
-        match *AVX2 {
-            Some(avx2) => avx2.vectorize(function),
-            None => function(),
+        match *LEVELS {
+            (Some(avx512), _) => avx512.vectorize(function),
+            (_, Some(avx2)) => avx2.vectorize(function),
+            _ => function(),
         }
     }
 }
 
-/// Calls a function, in a version compiled for AVX2 if the processor has it. Only what is inlined into `function` is compiled so,
-/// hence everything that it calls must be `#[inline(always)]`.
+/// Calls a function, in a version compiled for AVX-512 or AVX2 if the processor has it. Only what is inlined into `function` is
+/// compiled so, hence everything that it calls must be `#[inline(always)]`.
 ///
 /// The results are the same: all instruction sets compute integers exactly, and correctly rounded numbers.
 #[inline(always)]

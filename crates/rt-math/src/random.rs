@@ -64,8 +64,15 @@ pub fn permute_lanes<const N: usize>(indices: [u32; N], length: u32, seeds: [u64
     for lane in 0..N {
         (low[lane], high[lane]) = (keys[lane] as u32, (keys[lane] >> 32) as u32);
     }
+    let mut beyond = false;
     for lane in 0..N {
-        values[lane] = if indices[lane] < length { indices[lane] } else { indices[lane] % length };
+        values[lane] = indices[lane];
+        beyond |= indices[lane] >= length;
+    }
+    if beyond {
+        for value in &mut values {
+            *value %= length;
+        }
     }
     scramble(&mut values, &low, &high, mask, half);
     // A power of two needs no cycle walk: all values are in the range.

@@ -1,6 +1,6 @@
 //! Batches of camera rays: samples of some pixels, traced together.
 
-use rt_camera::{PixelSampler, SampleStream};
+use rt_camera::{PixelSampler, RayArrays, SampleStream};
 use rt_geometry::{RayStream, STREAM_CAPACITY};
 use rt_math::{DVec2, Interval, Rgb, Sampler};
 use rt_shading::RadianceSample;
@@ -112,29 +112,48 @@ impl RenderPlan<'_> {
         on_lens.resize(count, [0.5; 2]);
         times.resize(count, 0.0);
         let (has_lens, has_motion) = (self.frame.camera.has_lens(), self.frame.has_motion);
+        sampler.positions([x, y], first, positions);
         if has_lens || has_motion || self.integrator.uses_samplers() {
             let start = samplers.len();
             samplers.extend(sampler.samples([x, y], first).take(count));
             let samples = &mut samplers[start..];
-            Sampler::next_2d_batch(samples, &ALL, positions);
+            samples.iter_mut().for_each(SampleStream::skip_position);
             if has_lens {
                 Sampler::next_2d_batch(samples, &ALL, on_lens);
             }
             if has_motion {
                 Sampler::next_1d_batch(samples, &ALL, times);
             }
-        } else {
-            sampler.positions([x, y], first, positions);
         }
         if !self.integrator.uses_samplers() {
             samplers.clear();
         }
-        for ((&position, &on_lens), &time) in positions.iter().zip(&*on_lens).zip(&*times) {
-            let (offset, weight) = self.frame.filter.sample(position);
-            let time = if has_motion { self.frame.camera.shutter_time(time) } else { 0.0 };
-            let ray = self.frame.camera.generate_ray(corner + offset, on_lens, time);
-            rays.push(&ray, Interval::FORWARD);
+        for position in positions.iter_mut() {
+            let (offset, weight) = self.frame.filter.sample(*position);
+            *position = offset.to_array();
             weights.push(weight);
+        }
+        if has_lens || has_motion {
+            for ((&offset, &on_lens), &time) in positions.iter().zip(&*on_lens).zip(&*times) {
+                let time = if has_motion { self.frame.camera.shutter_time(time) } else { 0.0 };
+                let ray = self.frame.camera.generate_ray(corner + DVec2::from_array(offset), on_lens, time);
+                rays.push(&ray, Interval::FORWARD);
+            }
+        } else {
+            let start = rays.len();
+            self.frame.camera.rays(
+                corner,
+                positions,
+                RayArrays {
+                    origin: rays.origin.each_mut().map(|numbers| &mut numbers.as_mut_slice()[start..]),
+                    direction: rays.direction.each_mut().map(|numbers| &mut numbers.as_mut_slice()[start..]),
+                },
+            );
+            let Interval { min, max } = Interval::FORWARD;
+            rays.min.as_mut_slice()[start..start + count].fill(min);
+            rays.max.as_mut_slice()[start..start + count].fill(max);
+            rays.time.as_mut_slice()[start..start + count].fill(0.0);
+            rays.grow(count);
         }
     }
 }

@@ -83,6 +83,17 @@ fn runs_of_sobol_points_cross_the_end_of_a_set() {
 }
 
 #[test]
+fn samples_whose_position_is_skipped_go_on_with_the_second_pair() {
+    for pattern in [SamplerKind::Centre, SamplerKind::MultiJittered, SamplerKind::Sobol, SamplerKind::Halton] {
+        let mut drawn = PixelSampler::new(pattern, 16, 3).sample([4, 5], 6);
+        let mut skipped = drawn;
+        let _position = drawn.next_2d();
+        skipped.skip_position();
+        assert_eq!([skipped.next_2d(), skipped.next_2d()], [drawn.next_2d(), drawn.next_2d()], "{pattern:?}");
+    }
+}
+
+#[test]
 fn only_as_many_values_are_drawn_as_there_is_room_for() {
     let sampler = PixelSampler::new(SamplerKind::Sobol, 16, 3);
     let mut samplers: Vec<_> = sampler.samples([4, 5], 0).take(8).collect();
