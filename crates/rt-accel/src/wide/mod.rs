@@ -26,6 +26,7 @@ mod batch;
 mod build;
 mod coherence;
 mod entry_points;
+mod exact_packet;
 mod exact_triangle;
 mod f64x8;
 #[cfg(test)]

@@ -9,11 +9,13 @@
 
 use core::mem::MaybeUninit;
 
+use rt_geometry::BatchKernel;
 use rt_math::{Interval, Ray};
 
 use super::WideBvh;
 use super::entry_points::EntryPoints;
-use super::f64x8::PACKET;
+use super::exact_packet::ExactHits;
+use super::f64x8::{F64x8, PACKET};
 use super::filter::LeafTest;
 use super::leaf::Lane;
 use super::node::{Child, WideNode};
@@ -408,9 +410,27 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                 if let Some(sphere) = if F::IS_SPHERE { self.tester.exact_sphere(index) } else { None } {
                     // Rays that start on a sphere are uncertain, and most of them leave it.
                     possible &= bounds.certain | !SpherePacket::all(simd, &sphere).miss_mask(simd, &view.packet.soa);
-                } else if uncertain.count_ones() > SWITCH_THRESHOLD && self.tester.is_instance(index) {
-                    possible &= bounds.certain;
-                    t_max = self.intersect_instance(index, view.rays, uncertain, results, t_max);
+                    let open = possible & !bounds.certain;
+                    if open.count_ones() > SWITCH_THRESHOLD {
+                        let kernel = BatchKernel::Sphere(sphere);
+                        let left = self.intersect_exactly(&kernel, (slot, open), view.rays, results, &mut t_max);
+                        possible &= bounds.certain | left;
+                        mask &= simd.le(simd.splat(0.0), t_max);
+                    }
+                } else if uncertain.count_ones() > SWITCH_THRESHOLD {
+                    match self.tester.batch_kernel(index) {
+                        BatchKernel::Instance => {
+                            possible &= bounds.certain;
+                            t_max = self.intersect_instance(index, view.rays, uncertain, results, t_max);
+                        }
+                        // A large triangle in a tree of other primitives, such as a floor.
+                        kernel @ BatchKernel::Triangle(_) if !O::ANY_HIT || self.tester.blocks(index) => {
+                            let left =
+                                self.intersect_exactly(&kernel, (slot, uncertain), view.rays, results, &mut t_max);
+                            possible &= bounds.certain | left;
+                        }
+                        _ => {}
+                    }
                     mask &= simd.le(simd.splat(0.0), t_max);
                 }
             }
@@ -428,6 +448,27 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
             }
         }
         t_max
+    }
+
+    /// Intersects a sphere or a triangle exactly with all rays of a mask, and lowers their `t_max`. Returns the rays whose result is
+    /// open.
+    #[inline(always)]
+    fn intersect_exactly(
+        &self,
+        kernel: &BatchKernel,
+        (slot, mask): (PrimSlot, u32),
+        rays: &[(Ray, Interval); PACKET],
+        results: &mut Results<S, O>,
+        t_max: &mut S::F32x8,
+    ) -> u32 {
+        let simd = self.simd;
+        let hits = ExactHits::of(self.tree.level, kernel, rays, mask);
+        if hits.hit == 0 {
+            return hits.uncertain;
+        }
+        let t = F64x8::new(simd, hits.t);
+        let t_bounds = [t.round_down(simd), t.round_up(simd)];
+        hits.uncertain | results.lanes.record_certain(simd, slot, hits.hit, t_bounds, t_max)
     }
 
     /// Intersects an instance with all rays of a mask; returns the `t_max` of the rays.

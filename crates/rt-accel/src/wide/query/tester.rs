@@ -32,8 +32,11 @@ pub(crate) trait PrimitiveKinds {
     /// The sphere, if the accelerator may intersect it from its own copy.
     fn exact_sphere(&self, index: u32) -> Option<SphereKernel>;
 
-    /// True if the primitive is an instance, which traces several rays faster together.
-    fn is_instance(&self, index: u32) -> bool;
+    /// How several rays test the primitive together.
+    fn batch_kernel(&self, index: u32) -> BatchKernel;
+
+    /// True if the primitive occludes rays that hit it.
+    fn blocks(&self, index: u32) -> bool;
 }
 
 /// The caller's primitives and statistics.
@@ -47,8 +50,12 @@ impl<P: Primitives, S: Probe> PrimitiveKinds for Tester<'_, P, S> {
         if let PrimitiveGeometry::ExactSphere(sphere) = self.primitives.geometry(index) { Some(sphere) } else { None }
     }
 
-    fn is_instance(&self, index: u32) -> bool {
-        matches!(self.primitives.batch_kernel(index), BatchKernel::Instance)
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        self.primitives.batch_kernel(index)
+    }
+
+    fn blocks(&self, index: u32) -> bool {
+        self.primitives.blocks(index)
     }
 }
 

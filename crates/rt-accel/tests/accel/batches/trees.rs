@@ -47,12 +47,13 @@ fn batches_through_small_trees_equal_single_queries() {
     let seed = Draw::run_seed();
     println!("batches: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
-    let kinds: [Kind; 10] = [
+    let kinds: [Kind; 11] = [
         ("facets", Soup::facets),
         ("triangles", Soup::triangles),
         ("facets and others", |draw| Soup::facets(draw).with_others(draw)),
         ("spheres", |draw| Soup::spheres(300, draw)),
         ("round spheres", |draw| Soup::spheres(300, draw).rounded()),
+        ("round spheres on a floor", |draw| Soup::spheres(300, draw).rounded().with_floor()),
         ("marbles", Soup::marbles),
         ("round marbles", |draw| Soup::marbles(draw).rounded()),
         ("round and mixed", |draw| Soup::mixed(draw).rounded()),

@@ -127,6 +127,14 @@ impl Soup {
         Self(self.0.into_iter().map(round).collect())
     }
 
+    /// The same with a square of two large triangles, of which accelerators have copies.
+    pub(crate) fn with_floor(mut self) -> Self {
+        let corner = |x: f32, z: f32| Vec3::new(x, -0.3, z);
+        let [a, b, c, d] = [corner(-1.5, -1.5), corner(-1.5, 1.5), corner(1.5, 1.5), corner(1.5, -1.5)];
+        self.0.extend([Solid::Facet([a, b, c]), Solid::Facet([a, c, d])]);
+        self
+    }
+
     /// The same with a few solids of all other kinds among them, the last of which cannot be hit.
     pub(crate) fn with_others(mut self, draw: &mut Draw) -> Self {
         let spacing = self.0.len() / 20;
