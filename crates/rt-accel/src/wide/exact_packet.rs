@@ -45,11 +45,8 @@ impl WithSimd<&[(Ray, Interval); PACKET], &mut ExactHits> for ExactPacket<'_> {
         let mut add = |rays: u32, found: &PacketHit<S>| {
             hits.hit |= rays & found.hit;
             hits.uncertain &= !rays | found.uncertain;
-            let t = found.t.to_array(simd);
-            for lane in 0..PACKET {
-                if rays >> lane & 1 != 0 {
-                    hits.t[lane] = t[lane];
-                }
+            for (lane, (to, t)) in hits.t.iter_mut().zip(found.t.to_array(simd)).enumerate() {
+                *to = if rays >> lane & 1 != 0 { t } else { *to };
             }
         };
         match self.kernel {
