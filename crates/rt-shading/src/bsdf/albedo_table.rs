@@ -87,9 +87,20 @@ impl LayerAlbedo {
     }
 }
 
-/// Directional albedos as by [`LayerAlbedo::directional`], of the layers of the lanes; not valid where there is none.
+/// Version of [`LayerAlbedo::directional`] for the layers of lanes; not valid where there is none.
 #[inline(always)]
 pub(super) fn directional_lanes<L: LaneSet>(lanes: L, layers: &[Option<LayerAlbedo>; LANES], cos: L::D) -> L::D {
+    let [along, grazing] = directional_by_fresnel_lanes(lanes, layers, cos);
+    along * F0 + grazing
+}
+
+/// Version of [`LayerAlbedo::directional_by_fresnel`] for the layers of lanes; not valid where there is none.
+#[inline(always)]
+pub(super) fn directional_by_fresnel_lanes<L: LaneSet>(
+    lanes: L,
+    layers: &[Option<LayerAlbedo>; LANES],
+    cos: L::D,
+) -> [L::D; 2] {
     let (zero, one) = (lanes.splat_f64(0.0), lanes.splat_f64(1.0));
     let last = (COSINES - 1) as f64;
     let x = Real::select(cos.gt(zero), cos.min(one), zero);
@@ -126,7 +137,7 @@ pub(super) fn directional_lanes<L: LaneSet>(lanes: L, layers: &[Option<LayerAlbe
         }
         split[part] = of_rows[0] + (of_rows[1] - of_rows[0]) * between_rows;
     }
-    split[0] * F0 + split[1]
+    split
 }
 
 fn dielectric([along, grazing]: Split) -> f64 {

@@ -110,10 +110,18 @@ impl<R: Float64> IsotropicGgx<R> {
         R::select(m.z.gt(zero), one / (alpha2 * PI * q * q), zero)
     }
 
-    /// Version of [`Ggx::stretched`].
+    /// Version of [`Ggx::stretched_length`].
     #[inline(always)]
     pub(super) fn stretched_length(self, w: Vector3<R>) -> R {
         (w.z * w.z + self.alpha * self.alpha * (w.x * w.x + w.y * w.y)).sqrt()
+    }
+
+    /// Versions of [`Ggx::reflection`] and [`Ggx::reflection_pdf`], given S(wo).
+    #[inline(always)]
+    pub(super) fn reflection_with_pdf(self, (wo, stretched): (Vector3<R>, R), wi: Vector3<R>, m: Vector3<R>) -> (R, R) {
+        let d = self.d(m);
+        let reflection = d / ((wo.z * self.stretched_length(wi) + wi.z * stretched) * 2.0);
+        (reflection, d / ((wo.z + stretched) * 2.0))
     }
 
     /// Version of [`Ggx::sample`].

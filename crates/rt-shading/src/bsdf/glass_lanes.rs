@@ -1,8 +1,9 @@
 //! Smooth interfaces of dielectrics in lanes.
 
+use super::LaneSample;
 use crate::{
     lane_set::LaneSet,
-    lanes::{LANES, LaneArray, set_color},
+    lanes::{ALL_LANES, LANES, LaneArray, set_color},
     optics,
 };
 use rt_math::{DVec3, Real, Rgb, Vector3};
@@ -44,14 +45,11 @@ pub(crate) struct GlassLanes<L: LaneSet> {
 
 /// Directions sampled from these interfaces.
 pub(crate) struct GlassSample<L: LaneSet> {
-    pub(crate) wi: Vector3<L::D>,
-    /// BSDF times cosine divided by density.
-    pub(crate) weight: Vector3<L::D>,
-    /// True for transmission, where the square of `eta` scales radiance.
-    pub(crate) is_transmitted: <L::D as Real>::Mask,
+    /// Not valid on total internal reflection of a transmitted sample.
+    pub(crate) sample: LaneSample<L>,
+    /// Lanes of transmission, where the square of `eta` scales radiance.
+    pub(crate) transmitted: u8,
     pub(crate) eta: L::D,
-    /// False on total internal reflection of a transmitted sample.
-    pub(crate) is_valid: <L::D as Real>::Mask,
 }
 
 impl<L: LaneSet> GlassLanes<L> {
@@ -80,12 +78,15 @@ impl<L: LaneSet> GlassLanes<L> {
         let of_reflection = reflected / chance;
         let of_transmission = transmittance * (passed / (eta * eta * (one - chance)));
         let mirrored_weight = Vector3::new(of_reflection, of_reflection, of_reflection);
-        GlassSample {
+        let sample = LaneSample {
             wi: Vector3::select(is_transmitted, bent, mirrored),
             weight: Vector3::select(is_transmitted, of_transmission, mirrored_weight),
-            is_transmitted,
-            eta: Real::select(is_transmitted, eta, one),
-            is_valid: !is_transmitted | is_possible | is_null,
-        }
+            pdf: one,
+            valid: lanes.bits_f64(!is_transmitted | is_possible | is_null),
+            diffuse: 0,
+            delta: ALL_LANES,
+        };
+        let transmitted = lanes.bits_f64(is_transmitted);
+        GlassSample { sample, transmitted, eta: Real::select(is_transmitted, eta, one) }
     }
 }

@@ -1,12 +1,12 @@
 //! Metals and mirrors in lanes.
 
 use super::{
-    ComplexIor, Conductor, Ggx, Mirror, conductor_fresnel,
+    ComplexIor, Conductor, Ggx, LaneSample, Mirror, conductor_fresnel,
     ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS, normalize_or_up},
 };
 use crate::{
     lane_set::LaneSet,
-    lanes::{LANES, LaneArray, set_color},
+    lanes::{ALL_LANES, LANES, LaneArray, set_color},
     optics::reflect_lanes,
     wavefront::is_in_range,
 };
@@ -76,15 +76,6 @@ pub(crate) struct MetalLanes<L: LaneSet> {
     stretched: L::D,
 }
 
-/// Directions sampled from these surfaces.
-pub(crate) struct MetalSample<L: LaneSet> {
-    pub(crate) wi: Vector3<L::D>,
-    /// BSDF times cosine divided by density.
-    pub(crate) weight: Vector3<L::D>,
-    /// 1 for a delta lobe.
-    pub(crate) pdf: L::D,
-}
-
 impl<L: LaneSet> MetalLanes<L> {
     /// Surfaces that are seen from directions above them.
     #[inline(always)]
@@ -118,9 +109,7 @@ impl<L: LaneSet> MetalLanes<L> {
     /// Value of perfectly reflecting facets, and density, for directions above the surface with the normalised half vectors `m`.
     #[inline(always)]
     fn facets_with_pdf(&self, wi: Vector3<L::D>, m: Vector3<L::D>) -> (L::D, L::D) {
-        let (cos, d) = (self.wo.z, self.facets.d(m));
-        let value = d / ((cos * self.facets.stretched_length(wi) + wi.z * self.stretched) * 2.0);
-        (value, d / ((cos + self.stretched) * 2.0))
+        self.facets.reflection_with_pdf((self.wo, self.stretched), wi, m)
     }
 
     /// Value without the cosine, and density, for directions above the surface. Not valid for delta lobes.
@@ -133,7 +122,7 @@ impl<L: LaneSet> MetalLanes<L> {
 
     /// Samples directions, some of which are below the surface.
     #[inline(always)]
-    pub(crate) fn sample(&self, u: [L::D; 2]) -> MetalSample<L> {
+    pub(crate) fn sample(&self, u: [L::D; 2]) -> LaneSample<L> {
         let is_delta = self.lanes.mask_f64(self.delta);
         let up = self.lanes.splat_point(DVec3::Z);
         let m = Vector3::select(is_delta, up, self.facets.sample(self.wo, u));
@@ -141,6 +130,7 @@ impl<L: LaneSet> MetalLanes<L> {
         let (facets, pdf) = self.facets_with_pdf(wi, m);
         let one = self.lanes.splat_f64(1.0);
         let (pdf, share) = (Real::select(is_delta, one, pdf), Real::select(is_delta, one, facets * wi.z / pdf));
-        MetalSample { wi, weight: self.fresnel(self.wo.dot(m)) * share, pdf }
+        let weight = self.fresnel(self.wo.dot(m)) * share;
+        LaneSample { wi, weight, pdf, valid: ALL_LANES, diffuse: 0, delta: self.delta }
     }
 }

@@ -1,7 +1,7 @@
 //! The metallic-roughness BSDF in lanes.
 
 use super::{
-    Coupling, MetallicRoughness,
+    Coupling, LaneSample, MetallicRoughness,
     albedo_table::{LayerAlbedo, directional_lanes},
     ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS, normalize_or_up},
     lambert::cosine_hemisphere_lanes,
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     lane_set::LaneSet,
-    lanes::{LANES, LaneArray},
+    lanes::{ALL_LANES, LANES, LaneArray},
     optics::reflect_lanes,
     wavefront::is_in_range,
 };
@@ -70,14 +70,6 @@ pub(crate) struct MetallicRoughnessLanes<L: LaneSet> {
     chance: L::D,
 }
 
-/// Directions sampled from these surfaces.
-pub(crate) struct MetallicRoughnessSample<L: LaneSet> {
-    pub(crate) wi: Vector3<L::D>,
-    pub(crate) value: Vector3<L::D>,
-    pub(crate) pdf: L::D,
-    pub(crate) is_diffuse: <L::D as Real>::Mask,
-}
-
 impl<L: LaneSet> MetallicRoughnessLanes<L> {
     /// Surfaces of these colours and roughnesses, seen from directions above the surface.
     #[inline(always)]
@@ -107,8 +99,7 @@ impl<L: LaneSet> MetallicRoughnessLanes<L> {
     fn value_with_pdf(&self, wi: Vector3<L::D>, m: Vector3<L::D>) -> (Vector3<L::D>, L::D) {
         let (zero, one) = (self.lanes.splat_f64(0.0), self.lanes.splat_f64(1.0));
         let dielectric = one - self.metallic;
-        let d = self.facets.d(m);
-        let facets = d / ((self.wo.z * self.facets.stretched_length(wi) + wi.z * self.stretched) * 2.0);
+        let (facets, of_facets) = self.facets.reflection_with_pdf((self.wo, self.stretched), wi, m);
         let cos = self.wo.dot(m);
         let (w, fresnel) = (schlick_weight(cos), dielectric_fresnel(cos));
         let Vector3 { x, y, z } = self.base_color;
@@ -124,7 +115,6 @@ impl<L: LaneSet> MetallicRoughnessLanes<L> {
             value =
                 self.base_color * (dielectric * (passes / self.transmitted)) * self.lanes.splat_f64(FRAC_1_PI) + value;
         }
-        let of_facets = d / ((self.wo.z + self.stretched) * 2.0);
         (value, self.chance * of_facets + (one - self.chance) * (wi.z * FRAC_1_PI))
     }
 
@@ -136,7 +126,7 @@ impl<L: LaneSet> MetallicRoughnessLanes<L> {
 
     /// Samples directions, some of which are below the surface, by numbers for the choice of a lobe and for the direction.
     #[inline(always)]
-    pub(crate) fn sample(&self, u_lobe: L::D, u: [L::D; 2]) -> MetallicRoughnessSample<L> {
+    pub(crate) fn sample(&self, u_lobe: L::D, u: [L::D; 2]) -> LaneSample<L> {
         let is_diffuse = !u_lobe.lt(self.chance);
         let mut m = self.wo;
         let mut wi = self.wo;
@@ -150,6 +140,7 @@ impl<L: LaneSet> MetallicRoughnessLanes<L> {
             m = Vector3::select(is_diffuse, normalize_or_up(self.wo + diffuse), m);
         }
         let (value, pdf) = self.value_with_pdf(wi, m);
-        MetallicRoughnessSample { wi, value, pdf, is_diffuse }
+        let diffuse = self.lanes.bits_f64(is_diffuse);
+        LaneSample { wi, weight: value * (wi.z / pdf), pdf, valid: ALL_LANES, diffuse, delta: 0 }
     }
 }

@@ -56,7 +56,9 @@ mod dispersive_dielectric;
 mod ggx;
 mod glass_lanes;
 mod lambert;
+mod lane_sample;
 mod layered;
+mod layered_lanes;
 mod metal_lanes;
 mod metallic_roughness;
 mod metallic_roughness_lanes;
@@ -82,12 +84,12 @@ pub use ggx::Ggx;
 pub(crate) use glass_lanes::{GlassBlock, GlassLanes, GlassSample};
 pub use lambert::Lambert;
 pub(crate) use lambert::{cosine_hemisphere, cosine_hemisphere_lanes};
+pub(crate) use lane_sample::LaneSample;
 pub use layered::Layered;
-pub(crate) use metal_lanes::{MetalBlock, MetalLanes, MetalSample};
+pub(crate) use layered_lanes::{LayeredBlock, LayeredLanes, LayeredParameters};
+pub(crate) use metal_lanes::{MetalBlock, MetalLanes};
 pub use metallic_roughness::{Coupling, MetallicRoughness};
-pub(crate) use metallic_roughness_lanes::{
-    MetallicRoughnessBlock, MetallicRoughnessLanes, MetallicRoughnessLayer, MetallicRoughnessSample,
-};
+pub(crate) use metallic_roughness_lanes::{MetallicRoughnessBlock, MetallicRoughnessLanes, MetallicRoughnessLayer};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};
 pub use oren_nayar::OrenNayar;
@@ -130,6 +132,7 @@ pub enum Bsdf {
 pub(crate) enum LaneSurface {
     DiffusePhong(DiffusePhong),
     MetallicRoughness(MetallicRoughnessLayer),
+    Layered(LayeredParameters),
     Conductor(Conductor),
     Mirror(Mirror),
     /// Smooth interface of a dielectric with this transmittance.
@@ -240,8 +243,8 @@ impl Bsdf {
         }
     }
 
-    /// The BSDF for lanes, if it is a rough metallic-roughness surface, a metal, a mirror, or a diffuse lobe, which a Phong lobe may
-    /// follow. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
+    /// The BSDF for lanes: of a rough metallic-roughness or layered surface, a metal, a mirror, or a diffuse lobe, which a Phong lobe
+    /// may follow. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {
@@ -253,7 +256,7 @@ impl Bsdf {
             }
             Self::Single(lobe) => DiffusePhong::diffuse(lobe.as_diffuse()?),
             Self::Mix(mix) => DiffusePhong::of_mix(mix)?,
-            Self::Layered(_) => return None,
+            Self::Layered(layered) => return LayeredParameters::new(layered).map(LaneSurface::Layered),
         };
         lobes.is_usual().then_some(LaneSurface::DiffusePhong(lobes))
     }

@@ -5,7 +5,7 @@ use super::{
     path_stream::PathStream,
 };
 use crate::{
-    bsdf::{DiffusePhong, GlassBlock, LaneSurface, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
+    bsdf::{DiffusePhong, GlassBlock, LaneSurface, LayeredBlock, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
     interior_list::{MediumEntry, MediumInterface},
     lane_set::Element,
     lanes::{LANES, LaneArray, each_lane, set_color},
@@ -138,6 +138,7 @@ pub(super) struct GatheredBsdfs {
     pub(super) probabilities: [LaneArray; 2],
     /// Further parameters of metallic-roughness surfaces.
     pub(super) layers: MetallicRoughnessBlock,
+    pub(super) layered: LayeredBlock,
     pub(super) metals: MetalBlock,
     pub(super) glass: GlassBlock,
 }
@@ -145,6 +146,7 @@ pub(super) struct GatheredBsdfs {
 impl GatheredBsdfs {
     const fn clear(&mut self) {
         (self.rough, self.glossy, self.metallic_roughness) = (0, 0, 0);
+        self.layered.clear();
         self.metals.clear();
         self.glass.clear();
     }
@@ -156,7 +158,7 @@ impl GatheredBsdfs {
 
     /// Lanes of BSDFs that are not Lambertian.
     pub(super) const fn others(&self) -> u8 {
-        self.rough | self.glossy | self.metallic_roughness | self.metals.all | self.glass.all
+        self.rough | self.glossy | self.metallic_roughness | self.layered.all | self.metals.all | self.glass.all
     }
 
     /// Sets the BSDF of a lane, once.
@@ -188,6 +190,7 @@ impl GatheredBsdfs {
                 self.roughness[lane] = layer.surface.roughness;
                 self.layers.set(lane, layer);
             }
+            LaneSurface::Layered(surface) => self.layered.set(lane, surface),
             LaneSurface::Conductor(conductor) => self.metals.set_conductor(lane, conductor),
             LaneSurface::Mirror(mirror) => self.metals.set_mirror(lane, mirror),
             LaneSurface::Glass(transmittance) => self.glass.set(lane, *transmittance),

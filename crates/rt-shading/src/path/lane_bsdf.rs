@@ -6,10 +6,11 @@
 use super::gathered::GatheredBsdfs;
 use crate::{
     bsdf::{
-        DiffusePhongLanes, GlassLanes, GlassSample, MetalLanes, MetalSample, MetallicRoughnessLanes,
-        MetallicRoughnessSample, cosine_hemisphere_lanes,
+        DiffusePhongLanes, GlassLanes, GlassSample, LaneSample, LayeredLanes, MetalLanes, MetallicRoughnessLanes,
+        cosine_hemisphere_lanes,
     },
     lane_set::LaneSet,
+    lanes::ALL_LANES,
     mis::power_heuristic,
     viewed_surface::MIN_COSINE,
 };
@@ -41,14 +42,14 @@ pub(super) struct LobeLanes<L: LaneSet> {
     frame: FrameLanes<L>,
     /// To the viewer, in the shading frame.
     wo: Vector3<L::D>,
-    /// Lanes of each kind.
+    /// Lanes of rough diffuse lobes, and of diffuse lobes with a Phong lobe.
     rough: u8,
     glossy: u8,
-    layered: u8,
-    metallic: u8,
     diffuse_phong: DiffusePhongLanes<L::D>,
-    layers: Option<MetallicRoughnessLanes<L>>,
-    metals: Option<MetalLanes<L>>,
+    /// Lobes of other kinds, with their lanes.
+    metallic_roughness: Option<(u8, MetallicRoughnessLanes<L>)>,
+    layered: Option<(u8, LayeredLanes<L>)>,
+    metals: Option<(u8, MetalLanes<L>)>,
     glass: Option<(u8, GlassLanes<L>)>,
     follows_specular_only: bool,
 }
@@ -64,6 +65,8 @@ pub(super) struct SampledLanes<L: LaneSet> {
     pub(super) valid: u8,
     /// Lanes that have sampled a diffuse lobe.
     pub(super) diffuse: u8,
+    /// Lanes that have sampled a delta lobe.
+    pub(super) delta: u8,
     /// Lanes that have sampled transmission.
     pub(super) transmitted: u8,
     /// Index of refraction on the side of the direction, divided by that on the viewer's side.
@@ -127,9 +130,10 @@ impl<'a, L: LaneSet> BsdfLanes<'a, L> {
     pub(super) fn sample(&self, u_lobe: L::D, u: [L::D; 2]) -> SampledLanes<L> {
         let lanes = self.lanes;
         let local = lanes.narrow_vector(cosine_hemisphere_lanes(u));
-        let valid = if self.follows_specular_only { 0 } else { !0 };
+        let valid = if self.follows_specular_only { 0 } else { ALL_LANES };
         let (pdf, eta) = (local.z * FRAC_1_PI, lanes.splat(1.0));
-        let sampled = SampledLanes { local, weight: self.albedo, pdf, valid, diffuse: !0, transmitted: 0, eta };
+        let (weight, diffuse) = (self.albedo, ALL_LANES);
+        let sampled = SampledLanes { local, weight, pdf, valid, diffuse, delta: 0, transmitted: 0, eta };
         match &self.lobes {
             Some(lobes) => lobes.sample(&sampled, &u_lobe, &u),
             None => sampled,
@@ -162,7 +166,7 @@ impl<L: LaneSet> LobeLanes<L> {
         lanes.vectorize(
             #[inline(always)]
             || {
-                let &GatheredBsdfs { rough, glossy, metallic_roughness: layered, .. } = bsdfs;
+                let &GatheredBsdfs { rough, glossy, .. } = bsdfs;
                 let cos = (-*direction).dot(frame.normal).max(lanes.splat(MIN_COSINE));
                 let wo = frame.local(lanes, -*direction, cos);
                 let (color, roughness) = (lanes.load_coordinates(&bsdfs.albedo), lanes.load_f64(&bsdfs.roughness));
@@ -174,33 +178,34 @@ impl<L: LaneSet> LobeLanes<L> {
                     weights: [lanes.load_f64(&bsdfs.weights[0]), lanes.load_f64(&bsdfs.weights[1])],
                     probabilities: [lanes.load_f64(&bsdfs.probabilities[0]), lanes.load_f64(&bsdfs.probabilities[1])],
                 };
-                let mut layers = None;
-                if layered != 0 {
-                    layers = Some(MetallicRoughnessLanes::new(lanes, &bsdfs.layers, color, roughness, wo));
-                }
-                let mut metals = None;
-                if bsdfs.metals.all != 0 {
-                    metals = Some(MetalLanes::new(lanes, &bsdfs.metals, wo));
-                }
-                let mut glass = None;
-                if bsdfs.glass.all != 0 {
-                    glass = Some((bsdfs.glass.all, GlassLanes::new(lanes, &bsdfs.glass, wo)));
-                }
-                let frame = *frame;
-                storage.insert(Self {
+                let all = storage.insert(Self {
                     lanes,
-                    frame,
+                    frame: *frame,
                     wo,
                     rough,
                     glossy,
-                    layered,
-                    metallic: bsdfs.metals.all,
                     diffuse_phong,
-                    layers,
-                    metals,
-                    glass,
+                    metallic_roughness: None,
+                    layered: None,
+                    metals: None,
+                    glass: None,
                     follows_specular_only,
-                })
+                });
+                // What is large is written where it stays.
+                if bsdfs.metallic_roughness != 0 {
+                    let lobes = MetallicRoughnessLanes::new(lanes, &bsdfs.layers, color, roughness, wo);
+                    all.metallic_roughness = Some((bsdfs.metallic_roughness, lobes));
+                }
+                if bsdfs.layered.all != 0 {
+                    all.layered = Some((bsdfs.layered.all, LayeredLanes::new(lanes, &bsdfs.layered, wo)));
+                }
+                if bsdfs.metals.all != 0 {
+                    all.metals = Some((bsdfs.metals.all, MetalLanes::new(lanes, &bsdfs.metals, wo)));
+                }
+                if bsdfs.glass.all != 0 {
+                    all.glass = Some((bsdfs.glass.all, GlassLanes::new(lanes, &bsdfs.glass, wo)));
+                }
+                all
             },
         )
     }
@@ -226,11 +231,14 @@ impl<L: LaneSet> LobeLanes<L> {
                     let values = self.diffuse_phong.values(self.wo, wi);
                     reflected = self.replaced(reflected, self.glossy, (values.diffuse + values.phong) * scale);
                 }
-                if let Some(layers) = &self.layers {
-                    reflected = self.replaced(reflected, self.layered, layers.eval_with_pdf(wi).0 * scale);
+                if let Some((mask, lobes)) = &self.metallic_roughness {
+                    reflected = self.replaced(reflected, *mask, lobes.eval_with_pdf(wi).0 * scale);
                 }
-                if let Some(metals) = &self.metals {
-                    reflected = self.replaced(reflected, self.metallic, metals.eval_with_pdf(wi).0 * scale);
+                if let Some((mask, lobes)) = &self.layered {
+                    reflected = self.replaced(reflected, *mask, lobes.eval_with_pdf(&wi).0 * scale);
+                }
+                if let Some((mask, lobes)) = &self.metals {
+                    reflected = self.replaced(reflected, *mask, lobes.eval_with_pdf(wi).0 * scale);
                 }
                 reflected
             },
@@ -245,7 +253,7 @@ impl<L: LaneSet> LobeLanes<L> {
         (direction, cos): (&Vector3<L::F>, &L::F),
         pdf: &L::F,
     ) -> Vector3<L::F> {
-        let &Self { lanes, wo, rough, glossy, layered, metallic, follows_specular_only, .. } = self;
+        let &Self { lanes, wo, rough, glossy, follows_specular_only, .. } = self;
         lanes.vectorize(
             #[inline(always)]
             || {
@@ -266,13 +274,17 @@ impl<L: LaneSet> LobeLanes<L> {
                     };
                     reflected = self.replaced(reflected, glossy, value * wi.z);
                 }
-                if let Some(layers) = &self.layers {
-                    let (value, own_pdf) = layers.eval_with_pdf(wi);
-                    reflected = self.replaced(reflected, layered, value * (wi.z * power_heuristic(pdf, own_pdf)));
+                if let Some((mask, lobes)) = &self.metallic_roughness {
+                    let (value, own_pdf) = lobes.eval_with_pdf(wi);
+                    reflected = self.replaced(reflected, *mask, value * (wi.z * power_heuristic(pdf, own_pdf)));
                 }
-                if let Some(metals) = &self.metals {
-                    let (value, own_pdf) = metals.eval_with_pdf(wi);
-                    reflected = self.replaced(reflected, metallic, value * (wi.z * power_heuristic(pdf, own_pdf)));
+                if let Some((mask, lobes)) = &self.layered {
+                    let (value, own_pdf) = lobes.eval_with_pdf(&wi);
+                    reflected = self.replaced(reflected, *mask, value * (wi.z * power_heuristic(pdf, own_pdf)));
+                }
+                if let Some((mask, lobes)) = &self.metals {
+                    let (value, own_pdf) = lobes.eval_with_pdf(wi);
+                    reflected = self.replaced(reflected, *mask, value * (wi.z * power_heuristic(pdf, own_pdf)));
                 }
                 reflected
             },
@@ -282,16 +294,15 @@ impl<L: LaneSet> LobeLanes<L> {
     /// Version of [`BsdfLanes::sample`] that replaces the samples of the lanes of these lobes.
     #[inline(never)]
     fn sample(&self, lambertian: &SampledLanes<L>, u_lobe: &L::D, u: &[L::D; 2]) -> SampledLanes<L> {
-        let &Self { lanes, wo, rough, glossy, layered, metallic, follows_specular_only, .. } = self;
+        let &Self { lanes, wo, rough, glossy, follows_specular_only, .. } = self;
         lanes.vectorize(
             #[inline(always)]
             || {
-                let &SampledLanes { mut local, mut weight, mut pdf, mut valid, mut diffuse, mut transmitted, mut eta } =
-                    lambertian;
+                let mut sampled = SampledLanes { ..*lambertian };
                 let lobes = &self.diffuse_phong;
                 if rough != 0 && !follows_specular_only {
-                    let value = lobes.diffuse_value(wo, lanes.widen_vector(local));
-                    weight = self.replaced(weight, rough, value * lanes.splat_f64(PI));
+                    let value = lobes.diffuse_value(wo, lanes.widen_vector(sampled.local));
+                    sampled.weight = self.replaced(sampled.weight, rough, value * lanes.splat_f64(PI));
                 }
                 if glossy != 0 {
                     let mut is_diffuse = lanes.mask_f64(0);
@@ -300,57 +311,32 @@ impl<L: LaneSet> LobeLanes<L> {
                     }
                     let wi = lobes.sample(wo, is_diffuse, *u);
                     let values = lobes.values(wo, wi);
-                    let (value, density) = if follows_specular_only {
+                    let (value, pdf) = if follows_specular_only {
                         (values.phong, values.phong_pdf)
                     } else {
                         (values.diffuse + values.phong, lobes.pdf(&values))
                     };
                     let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
-                    let is_valid = own_pdf.gt(lanes.splat_f64(0.0)) & is_density(density) & value.is_finite();
-                    (valid, diffuse) = (
-                        (valid & !glossy) | (glossy & lanes.bits_f64(is_valid)),
-                        (diffuse & !glossy) | (glossy & lanes.bits_f64(is_diffuse)),
-                    );
-                    let is_glossy = lanes.mask(glossy);
-                    local = Vector3::select(is_glossy, lanes.narrow_vector(wi), local);
-                    pdf = Real::select(is_glossy, lanes.narrow(density), pdf);
-                    weight = self.replaced(weight, glossy, value * (wi.z / density));
+                    let valid = lanes.bits_f64(own_pdf.gt(lanes.splat_f64(0.0)));
+                    let (weight, diffuse) = (value * (wi.z / pdf), lanes.bits_f64(is_diffuse));
+                    sampled.replace(lanes, glossy, LaneSample { wi, weight, pdf, valid, diffuse, delta: 0 });
                 }
-                if let Some(layers) = &self.layers {
-                    let MetallicRoughnessSample { wi, value, pdf: density, is_diffuse } = layers.sample(*u_lobe, *u);
-                    let is_valid = is_density(density) & value.is_finite() & wi.is_finite();
-                    (valid, diffuse) = (
-                        (valid & !layered) | (layered & lanes.bits_f64(is_valid)),
-                        (diffuse & !layered) | (layered & lanes.bits_f64(is_diffuse)),
-                    );
-                    let is_layered = lanes.mask(layered);
-                    local = Vector3::select(is_layered, lanes.narrow_vector(wi), local);
-                    pdf = Real::select(is_layered, lanes.narrow(density), pdf);
-                    weight = self.replaced(weight, layered, value * (wi.z / density));
+                if let Some((mask, lobes)) = &self.metallic_roughness {
+                    sampled.replace(lanes, *mask, lobes.sample(*u_lobe, *u));
                 }
-                if let Some(metals) = &self.metals {
-                    let MetalSample { wi, weight: of_metal, pdf: density } = metals.sample(*u);
-                    let is_valid = is_density(density) & of_metal.is_finite() & wi.is_finite();
-                    valid = (valid & !metallic) | (metallic & lanes.bits_f64(is_valid));
-                    diffuse &= !metallic;
-                    let is_metal = lanes.mask(metallic);
-                    local = Vector3::select(is_metal, lanes.narrow_vector(wi), local);
-                    pdf = Real::select(is_metal, lanes.narrow(density), pdf);
-                    weight = self.replaced(weight, metallic, of_metal);
+                if let Some((mask, lobes)) = &self.layered {
+                    sampled.replace(lanes, *mask, lobes.sample(u_lobe, u));
                 }
-                if let Some((glass, lobes)) = &self.glass {
-                    let GlassSample { wi, weight: of_glass, is_transmitted, eta: of_sample, is_valid } =
-                        lobes.sample(*u_lobe);
-                    let is_valid = is_valid & of_glass.is_finite() & wi.is_finite();
-                    valid = (valid & !glass) | (glass & lanes.bits_f64(is_valid));
-                    diffuse &= !glass;
-                    transmitted = glass & lanes.bits_f64(is_transmitted);
-                    let is_glass = lanes.mask(*glass);
-                    local = Vector3::select(is_glass, lanes.narrow_vector(wi), local);
-                    eta = Real::select(is_glass, lanes.narrow(of_sample), eta);
-                    weight = self.replaced(weight, *glass, of_glass);
+                if let Some((mask, lobes)) = &self.metals {
+                    sampled.replace(lanes, *mask, lobes.sample(*u));
                 }
-                SampledLanes { local, weight, pdf, valid, diffuse, transmitted, eta }
+                if let Some((mask, lobes)) = &self.glass {
+                    let GlassSample { sample, transmitted, eta } = lobes.sample(*u_lobe);
+                    sampled.transmitted = mask & transmitted;
+                    sampled.eta = Real::select(lanes.mask(*mask), lanes.narrow(eta), sampled.eta);
+                    sampled.replace(lanes, *mask, sample);
+                }
+                sampled
             },
         )
     }
@@ -359,6 +345,22 @@ impl<L: LaneSet> LobeLanes<L> {
     #[inline(always)]
     fn replaced(&self, colors: Vector3<L::F>, mask: u8, others: Vector3<L::D>) -> Vector3<L::F> {
         Vector3::select(self.lanes.mask(mask), self.lanes.narrow_vector(others), colors)
+    }
+}
+
+impl<L: LaneSet> SampledLanes<L> {
+    /// Replaces the samples of the lanes of a mask.
+    #[inline(always)]
+    fn replace(&mut self, lanes: L, mask: u8, sample: LaneSample<L>) {
+        let LaneSample { wi, weight, pdf, valid, diffuse, delta } = sample;
+        let is_finite = is_density(pdf) & weight.is_finite() & wi.is_finite();
+        self.valid = (self.valid & !mask) | (mask & valid & lanes.bits_f64(is_finite));
+        self.diffuse = (self.diffuse & !mask) | (mask & diffuse);
+        self.delta |= mask & delta;
+        let is_replaced = lanes.mask(mask);
+        self.local = Vector3::select(is_replaced, lanes.narrow_vector(wi), self.local);
+        self.weight = Vector3::select(is_replaced, lanes.narrow_vector(weight), self.weight);
+        self.pdf = Real::select(is_replaced, lanes.narrow(pdf), self.pdf);
     }
 }
 

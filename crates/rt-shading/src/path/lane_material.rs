@@ -50,6 +50,8 @@ pub(super) enum VertexKind {
     Glossy,
     /// The metallic-roughness model.
     MetallicRoughness,
+    /// The layered model.
+    Layered,
     /// A rough metal.
     Conductor,
     /// A smooth metal or a mirror.
@@ -66,6 +68,7 @@ impl VertexKind {
                 if *roughness > 0.0 { Self::RoughDiffuse } else { Self::Diffuse }
             }
             LaneSurface::MetallicRoughness(_) => Self::MetallicRoughness,
+            LaneSurface::Layered(_) => Self::Layered,
             LaneSurface::Conductor(conductor) if !conductor.is_smooth() => Self::Conductor,
             LaneSurface::Conductor(_) | LaneSurface::Mirror(_) => Self::Mirror,
             LaneSurface::Glass(_) => Self::Glass,
@@ -74,7 +77,7 @@ impl VertexKind {
 
     /// True if a number chooses the lobe that is sampled.
     pub(super) const fn chooses_lobe(self) -> bool {
-        matches!(self, Self::Glossy | Self::MetallicRoughness | Self::Glass)
+        matches!(self, Self::Glossy | Self::MetallicRoughness | Self::Layered | Self::Glass)
     }
 
     /// True if all lobes are delta distributions: light is not sampled.

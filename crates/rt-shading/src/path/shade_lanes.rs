@@ -30,7 +30,7 @@ struct Vertices<L: LaneSet> {
     /// Index of the first ray.
     at: usize,
     mask: u8,
-    /// Those whose lobe is a delta distribution: light is not sampled.
+    /// Those whose lobes are all delta distributions: light is not sampled.
     delta: u8,
     points: HitPoints<L>,
     surface: ShadedSurface<L>,
@@ -238,22 +238,22 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, delta, ref surface, ref normals, throughput, time, .. } = vertices;
+        let &Vertices { at, mask, ref surface, ref normals, throughput, time, .. } = vertices;
         let normal = normals.normal;
         let [u, v] = &samples.direction;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
         let (mut direction, above) = bsdf.direction(&sampled);
-        let SampledLanes { weight, mut pdf, valid, diffuse, transmitted, eta, .. } = sampled;
+        let SampledLanes { weight, mut pdf, valid, diffuse, delta, transmitted, eta, .. } = sampled;
         let zero = lanes.splat(0.0);
         let outside = direction.dot(surface.normal);
         let mut on_side = lanes.bits(outside.gt(zero));
         // In `f32`, the density must not be rounded to that of a delta direction.
         pdf = pdf.max(lanes.splat(f64::from(f32::MIN_POSITIVE)));
-        if delta != 0 {
+        if delta & mask != 0 {
             pdf = Real::select(lanes.mask(delta), zero, pdf);
             on_side = (on_side & !transmitted) | (lanes.bits(outside.lt(zero)) & transmitted);
-            let kept = self.specular_paths((wave, at), delta & !on_side);
+            let kept = self.specular_paths((wave, at), delta & mask & !on_side);
             if kept != 0 {
                 let mirrored = optics::reflect_lanes(direction, surface.normal);
                 direction = Vector3::select(lanes.mask(kept), mirrored, direction);

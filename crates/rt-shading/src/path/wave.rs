@@ -212,7 +212,8 @@ impl<E: Element> SpawnedPaths<E> {
                 && !(tracks_states && self.states[id].keeps_out_of_lanes(inputs, (wave, at), (&hit, material)))
             {
                 let ends = ends_all || (tracks_states && self.states[id].emission_only);
-                let is_layered = matches!(material.surface, LaneSurface::MetallicRoughness(_));
+                let is_layered =
+                    matches!(material.surface, LaneSurface::MetallicRoughness(_) | LaneSurface::Layered(_));
                 if !ends && inputs.has_ambient_light(is_layered) {
                     let weight = paths.throughput(at) * material.ambient;
                     self.add_ambient(inputs, *bounces, weight, &mut seen[id]);

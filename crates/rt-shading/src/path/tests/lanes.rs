@@ -435,4 +435,5 @@ fn rough_glass_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_sh
     assert!(LaneMaterials::new(lighting).get(0).is_none());
 }
 
+mod layered;
 mod specular;

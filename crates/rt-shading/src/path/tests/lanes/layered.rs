@@ -1,0 +1,163 @@
+//! Layered surfaces in lanes, compared with the reference.
+
+use super::*;
+use crate::{FloatTexture, LayeredBase, LayeredSurface};
+
+/// Change of a surface.
+type Change = fn(LayeredSurface) -> LayeredSurface;
+
+/// A base of these colour, metallic part and roughness under layers.
+fn layered(
+    color: Rgb,
+    [metallic, roughness]: [f64; 2],
+    change: impl FnOnce(LayeredSurface) -> LayeredSurface,
+) -> Material {
+    let [metallic, roughness] = [metallic, roughness].map(FloatTexture::Constant);
+    let base = LayeredBase::MetallicRoughness { base_color: ColorTexture::Constant(color), metallic, roughness };
+    let model = MaterialModel::Layered(change(LayeredSurface::new(base)).into());
+    Material::new(String::new(), model)
+}
+
+fn with_clearcoat(surface: LayeredSurface, strength: f64, roughness: f64) -> LayeredSurface {
+    let [clearcoat, clearcoat_roughness] = [strength, roughness].map(FloatTexture::Constant);
+    LayeredSurface { clearcoat, clearcoat_roughness, ..surface }
+}
+
+fn with_sheen(surface: LayeredSurface, color: Rgb, roughness: f64) -> LayeredSurface {
+    let sheen_roughness = FloatTexture::Constant(roughness);
+    LayeredSurface { sheen_color: ColorTexture::Constant(color), sheen_roughness, ..surface }
+}
+
+/// Clearcoats smooth and rough, sheen, a tinted reflection, and metal.
+fn layers() -> [Material; 5] {
+    let (blue, gold) = (Rgb::new(0.1, 0.3, 0.8), Rgb::new(1.0, 0.8, 0.4));
+    let tint = ColorTexture::Constant(Rgb::new(1.0, 0.6, 0.4));
+    [
+        layered(blue, [0.0, 0.5], |surface| with_clearcoat(surface, 1.0, 0.0)),
+        layered(gold, [1.0, 0.3], |surface| with_clearcoat(surface, 0.7, 0.2)),
+        layered(blue, [0.2, 0.8], |surface| with_sheen(surface, gold, 0.3)),
+        layered(gold, [0.0, 0.4], |surface| {
+            let specular = FloatTexture::Constant(0.8);
+            LayeredSurface { ior: 2.0, specular, specular_color: tint, ..surface }
+        }),
+        layered(Rgb::gray(0.5), [0.5, 0.1], |surface| with_sheen(with_clearcoat(surface, 0.4, 0.0), blue, 1.0)),
+    ]
+}
+
+/// Layers that reflect nothing, or nearly nothing: a single lobe is left, or none.
+fn black_layers() -> [Material; 5] {
+    let dark = |surface| LayeredSurface { specular: FloatTexture::Constant(0.0), ..surface };
+    [
+        layered(Rgb::BLACK, [0.0, 0.5], dark),
+        layered(Rgb::BLACK, [0.0, 0.5], |surface| with_clearcoat(dark(surface), 1.0, 0.0)),
+        layered(Rgb::BLACK, [0.0, 0.5], |surface| with_sheen(dark(surface), Rgb::new(0.0, 0.7, 0.0), 0.0)),
+        layered(Rgb::new(1e-6, 0.0, 0.0), [1.0, 1.0], |surface| with_clearcoat(surface, 1e-9, 0.5)),
+        layered(Rgb::WHITE, [0.0, 1.0], |surface| LayeredSurface { ior: 0.0, ..surface }),
+    ]
+}
+
+fn with_materials(mut scene: TestScene, replaced: [Material; 5]) -> TestScene {
+    for (material, replaced) in scene.appearance.materials[1..].iter_mut().zip(replaced) {
+        *material = replaced;
+    }
+    scene
+}
+
+#[test]
+fn layered_surfaces_in_f64_have_the_radiance_of_the_reference() {
+    let rays = camera_rays(1500, 1.0);
+    for (kinds, materials) in LIT_BY.into_iter().flat_map(|kinds| [layers(), black_layers()].map(|with| (kinds, with)))
+    {
+        let mut scene = with_materials(TestScene::new(kinds, 1.0), materials);
+        for transport in [Transport::Full, Transport::NonCaustic] {
+            for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
+                let settings = PathSettings { transport, rr_start_depth, ..settings(max_depth) };
+                let (expected, _) = of_reference(&mut scene, settings, &rays);
+                let (found, counts) = in_f64(&mut scene, settings, &rays);
+                assert!(counts.lanes_used > 500, "{counts:?}");
+                // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
+                let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
+                let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
+                let most = if kinds.others { 4 } else { 0 };
+                assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
+            }
+        }
+    }
+}
+
+/// A light of almost no radiance keeps all hits out of lanes.
+#[test]
+fn layered_surfaces_follow_specular_lobes_as_hits_one_by_one() {
+    let rays = camera_rays(1500, 1.0);
+    let settings = PathSettings { transport: Transport::Specular, ..settings(5) };
+    for kinds in LIT_BY {
+        let mut scene = with_materials(TestScene::new(kinds, 1.0), layers());
+        scene.appearance.ambient = Rgb::gray(0.1);
+        let (found, counts) = in_f64(&mut scene, settings, &rays);
+        let kind = DeltaLightKind::Directional { direction: DVec3::Y };
+        let (name, intensity, units) = (String::new(), Rgb::gray(1e-100), LightUnits::Physical);
+        let dark = Light::Delta(DeltaLight { name, kind, intensity, units, casts_shadows: false });
+        let lights = scene.lights.lights().iter().cloned().chain([dark]).collect();
+        scene.lights = LightSet::new(lights, LightSampling::Tree, 10.0);
+        let (expected, counts_of_one) = in_f64(&mut scene, settings, &rays);
+        assert!(counts.lanes_used > 500 && counts_of_one.lanes == 0, "{counts:?}, {counts_of_one:?}");
+        let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
+        let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
+        let most = if kinds.others { 4 } else { 0 };
+        assert!(differing.len() <= most, "{differing:?}, {kinds:?}");
+    }
+}
+
+/// The radiance would be right as well if each hit were shaded by itself.
+#[test]
+fn layered_surfaces_are_shaded_in_lanes() {
+    let rays = camera_rays(1500, 1.0);
+    for material in layers().into_iter().chain(black_layers()) {
+        let mut scene = TestScene::new(LIT_BY[3], 1.0);
+        let sphere = TestShape::Sphere(Sphere::new(DVec3::ZERO, 3.0).expect("a sphere"));
+        scene.world = ShapeWorld(vec![TestPrimitive { shape: sphere, material: 0, light: None }]);
+        scene.appearance.materials = vec![material];
+        let (seen, counts) = in_f32(&mut scene, None, settings(5), &rays);
+        let n_hits = seen.iter().filter(|seen| seen.hit).count() as u64;
+        assert!(n_hits > 500 && counts.lanes_used >= n_hits, "{n_hits}, {counts:?}");
+    }
+}
+
+#[test]
+fn layered_surfaces_that_need_more_than_lanes_have_are_shaded_one_by_one() {
+    let scene = TestScene::new(LIT_BY[1], 1.0);
+    let in_lanes = |material: Material| {
+        let appearance = Appearance { materials: vec![material], ..scene.appearance.clone() };
+        let lighting = Lighting { appearance: &appearance, lights: &scene.lights, bsdfs: &BsdfCache::default() };
+        LaneMaterials::new(lighting).get(0).is_some()
+    };
+    let plain =
+        |roughness, change: fn(LayeredSurface) -> LayeredSurface| layered(Rgb::gray(0.5), [0.0, roughness], change);
+    let kept_out: [(f64, Change); 6] = [
+        (0.05, |surface| with_clearcoat(surface, 0.5, 0.0)),
+        (0.5, |surface| with_clearcoat(surface, 0.5, 0.05)),
+        (0.5, |surface| with_clearcoat(surface, 1e-20, 0.0)),
+        (0.5, |surface| with_sheen(surface, Rgb::gray(1e-20), 0.5)),
+        (0.5, |surface| LayeredSurface { transmission: FloatTexture::Constant(0.5), ..surface }),
+        (0.5, |surface| LayeredSurface { specular_color: ColorTexture::Constant(Rgb::gray(1e-20)), ..surface }),
+    ];
+    assert!(in_lanes(plain(0.5, |surface| with_clearcoat(surface, 0.5, 0.5))));
+    for (roughness, change) in kept_out {
+        let material = plain(roughness, change);
+        assert!(!in_lanes(material.clone()), "{material:?}");
+    }
+}
+
+#[test]
+fn layered_surfaces_have_the_bits_of_single_hits_at_all_levels() {
+    let rays = camera_rays(600, 1.0);
+    for (kinds, materials) in [(LIT_BY[1], layers()), (LIT_BY[4], layers()), (LIT_BY[4], black_layers())] {
+        let mut scene = with_materials(TestScene::new(kinds, 1.0), materials);
+        let one = in_f32(&mut scene, None, settings(5), &rays);
+        for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
+            let lanes = in_f32(&mut scene, Some(level), settings(5), &rays);
+            assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {kinds:?}");
+            assert_same_bits(&one.0, &lanes.0, &format!("{level:?}, {kinds:?}"));
+        }
+    }
+}
