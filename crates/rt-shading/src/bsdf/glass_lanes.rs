@@ -1,18 +1,52 @@
-//! Smooth interfaces of dielectrics in lanes.
+//! Interfaces of dielectrics in lanes.
 
-use super::LaneSample;
+use super::{
+    Ggx, LaneSample,
+    ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS},
+};
 use crate::{
     lane_set::LaneSet,
     lanes::{ALL_LANES, LANES, LaneArray, set_color},
     optics,
+    wavefront::{IOR_RANGE, is_in_range},
 };
-use rt_math::{DVec3, Real, Rgb, Vector3};
+use rt_math::{DVec3, Mask, Real, Rgb, Vector3};
 
-/// Parameters of eight smooth [`Dielectric`](super::Dielectric)s that reflect without colour.
+/// Least difference of the index of a rough interface from 1. Below it, the sum of two directions that gives the normal of a facet
+/// multiplies their rounding errors in `f32`.
+const MIN_BEND: f64 = 0.1;
+
+/// Surface of a solid dielectric, smooth or rough, that reflects without colour.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GlassSurface {
+    transmittance: Rgb,
+    /// Microfacets, unless it is smooth.
+    facets: Option<Ggx>,
+}
+
+impl GlassSurface {
+    /// The surface, if it can be shaded in lanes in air, with this index of refraction behind it.
+    pub(crate) fn new(transmittance: Rgb, roughness: f64, ior: f64) -> Option<Self> {
+        let facets = Ggx::from_roughness(roughness);
+        let is_rough_enough = roughness >= MIN_LANE_ROUGHNESS && (ior - 1.0).abs() >= MIN_BEND;
+        let is_usual = IOR_RANGE.contains(&ior) && ior != 1.0 && is_in_range(transmittance);
+        (is_usual && (facets.is_none() || is_rough_enough)).then_some(Self { transmittance, facets })
+    }
+
+    pub(crate) const fn is_smooth(&self) -> bool {
+        self.facets.is_none()
+    }
+}
+
+/// Parameters of eight [`GlassSurface`]s.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GlassBlock {
     /// Lanes of glass.
     pub(crate) all: u8,
+    /// Those of rough glass.
+    pub(crate) rough: u8,
+    /// α of [`Ggx`]; 1 if smooth.
+    alpha: LaneArray,
     /// Indices of refraction behind the surface, divided by those in front of it, as seen by the viewer.
     eta: LaneArray,
     transmittance: [LaneArray; 3],
@@ -20,12 +54,15 @@ pub(crate) struct GlassBlock {
 
 impl GlassBlock {
     pub(crate) const fn clear(&mut self) {
-        self.all = 0;
+        (self.all, self.rough) = (0, 0);
     }
 
-    /// Sets the factor of transmitted light of one lane, once.
-    pub(crate) fn set(&mut self, lane: usize, transmittance: Rgb) {
+    /// Sets the surface of one lane, once.
+    pub(crate) fn set(&mut self, lane: usize, surface: &GlassSurface) {
+        let &GlassSurface { transmittance, facets } = surface;
         self.all |= 1 << lane;
+        self.rough |= u8::from(facets.is_some()) << lane;
+        self.alpha[lane % LANES] = facets.map_or(1.0, |facets| facets.alpha());
         set_color(&mut self.transmittance, lane, transmittance);
     }
 
@@ -40,7 +77,10 @@ pub(crate) struct GlassLanes<L: LaneSet> {
     lanes: L,
     eta: L::D,
     transmittance: Vector3<L::D>,
+    facets: IsotropicGgx<L::D>,
     wo: Vector3<L::D>,
+    /// S(wo) of [`Ggx`].
+    stretched: L::D,
 }
 
 /// Directions sampled from these interfaces.
@@ -57,19 +97,106 @@ impl<L: LaneSet> GlassLanes<L> {
     #[inline(always)]
     pub(crate) fn new(lanes: L, block: &GlassBlock, wo: Vector3<L::D>) -> Self {
         let (eta, transmittance) = (lanes.load_f64(&block.eta), lanes.load_coordinates(&block.transmittance));
-        Self { lanes, eta, transmittance, wo }
+        let facets = IsotropicGgx { alpha: lanes.load_f64(&block.alpha) };
+        Self { lanes, eta, transmittance, facets, wo, stretched: facets.stretched_length(wo) }
     }
 
-    /// Reflects or transmits, by a number for the choice.
+    /// Reflectances of facets at cosines to the viewer, and probabilities with which they reflect samples.
+    #[inline(always)]
+    fn fresnel(&self, cos: L::D) -> (L::D, L::D) {
+        let (zero, one) = (self.lanes.splat_f64(0.0), self.lanes.splat_f64(1.0));
+        let reflected = Real::select(self.eta.eq(one), zero, optics::fresnel(cos, self.eta.recip()));
+        let Vector3 { x, y, z } = self.transmittance;
+        let sum = reflected + (one - reflected) * x.max(y).max(z);
+        (reflected, Real::select(sum.gt(zero), reflected / sum, reflected))
+    }
+
+    /// Value of rough interfaces without the cosine, and density, for directions on the side of a mask. `m` is the upward normal of the
+    /// facets that scatter to them.
+    #[inline(always)]
+    fn value_with_pdf(
+        &self,
+        wi: Vector3<L::D>,
+        m: Vector3<L::D>,
+        is_below: <L::D as Real>::Mask,
+    ) -> (Vector3<L::D>, L::D) {
+        let &Self { lanes, eta, facets, wo, stretched, .. } = self;
+        let (zero, one) = (lanes.splat_f64(0.0), lanes.splat_f64(1.0));
+        let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
+        let (reflected, chance) = self.fresnel(cos_o);
+        let (reflection, of_reflection) = facets.reflection_with_pdf((wo, stretched), wi, m);
+        let reflection = reflected * reflection;
+        let (mut value, mut pdf) = (Vector3::new(reflection, reflection, reflection), chance * of_reflection);
+        if is_below.any() {
+            let (d, stretch) = (facets.d(m), cos_o + eta * cos_i);
+            let across = cos_i.abs() / (stretch * stretch);
+            // G₁ / cos stays finite where both are 0.
+            let seen = one.splat(4.0) / ((wo.z + stretched) * (facets.stretched_length(wi) - wi.z));
+            let transmission = self.transmittance * ((one - reflected) * (cos_o * across * d * seen));
+            let of_normal = cos_o.max(zero) * d * 2.0 / (wo.z + stretched);
+            let of_transmission = (one - chance) * of_normal * (eta * eta * across);
+            value = Vector3::select(is_below, transmission, value);
+            pdf = Real::select(is_below, of_transmission, pdf);
+        }
+        (value, pdf)
+    }
+
+    /// Value of rough interfaces without the cosine, and density, for directions on either side.
+    #[inline(never)]
+    pub(crate) fn eval_with_pdf(&self, wi: &Vector3<L::D>) -> (Vector3<L::D>, L::D) {
+        let &Self { lanes, eta, wo, .. } = self;
+        lanes.vectorize(
+            #[inline(always)]
+            || {
+                let (wi, zero) = (*wi, lanes.splat_f64(0.0));
+                let is_below = wi.z.lt(zero);
+                let (m, is_known) = Vector3::select(is_below, wo + wi * eta, wo + wi).try_normalize();
+                let m = Vector3::select(m.z.lt(zero), -m, m);
+                let is_between = wo.dot(m).gt(zero) & wi.dot(m).lt(zero);
+                let is_seen = is_known & (!is_below | is_between);
+                let (value, pdf) = self.value_with_pdf(wi, m, is_below);
+                let none = Vector3::new(zero, zero, zero);
+                (Vector3::select(is_seen, value, none), Real::select(is_seen, pdf, zero))
+            },
+        )
+    }
+
+    /// Version of [`sample`](Self::sample) for rough interfaces, by numbers for the choice and for the facet.
+    #[inline(never)]
+    pub(crate) fn sample_rough(&self, u_lobe: &L::D, u: &[L::D; 2]) -> GlassSample<L> {
+        let &Self { lanes, eta, wo, .. } = self;
+        lanes.vectorize(
+            #[inline(always)]
+            || {
+                let (zero, one) = (lanes.splat_f64(0.0), lanes.splat_f64(1.0));
+                let m = self.facets.sample(wo, *u);
+                let is_transmitted = !u_lobe.lt(self.fresnel(wo.dot(m)).1);
+                let sin = wo.cross(m).length();
+                let (bent, is_possible) = optics::refract_lanes(-wo, m, eta.recip(), sin);
+                let wi = Vector3::select(is_transmitted, bent, optics::reflect_lanes(-wo, m));
+                let (value, pdf) = self.value_with_pdf(wi, m, is_transmitted);
+                let sample = LaneSample {
+                    wi,
+                    weight: value * (wi.z.abs() / pdf),
+                    pdf,
+                    valid: lanes.bits_f64(!is_transmitted | (is_possible & wi.z.lt(zero))),
+                    diffuse: 0,
+                    delta: 0,
+                };
+                let transmitted = lanes.bits_f64(is_transmitted);
+                GlassSample { sample, transmitted, eta: Real::select(is_transmitted, eta, one) }
+            },
+        )
+    }
+
+    /// Reflects or transmits at smooth interfaces, by a number for the choice.
     #[inline(always)]
     pub(crate) fn sample(&self, u: L::D) -> GlassSample<L> {
-        let &Self { lanes, eta, transmittance, wo } = self;
-        let (zero, one) = (lanes.splat_f64(0.0), lanes.splat_f64(1.0));
+        let &Self { lanes, eta, transmittance, wo, .. } = self;
+        let one = lanes.splat_f64(1.0);
         let (is_null, inverse) = (eta.eq(one), eta.recip());
-        let reflected = Real::select(is_null, zero, optics::fresnel(wo.z, inverse));
-        let most = transmittance.x.max(transmittance.y).max(transmittance.z);
-        let (passed, sum) = (one - reflected, reflected + (one - reflected) * most);
-        let chance = Real::select(sum.gt(zero), reflected / sum, reflected);
+        let (reflected, chance) = self.fresnel(wo.z);
+        let passed = one - reflected;
         let is_transmitted = !u.lt(chance);
         let mirrored = Vector3::new(-wo.x, -wo.y, wo.z);
         let sin = (wo.x * wo.x + wo.y * wo.y).sqrt();
@@ -88,5 +215,73 @@ impl<L: LaneSet> GlassLanes<L> {
         };
         let transmitted = lanes.bits_f64(is_transmitted);
         GlassSample { sample, transmitted, eta: Real::select(is_transmitted, eta, one) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        bsdf::{
+            Bsdf, Dielectric, Scattering,
+            tests::{at_angle, numbers},
+        },
+        lane_set::Float64Lane,
+    };
+
+    /// Numbers agree up to rounding.
+    fn is_close(a: f64, b: f64) -> bool {
+        (a - b).abs() <= 1e-9 * (1.0 + a.abs().max(b.abs()))
+    }
+
+    fn all_close(a: Vector3<f64>, b: Rgb) -> bool {
+        DVec3::from(a).to_array().into_iter().zip(b.to_array()).all(|(a, b)| is_close(a, b))
+    }
+
+    #[test]
+    fn rough_glass_in_lanes_has_the_values_and_samples_of_the_dielectric() {
+        let lanes = Float64Lane::new();
+        let mut counts = [0; 4];
+        for (roughness, ior, transmittance) in [
+            (0.1, 1.5, Rgb::WHITE),
+            (0.5, 0.6, Rgb::new(0.9, 0.2, 0.5)),
+            (1.0, 2.4, Rgb::WHITE),
+            (0.3, 1.2, Rgb::BLACK),
+        ] {
+            let mut block = GlassBlock::default();
+            block.set(0, &GlassSurface::new(transmittance, roughness, ior).expect("a surface for lanes"));
+            block.set_eta(0, ior);
+            let bsdf = Bsdf::from(Dielectric { transmittance, ..Dielectric::clear(ior, roughness) });
+            for (at, degrees) in [0.0, 30.0, 60.0, 85.0, 89.99].into_iter().enumerate() {
+                let wo = at_angle(degrees, 1.0 + at as f64);
+                let view = GlassLanes::new(lanes, &block, wo.into());
+                for index in 0..500 {
+                    let [u, x, y] = numbers(at as u64, index);
+                    let case = format!("{roughness} {ior} {wo} {u} {x} {y}");
+                    let wi = at_angle(180.0 * x, 7.0 * y);
+                    let (value, pdf) = view.eval_with_pdf(&wi.into());
+                    let (expected, expected_pdf) = bsdf.eval_with_pdf(wo, wi);
+                    assert!(all_close(value, expected) && is_close(pdf, expected_pdf), "{case}: {expected:?} {pdf}");
+                    counts[usize::from(wi.z < 0.0)] += usize::from(!expected.is_black());
+                    let GlassSample { sample: found, transmitted, eta } = view.sample_rough(&u, &[x, y]);
+                    let LaneSample { wi, weight, pdf, valid, .. } = found;
+                    let wi = DVec3::from(wi);
+                    let is_on_side = if transmitted == 1 { wi.z < 0.0 } else { wi.z > 0.0 };
+                    let is_valid = valid & 1 == 1 && is_on_side && pdf > 0.0 && weight.is_finite();
+                    let Some(sample) = bsdf.sample(wo, [u, x, y]) else {
+                        assert!(!is_valid, "{case}: {wi} {pdf}");
+                        continue;
+                    };
+                    let is_same = all_close(weight, sample.weight())
+                        && is_close(pdf, sample.pdf)
+                        && (wi - sample.wi).length() < 1e-9
+                        && eta == sample.eta
+                        && (transmitted == 1) == (sample.kind == Scattering::Transmission);
+                    assert!(is_valid && is_same, "{case}: {sample:?}, {wi} {pdf}");
+                    counts[2 + usize::from(transmitted)] += 1;
+                }
+            }
+        }
+        assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
     }
 }

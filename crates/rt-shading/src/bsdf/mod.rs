@@ -81,7 +81,7 @@ pub use dielectric::Dielectric;
 pub(crate) use diffuse_phong::{DiffusePhong, DiffusePhongLanes, WeightedPhong};
 pub use dispersive_dielectric::DispersiveDielectric;
 pub use ggx::Ggx;
-pub(crate) use glass_lanes::{GlassBlock, GlassLanes, GlassSample};
+pub(crate) use glass_lanes::{GlassBlock, GlassLanes, GlassSample, GlassSurface};
 pub use lambert::Lambert;
 pub(crate) use lambert::{cosine_hemisphere, cosine_hemisphere_lanes};
 pub(crate) use lane_sample::LaneSample;
@@ -135,8 +135,8 @@ pub(crate) enum LaneSurface {
     Layered(LayeredParameters),
     Conductor(Conductor),
     Mirror(Mirror),
-    /// Smooth interface of a dielectric with this transmittance.
-    Glass(Rgb),
+    /// Surface of a solid dielectric.
+    Glass(GlassSurface),
 }
 
 impl<T: Into<Bxdf>> From<T> for Bsdf {

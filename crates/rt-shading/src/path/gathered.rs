@@ -7,14 +7,14 @@ use super::{
 use crate::{
     bsdf::{DiffusePhong, GlassBlock, LaneSurface, LayeredBlock, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
     interior_list::{MediumEntry, MediumInterface},
-    lane_set::Element,
+    lane_set::{Element, LaneSet},
     lanes::{LANES, LaneArray, each_lane, set_color},
     light::LightId,
     stream_queries::StreamQueries,
     wavefront::gathered_shapes::GatheredShapes,
 };
 use rt_geometry::{HitStream, SurfaceInteraction};
-use rt_math::Rgb;
+use rt_math::{Rgb, Vector3};
 
 /// Hits of a wave, grouped by the code that shades them.
 #[derive(Clone, Debug, Default)]
@@ -120,6 +120,46 @@ pub(super) struct Gathered<E: Element> {
     pub(super) dimmed: [[E; LANES]; 3],
 }
 
+impl<E: Element> Gathered<E> {
+    /// Transmittances of the media of rough glass along these distances, in the lanes of a mask. Those of `below` are lit through the medium
+    /// behind the surface. The end of the medium towards a light at infinity is unknown: such light is not attenuated.
+    #[inline(never)]
+    fn transmittances(&self, distances: &LaneArray, mask: u8, below: u8) -> [[E; LANES]; 3] {
+        let mut transmittances = [[E::rounded(1.0); LANES]; 3];
+        for lane in each_lane(mask) {
+            let Some(interface) = &self.interfaces[lane] else { continue };
+            let medium = if below >> lane & 1 == 1 { &interface.after } else { &interface.before };
+            if distances[lane].is_finite() {
+                let of_lane = medium.transmittance(distances[lane]).to_array();
+                for (to, component) in transmittances.iter_mut().zip(of_lane) {
+                    to[lane] = E::rounded(component);
+                }
+            }
+        }
+        transmittances
+    }
+
+    /// Light that some lanes scatter, attenuated by the media of rough glass as by [`transmittances`](Self::transmittances).
+    #[inline(never)]
+    pub(super) fn attenuated<L: LaneSet<Element = E>>(
+        &self,
+        lanes: L,
+        (radiance, distance): &(Vector3<L::F>, L::D),
+        mask: u8,
+        below: u8,
+    ) -> Vector3<L::F> {
+        lanes.vectorize(
+            #[inline(always)]
+            || {
+                let mut distances = [0.0; LANES];
+                lanes.store_f64(*distance, &mut distances);
+                let [r, g, b] = &self.transmittances(&distances, mask, below);
+                radiance.scaled_by(Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b)))
+            },
+        )
+    }
+}
+
 /// BSDFs of hits, one for each lane. Lanes of no mask have a Lambertian lobe.
 #[derive(Clone, Debug, Default)]
 pub(super) struct GatheredBsdfs {
@@ -153,7 +193,7 @@ impl GatheredBsdfs {
 
     /// Lanes whose lobes are delta distributions.
     pub(super) const fn delta(&self) -> u8 {
-        self.metals.delta | self.glass.all
+        self.metals.delta | (self.glass.all & !self.glass.rough)
     }
 
     /// Lanes of BSDFs that are not Lambertian.
@@ -193,7 +233,7 @@ impl GatheredBsdfs {
             LaneSurface::Layered(surface) => self.layered.set(lane, surface),
             LaneSurface::Conductor(conductor) => self.metals.set_conductor(lane, conductor),
             LaneSurface::Mirror(mirror) => self.metals.set_mirror(lane, mirror),
-            LaneSurface::Glass(transmittance) => self.glass.set(lane, *transmittance),
+            LaneSurface::Glass(surface) => self.glass.set(lane, surface),
         }
     }
 }
@@ -224,7 +264,7 @@ pub(super) fn gather<W: StreamQueries, E: Element>(
             let Some(material) = materials.get(primitive.material) else { continue };
             shapes.set(lane, &primitive.shape);
             bsdfs.set(lane, &material.surface);
-            if kind == VertexKind::Glass {
+            if matches!(kind, VertexKind::Glass | VertexKind::RoughGlass) {
                 bodies[lane] = MediumEntry { object: primitive.object, material: primitive.material };
             }
             if !material.emission[0].is_black() {

@@ -50,7 +50,8 @@ pub(super) struct LobeLanes<L: LaneSet> {
     metallic_roughness: Option<(u8, MetallicRoughnessLanes<L>)>,
     layered: Option<(u8, LayeredLanes<L>)>,
     metals: Option<(u8, MetalLanes<L>)>,
-    glass: Option<(u8, GlassLanes<L>)>,
+    /// Glass, with the lanes of smooth and of rough glass.
+    glass: Option<([u8; 2], GlassLanes<L>)>,
     follows_specular_only: bool,
 }
 
@@ -103,7 +104,8 @@ impl<'a, L: LaneSet> BsdfLanes<'a, L> {
         Self { lanes, frame, albedo, lobes: of_lobes, follows_specular_only }
     }
 
-    /// BSDF times cosine times a factor, for directions above the surface with these cosines to the normal.
+    /// BSDF times cosine times a factor, for directions with these cosines to the normal. Those below the surface are valid for rough
+    /// glass.
     #[inline(always)]
     pub(super) fn reflected(&self, direction: Vector3<L::F>, cos: L::F, factor: f64) -> Vector3<L::F> {
         let reflected = self.albedo * (cos * (FRAC_1_PI * factor));
@@ -113,7 +115,7 @@ impl<'a, L: LaneSet> BsdfLanes<'a, L> {
         }
     }
 
-    /// BSDF times cosine and MIS weight, for light sampled with the density `pdf`.
+    /// Version of [`reflected`](Self::reflected) with the MIS weight of light sampled with the density `pdf`.
     #[inline(always)]
     pub(super) fn reflected_mis(&self, direction: Vector3<L::F>, cos: L::F, pdf: L::F) -> Vector3<L::F> {
         let bsdf_pdf = cos * FRAC_1_PI;
@@ -203,7 +205,8 @@ impl<L: LaneSet> LobeLanes<L> {
                     all.metals = Some((bsdfs.metals.all, MetalLanes::new(lanes, &bsdfs.metals, wo)));
                 }
                 if bsdfs.glass.all != 0 {
-                    all.glass = Some((bsdfs.glass.all, GlassLanes::new(lanes, &bsdfs.glass, wo)));
+                    let kinds = [bsdfs.glass.all & !bsdfs.glass.rough, bsdfs.glass.rough];
+                    all.glass = Some((kinds, GlassLanes::new(lanes, &bsdfs.glass, wo)));
                 }
                 all
             },
@@ -239,6 +242,11 @@ impl<L: LaneSet> LobeLanes<L> {
                 }
                 if let Some((mask, lobes)) = &self.metals {
                     reflected = self.replaced(reflected, *mask, lobes.eval_with_pdf(wi).0 * scale);
+                }
+                if let Some(([_, rough], lobes)) = &self.glass
+                    && *rough != 0
+                {
+                    reflected = self.replaced(reflected, *rough, lobes.eval_with_pdf(&wi).0 * scale.abs());
                 }
                 reflected
             },
@@ -286,6 +294,13 @@ impl<L: LaneSet> LobeLanes<L> {
                     let (value, own_pdf) = lobes.eval_with_pdf(wi);
                     reflected = self.replaced(reflected, *mask, value * (wi.z * power_heuristic(pdf, own_pdf)));
                 }
+                if let Some(([_, rough], lobes)) = &self.glass
+                    && *rough != 0
+                {
+                    let (value, own_pdf) = lobes.eval_with_pdf(&wi);
+                    let weight = wi.z.abs() * power_heuristic(pdf, own_pdf);
+                    reflected = self.replaced(reflected, *rough, value * weight);
+                }
                 reflected
             },
         )
@@ -330,11 +345,13 @@ impl<L: LaneSet> LobeLanes<L> {
                 if let Some((mask, lobes)) = &self.metals {
                     sampled.replace(lanes, *mask, lobes.sample(*u));
                 }
-                if let Some((mask, lobes)) = &self.glass {
-                    let GlassSample { sample, transmitted, eta } = lobes.sample(*u_lobe);
-                    sampled.transmitted = mask & transmitted;
-                    sampled.eta = Real::select(lanes.mask(*mask), lanes.narrow(eta), sampled.eta);
-                    sampled.replace(lanes, *mask, sample);
+                if let Some(([smooth, rough], lobes)) = &self.glass {
+                    if *smooth != 0 {
+                        sampled.replace_glass(lanes, *smooth, lobes.sample(*u_lobe));
+                    }
+                    if *rough != 0 {
+                        sampled.replace_glass(lanes, *rough, lobes.sample_rough(u_lobe, u));
+                    }
                 }
                 sampled
             },
@@ -361,6 +378,15 @@ impl<L: LaneSet> SampledLanes<L> {
         self.local = Vector3::select(is_replaced, lanes.narrow_vector(wi), self.local);
         self.weight = Vector3::select(is_replaced, lanes.narrow_vector(weight), self.weight);
         self.pdf = Real::select(is_replaced, lanes.narrow(pdf), self.pdf);
+    }
+
+    /// Version of [`replace`](Self::replace) for glass.
+    #[inline(always)]
+    fn replace_glass(&mut self, lanes: L, mask: u8, sample: GlassSample<L>) {
+        let GlassSample { sample, transmitted, eta } = sample;
+        self.transmitted |= mask & transmitted;
+        self.eta = Real::select(lanes.mask(mask), lanes.narrow(eta), self.eta);
+        self.replace(lanes, mask, sample);
     }
 }
 

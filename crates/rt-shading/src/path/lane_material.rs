@@ -3,10 +3,10 @@
 use super::settings::Lighting;
 use crate::{
     ColorTexture, Material, MaterialModel,
-    bsdf::{DiffusePhong, Ggx, LaneSurface, OrenNayar},
+    bsdf::{DiffusePhong, GlassSurface, LaneSurface, OrenNayar},
     bsdf_cache::uniform_bsdf,
     light::{EmissionSides, Light},
-    wavefront::{IOR_RANGE, delta_lights::is_usual_light, is_in_range},
+    wavefront::{delta_lights::is_usual_light, is_in_range},
 };
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Rgb};
@@ -58,6 +58,8 @@ pub(super) enum VertexKind {
     Mirror,
     /// A smooth interface of a dielectric.
     Glass,
+    /// A rough interface of a dielectric.
+    RoughGlass,
 }
 
 impl VertexKind {
@@ -71,13 +73,14 @@ impl VertexKind {
             LaneSurface::Layered(_) => Self::Layered,
             LaneSurface::Conductor(conductor) if !conductor.is_smooth() => Self::Conductor,
             LaneSurface::Conductor(_) | LaneSurface::Mirror(_) => Self::Mirror,
-            LaneSurface::Glass(_) => Self::Glass,
+            LaneSurface::Glass(glass) if glass.is_smooth() => Self::Glass,
+            LaneSurface::Glass(_) => Self::RoughGlass,
         }
     }
 
     /// True if a number chooses the lobe that is sampled.
     pub(super) const fn chooses_lobe(self) -> bool {
-        matches!(self, Self::Glossy | Self::MetallicRoughness | Self::Layered | Self::Glass)
+        matches!(self, Self::Glossy | Self::MetallicRoughness | Self::Layered | Self::Glass | Self::RoughGlass)
     }
 
     /// True if all lobes are delta distributions: light is not sampled.
@@ -126,8 +129,8 @@ fn is_usual(light: &Light) -> bool {
 impl LaneMaterial {
     fn of(material: &Material) -> Option<Self> {
         let ColorTexture::Constant(emission) = material.emission else { return None };
-        if let Some(transmittance) = glass(material).filter(|_| emission.is_black()) {
-            let (surface, ambient) = (LaneSurface::Glass(transmittance), ambient(material));
+        if let Some(glass) = glass(material).filter(|_| emission.is_black()) {
+            let (surface, ambient) = (LaneSurface::Glass(glass), ambient(material));
             return Some(Self { surface, emission: [Rgb::BLACK; 2], ambient });
         }
         let is_opaque = material.interior.is_none() && !material.model.is_transmissive();
@@ -146,13 +149,12 @@ fn ambient(material: &Material) -> Rgb {
     material.ambient(&material.to_phong(), &[], &anywhere)
 }
 
-/// Transmittance of a solid with a smooth surface, whose index of refraction is in a usual range, and not that of air.
-fn glass(material: &Material) -> Option<Rgb> {
+/// Surface of a solid dielectric without textures, if it can be shaded in lanes.
+fn glass(material: &Material) -> Option<GlassSurface> {
     let interior = material.interior.as_ref()?;
     let MaterialModel::Dielectric { roughness, transmittance: ColorTexture::Constant(transmittance) } = material.model
     else {
         return None;
     };
-    let is_usual = IOR_RANGE.contains(&interior.ior) && interior.ior != 1.0 && is_in_range(transmittance);
-    (is_usual && Ggx::from_roughness(roughness).is_none() && !material.needs_detail()).then_some(transmittance)
+    GlassSurface::new(transmittance, roughness, interior.ior).filter(|_| !material.needs_detail())
 }

@@ -25,21 +25,24 @@ pub(super) struct LightSamples<L: LaneSet> {
 }
 
 impl<L: LaneSet> LightSamples<L> {
-    /// Samples a light for each lane of a mask, from points with normals on the viewer's side. All lanes that have chosen the same
-    /// parallelogram are sampled at once, and those of other lights one by one.
+    /// Samples a light for each lane of a mask, from points with normals on the viewer's side. Those of a second mask are lit from both
+    /// sides. All lanes that have chosen the same parallelogram are sampled at once, and those of other lights one by one.
     #[inline(always)]
     pub(super) fn new(
         lanes: L,
         lights: &LightSet,
         (from, normal): (Vector3<L::D>, Vector3<L::F>),
         (samples, at): (&WaveSamples, usize),
-        mask: u8,
+        (mask, two_sided): (u8, u8),
     ) -> Self {
         let [u, v] = &samples.light;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let normal = lanes.widen_vector(normal);
         let choice = lanes.load_f64(samples.choice.vector(at));
-        let (indices, probability) = lanes.choose_lights(lights, from, normal, choice);
+        let (mut indices, mut probability) = lanes.choose_lights(lights, from, normal, choice);
+        if two_sided != 0 {
+            choose_from_both_sides(lanes, lights, (from, choice), two_sided, (&mut indices, &mut probability));
+        }
         let zero = lanes.splat_f64(0.0);
         let none = Vector3::new(zero, zero, zero);
         let mut all = Self { lit: 0, infinite: 0, direction: none, target: none, weighted: none, pdf: zero };
@@ -104,4 +107,26 @@ impl<L: LaneSet> LightSamples<L> {
         self.pdf = lanes.load_f64(&pdfs);
         [self.direction, self.target, self.weighted] = vectors.map(|v| lanes.load_coordinates(&v));
     }
+}
+
+/// Replaces the lights that are chosen in some lanes by those for points that are lit from both sides.
+#[inline(never)]
+fn choose_from_both_sides<L: LaneSet>(
+    lanes: L,
+    lights: &LightSet,
+    (point, choice): (Vector3<L::D>, L::D),
+    mask: u8,
+    (indices, probability): (&mut [u32; LANES], &mut L::D),
+) {
+    let point = lanes.store_point(point);
+    let [mut choices, mut probabilities] = [[0.0; LANES]; 2];
+    lanes.store_f64(choice, &mut choices);
+    lanes.store_f64(*probability, &mut probabilities);
+    for lane in each_lane(mask) {
+        let from = DVec3::from(point.map(|coordinates| coordinates[lane]));
+        let chosen = lights.choose(from, None, choices[lane]);
+        probabilities[lane] = chosen.map_or(0.0, |light| light.probability);
+        indices[lane] = chosen.map_or(0, |light| light.index);
+    }
+    *probability = lanes.load_f64(&probabilities);
 }

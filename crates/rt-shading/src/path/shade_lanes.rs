@@ -19,11 +19,11 @@ use crate::{
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
         hit_points::HitPoints,
-        shaded_surface::{ShadedSurface, ShadingNormals, offset},
+        shaded_surface::{ShadedSurface, ShadingNormals, offset, shadow_origins},
         streams::{add_radiance, append, times},
     },
 };
-use rt_math::{Interval, Real, Rgb, Vector3};
+use rt_math::{DVec3, Interval, Real, Rgb, Vector3};
 
 /// Hits of some lanes.
 struct Vertices<L: LaneSet> {
@@ -32,6 +32,8 @@ struct Vertices<L: LaneSet> {
     mask: u8,
     /// Those whose lobes are all delta distributions: light is not sampled.
     delta: u8,
+    /// Those of rough glass, which light reaches from both sides.
+    two_sided: u8,
     points: HitPoints<L>,
     surface: ShadedSurface<L>,
     normals: ShadingNormals<L>,
@@ -113,13 +115,14 @@ impl<E: Element> SpawnedPaths<E> {
                 }
             }
             let smooth = mask & (self.gathered.shapes.smooth | self.gathered.shapes.surfaces);
-            let mut normals = ShadingNormals::flat(&surface);
+            let mut normals = ShadingNormals::flat(&points, &surface);
             if smooth != 0 {
                 normals.interpolate(lanes, (&points, &surface), &self.gathered.shapes, (hits, at), smooth);
             }
             let time = times(lanes, &paths.rays, at, inputs.has_time);
             let delta = mask & self.gathered.bsdfs.delta();
-            let vertices = Vertices { at, mask, delta, points, surface, normals, throughput, time };
+            let two_sided = mask & self.gathered.bsdfs.glass.rough;
+            let vertices = Vertices { at, mask, delta, two_sided, points, surface, normals, throughput, time };
             let side = (vertices.normals.normal, vertices.surface.inside);
             let direction = vertices.surface.direction;
             let lobes = (inputs.follows_specular_only(), &mut lobes);
@@ -178,13 +181,24 @@ impl<E: Element> SpawnedPaths<E> {
             let cos = vertices.cosines(lanes, incident.direction);
             // Cancels the 1/π of BSDFs for lights in classical units.
             let reflected = bsdf.reflected(incident.direction, cos, light.units.irradiance_factor());
-            let radiance = reflected.scaled_by(*throughput).scaled_by(incident.strength);
-            let lit = lanes.bits(incident.is_lit & cos.gt(zero) & !is_zero(radiance)) & mask;
+            let mut radiance = reflected.scaled_by(*throughput).scaled_by(incident.strength);
+            let lit = lanes.bits(incident.is_lit & vertices.height(lanes, cos).gt(zero) & !is_zero(radiance)) & mask;
+            let mut shadow_origin = *shadow_origin;
+            let below = vertices.two_sided & lit & lanes.bits(cos.lt(zero));
+            if below != 0 {
+                let of_points = &[normals.shadow_point, shadow_origin];
+                let sides = (vertices.surface.inside, below);
+                shadow_origin = shadow_origins_behind(lanes, &vertices.points, of_points, sides);
+            }
             if light.casts_shadows {
                 let black = lanes.bits(incident.is_lit) & mask & !lit;
                 self.counts.shadow_rays_skipped += u64::from(black.count_ones());
-                let (direction, end) = shadow_rays(lanes, light, *shadow_origin);
-                stream.push(lanes, lit, [*shadow_origin, direction], (end, *time), (radiance, samples));
+                if vertices.two_sided & lit != 0 && inputs.features.absorption {
+                    let distance = lanes.widen(incident.distance);
+                    radiance = self.gathered.attenuated(lanes, &(radiance, distance), vertices.two_sided & lit, below);
+                }
+                let (direction, end) = shadow_rays(lanes, light, shadow_origin);
+                stream.push(lanes, lit, [shadow_origin, direction], (end, *time), (radiance, samples));
             } else if clamp.applies_after(wave.bounces + 1) {
                 let radiance = lanes.store_vector(radiance);
                 for lane in each_lane(lit) {
@@ -208,18 +222,31 @@ impl<E: Element> SpawnedPaths<E> {
     ) {
         let &Vertices { at, ref normals, throughput, time, .. } = vertices;
         let mask = vertices.mask & !vertices.delta;
-        let &ShadingNormals { normal, shadow_origin, .. } = normals;
+        let &ShadingNormals { normal, mut shadow_origin, .. } = normals;
         // The origin of the next ray: its hit is weighted for this point.
         let from = (vertices.surface.near_origin, normal);
         let LightSamples { lit, infinite, direction, target, weighted, pdf } =
-            LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), mask);
+            LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), (mask, vertices.two_sided));
         let zero = lanes.splat(0.0);
         let direction = lanes.narrow_vector(direction);
         let cos = vertices.cosines(lanes, direction);
         let reflected = bsdf.reflected_mis(direction, cos, lanes.narrow(pdf));
-        let radiance = reflected.scaled_by(throughput).scaled_by(lanes.narrow_vector(weighted));
-        let lit = lanes.bits(cos.gt(zero) & !is_zero(reflected)) & lit & mask;
+        let mut radiance = reflected.scaled_by(throughput).scaled_by(lanes.narrow_vector(weighted));
+        let lit = lanes.bits(vertices.height(lanes, cos).gt(zero) & !is_zero(reflected)) & lit & mask;
         self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
+        let two_sided = vertices.two_sided & lit;
+        if two_sided != 0 {
+            let below = two_sided & lanes.bits(cos.lt(zero));
+            if below != 0 {
+                let of_points = &[normals.shadow_point, shadow_origin];
+                let sides = (vertices.surface.inside, below);
+                shadow_origin = shadow_origins_behind(lanes, &vertices.points, of_points, sides);
+            }
+            if inputs.features.absorption {
+                let distance = (target - vertices.points.point).length();
+                radiance = self.gathered.attenuated(lanes, &(radiance, distance), two_sided & !infinite, below);
+            }
+        }
         let (mut to_light, mut end) = (target - shadow_origin, lanes.splat_f64(Interval::SEGMENT.max));
         if infinite != 0 {
             let infinite = lanes.mask_f64(infinite);
@@ -238,8 +265,8 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, ref surface, ref normals, throughput, time, .. } = vertices;
-        let normal = normals.normal;
+        let &Vertices { at, mask, two_sided, ref surface, ref normals, throughput, time, .. } = vertices;
+        let mut normal = normals.normal;
         let [u, v] = &samples.direction;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
@@ -250,9 +277,11 @@ impl<E: Element> SpawnedPaths<E> {
         let mut on_side = lanes.bits(outside.gt(zero));
         // In `f32`, the density must not be rounded to that of a delta direction.
         pdf = pdf.max(lanes.splat(f64::from(f32::MIN_POSITIVE)));
+        if transmitted != 0 {
+            on_side = (on_side & !transmitted) | (lanes.bits(outside.lt(zero)) & transmitted);
+        }
         if delta & mask != 0 {
             pdf = Real::select(lanes.mask(delta), zero, pdf);
-            on_side = (on_side & !transmitted) | (lanes.bits(outside.lt(zero)) & transmitted);
             let kept = self.specular_paths((wave, at), delta & mask & !on_side);
             if kept != 0 {
                 let mirrored = optics::reflect_lanes(direction, surface.normal);
@@ -286,6 +315,9 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let direction = lanes.widen_vector(direction);
         let of_rays = wave.paths.sample.vector(at);
+        if two_sided != 0 {
+            normal = Vector3::select(lanes.mask(two_sided), Vector3::new(zero, zero, zero), normal);
+        }
         let rays = &NextRays { direction, throughput: after, pdf, normal, time };
         let (origin, reflected) = (surface.near_origin, alive & !diffuse & !transmitted);
         for (mask, next) in [(alive & diffuse, &mut self.paths.diffuse), (reflected, &mut self.paths.reflected)] {
@@ -307,6 +339,15 @@ impl<E: Element> SpawnedPaths<E> {
                 lanes.store(eta, &mut etas);
             }
             self.update_states(alive, [ends, delta, transmitted], (of_rays, &etas), wave.bounces);
+            let behind = alive & transmitted & two_sided;
+            if behind != 0 {
+                // The rays start behind the points from which lights were sampled.
+                let points = lanes.store_point(surface.near_origin);
+                for lane in each_lane(behind) {
+                    let point = DVec3::new(points[0][lane], points[1][lane], points[2][lane]);
+                    self.states[of_rays[lane] as usize].vertex = Some(point);
+                }
+            }
         }
     }
 
@@ -394,6 +435,37 @@ impl<L: LaneSet> Vertices<L> {
             return cos;
         }
         let zero = lanes.splat(0.0);
-        Real::select(self.surface.normal.dot(direction).gt(zero), cos, zero)
+        let outside = self.surface.normal.dot(direction);
+        let mut agrees = outside.gt(zero);
+        if self.two_sided != 0 {
+            agrees = agrees | (outside.lt(zero) & cos.lt(zero) & lanes.mask(self.two_sided));
+        }
+        Real::select(agrees, cos, zero)
     }
+
+    /// Cosines, without their sign where light comes from both sides.
+    #[inline(always)]
+    fn height(&self, lanes: L, cos: L::F) -> L::F {
+        if self.two_sided == 0 { cos } else { Real::select(lanes.mask(self.two_sided), cos.abs(), cos) }
+    }
+}
+
+/// Origins of shadow rays, which start behind the surface in the lanes of a mask. Given are points on the smooth surface and the origins on
+/// the viewer's side.
+#[inline(never)]
+fn shadow_origins_behind<L: LaneSet>(
+    lanes: L,
+    points: &HitPoints<L>,
+    [shadow_point, in_front]: &[Vector3<L::D>; 2],
+    (inside, behind): (u8, u8),
+) -> Vector3<L::D> {
+    lanes.vectorize(
+        #[inline(always)]
+        || {
+            let is_inside = lanes.mask_f64(inside);
+            let outwards = Vector3::select(is_inside, points.outside, -points.outside);
+            let origin = shadow_origins(lanes, points, (*shadow_point, outwards), behind);
+            Vector3::select(lanes.mask_f64(behind), origin, *in_front)
+        },
+    )
 }

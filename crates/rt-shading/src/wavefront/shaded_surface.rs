@@ -51,13 +51,16 @@ pub(crate) struct ShadingNormals<L: LaneSet> {
     /// Lanes in which these are interpolated.
     pub(crate) smooth: u8,
     pub(crate) shadow_origin: Vector3<L::D>,
+    /// Points on the smooth surface, or on the surface itself.
+    pub(crate) shadow_point: Vector3<L::D>,
 }
 
 impl<L: LaneSet> ShadingNormals<L> {
     /// Normals of the surfaces themselves.
     #[inline(always)]
-    pub(crate) const fn flat(surface: &ShadedSurface<L>) -> Self {
-        Self { normal: surface.normal, smooth: 0, shadow_origin: surface.near_origin }
+    pub(crate) const fn flat(points: &HitPoints<L>, surface: &ShadedSurface<L>) -> Self {
+        let &ShadedSurface { normal, near_origin, .. } = surface;
+        Self { normal, smooth: 0, shadow_origin: near_origin, shadow_point: points.point }
     }
 
     /// Replaces the normals of lanes whose normals are interpolated, and the points for shadow rays there.
@@ -72,16 +75,28 @@ impl<L: LaneSet> ShadingNormals<L> {
     ) {
         let SmoothPoint { normal, shadow_point, is_valid, .. } = points.smooth(lanes, shapes, (hits, at));
         self.smooth = smooth & lanes.bits_f64(is_valid);
-        let (zero, is_smooth) = (lanes.splat_f64(0.0), lanes.mask_f64(self.smooth));
+        let is_smooth = lanes.mask_f64(self.smooth);
         let is_inside = lanes.mask_f64(surface.inside);
         let outwards = Vector3::select(is_inside, -points.outside, points.outside);
-        let lift = (shadow_point - points.point).dot(outwards);
-        let start = Vector3::select(lift.lt(zero), points.point, shadow_point);
-        let origin = offset(lanes, points, (start, outwards), self.smooth);
+        let origin = shadow_origins(lanes, points, (shadow_point, outwards), self.smooth);
+        self.shadow_point = Vector3::select(is_smooth, shadow_point, self.shadow_point);
         self.shadow_origin = Vector3::select(is_smooth, origin, self.shadow_origin);
         let normal = turned_to_viewer(lanes.narrow_vector(Vector3::select(is_inside, -normal, normal)), surface);
         self.normal = Vector3::select(lanes.mask(self.smooth), normal, self.normal);
     }
+}
+
+/// Origins of shadow rays on the side of `outwards`, the normal of the surface itself or its opposite, given points on the smooth surface.
+#[inline(always)]
+pub(crate) fn shadow_origins<L: LaneSet>(
+    lanes: L,
+    points: &HitPoints<L>,
+    (shadow_point, outwards): (Vector3<L::D>, Vector3<L::D>),
+    mask: u8,
+) -> Vector3<L::D> {
+    let lift = (shadow_point - points.point).dot(outwards);
+    let start = Vector3::select(lift.lt(lanes.splat_f64(0.0)), points.point, shadow_point);
+    offset(lanes, points, (start, outwards), mask)
 }
 
 /// Unit normals, bent where they face away from the viewer until they are perpendicular to the view, as by

@@ -78,7 +78,7 @@ impl<E: Element> SpawnedRays<E> {
                     _ => None,
                 };
                 let surface = &ShadedSurface::new(lanes, &points, mask);
-                let (normals, objects) = (&ShadingNormals::flat(surface), &[object; LANES]);
+                let (normals, objects) = (&ShadingNormals::flat(&points, surface), &[object; LANES]);
                 let surfaces = &HitSurfaces { points: &points, surface, normals, uv, objects, material };
                 self.shade_squares((lanes, inputs), model, surfaces, (paths, at, mask), seen);
             }
@@ -104,7 +104,7 @@ impl<E: Element> SpawnedRays<E> {
                 let mask = self.gather_triangles(world, (hits, at, mask), (material, has_uv), &mut objects);
                 let points = &HitPoints::on_shapes(lanes, &self.gathered, &paths.rays, hits, at);
                 let surface = &ShadedSurface::new(lanes, points, mask);
-                let mut normals = ShadingNormals::flat(surface);
+                let mut normals = ShadingNormals::flat(points, surface);
                 let smooth = mask & self.gathered.smooth;
                 if smooth != 0 {
                     normals.interpolate(lanes, (points, surface), &self.gathered, (hits, at), smooth);

@@ -4,7 +4,7 @@ use super::*;
 use crate::{FloatTexture, LayeredBase, LayeredSurface};
 
 /// Change of a surface.
-type Change = fn(LayeredSurface) -> LayeredSurface;
+type SurfaceChange = fn(LayeredSurface) -> LayeredSurface;
 
 /// A base of these colour, metallic part and roughness under layers.
 fn layered(
@@ -133,7 +133,7 @@ fn layered_surfaces_that_need_more_than_lanes_have_are_shaded_one_by_one() {
     };
     let plain =
         |roughness, change: fn(LayeredSurface) -> LayeredSurface| layered(Rgb::gray(0.5), [0.0, roughness], change);
-    let kept_out: [(f64, Change); 6] = [
+    let kept_out: [(f64, SurfaceChange); 6] = [
         (0.05, |surface| with_clearcoat(surface, 0.5, 0.0)),
         (0.5, |surface| with_clearcoat(surface, 0.5, 0.05)),
         (0.5, |surface| with_clearcoat(surface, 1e-20, 0.0)),

@@ -1,6 +1,9 @@
-//! Metals, mirrors and smooth glass in lanes, compared with the reference.
+//! Metals, mirrors and glass in lanes, compared with the reference.
 
 use super::*;
+
+/// Replaces materials of a scene.
+type SceneChange = fn(TestScene) -> TestScene;
 
 /// Some materials replaced by metals and a mirror, whose interpolated normals send directions to the wrong side of the surface.
 fn with_metals(mut scene: TestScene) -> TestScene {
@@ -21,7 +24,16 @@ fn with_metals(mut scene: TestScene) -> TestScene {
 }
 
 /// Some materials replaced by dielectrics, which overlap: clear, absorbing, tinted, of the index of air, and of another priority.
-fn with_glass(mut scene: TestScene) -> TestScene {
+fn with_glass(scene: TestScene) -> TestScene {
+    with_glasses(scene, [0.0; 5])
+}
+
+/// Version of [`with_glass`] for rough surfaces, one of them smooth.
+fn with_rough_glass(scene: TestScene) -> TestScene {
+    with_glasses(scene, [0.1, 0.3, 0.5, 0.0, 1.0])
+}
+
+fn with_glasses(mut scene: TestScene, roughnesses: [f64; 5]) -> TestScene {
     let clear = InteriorMedium::clear(1.5);
     let glass = |transmittance, interior| {
         let transmittance = ColorTexture::Constant(transmittance);
@@ -35,8 +47,12 @@ fn with_glass(mut scene: TestScene) -> TestScene {
         glass(Rgb::WHITE, InteriorMedium { ior: 1.0, absorption: Rgb::new(0.1, 0.5, 0.0), priority: 1 }),
         glass(Rgb::WHITE, InteriorMedium::clear(0.7)),
     ];
-    for (material, glass) in scene.appearance.materials[1..].iter_mut().zip(glasses) {
+    let materials = scene.appearance.materials[1..].iter_mut();
+    for ((material, glass), of_surface) in materials.zip(glasses).zip(roughnesses) {
         *material = glass;
+        if let MaterialModel::Dielectric { roughness, .. } = &mut material.model {
+            *roughness = of_surface;
+        }
     }
     scene
 }
@@ -44,7 +60,9 @@ fn with_glass(mut scene: TestScene) -> TestScene {
 #[test]
 fn specular_surfaces_in_f64_have_the_radiance_of_the_reference() {
     let rays = camera_rays(1500, 1.0);
-    for (kinds, replaced) in LIT_BY.into_iter().flat_map(|kinds| [with_metals, with_glass].map(|with| (kinds, with))) {
+    for (kinds, replaced) in
+        LIT_BY.into_iter().flat_map(|kinds| [with_metals, with_glass, with_rough_glass].map(|with| (kinds, with)))
+    {
         let mut scene = replaced(TestScene::new(kinds, 1.0));
         for transport in [Transport::Full, Transport::NonCaustic] {
             for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
@@ -68,7 +86,7 @@ fn specular_surfaces_in_f64_have_the_radiance_of_the_reference() {
 fn a_metal_and_glass_are_shaded_in_lanes() {
     let rays = camera_rays(1500, 1.0);
     for (replaced, material) in
-        [(with_metals as fn(TestScene) -> TestScene, 1), (with_metals, 2), (with_glass, 1), (with_glass, 2)]
+        [(with_metals as SceneChange, 1), (with_metals, 2), (with_glass, 1), (with_glass, 2), (with_rough_glass, 1)]
     {
         let mut scene = replaced(TestScene::new(LIT_BY[3], 1.0));
         let sphere = TestShape::Sphere(Sphere::new(DVec3::ZERO, 3.0).expect("a sphere"));
@@ -85,7 +103,9 @@ fn a_metal_and_glass_are_shaded_in_lanes() {
 #[test]
 fn specular_surfaces_have_the_bits_of_single_hits_at_all_levels() {
     let rays = camera_rays(600, 1.0);
-    for (kinds, replaced) in [(LIT_BY[1], with_metals as fn(TestScene) -> TestScene), (LIT_BY[4], with_glass)] {
+    for (kinds, replaced) in
+        [(LIT_BY[1], with_metals as SceneChange), (LIT_BY[4], with_glass), (LIT_BY[4], with_rough_glass)]
+    {
         let mut scene = replaced(TestScene::new(kinds, 1.0));
         let one = in_f32(&mut scene, None, settings(5), &rays);
         for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
