@@ -1,14 +1,18 @@
 //! A diffuse lobe with a Phong lobe, as classical materials have them, also for lanes.
 
 use super::{
-    Bxdf, Mix, OrenNayar, PhongLobe,
+    Bxdf, LaneSample, Mix, OrenNayar, PhongLobe,
     lambert::cosine_hemisphere_lanes,
     oren_nayar::oren_nayar_lanes,
     phong_lobe::{phong_direction_lanes, phong_lobe_lanes, reflect_dir_lanes},
 };
-use crate::wavefront::is_in_range;
+use crate::{
+    lane_set::LaneSet,
+    lanes::{LANES, LaneArray, set_color},
+    wavefront::is_in_range,
+};
 use core::f64::consts::FRAC_1_PI;
-use rt_math::{Float64, Mask, Vector3};
+use rt_math::{Float64, Mask, Real, Rgb, Vector3};
 
 /// Largest exponent in lanes: the power multiplies the rounding error of the cosine by it.
 const MAX_EXPONENT: f64 = 1000.0;
@@ -49,6 +53,120 @@ impl DiffusePhong {
         let highlight = WeightedPhong { lobe, weights: [diffuse_weight, phong_weight], probabilities };
         let samples_both = probabilities.iter().all(|&probability| probability > 0.0);
         samples_both.then_some(Self { diffuse: diffuse.as_diffuse()?, highlight: Some(highlight) })
+    }
+}
+
+/// A diffuse lobe, a Phong lobe, or both, and a mirror that is sampled after them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MirrorMix {
+    /// A missing lobe is black, and its probability 0.
+    pub(crate) lobes: DiffusePhong,
+    /// Reflectance of the mirror, with its weight in the mix.
+    pub(crate) reflectance: Rgb,
+    /// Probability of the mirror when all lobes are sampled, not 0.
+    pub(crate) probability: f64,
+}
+
+impl MirrorMix {
+    /// The lobes of a mix, if it has these alone, in this order, and can be shaded in lanes.
+    pub(super) fn of_mix(mix: &Mix) -> Option<Self> {
+        let (&(mirror_weight, Bxdf::Mirror(mirror)), others) = mix.lobes().split_last()? else { return None };
+        let (&probability, of_others) = mix.probabilities().split_last()?;
+        let mut diffuse = OrenNayar { albedo: Rgb::BLACK, roughness: 0.0 };
+        let mut lobe = PhongLobe { reflectance: Rgb::BLACK, exponent: 1.0 };
+        let (mut weights, mut probabilities) = ([0.0; 2], [0.0; 2]);
+        let part = match others {
+            [(_, Bxdf::Phong(phong))] => {
+                lobe = *phong;
+                1
+            }
+            [(_, other)] => {
+                diffuse = other.as_diffuse()?;
+                0
+            }
+            [(_, first), (_, Bxdf::Phong(phong))] => {
+                (diffuse, lobe) = (first.as_diffuse()?, *phong);
+                0
+            }
+            _ => return None,
+        };
+        for (at, ((weight, _), of_lobe)) in (part..).zip(others.iter().zip(of_others)) {
+            (weights[at], probabilities[at]) = (*weight, *of_lobe);
+        }
+        let lobes = DiffusePhong { diffuse, highlight: Some(WeightedPhong { lobe, weights, probabilities }) };
+        let reflectance = mirror.reflectance * mirror_weight;
+        let is_sampled = probability > 0.0 && of_others.iter().all(|&probability| probability > 0.0);
+        let is_usual = lobes.is_usual() && is_in_range(reflectance);
+        (is_sampled && is_usual).then_some(Self { lobes, reflectance, probability })
+    }
+}
+
+/// Parameters of the mirrors of eight [`MirrorMix`]es.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MirrorBlock {
+    /// Lanes with a mirror.
+    pub(crate) all: u8,
+    reflectance: [LaneArray; 3],
+    /// Probability of the mirror.
+    probability: LaneArray,
+}
+
+impl MirrorBlock {
+    /// Sets the mirror of one lane, once.
+    pub(crate) fn set(&mut self, lane: usize, mix: &MirrorMix) {
+        self.all |= 1 << lane;
+        set_color(&mut self.reflectance, lane, mix.reflectance);
+        self.probability[lane % LANES] = mix.probability;
+    }
+}
+
+/// Mirrors next to the lobes of [`DiffusePhongLanes`].
+pub(crate) struct MirrorLanes<L: LaneSet> {
+    lanes: L,
+    all: u8,
+    reflectance: Vector3<L::D>,
+    probability: L::D,
+}
+
+impl<L: LaneSet> MirrorLanes<L> {
+    #[inline(always)]
+    pub(crate) fn new(lanes: L, block: &MirrorBlock) -> Self {
+        let reflectance = lanes.load_coordinates(&block.reflectance);
+        Self { lanes, all: block.all, reflectance, probability: lanes.load_f64(&block.probability) }
+    }
+
+    /// Probability of the Phong lobe where it and the mirror alone are sampled; 1 in lanes without a mirror.
+    #[inline(always)]
+    pub(crate) fn phong_probability(&self, lobes: &DiffusePhongLanes<L::D>) -> L::D {
+        let phong = lobes.probabilities[1];
+        let one = self.lanes.splat_f64(1.0);
+        Real::select(self.lanes.mask_f64(self.all), phong / (phong + self.probability), one)
+    }
+
+    /// Replaces samples of the other lobes by mirrored directions where the number chooses these. Diffuse lobes are sampled as well unless
+    /// `phong_probability` is given.
+    #[inline(always)]
+    pub(crate) fn replace(
+        &self,
+        (lobes, wo): (&DiffusePhongLanes<L::D>, Vector3<L::D>),
+        u_lobe: L::D,
+        phong_probability: Option<L::D>,
+        sample: &mut LaneSample<L>,
+    ) {
+        let lanes = self.lanes;
+        let one = lanes.splat_f64(1.0);
+        let [of_diffuse, of_phong] = lobes.probabilities;
+        let (within, pdf) = match phong_probability {
+            Some(of_phong) => (u_lobe / of_phong, one - of_phong),
+            None => ((u_lobe - of_diffuse) / of_phong, self.probability),
+        };
+        let chosen = self.all & !sample.diffuse & !lanes.bits_f64(within.lt(one));
+        let is_mirror = lanes.mask_f64(chosen);
+        sample.wi = Vector3::select(is_mirror, reflect_dir_lanes(wo), sample.wi);
+        sample.weight = Vector3::select(is_mirror, self.reflectance / pdf, sample.weight);
+        sample.pdf = Real::select(is_mirror, pdf, sample.pdf);
+        sample.valid |= chosen;
+        sample.delta |= chosen;
     }
 }
 

@@ -78,7 +78,7 @@ mod thin_glass;
 pub use bxdf::Bxdf;
 pub use conductor::{ComplexIor, Conductor, conductor_fresnel};
 pub use dielectric::Dielectric;
-pub(crate) use diffuse_phong::{DiffusePhong, DiffusePhongLanes, WeightedPhong};
+pub(crate) use diffuse_phong::{DiffusePhong, DiffusePhongLanes, MirrorBlock, MirrorLanes, MirrorMix, WeightedPhong};
 pub use dispersive_dielectric::DispersiveDielectric;
 pub use ggx::Ggx;
 pub(crate) use glass_lanes::{GlassBlock, GlassLanes, GlassSample, GlassSurface};
@@ -131,6 +131,7 @@ pub enum Bsdf {
 #[allow(clippy::large_enum_variant, reason = "both are plain data of one hit")]
 pub(crate) enum LaneSurface {
     DiffusePhong(DiffusePhong),
+    MirrorMix(MirrorMix),
     MetallicRoughness(MetallicRoughnessLayer),
     Layered(LayeredParameters),
     Conductor(Conductor),
@@ -243,8 +244,8 @@ impl Bsdf {
         }
     }
 
-    /// The BSDF for lanes: of a rough metallic-roughness or layered surface, a metal, a mirror, or a diffuse lobe, which a Phong lobe
-    /// may follow. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
+    /// The BSDF for lanes: of a rough metallic-roughness or layered surface, a metal, a mirror, or a diffuse lobe. A Phong lobe and a mirror
+    /// may follow the latter. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {
@@ -255,7 +256,10 @@ impl Bsdf {
                 return is_in_range(mirror.reflectance).then_some(LaneSurface::Mirror(*mirror));
             }
             Self::Single(lobe) => DiffusePhong::diffuse(lobe.as_diffuse()?),
-            Self::Mix(mix) => DiffusePhong::of_mix(mix)?,
+            Self::Mix(mix) => match DiffusePhong::of_mix(mix) {
+                Some(lobes) => lobes,
+                None => return MirrorMix::of_mix(mix).map(LaneSurface::MirrorMix),
+            },
             Self::Layered(layered) => return LayeredParameters::new(layered).map(LaneSurface::Layered),
         };
         lobes.is_usual().then_some(LaneSurface::DiffusePhong(lobes))

@@ -5,7 +5,10 @@ use super::{
     path_stream::PathStream,
 };
 use crate::{
-    bsdf::{DiffusePhong, GlassBlock, LaneSurface, LayeredBlock, MetalBlock, MetallicRoughnessBlock, WeightedPhong},
+    bsdf::{
+        DiffusePhong, GlassBlock, LaneSurface, LayeredBlock, MetalBlock, MetallicRoughnessBlock, MirrorBlock,
+        WeightedPhong,
+    },
     interior_list::{MediumEntry, MediumInterface},
     lane_set::{Element, LaneSet},
     lanes::{LANES, LaneArray, each_lane, set_color},
@@ -166,6 +169,8 @@ pub(super) struct GatheredBsdfs {
     /// Lanes of each kind.
     pub(super) rough: u8,
     pub(super) glossy: u8,
+    /// Mirrors of some glossy surfaces.
+    pub(super) mirrors: MirrorBlock,
     pub(super) metallic_roughness: u8,
     /// Albedo of the diffuse lobe, or base colour.
     pub(super) albedo: [LaneArray; 3],
@@ -186,6 +191,7 @@ pub(super) struct GatheredBsdfs {
 impl GatheredBsdfs {
     const fn clear(&mut self) {
         (self.rough, self.glossy, self.metallic_roughness) = (0, 0, 0);
+        self.mirrors.all = 0;
         self.layered.clear();
         self.metals.clear();
         self.glass.clear();
@@ -206,23 +212,10 @@ impl GatheredBsdfs {
     fn set(&mut self, lane: usize, surface: &LaneSurface) {
         let lane = lane % LANES;
         match surface {
-            LaneSurface::DiffusePhong(DiffusePhong { diffuse, highlight }) => {
-                set_color(&mut self.albedo, lane, diffuse.albedo);
-                if highlight.is_none() && !(diffuse.roughness > 0.0) {
-                    return;
-                }
-                self.roughness[lane] = diffuse.clamped_roughness();
-                let Some(WeightedPhong { lobe, weights, probabilities }) = highlight else {
-                    self.rough |= 1 << lane;
-                    return;
-                };
-                self.glossy |= 1 << lane;
-                set_color(&mut self.reflectance, lane, lobe.reflectance);
-                self.exponent[lane] = lobe.clamped_exponent();
-                for part in 0..2 {
-                    self.weights[part][lane] = weights[part];
-                    self.probabilities[part][lane] = probabilities[part];
-                }
+            LaneSurface::DiffusePhong(lobes) => self.set_diffuse_phong(lane, lobes),
+            LaneSurface::MirrorMix(mix) => {
+                self.set_diffuse_phong(lane, &mix.lobes);
+                self.mirrors.set(lane, mix);
             }
             LaneSurface::MetallicRoughness(layer) => {
                 self.metallic_roughness |= 1 << lane;
@@ -234,6 +227,27 @@ impl GatheredBsdfs {
             LaneSurface::Conductor(conductor) => self.metals.set_conductor(lane, conductor),
             LaneSurface::Mirror(mirror) => self.metals.set_mirror(lane, mirror),
             LaneSurface::Glass(surface) => self.glass.set(lane, surface),
+        }
+    }
+
+    /// Sets a diffuse lobe, and a Phong lobe if there is one, in one lane.
+    #[inline(always)]
+    fn set_diffuse_phong(&mut self, lane: usize, DiffusePhong { diffuse, highlight }: &DiffusePhong) {
+        set_color(&mut self.albedo, lane, diffuse.albedo);
+        if highlight.is_none() && !(diffuse.roughness > 0.0) {
+            return;
+        }
+        self.roughness[lane] = diffuse.clamped_roughness();
+        let Some(WeightedPhong { lobe, weights, probabilities }) = highlight else {
+            self.rough |= 1 << lane;
+            return;
+        };
+        self.glossy |= 1 << lane;
+        set_color(&mut self.reflectance, lane, lobe.reflectance);
+        self.exponent[lane] = lobe.clamped_exponent();
+        for part in 0..2 {
+            self.weights[part][lane] = weights[part];
+            self.probabilities[part][lane] = probabilities[part];
         }
     }
 }

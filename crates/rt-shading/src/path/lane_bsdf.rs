@@ -7,7 +7,7 @@ use super::gathered::GatheredBsdfs;
 use crate::{
     bsdf::{
         DiffusePhongLanes, GlassLanes, GlassSample, LaneSample, LayeredLanes, MetalLanes, MetallicRoughnessLanes,
-        cosine_hemisphere_lanes,
+        MirrorLanes, cosine_hemisphere_lanes,
     },
     lane_set::LaneSet,
     lanes::ALL_LANES,
@@ -46,6 +46,8 @@ pub(super) struct LobeLanes<L: LaneSet> {
     rough: u8,
     glossy: u8,
     diffuse_phong: DiffusePhongLanes<L::D>,
+    /// Mirrors of some glossy surfaces.
+    mirrors: Option<MirrorLanes<L>>,
     /// Lobes of other kinds, with their lanes.
     metallic_roughness: Option<(u8, MetallicRoughnessLanes<L>)>,
     layered: Option<(u8, LayeredLanes<L>)>,
@@ -187,6 +189,7 @@ impl<L: LaneSet> LobeLanes<L> {
                     rough,
                     glossy,
                     diffuse_phong,
+                    mirrors: None,
                     metallic_roughness: None,
                     layered: None,
                     metals: None,
@@ -194,6 +197,9 @@ impl<L: LaneSet> LobeLanes<L> {
                     follows_specular_only,
                 });
                 // What is large is written where it stays.
+                if bsdfs.mirrors.all != 0 {
+                    all.mirrors = Some(MirrorLanes::new(lanes, &bsdfs.mirrors));
+                }
                 if bsdfs.metallic_roughness != 0 {
                     let lobes = MetallicRoughnessLanes::new(lanes, &bsdfs.layers, color, roughness, wo);
                     all.metallic_roughness = Some((bsdfs.metallic_roughness, lobes));
@@ -276,7 +282,11 @@ impl<L: LaneSet> LobeLanes<L> {
                     let values = lobes.values(wo, wi);
                     let all = values.diffuse + values.phong;
                     let value = if follows_specular_only {
-                        all - values.phong * (one - power_heuristic(pdf, values.phong_pdf))
+                        let mut own_pdf = values.phong_pdf;
+                        if let Some(mirrors) = &self.mirrors {
+                            own_pdf = mirrors.phong_probability(lobes) * own_pdf;
+                        }
+                        all - values.phong * (one - power_heuristic(pdf, own_pdf))
                     } else {
                         all * power_heuristic(pdf, lobes.pdf(&values))
                     };
@@ -326,7 +336,13 @@ impl<L: LaneSet> LobeLanes<L> {
                     }
                     let wi = lobes.sample(wo, is_diffuse, *u);
                     let values = lobes.values(wo, wi);
-                    let (value, pdf) = if follows_specular_only {
+                    let mut phong_probability = None;
+                    if let (Some(mirrors), true) = (&self.mirrors, follows_specular_only) {
+                        phong_probability = Some(mirrors.phong_probability(lobes));
+                    }
+                    let (value, pdf) = if let Some(probability) = phong_probability {
+                        (values.phong, probability * values.phong_pdf)
+                    } else if follows_specular_only {
                         (values.phong, values.phong_pdf)
                     } else {
                         (values.diffuse + values.phong, lobes.pdf(&values))
@@ -334,7 +350,11 @@ impl<L: LaneSet> LobeLanes<L> {
                     let own_pdf = Real::select(is_diffuse, values.diffuse_pdf, values.phong_pdf);
                     let valid = lanes.bits_f64(own_pdf.gt(lanes.splat_f64(0.0)));
                     let (weight, diffuse) = (value * (wi.z / pdf), lanes.bits_f64(is_diffuse));
-                    sampled.replace(lanes, glossy, LaneSample { wi, weight, pdf, valid, diffuse, delta: 0 });
+                    let mut sample = LaneSample { wi, weight, pdf, valid, diffuse, delta: 0 };
+                    if let Some(mirrors) = &self.mirrors {
+                        mirrors.replace((lobes, wo), *u_lobe, phong_probability, &mut sample);
+                    }
+                    sampled.replace(lanes, glossy, sample);
                 }
                 if let Some((mask, lobes)) = &self.metallic_roughness {
                     sampled.replace(lanes, *mask, lobes.sample(*u_lobe, *u));

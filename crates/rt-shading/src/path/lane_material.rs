@@ -46,7 +46,7 @@ pub(super) enum VertexKind {
     Diffuse,
     /// A rough diffuse lobe.
     RoughDiffuse,
-    /// A diffuse lobe and a Phong lobe.
+    /// A diffuse lobe and a Phong lobe, perhaps with a mirror.
     Glossy,
     /// The metallic-roughness model.
     MetallicRoughness,
@@ -65,7 +65,9 @@ pub(super) enum VertexKind {
 impl VertexKind {
     pub(super) fn of(surface: &LaneSurface) -> Self {
         match surface {
-            LaneSurface::DiffusePhong(DiffusePhong { highlight: Some(_), .. }) => Self::Glossy,
+            LaneSurface::DiffusePhong(DiffusePhong { highlight: Some(_), .. }) | LaneSurface::MirrorMix(_) => {
+                Self::Glossy
+            }
             LaneSurface::DiffusePhong(DiffusePhong { diffuse: OrenNayar { roughness, .. }, .. }) => {
                 if *roughness > 0.0 { Self::RoughDiffuse } else { Self::Diffuse }
             }

@@ -56,6 +56,11 @@ fn black_layers() -> [Material; 5] {
     ]
 }
 
+/// Some materials replaced by [`layers`].
+pub(super) fn with_layers(scene: TestScene) -> TestScene {
+    with_materials(scene, layers())
+}
+
 fn with_materials(mut scene: TestScene, replaced: [Material; 5]) -> TestScene {
     for (material, replaced) in scene.appearance.materials[1..].iter_mut().zip(replaced) {
         *material = replaced;
@@ -82,29 +87,6 @@ fn layered_surfaces_in_f64_have_the_radiance_of_the_reference() {
                 assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
             }
         }
-    }
-}
-
-/// A light of almost no radiance keeps all hits out of lanes.
-#[test]
-fn layered_surfaces_follow_specular_lobes_as_hits_one_by_one() {
-    let rays = camera_rays(1500, 1.0);
-    let settings = PathSettings { transport: Transport::Specular, ..settings(5) };
-    for kinds in LIT_BY {
-        let mut scene = with_materials(TestScene::new(kinds, 1.0), layers());
-        scene.appearance.ambient = Rgb::gray(0.1);
-        let (found, counts) = in_f64(&mut scene, settings, &rays);
-        let kind = DeltaLightKind::Directional { direction: DVec3::Y };
-        let (name, intensity, units) = (String::new(), Rgb::gray(1e-100), LightUnits::Physical);
-        let dark = Light::Delta(DeltaLight { name, kind, intensity, units, casts_shadows: false });
-        let lights = scene.lights.lights().iter().cloned().chain([dark]).collect();
-        scene.lights = LightSet::new(lights, LightSampling::Tree, 10.0);
-        let (expected, counts_of_one) = in_f64(&mut scene, settings, &rays);
-        assert!(counts.lanes_used > 500 && counts_of_one.lanes == 0, "{counts:?}, {counts_of_one:?}");
-        let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
-        let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
-        let most = if kinds.others { 4 } else { 0 };
-        assert!(differing.len() <= most, "{differing:?}, {kinds:?}");
     }
 }
 

@@ -23,6 +23,26 @@ fn with_metals(mut scene: TestScene) -> TestScene {
     scene
 }
 
+/// Some materials replaced by mixes with a mirror: with a diffuse lobe, smooth and rough, with a highlight, and with both.
+fn with_mirror_mixes(mut scene: TestScene) -> TestScene {
+    let of_color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
+    let (red, blue, gray) = (of_color(0.6, 0.1, 0.1), of_color(0.1, 0.2, 0.4), of_color(0.3, 0.3, 0.3));
+    let phong = |diffuse, specular| Phong { diffuse, specular, mirror: gray, exponent: 30.0, ..Phong::BLACK };
+    let rough = MaterialModel::Diffuse { albedo: blue, roughness: 0.6 };
+    let mix = MaterialModel::Mix(vec![(0.7, rough), (0.3, MaterialModel::Mirror { reflectance: red })]);
+    let mixes: [MaterialModel; 5] = [
+        phong(red, ColorTexture::ZERO).into(),
+        mix,
+        phong(blue, of_color(8.0, 4.0, 6.0)).into(),
+        phong(ColorTexture::ZERO, of_color(6.0, 6.0, 6.0)).into(),
+        Phong { mirror: of_color(0.0, 1e-9, 0.0), ..phong(red, blue) }.into(),
+    ];
+    for (material, mix) in scene.appearance.materials[1..].iter_mut().zip(mixes) {
+        *material = Material::new(String::new(), mix);
+    }
+    scene
+}
+
 /// Some materials replaced by dielectrics, which overlap: clear, absorbing, tinted, of the index of air, and of another priority.
 fn with_glass(scene: TestScene) -> TestScene {
     with_glasses(scene, [0.0; 5])
@@ -60,9 +80,8 @@ fn with_glasses(mut scene: TestScene, roughnesses: [f64; 5]) -> TestScene {
 #[test]
 fn specular_surfaces_in_f64_have_the_radiance_of_the_reference() {
     let rays = camera_rays(1500, 1.0);
-    for (kinds, replaced) in
-        LIT_BY.into_iter().flat_map(|kinds| [with_metals, with_glass, with_rough_glass].map(|with| (kinds, with)))
-    {
+    let all = [with_metals as SceneChange, with_mirror_mixes, with_glass, with_rough_glass];
+    for (kinds, replaced) in LIT_BY.into_iter().flat_map(|kinds| all.map(|with| (kinds, with))) {
         let mut scene = replaced(TestScene::new(kinds, 1.0));
         for transport in [Transport::Full, Transport::NonCaustic] {
             for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
@@ -87,6 +106,8 @@ fn a_metal_and_glass_are_shaded_in_lanes() {
     let rays = camera_rays(1500, 1.0);
     for (replaced, material) in
         [(with_metals as SceneChange, 1), (with_metals, 2), (with_glass, 1), (with_glass, 2), (with_rough_glass, 1)]
+            .into_iter()
+            .chain([1, 2, 3, 4, 5].map(|material| (with_mirror_mixes as SceneChange, material)))
     {
         let mut scene = replaced(TestScene::new(LIT_BY[3], 1.0));
         let sphere = TestShape::Sphere(Sphere::new(DVec3::ZERO, 3.0).expect("a sphere"));
@@ -103,9 +124,12 @@ fn a_metal_and_glass_are_shaded_in_lanes() {
 #[test]
 fn specular_surfaces_have_the_bits_of_single_hits_at_all_levels() {
     let rays = camera_rays(600, 1.0);
-    for (kinds, replaced) in
-        [(LIT_BY[1], with_metals as SceneChange), (LIT_BY[4], with_glass), (LIT_BY[4], with_rough_glass)]
-    {
+    for (kinds, replaced) in [
+        (LIT_BY[1], with_metals as SceneChange),
+        (LIT_BY[4], with_mirror_mixes),
+        (LIT_BY[4], with_glass),
+        (LIT_BY[4], with_rough_glass),
+    ] {
         let mut scene = replaced(TestScene::new(kinds, 1.0));
         let one = in_f32(&mut scene, None, settings(5), &rays);
         for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
@@ -113,5 +137,29 @@ fn specular_surfaces_have_the_bits_of_single_hits_at_all_levels() {
             assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {kinds:?}");
             assert_same_bits(&one.0, &lanes.0, &format!("{level:?}, {kinds:?}"));
         }
+    }
+}
+
+/// A light of almost no radiance keeps all hits out of lanes.
+#[test]
+fn specular_lobes_are_followed_as_from_hits_one_by_one() {
+    let rays = camera_rays(1500, 1.0);
+    let settings = PathSettings { transport: Transport::Specular, ..settings(5) };
+    let all = [with_metals as SceneChange, with_mirror_mixes, with_rough_glass, layered::with_layers];
+    for (kinds, replaced) in LIT_BY.into_iter().flat_map(|kinds| all.map(|with| (kinds, with))) {
+        let mut scene = replaced(TestScene::new(kinds, 1.0));
+        scene.appearance.ambient = Rgb::gray(0.1);
+        let (found, counts) = in_f64(&mut scene, settings, &rays);
+        let kind = DeltaLightKind::Directional { direction: DVec3::Y };
+        let (name, intensity, units) = (String::new(), Rgb::gray(1e-100), LightUnits::Physical);
+        let dark = Light::Delta(DeltaLight { name, kind, intensity, units, casts_shadows: false });
+        let lights = scene.lights.lights().iter().cloned().chain([dark]).collect();
+        scene.lights = LightSet::new(lights, LightSampling::Tree, 10.0);
+        let (expected, counts_of_one) = in_f64(&mut scene, settings, &rays);
+        assert!(counts.lanes_used > 500 && counts_of_one.lanes == 0, "{counts:?}, {counts_of_one:?}");
+        let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
+        let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
+        let most = if kinds.others { 4 } else { 0 };
+        assert!(differing.len() <= most, "{differing:?}, {kinds:?}");
     }
 }
