@@ -105,7 +105,8 @@ impl RenderPlan<'_> {
         count: usize,
         batch: &mut PrimaryRayBatch,
     ) {
-        debug_assert!(count <= BATCH_SIZE, "more samples than indices");
+        debug_assert!(count <= batch.free_slots(), "more samples than a batch has left");
+        let count = count.min(batch.free_slots());
         let corner = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
         let PrimaryRayBatch { positions, on_lens, times, rays, weights, samplers, .. } = batch;
         positions.resize(count, [0.0; 2]);

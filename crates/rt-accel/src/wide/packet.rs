@@ -423,7 +423,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                             possible &= bounds.certain;
                             t_max = self.intersect_instance(index, view.rays, uncertain, results, t_max);
                         }
-                        // A large triangle in a tree of other primitives, such as a floor.
+                        // A triangle in a tree of other primitives: a floor among spheres.
                         kernel @ BatchKernel::Triangle(_) if !O::ANY_HIT || self.tester.blocks(index) => {
                             let left =
                                 self.intersect_exactly(&kernel, (slot, uncertain), view.rays, results, &mut t_max);

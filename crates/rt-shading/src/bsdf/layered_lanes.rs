@@ -87,7 +87,7 @@ pub(crate) struct LayeredBlock {
     f0: [LaneArray; 3],
     f90: [LaneArray; 3],
     dielectric_reflectance: [LaneArray; 2],
-    /// α of [`Ggx`] of the base and of the clearcoat; 1 for a smooth clearcoat.
+    /// α of [`Ggx`] of the base and of the clearcoat; 1 for a smooth clearcoat, and without one.
     alphas: [LaneArray; 2],
     base_albedos: [Option<LayerAlbedo>; LANES],
     /// Mean transmittance of the dielectric layer.
@@ -129,7 +129,8 @@ impl LayeredBlock {
             self.sheen_power[lane] = sheen.power();
             self.sheen_albedos[lane] = Some(albedo);
         }
-        self.clearcoat[lane] = 0.0;
+        // The clearcoat of another lane may be computed for this one too.
+        (self.clearcoat[lane], self.alphas[1][lane]) = (0.0, 1.0);
         if let Some(Clearcoat { strength, roughness, albedo }) = surface.clearcoat {
             self.coated |= bit;
             self.smooth |= if Ggx::from_roughness(roughness).is_none() { bit } else { 0 };

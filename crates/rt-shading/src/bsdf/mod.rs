@@ -244,8 +244,9 @@ impl Bsdf {
         }
     }
 
-    /// The BSDF for lanes: of a rough metallic-roughness or layered surface, a metal, a mirror, or a diffuse lobe. A Phong lobe and a mirror
-    /// may follow the latter. Its parameters must be in the usual range of `f32`, and its highlight not too narrow.
+    /// The BSDF for lanes: of a rough metallic-roughness or layered surface, a metal, or a mirror. Or a diffuse lobe, a Phong lobe, and a
+    /// mirror in this order, of which some may be absent. Its parameters must be in the usual range of `f32`, and its highlight not too
+    /// narrow.
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {

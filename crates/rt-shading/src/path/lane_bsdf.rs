@@ -87,7 +87,7 @@ impl<L: LaneSet> FrameLanes<L> {
 
 impl<'a, L: LaneSet> BsdfLanes<'a, L> {
     /// BSDFs of surfaces with normals on the viewer's side, seen along unit directions. Those of `inside` are seen from behind. `lobes` is
-    /// storage: what is large is not moved.
+    /// storage: large structures are not moved.
     #[inline(always)]
     pub(super) fn new(
         lanes: L,
@@ -196,7 +196,7 @@ impl<L: LaneSet> LobeLanes<L> {
                     glass: None,
                     follows_specular_only,
                 });
-                // What is large is written where it stays.
+                // Large structures are written where they stay.
                 if bsdfs.mirrors.all != 0 {
                     all.mirrors = Some(MirrorLanes::new(lanes, &bsdfs.mirrors));
                 }

@@ -171,9 +171,8 @@ impl<E: Element> SpawnedPaths<E> {
         seen: &mut [RadianceSample],
     ) {
         let clamp = inputs.settings.clamp;
-        let Vertices { at, points, normals, throughput, time, .. } = vertices;
+        let Vertices { at, points, throughput, time, .. } = vertices;
         let mask = vertices.mask & !vertices.delta;
-        let shadow_origin = &normals.shadow_origin;
         let samples = wave.paths.sample.vector(*at);
         for (light, stream) in inputs.lighting.lights.delta_lights().zip(&mut self.delta) {
             let zero = lanes.splat(0.0);
@@ -183,13 +182,7 @@ impl<E: Element> SpawnedPaths<E> {
             let reflected = bsdf.reflected(incident.direction, cos, light.units.irradiance_factor());
             let mut radiance = reflected.scaled_by(*throughput).scaled_by(incident.strength);
             let lit = lanes.bits(incident.is_lit & vertices.height(lanes, cos).gt(zero) & !is_zero(radiance)) & mask;
-            let mut shadow_origin = *shadow_origin;
-            let below = vertices.two_sided & lit & lanes.bits(cos.lt(zero));
-            if below != 0 {
-                let of_points = &[normals.shadow_point, shadow_origin];
-                let sides = (vertices.surface.inside, below);
-                shadow_origin = shadow_origins_behind(lanes, &vertices.points, of_points, sides);
-            }
+            let (shadow_origin, below) = vertices.shadow_origins(lanes, lit, cos);
             if light.casts_shadows {
                 let black = lanes.bits(incident.is_lit) & mask & !lit;
                 self.counts.shadow_rays_skipped += u64::from(black.count_ones());
@@ -220,11 +213,10 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, ref normals, throughput, time, .. } = vertices;
+        let &Vertices { at, throughput, time, .. } = vertices;
         let mask = vertices.mask & !vertices.delta;
-        let &ShadingNormals { normal, mut shadow_origin, .. } = normals;
         // The origin of the next ray: its hit is weighted for this point.
-        let from = (vertices.surface.near_origin, normal);
+        let from = (vertices.surface.near_origin, vertices.normals.normal);
         let LightSamples { lit, infinite, direction, target, weighted, pdf } =
             LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), (mask, vertices.two_sided));
         let zero = lanes.splat(0.0);
@@ -234,18 +226,11 @@ impl<E: Element> SpawnedPaths<E> {
         let mut radiance = reflected.scaled_by(throughput).scaled_by(lanes.narrow_vector(weighted));
         let lit = lanes.bits(vertices.height(lanes, cos).gt(zero) & !is_zero(reflected)) & lit & mask;
         self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
+        let (shadow_origin, below) = vertices.shadow_origins(lanes, lit, cos);
         let two_sided = vertices.two_sided & lit;
-        if two_sided != 0 {
-            let below = two_sided & lanes.bits(cos.lt(zero));
-            if below != 0 {
-                let of_points = &[normals.shadow_point, shadow_origin];
-                let sides = (vertices.surface.inside, below);
-                shadow_origin = shadow_origins_behind(lanes, &vertices.points, of_points, sides);
-            }
-            if inputs.features.absorption {
-                let distance = (target - vertices.points.point).length();
-                radiance = self.gathered.attenuated(lanes, &(radiance, distance), two_sided & !infinite, below);
-            }
+        if two_sided != 0 && inputs.features.absorption {
+            let distance = (target - vertices.points.point).length();
+            radiance = self.gathered.attenuated(lanes, &(radiance, distance), two_sided & !infinite, below);
         }
         let (mut to_light, mut end) = (target - shadow_origin, lanes.splat_f64(Interval::SEGMENT.max));
         if infinite != 0 {
@@ -438,9 +423,25 @@ impl<L: LaneSet> Vertices<L> {
         let outside = self.surface.normal.dot(direction);
         let mut agrees = outside.gt(zero);
         if self.two_sided != 0 {
-            agrees = agrees | (outside.lt(zero) & cos.lt(zero) & lanes.mask(self.two_sided));
+            let agrees_on_side = (agrees & !cos.lt(zero)) | (outside.lt(zero) & cos.lt(zero));
+            agrees = (lanes.mask(self.two_sided) & agrees_on_side) | (agrees & !lanes.mask(self.two_sided));
         }
         Real::select(agrees, cos, zero)
+    }
+
+    /// Origins of shadow rays to lights in directions with these cosines. They lie behind the surface in the lanes that are returned.
+    #[inline(always)]
+    fn shadow_origins(&self, lanes: L, lit: u8, cos: L::F) -> (Vector3<L::D>, u8) {
+        let in_front = self.normals.shadow_origin;
+        if self.two_sided & lit == 0 {
+            return (in_front, 0);
+        }
+        let behind = self.two_sided & lit & lanes.bits(cos.lt(lanes.splat(0.0)));
+        if behind == 0 {
+            return (in_front, 0);
+        }
+        let of_points = &[self.normals.shadow_point, in_front];
+        (shadow_origins_behind(lanes, &self.points, of_points, (self.surface.inside, behind)), behind)
     }
 
     /// Cosines, without their sign where light comes from both sides.

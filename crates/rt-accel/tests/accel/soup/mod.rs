@@ -127,7 +127,7 @@ impl Soup {
         Self(self.0.into_iter().map(round).collect())
     }
 
-    /// The same with a square of two large triangles, of which accelerators have copies.
+    /// These solids on a square of two large triangles, of which accelerators have copies.
     pub(crate) fn with_floor(mut self) -> Self {
         let corner = |x: f32, z: f32| Vec3::new(x, -0.3, z);
         let [a, b, c, d] = [corner(-1.5, -1.5), corner(-1.5, 1.5), corner(1.5, 1.5), corner(1.5, -1.5)];

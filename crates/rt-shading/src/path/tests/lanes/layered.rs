@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::{FloatTexture, LayeredBase, LayeredSurface};
+use core::f64::consts::TAU;
+use rt_math::transcendental::sincos;
 
 /// Change of a surface.
 type SurfaceChange = fn(LayeredSurface) -> LayeredSurface;
@@ -142,4 +144,49 @@ fn layered_surfaces_have_the_bits_of_single_hits_at_all_levels() {
             assert_same_bits(&one.0, &lanes.0, &format!("{level:?}, {kinds:?}"));
         }
     }
+}
+
+/// Regression: lanes without a clearcoat had the numbers of a clearcoat of roughness 0, which gave NaN, unless an earlier hit had written
+/// others.
+#[test]
+fn different_surfaces_that_share_vectors_do_not_change_each_other() {
+    // With the default index, the first would not be layered.
+    let plain = layered(Rgb::gray(0.5), [0.0, 0.4], |surface| LayeredSurface { ior: 2.0, ..surface });
+    let coated = layered(Rgb::gray(0.5), [0.0, 0.4], |surface| with_clearcoat(surface, 0.5, 0.4));
+    let replaced = |with: fn(TestScene) -> TestScene| with(TestScene::new(LIT_BY[4], 1.0)).appearance.materials;
+    let [metals, mixes, glass] = [specular::with_metals, specular::with_mirror_mixes, specular::with_rough_glass]
+        .map(|with| replaced(with)[1..6].to_vec());
+    let all: Vec<_> = [layers().to_vec(), metals, mixes.clone(), glass.clone()].concat();
+    for materials in [vec![plain, coated], [layers(), black_layers()].concat(), mixes, glass, all] {
+        let (mut scene, rays) = spheres_of(materials);
+        let one = in_f32(&mut scene, None, settings(3), &rays);
+        assert!(one.0.iter().all(|seen| seen.hit && seen.radiance.is_finite()), "all are hit");
+        for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
+            let lanes = in_f32(&mut scene, Some(level), settings(3), &rays);
+            assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}");
+            assert_same_bits(&one.0, &lanes.0, &format!("{level:?}"));
+        }
+    }
+}
+
+/// A ring of spheres, one of each material, and rays that hit another sphere than their neighbours.
+fn spheres_of(materials: Vec<Material>) -> (TestScene, Vec<(Ray, Interval)>) {
+    let mut scene = TestScene::new(LIT_BY[4], 1.0);
+    let count = materials.len() as u32;
+    let centre = |at: u32| {
+        let (sin, cos) = sincos(TAU * f64::from(at) / f64::from(count));
+        DVec3::new(2.0 * cos, 2.0 * sin, 0.0)
+    };
+    let primitive = |at: u32| {
+        let shape = TestShape::Sphere(Sphere::new(centre(at), 0.3).expect("a sphere"));
+        TestPrimitive { shape, material: at, light: None }
+    };
+    scene.world = ShapeWorld((0..count).map(primitive).collect());
+    scene.appearance.materials = materials;
+    let ray = |at: u32| {
+        let eye = DVec3::new(0.0, 0.5, 7.0);
+        let target = centre(at * 7 % count) + vector(u64::from(at), 7) * 0.1;
+        (Ray::new(eye, target - eye), Interval::FORWARD)
+    };
+    (scene, (0..512).map(ray).collect())
 }

@@ -6,7 +6,7 @@ use super::*;
 type SceneChange = fn(TestScene) -> TestScene;
 
 /// Some materials replaced by metals and a mirror, whose interpolated normals send directions to the wrong side of the surface.
-fn with_metals(mut scene: TestScene) -> TestScene {
+pub(super) fn with_metals(mut scene: TestScene) -> TestScene {
     let metal = |ior, roughness| MaterialModel::Conductor { ior, roughness };
     let tinted = ColorTexture::Constant(Rgb::new(0.9, 0.6, 0.3));
     let metals = [
@@ -24,7 +24,7 @@ fn with_metals(mut scene: TestScene) -> TestScene {
 }
 
 /// Some materials replaced by mixes with a mirror: with a diffuse lobe, smooth and rough, with a highlight, and with both.
-fn with_mirror_mixes(mut scene: TestScene) -> TestScene {
+pub(super) fn with_mirror_mixes(mut scene: TestScene) -> TestScene {
     let of_color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
     let (red, blue, gray) = (of_color(0.6, 0.1, 0.1), of_color(0.1, 0.2, 0.4), of_color(0.3, 0.3, 0.3));
     let phong = |diffuse, specular| Phong { diffuse, specular, mirror: gray, exponent: 30.0, ..Phong::BLACK };
@@ -49,7 +49,7 @@ fn with_glass(scene: TestScene) -> TestScene {
 }
 
 /// Version of [`with_glass`] for rough surfaces, one of them smooth.
-fn with_rough_glass(scene: TestScene) -> TestScene {
+pub(super) fn with_rough_glass(scene: TestScene) -> TestScene {
     with_glasses(scene, [0.1, 0.3, 0.5, 0.0, 1.0])
 }
 
@@ -96,6 +96,42 @@ fn specular_surfaces_in_f64_have_the_radiance_of_the_reference() {
                 let most = if kinds.others { 4 } else { 0 };
                 assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
             }
+        }
+    }
+}
+
+/// Regression: light from the front of a triangle of rough glass, but from behind its interpolated normal, was transmitted.
+#[test]
+fn light_on_whose_side_normals_disagree_is_not_transmitted() {
+    let mut scene = with_rough_glass(TestScene::new(LIT_BY[2], 1.0));
+    let mut shape =
+        TestShape::triangle([DVec3::new(-3.0, 0.0, 3.0), DVec3::new(3.0, 0.0, 3.0), DVec3::new(0.0, 0.0, -3.0)]);
+    if let TestShape::Triangle(StreamTriangle { normal, vertex_normals, .. }, _) = &mut shape {
+        assert_eq!(*normal, DVec3::Y);
+        *vertex_normals = Some([DVec3::new(-1.0, 1.0, 0.0).normalize().as_vec3(); 3]);
+    }
+    scene.world = ShapeWorld(vec![TestPrimitive { shape, material: 0, light: None }]);
+    scene.appearance.materials = vec![scene.appearance.materials[1].clone()];
+    if let MaterialModel::Dielectric { roughness, .. } = &mut scene.appearance.materials[0].model {
+        *roughness = 1.0;
+    }
+    let light = |position| {
+        let kind = DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 };
+        let (intensity, units) = (Rgb::WHITE, LightUnits::Classical);
+        Light::Delta(DeltaLight { name: String::new(), kind, intensity, units, casts_shadows: false })
+    };
+    let eye = DVec3::new(-5.0, 0.6, 0.0);
+    let ray =
+        |at: u32| (Ray::new(eye, vector(u64::from(at), 7) * 0.3 * DVec3::new(1.0, 0.0, 1.0) - eye), Interval::FORWARD);
+    let rays: Vec<_> = (0..64).map(ray).collect();
+    for (position, is_lit) in [(DVec3::new(5.0, 0.6, 0.0), false), (DVec3::new(5.0, -5.0, 0.0), true)] {
+        scene.lights = LightSet::new(vec![light(position)], LightSampling::Tree, 10.0);
+        let (expected, _) = of_reference(&mut scene, settings(0), &rays);
+        let (found, counts) = in_f64(&mut scene, settings(0), &rays);
+        assert!(counts.lanes_used >= 64, "{counts:?}");
+        for (expected, found) in expected.iter().zip(&found) {
+            assert_eq!(expected.radiance.max_component() > 0.0, is_lit, "{expected:?}");
+            assert!(expected.hit && found.hit && difference(expected, found) < 1e-7, "{expected:?}, {found:?}");
         }
     }
 }
