@@ -63,7 +63,7 @@ impl CameraSettings {
     }
 }
 
-/// Where [`Camera::rays`] writes rays: one slice for each coordinate.
+/// Destination of [`Camera::rays`]: one slice for each coordinate.
 #[derive(Debug)]
 pub struct RayArrays<'a> {
     /// Coordinates of the origins, in world space.

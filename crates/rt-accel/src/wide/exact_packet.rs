@@ -1,5 +1,5 @@
-//! Exact intersection of one primitive with eight rays, as a function of its own: traversals call it for the few primitives that their
-//! filters leave open.
+//! Exact intersection of one primitive with eight rays. Traversals call it for the few primitives that their filters leave open. It is
+//! compiled once.
 
 use rt_geometry::BatchKernel;
 use rt_math::{Interval, Ray};
@@ -12,7 +12,7 @@ use super::simd::{DetectedSimd, Simd, WithSimd};
 
 /// Rays of a packet that hit a primitive within their spans.
 #[derive(Clone, Copy, Default)]
-pub(super) struct ExactHits {
+pub(super) struct ExactPacketHits {
     /// A bit for each ray that hits.
     pub(super) hit: u32,
     /// A bit for each ray that needs the scalar test. All others miss.
@@ -21,7 +21,7 @@ pub(super) struct ExactHits {
     pub(super) t: [f64; PACKET],
 }
 
-impl ExactHits {
+impl ExactPacketHits {
     /// Intersects the rays of a mask. Those of other primitives than spheres and triangles are uncertain, and so are all at levels
     /// without packets.
     #[inline(never)]
@@ -37,9 +37,9 @@ struct ExactPacket<'k> {
     mask: u32,
 }
 
-impl WithSimd<&[(Ray, Interval); PACKET], &mut ExactHits> for ExactPacket<'_> {
+impl WithSimd<&[(Ray, Interval); PACKET], &mut ExactPacketHits> for ExactPacket<'_> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], hits: &mut ExactHits) {
+    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], hits: &mut ExactPacketHits) {
         let soa = RaySoa8::new(simd, rays);
         let mask = self.mask & soa.in_safe_range(simd);
         let mut add = |rays: u32, found: &PacketHit<S>| {
@@ -90,7 +90,7 @@ mod tests {
                     (Ray::new(origin, target - origin), Interval::new(0.0, 0.25 + 0.25 * lane as f64))
                 });
                 let mask = hash(&[seed]) as u32 & 0xff;
-                let hits = ExactHits::of(DetectedSimd::new(level), kernel, &rays, mask);
+                let hits = ExactPacketHits::of(DetectedSimd::new(level), kernel, &rays, mask);
                 assert_eq!((hits.hit | hits.uncertain) & !mask, 0);
                 assert_eq!(hits.hit & hits.uncertain, 0);
                 for (lane, (ray, span)) in rays.iter().enumerate().filter(|(lane, _)| mask >> lane & 1 != 0) {
@@ -133,7 +133,7 @@ mod tests {
         let rays = [(Ray::new(DVec3::ZERO, DVec3::X * 1e-200), Interval::FORWARD); PACKET];
         let sphere = BatchKernel::Sphere(SphereKernel { centre: DVec3::X, radius: 0.5 });
         for kernel in [BatchKernel::Instance, BatchKernel::Single, sphere] {
-            let hits = ExactHits::of(DetectedSimd::default(), &kernel, &rays, 0b101);
+            let hits = ExactPacketHits::of(DetectedSimd::default(), &kernel, &rays, 0b101);
             assert_eq!((hits.hit, hits.uncertain), (0, 0b101));
         }
     }

@@ -14,7 +14,7 @@ use rt_math::{Interval, Ray};
 
 use super::WideBvh;
 use super::entry_points::EntryPoints;
-use super::exact_packet::ExactHits;
+use super::exact_packet::ExactPacketHits;
 use super::f64x8::{F64x8, PACKET};
 use super::filter::LeafTest;
 use super::leaf::Lane;
@@ -462,7 +462,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
         t_max: &mut S::F32x8,
     ) -> u32 {
         let simd = self.simd;
-        let hits = ExactHits::of(self.tree.level, kernel, rays, mask);
+        let hits = ExactPacketHits::of(self.tree.level, kernel, rays, mask);
         if hits.hit == 0 {
             return hits.uncertain;
         }

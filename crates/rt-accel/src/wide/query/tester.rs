@@ -32,7 +32,7 @@ pub(crate) trait PrimitiveKinds {
     /// The sphere, if the accelerator may intersect it from its own copy.
     fn exact_sphere(&self, index: u32) -> Option<SphereKernel>;
 
-    /// How several rays test the primitive together.
+    /// Exact test of the primitive with several rays.
     fn batch_kernel(&self, index: u32) -> BatchKernel;
 
     /// True if the primitive occludes rays that hit it.
