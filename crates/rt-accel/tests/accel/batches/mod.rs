@@ -1,10 +1,12 @@
 //! Batches give the results of single queries: for coherent bundles, incoherent rays and mixes, in small and large trees.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
-use rt_accel::{Aabb, DVec3, Hit, Interval, Ray};
+use rt_accel::{Aabb, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray};
 use rt_geometry::{HitStream, RayStream};
 
 /// Traces a batch for closest and any hits: of trees and of small sets, which share no trait.
@@ -32,6 +34,25 @@ mod instances;
 mod small_sets;
 mod small_trees;
 mod trees;
+
+/// Counts scalar tests.
+struct Counting<'a>(&'a Soup, AtomicU32);
+
+impl Primitives for Counting<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.0.bounds(index)
+    }
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.intersect(index, ray, span)
+    }
+    fn geometry(&self, index: u32) -> PrimitiveGeometry {
+        self.0.geometry(index)
+    }
+}
 
 /// Rays in bundles of 1 to 20, or of 100 and more: neighbours of one ray, with the same origin or nearby ones.
 fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> {

@@ -3,14 +3,11 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SmallSet;
-use rt_accel::{
-    Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, PrimitiveGeometry, Primitives, Ray,
-    SphereKernel, brute_force,
-};
+use rt_accel::{Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, Ray, SphereKernel, brute_force};
 use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;
 
-use super::{bundles, key, levels, with_odd_ones};
+use super::{Counting, bundles, key, levels, with_odd_ones};
 use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup};
 
@@ -124,25 +121,6 @@ fn hits_on_a_sliver_do_not_depend_on_neighbouring_rays() {
             assert_eq!(key(hits[i]), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "ray {i}");
         }
         assert!(hits[3].is_some());
-    }
-}
-
-/// Counts scalar tests.
-struct Counting<'a>(&'a Soup, AtomicU32);
-
-impl Primitives for Counting<'_> {
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-    fn bounds(&self, index: u32) -> Option<Aabb> {
-        self.0.bounds(index)
-    }
-    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.intersect(index, ray, span)
-    }
-    fn geometry(&self, index: u32) -> PrimitiveGeometry {
-        self.0.geometry(index)
     }
 }
 

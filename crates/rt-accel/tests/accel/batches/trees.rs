@@ -1,9 +1,12 @@
 //! Batches of rays through trees.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rt_accel::wide::SimdLevel;
 use rt_accel::{Accelerator, Counters, DVec3, Interval, NoProbe, Ray, SphereKernel, WideBvh, brute_force};
 use rt_math::Vec3;
 
-use super::{bundles, key, levels};
+use super::{Counting, bundles, key, levels};
 use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup, sheet};
 
@@ -73,6 +76,32 @@ fn batches_through_small_trees_equal_single_queries() {
                 }
             }
         }
+    }
+}
+
+/// Results do not depend on packets, so this test counts scalar tests. Without them, each of these rays tests the two triangles.
+#[test]
+fn packets_test_a_floor_among_spheres_together() {
+    let soup = Soup::spheres(300, &mut Draw::new(7)).rounded().moved(DVec3::Y * 2.0).with_floor();
+    // Next to the spheres: down to the floor, and away from it.
+    let grid = |from: DVec3, along: DVec3| {
+        (0..64).map(move |at| {
+            let aside = DVec3::new(f64::from(at % 8) * 0.01, 0.0, f64::from(at / 8) * 0.01);
+            (Ray::new(from, along + aside), Interval::FORWARD)
+        })
+    };
+    let down = grid(DVec3::new(1.2, 0.5, 1.2), DVec3::NEG_Y);
+    let rays: Vec<_> = down.chain(grid(DVec3::new(1.2, -0.29, 1.2), DVec3::new(1.0, 0.3, 1.0))).collect();
+    for level in levels().filter(|level| *level != SimdLevel::Portable) {
+        let wide = WideBvh::build(&soup).unwrap().with_level(level);
+        let counting = Counting(&soup, AtomicU32::new(0));
+        let mut occluded = vec![false; rays.len()];
+        wide.occluded_batch(&counting, &rays, &mut occluded, &mut NoProbe);
+        for (occluded, (ray, span)) in occluded.iter().zip(&rays) {
+            assert_eq!(*occluded, brute_force::occluded(&soup, ray, *span, &mut NoProbe), "{ray:?}");
+        }
+        let n_single = counting.1.load(Ordering::Relaxed);
+        assert!(n_single < 16, "{n_single} scalar tests of {} rays", rays.len());
     }
 }
 

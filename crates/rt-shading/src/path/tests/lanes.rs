@@ -410,7 +410,18 @@ fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_s
         ..of_model(MaterialModel::Dielectric { roughness, transmittance: ColorTexture::Constant(Rgb::WHITE) })
     };
     assert!(in_lanes(glass(0.0, 1.5)) && in_lanes(glass(0.1, 1.5)) && in_lanes(glass(0.0, 1.01)));
+    let mirror =
+        |reflectance: f64| MaterialModel::Mirror { reflectance: ColorTexture::Constant(Rgb::gray(reflectance)) };
+    let mix = |first, second| of_model(MaterialModel::Mix(vec![(0.5, first), (0.5, second)]));
+    let diffuse = MaterialModel::Diffuse { albedo: grey, roughness: 0.0 };
+    let shiny =
+        |exponent| of_model(Phong { diffuse: grey, specular: grey, mirror: grey, exponent, ..Phong::BLACK }.into());
+    assert!(in_lanes(mix(diffuse.clone(), mirror(0.5))) && in_lanes(shiny(30.0)));
     for other in [
+        mix(mirror(0.5), diffuse.clone()),
+        mix(mirror(0.5), mirror(0.2)),
+        mix(diffuse, mirror(1e-20)),
+        shiny(1e5),
         glowing(ColorTexture::Constant(Rgb::gray(1e20))),
         glowing(ColorTexture::Textured(crate::TextureId(0), Rgb::WHITE)),
         Material { interior: Some(InteriorMedium::clear(1.5)), ..usual.clone() },
