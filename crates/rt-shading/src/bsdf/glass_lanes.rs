@@ -224,19 +224,10 @@ mod tests {
     use crate::{
         bsdf::{
             Bsdf, Dielectric, Scattering,
-            tests::{at_angle, numbers},
+            tests::{all_close, at_angle, is_close, numbers},
         },
         lane_set::Float64Lane,
     };
-
-    /// Numbers agree up to rounding.
-    fn is_close(a: f64, b: f64) -> bool {
-        (a - b).abs() <= 1e-9 * (1.0 + a.abs().max(b.abs()))
-    }
-
-    fn all_close(a: Vector3<f64>, b: Rgb) -> bool {
-        DVec3::from(a).to_array().into_iter().zip(b.to_array()).all(|(a, b)| is_close(a, b))
-    }
 
     #[test]
     fn rough_glass_in_lanes_has_the_values_and_samples_of_the_dielectric() {

@@ -362,7 +362,7 @@ mod tests {
     use crate::{
         bsdf::{
             Bsdf,
-            tests::{at_angle, numbers},
+            tests::{all_close, at_angle, is_close, numbers},
         },
         lane_set::Float64Lane,
     };
@@ -390,15 +390,6 @@ mod tests {
             sheen(coated(metal, 0.9, 0.2), 1.0),
             sheen(coated(plain, 0.9, 0.0), 3.0),
         ]
-    }
-
-    /// Numbers agree up to rounding.
-    fn is_close(a: f64, b: f64) -> bool {
-        (a - b).abs() <= 1e-9 * (1.0 + a.abs().max(b.abs()))
-    }
-
-    fn all_close(a: Vector3<f64>, b: Rgb) -> bool {
-        DVec3::from(a).to_array().into_iter().zip(b.to_array()).all(|(a, b)| is_close(a, b))
     }
 
     #[test]

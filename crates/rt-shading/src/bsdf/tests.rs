@@ -9,7 +9,7 @@ mod laws;
 mod sphere;
 
 use super::*;
-use rt_math::{random, transcendental};
+use rt_math::{Vector3, random, transcendental};
 
 /// Angles of incidence in degrees, up to grazing.
 pub(super) const ANGLES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 89.0];
@@ -34,6 +34,16 @@ pub(super) struct Surface {
 
 fn surface(name: &'static str, bsdf: impl Into<Bsdf>) -> Surface {
     Surface { name, bsdf: bsdf.into() }
+}
+
+/// True for numbers that agree up to rounding.
+pub(super) fn is_close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * (1.0 + a.abs().max(b.abs()))
+}
+
+/// True for colours whose components [agree](is_close).
+pub(super) fn all_close(a: Vector3<f64>, b: Rgb) -> bool {
+    DVec3::from(a).to_array().into_iter().zip(b.to_array()).all(|(a, b)| is_close(a, b))
 }
 
 pub(super) fn metal(roughness: f64) -> Conductor {
