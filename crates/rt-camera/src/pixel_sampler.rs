@@ -228,7 +228,8 @@ impl Sampler for SampleStream {
 }
 
 impl SampleStream {
-    /// Leaves out the position in the pixel, the first pair, which [`PixelSampler::positions`] draws for many samples.
+    /// Leaves out the position in the pixel, the first pair, which [`PixelSampler::positions`] draws for many samples. For samples that
+    /// have drawn nothing else.
     pub const fn skip_position(&mut self) {
         self.dimension = 2;
     }

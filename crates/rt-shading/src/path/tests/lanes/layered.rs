@@ -76,19 +76,7 @@ fn layered_surfaces_in_f64_have_the_radiance_of_the_reference() {
     for (kinds, materials) in LIT_BY.into_iter().flat_map(|kinds| [layers(), black_layers()].map(|with| (kinds, with)))
     {
         let mut scene = with_materials(TestScene::new(kinds, 1.0), materials);
-        for transport in [Transport::Full, Transport::NonCaustic] {
-            for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
-                let settings = PathSettings { transport, rr_start_depth, ..settings(max_depth) };
-                let (expected, _) = of_reference(&mut scene, settings, &rays);
-                let (found, counts) = in_f64(&mut scene, settings, &rays);
-                assert!(counts.lanes_used > 500, "{counts:?}");
-                // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
-                let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
-                let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
-                let most = if kinds.others { 4 } else { 0 };
-                assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
-            }
-        }
+        assert_radiance_of_reference(&mut scene, kinds, &rays);
     }
 }
 
@@ -137,12 +125,7 @@ fn layered_surfaces_have_the_bits_of_single_hits_at_all_levels() {
     let rays = camera_rays(600, 1.0);
     for (kinds, materials) in [(LIT_BY[1], layers()), (LIT_BY[4], layers()), (LIT_BY[4], black_layers())] {
         let mut scene = with_materials(TestScene::new(kinds, 1.0), materials);
-        let one = in_f32(&mut scene, None, settings(5), &rays);
-        for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-            let lanes = in_f32(&mut scene, Some(level), settings(5), &rays);
-            assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {kinds:?}");
-            assert_same_bits(&one.0, &lanes.0, &format!("{level:?}, {kinds:?}"));
-        }
+        assert_same_bits_at_all_levels(&mut scene, settings(5), &rays, &format!("{kinds:?}"));
     }
 }
 
@@ -159,13 +142,8 @@ fn different_surfaces_that_share_vectors_do_not_change_each_other() {
     let all: Vec<_> = [layers().to_vec(), metals, mixes.clone(), glass.clone()].concat();
     for materials in [vec![plain, coated], [layers(), black_layers()].concat(), mixes, glass, all] {
         let (mut scene, rays) = spheres_of(materials);
-        let one = in_f32(&mut scene, None, settings(3), &rays);
-        assert!(one.0.iter().all(|seen| seen.hit && seen.radiance.is_finite()), "all are hit");
-        for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-            let lanes = in_f32(&mut scene, Some(level), settings(3), &rays);
-            assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}");
-            assert_same_bits(&one.0, &lanes.0, &format!("{level:?}"));
-        }
+        let (seen, _) = assert_same_bits_at_all_levels(&mut scene, settings(3), &rays, "spheres");
+        assert!(seen.iter().all(|seen| seen.hit && seen.radiance.is_finite()), "all are hit");
     }
 }
 

@@ -83,20 +83,7 @@ fn specular_surfaces_in_f64_have_the_radiance_of_the_reference() {
     let all = [with_metals as SceneChange, with_mirror_mixes, with_glass, with_rough_glass];
     for (kinds, replaced) in LIT_BY.into_iter().flat_map(|kinds| all.map(|with| (kinds, with))) {
         let mut scene = replaced(TestScene::new(kinds, 1.0));
-        for transport in [Transport::Full, Transport::NonCaustic] {
-            for (max_depth, rr_start_depth) in [(6, 2), (0, 9), (2, 0)] {
-                let settings = PathSettings { transport, rr_start_depth, ..settings(max_depth) };
-                let (expected, of_expected) = of_reference(&mut scene, settings, &rays);
-                let (found, counts) = in_f64(&mut scene, settings, &rays);
-                assert!(counts.lanes_used > 500, "{counts:?}");
-                assert_eq!(of_expected.passages, counts.passages, "{kinds:?}, {settings:?}");
-                // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
-                let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
-                let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
-                let most = if kinds.others { 4 } else { 0 };
-                assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
-            }
-        }
+        assert_radiance_of_reference(&mut scene, kinds, &rays);
     }
 }
 
@@ -167,12 +154,7 @@ fn specular_surfaces_have_the_bits_of_single_hits_at_all_levels() {
         (LIT_BY[4], with_rough_glass),
     ] {
         let mut scene = replaced(TestScene::new(kinds, 1.0));
-        let one = in_f32(&mut scene, None, settings(5), &rays);
-        for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-            let lanes = in_f32(&mut scene, Some(level), settings(5), &rays);
-            assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {kinds:?}");
-            assert_same_bits(&one.0, &lanes.0, &format!("{level:?}, {kinds:?}"));
-        }
+        assert_same_bits_at_all_levels(&mut scene, settings(5), &rays, &format!("{kinds:?}"));
     }
 }
 
