@@ -1,6 +1,6 @@
 //! Shading of primitives in lanes, compared with the reference, which shades one hit at a time in `f64`.
 
-use super::{Independent, PathSettings, metallic_roughness};
+use super::{Independent, PathSettings, mean_and_error, metallic_roughness, paths as settings};
 use crate::{
     Appearance, Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorList, InteriorMedium,
     LaneLevel, LightUnits, Material, MaterialModel, PathTracer, Phong, RadianceSample, ReferencePathTracer,
@@ -139,11 +139,40 @@ impl TestScene {
         let appearance = Appearance { materials: materials(), background, ..Appearance::default() };
         Self { world, appearance, lights, features: ShadingFeatures::ALL }
     }
+
+    /// Scene with some materials replaced.
+    fn with_materials(kinds: LightKinds, materials: fn() -> [Material; 5]) -> Self {
+        let mut scene = Self::new(kinds, 1.0);
+        scene.appearance.materials[1..6].clone_from_slice(&materials());
+        scene
+    }
+
+    /// A sphere of one material.
+    fn sphere(kinds: LightKinds, material: Material) -> Self {
+        let mut scene = Self::new(kinds, 1.0);
+        let shape = TestShape::Sphere(Sphere::new(DVec3::ZERO, 3.0).expect("a sphere"));
+        scene.world = ShapeWorld(vec![TestPrimitive { shape, material: 0, light: None }]);
+        scene.appearance.materials = vec![material];
+        scene
+    }
+
+    /// True if a material is shaded in lanes under the lights of the scene.
+    fn has_in_lanes(&self, material: Material) -> bool {
+        let appearance = Appearance { materials: vec![material], ..self.appearance.clone() };
+        let lighting = Lighting { appearance: &appearance, lights: &self.lights, bsdfs: &BsdfCache::default() };
+        LaneMaterials::new(lighting).get(0).is_some()
+    }
 }
 
-fn settings(max_depth: u32) -> PathSettings {
-    PathSettings { max_depth, rr_start_depth: 2, transport: Transport::Full, clamp: Clamp::NONE }
-}
+/// Materials that replace diffuse ones.
+const REPLACED: [fn() -> [Material; 5]; 6] = [
+    specular::metals,
+    specular::mirror_mixes,
+    specular::glass,
+    specular::rough_glass,
+    layered::layers,
+    layered::black_layers,
+];
 
 fn samplers(count: usize) -> Vec<Independent> {
     (0..count as u64).map(|key| Independent { key, dimension: 0 }).collect()
@@ -318,6 +347,39 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
     }
 }
 
+#[test]
+fn all_materials_in_f64_have_the_radiance_of_the_reference() {
+    let rays = camera_rays(1500, 1.0);
+    for (kinds, materials) in LIT_BY.into_iter().flat_map(|kinds| REPLACED.map(|materials| (kinds, materials))) {
+        assert_radiance_of_reference(&mut TestScene::with_materials(kinds, materials), kinds, &rays);
+    }
+}
+
+#[test]
+fn all_materials_have_the_bits_of_single_hits_at_all_levels() {
+    let rays = camera_rays(600, 1.0);
+    for (kinds, materials) in [LIT_BY[1], LIT_BY[4]].into_iter().flat_map(|kinds| REPLACED.map(|with| (kinds, with))) {
+        let mut scene = TestScene::with_materials(kinds, materials);
+        assert_same_bits_at_all_levels(&mut scene, settings(5), &rays, &format!("{kinds:?}"));
+    }
+}
+
+/// The radiance would be right as well if each hit were shaded by itself.
+#[test]
+fn all_materials_are_shaded_in_lanes() {
+    let rays = camera_rays(1500, 1.0);
+    let is_visible = |material: &Material| material.interior.is_none_or(|interior| interior.ior != 1.0);
+    for material in REPLACED.into_iter().flat_map(|materials| materials()).filter(is_visible) {
+        let mut scene = TestScene::sphere(LIT_BY[3], material);
+        let (seen, counts) = in_f32(&mut scene, None, settings(5), &rays);
+        let n_hits = seen.iter().filter(|seen| seen.hit).count() as u64;
+        let material = &scene.appearance.materials[0];
+        // Refracted rays hit the sphere again, from inside.
+        let min_used = if material.interior.is_some() { 3 * n_hits / 2 } else { n_hits };
+        assert!(n_hits > 500 && counts.lanes_used >= min_used, "{n_hits}, {counts:?}, {material:?}");
+    }
+}
+
 /// Shares of rays whose radiance differs by more than 1e-4 and 1e-2 from that in `f64`.
 fn shares_of_differences(scale: f64) -> [f64; 2] {
     let rays = camera_rays(3000, scale);
@@ -364,10 +426,7 @@ fn the_radiance_in_a_closed_light_source_is_that_of_the_series() {
     let rays: Vec<_> =
         (0..100_000).map(|key| (Ray::new(DVec3::new(0.1, 0.2, 0.3), vector(key, 90)), Interval::FORWARD)).collect();
     let (seen, _) = in_f32(&mut scene, None, settings(100), &rays);
-    let radiance: Vec<f64> = seen.iter().map(|seen| seen.radiance.g).collect();
-    let n = radiance.len() as f64;
-    let mean = radiance.iter().sum::<f64>() / n;
-    let error = (radiance.iter().map(|r| (r - mean) * (r - mean)).sum::<f64>() / n / n).sqrt();
+    let (mean, error) = mean_and_error(&seen);
     // 1 / (1 − ½)
     assert!((mean - 2.0).abs() < 4.0 * error && error < 0.003, "{mean} ± {error}");
 }
@@ -417,11 +476,7 @@ fn a_call_with_too_few_samplers_does_nothing() {
 #[test]
 fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_shaded_in_lanes() {
     let scene = TestScene::new(LIT_BY[1], 1.0);
-    let in_lanes = |material: Material| {
-        let appearance = Appearance { materials: vec![material], ..scene.appearance.clone() };
-        let lighting = Lighting { appearance: &appearance, lights: &scene.lights, bsdfs: &BsdfCache::default() };
-        LaneMaterials::new(lighting).get(0).is_some()
-    };
+    let in_lanes = |material| scene.has_in_lanes(material);
     let usual = &scene.appearance.materials[1];
     let of_model = |model: MaterialModel| Material { model, ..usual.clone() };
     let grey = ColorTexture::Constant(Rgb::gray(0.5));

@@ -31,7 +31,7 @@ fn with_sheen(surface: LayeredSurface, color: Rgb, roughness: f64) -> LayeredSur
 }
 
 /// Clearcoats smooth and rough, sheen, a tinted reflection, and metal.
-fn layers() -> [Material; 5] {
+pub(super) fn layers() -> [Material; 5] {
     let (blue, gold) = (Rgb::new(0.1, 0.3, 0.8), Rgb::new(1.0, 0.8, 0.4));
     let tint = ColorTexture::Constant(Rgb::new(1.0, 0.6, 0.4));
     [
@@ -47,7 +47,7 @@ fn layers() -> [Material; 5] {
 }
 
 /// Layers that reflect nothing, or nearly nothing: a single lobe is left, or none.
-fn black_layers() -> [Material; 5] {
+pub(super) fn black_layers() -> [Material; 5] {
     let dark = |surface| LayeredSurface { specular: FloatTexture::Constant(0.0), ..surface };
     [
         layered(Rgb::BLACK, [0.0, 0.5], dark),
@@ -58,51 +58,9 @@ fn black_layers() -> [Material; 5] {
     ]
 }
 
-/// Some materials replaced by [`layers`].
-pub(super) fn with_layers(scene: TestScene) -> TestScene {
-    with_materials(scene, layers())
-}
-
-fn with_materials(mut scene: TestScene, replaced: [Material; 5]) -> TestScene {
-    for (material, replaced) in scene.appearance.materials[1..].iter_mut().zip(replaced) {
-        *material = replaced;
-    }
-    scene
-}
-
-#[test]
-fn layered_surfaces_in_f64_have_the_radiance_of_the_reference() {
-    let rays = camera_rays(1500, 1.0);
-    for (kinds, materials) in LIT_BY.into_iter().flat_map(|kinds| [layers(), black_layers()].map(|with| (kinds, with)))
-    {
-        let mut scene = with_materials(TestScene::new(kinds, 1.0), materials);
-        assert_radiance_of_reference(&mut scene, kinds, &rays);
-    }
-}
-
-/// The radiance would be right as well if each hit were shaded by itself.
-#[test]
-fn layered_surfaces_are_shaded_in_lanes() {
-    let rays = camera_rays(1500, 1.0);
-    for material in layers().into_iter().chain(black_layers()) {
-        let mut scene = TestScene::new(LIT_BY[3], 1.0);
-        let sphere = TestShape::Sphere(Sphere::new(DVec3::ZERO, 3.0).expect("a sphere"));
-        scene.world = ShapeWorld(vec![TestPrimitive { shape: sphere, material: 0, light: None }]);
-        scene.appearance.materials = vec![material];
-        let (seen, counts) = in_f32(&mut scene, None, settings(5), &rays);
-        let n_hits = seen.iter().filter(|seen| seen.hit).count() as u64;
-        assert!(n_hits > 500 && counts.lanes_used >= n_hits, "{n_hits}, {counts:?}");
-    }
-}
-
 #[test]
 fn layered_surfaces_that_need_more_than_lanes_have_are_shaded_one_by_one() {
-    let scene = TestScene::new(LIT_BY[1], 1.0);
-    let in_lanes = |material: Material| {
-        let appearance = Appearance { materials: vec![material], ..scene.appearance.clone() };
-        let lighting = Lighting { appearance: &appearance, lights: &scene.lights, bsdfs: &BsdfCache::default() };
-        LaneMaterials::new(lighting).get(0).is_some()
-    };
+    let in_lanes = |material| TestScene::new(LIT_BY[1], 1.0).has_in_lanes(material);
     let plain =
         |roughness, change: fn(LayeredSurface) -> LayeredSurface| layered(Rgb::gray(0.5), [0.0, roughness], change);
     let kept_out: [(f64, SurfaceChange); 6] = [
@@ -120,15 +78,6 @@ fn layered_surfaces_that_need_more_than_lanes_have_are_shaded_one_by_one() {
     }
 }
 
-#[test]
-fn layered_surfaces_have_the_bits_of_single_hits_at_all_levels() {
-    let rays = camera_rays(600, 1.0);
-    for (kinds, materials) in [(LIT_BY[1], layers()), (LIT_BY[4], layers()), (LIT_BY[4], black_layers())] {
-        let mut scene = with_materials(TestScene::new(kinds, 1.0), materials);
-        assert_same_bits_at_all_levels(&mut scene, settings(5), &rays, &format!("{kinds:?}"));
-    }
-}
-
 /// Regression: lanes without a clearcoat had the numbers of a clearcoat of roughness 0, which gave NaN, unless an earlier hit had written
 /// others.
 #[test]
@@ -136,10 +85,8 @@ fn different_surfaces_that_share_vectors_do_not_change_each_other() {
     // With the default index, the first would not be layered.
     let plain = layered(Rgb::gray(0.5), [0.0, 0.4], |surface| LayeredSurface { ior: 2.0, ..surface });
     let coated = layered(Rgb::gray(0.5), [0.0, 0.4], |surface| with_clearcoat(surface, 0.5, 0.4));
-    let replaced = |with: fn(TestScene) -> TestScene| with(TestScene::new(LIT_BY[4], 1.0)).appearance.materials;
-    let [metals, mixes, glass] = [specular::with_metals, specular::with_mirror_mixes, specular::with_rough_glass]
-        .map(|with| replaced(with)[1..6].to_vec());
-    let all: Vec<_> = [layers().to_vec(), metals, mixes.clone(), glass.clone()].concat();
+    let [mixes, glass] = [specular::mirror_mixes(), specular::rough_glass()].map(Vec::from);
+    let all = [layers().to_vec(), specular::metals().to_vec(), mixes.clone(), glass.clone()].concat();
     for materials in [vec![plain, coated], [layers(), black_layers()].concat(), mixes, glass, all] {
         let (mut scene, rays) = spheres_of(materials);
         let (seen, _) = assert_same_bits_at_all_levels(&mut scene, settings(3), &rays, "spheres");
