@@ -7,8 +7,8 @@ use rt_geometry::{MeshData, Plane, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Scene, SceneNode};
 use rt_shading::{
-    Appearance, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material, Phong,
-    Texture, TextureId, Transmission,
+    Appearance, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, Phong, Texture, TextureId,
+    Transmission,
 };
 
 pub(crate) use crate::Severity;
@@ -60,7 +60,7 @@ pub(crate) fn camera(from: DVec3, at: DVec3) -> NamedCamera {
 
 pub(crate) fn point_light(position: DVec3, shadow_near: f64) -> DeltaLight {
     let kind = DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near };
-    DeltaLight { name: "lamp".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
+    DeltaLight { name: "lamp".into(), ..DeltaLight::new(kind, Rgb::WHITE) }
 }
 
 /// The unit cube from the origin to (1, 1, 1), its front outside.

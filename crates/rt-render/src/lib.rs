@@ -21,7 +21,7 @@
 //! # use rt_geometry::{Shape, Sphere};
 //! # use rt_math::{DVec3, Rgb, Transform};
 //! # use rt_scene_io::{Content, MaterialId, NamedCamera, SceneNode, Scene, RenderSettings};
-//! # use rt_shading::{Appearance, Background, Falloff, DeltaLight, DeltaLightKind, LightUnits, Material, Phong};
+//! # use rt_shading::{Appearance, Background, Falloff, DeltaLight, DeltaLightKind, Material, Phong};
 //! # let camera = CameraSettings::new(
 //! #     Transform::translate(DVec3::Z * 4.0),
 //! #     Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
@@ -32,7 +32,7 @@
 //! #     film: FilmSettings { width: 32, height: 24, ..FilmSettings::default() },
 //! #     appearance: Appearance {
 //! #         materials: vec![Material::new("grey".into(), Phong::default())],
-//! #         lights: vec![DeltaLight { name: "lamp".into(), kind: lamp, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
+//! #         lights: vec![DeltaLight::new(lamp, Rgb::WHITE)],
 //! #         ..Appearance::default()
 //! #     },
 //! #     nodes: vec![SceneNode::new(Content::Shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?)), MaterialId(0))],

@@ -21,7 +21,7 @@
 //! ```
 //! use rt_geometry::{Shape, Sphere, SurfaceInteraction, InteractionFlags, RayKind};
 //! use rt_math::{DVec3, Interval, Ray, Rgb};
-//! use rt_shading::{Appearance, Background, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, ShadingFeatures, Phong, SurfaceHit, SceneQueries, Whitted};
+//! use rt_shading::{Appearance, Background, DeltaLight, DeltaLightKind, Falloff, Material, ShadingFeatures, Phong, SurfaceHit, SceneQueries, Whitted};
 //!
 //! // A world of one sphere, lit from the camera.
 //! struct OneSphere(Shape);
@@ -39,7 +39,7 @@
 //! let appearance = Appearance {
 //!     materials: vec![Material::new("grey".into(), Phong::default())],
 //!     textures: vec![],
-//!     lights: vec![DeltaLight { name: "lamp".into(), kind: light, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }],
+//!     lights: vec![DeltaLight::new(light, Rgb::WHITE)],
 //!     ambient: Rgb::BLACK,
 //!     background: Background::Constant(Rgb::BLACK),
 //! };

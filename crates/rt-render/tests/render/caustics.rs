@@ -7,8 +7,8 @@ use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, RenderSettings, Scene, SceneNode};
 use rt_shading::{
-    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
-    MaterialModel, bsdf::ComplexIor, light::EmissionSides,
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, MaterialModel,
+    bsdf::ComplexIor, light::EmissionSides,
 };
 
 use crate::support::everything;
@@ -47,13 +47,7 @@ fn block(min: [f64; 3], max: [f64; 3]) -> Content {
 }
 
 fn light(kind: DeltaLightKind) -> DeltaLight {
-    DeltaLight {
-        name: "lamp".into(),
-        kind,
-        intensity: Rgb::gray(1.0),
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    }
+    DeltaLight::new(kind, Rgb::gray(1.0))
 }
 
 /// A pinhole camera in the middle of things, so that nothing stands between it and what it looks at.

@@ -11,9 +11,7 @@ use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOption
 use rt_scene_io::{
     Accel, AdaptiveSampling, Content, Integrator, MaterialId, NamedCamera, RenderSettings, Scene, SceneNode,
 };
-use rt_shading::{
-    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, LightUnits, Material, Phong,
-};
+use rt_shading::{Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Material, Phong};
 
 use crate::support::{everything, sphere, spheres};
 
@@ -62,7 +60,7 @@ fn matte() -> Material {
 
 fn sun(direction: DVec3) -> DeltaLight {
     let kind = DeltaLightKind::Directional { direction: direction.normalize() };
-    DeltaLight { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
+    DeltaLight::new(kind, Rgb::WHITE)
 }
 
 /// A pixel is one unit wide and high; the point (x, y) is in column x and row 40 − y, counted down. The camera looks along

@@ -11,8 +11,8 @@ use rt_scene_io::{
     Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode,
 };
 use rt_shading::{
-    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material,
-    Phong, Texture, TextureId, Transmission,
+    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, Phong,
+    Texture, TextureId, Transmission,
 };
 
 /// Image on this number of threads; 0 for one for each processor.
@@ -31,13 +31,7 @@ pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
 
 pub(crate) fn point_light(position: [f64; 3], strength: f64) -> DeltaLight {
     let kind = DeltaLightKind::Point { position: position.into(), falloff: Falloff::None, shadow_near: 0.0 };
-    DeltaLight {
-        name: "lamp".into(),
-        kind,
-        intensity: Rgb::gray(strength),
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    }
+    DeltaLight::new(kind, Rgb::gray(strength))
 }
 
 fn material(name: &str, phong: Phong) -> Material {
@@ -173,25 +167,22 @@ pub(crate) fn everything() -> Scene {
         ),
         Material { emission: gray(0.3), ..material("glow", Phong::default()) },
     ];
+    scene.appearance.lights.push(DeltaLight::new(
+        DeltaLightKind::Directional { direction: DVec3::new(0.3, -0.9, -0.3).normalize() },
+        Rgb::gray(0.3),
+    ));
     scene.appearance.lights.push(DeltaLight {
-        name: "sun".into(),
-        kind: DeltaLightKind::Directional { direction: DVec3::new(0.3, -0.9, -0.3).normalize() },
-        intensity: Rgb::gray(0.3),
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    });
-    scene.appearance.lights.push(DeltaLight {
-        name: "spot".into(),
-        kind: DeltaLightKind::Spot {
-            position: DVec3::new(0.0, 4.0, 2.0),
-            direction: DVec3::NEG_Y,
-            cos_inner: 0.95,
-            cos_outer: 0.8,
-            falloff: Falloff::InverseSquare,
-        },
-        intensity: Rgb::gray(4.0),
-        units: LightUnits::Classical,
         casts_shadows: false,
+        ..DeltaLight::new(
+            DeltaLightKind::Spot {
+                position: DVec3::new(0.0, 4.0, 2.0),
+                direction: DVec3::NEG_Y,
+                cos_inner: 0.95,
+                cos_outer: 0.8,
+                falloff: Falloff::InverseSquare,
+            },
+            Rgb::gray(4.0),
+        )
     });
     scene.meshes = vec![NamedMesh { name: "sheet".into(), mesh: Arc::new(sheet()) }];
 

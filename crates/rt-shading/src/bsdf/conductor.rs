@@ -1,7 +1,7 @@
 //! Conductors: metals.
 
 use super::{
-    BsdfSample, Ggx, Scattering, mirror,
+    BsdfSample, Ggx, mirror,
     side::{Side, same_side},
 };
 use crate::optics;
@@ -114,15 +114,11 @@ impl Conductor {
         if !(wi.z > 0.0) {
             return None;
         }
-        BsdfSample {
-            wi: side.restore(wi),
-            value: self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m),
-            pdf: facets.reflection_pdf(wo, m),
-            kind: Scattering::Reflection,
-            is_delta: false,
-            is_diffuse: false,
-            eta: 1.0,
-        }
+        BsdfSample::new(
+            side.restore(wi),
+            self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m),
+            facets.reflection_pdf(wo, m),
+        )
         .if_finite()
     }
 }

@@ -88,29 +88,13 @@ impl Dielectric {
         if u[0] < interface.chance_of_reflection(wo.dot(m)) {
             let wi = optics::reflect(-wo, m);
             let (value, pdf) = (interface.reflected(facets, wo, wi, m), interface.reflected_pdf(facets, wo, m));
-            let sample = BsdfSample {
-                wi,
-                value,
-                pdf,
-                kind: Scattering::Reflection,
-                is_delta: false,
-                is_diffuse: false,
-                eta: 1.0,
-            };
+            let sample = BsdfSample::new(wi, value, pdf);
             (wi.z > 0.0).then_some(sample)
         } else {
             let wi = optics::refract(-wo, m, 1.0 / interface.eta)?;
             let (value, pdf) = (interface.transmitted(facets, wo, wi, m), interface.transmitted_pdf(facets, wo, wi, m));
             let kind = Scattering::Transmission;
-            (wi.z < 0.0).then_some(BsdfSample {
-                wi,
-                value,
-                pdf,
-                kind,
-                is_delta: false,
-                is_diffuse: false,
-                eta: interface.eta,
-            })
+            (wi.z < 0.0).then_some(BsdfSample { kind, eta: interface.eta, ..BsdfSample::new(wi, value, pdf) })
         }
         .map(|sample| BsdfSample { wi: side.restore(sample.wi), ..sample })
         .and_then(BsdfSample::if_finite)
@@ -150,13 +134,14 @@ impl Interface {
         // Index-matched interfaces keep all bits of the direction.
         let wi = if self.eta == 1.0 { -wo } else { optics::refract(-wo, DVec3::Z, 1.0 / self.eta)? };
         BsdfSample {
-            wi: side.restore(wi),
-            value: self.transmittance * ((1.0 - fresnel) / (self.eta * self.eta * wi.z.abs())),
-            pdf: 1.0 - chance,
             kind: Scattering::Transmission,
             is_delta: true,
-            is_diffuse: false,
             eta: self.eta,
+            ..BsdfSample::new(
+                side.restore(wi),
+                self.transmittance * ((1.0 - fresnel) / (self.eta * self.eta * wi.z.abs())),
+                1.0 - chance,
+            )
         }
         .if_finite()
     }

@@ -1,7 +1,7 @@
 //! Lambertian reflection.
 
 use super::{
-    BsdfSample, Scattering,
+    BsdfSample,
     side::{Side, same_side},
 };
 use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
@@ -32,16 +32,8 @@ impl Lambert {
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (_, side) = Side::of(wo, u)?;
         let wi = cosine_hemisphere([u[1], u[2]]);
-        BsdfSample {
-            wi: side.restore(wi),
-            value: self.albedo * FRAC_1_PI,
-            pdf: cosine_pdf(wi),
-            kind: Scattering::Reflection,
-            is_delta: false,
-            is_diffuse: true,
-            eta: 1.0,
-        }
-        .if_finite()
+        BsdfSample { is_diffuse: true, ..BsdfSample::new(side.restore(wi), self.albedo * FRAC_1_PI, cosine_pdf(wi)) }
+            .if_finite()
     }
 }
 

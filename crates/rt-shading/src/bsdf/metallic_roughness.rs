@@ -1,7 +1,7 @@
 //! The metallic-roughness BSDF of glTF.
 
 use super::{
-    BsdfSample, Ggx, Scattering,
+    BsdfSample, Ggx,
     albedo_table::LayerAlbedo,
     lambert::{cosine_hemisphere, cosine_pdf},
     schlick::{dielectric_fresnel, schlick_weight},
@@ -79,26 +79,16 @@ impl MetallicRoughness {
             return None;
         }
         BsdfSample {
-            wi: side.restore(wi),
-            value: self.value(wo, wi, m),
-            pdf: self.density(wo, wi, m),
-            kind: Scattering::Reflection,
-            is_delta: false,
             is_diffuse: u[0] >= chance,
-            eta: 1.0,
+            ..BsdfSample::new(side.restore(wi), self.value(wo, wi, m), self.density(wo, wi, m))
         }
         .if_finite()
     }
 
     fn sample_coating(&self, wo: DVec3, side: Side, chance: f64) -> Option<BsdfSample> {
         BsdfSample {
-            wi: side.restore(reflect_dir(wo)),
-            value: self.specular(wo.z) / wo.z,
-            pdf: chance,
-            kind: Scattering::Reflection,
             is_delta: true,
-            is_diffuse: false,
-            eta: 1.0,
+            ..BsdfSample::new(side.restore(reflect_dir(wo)), self.specular(wo.z) / wo.z, chance)
         }
         .if_finite()
     }

@@ -1,7 +1,7 @@
 //! A perfect mirror.
 
 use super::{
-    BsdfSample, Scattering,
+    BsdfSample,
     side::{Side, reflect_dir},
 };
 use rt_math::{DVec3, Rgb};
@@ -33,14 +33,6 @@ impl Mirror {
 
 /// Sample of the mirrored direction of `wo`, which is above the surface, chosen with probability `chance`.
 pub(super) fn reflection(wo: DVec3, side: Side, reflectance: Rgb, chance: f64) -> Option<BsdfSample> {
-    BsdfSample {
-        wi: side.restore(reflect_dir(wo)),
-        value: reflectance / wo.z,
-        pdf: chance,
-        kind: Scattering::Reflection,
-        is_delta: true,
-        is_diffuse: false,
-        eta: 1.0,
-    }
-    .if_finite()
+    BsdfSample { is_delta: true, ..BsdfSample::new(side.restore(reflect_dir(wo)), reflectance / wo.z, chance) }
+        .if_finite()
 }

@@ -1,7 +1,7 @@
 //! Rough diffuse reflection.
 
 use super::{
-    BsdfSample, Lambert, Scattering,
+    BsdfSample, Lambert,
     lambert::{cosine_hemisphere, cosine_pdf},
     side::{Side, same_side},
 };
@@ -50,16 +50,8 @@ impl OrenNayar {
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let (wo, side) = Side::of(wo, u)?;
         let wi = cosine_hemisphere([u[1], u[2]]);
-        BsdfSample {
-            wi: side.restore(wi),
-            value: self.value(wo, wi),
-            pdf: cosine_pdf(wi),
-            kind: Scattering::Reflection,
-            is_delta: false,
-            is_diffuse: true,
-            eta: 1.0,
-        }
-        .if_finite()
+        BsdfSample { is_diffuse: true, ..BsdfSample::new(side.restore(wi), self.value(wo, wi), cosine_pdf(wi)) }
+            .if_finite()
     }
 
     /// f for two directions above the surface.

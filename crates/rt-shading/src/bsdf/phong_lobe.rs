@@ -1,7 +1,7 @@
 //! The highlight of Phong as a lobe of a BSDF.
 
 use super::{
-    BsdfSample, Scattering,
+    BsdfSample,
     side::{Side, reflect_dir, same_side},
 };
 use core::f64::consts::TAU;
@@ -46,16 +46,7 @@ impl PhongLobe {
             return None;
         }
         let (value, pdf) = self.value_with_pdf(reflect_dir(wo).dot(wi));
-        BsdfSample {
-            wi: side.restore(wi),
-            value,
-            pdf,
-            kind: Scattering::Reflection,
-            is_delta: false,
-            is_diffuse: false,
-            eta: 1.0,
-        }
-        .if_finite()
+        BsdfSample::new(side.restore(wi), value, pdf).if_finite()
     }
 
     /// Exponent within its bounds.

@@ -33,6 +33,12 @@ pub struct BsdfSample {
 }
 
 impl BsdfSample {
+    /// Sample of a lobe that reflects, and is neither diffuse nor a delta distribution.
+    #[inline]
+    pub(super) const fn new(wi: DVec3, value: Rgb, pdf: f64) -> Self {
+        Self { wi, value, pdf, kind: Scattering::Reflection, is_delta: false, is_diffuse: false, eta: 1.0 }
+    }
+
     /// f · |cos θ| / pdf: factor of the throughput.
     pub fn weight(&self) -> Rgb {
         self.value * (self.wi.z.abs() / self.pdf)

@@ -36,13 +36,9 @@ impl SpecularTransmission {
         // Index-matched interfaces keep all bits of the direction.
         let wi = if ior == 1.0 { -wo } else { optics::refract(-wo, DVec3::Z, 1.0 / ior)? };
         BsdfSample {
-            wi: side.restore(wi),
-            value: self.transmittance / wi.z.abs(),
-            pdf: 1.0,
             kind: Scattering::Transmission,
             is_delta: true,
-            is_diffuse: false,
-            eta: 1.0,
+            ..BsdfSample::new(side.restore(wi), self.transmittance / wi.z.abs(), 1.0)
         }
         .if_finite()
     }

@@ -45,13 +45,9 @@ impl ThinGlass {
             return mirror::reflection(wo, side, reflected, chance);
         }
         BsdfSample {
-            wi: side.restore(-wo),
-            value: transmitted / wo.z,
-            pdf: 1.0 - chance,
             kind: Scattering::Transmission,
             is_delta: true,
-            is_diffuse: false,
-            eta: 1.0,
+            ..BsdfSample::new(side.restore(-wo), transmitted / wo.z, 1.0 - chance)
         }
         .if_finite()
     }

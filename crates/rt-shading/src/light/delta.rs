@@ -214,6 +214,11 @@ impl DeltaLightKind {
 }
 
 impl DeltaLight {
+    /// Light without a name, in classical units, in which objects cast shadows.
+    pub const fn new(kind: DeltaLightKind, intensity: Rgb) -> Self {
+        Self { name: String::new(), kind, intensity, units: LightUnits::Classical, casts_shadows: true }
+    }
+
     /// Incident light at `point` (world space), without shadows. `None` outside the cone of a spot, and at the light's own
     /// position.
     #[inline(always)]

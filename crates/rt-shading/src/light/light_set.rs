@@ -274,8 +274,7 @@ mod tests {
     fn delta_lights_do_not_change_indices_or_densities() {
         let kind = DeltaLightKind::Point { position: DVec3::Y, falloff: Falloff::None, shadow_near: 0.0 };
         let intensity = Rgb::gray(9.0);
-        let delta =
-            DeltaLight { name: String::new(), kind, intensity, units: LightUnits::Physical, casts_shadows: true };
+        let delta = DeltaLight { units: LightUnits::Physical, ..DeltaLight::new(kind, intensity) };
         for sampling in LightSampling::ALL {
             let plain = LightSet::new(lights(), sampling, 10.0);
             let mut mixed = lights();

@@ -369,13 +369,7 @@ fn delta_lights_are_as_bright_as_under_whitted() {
         falloff: Falloff::InverseSquare,
         shadow_near: 0.0,
     };
-    let light = DeltaLight {
-        name: String::new(),
-        kind,
-        intensity: Rgb::gray(3.0),
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    };
+    let light = DeltaLight::new(kind, Rgb::gray(3.0));
     let classical = Phong { diffuse: gray(0.4), ambient: ColorTexture::ZERO, ..Phong::default() };
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
     scene.appearance.lights = vec![light];

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{
-    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits, Material, Phong,
-    SurfaceHit, Transmission,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, Phong, SurfaceHit,
+    Transmission,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Rgb, transcendental::exp};
@@ -201,11 +201,11 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
 #[test]
 fn local_light_is_phongs_sum() {
     let light = |casts_shadows| DeltaLight {
-        name: String::new(),
-        kind: DeltaLightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 },
-        intensity: Rgb::gray(2.0),
-        units: LightUnits::Classical,
         casts_shadows,
+        ..DeltaLight::new(
+            DeltaLightKind::Point { position: DVec3::ZERO, falloff: Falloff::None, shadow_near: 0.0 },
+            Rgb::gray(2.0),
+        )
     };
     let phong = Phong { ambient: gray(0.1), diffuse: gray(0.5), specular: gray(0.25), exponent: 3.0, ..BARE };
     let mut appearance = white_walls(phong);
@@ -226,13 +226,7 @@ fn local_light_is_phongs_sum() {
 fn lights_behind_the_surface_cost_no_shadow_ray() {
     let kind = DeltaLightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, shadow_near: 0.0 };
     let mut appearance = white_walls(Phong { diffuse: gray(1.0), ..BARE });
-    appearance.lights = vec![DeltaLight {
-        name: String::new(),
-        kind,
-        intensity: Rgb::WHITE,
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    }];
+    appearance.lights = vec![DeltaLight::new(kind, Rgb::WHITE)];
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 0);
     assert_eq!((seen, world.shadow_rays, counts.shadow_rays_skipped), (0.0, 0, 1));

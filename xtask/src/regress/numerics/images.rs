@@ -10,8 +10,7 @@ use rt_scene_io::{
     Accel, Content, LoadOptions, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode, load,
 };
 use rt_shading::{
-    Appearance, Background, Bitmap, ColorTexture, DeltaLight, DeltaLightKind, LightUnits, Material, Phong, Texture,
-    TextureId, Wrap,
+    Appearance, Background, Bitmap, ColorTexture, DeltaLight, DeltaLightKind, Material, Phong, Texture, TextureId, Wrap,
 };
 
 use super::{Case, Checks, Conditions, Fallible, cases};
@@ -69,13 +68,8 @@ fn terminator(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     scene.meshes = vec![NamedMesh { name: "ball".into(), mesh: Arc::new(faceted_sphere(8, 8)?) }];
     let angle = 80f64.to_radians();
     let (sin, cos) = sincos(angle);
-    scene.appearance.lights = vec![DeltaLight {
-        name: "sun".into(),
-        kind: DeltaLightKind::Directional { direction: DVec3::new(-sin, 0.0, -cos) },
-        intensity: Rgb::WHITE,
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    }];
+    scene.appearance.lights =
+        vec![DeltaLight::new(DeltaLightKind::Directional { direction: DVec3::new(-sin, 0.0, -cos) }, Rgb::WHITE)];
     let mut unshadowed = scene.clone();
     unshadowed.appearance.lights[0].casts_shadows = false;
     let options = PlanOptions { transparent: true, ..PlanOptions::default() };

@@ -4,13 +4,7 @@ use super::*;
 use rt_geometry::SurfaceInteraction;
 
 fn light(kind: DeltaLightKind) -> DeltaLight {
-    DeltaLight {
-        name: String::new(),
-        kind,
-        intensity: Rgb::gray(8.0),
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    }
+    DeltaLight::new(kind, Rgb::gray(8.0))
 }
 
 #[test]

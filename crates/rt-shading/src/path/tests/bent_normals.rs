@@ -78,7 +78,7 @@ fn pair_facing_away(index: u64) -> Option<(DVec3, DVec3)> {
 
 fn sun(towards: DVec3, casts_shadows: bool) -> DeltaLight {
     let kind = DeltaLightKind::Directional { direction: -towards };
-    DeltaLight { name: String::new(), kind, intensity: Rgb::WHITE, casts_shadows, units: LightUnits::Classical }
+    DeltaLight { casts_shadows, ..DeltaLight::new(kind, Rgb::WHITE) }
 }
 
 fn opaque_materials() -> Vec<Material> {

@@ -121,14 +121,7 @@ impl TestScene {
         }
         if kinds.delta {
             let delta = |kind, casts_shadows| {
-                let intensity = Rgb::new(2.0, 1.5, 1.0);
-                Light::Delta(DeltaLight {
-                    name: String::new(),
-                    kind,
-                    intensity,
-                    units: LightUnits::Classical,
-                    casts_shadows,
-                })
+                Light::Delta(DeltaLight { casts_shadows, ..DeltaLight::new(kind, Rgb::new(2.0, 1.5, 1.0)) })
             };
             let position = DVec3::new(1.0, 3.5, 2.0) * scale;
             lights.push(delta(DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 }, true));
@@ -308,10 +301,8 @@ fn shading_in_f64_agrees_with_the_reference_for_other_settings() {
             falloff: Falloff::InverseSquare,
         },
     ];
-    let lights = kinds.map(|kind| {
-        let (name, intensity, units) = (String::new(), Rgb::gray(30.0), LightUnits::Physical);
-        Light::Delta(DeltaLight { name, kind, intensity, units, casts_shadows: true })
-    });
+    let lights = kinds
+        .map(|kind| Light::Delta(DeltaLight { units: LightUnits::Physical, ..DeltaLight::new(kind, Rgb::gray(30.0)) }));
     scene.lights = LightSet::new(lights.to_vec(), LightSampling::Tree, 10.0);
     scene.appearance.background = Background::Gradient { bottom: Rgb::gray(0.1), top: Rgb::new(0.2, 0.4, 0.9) };
     compare(&mut scene, settings);
@@ -444,8 +435,7 @@ fn lights_out_of_the_range_of_f32_keep_all_hits_out_of_lanes() {
         cos_outer: 1.0 - 5e-5,
         falloff: Falloff::None,
     };
-    let (name, intensity, units) = (String::new(), Rgb::gray(30.0), LightUnits::Physical);
-    let spot = DeltaLight { name, kind, intensity, units, casts_shadows: true };
+    let spot = DeltaLight { units: LightUnits::Physical, ..DeltaLight::new(kind, Rgb::gray(30.0)) };
     scene.lights = LightSet::new(vec![Light::Delta(spot)], LightSampling::Tree, 10.0);
     let (exact, _) = of_reference(&mut scene, settings(5), &rays);
     let (found, counts) = in_f32(&mut scene, LaneLevel::best(), settings(5), &rays);
@@ -519,13 +509,8 @@ fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_s
         assert!(!in_lanes(other.clone()), "{other:?}");
     }
     let position = DVec3::new(1.0, 3.5, 2.0);
-    let glaring = DeltaLight {
-        name: String::new(),
-        kind: DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 },
-        intensity: Rgb::gray(1e30),
-        units: LightUnits::Classical,
-        casts_shadows: true,
-    };
+    let glaring =
+        DeltaLight::new(DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 }, Rgb::gray(1e30));
     let lights = LightSet::new(vec![Light::Delta(glaring)], LightSampling::Tree, 10.0);
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     assert!(LaneMaterials::new(lighting).get(0).is_none());

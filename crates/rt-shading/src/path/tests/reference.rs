@@ -48,7 +48,7 @@ fn sphere_at(center: [f64; 3], radius: f64) -> Shape {
 }
 
 fn delta_light(kind: DeltaLightKind, casts_shadows: bool, units: LightUnits) -> DeltaLight {
-    DeltaLight { name: String::new(), kind, intensity: Rgb::new(0.9, 0.6, 0.3), units, casts_shadows }
+    DeltaLight { units, casts_shadows, ..DeltaLight::new(kind, Rgb::new(0.9, 0.6, 0.3)) }
 }
 
 /// Surfaces of all kinds above a checkered floor, two area lights, an image around the scene, and delta lights.

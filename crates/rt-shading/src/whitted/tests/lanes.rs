@@ -33,11 +33,9 @@ fn lights() -> Vec<DeltaLight> {
         },
     ];
     let light = |(at, kind): (usize, DeltaLightKind)| DeltaLight {
-        name: String::new(),
-        kind,
-        intensity: Rgb::new(0.9, 0.3 * at as f64, 0.7),
         units: if at % 2 == 0 { LightUnits::Classical } else { LightUnits::Physical },
         casts_shadows: at != 4,
+        ..DeltaLight::new(kind, Rgb::new(0.9, 0.3 * at as f64, 0.7))
     };
     let mut lights: Vec<_> = kinds.into_iter().enumerate().map(light).collect();
     let dark = DeltaLight { intensity: Rgb::BLACK, ..lights[0].clone() };

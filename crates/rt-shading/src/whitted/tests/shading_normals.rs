@@ -2,8 +2,8 @@
 
 use super::super::*;
 use crate::{
-    Background, ColorTexture, DeltaLight, DeltaLightKind, InteriorMedium, LightUnits, Material, Phong, SurfaceHit,
-    Transmission, optics,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, InteriorMedium, Material, Phong, SurfaceHit, Transmission,
+    optics,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval, Rgb};
@@ -100,7 +100,7 @@ fn refracted_rays_start_and_stay_on_the_far_side() {
 /// Directional light on the front side of the facet.
 fn sun_from(towards: DVec3) -> DeltaLight {
     let kind = DeltaLightKind::Directional { direction: -towards };
-    DeltaLight { name: "sun".into(), kind, intensity: Rgb::WHITE, units: LightUnits::Classical, casts_shadows: true }
+    DeltaLight::new(kind, Rgb::WHITE)
 }
 
 #[test]

@@ -74,8 +74,7 @@ fn light_on_whose_side_normals_disagree_is_not_transmitted() {
     scene.appearance.materials = of_glass([1.0; 5])[..1].to_vec();
     let light = |position| {
         let kind = DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 };
-        let (intensity, units) = (Rgb::WHITE, LightUnits::Classical);
-        Light::Delta(DeltaLight { name: String::new(), kind, intensity, units, casts_shadows: false })
+        Light::Delta(DeltaLight { casts_shadows: false, ..DeltaLight::new(kind, Rgb::WHITE) })
     };
     let eye = DVec3::new(-5.0, 0.6, 0.0);
     let ray =
@@ -104,9 +103,8 @@ fn specular_lobes_are_followed_as_from_hits_one_by_one() {
         scene.appearance.ambient = Rgb::gray(0.1);
         let (found, counts) = in_f64(&mut scene, settings, &rays);
         let kind = DeltaLightKind::Directional { direction: DVec3::Y };
-        let (name, intensity, units) = (String::new(), Rgb::gray(1e-100), LightUnits::Physical);
-        let dark = Light::Delta(DeltaLight { name, kind, intensity, units, casts_shadows: false });
-        let lights = scene.lights.lights().iter().cloned().chain([dark]).collect();
+        let dark = DeltaLight { units: LightUnits::Physical, ..DeltaLight::new(kind, Rgb::gray(1e-100)) };
+        let lights = scene.lights.lights().iter().cloned().chain([Light::Delta(dark)]).collect();
         scene.lights = LightSet::new(lights, LightSampling::Tree, 10.0);
         let (expected, counts_of_one) = in_f64(&mut scene, settings, &rays);
         assert!(counts.lanes_used > 500 && counts_of_one.lanes == 0, "{counts:?}, {counts_of_one:?}");
