@@ -9,7 +9,7 @@ use rt_geometry::InteractionFlags;
 
 use crate::{
     Crop,
-    tile::{Tile, tile_count, tile_number},
+    tile::{tile_count, tile_number},
 };
 
 /// Maximum samples of a pixel: more change an average over a pixel by less than most images show.
@@ -141,7 +141,7 @@ impl FilmLayers {
     }
 
     /// Copies the channels of a tile, each with a value per pixel, row by row.
-    pub(crate) fn insert(&mut self, tile: Tile, channels: &[Vec<f32>]) {
+    pub(crate) fn insert(&mut self, tile: Crop, channels: &[Vec<f32>]) {
         let planes = self.values.iter_mut().flat_map(|values| &mut values.channels);
         for (plane, channel) in planes.zip(channels) {
             for (at, &value) in tile.pixels().zip(channel) {

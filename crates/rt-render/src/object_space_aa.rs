@@ -32,7 +32,7 @@ use shaft::{LightShaft, Occlusion};
 
 use crate::{
     Crop, RenderPlan, camera_medium::CameraMedium, frustum_cull::FrustumRegion, instance::Instances, passes::PixelMask,
-    primitive_form::PrimitiveForm, tile::Tile,
+    primitive_form::PrimitiveForm,
 };
 
 /// Side of the largest blocks, in pixels.
@@ -70,13 +70,13 @@ struct PixelClassifier<'a> {
     plan: &'a RenderPlan<'a>,
     world: &'a Instances<'a>,
     structure: &'a AnyAccelerator,
-    tile: Tile,
+    tile: Crop,
     simple: Vec<bool>,
 }
 
 impl RenderPlan<'_> {
     /// Pixels of a tile without an edge: they show one evenly lit smooth surface, or only the background.
-    pub(crate) fn simple_pixels(&self, tile: Tile, world: &Instances<'_>, structure: &AnyAccelerator) -> PixelMask {
+    pub(crate) fn simple_pixels(&self, tile: Crop, world: &Instances<'_>, structure: &AnyAccelerator) -> PixelMask {
         let simple = vec![false; tile.width as usize * tile.height as usize];
         let mut classifier = PixelClassifier { plan: self, world, structure, tile, simple };
         if matches!(&self.frame.medium, CameraMedium::Constant(interior) if interior.is_empty()) {
@@ -99,7 +99,7 @@ impl RenderPlan<'_> {
 
 impl PixelBlock {
     /// Largest blocks that overlap the tile.
-    fn around(tile: Tile) -> impl Iterator<Item = Self> {
+    fn around(tile: Crop) -> impl Iterator<Item = Self> {
         let starts = |first: u32, length: u32| {
             (first / LARGEST_BLOCK * LARGEST_BLOCK..first + length).step_by(LARGEST_BLOCK as usize)
         };
@@ -113,7 +113,7 @@ impl PixelBlock {
     }
 
     /// Pixels of the block within the tile.
-    fn within(self, tile: Tile) -> impl Iterator<Item = [u32; 2]> {
+    fn within(self, tile: Crop) -> impl Iterator<Item = [u32; 2]> {
         let common = |first: u32, start: u32, length: u32| first.max(start)..(first + self.side).min(start + length);
         let (columns, rows) = (common(self.x, tile.x, tile.width), common(self.y, tile.y, tile.height));
         rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
@@ -189,7 +189,7 @@ impl PixelClassifier<'_> {
         }
         let near: Vec<u32> = among.iter().copied().filter(|&index| !pyramid.misses(self.world, index)).collect();
         if self.is_simple(pyramid, &near) {
-            let Tile { x: left, y: top, width, .. } = self.tile;
+            let Crop { x: left, y: top, width, .. } = self.tile;
             for [x, y] in block.within(self.tile) {
                 self.simple[((y - top) * width + x - left) as usize] = true;
             }

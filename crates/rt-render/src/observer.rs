@@ -8,7 +8,6 @@ use crate::{
     film::film_tile::{FilmLayout, FilmTile},
     pass_state::PassState,
     shard::Shard,
-    tile::Tile,
 };
 
 /// Observer of a render. Closures that take a [`Progress`] are observers as well.
@@ -29,7 +28,7 @@ impl<F: FnMut(Progress)> Observer for F {
 /// Snapshot of a running render.
 pub struct RenderSnapshot<'a> {
     pub(crate) progress: Progress,
-    pub(crate) tile: Tile,
+    pub(crate) tile: Crop,
     pub(crate) state: FilmState<'a>,
 }
 
@@ -54,8 +53,7 @@ impl RenderSnapshot<'_> {
 
     /// Tile that was finished last, in pixels of the whole image.
     pub const fn tile(&self) -> Crop {
-        let Tile { x, y, width, height } = self.tile;
-        Crop { x, y, width, height }
+        self.tile
     }
 
     /// Current radiance of the pixels of the tile, row by row.

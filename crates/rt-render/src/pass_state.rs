@@ -11,7 +11,7 @@ use crate::{
         film_tile::{FilmLayout, FilmTile, rounded, rounded_coverage},
         pixel_estimate::PixelEstimate,
     },
-    tile::{Tile, tile_count, tiles},
+    tile::{tile_count, tiles},
 };
 
 /// First pass index of the second stage of adaptive sampling, in seeds.
@@ -124,7 +124,7 @@ impl PassState {
     }
 
     /// Current pixels of a tile.
-    pub(crate) fn film_tile(&self, tile: Tile) -> FilmTile {
+    pub(crate) fn film_tile(&self, tile: Crop) -> FilmTile {
         let pixels = tile.pixels().filter_map(|at| self.pixels.get(self.layout.crop.pixel_index(at)));
         FilmTile::new(pixels, self.layout, self.layout.maps)
     }

@@ -10,10 +10,9 @@
 //! Samples within a pass are correlated, as Sobol' points are. Their variance does not estimate the error of their mean. Whole
 //! passes are independent.
 
+use crate::Crop;
 use rt_camera::SamplerKind;
 use rt_math::random::hash;
-
-use crate::tile::Tile;
 
 /// Default number of passes for a fixed number of samples.
 ///
@@ -60,7 +59,7 @@ impl PassSpec<'_> {
     }
 
     /// Sampled pixels of a tile, row by row.
-    pub(crate) fn pixels_of(&self, tile: Tile) -> impl Iterator<Item = [u32; 2]> {
+    pub(crate) fn pixels_of(&self, tile: Crop) -> impl Iterator<Item = [u32; 2]> {
         tile.pixels().filter(|&pixel| self.pixels.is_none_or(|mask| mask.contains(pixel)))
     }
 }
@@ -68,13 +67,13 @@ impl PassSpec<'_> {
 /// Subset of the pixels of a rectangle of the image.
 #[derive(Clone, Debug)]
 pub(crate) struct PixelMask {
-    area: Tile,
+    area: Crop,
     flags: Vec<bool>,
 }
 
 impl PixelMask {
     /// Pixels of a rectangle whose flag, row by row, is set.
-    pub(crate) fn new(area: Tile, flags: Vec<bool>) -> Self {
+    pub(crate) fn new(area: Crop, flags: Vec<bool>) -> Self {
         Self { area, flags }
     }
 
@@ -84,10 +83,8 @@ impl PixelMask {
     }
 
     /// True if the mask contains a pixel, in coordinates of the whole image.
-    pub(crate) fn contains(&self, [x, y]: [u32; 2]) -> bool {
-        let Tile { x: left, y: top, width, .. } = self.area;
-        let index = (y - top) as usize * width as usize + (x - left) as usize;
-        self.flags.get(index).copied().unwrap_or(false)
+    pub(crate) fn contains(&self, pixel: [u32; 2]) -> bool {
+        self.flags.get(self.area.pixel_index(pixel)).copied().unwrap_or(false)
     }
 }
 

@@ -21,7 +21,6 @@ use crate::{
     pass_state::{PassCursor, PassState},
     passes::{PassSpec, PixelMask},
     splats::SplatImage,
-    tile::Tile,
     tile_job::TileResult,
     tile_scheduler::TileScheduler,
 };
@@ -178,9 +177,8 @@ impl Progressive<'_> {
     }
 
     /// Rendered rectangle of the image.
-    pub(crate) const fn area(&self) -> Tile {
-        let Crop { x, y, width, height } = self.plan.frame.crop;
-        Tile { x, y, width, height }
+    pub(crate) const fn area(&self) -> Crop {
+        self.plan.frame.crop
     }
 
     /// Samples taken so far, including discarded ones.

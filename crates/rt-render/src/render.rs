@@ -18,7 +18,6 @@ use crate::{
     render_tile::ThreadState,
     shard::Shard,
     splats::SplatImage,
-    tile::Tile,
     tile_job::TileJob,
     tile_scheduler::TileScheduler,
 };
@@ -203,12 +202,12 @@ impl RenderPlan<'_> {
     /// Radiance of one pixel, not rounded to `f32`. Coordinates count from the upper left corner of the whole image; `None`
     /// outside of the crop.
     pub fn pixel(&self, x: u32, y: u32) -> Option<Rgb> {
-        let Crop { x: left, y: top, width, height } = self.frame.crop;
-        let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
+        let crop = self.frame.crop;
+        let inside = (crop.x..crop.x + crop.width).contains(&x) && (crop.y..crop.y + crop.height).contains(&y);
         let pass_spec = self.frame.all_passes();
-        let job = TileJob::new(Tile { x, y, width: 1, height: 1 }, &pass_spec, None);
+        let job = TileJob::new(Crop { x, y, width: 1, height: 1 }, &pass_spec, None);
         let pixel = inside.then(|| self.render_tile(&job, false, &mut ThreadState::new(self)).pixels[0].mean())?;
-        Some(pixel + self.splatted((y - top) as usize * width as usize + (x - left) as usize))
+        Some(pixel + self.splatted(crop.pixel_index([x, y])))
     }
 
     /// Radiance of light paths at a pixel of the crop: the mean of all passes.

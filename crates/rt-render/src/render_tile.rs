@@ -21,7 +21,6 @@ use crate::{
     instance::Instances,
     integrator::IntegratorState,
     primary_rays::PrimaryRayBatch,
-    tile::Tile,
     tile_job::{TileJob, TileResult},
     tile_layers::TileLayers,
     tracer::{SceneTracer, TracerBuffers},
@@ -160,8 +159,8 @@ impl RenderPlan<'_> {
     }
 
     /// Objects in view of the tile, if their number is small.
-    fn visible_in_tile(&self, tile: Tile, world: &Instances<'_>, structure: &AnyAccelerator) -> Option<SmallSet> {
-        let Tile { x, y, width, height } = tile;
+    fn visible_in_tile(&self, tile: Crop, world: &Instances<'_>, structure: &AnyAccelerator) -> Option<SmallSet> {
+        let Crop { x, y, width, height } = tile;
         let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
         let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;
         Some(match self.scene.accel.simd {

@@ -17,7 +17,7 @@ use crate::{
     error_estimate::ErrorSums,
     film::film_tile::{FilmLayout, FilmTile},
     first_hit_layers::FilmLayers,
-    tile::{Tile, tile, tile_count, tile_number},
+    tile::{tile, tile_count, tile_number},
 };
 
 /// Film of a shard of an image, with its statistics. Shards are written to files and merged to the whole image.
@@ -249,7 +249,7 @@ impl Shard {
     }
 
     /// Film tile, if it is finished.
-    pub(crate) fn tile(&self, tile: Tile) -> Option<&FilmTile> {
+    pub(crate) fn tile(&self, tile: Crop) -> Option<&FilmTile> {
         self.tiles.get(&(tile_number(self.layout.crop, tile) as u32))
     }
 

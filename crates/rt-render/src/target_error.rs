@@ -3,13 +3,12 @@
 use std::time::Duration;
 
 use crate::{
-    Criterion, Stopped, TargetError,
+    Criterion, Crop, Stopped, TargetError,
     film::pixel_estimate::PixelEstimate,
     pass_state::{PassCursor, RefineStage},
     passes::PixelMask,
     progressive::Progressive,
     stop::{FIRST_TEST_OF_IMAGE, PASSES_BETWEEN_TESTS},
-    tile::Tile,
 };
 use rt_math::stats::student_t;
 
@@ -200,7 +199,7 @@ fn count(pixels: &[bool]) -> usize {
 }
 
 /// Active pixels with an unconverged pixel among themselves and their eight neighbours.
-fn neighbourhood(unconverged: &[bool], active: &[bool], area: Tile) -> Vec<bool> {
+fn neighbourhood(unconverged: &[bool], active: &[bool], area: Crop) -> Vec<bool> {
     let (width, height) = (area.width as usize, area.height as usize);
     let row_of_three =
         |x: usize, y: usize| unconverged[y * width..][x.saturating_sub(1)..width.min(x + 2)].contains(&true);
@@ -214,7 +213,7 @@ mod tests {
 
     #[test]
     fn active_neighbours_stay_active() {
-        let area = Tile { x: 5, y: 7, width: 4, height: 3 };
+        let area = Crop { x: 5, y: 7, width: 4, height: 3 };
         let mut unconverged = vec![false; 12];
         unconverged[4] = true;
         let near = [true, true, false, false];

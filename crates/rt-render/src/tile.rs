@@ -1,48 +1,20 @@
-//! Tiles of the image: the units of work of a thread.
+//! Tiles of the image, which are small crops: the units of work of a thread.
 
 use crate::Crop;
 
 /// Side of a tile in pixels.
 const SIDE: u32 = 16;
 
-/// A rectangle of pixels, in coordinates of the whole image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Tile {
-    pub(crate) x: u32,
-    pub(crate) y: u32,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-}
-
-impl Tile {
-    /// Number of its pixels.
-    pub(crate) fn area(&self) -> u64 {
-        u64::from(self.width) * u64::from(self.height)
-    }
-
-    /// Pixels of the tile, row by row.
-    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + Clone + use<> {
-        let Self { x, y, width, height } = *self;
-        (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))
-    }
-}
-
-impl From<Tile> for Crop {
-    fn from(Tile { x, y, width, height }: Tile) -> Self {
-        Self { x, y, width, height }
-    }
-}
-
 /// Tiles of a crop, row by row.
-pub(crate) fn tiles(crop: Crop) -> Vec<Tile> {
+pub(crate) fn tiles(crop: Crop) -> Vec<Crop> {
     (0..tile_count(crop)).map(|number| tile(crop, number)).collect()
 }
 
 /// Tile of a crop by its number, which must be less than [`tile_count`].
-pub(crate) fn tile(crop: Crop, number: usize) -> Tile {
+pub(crate) fn tile(crop: Crop, number: usize) -> Crop {
     let columns = crop.width.div_ceil(SIDE) as usize;
     let [left, top] = [number % columns, number / columns].map(|steps| steps as u32 * SIDE);
-    Tile { x: crop.x + left, y: crop.y + top, width: SIDE.min(crop.width - left), height: SIDE.min(crop.height - top) }
+    Crop { x: crop.x + left, y: crop.y + top, width: SIDE.min(crop.width - left), height: SIDE.min(crop.height - top) }
 }
 
 /// Number of tiles of a crop.
@@ -51,7 +23,7 @@ pub(crate) const fn tile_count(crop: Crop) -> usize {
 }
 
 /// Index of a tile of a crop.
-pub(crate) const fn tile_number(crop: Crop, tile: Tile) -> usize {
+pub(crate) const fn tile_number(crop: Crop, tile: Crop) -> usize {
     ((tile.y - crop.y) / SIDE) as usize * crop.width.div_ceil(SIDE) as usize + ((tile.x - crop.x) / SIDE) as usize
 }
 
@@ -65,7 +37,7 @@ mod tests {
             let mut seen = vec![0; (width * height) as usize];
             let crop = Crop { x, y, width, height };
             let all = tiles(crop);
-            for [column, row] in all.iter().flat_map(Tile::pixels) {
+            for [column, row] in all.iter().flat_map(Crop::pixels) {
                 seen[((row - y) * width + (column - x)) as usize] += 1;
             }
             assert_eq!(all.len(), tile_count(crop));

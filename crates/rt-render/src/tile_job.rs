@@ -7,10 +7,10 @@ use rt_geometry::Counters;
 use rt_shading::ShadingCounts;
 
 use crate::{
+    Crop,
     film::pixel_estimate::PixelEstimate,
     first_hit_layers::FirstHitLayer,
     passes::{PassSpec, PixelMask},
-    tile::Tile,
 };
 
 /// A tile that takes longer after an interrupt is abandoned.
@@ -19,7 +19,7 @@ const MAX_DELAY: Duration = Duration::from_secs(1);
 /// Work item of a thread.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TileJob<'a> {
-    pub(crate) tile: Tile,
+    pub(crate) tile: Crop,
     pub(crate) pass_spec: &'a PassSpec<'a>,
     /// Pixels without an edge, with adaptive sampling in object space; `None` until the tile is started.
     pub(crate) simple: Option<&'a PixelMask>,
@@ -30,7 +30,7 @@ pub(crate) struct TileJob<'a> {
 }
 
 impl<'a> TileJob<'a> {
-    pub(crate) const fn new(tile: Tile, pass_spec: &'a PassSpec<'a>, interrupt: Option<&'a AtomicBool>) -> Self {
+    pub(crate) const fn new(tile: Crop, pass_spec: &'a PassSpec<'a>, interrupt: Option<&'a AtomicBool>) -> Self {
         Self { tile, pass_spec, simple: None, interrupt, layers: &[] }
     }
 
@@ -57,7 +57,7 @@ impl<'a> TileJob<'a> {
 
 /// Rendered pixels of a tile with its counters.
 pub(crate) struct TileResult {
-    pub(crate) tile: Tile,
+    pub(crate) tile: Crop,
     /// Accumulators of the sampled pixels, row by row. The film rounds them.
     pub(crate) pixels: Vec<PixelEstimate>,
     /// Number of samples of all pixels.

@@ -5,13 +5,13 @@ use std::sync::atomic::AtomicBool;
 use rt_shading::LightTracingIntegrator;
 
 use crate::{
-    RenderPlan, RunOptions,
+    Crop, RenderPlan, RunOptions,
     first_hit_layers::FirstHitLayer,
     light_pass::{LightChunk, LightPass},
     parallel_for::{Outcome, parallel_for, thread_count},
     passes::PassSpec,
     render_tile::ThreadState,
-    tile::{Tile, tiles},
+    tile::tiles,
     tile_job::{TileJob, TileResult},
 };
 
@@ -19,7 +19,7 @@ use crate::{
 pub(crate) struct TileScheduler<'p> {
     plan: &'p RenderPlan<'p>,
     threads: usize,
-    tiles: Vec<Tile>,
+    tiles: Vec<Crop>,
     count: bool,
     interrupt: Option<&'p AtomicBool>,
     layers: &'p [FirstHitLayer],
@@ -37,7 +37,7 @@ impl<'p> TileScheduler<'p> {
     }
 
     /// Tiles of the plan, by index.
-    pub(crate) fn tiles(&self) -> &[Tile] {
+    pub(crate) fn tiles(&self) -> &[Crop] {
         &self.tiles
     }
 
@@ -106,7 +106,7 @@ mod tests {
                 });
                 let mut finished = 0;
                 let middle = [scheduler.plan.frame.crop.width / 2, scheduler.plan.frame.crop.height / 2];
-                let in_middle = |tile: &Tile| tile.pixels().any(|pixel| pixel == middle);
+                let in_middle = |tile: &Crop| tile.pixels().any(|pixel| pixel == middle);
                 let tile = scheduler.tiles().iter().position(in_middle).expect("tiles cover the image");
                 let outcome = scheduler.render_tiles(&pass_spec, &[tile], |_, _| finished += 1);
                 assert_eq!((outcome, finished), (Outcome { interrupted: true, lost: Vec::new() }, 0));

@@ -216,6 +216,7 @@ impl Element for f64 {
 }
 
 /// One hit at a time. `R` computes light, and `E` holds it in memory: no conversion between them rounds.
+#[derive(Clone, Copy)]
 pub(crate) struct Single<R, E>(PhantomData<(R, E)>);
 
 /// One hit at a time, with the results of [`SimdLanes`].
@@ -229,14 +230,6 @@ impl<R, E> Single<R, E> {
         Self(PhantomData)
     }
 }
-
-impl<R, E> Clone for Single<R, E> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<R, E> Copy for Single<R, E> {}
 
 impl<R: Pow + Default + Into<f64>, E: Element> LaneSet for Single<R, E> {
     const N: usize = 1;

@@ -80,6 +80,7 @@ macro_rules! dispatch {
 pub(crate) use dispatch;
 
 /// Bits of eight numbers in registers.
+#[derive(Clone, Copy)]
 pub(crate) struct LaneBits<S: Simd>(u64x8<S>);
 
 impl<S: Simd> Lanes<S> {
@@ -94,15 +95,6 @@ impl<S: Simd> Lanes<S> {
         Vector3::new(v.x.store(), v.y.store(), v.z.store())
     }
 }
-
-impl<S: Simd> Clone for LaneBits<S> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Simd> Copy for LaneBits<S> {}
 
 /// Implements a binary operator of a wrapper by that of its content.
 macro_rules! binary {
@@ -156,28 +148,12 @@ with_number!(LaneBits, Shr, shr, u32);
 macro_rules! lanes {
     ($(#[$doc:meta])* $lanes:ident($vector:ident of $number:ident), $(#[$mask_doc:meta])* $mask:ident($mask_vector:ident)) => {
         $(#[$doc])*
+        #[derive(Clone, Copy)]
         pub(crate) struct $lanes<S: Simd>(pub(crate) $vector<S>);
 
         $(#[$mask_doc])*
+        #[derive(Clone, Copy)]
         pub(crate) struct $mask<S: Simd>(pub(crate) $mask_vector<S>);
-
-        impl<S: Simd> Clone for $lanes<S> {
-            #[inline(always)]
-            fn clone(&self) -> Self {
-                *self
-            }
-        }
-
-        impl<S: Simd> Copy for $lanes<S> {}
-
-        impl<S: Simd> Clone for $mask<S> {
-            #[inline(always)]
-            fn clone(&self) -> Self {
-                *self
-            }
-        }
-
-        impl<S: Simd> Copy for $mask<S> {}
 
         binary!($lanes, Add, add);
         binary!($lanes, Sub, sub);

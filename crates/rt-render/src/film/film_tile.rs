@@ -4,9 +4,7 @@ use rt_math::Rgb;
 use serde::{Deserialize, Serialize};
 
 use super::pixel_estimate::PixelEstimate;
-use crate::{
-    ContentError, Crop, RenderPlan, RunOptions, content_checks::check_length, error_estimate::ErrorSums, tile::Tile,
-};
+use crate::{ContentError, Crop, RenderPlan, RunOptions, content_checks::check_length, error_estimate::ErrorSums};
 
 /// Layout of a film: its area and optional channels. Shards that are merged have the same layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,7 +84,7 @@ impl FilmTile {
     }
 
     /// Checks the lengths of all lists and the consistency of the sample counts. All `f32` values are valid radiance.
-    pub(crate) fn validate(&self, number: u32, tile: Tile, layout: &FilmLayout) -> Result<(), ContentError> {
+    pub(crate) fn validate(&self, number: u32, tile: Crop, layout: &FilmLayout) -> Result<(), ContentError> {
         let area = tile.area() as usize;
         let check = |list, found, expected| check_length(list, || format!("tile {number}"), found, expected);
         let optional = |found: usize| if found == 0 { 0 } else { area };
