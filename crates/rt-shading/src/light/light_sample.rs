@@ -74,7 +74,7 @@ impl<R: Real> LightDirections<R> {
         let (zero, max) = (pdf.splat(0.0), pdf.splat(f64::MAX));
         let is_finite = direction.is_finite() & distance.le(max) & pdf.le(max);
         let normal = Vector3::splat(pdf, normal);
-        let target = end_of_shadow_ray(on_light, normal, point_error_of(on_light, extent), direction);
+        let target = end_of_shadow_ray(on_light, normal, point_error_of(on_light, extent), offset);
         Self { is_lit: is_lit & is_finite & pdf.gt(zero), direction, target, pdf }
     }
 }
@@ -104,13 +104,14 @@ impl LightLiSample {
         (direction.is_finite() && distance.is_finite() && is_density(pdf) && !radiance.is_black()).then_some(sample)
     }
 
-    /// End of a shadow ray: `point`, offset by its error bound to the visible side of the light. Rounding thus does not make
-    /// the ray hit the light itself. `None` if the distance is infinite.
+    /// End of a shadow ray: `point`, offset by its error bound and that of the ray to the visible side of the light. Rounding thus does
+    /// not make the ray hit the light itself. `None` if the distance is infinite.
     ///
     /// Pharr, Jakob, Humphreys, PBR 4th ed., section 6.8.6, at the other end of the ray.
     pub fn shadow_target(&self) -> Option<DVec3> {
         let (normal, error) = (self.normal.into(), self.point_error.into());
-        self.point.map(|point| end_of_shadow_ray(point.into(), normal, error, self.direction.into()).into())
+        let offset = self.direction * self.distance;
+        self.point.map(|point| end_of_shadow_ray(point.into(), normal, error, offset.into()).into())
     }
 }
 
@@ -127,16 +128,18 @@ impl LightLeSample {
     }
 }
 
-/// Point on a light with this unit normal, offset by its error bound to the side that is visible along `direction`.
+/// Point on a light with this unit normal, moved to the side that is visible from the other end of the shadow ray, from which `offset`
+/// leads to it. Its direction is rounded, and so is the parameter of a hit on the light, in proportion to the length of the ray.
 #[inline(always)]
 fn end_of_shadow_ray<R: Real>(
     point: Vector3<R>,
     normal: Vector3<R>,
     point_error: Vector3<R>,
-    direction: Vector3<R>,
+    offset: Vector3<R>,
 ) -> Vector3<R> {
-    let off = normal * normal.abs().dot(point_error);
-    point + Vector3::select(direction.dot(normal).lt(point.x.splat(0.0)), off, -off)
+    let error = point_error + offset.abs() * point.x.splat(gamma(16));
+    let off = normal * normal.abs().dot(error);
+    point + Vector3::select(offset.dot(normal).lt(point.x.splat(0.0)), off, -off)
 }
 
 /// Bound on the rounding error of a point on a light of the size `extent`, per axis.
@@ -177,7 +180,9 @@ mod tests {
     use super::super::test_estimate::white;
     use super::super::{CylinderLight, DiskLight, EnvironmentLight, Light, MeshLight, QuadLight, SphereLight};
     use super::*;
+    use rt_geometry::{InsideRule, Polygon, Shape, Sphere, Triangle};
     use rt_math::random::{hash, unit};
+    use rt_math::{Interval, Ray};
     use std::f64::consts::PI;
 
     fn lights(sides: EmissionSides) -> Vec<Light> {
@@ -235,6 +240,50 @@ mod tests {
         let caps = part(&Light::Cylinder(closed), &|point| point.z == 3.0);
         let slice = part(&Light::Sphere(sphere), &|point| point.z.abs() < 0.5);
         assert!((caps - 0.125).abs() < 0.025 && (slice - 0.25).abs() < 0.03, "{caps}, {slice}");
+    }
+
+    /// Regression: the end of a shadow ray was offset by the error bound of the point alone. The ray rounds its direction, and the light
+    /// its hit, in proportion to the distance, so that small lights near a coordinate plane shadowed themselves.
+    #[test]
+    fn shadow_rays_do_not_hit_the_small_or_distant_light_that_they_end_on() {
+        let emission = white(EmissionSides::Both);
+        let (mut count, mut hits) = (0, Vec::new());
+        for (size, distance) in [1.0, 0.1, 0.01, 1e-4].into_iter().flat_map(|s| [1.0, 10.0, 1e3, 1e6].map(|d| (s, d))) {
+            for [u, v, w] in numbers().take(400) {
+                let turned = |x: f64, y: f64, z: f64| DVec3::new(x - 0.5, y - 0.5, z - 0.5);
+                // The light lies in the plane x = 0, or its centre near that.
+                let centre = DVec3::new(0.0, 3.0 * u, w) * distance.min(10.0);
+                let [y, z] = [DVec3::Y, DVec3::Z].map(|axis| axis * size);
+                let corners = [centre, centre + y, centre + y + z, centre + z];
+                let polygon = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex).expect("a square");
+                let triangle = [corners[0], corners[1], corners[3]];
+                let lights = [
+                    (
+                        Light::Quad(QuadLight::new(centre, [y, z], emission).expect("a light")),
+                        Shape::Polygon(polygon.into()),
+                    ),
+                    (
+                        Light::Sphere(SphereLight::new(centre, size, emission).expect("a light")),
+                        Shape::Sphere(Sphere::new(centre, size).expect("a sphere")),
+                    ),
+                    (
+                        Light::Mesh(MeshLight::new([triangle], emission).expect("a light")),
+                        Shape::Triangle(Triangle::new(triangle).expect("a triangle")),
+                    ),
+                ];
+                let from = centre + turned(v, w, u).normalize() * (size + distance);
+                for (light, shape) in lights {
+                    let Some(sample) = light.sample_li(from, [v, w]) else { continue };
+                    let target = sample.shadow_target().expect("a point");
+                    count += 1;
+                    let ray = Ray::new(from, target - from);
+                    if let Some(hit) = shape.intersect(&ray, Interval::SEGMENT) {
+                        hits.push((size, distance, hit.t - 1.0, shape));
+                    }
+                }
+            }
+        }
+        assert!(count > 15_000 && hits.is_empty(), "{} of {count}: {:?}", hits.len(), hits.first());
     }
 
     #[test]
