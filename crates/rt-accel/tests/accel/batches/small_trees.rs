@@ -142,6 +142,22 @@ fn batches_through_few_triangles_equal_brute_force() {
     assert!(n_hits > 30_000 && n_streamed > 30_000, "{n_hits} hits, {n_streamed} rays of streams");
 }
 
+/// Of equal triangles, the list has the first only.
+#[test]
+fn batches_hit_the_first_of_equal_triangles() {
+    let quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+    let corners: Vec<Vec3> = quad.iter().chain(&quad).chain(&[Vec3::Z]).copied().collect();
+    let triangles = [[0, 1, 8], [0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let soup = Soup(triangles.map(|of: [usize; 3]| Solid::Facet(of.map(|corner| corners[corner]))).to_vec());
+    // Rays of different octants go through the list.
+    let rays = [(0.2, DVec3::new(0.3, 0.1, -1.0)), (0.8, DVec3::new(-0.3, -0.1, -1.0))]
+        .map(|(x, direction)| (Ray::new(DVec3::new(x, 0.5, 0.0) - direction, direction), Interval::FORWARD));
+    let (rays, mut hits) = (rays.repeat(5), [None; 10]);
+    let tree = WideBvh::build(&soup).unwrap();
+    tree.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+    assert_eq!(hits.map(|hit| hit.map(|hit| hit.primitive)), core::array::from_fn(|at| Some(2 - (at as u32 % 2))));
+}
+
 /// Results would also be right if all rays were left open, so this test counts nodes. Every ray starts on a triangle, and most
 /// of them leave its plane.
 #[test]
