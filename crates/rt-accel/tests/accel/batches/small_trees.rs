@@ -106,7 +106,7 @@ fn batches_through_few_triangles_equal_brute_force() {
     println!("small trees: seed {seed}");
     let draw = &mut Draw::new(seed);
     let (mut n_hits, mut n_streamed) = (0, 0);
-    for round in 0..60 {
+    for round in 0..40 {
         let mut soup = if round % 2 == 0 { boxes_in_a_box(draw) } else { Soup::facets(draw) };
         let n = draw.pick(&[1, 2, 9, 16, 31, 40, 64, 70]).min(soup.0.len());
         let first = if round % 2 == 0 { 0 } else { draw.below(soup.0.len() - n + 1) };
@@ -139,7 +139,7 @@ fn batches_through_few_triangles_equal_brute_force() {
             n_hits += compare(&name, &tree, &soup, &rays, (draw, &mut n_streamed));
         }
     }
-    assert!(n_hits > 30_000 && n_streamed > 30_000, "{n_hits} hits, {n_streamed} rays of streams");
+    assert!(n_hits > 20_000 && n_streamed > 20_000, "{n_hits} hits, {n_streamed} rays of streams");
 }
 
 /// Of equal triangles, the list has the first only.
