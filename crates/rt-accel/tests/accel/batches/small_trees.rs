@@ -142,7 +142,7 @@ fn batches_through_few_triangles_equal_brute_force() {
     assert!(n_hits > 20_000 && n_streamed > 20_000, "{n_hits} hits, {n_streamed} rays of streams");
 }
 
-/// Of equal triangles, the list has the first only.
+/// The list has only the first of equal triangles.
 #[test]
 fn batches_hit_the_first_of_equal_triangles() {
     let quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
