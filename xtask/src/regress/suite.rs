@@ -26,9 +26,22 @@ macro_rules! cases {
     ($($id:literal, $title:literal, $expected:literal, $tolerance:literal, $run:expr;)*) => {
         pub(super) const CASES: &[Case] =
             &[$(Case { id: $id, title: $title, expected: $expected, tolerance: $tolerance, run: $run }),*];
+        #[cfg(test)]
+        pub(super) const IDS: &[&str] = &[$($id),*];
     };
 }
 pub(super) use cases;
+
+/// Declares the chapters of a suite, and the ids of their cases. A test that reads only the ids compiles none of the cases; a
+/// `static` would compile them all.
+macro_rules! chapters {
+    ($($chapter:ident),* $(,)?) => {
+        const CHAPTERS: &[&[Case]] = &[$($chapter::CASES),*];
+        #[cfg(test)]
+        const IDS: &[&[&str]] = &[$($chapter::IDS),*];
+    };
+}
+pub(super) use chapters;
 
 /// Inputs of a case.
 #[derive(Clone, Copy, Debug)]

@@ -12,7 +12,7 @@ use super::leaf::{LeafKind, LeafWriter, Leaves};
 use super::list_traversal::ListStream;
 use super::node::Child;
 use super::query::{PrimitiveTester, Tester, TraversalStats};
-use super::simd::{DetectedSimd, SimdLevel, WithSimd, take_lane};
+use super::simd::{DetectedSimd, SimdLevel, take_lane};
 use super::single_ray::SingleContext;
 use super::tree_query::TreeQuery;
 use super::triangle_list::TriangleList;
@@ -20,6 +20,9 @@ use super::{WideBvh, sah};
 use crate::erased::DynPrimitives;
 use crate::ray_query::AllHits;
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
+
+/// Traces a stream through the list of triangles at a level; false if there is no kernel for it.
+type TraceList<R> = fn(ListStream<'_>, DetectedSimd, &RayStream, &mut R) -> bool;
 
 impl WideBvh {
     /// Builds the tree with medium quality: O(n log n) time, some 60 bytes per triangle afterwards.
@@ -120,7 +123,8 @@ impl WideBvh {
         hits: &mut HitStream,
         probe: &mut S,
     ) -> bool {
-        self.trace_list(rays, hits, probe.counts_work(), |at, ray, span, hits| {
+        let trace: TraceList<_> = |list, level, rays, hits| list.closest(level, rays, hits);
+        self.trace_list(trace, rays, hits, probe.counts_work(), |at, ray, span, hits| {
             hits.set(at, self.closest(primitives, ray, span, probe).as_ref());
         })
     }
@@ -135,7 +139,8 @@ impl WideBvh {
         occluded: &mut [bool],
         probe: &mut S,
     ) -> bool {
-        self.trace_list(rays, occluded, probe.counts_work(), |at, ray, span, occluded| {
+        let trace: TraceList<_> = |list, level, rays, occluded| list.occluded(level, rays, occluded);
+        self.trace_list(trace, rays, occluded, probe.counts_work(), |at, ray, span, occluded| {
             if let Some(occluded) = occluded.get_mut(at) {
                 *occluded = self.occluded(primitives, ray, span, probe);
             }
@@ -146,18 +151,16 @@ impl WideBvh {
     /// is no such list, or no kernel for it at this level.
     fn trace_list<R: ?Sized>(
         &self,
+        trace: TraceList<R>,
         rays: &RayStream,
         results: &mut R,
         counts_work: bool,
         mut trace_open: impl FnMut(usize, &Ray, Interval, &mut R),
-    ) -> bool
-    where
-        for<'q, 'r> ListStream<'q>: WithSimd<&'r RayStream, &'r mut R>,
-    {
+    ) -> bool {
         let Some(list) = self.list.as_ref().filter(|_| !counts_work) else { return false };
         let mut open = [0; STREAM_CAPACITY / PACKET];
         let traversal = ListStream { tree: self, list, open: &mut open };
-        if !self.level.dispatch_lists(traversal, rays, &mut *results) {
+        if !trace(traversal, self.level, rays, results) {
             return false;
         }
         for (first, open) in (0..).step_by(PACKET).zip(open) {

@@ -19,7 +19,7 @@ use super::packet::SWITCH_THRESHOLD;
 use super::packet_triangles::intersect_each;
 use super::query::Output;
 use super::ray_soa::{PacketHit, RaySoa8, pad_to_packet};
-use super::simd::{Simd, WithSimd, take_lane};
+use super::simd::{DetectedSimd, Simd, WithSimd, take_lane};
 use super::triangle_list::{ListOther, ListTriangle, MAX_TRIANGLES, NORMAL_ERROR, TriangleList};
 
 /// Last bits of a key: the number of a triangle. The others are those of a lower bound of `t`.
@@ -343,6 +343,21 @@ impl ListStream<'_> {
             *open = hits.open as u8;
             write(at, hits);
         }
+    }
+}
+
+impl ListStream<'_> {
+    /// Finds the closest hits. False if kernels for lists are not compiled for this level. Compiled here, and not in every crate that
+    /// traces rays.
+    #[inline(never)]
+    pub(super) fn closest(self, level: DetectedSimd, rays: &RayStream, hits: &mut HitStream) -> bool {
+        level.dispatch_lists(self, rays, hits)
+    }
+
+    /// Version of [`closest`](Self::closest) for any hits.
+    #[inline(never)]
+    pub(super) fn occluded(self, level: DetectedSimd, rays: &RayStream, occluded: &mut [bool]) -> bool {
+        level.dispatch_lists(self, rays, occluded)
     }
 }
 

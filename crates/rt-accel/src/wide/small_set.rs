@@ -77,7 +77,7 @@ impl SmallSet {
     }
 
     /// Traces a stream. Returns false, without any result, for a set with instances, and at levels without packets.
-    fn trace_stream<O: Output, P: Primitives, S: Probe>(
+    fn trace_stream<O: SetQuery, P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         (rays, output): (&RayStream, StreamOutput<'_>),
@@ -94,7 +94,7 @@ impl SmallSet {
         let mut tester = Tester { primitives, probe };
         let stats = TraversalStats::default();
         let mut batch = Batch { entries, indices: self.indices(), is_first: true, tester: &mut tester, stats };
-        let is_traced = self.level.dispatch_lists(StreamTraversal { batch: &mut batch }, rays, output);
+        let is_traced = O::trace_stream(self.level, &mut batch, rays, output);
         batch.stats.add_to(tester.probe);
         is_traced
     }
@@ -126,7 +126,7 @@ impl SmallSet {
     }
 
     /// Traces a batch.
-    fn trace_batch<O: Output, P: Primitives, S: Probe>(
+    fn trace_batch<O: SetQuery, P: Primitives, S: Probe>(
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],
@@ -153,7 +153,7 @@ impl SmallSet {
                 [entry] if entry.is_instance() => batch.trace_instance(entry.index, rays, outputs),
                 _ => {
                     let is_traced = entries.iter().any(SetEntry::has_kernel)
-                        && self.level.dispatch_lists(&mut batch, rays, &mut *outputs);
+                        && O::trace_batch(self.level, &mut batch, rays, outputs);
                     if !is_traced {
                         batch.trace_singly(rays, outputs);
                     }
@@ -419,6 +419,57 @@ impl<O: Output> WithSimd<&RayStream, StreamOutput<'_>> for StreamTraversal<'_, '
             }
         }
     }
+}
+
+/// Queries of a set. Compiled once here, and not in every crate that traces rays. False if kernels for lists are not compiled for
+/// this level.
+trait SetQuery: Output {
+    fn trace_batch(
+        level: DetectedSimd,
+        batch: &mut Batch<'_, Self>,
+        rays: &[(Ray, Interval)],
+        outputs: &mut [Self],
+    ) -> bool;
+
+    fn trace_stream(
+        level: DetectedSimd,
+        batch: &mut Batch<'_, Self>,
+        rays: &RayStream,
+        output: StreamOutput<'_>,
+    ) -> bool;
+}
+
+/// Entry points of a query, compiled for a concrete output.
+macro_rules! entry_points {
+    () => {
+        #[inline(never)]
+        fn trace_batch(
+            level: DetectedSimd,
+            batch: &mut Batch<'_, Self>,
+            rays: &[(Ray, Interval)],
+            outputs: &mut [Self],
+        ) -> bool {
+            level.dispatch_lists(batch, rays, outputs)
+        }
+
+        #[inline(never)]
+        fn trace_stream(
+            level: DetectedSimd,
+            batch: &mut Batch<'_, Self>,
+            rays: &RayStream,
+            output: StreamOutput<'_>,
+        ) -> bool {
+            level.dispatch_lists(StreamTraversal { batch }, rays, output)
+        }
+    };
+}
+
+impl SetQuery for Option<Hit> {
+    entry_points!();
+}
+
+impl SetQuery for bool {
+    entry_points!();
 }
 
 /// Results of eight rays, of which some are traced. Bit `i` of a mask is for ray `i`.

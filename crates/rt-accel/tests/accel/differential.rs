@@ -13,7 +13,7 @@ use rt_accel::{
 
 /// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
 fn n_rays() -> usize {
-    std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(5000)
+    std::env::var("RT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(3000)
 }
 
 /// Counts of a comparison.

@@ -175,10 +175,10 @@ fn images_to_compare_or_develop_are_refused_by_their_header() {
 
 #[test]
 fn images_take_no_more_than_predicted() {
-    const PIXELS: u64 = 800 * 600;
+    const PIXELS: u64 = 640 * 480;
     let place = Workplace::with_scene();
     for name in ["a.exr", "b.exr", "a.png", "a.pfm"] {
-        place.succeed(&format!("render scene.ron --size 800x600 --spp 1 -o {name}"));
+        place.succeed(&format!("render scene.ron --size 640x480 --spp 1 -o {name}"));
     }
     // What a command takes whose memory suffices just so, with what the program takes for nothing.
     let at_rest = peak(&place, "--version");

@@ -8,9 +8,9 @@ use rt_render::{
     Checkpoint, MergeError, Observer, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions,
     Shard, ShardSpec, StopRule, Stopped, TargetError,
 };
-use rt_scene_io::{AdaptiveSampling, Integrator, Scene};
+use rt_scene_io::{AdaptiveSampling, Integrator, MaterialId, Scene, SceneNode};
 
-use crate::support::{everything, spheres};
+use crate::support::{everything, sphere, spheres};
 
 /// Saves a checkpoint after some tiles and interrupts the render some tiles later.
 struct Killer<'a> {
@@ -211,6 +211,29 @@ fn join_errors_name_the_part() {
     assert_eq!(Shard::merge(vec![c, a, unfinished]), Err(MergeError::Unfinished { shard: 2, missing }));
     let message = MergeError::Missing(vec![0, 4], 8).to_string();
     assert_eq!(message, "2 of 8 shards are missing: 1/8, 5/8; render them");
+}
+
+/// Each tile would take hours.
+#[test]
+fn an_interrupt_does_not_wait_for_tiles_of_many_samples() {
+    let mut scene = spheres();
+    // It covers the image, so that no tile is empty.
+    scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 6.0), MaterialId(0))];
+    scene.settings.spp = 1 << 30;
+    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let interrupt = AtomicBool::new(false);
+    let mut finished = 0;
+    let shard = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            interrupt.store(true, Ordering::Relaxed);
+        });
+        let run = RunOptions { threads: 3, interrupt: Some(&interrupt), ..RUN };
+        plan.render_shard(&run, None, None, |_| finished += 1).expect("renders")
+    });
+    let missing = shard.missing_tiles();
+    assert_eq!((shard.into_rendering().stopped, finished), (Stopped::Interrupted, 0));
+    assert!(missing > 0);
 }
 
 #[test]

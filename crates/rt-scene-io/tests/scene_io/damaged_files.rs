@@ -24,7 +24,7 @@ const IMAGES: [&str; 4] = ["png", "jpg", "hdr", "exr"];
 const LONGEST: u64 = 50_000;
 
 /// Files up to this size are cut at every length.
-const SHORT: usize = 100;
+const SHORT: usize = 50;
 
 /// An answer may take that long on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -121,8 +121,8 @@ impl<'a> Damaged<'a> {
     /// Loads the file cut off at many lengths: everywhere in a short file or near the ends, here and there in between.
     fn truncate(&self) -> usize {
         let count = self.bytes.len();
-        let ends = (0..count.min(6)).chain(count.saturating_sub(6)..count);
-        let step = if count <= SHORT { 1 } else { count / 6 };
+        let ends = (0..count.min(4)).chain(count.saturating_sub(4)..count);
+        let step = if count <= SHORT { 1 } else { count / 5 };
         let lengths: Vec<usize> = ends.chain((0..count).step_by(step)).collect();
         for &length in &lengths {
             self.load(&self.bytes[..length], &format!("cut at {length}"));

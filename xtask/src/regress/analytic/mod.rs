@@ -10,7 +10,7 @@
 
 use super::{
     checks::{Checks, Tolerance},
-    suite::{self, Case, Conditions, Fallible, cases},
+    suite::{self, Case, Conditions, Fallible, cases, chapters},
     unit::Unit,
 };
 
@@ -33,24 +33,24 @@ mod slopes;
 mod stopping;
 mod test_image;
 
-static CHAPTERS: [&[Case]; 12] = [
-    coverage::CASES,
-    slopes::CASES,
-    irradiance::CASES,
-    many_lights::CASES,
-    exchange::CASES,
-    shadows::CASES,
-    occlusion::CASES,
-    enclosures::CASES,
-    furnace::CASES,
-    lens::CASES,
-    stopping::CASES,
-    faults::CASES,
-];
+chapters! {
+    coverage,
+    slopes,
+    irradiance,
+    many_lights,
+    exchange,
+    shadows,
+    occlusion,
+    enclosures,
+    furnace,
+    lens,
+    stopping,
+    faults,
+}
 
 /// One unit per case.
 pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
-    suite::units("analytic", &CHAPTERS)
+    suite::units("analytic", CHAPTERS)
 }
 
 #[cfg(test)]
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn every_case_has_a_name_of_its_own() {
-        let ids: Vec<&str> = CHAPTERS.into_iter().flatten().map(|case| case.id).collect();
+        let ids = IDS.concat();
         assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "{ids:?}");
         let numbers = [58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 72, 73].map(|number| format!("S{number}"));
         for id in &numbers {

@@ -5,7 +5,7 @@
 
 use super::{
     checks::{Checks, FOUR_U, Tolerance},
-    suite::{self, Case, Conditions, Fallible, cases},
+    suite::{self, Case, Conditions, Fallible, cases, chapters},
     unit::Unit,
 };
 
@@ -23,23 +23,23 @@ mod scenes;
 mod spawn;
 mod spheres;
 
-static CHAPTERS: [&[Case]; 11] = [
-    spheres::CASES,
-    boxes_planes::CASES,
-    quadrics::CASES,
-    meshes::CASES,
-    polygons::CASES,
-    spawn::CASES,
-    accelerators::CASES,
-    differential::CASES,
-    optics::CASES,
-    images::CASES,
-    invariance::CASES,
-];
+chapters! {
+    spheres,
+    boxes_planes,
+    quadrics,
+    meshes,
+    polygons,
+    spawn,
+    accelerators,
+    differential,
+    optics,
+    images,
+    invariance,
+}
 
 /// One unit per case.
 pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
-    suite::units("numerics", &CHAPTERS)
+    suite::units("numerics", CHAPTERS)
 }
 
 #[cfg(test)]
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn every_case_of_the_table_is_here_once() {
-        let ids: Vec<&str> = CHAPTERS.into_iter().flatten().map(|case| case.id).collect();
+        let ids = IDS.concat();
         let numbers = (1..=57).chain([70, 71, 80]).map(|number| format!("S{number:02}"));
         let expected: BTreeSet<String> = numbers.chain(["differential".to_owned()]).collect();
         assert_eq!(ids.len(), expected.len(), "{ids:?}");

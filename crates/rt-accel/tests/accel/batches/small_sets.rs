@@ -18,7 +18,7 @@ fn small_sets_equal_brute_force() {
     println!("batches: seed {seed}");
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;
-    for round in 0..60 {
+    for round in 0..40 {
         let n = 1 + draw.below(SmallSet::CAPACITY);
         let pool = match round % 4 {
             0 => Soup::mixed(draw).0.into_iter().chain(Soup::facets(draw).0).collect(),
@@ -74,7 +74,7 @@ fn small_sets_equal_brute_force() {
             assert_eq!(counted_by_streams.total(), expected[0], "round {round}");
         }
     }
-    assert!(n_hits > 10_000, "{n_hits} hits");
+    assert!(n_hits > 7_000, "{n_hits} hits");
     assert!(SmallSet::new(0..=SmallSet::CAPACITY as u32).is_none());
 }
 

@@ -106,7 +106,7 @@ fn batches_through_few_triangles_equal_brute_force() {
     println!("small trees: seed {seed}");
     let draw = &mut Draw::new(seed);
     let (mut n_hits, mut n_streamed) = (0, 0);
-    for round in 0..60 {
+    for round in 0..40 {
         let mut soup = if round % 2 == 0 { boxes_in_a_box(draw) } else { Soup::facets(draw) };
         let n = draw.pick(&[1, 2, 9, 16, 31, 40, 64, 70]).min(soup.0.len());
         let first = if round % 2 == 0 { 0 } else { draw.below(soup.0.len() - n + 1) };
@@ -139,7 +139,23 @@ fn batches_through_few_triangles_equal_brute_force() {
             n_hits += compare(&name, &tree, &soup, &rays, (draw, &mut n_streamed));
         }
     }
-    assert!(n_hits > 30_000 && n_streamed > 30_000, "{n_hits} hits, {n_streamed} rays of streams");
+    assert!(n_hits > 20_000 && n_streamed > 20_000, "{n_hits} hits, {n_streamed} rays of streams");
+}
+
+/// The list has only the first of equal triangles.
+#[test]
+fn batches_hit_the_first_of_equal_triangles() {
+    let quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+    let corners: Vec<Vec3> = quad.iter().chain(&quad).chain(&[Vec3::Z]).copied().collect();
+    let triangles = [[0, 1, 8], [0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let soup = Soup(triangles.map(|of: [usize; 3]| Solid::Facet(of.map(|corner| corners[corner]))).to_vec());
+    // Rays of different octants go through the list.
+    let rays = [(0.2, DVec3::new(0.3, 0.1, -1.0)), (0.8, DVec3::new(-0.3, -0.1, -1.0))]
+        .map(|(x, direction)| (Ray::new(DVec3::new(x, 0.5, 0.0) - direction, direction), Interval::FORWARD));
+    let (rays, mut hits) = (rays.repeat(5), [None; 10]);
+    let tree = WideBvh::build(&soup).unwrap();
+    tree.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+    assert_eq!(hits.map(|hit| hit.map(|hit| hit.primitive)), core::array::from_fn(|at| Some(2 - (at as u32 % 2))));
 }
 
 /// Results would also be right if all rays were left open, so this test counts nodes. Every ray starts on a triangle, and most

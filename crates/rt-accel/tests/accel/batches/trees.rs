@@ -72,7 +72,7 @@ fn batches_through_small_trees_equal_single_queries() {
                     soup.0.extend((0..grounds).map(|_| Solid::Ground { height: -0.4 * scale }));
                     let wide = WideBvh::build(&soup).unwrap().with_level(level);
                     let name = format!("{} {name}, scale {scale:e}, offset {offset:e}, {grounds} planes", level.name());
-                    compare(&name, &wide, &soup, 4000, draw);
+                    compare(&name, &wide, &soup, 2000, draw);
                 }
             }
         }
@@ -216,7 +216,7 @@ fn batches_through_large_trees_equal_single_queries() {
         assert!(wide.memory() > 8 << 20, "{name}: {} bytes", wide.memory());
         for level in levels() {
             let wide = wide.clone().with_level(level);
-            compare(&format!("{} {name}", level.name()), &wide, &soup, 4000, &mut Draw::new(seed + 1));
+            compare(&format!("{} {name}", level.name()), &wide, &soup, 2000, &mut Draw::new(seed + 1));
         }
     }
 }

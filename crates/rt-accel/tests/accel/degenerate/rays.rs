@@ -5,6 +5,7 @@ use rt_accel::{
     Aabb, Accelerator, AcceleratorKind, AnyAccelerator, DVec3, Interval, NoProbe, Ray, SphereKernel, UniformGrid,
     WideBvh, brute_force,
 };
+use rt_math::Vec3;
 
 use super::{FORWARD, down, rays_at, unit_box};
 use crate::soup::draw::Draw;
@@ -147,6 +148,31 @@ fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
                 assert_eq!(found, expected, "{aside} of {scale}");
                 let blocked = tree.occluded(&soup, &ray, span, &mut NoProbe);
                 assert_eq!(blocked, is_hit, "{aside} of {scale}");
+            }
+        }
+    }
+}
+
+#[test]
+fn triangles_whose_products_vanish_are_hit_and_where_they_are() {
+    let far = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|v| v + Vec3::splat(50.0));
+    let skew = [[7.4e-16, 1.45e-15, 1.77e-15], [2.65e-15, 1.44e-15, 2.53e-15], [-2.83e-15, -2.1e-16, 2.66e-15]];
+    for scale in [1.0, 1e-8, 1e-11, 1e-12, 1e-14, 1e-20, 1e-24] {
+        let small = [[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]].map(|v| Vec3::from(v) * scale);
+        for (facet, origin, direction) in [
+            (small, DVec3::NEG_Z * 100.0 * f64::from(scale), DVec3::Z),
+            (small, DVec3::new(0.3, 0.2, -7.0) * f64::from(scale), DVec3::new(-0.1, 0.05, 1.0)),
+            (skew.map(Vec3::from), DVec3::NEG_Z * 1e-14, DVec3::new(-0.009, 0.063, 1.0)),
+        ] {
+            let soup = Soup(vec![Solid::Facet(facet), Solid::Facet(far)]);
+            let ray = Ray::new(origin, direction);
+            let expected = brute_force::closest(&soup, &ray, FORWARD, &mut NoProbe);
+            assert!(expected.is_some());
+            for &level in SimdLevel::ALL {
+                let params = BuildParams { max_leaf: 1, ..BuildParams::default() };
+                let tree = WideBvh::build_with(&soup, &params).expect("two triangles").with_level(level);
+                let found = tree.closest(&soup, &ray, FORWARD, &mut NoProbe);
+                assert_eq!(found, expected, "{facet:?} at {scale}");
             }
         }
     }
