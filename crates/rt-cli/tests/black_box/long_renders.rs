@@ -116,6 +116,36 @@ fn repeated_signals_save_the_image() {
     }
 }
 
+/// Runs the program with a limit of its files, in units of 512 bytes or of 1024 in some shells.
+#[cfg(unix)]
+fn with_file_size_limit(place: &Workplace, units: u32, arguments: &str) -> Run {
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit -f {units}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_rt-cli")]);
+    Run::of(command.args(arguments.split_whitespace()).current_dir(place.path("")).output().expect("a shell"))
+}
+
+#[test]
+#[cfg(unix)]
+fn an_image_beyond_the_file_size_limit_is_an_error_with_a_message() {
+    let place = Workplace::with_scene();
+    let run = with_file_size_limit(&place, 4, "render scene.ron --size 120x90 -o big.exr --quiet");
+    assert_eq!(run.code, Some(4), "{run:?}");
+    assert!(run.stderr.starts_with("error: cannot write `big.exr`: ") && run.stderr.contains("large"), "{run:?}");
+    assert_eq!(place.files(), ["scene.ron"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_checkpoint_beyond_the_file_size_limit_is_one_warning() {
+    let place = Workplace::with_scene();
+    // The checkpoint takes 230 kB at the end, and the image at most 60 kB.
+    let arguments = "render scene.ron --size 160x120 --spp 16 --threads 2 --checkpoint-every 1ms -o scene.png";
+    let run = with_file_size_limit(&place, 150, arguments);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    assert_eq!(run.stderr.matches("cannot write the checkpoint").count(), 1, "{run:?}");
+    assert_eq!(place.files(), ["scene.png", "scene.ron"]);
+}
+
 #[test]
 #[cfg(unix)]
 fn nohup_is_obeyed() {
