@@ -87,7 +87,7 @@ impl Checkpointer {
             Ok(Some(label)) => Some(self.foreign(label, "")),
             Err(error) if is_unusable(&error) => Some(error),
             // Links are replaced, not followed.
-            Err(ArtifactError::OtherKind { .. } | ArtifactError::NotAFile(_))
+            Err(ArtifactError::OtherKind { .. } | ArtifactError::NotAFile(_) | ArtifactError::Empty(_))
                 if self.file.is_symlink() && !options.resume =>
             {
                 return Ok(None);

@@ -280,6 +280,17 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
 }
 
 #[test]
+fn an_empty_checkpoint_is_refused_and_stays() {
+    let place = Workplace::with_scene();
+    place.write("scene.exr.checkpoint", "");
+    for options in ["", "--resume", "--restart"] {
+        let message = "scene.exr.checkpoint: is empty (0 bytes); remove it, and render again";
+        place.fails(3, &format!("render scene.ron -o scene.exr {options}"), message);
+        assert_eq!(place.files(), ["scene.exr.checkpoint", "scene.ron"], "{options}");
+    }
+}
+
+#[test]
 fn checkpoints_never_replace_the_scene_or_the_image() {
     let place = Workplace::with_scene();
     place.write("notes.txt", "mine");
