@@ -174,6 +174,34 @@ fn bad_samples_warn_and_are_an_error_under_strict() {
 }
 
 #[test]
+fn light_of_caustics_beyond_the_largest_radiance_is_reported() {
+    let scene = |radiance: &str| {
+        format!(
+            "(nodes: [(shape: sphere(), material: glass()), (shape: plane(point: (0, -1, 0)))],
+            lights: [sphere(center: (0, 3, 0), radius: 0.1, radiance: {radiance})],
+            settings: (integrator: path_caustics), camera: (look_from: (0, 3, 5)))"
+        )
+    };
+    let place = Workplace::with("bright.ron", scene("1e12"));
+    place.write("dim.ron", scene("10"));
+    let arguments = "--size 24x18 --spp 16 --stats stats.json";
+    for threads in [1, 3] {
+        let run = place.succeed(&format!("render bright.ron -o bright.exr --threads {threads} {arguments}"));
+        let warning = "warning: the light of caustics was cut off at a radiance of 2^27 in ";
+        assert_eq!(run.stderr.matches(warning).count(), 1, "{run:?}");
+        let pixels = &place.json("stats.json")["saturated_pixels"];
+        assert!(pixels.as_u64() > Some(0) && run.stderr.contains(&format!("in {pixels} pixels")), "{pixels}: {run:?}");
+    }
+    place.fails(
+        5,
+        &format!("render bright.ron -o strict.exr --strict {arguments}"),
+        "the image was written to strict.exr",
+    );
+    let run = place.succeed(&format!("render dim.ron {arguments}"));
+    assert!(run.stderr.is_empty() && place.json("stats.json")["saturated_pixels"] == 0, "{run:?}");
+}
+
+#[test]
 fn views_of_geometry_do_not_depend_on_the_exposure_of_the_scene() {
     let place = Workplace::with_scene();
     place.write("sunlit.ron", SCENE.replace("film: (", "film: (exposure: -16, tone: aces, "));
