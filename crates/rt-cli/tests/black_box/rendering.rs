@@ -174,6 +174,19 @@ fn bad_samples_warn_and_are_an_error_under_strict() {
 }
 
 #[test]
+fn notes_on_a_placed_camera_claim_no_more_than_options_leave() {
+    let place = Workplace::with("sphere.ron", "(nodes: [(shape: sphere())])");
+    let notes = |options: &str| {
+        let run = place.succeed(&format!("render sphere.ron --size 8x8 {options}"));
+        run.stdout.lines().filter(|line| line.contains("camera")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let note = "note: The camera has no position: it looks from [2.163, 1.731, 4.327] at [0, 0, 0]";
+    assert_eq!(notes(""), [format!("{note}, and shows the whole scene.")]);
+    assert_eq!(notes("--fov 10"), [format!("{note}.")]);
+    assert!(notes("--look-from 0,0,5 --look-at 0,0,0").is_empty());
+}
+
+#[test]
 fn light_of_caustics_beyond_the_largest_radiance_is_reported() {
     let scene = |radiance: &str| {
         format!(
