@@ -113,8 +113,10 @@ impl Checkpointer {
                     Some(aside) => format!("it is kept as {}", aside.display()),
                     None => "it cannot be moved aside, and will be replaced".to_owned(),
                 };
-                self.console
-                    .println(format_args!("note: {error}; {fate}, and this render starts from the beginning"))?;
+                self.console.println(format_args!(
+                    "note: {}; {fate}, and this render starts from the beginning",
+                    error.cause()
+                ))?;
                 Ok(None)
             }
         }
