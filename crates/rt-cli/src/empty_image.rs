@@ -1,9 +1,8 @@
 //! Warnings about images that are black or show no object.
 
 use rt_check::short_number;
-use rt_image::Image;
 use rt_math::Aabb;
-use rt_render::RenderPlan;
+use rt_render::{RenderPlan, Rendering, Statistics};
 use rt_scene_io::{Integrator, Scene};
 
 /// Warning about a scene without light, before it is rendered.
@@ -16,17 +15,12 @@ pub(crate) fn unlit(scene: &Scene, plan: &RenderPlan<'_>) -> Option<String> {
     })
 }
 
-/// Warning about an image that is black or shows no object, with the likely cause. `hits` counts camera samples that
-/// hit a surface; `is_developed` is true for an image of display bytes.
-pub(crate) fn empty(
-    scene: &Scene,
-    plan: &RenderPlan<'_>,
-    film: &Image,
-    hits: u64,
-    is_developed: bool,
-) -> Option<String> {
+/// Warning about an image that is black or shows no object, with the likely cause. `is_developed` is true for an image
+/// of display bytes.
+pub(crate) fn empty(scene: &Scene, plan: &RenderPlan<'_>, rendering: &Rendering, is_developed: bool) -> Option<String> {
     let integrator = scene.settings.integrator;
-    if hits == 0 && integrator != Integrator::Cost {
+    let Rendering { film, statistics: Statistics { camera_hits, bad_samples, .. }, .. } = rendering;
+    if *camera_hits == 0 && integrator != Integrator::Cost {
         return Some(unseen(scene));
     }
     if !integrator.follows_light() || !plan.has_light() {
@@ -37,6 +31,10 @@ pub(crate) fn empty(
     let development = &scene.film.development;
     let has_area_lights_only =
         integrator == Integrator::Whitted && scene.appearance.lights.is_empty() && plan.has_emission();
+    if brightest == 0.0 && *bad_samples > 0 {
+        // Bad samples count as black, and have a warning of their own.
+        return None;
+    }
     if brightest == 0.0 && has_area_lights_only {
         return Some("the image is black: `whitted` samples no area lights; use `distributed` or `path`".to_owned());
     }

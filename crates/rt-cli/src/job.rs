@@ -169,8 +169,7 @@ impl Job<'_> {
         if self.options.crop.is_some() {
             return Ok(());
         }
-        let (hits, is_developed) = (rendering.statistics.camera_hits, image_file::is_developed(*format));
-        match empty_image::empty(self.scene, plan, &rendering.film, hits, is_developed) {
+        match empty_image::empty(self.scene, plan, rendering, image_file::is_developed(*format)) {
             Some(warning) if self.strict => Err(CliError::Empty { warning, file: file.path().to_owned() }),
             Some(warning) => {
                 self.console.warn(warning);

@@ -87,6 +87,19 @@ fn a_black_image_of_a_lit_scene_is_reported() {
     assert!(warnings(&render(&behind, "--quiet")).is_empty());
 }
 
+/// The light is there: its samples are beyond `f32`.
+#[test]
+fn an_image_that_is_black_because_of_bad_samples_is_not_called_unlit() {
+    for scene in [
+        "(nodes: [(shape: sphere(), material: diffuse(emission: 1e60))])",
+        "(nodes: [(shape: sphere())], lights: [quad(corner: (-9, 8, -9), edges: ((0, 0, 18), (18, 0, 0)), radiance: 1e60)])",
+    ] {
+        let run = render(scene, "--integrator path --background black");
+        let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
+        assert!(warning.contains("samples were NaN, infinite or negative"), "{run:?}");
+    }
+}
+
 #[test]
 fn area_lights_that_whitted_does_not_sample_are_named() {
     let scene = "(camera: (look_from: (0, 0, 5)), lights: [quad(corner: (-9, 8, -9), edges: ((0, 0, 1), (1, 0, 0)))], background: constant(0), \
