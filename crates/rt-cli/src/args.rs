@@ -245,6 +245,10 @@ pub(crate) struct ConvertArgs {
     /// Treat warnings as errors (exit code 3), and write no file
     #[arg(long)]
     pub(crate) strict: bool,
+
+    /// Print errors only
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -268,6 +272,10 @@ pub(crate) struct DevelopArgs {
     /// Encode with the exponent 1 / GAMMA instead of the sRGB curve; 1 stores linear values
     #[arg(long, value_name = "GAMMA", value_parser = values::gamma, allow_negative_numbers = true)]
     pub(crate) gamma: Option<f64>,
+
+    /// Print errors only
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 
     #[command(flatten)]
     pub(crate) memory: MemoryArgs,

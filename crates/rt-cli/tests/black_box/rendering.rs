@@ -140,6 +140,16 @@ fn quiet_prints_nothing() {
 }
 
 #[test]
+fn convert_and_develop_are_quiet_on_demand() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron -o linear.exr --quiet");
+    for command in ["convert scene.ron -o copy.json -q", "develop linear.exr -o linear.png --quiet"] {
+        let run = place.succeed(command);
+        assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{command}");
+    }
+}
+
+#[test]
 fn developing_later_equals_developing_at_once() {
     let place = Workplace::with_scene();
     place.succeed("render scene.ron -o linear.exr");
