@@ -245,6 +245,10 @@ pub(crate) struct ConvertArgs {
     /// Treat warnings as errors (exit code 3), and write no file
     #[arg(long)]
     pub(crate) strict: bool,
+
+    /// Print errors only
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -268,6 +272,10 @@ pub(crate) struct DevelopArgs {
     /// Encode with the exponent 1 / GAMMA instead of the sRGB curve; 1 stores linear values
     #[arg(long, value_name = "GAMMA", value_parser = values::gamma, allow_negative_numbers = true)]
     pub(crate) gamma: Option<f64>,
+
+    /// Print errors only
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 
     #[command(flatten)]
     pub(crate) memory: MemoryArgs,
@@ -322,7 +330,8 @@ Write statistics in JSON to this file or to -, and count the cost per ray
 `camera_hits` counts camera samples that hit a surface. `primary_rays_skipped` counts camera rays that were skipped because \
 their part of the view is empty. `pixel_samples` are the samples per pixel; `simple_pixels` took fewer because they show no edge \
 (--adaptive). `stopped` is the stop rule that ended the render (samples, time, target-error). `unconverged_pixels` counts pixels that missed --target-error \
-(null without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `estimated_error` is null after a single \
+(null without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `saturated_pixels` counts pixels in which the \
+light of caustics was cut off at a radiance of 2^27, summed over passes. `estimated_error` is null after a single \
 pass. `shading` counts the work of materials, and the SIMD `lanes` that shaded, with those in use. `seconds` are wall-clock times. \
 Counts are the same in every run, those of lanes on processors of the same kind; `seconds`, `mega_rays_per_second` and \
 `peak_memory_bytes` (null where unknown) are not.";

@@ -1,7 +1,7 @@
 //! Errors of checkpoints and shards.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rt_scene_io::{MemoryError, unreadable};
 use serde::{Deserialize, Serialize};
@@ -31,17 +31,36 @@ pub(crate) enum ArtifactError {
     Content { file: PathBuf, kind: ArtifactKind, reason: String },
     #[error("{}: is not a {kind}; remove it, or choose another file", file.display())]
     OtherKind { file: PathBuf, kind: ArtifactKind },
-    #[error("{}: is damaged: its content does not match its hash; remove it, and render again", .0.display())]
+    #[error("{}; remove it, and render again", damaged(.0))]
     Damaged(PathBuf),
     #[error("{}: is not a list of finished frames; remove it to start over", .0.display())]
     Log(PathBuf),
-    #[error("{}: was written by version {version} of this program; use that version, or render it again with this version, {}", file.display(), env!("CARGO_PKG_VERSION"))]
+    #[error("{}; use that version, or render it again with this version, {}", other_version(file, version), env!("CARGO_PKG_VERSION"))]
     Version { file: PathBuf, version: String },
     #[error("{}: was made with other options; use the same --stats, --aov, --time and --target-error, or start over \
              with --restart", .0.display())]
     OtherOptions(PathBuf),
     #[error("{}: is of another image: its scene ({scene}), an asset of it, or an option differs{advice}", file.display())]
     Foreign { file: PathBuf, scene: String, advice: &'static str },
+}
+
+impl ArtifactError {
+    /// Cause without the advice on a file that is in the way.
+    pub(crate) fn cause(&self) -> String {
+        match self {
+            Self::Damaged(file) => damaged(file),
+            Self::Version { file, version } => other_version(file, version),
+            other => other.to_string(),
+        }
+    }
+}
+
+fn damaged(file: &Path) -> String {
+    format!("{}: is damaged: its content does not match its hash", file.display())
+}
+
+fn other_version(file: &Path, version: &str) -> String {
+    format!("{}: was written by version {version} of this program", file.display())
 }
 
 impl core::fmt::Display for ArtifactKind {

@@ -147,6 +147,9 @@ pub(crate) fn label(file: &Path, kind: ArtifactKind) -> Result<Option<Label>, Ar
         .take(MAGIC.len() as u64 + MAX_LABEL)
         .read_to_end(&mut head)
         .map_err(|source| ArtifactError::Read { file: file.to_owned(), source })?;
+    if head.is_empty() {
+        return Err(ArtifactError::Empty(file.to_owned()));
+    }
     if MAGIC.starts_with(&head) {
         return Err(ArtifactError::Damaged(file.to_owned()));
     }

@@ -87,7 +87,7 @@ impl Checkpointer {
             Ok(Some(label)) => Some(self.foreign(label, "")),
             Err(error) if is_unusable(&error) => Some(error),
             // Links are replaced, not followed.
-            Err(ArtifactError::OtherKind { .. } | ArtifactError::NotAFile(_))
+            Err(ArtifactError::OtherKind { .. } | ArtifactError::NotAFile(_) | ArtifactError::Empty(_))
                 if self.file.is_symlink() && !options.resume =>
             {
                 return Ok(None);
@@ -113,8 +113,10 @@ impl Checkpointer {
                     Some(aside) => format!("it is kept as {}", aside.display()),
                     None => "it cannot be moved aside, and will be replaced".to_owned(),
                 };
-                self.console
-                    .println(format_args!("note: {error}; {fate}, and this render starts from the beginning"))?;
+                self.console.println(format_args!(
+                    "note: {}; {fate}, and this render starts from the beginning",
+                    error.cause()
+                ))?;
                 Ok(None)
             }
         }

@@ -1,7 +1,8 @@
 //! Warnings about images that are black or show no object.
 
-use rt_image::Image;
-use rt_render::RenderPlan;
+use rt_check::short_number;
+use rt_math::Aabb;
+use rt_render::{RenderPlan, Rendering, Statistics};
 use rt_scene_io::{Integrator, Scene};
 
 /// Warning about a scene without light, before it is rendered.
@@ -14,17 +15,12 @@ pub(crate) fn unlit(scene: &Scene, plan: &RenderPlan<'_>) -> Option<String> {
     })
 }
 
-/// Warning about an image that is black or shows no object, with the likely cause. `hits` counts camera samples that
-/// hit a surface; `is_developed` is true for an image of display bytes.
-pub(crate) fn empty(
-    scene: &Scene,
-    plan: &RenderPlan<'_>,
-    film: &Image,
-    hits: u64,
-    is_developed: bool,
-) -> Option<String> {
+/// Warning about an image that is black or shows no object, with the likely cause. `is_developed` is true for an image
+/// of display bytes.
+pub(crate) fn empty(scene: &Scene, plan: &RenderPlan<'_>, rendering: &Rendering, is_developed: bool) -> Option<String> {
     let integrator = scene.settings.integrator;
-    if hits == 0 && integrator != Integrator::Cost {
+    let Rendering { film, statistics: Statistics { camera_hits, bad_samples, .. }, .. } = rendering;
+    if *camera_hits == 0 && integrator != Integrator::Cost {
         return Some(unseen(scene));
     }
     if !integrator.follows_light() || !plan.has_light() {
@@ -35,6 +31,10 @@ pub(crate) fn empty(
     let development = &scene.film.development;
     let has_area_lights_only =
         integrator == Integrator::Whitted && scene.appearance.lights.is_empty() && plan.has_emission();
+    if brightest == 0.0 && *bad_samples > 0 {
+        // Bad samples count as black, and have a warning of their own.
+        return None;
+    }
     if brightest == 0.0 && has_area_lights_only {
         return Some("the image is black: `whitted` samples no area lights; use `distributed` or `path`".to_owned());
     }
@@ -56,9 +56,8 @@ fn unseen(scene: &Scene) -> String {
     if bounds.is_empty() {
         return "the scene has no objects: the image shows the background only".to_owned();
     }
-    let middle = bounds.centre();
-    let target = if middle.is_finite() {
-        format!("--look-at {:.4},{:.4},{:.4} (the center of the scene)", middle.x, middle.y, middle.z)
+    let target = if bounds.centre().is_finite() {
+        format!("--look-at {} (the center of the scene)", centre_text(&bounds))
     } else {
         "--look-from and --look-at".to_owned()
     };
@@ -66,4 +65,41 @@ fn unseen(scene: &Scene) -> String {
         "no camera ray hits an object, and the image shows the background only: the camera probably looks away from the scene; try \
          {target}"
     )
+}
+
+/// `X,Y,Z` of the centre, with as many digits as resolve a thousandth of the size.
+fn centre_text(bounds: &Aabb) -> String {
+    const MAX_DIGITS: i32 = 17;
+    let size = bounds.extent().length();
+    let shown = |value: f64| {
+        if value.abs() < size * 1e-4 {
+            return "0".to_owned();
+        }
+        let (mut digits, mut reach) = (4, size);
+        while reach < value.abs() && digits < MAX_DIGITS {
+            reach *= 10.0;
+            digits += 1;
+        }
+        short_number(value, digits)
+    };
+    bounds.centre().to_array().map(shown).join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use rt_math::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn centres_have_as_many_digits_as_the_size_needs() {
+        let text = |centre: [f64; 3], side: f64| {
+            let [centre, half] = [DVec3::from_array(centre), DVec3::splat(side / 2.0)];
+            centre_text(&Aabb::new(centre - half, centre + half))
+        };
+        assert_eq!(text([0.0, -0.0, 1e-9], 1.0), "0,0,0");
+        assert_eq!(text([3e-7, 2.5e-6, 0.0], 1e-6), "3.000e-7,2.5000e-6,0");
+        assert_eq!(text([123_456.789, 0.0, -2.0], 0.1), "123456.789,0,-2");
+        assert_eq!(text([0.5, 0.25, 1.0 / 3.0], 1.0), "0.5,0.25,0.3333");
+    }
 }

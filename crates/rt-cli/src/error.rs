@@ -93,6 +93,13 @@ pub(crate) enum CliError {
          the image was written to {}", file.display()
     )]
     Damaged { bad_samples: u64, samples: u64, file: PathBuf },
+    /// Lost light of caustics, with `--strict`.
+    #[error(
+        "the light of caustics was cut off at a radiance of 2^27 in {pixels} {}, summed over passes; reduce the radiance of all \
+         lights, and raise the exposure instead; the image was written to {}",
+        if *pixels == 1 { "pixel" } else { "pixels" }, file.display()
+    )]
+    Saturated { pixels: u64, file: PathBuf },
 }
 
 impl CliError {
@@ -126,7 +133,7 @@ impl CliError {
             Self::Output(_) | Self::Outputs(_) | Self::Stdout(_) => 4,
             #[cfg(feature = "view")]
             Self::Server(..) => 4,
-            Self::Damaged { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
+            Self::Damaged { .. } | Self::Saturated { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
             Self::Interrupted { .. } | Self::MeasurementInterrupted { .. } => INTERRUPTED_EXIT_CODE,
         })
     }

@@ -7,8 +7,8 @@ use std::time::Instant;
 use rt_camera::FilmSettings;
 use rt_image::{ImageFormat, write_image};
 use rt_render::{
-    Crop, FirstHitLayer, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Shard, ShardSpec, StopRule,
-    Stopped,
+    Crop, FirstHitLayer, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Shard, ShardSpec, Statistics,
+    StopRule, Stopped,
 };
 use rt_scene_io::Scene;
 use serde_json::Value;
@@ -159,7 +159,7 @@ impl Job<'_> {
         if let Some(checkpointer) = checkpointer {
             checkpointer.remove();
         }
-        self.check_samples(rendering.statistics.bad_samples, rendering.statistics.samples)?;
+        self.check_samples(&rendering.statistics)?;
         self.check_content(&plan, &rendering)
     }
 
@@ -169,8 +169,7 @@ impl Job<'_> {
         if self.options.crop.is_some() {
             return Ok(());
         }
-        let (hits, is_developed) = (rendering.statistics.camera_hits, image_file::is_developed(*format));
-        match empty_image::empty(self.scene, plan, &rendering.film, hits, is_developed) {
+        match empty_image::empty(self.scene, plan, rendering, image_file::is_developed(*format)) {
             Some(warning) if self.strict => Err(CliError::Empty { warning, file: file.path().to_owned() }),
             Some(warning) => {
                 self.console.warn(warning);
@@ -403,16 +402,18 @@ impl Job<'_> {
         Ok((shard, observer))
     }
 
-    /// Warns of bad samples; an error with `--strict`.
-    fn check_samples(&self, bad_samples: u64, samples: u64) -> Result<(), CliError> {
-        if bad_samples == 0 {
-            return Ok(());
+    /// Warns of bad samples and of lost light; an error with `--strict`.
+    fn check_samples(&self, statistics: &Statistics) -> Result<(), CliError> {
+        let Statistics { bad_samples, samples, saturated_pixels: pixels, .. } = *statistics;
+        let file = self.output.file().path();
+        let damaged = (bad_samples > 0).then(|| CliError::Damaged { bad_samples, samples, file: file.to_owned() });
+        let saturated = (pixels > 0).then(|| CliError::Saturated { pixels, file: file.to_owned() });
+        for error in damaged.into_iter().chain(saturated) {
+            if self.strict {
+                return Err(error);
+            }
+            self.console.warn(error);
         }
-        let damaged = CliError::Damaged { bad_samples, samples, file: self.output.file().path().to_owned() };
-        if self.strict {
-            return Err(damaged);
-        }
-        self.console.warn(damaged);
         Ok(())
     }
 }

@@ -59,6 +59,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
+    signals::report_file_size_limit();
     match commands::run(args::Cli::parse_from(args::with_default_command(std::env::args_os()))) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

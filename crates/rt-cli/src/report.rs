@@ -106,9 +106,10 @@ fn stop_reason(outcome: &Outcome<'_>, rule: &StopRule) -> String {
     }
 }
 
-/// Share in percent, without the rounding error of binary fractions.
+/// Share in percent with nine significant digits, without the rounding error of binary fractions.
 pub(crate) fn shown_percent(share: f64) -> f64 {
-    (share * 1e8).round() / 1e6
+    let percent = 100.0 * share;
+    format!("{percent:.8e}").parse().unwrap_or(percent)
 }
 
 /// Estimated error relative to the mean, or the reason for its absence.
@@ -205,4 +206,16 @@ fn left_out(explanation: &Explanation) -> Option<String> {
     let removed: Vec<_> = explanation.left_out.iter().map(|left| left.what).collect();
     (!removed.is_empty())
         .then(|| format!("left out of the plan: {} (`explain` prints the reasons)", removed.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_targets_are_not_shown_as_zero() {
+        for (share, text) in [(0.01, "1"), (0.07, "7"), (0.001, "0.1"), (1e-6, "0.0001"), (1e-11, "0.000000001")] {
+            assert_eq!(shown_percent(share).to_string(), text);
+        }
+    }
 }

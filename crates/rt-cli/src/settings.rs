@@ -73,6 +73,7 @@ pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Sce
         let note = simplification(&scene);
         scene.notes.extend(note);
     }
+    correct_notes(&args.view, &mut scene);
     let camera = find_camera(args.view.camera.as_deref(), &scene)?;
     if let Some(camera) = scene.cameras.get_mut(camera) {
         move_camera(&args.view, &mut camera.settings)?;
@@ -150,6 +151,23 @@ fn find_camera(name: Option<&str>, scene: &Scene) -> Result<usize, CliError> {
         let unknown = LoadErrorKind::UnknownWord { kind: "camera", found: name.to_owned(), known };
         CliError::Usage(format!("--camera: {unknown}"))
     })
+}
+
+/// Removes from the notes on automatic placement of cameras what options of the camera make untrue.
+fn correct_notes(args: &ViewArgs, scene: &mut Scene) {
+    const PLACED: &str = "The camera has no position: ";
+    const FRAMED: &str = ", and shows the whole scene.";
+    let is_moved = args.look_from.is_some() || args.look_at.is_some();
+    if is_moved && scene.cameras.len() == 1 {
+        scene.notes.retain(|note| !note.starts_with(PLACED));
+    }
+    if is_moved || args.up.is_some() || args.fov.is_some() {
+        for note in scene.notes.iter_mut().filter(|note| note.starts_with(PLACED)) {
+            if let Some(kept) = note.strip_suffix(FRAMED) {
+                *note = format!("{kept}.");
+            }
+        }
+    }
 }
 
 fn move_camera(args: &ViewArgs, camera: &mut CameraSettings) -> Result<(), CliError> {

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | SIGINT | the first ends the render and saves it; another one at least half a second later ends the program at once | ends the program |
 //! | SIGTERM, SIGHUP | ends the render and saves it, even if repeated | ends the program |
+//! | SIGXFSZ | has no effect: a write beyond the limit of `ulimit -f` returns an error | the same |
 //!
 //! `timeout` and shells send a signal twice: to the program and to its process group. A repeated signal therefore does not end the
 //! program at once, unless it is a late SIGINT.
@@ -36,6 +37,17 @@ pub(crate) fn guard() -> SignalGuard {
 pub(crate) fn end_on_signals() {
     drop(guard());
 }
+
+/// Lets writes beyond the file-size limit fail with an error. By default, SIGXFSZ ends the program without a message.
+#[cfg(unix)]
+pub(crate) fn report_file_size_limit() {
+    // Any handler replaces the default action; its flag is not read. If this fails, the default action stays.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
+}
+
+/// Other systems have no file-size limit.
+#[cfg(not(unix))]
+pub(crate) const fn report_file_size_limit() {}
 
 /// True after the first signal.
 pub(crate) fn is_interrupted() -> bool {

@@ -32,18 +32,19 @@ pub(crate) fn content(max_bytes: Option<u64>, memory: Option<u64>) -> Result<Arc
         return Err(CliError::Usage("standard input is a terminal; pipe a file into it, or name a file".to_owned()));
     }
     let failed = |reason: LoadErrorKind| CliError::from(reason.at(Path::new("standard input"), ""));
-    let of_file = (max_bytes.unwrap_or(limits::FILE_BYTES), "the file size in bytes (--max-file-size)");
-    let of_memory = memory.map(|bytes| (bytes, "the file size in bytes (--memory)"));
-    let (limit, what) = of_memory.filter(|(bytes, _)| *bytes < of_file.0).unwrap_or(of_file);
+    let of_file = (max_bytes.unwrap_or(limits::FILE_BYTES), "--max-file-size");
+    let of_memory = memory.map(|bytes| (bytes, "--memory"));
+    let (limit, option) = of_memory.filter(|(bytes, _)| *bytes < of_file.0).unwrap_or(of_file);
     let mut bytes = Vec::new();
     let read = io::stdin().lock().take(limit.saturating_add(1)).read_to_end(&mut bytes);
     read.map_err(|error| failed(error.into()))?;
-    let value = bytes.len() as u64;
-    if value == 0 {
+    if bytes.is_empty() {
         return Err(failed(LoadErrorKind::Syntax("is empty (0 bytes); pipe a file into it".to_owned())));
     }
-    if value > limit {
-        return Err(failed(LoadErrorKind::TooLarge { what, value, limit }));
+    if bytes.len() as u64 > limit {
+        // Its size is unknown: reading has stopped.
+        let message = format!("has more bytes than the limit of {limit}; raise {option}, or pipe a smaller file");
+        return Err(failed(LoadErrorKind::Syntax(message)));
     }
     Ok(CONTENT.get_or_init(|| bytes.into()).clone())
 }

@@ -54,6 +54,11 @@ pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &Botto
     animated.find(|instance| uses_material(instance, levels, &emits)).map(|instance| instance.name.to_string())
 }
 
+/// Object by its name, which may be empty, for messages.
+pub(crate) fn named_object(name: &str) -> String {
+    if name.is_empty() { "an object without a name".to_owned() } else { format!("object '{name}'") }
+}
+
 /// Area lights among some instances.
 struct AreaLights {
     lights: Vec<Light>,

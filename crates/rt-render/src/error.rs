@@ -1,5 +1,7 @@
 //! Errors of compiling and rendering a scene.
 
+use crate::area_lights::named_object;
+
 /// Reason that a scene cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
@@ -131,8 +133,9 @@ pub enum RenderError {
     AdaptiveMotion,
     /// An animated emissive object with an integrator that finds sampled lights only.
     #[error(
-        "object '{0}' is a moving emitter, which the integrator 'distributed' does not support; use 'path', 'direct' or \
-         'path-caustics', or remove its motion"
+        "{} is a moving emitter, which the integrator 'distributed' does not support; use 'path', 'direct' or \
+         'path-caustics', or remove its motion",
+        named_object(.0)
     )]
     MovingLight(String),
     /// Adaptive sampling in object space in a progressive render.

@@ -10,7 +10,7 @@ use rt_shading::{DeltaLight, PathSettings, Transport};
 use crate::{
     MemoryPrediction, RenderPlan, RenderSpace,
     accel_choice::{MAX_LINEAR, MAX_LINEAR_SPHERES, reason},
-    area_lights::find_animated_light,
+    area_lights::{find_animated_light, named_object},
     camera_medium::CameraMedium,
     frustum_cull::VisibleSet,
     instance::{Aggregate, BottomLevel, Instance, InstanceGeometry},
@@ -230,7 +230,8 @@ impl RenderPlan<'_> {
             let World { top, levels } = &self.scene.world;
             let light = find_animated_light(self.scene.source, top, levels);
             lines.extend(light.map(|name| {
-                format!("moving emitters, such as '{name}': found by BSDF samples, not sampled explicitly")
+                let object = named_object(&name);
+                format!("moving emitters, such as {object}: found by BSDF samples, not sampled explicitly")
             }));
         }
         lines

@@ -106,11 +106,12 @@ impl Progressive<'_> {
             PassProgress { finished: state.statistics.passes, spp: max_spp, rmse: state.error.rmse(), error_progress };
         let pixels: u64 = tiles.iter().map(|&number| scheduler.tiles()[number].area()).sum();
         let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
-            accumulate(state.layout, &mut state.pixels, &tile, light.as_ref(), &pass_spec);
+            let saturated = accumulate(state.layout, &mut state.pixels, &tile, light.as_ref(), &pass_spec);
             state.cursor.done_tiles[number] = true;
             let elapsed = *spent + started.elapsed();
             let statistics = &mut state.statistics;
             statistics.add(&tile);
+            statistics.saturated_pixels += saturated;
             statistics.render_seconds = elapsed.as_secs_f64();
             let samples = statistics.samples;
             let in_time = rule.time.map(|time| extrapolated(samples, elapsed, time));
@@ -200,20 +201,24 @@ impl Progressive<'_> {
     }
 }
 
-/// Adds a pass of a tile, and the light paths of that pass, to the pixel accumulators of the film.
+/// Adds a pass of a tile, and the light paths of that pass, to the pixel accumulators of the film. Returns the number of pixels
+/// whose light paths exceed the bound of their sums.
 fn accumulate(
     layout: FilmLayout,
     pixels: &mut [PixelEstimate],
     tile: &TileResult,
     light: Option<&SplatImage>,
     pass_spec: &PassSpec<'_>,
-) {
+) -> u64 {
+    let mut saturated = 0;
     for (at, pass) in pass_spec.pixels_of(tile.tile).zip(&tile.pixels) {
         let index = layout.crop.pixel_index(at);
         let splatted = light.map_or(Rgb::BLACK, |light| light.radiance(index));
+        saturated += u64::from(light.is_some_and(|light| light.is_saturated(index)));
         let coverage = if layout.transparent { pass.coverage() } else { 1.0 };
         pixels[index].add(pass.mean() + splatted, coverage, pass_spec.spp);
     }
+    saturated
 }
 
 /// Total number of samples at the end of `time`, extrapolated from the current rate.

@@ -304,7 +304,7 @@ impl Shard {
             standard_error,
             sample_counts,
             layers: self.layers,
-            lost: self.lost.iter().map(|&number| tile(self.layout.crop, number as usize).into()).collect(),
+            lost: self.lost.iter().map(|&number| tile(self.layout.crop, number as usize)).collect(),
         }
     }
 

@@ -48,6 +48,11 @@ impl SplatImage {
         of(positive) - of(negative)
     }
 
+    /// True if a sum has reached the bound, so that light is missing from this pixel.
+    pub(crate) fn is_saturated(&self, pixel: usize) -> bool {
+        self.lobes.iter().filter_map(|lobe| lobe.get(pixel)).flatten().any(|&sum| sum == i64::MAX)
+    }
+
     /// Bytes of an image with this number of pixels.
     pub(crate) const fn memory(pixels: usize, filter: Filter) -> usize {
         pixels * size_of::<[i64; 3]>() * if filter.has_negative_lobes() { 2 } else { 1 }
@@ -126,6 +131,8 @@ mod tests {
             let (a, b) = (image_of(filter, &forwards), image_of(filter, &backwards));
             assert_eq!(a.lobes, b.lobes);
         }
-        assert_eq!(image_of(Filter::Box, &forwards).radiance(0).b, i64::MAX as f64 / SCALE, "capped");
+        let image = image_of(Filter::Box, &forwards);
+        assert_eq!(image.radiance(0).b, i64::MAX as f64 / SCALE, "capped");
+        assert!(image.is_saturated(0) && !image_of(Filter::Box, &forwards[..1]).is_saturated(0));
     }
 }

@@ -30,6 +30,8 @@ pub struct Statistics {
     pub passes: u32,
     /// Samples that are NaN, infinite or negative; they count as black.
     pub bad_samples: u64,
+    /// Pixels in which light tracing exceeded the largest radiance of a pass, 2²⁷, summed over passes; the excess is lost.
+    pub saturated_pixels: u64,
     /// Number of threads, summed over all machines.
     pub threads: usize,
     /// Wall-clock seconds to flatten the scene and build acceleration structures, summed over all machines.
@@ -50,6 +52,7 @@ impl Statistics {
             shading: ShadingCounts::default(),
             passes: 0,
             bad_samples: 0,
+            saturated_pixels: 0,
             threads,
             build_seconds,
             render_seconds: 0.0,
@@ -89,13 +92,14 @@ impl Statistics {
         self.shading += other.shading;
         self.passes = self.passes.max(other.passes);
         self.bad_samples += other.bad_samples;
+        self.saturated_pixels += other.saturated_pixels;
         self.threads += other.threads;
         self.build_seconds += other.build_seconds;
         self.render_seconds += other.render_seconds;
     }
 
     /// Counts of camera samples and rays, by the names of their fields.
-    pub const fn named(&self) -> [(&'static str, u64); 5] {
+    pub const fn named(&self) -> [(&'static str, u64); 6] {
         // All fields are listed, so that a new one cannot be forgotten.
         let Self {
             samples,
@@ -103,6 +107,7 @@ impl Statistics {
             simple_pixels,
             primary_rays_skipped,
             bad_samples,
+            saturated_pixels,
             counters: _,
             shading: _,
             passes: _,
@@ -116,6 +121,7 @@ impl Statistics {
             ("simple_pixels", simple_pixels),
             ("primary_rays_skipped", primary_rays_skipped),
             ("bad_samples", bad_samples),
+            ("saturated_pixels", saturated_pixels),
         ]
     }
 

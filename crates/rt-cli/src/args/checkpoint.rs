@@ -26,7 +26,7 @@ pub(crate) struct CheckpointArgs {
     pub(crate) checkpoint: Option<PathBuf>,
 
     /// Write a checkpoint at this interval, such as 30s or 10min, or never; Ctrl-C always writes one
-    #[arg(long, value_name = "TIME", value_parser = values::checkpoint_interval, default_value = "1min")]
+    #[arg(long, value_name = "TIME", value_parser = values::checkpoint_interval, allow_hyphen_values = true, default_value = "1min")]
     pub(crate) checkpoint_every: CheckpointInterval,
 
     #[command(flatten)]

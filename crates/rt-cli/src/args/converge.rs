@@ -29,7 +29,7 @@ pub(crate) struct ConvergeArgs {
     pub(crate) vary: Vec<Variation>,
 
     /// Measure at these samples per pixel: doublings such as 1..256, or a list such as 4,16,64
-    #[arg(long, value_name = "SERIES", value_parser = series, default_value = "1..256", help_heading = "Experiment")]
+    #[arg(long, value_name = "SERIES", value_parser = series, allow_hyphen_values = true, default_value = "1..256", help_heading = "Experiment")]
     pub(crate) spp: Series,
 
     /// Repeat each render with this many seeds, for confidence intervals
@@ -71,7 +71,7 @@ pub(crate) struct ConvergeRunArgs {
     /// Stop after this time, such as 90s, 10min or 1h, and report the measurements so far
     ///
     /// Sample counts that do not fit are skipped and reported. The first is always measured.
-    #[arg(long, value_name = "TIME", value_parser = values::time)]
+    #[arg(long, value_name = "TIME", value_parser = values::time, allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
 
     /// Set the number of threads [default: one per processor]

@@ -11,7 +11,7 @@ use super::values;
 #[command(next_help_heading = "Camera and scene")]
 pub(crate) struct FramesArgs {
     /// Render the frames A to B of an animation (inclusive), the single frame N, or all
-    #[arg(long, value_name = "A..B|N|all", value_parser = choice, conflicts_with = "at_time", group = "time_of_animation", long_help = FRAMES_HELP)]
+    #[arg(long, value_name = "A..B|N|all", value_parser = choice, allow_hyphen_values = true, conflicts_with = "at_time", group = "time_of_animation", long_help = FRAMES_HELP)]
     pub(crate) frames: Option<FrameChoice>,
 }
 

@@ -96,7 +96,7 @@ pub(crate) struct ImageArgs {
     /// Set the background: #RRGGBB, #RGB, linear GRAY or R,G,B, black, white, or transparent [default: as in the scene]
     ///
     /// With --env, camera rays that hit nothing show this background, and the environment image lights the scene.
-    #[arg(long, value_name = "COLOR", value_parser = values::background, help_heading = "Camera and scene")]
+    #[arg(long, value_name = "COLOR", value_parser = values::background, allow_hyphen_values = true, help_heading = "Camera and scene")]
     pub(crate) background: Option<BackgroundChoice>,
 
     /// Light the scene with this environment image: .exr, .hdr, .png, .jpg, or -

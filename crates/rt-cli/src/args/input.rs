@@ -62,6 +62,6 @@ pub(crate) struct InputArgs {
     pub(crate) memory: MemoryArgs,
 
     /// Refuse input files larger than this, such as 2GiB [default: 1GiB]
-    #[arg(long, value_name = "BYTES", value_parser = memory::bytes, help_heading = "Limits")]
+    #[arg(long, value_name = "BYTES", value_parser = memory::bytes, allow_hyphen_values = true, help_heading = "Limits")]
     pub(crate) max_file_size: Option<u64>,
 }

@@ -11,7 +11,7 @@ pub(crate) struct MemoryArgs {
     ///
     /// A percentage is of the memory of the machine or of its control group; if neither is known, there is no limit. K, M, G and T
     /// are powers of 1000; Ki, Mi, Gi and Ti are powers of 1024.
-    #[arg(long, value_name = "BYTES", value_parser = amount, default_value = "75%", help_heading = "Limits")]
+    #[arg(long, value_name = "BYTES", value_parser = amount, allow_hyphen_values = true, default_value = "75%", help_heading = "Limits")]
     memory: Amount,
 }
 

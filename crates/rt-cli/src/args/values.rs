@@ -13,7 +13,7 @@ use rt_camera::FilmSettings;
 use rt_image::{Development, Encoding, ImageFormat, ToneCurve, metrics::Flip};
 use rt_math::{DVec3, Rgb};
 use rt_render::{Crop, ShardSpec, SimdLevel};
-use rt_scene_io::LoadErrorKind;
+use rt_scene_io::{LoadErrorKind, limits};
 
 use crate::image_file::is_developed;
 
@@ -107,11 +107,12 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
-/// `X,Y,Z`.
+/// `X,Y,Z`, within the limit of numbers in scenes.
 pub(super) fn point(text: &str) -> Result<DVec3, String> {
-    finite_numbers(text)
+    numbers(text)
+        .filter(|values| values.iter().all(|value: &f64| value.abs() <= limits::NUMBER))
         .map(DVec3::from_array)
-        .ok_or_else(|| "expected three finite numbers, such as 1,-2,0.5".to_owned())
+        .ok_or_else(|| format!("expected three numbers of magnitude at most {:e}, such as 1,-2,0.5", limits::NUMBER))
 }
 
 /// `X,Y,W,H`.
@@ -300,9 +301,12 @@ mod tests {
     }
 
     #[test]
-    fn points_are_three_finite_numbers() {
+    fn points_are_three_numbers_within_the_limit_of_scenes() {
         assert_eq!(point("1,-2.5, 1e3"), Ok(DVec3::new(1.0, -2.5, 1000.0)));
-        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "1,2,1e400", "a,b,c", "1;2;3"] {
+        assert_eq!(point("0,0,-1e60"), Ok(DVec3::new(0.0, 0.0, -1e60)));
+        for bad in
+            ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "1,2,1e400", "a,b,c", "1;2;3", "1e61,0,0", "0,-1.1e60,0"]
+        {
             assert!(point(bad).is_err(), "{bad}");
         }
     }

@@ -41,7 +41,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
     refuse_options_of_renders(&args.input)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
     let Converted { text, warnings, notes } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
-    let console = Console { quiet: false };
+    let console = Console { quiet: args.quiet };
     input::warn(&warnings, console);
     if args.strict {
         input::refuse_warnings(&args.input.scene, &warnings)?;

@@ -39,5 +39,5 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
         return Ok(());
     }
     let (width, height) = (film.width(), film.height());
-    Console { quiet: false }.println(format_args!("wrote {} ({width}x{height})", output.path().display()))
+    Console { quiet: args.quiet }.println(format_args!("wrote {} ({width}x{height})", output.path().display()))
 }

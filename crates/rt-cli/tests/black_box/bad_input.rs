@@ -148,6 +148,25 @@ fn wrong_usage_ends_with_code_2() {
     insta::assert_snapshot!(said);
 }
 
+/// They were taken for unknown options, with a tip that did not work either.
+#[test]
+fn negative_values_are_refused_as_values() {
+    let place = Workplace::with_scene();
+    for (option, rule) in [
+        ("--memory -5", "expected a size greater than 0"),
+        ("--memory -5%", "expected a percentage greater than 0"),
+        ("--max-file-size -5M", "expected a size greater than 0"),
+        ("--frames -1", "expected the first and last frame"),
+        ("--frames -1..2", "expected the first and last frame"),
+        ("--background -1", "none negative"),
+        ("--background -1,0,0", "none negative"),
+        ("--checkpoint-every -1s", "expected a time greater than 0"),
+    ] {
+        let run = place.fails(2, &format!("render scene.ron {option}"), rule);
+        assert!(run.stderr.starts_with("error: invalid value '-") && !run.stderr.contains("tip:"), "{option}: {run:?}");
+    }
+}
+
 #[test]
 fn warnings_are_errors_under_strict() {
     // The second face has a corner twice, and is left out.

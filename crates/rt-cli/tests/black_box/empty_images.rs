@@ -23,7 +23,7 @@ fn a_camera_that_looks_away_is_reported() {
         let run = render(&away, options);
         let [warning] = warnings(&run)[..] else { panic!("{options}: {run:?}") };
         assert!(
-            warning.contains("no camera ray hits an object") && warning.contains("--look-at 0.0000,0.0000,0.0000"),
+            warning.contains("no camera ray hits an object") && warning.contains("--look-at 0,0,0 (the center"),
             "{run:?}"
         );
         assert_eq!(run.code, Some(0));
@@ -34,6 +34,13 @@ fn a_camera_that_looks_away_is_reported() {
     for options in ["--crop 0,0,2,2", "--integrator cost"] {
         assert!(warnings(&render(&away, options)).is_empty(), "{options}");
     }
+}
+
+#[test]
+fn the_centre_of_a_small_scene_has_enough_digits() {
+    let nodes = "nodes: [(shape: sphere(center: (3e-5, 0, 0), radius: 1e-5))]";
+    let run = render(&format!("(camera: (look_from: (0, 0, 5), look_at: (0, 0, 9)), {nodes})"), "");
+    assert!(run.stderr.contains("try --look-at 3.000e-5,0,0 (the center of the scene)"), "{run:?}");
 }
 
 #[test]
@@ -78,6 +85,19 @@ fn a_black_image_of_a_lit_scene_is_reported() {
     let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
     assert!(warning.contains("raise --exposure"), "{run:?}");
     assert!(warnings(&render(&behind, "--quiet")).is_empty());
+}
+
+/// The light is there: its samples are beyond `f32`.
+#[test]
+fn an_image_that_is_black_because_of_bad_samples_is_not_called_unlit() {
+    for scene in [
+        "(nodes: [(shape: sphere(), material: diffuse(emission: 1e60))])",
+        "(nodes: [(shape: sphere())], lights: [quad(corner: (-9, 8, -9), edges: ((0, 0, 18), (18, 0, 0)), radiance: 1e60)])",
+    ] {
+        let run = render(scene, "--integrator path --background black");
+        let [warning] = warnings(&run)[..] else { panic!("{run:?}") };
+        assert!(warning.contains("samples were NaN, infinite or negative"), "{run:?}");
+    }
 }
 
 #[test]

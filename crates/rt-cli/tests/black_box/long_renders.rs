@@ -116,6 +116,36 @@ fn repeated_signals_save_the_image() {
     }
 }
 
+/// Runs the program with a limit of its files, in units of 512 bytes or of 1024 in some shells.
+#[cfg(unix)]
+fn with_file_size_limit(place: &Workplace, units: u32, arguments: &str) -> Run {
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit -f {units}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_rt-cli")]);
+    Run::of(command.args(arguments.split_whitespace()).current_dir(place.path("")).output().expect("a shell"))
+}
+
+#[test]
+#[cfg(unix)]
+fn an_image_beyond_the_file_size_limit_is_an_error_with_a_message() {
+    let place = Workplace::with_scene();
+    let run = with_file_size_limit(&place, 4, "render scene.ron --size 120x90 -o big.exr --quiet");
+    assert_eq!(run.code, Some(4), "{run:?}");
+    assert!(run.stderr.starts_with("error: cannot write `big.exr`: ") && run.stderr.contains("large"), "{run:?}");
+    assert_eq!(place.files(), ["scene.ron"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_checkpoint_beyond_the_file_size_limit_is_one_warning() {
+    let place = Workplace::with_scene();
+    // The checkpoint takes 230 kB at the end, and the image at most 60 kB.
+    let arguments = "render scene.ron --size 160x120 --spp 16 --threads 2 --checkpoint-every 1ms -o scene.png";
+    let run = with_file_size_limit(&place, 150, arguments);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    assert_eq!(run.stderr.matches("cannot write the checkpoint").count(), 1, "{run:?}");
+    assert_eq!(place.files(), ["scene.png", "scene.ron"]);
+}
+
 #[test]
 #[cfg(unix)]
 fn nohup_is_obeyed() {
@@ -222,8 +252,9 @@ fn a_damaged_checkpoint_of_this_image_is_kept_aside() {
     damaged[middle] ^= 4;
     place.write("scene.exr.checkpoint", &damaged);
     let run = place.succeed(LONG);
-    assert!(run.stdout.contains("note: scene.exr.checkpoint: is damaged"), "{run:?}");
-    assert!(run.stdout.contains("it is kept as scene.exr.checkpoint.old, and this render starts"), "{run:?}");
+    let note = "note: scene.exr.checkpoint: is damaged: its content does not match its hash; it is kept as \
+                scene.exr.checkpoint.old, and this render starts from the beginning\n";
+    assert!(run.stdout.contains(note), "the note does not advise to remove the file: {run:?}");
     assert_eq!(place.read("scene.exr.checkpoint.old"), damaged);
 }
 
@@ -246,6 +277,17 @@ fn any_flipped_bit_of_a_checkpoint_is_found() {
     for length in [0, 5, 20, kept.len() / 2, kept.len() - 1] {
         place.write("scene.exr.checkpoint", &kept[..length]);
         assert_eq!(place.run(&format!("{LONG} --resume")).code, Some(3), "{length} bytes");
+    }
+}
+
+#[test]
+fn an_empty_checkpoint_is_refused_and_stays() {
+    let place = Workplace::with_scene();
+    place.write("scene.exr.checkpoint", "");
+    for options in ["", "--resume", "--restart"] {
+        let message = "scene.exr.checkpoint: is empty (0 bytes); remove it, and render again";
+        place.fails(3, &format!("render scene.ron -o scene.exr {options}"), message);
+        assert_eq!(place.files(), ["scene.exr.checkpoint", "scene.ron"], "{options}");
     }
 }
 

@@ -60,15 +60,10 @@ fn standard_input_that_is_no_scene_is_refused_with_advice() {
             SCENE,
             "render - --max-file-size 10",
             3,
-            "standard input: the file size in bytes is 11, above the limit of 10; raise --max-file-size",
+            "standard input: has more bytes than the limit of 10; raise --max-file-size",
         ),
         // The limit of memory had no effect on standard input.
-        (
-            SCENE,
-            "render - --memory 10",
-            3,
-            "standard input: the file size in bytes is 11, above the limit of 10; raise --memory",
-        ),
+        (SCENE, "render - --memory 10", 3, "standard input: has more bytes than the limit of 10; raise --memory"),
         (SCENE, "render scene.ron --input-format ron", 2, "--input-format requires standard input"),
         (SCENE, "render - --env -", 2, "cannot be both the scene and --env"),
         ("v 0 0 0\n", "convert - --input-format obj -o -", 2, "save it to a file first"),

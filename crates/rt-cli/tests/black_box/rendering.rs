@@ -140,6 +140,16 @@ fn quiet_prints_nothing() {
 }
 
 #[test]
+fn convert_and_develop_are_quiet_on_demand() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron -o linear.exr --quiet");
+    for command in ["convert scene.ron -o copy.json -q", "develop linear.exr -o linear.png --quiet"] {
+        let run = place.succeed(command);
+        assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{command}");
+    }
+}
+
+#[test]
 fn developing_later_equals_developing_at_once() {
     let place = Workplace::with_scene();
     place.succeed("render scene.ron -o linear.exr");
@@ -171,6 +181,47 @@ fn bad_samples_warn_and_are_an_error_under_strict() {
     let run = place.run("render glare.ron --strict -o strict.png");
     assert_eq!(run.code, Some(5), "{run:?}");
     assert_eq!(place.read("strict.png"), lenient, "the image is worth keeping");
+}
+
+#[test]
+fn notes_on_a_placed_camera_claim_no_more_than_options_leave() {
+    let place = Workplace::with("sphere.ron", "(nodes: [(shape: sphere())])");
+    let notes = |options: &str| {
+        let run = place.succeed(&format!("render sphere.ron --size 8x8 {options}"));
+        run.stdout.lines().filter(|line| line.contains("camera")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let note = "note: The camera has no position: it looks from [2.163, 1.731, 4.327] at [0, 0, 0]";
+    assert_eq!(notes(""), [format!("{note}, and shows the whole scene.")]);
+    assert_eq!(notes("--fov 10"), [format!("{note}.")]);
+    assert!(notes("--look-from 0,0,5 --look-at 0,0,0").is_empty());
+}
+
+#[test]
+fn light_of_caustics_beyond_the_largest_radiance_is_reported() {
+    let scene = |radiance: &str| {
+        format!(
+            "(nodes: [(shape: sphere(), material: glass()), (shape: plane(point: (0, -1, 0)))],
+            lights: [sphere(center: (0, 3, 0), radius: 0.1, radiance: {radiance})],
+            settings: (integrator: path_caustics), camera: (look_from: (0, 3, 5)))"
+        )
+    };
+    let place = Workplace::with("bright.ron", scene("1e12"));
+    place.write("dim.ron", scene("10"));
+    let arguments = "--size 24x18 --spp 16 --stats stats.json";
+    for threads in [1, 3] {
+        let run = place.succeed(&format!("render bright.ron -o bright.exr --threads {threads} {arguments}"));
+        let warning = "warning: the light of caustics was cut off at a radiance of 2^27 in ";
+        assert_eq!(run.stderr.matches(warning).count(), 1, "{run:?}");
+        let pixels = &place.json("stats.json")["saturated_pixels"];
+        assert!(pixels.as_u64() > Some(0) && run.stderr.contains(&format!("in {pixels} pixels")), "{pixels}: {run:?}");
+    }
+    place.fails(
+        5,
+        &format!("render bright.ron -o strict.exr --strict {arguments}"),
+        "the image was written to strict.exr",
+    );
+    let run = place.succeed(&format!("render dim.ron {arguments}"));
+    assert!(run.stderr.is_empty() && place.json("stats.json")["saturated_pixels"] == 0, "{run:?}");
 }
 
 #[test]

@@ -75,6 +75,8 @@ fn settings_show_what_render_writes_with_the_same_options() {
         json!({ "tone": "none" }),
         json!({ "exposure": 1e4 }),
         json!({ "spp": 0 }),
+        json!({ "spp": (1_u32 << 31) + 1 }),
+        json!({ "spp": u32::MAX }),
         json!({ "size": [0, 5] }),
         json!({ "size": [30_000, 30_000] }),
         json!({ "colour": 1 }),
@@ -154,6 +156,9 @@ fn a_pick_returns_the_surface() {
     assert_eq!(pick(48, 32)["object"], json!(["left ball"]), "the target is in the middle");
     assert_eq!(view.post("pick", "[48, 32]")["view"], view.finished().0["view"]);
     assert_eq!(view.request("POST", "pick", "[-1, 0]").status, 400);
+    view.post("camera", &json!({ "look_at": [-4.5, 0, 0] }).to_string());
+    // 48 + 32 tan(51°) / tan(20°)
+    assert_eq!(pick(156, 32), Value::Null, "the right ball is outside of the image");
 }
 
 #[test]

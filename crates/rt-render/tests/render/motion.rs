@@ -196,6 +196,9 @@ fn distributed_refuses_animated_lights() {
     emitter.moves_to = Some(shift(1.0, 0.0, 0.0));
     let mut swarm = SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
     (swarm.name, swarm.moves_to) = ("swarm".into(), Some(shift(1.0, 0.0, 0.0)));
+    let unnamed = Scene { nodes: vec![SceneNode { name: "".into(), ..emitter.clone() }], ..scene.clone() };
+    let message = refusal(&unnamed).expect("refused").to_string();
+    assert!(message.starts_with("an object without a name is a moving emitter"), "{message}");
     let alone = Scene { nodes: vec![emitter.clone()], ..scene.clone() };
     let mut grouped = Scene { nodes: vec![swarm], ..scene.clone() };
     grouped.groups[0].nodes = vec![SceneNode { moves_to: None, ..emitter }];

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use rt_camera::FilmSettings;
 use rt_image::{Development, Image, ImageFormat, write_image};
-use rt_scene_io::Integrator;
+use rt_scene_io::{Integrator, limits};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -161,8 +161,8 @@ impl Session {
             view.integrator = known.ok_or_else(|| bad("unknown integrator"))?;
         }
         view.max_spp = update.spp.unwrap_or(view.max_spp);
-        if view.max_spp == 0 {
-            return Err(bad("the number of samples per pixel must be at least 1"));
+        if !(1..=limits::SAMPLES).contains(&view.max_spp.into()) {
+            return Err(bad(format!("the number of samples per pixel must be from 1 to {}", limits::SAMPLES)));
         }
         if let Some([width, height]) = update.size.filter(|size| *size != self.size) {
             FilmSettings { width, height, ..FilmSettings::default() }.validate().map_err(bad)?;
@@ -184,13 +184,15 @@ impl Session {
         Ok(())
     }
 
-    /// Hit of a pixel, null for the background, and the number of the view.
+    /// Hit of a pixel, null for the background and outside of the image, and the number of the view.
     fn pick(&self, pixel: [u32; 2]) -> Result<Response, Response> {
+        let size = self.shared.lock().view.size;
+        let is_inside = pixel.iter().zip(size).all(|(&at, side)| at < side);
         let (sender, answer) = channel();
         self.shared.pick((pixel, sender));
         let answer = answer.recv_timeout(PICK_WAIT);
         let (view, picked) = answer.map_err(|_| Response::refusal(Status::BUSY, "the renderer is busy"))?;
-        let hit = picked.map_or(Value::Null, |picked| {
+        let hit = picked.filter(|_| is_inside).map_or(Value::Null, |picked| {
             json!({
                 "object": picked.object,
                 "material": picked.material,
