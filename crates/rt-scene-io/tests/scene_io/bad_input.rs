@@ -176,6 +176,21 @@ fn json_says_the_same_as_ron() {
 }
 
 #[test]
+fn a_default_camera_that_is_too_far_away_is_no_error_of_a_field_that_the_scene_lacks() {
+    let rule =
+        "is a coordinate of the camera that shows the whole scene, and above 1e60: place the camera by `look_from`";
+    for (scene, place) in [
+        ("(nodes: [(shape: sphere(center: (1e60, 0, 0)))])", "scene.ron: nodes: "),
+        ("(nodes: [(shape: sphere(), transform: [scale(1e50), scale(1e50)])])", "scene.ron: nodes: "),
+        ("(nodes: [(shape: sphere())], camera: (fov: 1e-80))", "scene.ron: camera: "),
+    ] {
+        let error = error(scene);
+        assert!(error.starts_with(place) && error.contains(rule), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+}
+
+#[test]
 fn all_problems_are_named_at_once() {
     let text = error(
         "(nodes: [(shape: sphere(radius: 0)), (shape: sphere(), material: \"x\")], film: (size: (0, 1)), camera: (fov: 0))",
