@@ -50,7 +50,8 @@ pub struct Node {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instance: Option<String>,
     /// Material of this shape, and of the shapes below that have none. It is the name of one of the
-    /// scene's `materials`, or a material written here. On a `model` it replaces the materials of the model.
+    /// scene's `materials`, or a material written here. On a `model` it replaces the materials of the model. Instances and models
+    /// below do not inherit it: they have the materials of their own nodes.
     ///
     /// Default: that of the parent, or grey. Example: `material: diffuse(albedo: 0.8)`.
     #[serde(skip_serializing_if = "Option::is_none")]
