@@ -360,6 +360,29 @@ mod tests {
     }
 
     #[test]
+    fn absolute_libraries_are_warnings_and_directories_name_the_line() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let load = |statement: &str| {
+            let path = folder.path().join("m.obj");
+            fs::write(&path, format!("{SQUARE}{statement}\nf 1 2 3\n")).expect("written");
+            load_file(&path, &LoadOptions::default())
+        };
+        for absolute in ["/home/me/x.mtl", "/home/me/my files/x.mtl", "C:\\x.mtl", "\\\\host\\x.mtl"] {
+            let model = load(&format!("mtllib {absolute}")).expect("a model");
+            let expected = format!(
+                "m.obj:5: the path of the material library `{absolute}` is absolute; plain grey is used for its materials"
+            );
+            assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
+            assert!(model.warnings[0].to_string().ends_with(&expected), "{}", model.warnings[0]);
+        }
+        let error = load("mtllib .").expect_err("a directory").to_string();
+        assert!(error.ends_with("m.obj:5: `.` is a directory; give the path of a file"), "{error}");
+        fs::write(folder.path().join("m.mtl"), "newmtl m\nmap_Kd .\n").expect("written");
+        let error = load("mtllib m.mtl\nusemtl m").expect_err("a directory").to_string();
+        assert!(error.ends_with("m.mtl: material `m`: `.` is a directory; give the path of a file"), "{error}");
+    }
+
+    #[test]
     fn references_must_not_leave_the_folder() {
         let outer = tempfile::tempdir().expect("a folder");
         let inner = outer.path().join("inner");

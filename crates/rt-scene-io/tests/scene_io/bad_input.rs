@@ -279,6 +279,20 @@ fn references_must_stay_below_the_root() {
 }
 
 #[test]
+fn a_model_that_is_no_model_file_is_an_error_at_its_reference() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.ron");
+    fs::write(folder.path().join("notes.txt"), "text").expect("written");
+    for (reference, rule) in
+        [(".", "is a directory; give the path of a file"), ("notes.txt", "has no known extension (known are .obj")]
+    {
+        fs::write(&path, format!("(nodes: [\n(model: \"{reference}\")])")).expect("written");
+        let error = load(&path, &LoadOptions::default()).expect_err(reference).to_string();
+        assert!(error.contains(&format!("s.ron:2:2: nodes[0].model: `{reference}` {rule}")), "{error}");
+    }
+}
+
+#[test]
 fn errors_of_values_are_in_the_order_of_the_text() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("s.ron");
