@@ -290,7 +290,9 @@ pub enum Shape {
     ///
     /// Example: `fan([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])`.
     Fan(Vec<[f32; 3]>),
-    /// A triangle mesh.
+    /// A triangle mesh. Like those of `quad`, `strip`, `fan` and model files, its vertices are stored in single precision: numbers up
+    /// to 3.4e38 with 24 bits. Far from the origin it loses detail: place it by the `transform` of its node, which has double
+    /// precision.
     Mesh {
         /// Vertices.
         ///

@@ -290,7 +290,8 @@ mod tests {
         let model =
             load_text(&format!("{SQUARE}v nan 0 0\nv 1e400 0 0\nf 1 2 3\nf 1 2 5\nf 1 6 3\n")).expect("a model");
         assert_eq!(model.meshes[0].mesh.data().triangles.len(), 1);
-        let expected = "m.obj: unnamed object: triangles with a NaN or infinite vertex were dropped: 2 of 3";
+        let expected = "m.obj: unnamed object: triangles with a NaN or infinite vertex were dropped: 2 of 3; vertices of meshes \
+                        are stored in single precision, and numbers above 3.4e38 count as infinite";
         assert_eq!(messages(&model), [expected]);
     }
 

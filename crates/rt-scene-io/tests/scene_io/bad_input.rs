@@ -191,6 +191,19 @@ fn a_default_camera_that_is_too_far_away_is_no_error_of_a_field_that_the_scene_l
 }
 
 #[test]
+fn vertices_beyond_single_precision_are_refused_with_that_limit() {
+    let with = |z: &str| {
+        error(&format!(
+            "(nodes: [(shape: mesh(positions: [(1, 0, 0), (0, 0, {z}), (0, 1, 0)], triangles: [(0, 1, 2)]))])"
+        ))
+    };
+    let rule =
+        "has a coordinate beyond 3.4e38, the limit of the single precision in which vertices of meshes are stored";
+    assert_eq!(with("-1e39"), format!("scene.ron: nodes[0].shape: vertex 1 at (0, 0, -inf) {rule}"));
+    assert_eq!(with("NaN"), "scene.ron: nodes[0].shape: vertex 1 at (0, 0, NaN) must have finite coordinates");
+}
+
+#[test]
 fn all_problems_are_named_at_once() {
     let text = error(
         "(nodes: [(shape: sphere(radius: 0)), (shape: sphere(), material: \"x\")], film: (size: (0, 1)), camera: (fov: 0))",
