@@ -204,6 +204,27 @@ fn vertices_beyond_single_precision_are_refused_with_that_limit() {
 }
 
 #[test]
+fn two_choices_in_an_object_of_json_are_named() {
+    let error = |text: &str| parse_json(text, Path::new("s.json")).expect_err(text).to_string();
+    for (text, message) in [
+        (
+            r#"{"nodes": [{"shape": {"sphere": {}, "box": {}}}]}"#,
+            "s.json:1:37: `sphere` and `box` are two choices in one object: remove one of them",
+        ),
+        (
+            r#"{"nodes": [{"material": {"phong": {}, "diffuse": {}}}]}"#,
+            "s.json:1:39: `phong` and `diffuse` are two choices in one object: remove one of them",
+        ),
+        (
+            r#"{"nodes": [], "lights": [{"ambient": 1, "point": {}}]}"#,
+            "s.json:1:41: `ambient` and `point` are two choices in one object: remove one of them",
+        ),
+    ] {
+        assert!(error(text).starts_with(message), "{}", error(text));
+    }
+}
+
+#[test]
 fn all_problems_are_named_at_once() {
     let text = error(
         "(nodes: [(shape: sphere(radius: 0)), (shape: sphere(), material: \"x\")], film: (size: (0, 1)), camera: (fov: 0))",
