@@ -9,6 +9,9 @@ use crate::Warning;
 /// resolve a ten-thousandth of the size.
 const COARSE: f32 = 1e3;
 
+/// Likely cause of a repair, by the vertices of the mesh; empty for none.
+type Cause = fn(&[Vec3]) -> &'static str;
+
 /// Builds a mesh; `None`, with a warning, if no triangle is left.
 pub(crate) fn build_mesh(
     data: MeshData,
@@ -17,7 +20,7 @@ pub(crate) fn build_mesh(
 ) -> Result<Option<TriangleMesh>, MeshError> {
     let total = data.triangles.len();
     let (mesh, repairs) = TriangleMesh::build(data)?;
-    let triangles: [(usize, &str, fn(&[Vec3]) -> &'static str); 2] = [
+    let triangles: [(usize, &str, Cause); 2] = [
         (repairs.degenerate, "triangles without area were dropped", note_of_rounding),
         (repairs.non_finite, "triangles with a NaN or infinite vertex were dropped", note_of_infinity),
     ];
