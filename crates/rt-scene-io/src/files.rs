@@ -100,9 +100,9 @@ pub(crate) fn read_texture_as(
     decode_within(&bytes, pixels, what, &options.memory)
 }
 
-/// True for a path from the root of a file system, of any system. Slashes are `/`.
+/// True for a path from the root of a file system, of any system.
 pub(crate) fn is_absolute(reference: &str) -> bool {
-    reference.starts_with('/') || reference.as_bytes().get(1) == Some(&b':')
+    reference.starts_with(['/', '\\']) || reference.as_bytes().get(1) == Some(&b':')
 }
 
 /// File that `reference` names, as written in the file `referrer`.

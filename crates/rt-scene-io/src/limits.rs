@@ -64,6 +64,8 @@ limits! {
     NESTING: usize = 128, Count "nesting of brackets" of ".ron, .json, .gltf, .glb";
     /// Squares and cubes of coordinates stay far from overflow.
     NUMBER: f64 = 1e60, Quantity "magnitude of a number" of "every scene and model";
+    /// Vertices of meshes are stored in single precision, of which this is the largest number. Other numbers have double precision.
+    MESH_COORDINATE: f64 = f32::MAX as f64, Quantity "magnitude of a coordinate of a vertex" of "every mesh";
     /// Bounds files that include each other.
     INCLUDE_DEPTH: usize = 16, Count "nesting of included files" of ".pbrt";
     /// Nested repeated includes would take exponential time.

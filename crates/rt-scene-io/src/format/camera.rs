@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::default_values::is_zero;
 use super::{CameraAnimation, Step};
 
-/// A camera. `look_from` or `transform` places it; without both it shows the whole scene.
+/// A camera. `look_from` or `transform` places it; without both it shows the whole scene. Then `fov`, `lens_shift` and
+/// `orthographic` are kept: a note says if the height of `orthographic` is too small for the scene. With a `fov` close to 180,
+/// the scene is small in the image.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]

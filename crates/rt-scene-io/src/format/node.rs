@@ -50,7 +50,8 @@ pub struct Node {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instance: Option<String>,
     /// Material of this shape, and of the shapes below that have none. It is the name of one of the
-    /// scene's `materials`, or a material written here. On a `model` it replaces the materials of the model.
+    /// scene's `materials`, or a material written here. On a `model` it replaces the materials of the model. Instances and models
+    /// below do not inherit it: they have the materials of their own nodes.
     ///
     /// Default: that of the parent, or grey. Example: `material: diffuse(albedo: 0.8)`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -289,7 +290,9 @@ pub enum Shape {
     ///
     /// Example: `fan([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])`.
     Fan(Vec<[f32; 3]>),
-    /// A triangle mesh.
+    /// A triangle mesh. Like those of `quad`, `strip`, `fan` and model files, its vertices are stored in single precision: numbers up
+    /// to 3.4e38 with 24 bits. Far from the origin it loses detail: place it by the `transform` of its node, which has double
+    /// precision.
     Mesh {
         /// Vertices.
         ///

@@ -115,7 +115,9 @@ impl<'t> Explainer<'t> {
         let known = || words().skip(1).collect::<Vec<_>>();
         let found = || words().next().unwrap_or_default();
         let starts = |start: &str| message.starts_with(start);
-        if message.contains("unit variant, expected") {
+        if let ("expected value" | "trailing comma", Some(error)) = (message, self.second_choice(at)) {
+            error
+        } else if message.contains("unit variant, expected") {
             // The parser reports it after the object around the value.
             self.wrong_value(Cursor::before(self.text, at.saturating_sub(1)).last(), at)
         } else if message == NO_SPELLING || starts("invalid type") || starts("invalid value") {
@@ -163,6 +165,22 @@ impl<'t> Explainer<'t> {
             };
             ParseError::new(at.saturating_sub(1), message)
         }
+    }
+
+    /// Error of a JSON object with two choices. The parser has reached the comma between them, or read it.
+    fn second_choice(&self, at: usize) -> Option<ParseError> {
+        let is_comma = |at: &usize| self.text.as_bytes().get(*at) == Some(&b',');
+        let comma = [at, at.saturating_sub(1)].into_iter().find(is_comma)?;
+        let cursor = Cursor::before(self.text, comma);
+        let path = cursor.path();
+        let Key::Name(first) = path.last()? else { return None };
+        let start = next(self.text, comma + 1).filter(|start| self.text[*start..].starts_with('"'))?;
+        let second = self.text[start..value_end(self.text, start)].trim_matches('"');
+        let choices = self.schema.slot(&cursor.container())?.choices();
+        choices.iter().any(|(name, _)| name == first).then(|| {
+            let message = format!("`{first}` and `{second}` are two choices in one object: remove one of them");
+            ParseError::new(start, message)
+        })
     }
 
     /// A value that has none of its spellings has been read.

@@ -213,7 +213,7 @@ fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
 fn check_references(root: &Root, value: &Value, path: &Path) -> Result<(), LoadError> {
     let mut problems = Vec::new();
     root.validate(root, gltf::json::Path::new, &mut |place, error| {
-        let place = place().to_string();
+        let place = written_place(&place().to_string());
         if is_harmless(&place, error) {
             return;
         }
@@ -239,6 +239,15 @@ fn is_harmless(place: &str, error: Error) -> bool {
         || place.ends_with(".max")
         || place.ends_with("[\"<invalid semantic name>\"]")
         || (error == Error::Missing && place.starts_with("accessors[") && place.ends_with("].bufferView"))
+}
+
+/// A path of the `gltf` crate with the names of extensions as in files: `KHR_lights_punctual` for `khrLightsPunctual`.
+fn written_place(place: &str) -> String {
+    let written = |step: &str| {
+        let named = |name: &&&str| name.replace('_', "").eq_ignore_ascii_case(step);
+        SUPPORTED.iter().find(named).map_or_else(|| step.to_owned(), |name| (*name).to_owned())
+    };
+    place.split('.').map(written).collect::<Vec<_>>().join(".")
 }
 
 /// The value at a path such as `meshes[0].primitives[1].attributes["POSITION"]`.
@@ -317,6 +326,13 @@ mod tests {
         let mut warnings = Vec::new();
         parse(json.as_bytes(), Path::new("m.gltf"), &mut warnings).expect("usable");
         assert_eq!(warnings[0].message, "morph targets of TEXCOORD_0 are not supported");
+    }
+
+    #[test]
+    fn errors_of_extensions_have_the_names_of_the_file() {
+        let lights = r#"{"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_lights_punctual"],
+            "extensions": {"KHR_lights_punctual": {"lights": [{"type": "lamp"}]}}}"#;
+        assert_eq!(refused(lights), "m.gltf: extensions.KHR_lights_punctual.lights[0].type: \"lamp\" is not valid");
     }
 
     #[test]

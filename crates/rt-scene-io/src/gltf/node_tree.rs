@@ -7,7 +7,7 @@ use gltf::{
     json::{camera::Type as CameraType, extensions::scene::khr_lights_punctual as lights, validation::Checked},
 };
 use rt_camera::{CameraSettings, FovAxis, Projection};
-use rt_math::{AnimatedTransform, DVec3, Rgb, Transform, transcendental::cos};
+use rt_math::{AnimatedTransform, DVec3, Rgb, Transform, TransformError, transcendental::cos};
 use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 
 use super::{
@@ -88,7 +88,13 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model:
     let parent_from_local = match transform(poses.opens.matrix(source.index())?) {
         Ok(transform) => transform,
         Err(error) => {
-            warn(source, &format!("{error}; it and its children are left out"), model);
+            let reason = match error {
+                TransformError::DegenerateDirection => {
+                    "its rotation has no direction, because the quaternion is zero".to_owned()
+                }
+                other => other.to_string(),
+            };
+            warn(source, &format!("{reason}; it and its children are left out"), model);
             return None;
         }
     };

@@ -142,6 +142,14 @@ fn matrices_are_columns_and_nest() {
 }
 
 #[test]
+fn a_rotation_of_zero_is_named_as_such() {
+    let model = load_nodes(r#""nodes": [{"mesh": 0}, {"mesh": 0, "rotation": [0, 0, 0, 0]}]"#);
+    let warning = model.warnings.first().map(ToString::to_string).unwrap_or_default();
+    let expected = "its rotation has no direction, because the quaternion is zero; it and its children are left out";
+    assert!(warning.contains("nodes[1]") && warning.ends_with(expected), "{warning}");
+}
+
+#[test]
 fn lights_stand_where_their_nodes_are() {
     let model = load_nodes(
         r#""nodes": [{"translation": [0, 3, 0], "scale": [2, 2, 2], "extensions": {"KHR_lights_punctual": {"light": 0}}},

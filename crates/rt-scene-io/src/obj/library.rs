@@ -18,7 +18,7 @@ use crate::error::ErrorAt;
 use crate::text::lines::decode;
 use crate::{
     LoadError, LoadErrorKind, LoadOptions, Location, MaterialId, Model, Warning,
-    files::{read_referenced, refuse_utf16, resolve_path},
+    files::{is_absolute, read_referenced, refuse_utf16, resolve_path},
 };
 
 /// Maps without effect on glass, which is uniform.
@@ -61,14 +61,27 @@ impl<'a> MaterialLibrary<'a> {
 
     /// A statement names one file, whose name may contain spaces, or several files.
     fn open_all(&mut self, names: &str, line: usize, model: &mut Model) -> Result<(), LoadError> {
-        let resolve = |name: &str| match resolve_path(name, self.path, self.options) {
-            Err(LoadErrorKind::MissingReference { .. }) => Ok(None),
-            found => found.map(Some).at(self.path, Location::Line(line)),
+        let resolve = |name: &str| {
+            // Absolute paths are those of another machine.
+            if is_absolute(name) {
+                return Ok(None);
+            }
+            match resolve_path(name, self.path, self.options) {
+                Err(LoadErrorKind::MissingReference { .. }) => Ok(None),
+                Ok(found) if found.is_dir() => {
+                    let rule = LoadErrorKind::Directory.to_string();
+                    let refused = LoadErrorKind::BadReference { reference: name.to_owned(), rule };
+                    Err(refused.at(self.path, Location::Line(line)))
+                }
+                found => found.map(Some).at(self.path, Location::Line(line)),
+            }
         };
         let mut files = Vec::new();
         let mut missing = Vec::new();
         match resolve(names)? {
             Some(file) => files.push(file),
+            // Spaces of an absolute path do not separate files.
+            None if is_absolute(names) => missing.push(names),
             None => {
                 for name in names.split_whitespace() {
                     match resolve(name)? {
@@ -83,7 +96,12 @@ impl<'a> MaterialLibrary<'a> {
         }
         for name in missing {
             self.incomplete = true;
-            let message = format!("the material library `{name}` does not exist; plain grey is used for its materials");
+            let problem = if is_absolute(name) {
+                format!("the path of the material library `{name}` is absolute")
+            } else {
+                format!("the material library `{name}` does not exist")
+            };
+            let message = format!("{problem}; plain grey is used for its materials");
             model.warn(format_args!("{}:{}", self.path.display(), line), message);
         }
         Ok(())

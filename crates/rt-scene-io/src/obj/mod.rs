@@ -290,7 +290,8 @@ mod tests {
         let model =
             load_text(&format!("{SQUARE}v nan 0 0\nv 1e400 0 0\nf 1 2 3\nf 1 2 5\nf 1 6 3\n")).expect("a model");
         assert_eq!(model.meshes[0].mesh.data().triangles.len(), 1);
-        let expected = "m.obj: unnamed object: triangles with a NaN or infinite vertex were dropped: 2 of 3";
+        let expected = "m.obj: unnamed object: triangles with a NaN or infinite vertex were dropped: 2 of 3; vertices of meshes \
+                        are stored in single precision, and numbers above 3.4e38 count as infinite";
         assert_eq!(messages(&model), [expected]);
     }
 
@@ -357,6 +358,29 @@ mod tests {
         let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
         let iors: Vec<_> = model.materials.iter().map(|material| material.interior.map(|inside| inside.ior)).collect();
         assert_eq!(iors, [None, Some(1.5)]);
+    }
+
+    #[test]
+    fn absolute_libraries_are_warnings_and_directories_name_the_line() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let load = |statement: &str| {
+            let path = folder.path().join("m.obj");
+            fs::write(&path, format!("{SQUARE}{statement}\nf 1 2 3\n")).expect("written");
+            load_file(&path, &LoadOptions::default())
+        };
+        for absolute in ["/home/me/x.mtl", "/home/me/my files/x.mtl", "C:\\x.mtl", "\\\\host\\x.mtl"] {
+            let model = load(&format!("mtllib {absolute}")).expect("a model");
+            let expected = format!(
+                "m.obj:5: the path of the material library `{absolute}` is absolute; plain grey is used for its materials"
+            );
+            assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
+            assert!(model.warnings[0].to_string().ends_with(&expected), "{}", model.warnings[0]);
+        }
+        let error = load("mtllib .").expect_err("a directory").to_string();
+        assert!(error.ends_with("m.obj:5: `.` is a directory; give the path of a file"), "{error}");
+        fs::write(folder.path().join("m.mtl"), "newmtl m\nmap_Kd .\n").expect("written");
+        let error = load("mtllib m.mtl\nusemtl m").expect_err("a directory").to_string();
+        assert!(error.ends_with("m.mtl: material `m`: `.` is a directory; give the path of a file"), "{error}");
     }
 
     #[test]

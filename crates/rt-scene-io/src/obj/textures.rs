@@ -69,6 +69,10 @@ impl<'a> ObjTextures<'a> {
             return Ok(None);
         }
         let image = match resolve_path(&map.file, file, self.options) {
+            Ok(image) if image.is_dir() => {
+                let rule = LoadErrorKind::Directory.to_string();
+                return Err(LoadErrorKind::BadReference { reference: map.file.clone(), rule }.at(file, place));
+            }
             Ok(image) => image,
             Err(LoadErrorKind::MissingReference { .. }) => {
                 warn(format!("the image `{}` does not exist; {instead}", map.file));

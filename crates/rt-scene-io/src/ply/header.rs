@@ -7,8 +7,10 @@ use serde_ply::{ElementDef, PlyFormat, PlyHeader, PropertyType, ScalarType};
 use super::rows::{COLOR, COLUMNS, CORNERS, POSITION, STRIPS, column};
 use crate::LoadErrorKind;
 
-/// Checks that there are vertices with positions, and that the `available` bytes after the header can hold all rows.
-pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), LoadErrorKind> {
+/// Checks that there are vertices with positions, and that the `present` bytes after the header can hold all rows.
+pub(super) fn check(header: &PlyHeader, present: u64) -> Result<(), LoadErrorKind> {
+    // The white space after the last word of a text may be missing.
+    let available = present + u64::from(header.format == PlyFormat::Ascii);
     for (i, element) in header.elem_defs.iter().enumerate() {
         if header.elem_defs[..i].iter().any(|before| before.name == element.name) {
             return Err(LoadErrorKind::Duplicate { kind: "element", name: element.name.clone() });
@@ -25,7 +27,8 @@ pub(super) fn check(header: &PlyHeader, available: u64) -> Result<(), LoadErrorK
         needed = needed.saturating_add(row.saturating_mul(element.count as u64));
     }
     if needed > available {
-        let value = format!("{available} bytes after the header");
+        let unit = if present == 1 { "byte" } else { "bytes" };
+        let value = format!("{present} {unit} after the header");
         return Err(LoadErrorKind::invalid(
             value,
             format!("are too few: its elements take at least {needed}; the file is truncated"),
@@ -75,6 +78,19 @@ pub(super) fn whole(header: &PlyHeader, columns: Range<usize>) -> Option<f32> {
         PropertyType::Scalar(ScalarType::I32 | ScalarType::U32) => Some(f32::from(u8::MAX)),
         _ => None,
     }
+}
+
+/// True if there are rows of faces or strips.
+pub(super) fn has_faces(header: &PlyHeader) -> bool {
+    ["face", STRIPS].iter().any(|name| header.get_element(name).is_some_and(|element| element.count > 0))
+}
+
+/// Version in the line `format` of a header, which `serde_ply` passes over.
+pub(super) fn version(bytes: &[u8]) -> Option<&str> {
+    let lines = bytes.split(|byte| *byte == b'\n').take_while(|line| !line.starts_with(b"end_header"));
+    let mut words =
+        lines.filter_map(|line| str::from_utf8(line).ok()?.strip_prefix("format ")).next()?.split_whitespace();
+    words.nth(1)
 }
 
 /// Messages about content other than a mesh.

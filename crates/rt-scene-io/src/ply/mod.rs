@@ -52,23 +52,35 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     let mut rest = bytes.as_slice();
     let header = PlyReader::from_reader(&mut rest).map(|reader| reader.header().clone());
     let header = header.map_err(|error| explain(&error, &bytes, rest, None, path))?;
-    header::check(&header, rest.len() as u64).at(path, "")?;
+    // The last byte is not the file's.
+    header::check(&header, (rest.len() as u64).saturating_sub(1)).at(path, "")?;
     let mut rest = bytes.as_slice();
     let content = read(&mut rest).map_err(|error| explain(&error, &bytes, rest, Some(header.format), path))?;
+    if header.format != PlyFormat::Ascii && rest.is_empty() {
+        // The byte that is not the file's was read as one of its rows.
+        let message = format!("the file ends too early (before byte {})", bytes.len() - 1);
+        return Err(LoadErrorKind::Syntax(message).at(path, ""));
+    }
     let surplus = surplus(&bytes, rest, header.format);
     let PlyContent { vertices, corners } = content;
-    if corners.is_empty() {
+    if corners.is_empty() && !header::has_faces(&header) {
         let what = "a point cloud without faces";
         return Err(LoadErrorKind::Unsupported(what.to_owned()).at(path, ""));
     }
     let mut model = Model::default();
     let mut warn = |message: String| model.warn(path.display(), message);
+    if let Some(version) = header::version(&bytes).filter(|version| *version != "1.0") {
+        warn(format!("the file has version {} of the format; it is read as version 1.0", shortened(version)));
+    }
     for left_out in header::left_out(&header) {
         warn(left_out);
     }
     surplus.into_iter().for_each(&mut warn);
     if corners.short > 0 {
         warn(format!("faces with fewer than three corners were left out: {}", corners.short));
+    }
+    if corners.is_empty() {
+        return Err(model.empty("has no usable triangles", path));
     }
     let data =
         mesh_data(&header, &vertices, &corners).map_err(|error| LoadErrorKind::from(error).at(path, "element face"))?;
@@ -88,6 +100,9 @@ fn show_colors(model: &mut Model) {
         material.model = Phong::lambertian(ColorTexture::Textured(color, Rgb::WHITE)).into();
     }
 }
+
+/// Message about a file of another format.
+const NO_PLY: &str = "is not a PLY file: the first line must be `ply`";
 
 /// Relevant content of a file.
 #[derive(Default)]
@@ -142,6 +157,10 @@ fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<P
     // The last byte is not the file's.
     let read = &bytes[..(bytes.len() - rest.len()).min(bytes.len() - 1)];
     let message = match error.0.kind() {
+        _ if !bytes.starts_with(b"ply") => NO_PLY.to_owned(),
+        std::io::ErrorKind::InvalidData if format.is_none() && str::from_utf8(read).is_err() => {
+            "the header is not UTF-8 text".to_owned()
+        }
         std::io::ErrorKind::UnexpectedEof => "the file ends too early".to_owned(),
         _ => explained(&error.0.to_string(), read),
     };
@@ -181,7 +200,7 @@ fn explained(message: &str, read: &[u8]) -> String {
         return format!("unknown format `{format}`; known are `ascii`, `binary_little_endian`, `binary_big_endian`");
     }
     if message.starts_with("File must start with") {
-        return "is not a PLY file: the first line must be `ply`".to_owned();
+        return NO_PLY.to_owned();
     }
     plain(message)
 }

@@ -70,6 +70,49 @@ fn text_and_both_byte_orders_hold_the_same_square() {
 }
 
 #[test]
+fn faces_of_two_corners_are_no_point_cloud() {
+    assert_eq!(
+        refused(&SQUARE.replace("4 0 1 2 3", "2 0 1")),
+        "m.ply: has no usable triangles (warning: m.ply: faces with fewer than three corners were left out: 1)"
+    );
+}
+
+#[test]
+fn bytes_after_the_header_are_those_of_the_file() {
+    let header = SQUARE.split_inclusive("end_header\n").next().expect("a header");
+    assert!(refused(header).starts_with("m.ply: 0 bytes after the header are too few"), "{}", refused(header));
+    // A text without its last line break is whole.
+    load_text(SQUARE.trim_end()).expect("a square");
+}
+
+#[test]
+fn a_binary_file_without_its_last_byte_is_refused() {
+    for big in [false, true] {
+        let mut bytes = binary(big);
+        bytes.pop();
+        let length = bytes.len();
+        let error = load_bytes(bytes, Path::new("m.ply")).expect_err("a truncated file").to_string();
+        assert_eq!(error, format!("m.ply: the file ends too early (before byte {length})"));
+    }
+}
+
+#[test]
+fn other_bytes_are_no_ply_file() {
+    let noise: Vec<u8> = (0..3000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let error = load_bytes(noise, Path::new("m.ply")).expect_err("noise").to_string();
+    assert_eq!(error, "m.ply:1: is not a PLY file: the first line must be `ply`");
+    let error = load_bytes(b"ply\nformat ascii 1.0\ncomment \xff\n".to_vec(), Path::new("m.ply")).expect_err("latin");
+    assert_eq!(error.to_string(), "m.ply:3: the header is not UTF-8 text");
+}
+
+#[test]
+fn another_version_of_the_format_is_a_warning() {
+    let model = load_text(&SQUARE.replace("ascii 1.0", "ascii 2.0")).expect("a square");
+    let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+    assert_eq!(warnings, ["the file has version 2.0 of the format; it is read as version 1.0"]);
+}
+
+#[test]
 fn a_concave_face_covers_its_own_area_only() {
     let dart = SQUARE.replace("0 0 0\n1 0 0\n1 1 0\n0 1 0", "0 0 0\n2 0 0\n0.5 0.5 0\n0 2 0");
     let model = load_text(&dart).expect("a dart");
@@ -85,7 +128,7 @@ fn headers_that_promise_too_much_are_refused_at_once() {
     let many = SQUARE.replace("vertex 4", "vertex 4000000000");
     assert_eq!(
         refused(&many),
-        "m.ply: 35 bytes after the header are too few: its elements take at least 24000000002; the file is truncated"
+        "m.ply: 34 bytes after the header are too few: its elements take at least 24000000002; the file is truncated"
     );
     let most = SQUARE.replace("face 1", "face 18446744073709551615");
     assert!(refused(&most).contains("at least 18446744073709551615"));

@@ -42,7 +42,17 @@ impl Objects<'_> {
         match load_model(&file, &self.shutter.for_models(self.options)) {
             Ok(model) => Some(model),
             Err(error) => {
-                self.report.add(LoadError::into_diagnostics(error));
+                let refused = |rule: String| LoadErrorKind::BadReference { reference: reference.to_owned(), rule };
+                // An error of the reference, not of the content of a file.
+                let of_reference = match error.diagnostics() {
+                    _ if file.is_dir() => Some(LoadErrorKind::Directory.to_string()),
+                    [only] if matches!(only.kind, LoadErrorKind::UnknownFormat { .. }) => Some(only.kind.to_string()),
+                    _ => None,
+                };
+                match of_reference {
+                    Some(rule) => return self.report.check(format_args!("{path}.model"), Err(refused(rule))),
+                    None => self.report.add(LoadError::into_diagnostics(error)),
+                }
                 None
             }
         }

@@ -77,7 +77,7 @@ pub(crate) fn resolve_with(
         None if options.has_environment && set == Integrator::Whitted => Integrator::Path,
         None => set,
     };
-    notes.extend(fields.fill(&bounds, SceneLighting { integrator, has_emissive, has_layers }, &options));
+    notes.extend(fields.fill(&mut report, &bounds, SceneLighting { integrator, has_emissive, has_layers }, &options));
     key_times(file).for_each(|time| options.animation_end.extend(time));
     if options.at_time.is_none() && is_animated(file) {
         notes.push("The scene is animated: it is shown at 0 s.".to_owned());

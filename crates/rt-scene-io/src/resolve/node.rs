@@ -16,7 +16,9 @@ use super::texture::Textures;
 use super::tree_size;
 use crate::diagnostics::Diagnostics;
 use crate::format::{self, SceneFile};
-use crate::{Content, Group, GroupId, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedMesh, SceneNode, limits};
+use crate::{
+    Content, Group, GroupId, LoadErrorKind, LoadOptions, MaterialId, MeshId, NamedMesh, SceneNode, Warning, limits,
+};
 
 /// Resolved objects of a scene so far, and their materials, meshes and groups.
 pub(super) struct Objects<'a> {
@@ -131,6 +133,9 @@ impl<'a> Objects<'a> {
                     .check::<()>(path, Err(LoadErrorKind::invalid("two of `shape`, `model` and `instance`", rule)));
             }
         }
+        if own.is_some() && node.shape.is_none() && node.model.is_none() {
+            self.warn_of_unreached(path, node);
+        }
         placed.children.extend(self.tree(&format!("{path}.children"), &node.children, material, depth + 1));
         Some(placed)
     }
@@ -148,6 +153,29 @@ impl<'a> Objects<'a> {
         };
         if let Some(assigned) = assigned.filter(|assigned| !is_sound(assigned)) {
             self.material(path, Some(assigned));
+        }
+    }
+
+    /// Warns of a material that only instances and models would inherit.
+    fn warn_of_unreached(&mut self, path: &str, node: &format::Node) {
+        let mut cut_off = None;
+        let mut open: Vec<&format::Node> = node.children.iter().rev().collect();
+        while let Some(below) = open.pop() {
+            match (&below.shape, &below.model, &below.instance) {
+                // The others take their own material further down.
+                _ if below.material.is_some() => continue,
+                (Some(_), ..) => return,
+                (_, Some(model), _) => cut_off = cut_off.or(Some(("model", model))),
+                (.., Some(group)) => cut_off = cut_off.or(Some(("instance", group))),
+                _ => {}
+            }
+            open.extend(below.children.iter().rev());
+        }
+        if let Some((kind, name)) = cut_off {
+            let place = if kind == "model" { "node of the model" } else { "nodes of the group" };
+            let message =
+                format!("has no effect: the {kind} \"{name}\" below does not inherit it; write it at the {place}");
+            self.report.warnings.push(Warning { place: format!("{path}.material"), message });
         }
     }
 

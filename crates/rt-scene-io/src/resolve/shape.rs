@@ -93,8 +93,14 @@ fn checked_mesh(
         return Err(LoadErrorKind::invalid("the mesh", "has no triangles: give at least one"));
     }
     // Repairs are for model files; in a scene file, such values are errors.
-    if let Some(bad) = data.positions.iter().flat_map(|p| p.to_array()).find(|c| !c.is_finite()) {
-        return Err(LoadErrorKind::invalid(bad, "must be a finite number"));
+    if let Some((index, vertex)) = data.positions.iter().enumerate().find(|(_, vertex)| !vertex.is_finite()) {
+        let [x, y, z] = vertex.to_array();
+        let rule = if vertex.is_nan() {
+            "must have finite coordinates"
+        } else {
+            "has a coordinate beyond 3.4e38, the limit of the single precision in which vertices of meshes are stored"
+        };
+        return Err(LoadErrorKind::invalid(format_args!("vertex {index} at ({x}, {y}, {z})"), rule));
     }
     Ok(build_mesh(data, place, warnings)?)
 }

@@ -176,6 +176,55 @@ fn json_says_the_same_as_ron() {
 }
 
 #[test]
+fn a_default_camera_that_is_too_far_away_is_no_error_of_a_field_that_the_scene_lacks() {
+    let rule =
+        "is a coordinate of the camera that shows the whole scene, and above 1e60: place the camera by `look_from`";
+    for (scene, place) in [
+        ("(nodes: [(shape: sphere(center: (1e60, 0, 0)))])", "scene.ron: nodes: "),
+        ("(nodes: [(shape: sphere(), transform: [scale(1e50), scale(1e50)])])", "scene.ron: nodes: "),
+        ("(nodes: [(shape: sphere())], camera: (fov: 1e-80))", "scene.ron: camera: "),
+    ] {
+        let error = error(scene);
+        assert!(error.starts_with(place) && error.contains(rule), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+}
+
+#[test]
+fn vertices_beyond_single_precision_are_refused_with_that_limit() {
+    let with = |z: &str| {
+        error(&format!(
+            "(nodes: [(shape: mesh(positions: [(1, 0, 0), (0, 0, {z}), (0, 1, 0)], triangles: [(0, 1, 2)]))])"
+        ))
+    };
+    let rule =
+        "has a coordinate beyond 3.4e38, the limit of the single precision in which vertices of meshes are stored";
+    assert_eq!(with("-1e39"), format!("scene.ron: nodes[0].shape: vertex 1 at (0, 0, -inf) {rule}"));
+    assert_eq!(with("NaN"), "scene.ron: nodes[0].shape: vertex 1 at (0, 0, NaN) must have finite coordinates");
+}
+
+#[test]
+fn two_choices_in_an_object_of_json_are_named() {
+    let error = |text: &str| parse_json(text, Path::new("s.json")).expect_err(text).to_string();
+    for (text, message) in [
+        (
+            r#"{"nodes": [{"shape": {"sphere": {}, "box": {}}}]}"#,
+            "s.json:1:37: `sphere` and `box` are two choices in one object: remove one of them",
+        ),
+        (
+            r#"{"nodes": [{"material": {"phong": {}, "diffuse": {}}}]}"#,
+            "s.json:1:39: `phong` and `diffuse` are two choices in one object: remove one of them",
+        ),
+        (
+            r#"{"nodes": [], "lights": [{"ambient": 1, "point": {}}]}"#,
+            "s.json:1:41: `ambient` and `point` are two choices in one object: remove one of them",
+        ),
+    ] {
+        assert!(error(text).starts_with(message), "{}", error(text));
+    }
+}
+
+#[test]
 fn all_problems_are_named_at_once() {
     let text = error(
         "(nodes: [(shape: sphere(radius: 0)), (shape: sphere(), material: \"x\")], film: (size: (0, 1)), camera: (fov: 0))",
@@ -261,6 +310,20 @@ fn references_must_stay_below_the_root() {
     // A wider root lets it through: now only the content is wrong.
     let wide = LoadOptions { root: Some(folder.path().to_path_buf()), ..default };
     assert!(with("../secret.png", &wide).contains("is not a PNG"));
+}
+
+#[test]
+fn a_model_that_is_no_model_file_is_an_error_at_its_reference() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.ron");
+    fs::write(folder.path().join("notes.txt"), "text").expect("written");
+    for (reference, rule) in
+        [(".", "is a directory; give the path of a file"), ("notes.txt", "has no known extension (known are .obj")]
+    {
+        fs::write(&path, format!("(nodes: [\n(model: \"{reference}\")])")).expect("written");
+        let error = load(&path, &LoadOptions::default()).expect_err(reference).to_string();
+        assert!(error.contains(&format!("s.ron:2:2: nodes[0].model: `{reference}` {rule}")), "{error}");
+    }
 }
 
 #[test]

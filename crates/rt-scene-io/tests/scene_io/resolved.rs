@@ -96,6 +96,29 @@ fn outline_nodes(nodes: &[SceneNode], depth: usize, lines: &mut Vec<String>) {
 }
 
 #[test]
+fn a_material_that_only_instances_or_models_would_inherit_is_a_warning() {
+    let warnings = |nodes: &str| -> Vec<String> {
+        let text = format!("(nodes: [{nodes}], groups: {{\"g\": [(shape: sphere())]}})");
+        let path = Path::new("scene.ron");
+        let file = parse_ron(&text, path).expect("a scene");
+        let scene = resolve(&file, path, &LoadOptions::default()).expect("a sound scene");
+        scene.warnings.iter().map(ToString::to_string).collect()
+    };
+    let red = "material: diffuse(albedo: (1, 0, 0))";
+    let message = "nodes[0].material: has no effect: the instance \"g\" below does not inherit it; write it at the nodes of the \
+                   group";
+    assert_eq!(warnings(&format!("({red}, children: [(instance: \"g\")])")), [message]);
+    assert_eq!(warnings(&format!("({red}, children: [(children: [(instance: \"g\")])])")), [message]);
+    for used in [
+        format!("({red}, children: [(instance: \"g\"), (shape: sphere())])"),
+        format!("({red}, shape: sphere(), children: [(instance: \"g\")])"),
+        "(children: [(instance: \"g\")])".to_owned(),
+    ] {
+        assert_eq!(warnings(&used), [""; 0], "{used}");
+    }
+}
+
+#[test]
 fn a_scene_is_resolved() {
     insta::assert_snapshot!(outline(&resolved(SCENE)));
 }
