@@ -5,8 +5,8 @@ use rt_math::Vec3;
 
 use crate::Warning;
 
-/// Largest coordinate of a mesh relative to its size from which on rounding can flatten its smaller triangles: numbers of 24 bits
-/// resolve a ten-thousandth of the size.
+/// Ratio of the largest coordinate of a mesh to its size above which rounding may flatten its smaller triangles. There, numbers of 24
+/// bits resolve a ten-thousandth of the size.
 const COARSE: f32 = 1e3;
 
 /// Likely cause of a repair, by the vertices of the mesh; empty for none.
