@@ -247,6 +247,10 @@ mod tests {
     #[test]
     fn shadow_rays_do_not_hit_the_small_or_distant_light_that_they_end_on() {
         let emission = white(EmissionSides::Both);
+        let of_triangle = |vertices| {
+            let light = MeshLight::new([vertices], emission).expect("a light");
+            (Light::Mesh(light), Shape::Triangle(Triangle::new(vertices).expect("a triangle")))
+        };
         let (mut count, mut hits) = (0, Vec::new());
         for (size, distance) in [1.0, 0.1, 0.01, 1e-4].into_iter().flat_map(|s| [1.0, 10.0, 1e3, 1e6].map(|d| (s, d))) {
             for [u, v, w] in numbers().take(400) {
@@ -257,6 +261,7 @@ mod tests {
                 let corners = [centre, centre + y, centre + y + z, centre + z];
                 let polygon = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex).expect("a square");
                 let triangle = [corners[0], corners[1], corners[3]];
+                let needle = [centre, centre + y * 1000.0, centre + z];
                 let lights = [
                     (
                         Light::Quad(QuadLight::new(centre, [y, z], emission).expect("a light")),
@@ -266,10 +271,8 @@ mod tests {
                         Light::Sphere(SphereLight::new(centre, size, emission).expect("a light")),
                         Shape::Sphere(Sphere::new(centre, size).expect("a sphere")),
                     ),
-                    (
-                        Light::Mesh(MeshLight::new([triangle], emission).expect("a light")),
-                        Shape::Triangle(Triangle::new(triangle).expect("a triangle")),
-                    ),
+                    of_triangle(triangle),
+                    of_triangle(needle),
                 ];
                 let from = centre + turned(v, w, u).normalize() * (size + distance);
                 for (light, shape) in lights {
