@@ -128,8 +128,8 @@ impl LightLeSample {
     }
 }
 
-/// Point on a light with this unit normal, moved to the side that is visible from the other end of the shadow ray, from which `offset`
-/// leads to it. Its direction is rounded, and so is the parameter of a hit on the light, in proportion to the length of the ray.
+/// Point on a light with this unit normal, moved to the side from which it is seen. `offset` leads to it from the other end of the shadow
+/// ray. The direction of the ray is rounded, and so is the parameter of a hit on the light, in proportion to its length.
 #[inline(always)]
 fn end_of_shadow_ray<R: Real>(
     point: Vector3<R>,
