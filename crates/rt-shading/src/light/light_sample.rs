@@ -254,7 +254,6 @@ mod tests {
         let (mut count, mut hits) = (0, Vec::new());
         for (size, distance) in [1.0, 0.1, 0.01, 1e-4].into_iter().flat_map(|s| [1.0, 10.0, 1e3, 1e6].map(|d| (s, d))) {
             for [u, v, w] in numbers().take(400) {
-                let turned = |x: f64, y: f64, z: f64| DVec3::new(x - 0.5, y - 0.5, z - 0.5);
                 // The light lies in the plane x = 0, or its centre near that.
                 let centre = DVec3::new(0.0, 3.0 * u, w) * distance.min(10.0);
                 let [y, z] = [DVec3::Y, DVec3::Z].map(|axis| axis * size);
@@ -274,7 +273,7 @@ mod tests {
                     of_triangle(triangle),
                     of_triangle(needle),
                 ];
-                let from = centre + turned(v, w, u).normalize() * (size + distance);
+                let from = centre + (DVec3::new(v, w, u) - 0.5).normalize() * (size + distance);
                 for (light, shape) in lights {
                     let Some(sample) = light.sample_li(from, [v, w]) else { continue };
                     let target = sample.shadow_target().expect("a point");

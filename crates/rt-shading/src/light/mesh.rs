@@ -66,8 +66,8 @@ impl MeshLight {
         }
         let on_light = face.sample(point, height, [rest, u[1]]);
         let at = LightPoint { point: on_light, normal: face.normal, triangle: u32::try_from(index).ok()? };
-        // The rounding of hits on a triangle grows with its slenderness.
-        let extent = self.around.extent().max_element() * face.slenderness();
+        // The rounding of hits on a triangle grows with its aspect ratio.
+        let extent = self.around.extent().max_element() * face.aspect_ratio();
         LightLiSample::of_surface(point, &at, extent, radiance, self.pdf_li_at(point, on_light, at.triangle))
     }
 
@@ -123,7 +123,7 @@ impl MeshLight {
 
 impl Face {
     /// Longest edge divided by the height over it, at most 10⁴.
-    fn slenderness(&self) -> f64 {
+    fn aspect_ratio(&self) -> f64 {
         let [a, b, c] = self.vertices;
         let longest = [b - a, c - b, a - c].map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
         (longest / (2.0 * self.area)).clamp(1.0, 1e4)
