@@ -54,6 +54,7 @@ mod closest_point;
 mod cuboid;
 mod disk;
 mod error;
+mod exact_edges;
 mod hit;
 mod infinite_quadric;
 mod interaction;

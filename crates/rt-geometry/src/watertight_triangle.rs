@@ -1,20 +1,33 @@
 //! Watertight ray-triangle test, for single triangles, meshes and accelerators.
 
-use crate::ShapeHit;
+use crate::{
+    ShapeHit,
+    exact_edges::{edge_volumes, point_area},
+};
 use robust::{Coord3D, orient3d};
 use rt_math::DVec3;
-use rt_math::float::{difference_of_products, is_sign_certain};
+use rt_math::float::UNIT_ROUNDOFF;
 use rt_math::{Interval, Ray};
 
 /// Ray prepared for many triangle tests: the affine map that takes the ray to the positive z axis.
 ///
 /// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, in `f64`. A vertex is mapped by a
-/// function of that vertex and the ray alone, so that triangles with a common vertex agree on its position. The sides
-/// of edges are computed with exact signs: no ray passes through an edge or a vertex of a closed mesh. The side of a
-/// triangle on which a ray starts is exact as well. So a ray that starts in its plane hits it at 0.
+/// function of that vertex and the ray alone. Where rounding could change the side of an edge on which the ray passes, the side is
+/// computed exactly from the numbers of ray and vertices. So no ray passes through an edge or a vertex of a closed mesh, and a ray
+/// through an edge hits both of its triangles, at the same `t`. The side of a triangle on which a ray starts is exact as well. So a
+/// ray that starts in its plane hits it at 0.
+///
+/// # When the sides of edges are certain
+///
+/// Let `u = 2⁻⁵³`. Let `Z` be the largest distance of a vertex from the origin along the axis of the largest direction component, and
+/// `M` the largest coordinate of a vertex in ray space across the ray. A coordinate across the ray is off by at most `u(2M + 5Z)`:
+/// differences are rounded, and so are the shear, its product and the result. A product of two such coordinates is off by at most
+/// `u·M(2M + 5Z)` for each factor, by the square of that error, and by its own rounding. So with `W = M + Z` an area is
+/// off by less than `32u·W(M + 4u·W)` ([`edge_error`](Self::edge_error)).
 #[derive(Clone, Copy, Debug)]
 pub struct WatertightRay {
     origin: DVec3,
+    direction: DVec3,
     /// Axes that become x, y and z: the direction is largest along the last, and the order is cyclic.
     axes: [usize; 3],
     shear_x: f64,
@@ -29,6 +42,18 @@ impl WatertightRay {
     /// Bound on `|t|` over the sum of the distances of the vertices along the ray. Where `t` is smaller, rounding could place the
     /// triangle on the wrong side of the origin, so that its sign is computed exactly.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
+
+    /// Factors of [`edge_error`](Self::edge_error), and the least area with a certain sign: products with a depth do not underflow.
+    pub const EDGE_ERROR: [f64; 3] = [32.0 * UNIT_ROUNDOFF, 4.0 * UNIT_ROUNDOFF, 1e-180];
+
+    /// Bound that an area of a triangle in ray space must exceed, so that its sign is certain: given the largest coordinate across the
+    /// ray, and the largest distance along the main axis.
+    #[inline(always)]
+    pub fn edge_error(across: f64, along: f64) -> f64 {
+        let [of_product, of_coordinate, least] = Self::EDGE_ERROR;
+        let sum = across + along;
+        (sum * of_product * (across + sum * of_coordinate)).max(least)
+    }
 
     /// Prepares a ray. A ray of direction zero has no hits.
     #[inline(always)]
@@ -46,14 +71,42 @@ impl WatertightRay {
         let axes = CYCLIC[axis];
         let d = permuted(ray.direction, axes);
         let scale_z = permuted(inverse, axes).z;
-        Self { origin: ray.origin, axes, shear_x: d.x * scale_z, shear_y: d.y * scale_z, scale_z }
+        let Ray { origin, direction, .. } = *ray;
+        Self { origin, direction, axes, shear_x: d.x * scale_z, shear_y: d.y * scale_z, scale_z }
     }
 
-    /// Point in ray space: x and y across the ray, z the ray parameter.
+    /// Side of the directed edge between two vertices on which the ray passes, with the exact sign, and 0 only on the edge. Also given are
+    /// their [sheared](Self::shear_point) positions.
+    pub(crate) fn side_of_edge(&self, [from, to]: [DVec3; 2], [a, b]: [DVec3; 2]) -> f64 {
+        let side = a.x * b.y - a.y * b.x;
+        let size = a.abs().max(b.abs());
+        if side.abs() > Self::edge_error(size.x.max(size.y), size.z) {
+            return side;
+        }
+        let [volume] = edge_volumes(self.origin, self.direction, [[from, to]]);
+        volume * self.scale_z.signum()
+    }
+
+    /// True if the second coordinate of a vertex across the ray is positive, without rounding. Also given is its
+    /// [sheared](Self::shear_point) position.
+    pub(crate) fn is_above(&self, vertex: DVec3, sheared: DVec3) -> bool {
+        let size = sheared.abs();
+        if sheared.y.abs() > Self::EDGE_ERROR[0] * (size.x.max(size.y) + size.z) {
+            return sheared.y > 0.0;
+        }
+        let coordinates = |v: DVec3| {
+            let v = permuted(v, self.axes);
+            [v.y, v.z]
+        };
+        point_area(coordinates(self.origin), coordinates(self.direction), coordinates(vertex)) * self.scale_z.signum()
+            > 0.0
+    }
+
+    /// Point relative to the origin, with x and y across the ray, and z along the main axis of the direction. Rounded.
     #[inline(always)]
-    pub fn map(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn shear_point(&self, point: DVec3) -> DVec3 {
         let p = permuted(point - self.origin, self.axes);
-        DVec3::new(p.x - self.shear_x * p.z, p.y - self.shear_y * p.z, p.z * self.scale_z)
+        DVec3::new(p.x - self.shear_x * p.z, p.y - self.shear_y * p.z, p.z)
     }
 
     /// Hit on a triangle within the closed `span`, with the barycentric weights of the second and third vertex. Edges
@@ -95,20 +148,43 @@ impl WatertightRay {
 
     #[inline(always)]
     fn in_ray_space(&self, vertices: [DVec3; 3]) -> RaySpaceTriangle {
-        let [a, b, c] = [self.map(vertices[0]), self.map(vertices[1]), self.map(vertices[2])];
+        let [a, b, c] = [self.shear_point(vertices[0]), self.shear_point(vertices[1]), self.shear_point(vertices[2])];
         // Side by side, as vectors: each coordinate of the three vertices twice, turned by one and by two.
         let (x_one, y_one) = ([c.x, a.x, b.x, 0.0], [c.y, a.y, b.y, 0.0]);
         let (x_two, y_two) = ([b.x, c.x, a.x, 0.0], [b.y, c.y, a.y, 0.0]);
-        let (minuends, subtrahends) = (products(x_one, y_two), products(y_one, x_two));
-        let [u, v, w, spare] = differences(minuends, subtrahends);
-        let is_certain = |i: usize, area: f64| is_sign_certain(area, minuends[i], subtrahends[i]);
-        let areas = if is_certain(0, u) & is_certain(1, v) & is_certain(2, w) & (spare == 0.0) {
-            [u, v, w]
-        } else {
-            exact_areas([c.x, c.y, a.x, a.y, b.x, b.y])
-        };
+        let [u, v, w, spare] = differences(products(x_one, y_two), products(y_one, x_two));
+        let size = a.abs().max(b.abs()).max(c.abs());
+        let error = Self::edge_error(size.x.max(size.y), size.z);
+        let is_certain = (u.abs() > error) & (v.abs() > error) & (w.abs() > error) & (spare == 0.0);
+        let areas = if is_certain { [u, v, w] } else { self.exact_areas(vertices, [a, b, c]) };
         let [u, v, w] = areas;
-        RaySpaceTriangle { areas, determinant: u + v + w, depths: [a.z, b.z, c.z] }
+        let depths = [a.z * self.scale_z, b.z * self.scale_z, c.z * self.scale_z];
+        RaySpaceTriangle { areas, determinant: u + v + w, depths }
+    }
+
+    /// Areas with exact signs, times a common factor. The ray passes exactly through edges of area 0; the others are then those of the
+    /// edge or vertex alone, so that all of its triangles are hit at the same `t`.
+    #[cold]
+    #[inline(never)]
+    fn exact_areas(&self, [a, b, c]: [DVec3; 3], sheared: [DVec3; 3]) -> [f64; 3] {
+        let volumes = edge_volumes(self.origin, self.direction, [[c, b], [a, c], [b, a]]);
+        let mut areas = volumes.map(|volume| volume * self.scale_z.signum());
+        let is_inside = areas.iter().all(|area| *area >= 0.0) | areas.iter().all(|area| *area <= 0.0);
+        let n_zero = areas.iter().filter(|area| **area == 0.0).count();
+        if is_inside && n_zero == 2 {
+            areas = areas.map(|area| if area == 0.0 { area } else { area.signum() });
+        } else if is_inside && n_zero == 1 {
+            let zero = areas.iter().position(|area| *area == 0.0).unwrap_or(0);
+            let (one, other) = ((zero + 1) % 3, (zero + 2) % 3);
+            let (from, to) = (sheared[one].abs(), sheared[other].abs());
+            let weights = if from.x + to.x > from.y + to.y { [to.x, from.x] } else { [to.y, from.y] };
+            // Rounding may put a vertex on the ray.
+            if weights[0] + weights[1] > 0.0 {
+                let sign = areas[one].signum();
+                [areas[one], areas[other]] = weights.map(|weight| sign * weight);
+            }
+        }
+        areas
     }
 
     /// Axes that become x, y and z, multiples of z that x and y lose, and factor of z. For SIMD tests of lower
@@ -127,17 +203,6 @@ fn products(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 #[inline(always)]
 fn differences(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
-}
-
-/// Exact computation of uncertain signs.
-#[cold]
-#[inline(never)]
-fn exact_areas([cx, cy, ax, ay, bx, by]: [f64; 6]) -> [f64; 3] {
-    [
-        difference_of_products(cx, by, cy, bx),
-        difference_of_products(ax, cy, ay, cx),
-        difference_of_products(bx, ay, by, ax),
-    ]
 }
 
 /// Triangle in ray space.

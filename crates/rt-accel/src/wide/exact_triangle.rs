@@ -1,7 +1,6 @@
 //! Exact intersection with triangles of leaves, three numbers at a time, bit-identical to [`intersect_triangle`].
 
 use rt_geometry::{Hit, WatertightRay, intersect_triangle};
-use rt_math::float::SIGN_ERROR_BOUND;
 use rt_math::{BOUNDS_PADDING, DVec3, FAR_FACTOR, Interval, Ray, SlabRay};
 
 use super::leaf::{Lane, LeafView, coordinates, corner};
@@ -109,13 +108,14 @@ impl<'a> LeafTriangle<'a> {
         let z = simd.sub_f64(z, all(simd, origin_z));
         let x = simd.sub_f64(x, simd.mul_f64(all(simd, shear_x), z));
         let y = simd.sub_f64(y, simd.mul_f64(all(simd, shear_y), z));
+        let across = max_lane(simd, simd.max_f64(simd.abs_f64(x), simd.abs_f64(y)));
+        let edge_error = WatertightRay::edge_error(across, max_lane(simd, simd.abs_f64(z)));
         let depths = simd.mul_f64(z, all(simd, scale));
 
         let minuends = simd.mul_f64(simd.zxy(x), simd.yzx(y));
         let subtrahends = simd.mul_f64(simd.zxy(y), simd.yzx(x));
         let areas = simd.sub_f64(minuends, subtrahends);
-        let sizes = simd.add_f64(simd.abs_f64(minuends), simd.abs_f64(subtrahends));
-        let doubt = simd.sub_f64(simd.mul_f64(sizes, all(simd, SIGN_ERROR_BOUND)), simd.abs_f64(areas));
+        let doubt = simd.sub_f64(all(simd, edge_error), simd.abs_f64(areas));
         let [u, v, w, _] = simd.to_f64_array(areas);
         let [ua, vb, wc, _] = simd.to_f64_array(simd.mul_f64(areas, depths));
         let [a, b, c, _] = simd.to_f64_array(simd.abs_f64(depths));

@@ -11,7 +11,7 @@
 //! ray hits the padded bounds.
 
 use rt_geometry::WatertightRay;
-use rt_math::float::{SIGN_ERROR_BOUND, UNIT_ROUNDOFF};
+use rt_math::float::UNIT_ROUNDOFF;
 use rt_math::{BOUNDS_PADDING, DVec3};
 
 use super::f64x8::{F64x8, max_abs, sub3};
@@ -27,6 +27,9 @@ const VOLUME_ERROR_BOUND: f64 = 16.0 * UNIT_ROUNDOFF;
 struct RaySpaceVertex<S: Simd> {
     x: F64x8<S>,
     y: F64x8<S>,
+    /// Distance from the origin along the main axis.
+    z: F64x8<S>,
+    /// The same as a parameter of the ray.
     depth: F64x8<S>,
 }
 
@@ -59,18 +62,26 @@ impl<S: Simd> Shear<S> {
         RaySpaceVertex {
             x: x.sub(simd, self.x.mul(simd, z)),
             y: y.sub(simd, self.y.mul(simd, z)),
+            z,
             depth: z.mul(simd, self.scale),
         }
     }
 }
 
-/// Twice the area between ray and edge, and a bit for each ray for which its sign is certain.
+/// Twice the area between ray and edge.
 #[inline(always)]
-fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> (F64x8<S>, u32) {
-    let (minuend, subtrahend) = (a.x.mul(simd, b.y), a.y.mul(simd, b.x));
-    let area = minuend.sub(simd, subtrahend);
-    let size = minuend.abs(simd).add(simd, subtrahend.abs(simd));
-    (area, size.mul(simd, F64x8::splat(simd, SIGN_ERROR_BOUND)).lt(simd, area.abs(simd)))
+fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> F64x8<S> {
+    a.x.mul(simd, b.y).sub(simd, a.y.mul(simd, b.x))
+}
+
+/// SIMD version of [`WatertightRay::edge_error`], from the vertices.
+#[inline(always)]
+fn edge_error<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3]) -> F64x8<S> {
+    let of_x = max_abs(simd, [a.x, b.x, c.x]);
+    let across = of_x.max(simd, max_abs(simd, [a.y, b.y, c.y]));
+    let sum = across.add(simd, max_abs(simd, [a.z, b.z, c.z]));
+    let [of_product, of_coordinate, least] = WatertightRay::EDGE_ERROR.map(|bound| F64x8::splat(simd, bound));
+    sum.mul(simd, of_product).mul(simd, across.add(simd, sum.mul(simd, of_coordinate))).max(simd, least)
 }
 
 /// `t` at the plane of three vertices, by the areas opposite of them, and the sum of the areas.
@@ -152,9 +163,10 @@ struct RaySpaceTriangle<S: Simd> {
 impl<S: Simd> RaySpaceTriangle<S> {
     #[inline(always)]
     fn new(simd: S, a: RaySpaceVertex<S>, b: RaySpaceVertex<S>, c: RaySpaceVertex<S>) -> Self {
-        let ((u, u_is_certain), (v, v_is_certain), (w, w_is_certain)) =
-            (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
-        let has_certain_signs = u_is_certain & v_is_certain & w_is_certain;
+        let (u, v, w) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
+        let smallest = u.abs(simd).min(simd, v.abs(simd)).min(simd, w.abs(simd));
+        // NaN is uncertain: its comparison with the least bound fails, also after the minimum.
+        let has_certain_signs = edge_error(simd, [&a, &b, &c]).lt(simd, smallest);
         let zero = F64x8::splat(simd, 0.0);
         let has_negative = u.lt(simd, zero) | v.lt(simd, zero) | w.lt(simd, zero);
         let has_positive = zero.lt(simd, u) | zero.lt(simd, v) | zero.lt(simd, w);
@@ -204,7 +216,7 @@ pub(super) fn resolve_certain<S: Simd>(
     let a = shear.in_ray_space(simd, rays, vertices[0]);
     let b = shear.in_ray_space(simd, rays, vertices[1]);
     let c = shear.in_ray_space(simd, rays, vertices[2]);
-    let ((u, _), (v, _), (w, _)) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
+    let (u, v, w) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
     let [mut t, determinant] = crossing(simd, [&a, &b, &c], [u, v, w]);
     // No hit precedes the entry into the padded bounds.
     let [a, b, c] = vertices;

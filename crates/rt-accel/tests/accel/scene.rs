@@ -326,3 +326,37 @@ fn empty_scenes_are_missed() {
         assert_eq!(scene.all_hits_batch(&rays).offsets, [0]);
     }
 }
+
+/// Regression: next to an edge, rays crossed it on another side than that of their own numbers, and points were on the wrong side of the
+/// surface. The exact side of each face is that of a determinant.
+#[test]
+fn points_within_a_rounding_error_of_the_edges_of_a_tetrahedron_are_on_the_right_side() {
+    const FACES: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+    let coordinates = |[x, y, z]: [f64; 3]| robust::Coord3D { x, y, z };
+    let (mut n_inside, mut n_outside) = (0, 0);
+    for seed in 0..200 {
+        let draw = |k: u64| unit(hash(&[seed, k])) * 2.0 - 1.0;
+        let mut corners = [0, 3, 6, 9].map(|k| [draw(k), draw(k + 1), draw(k + 2)]);
+        let side = |[a, b, c]: [[f64; 3]; 3], p: [f64; 3]| {
+            robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(p))
+        };
+        if side([corners[0], corners[1], corners[2]], corners[3]) < 0.0 {
+            corners.swap(0, 1);
+        }
+        let scene = Scene::new(TriangleMesh::new(&corners[..], &FACES[..]).expect("a mesh")).expect("a scene");
+        for [from, to] in [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]] {
+            for step in 0..27 {
+                let moved = |axis: usize, by: u32| {
+                    let middle: f64 = (corners[from][axis] + corners[to][axis]) * 0.5;
+                    [middle, middle.next_up(), middle.next_down()][by as usize % 3]
+                };
+                let point = [moved(0, step), moved(1, step / 3), moved(2, step / 9)];
+                let is_inside =
+                    FACES.iter().all(|face| side(face.map(|corner| corners[corner as usize]), point) >= 0.0);
+                assert_eq!(scene.contains(DVec3::from(point)), is_inside, "seed {seed}: {point:?} in {corners:?}");
+                *if is_inside { &mut n_inside } else { &mut n_outside } += 1;
+            }
+        }
+    }
+    assert!(n_inside > 5000 && n_outside > 5000, "{n_inside} inside, {n_outside} outside");
+}

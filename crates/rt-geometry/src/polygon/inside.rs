@@ -2,7 +2,6 @@
 
 use crate::WatertightRay;
 use rt_math::DVec3;
-use rt_math::float::difference_of_products;
 
 /// Definition of the inside of a polygon.
 ///
@@ -31,7 +30,7 @@ pub enum InsideRule {
 }
 
 impl InsideRule {
-    /// True if the ray passes inside the rings, in ray space.
+    /// True if the ray passes inside the rings.
     pub(super) fn is_inside<'r>(self, rings: impl Iterator<Item = &'r [DVec3]>, ray: &WatertightRay) -> bool {
         let mut sides = Sides::default();
         match self {
@@ -63,14 +62,18 @@ impl Sides {
     /// Adds all edges of a ring; sets `left` and `right` for `ALL` only.
     fn add_ring<const ALL: bool>(&mut self, ring: &[DVec3], ray: &WatertightRay) {
         let Some(last) = ring.last() else { return };
-        let mut a = ray.map(*last);
+        let at = |vertex: DVec3| {
+            let sheared = ray.shear_point(vertex);
+            (vertex, sheared, ray.is_above(vertex, sheared))
+        };
+        let mut a = at(*last);
         for vertex in ring {
-            let b = ray.map(*vertex);
+            let b = at(*vertex);
             // Corners on the axis count as below it: one crossing, not two, where the ring goes on upwards.
-            let (from, to) = (a.y > 0.0, b.y > 0.0);
+            let (from, to) = (a.2, b.2);
             if ALL || from != to {
-                // Twice the area of the triangle of the origin, a and b: positive with the origin to the left.
-                let side = difference_of_products(a.x, b.y, a.y, b.x);
+                // Positive with the ray to the left.
+                let side = ray.side_of_edge([a.0, b.0], [a.1, b.1]);
                 self.left |= side > 0.0;
                 self.right |= side < 0.0;
                 self.winding += i64::from(!from & to & (side > 0.0)) - i64::from(from & !to & (side < 0.0));

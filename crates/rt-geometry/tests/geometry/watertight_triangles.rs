@@ -97,3 +97,75 @@ fn a_ray_that_starts_in_the_plane_of_a_triangle_meets_it_at_zero() {
     }
     assert_eq!(tried, 40_000);
 }
+
+/// Regression: the shear was rounded, so that rays next to an edge found other sides of it than those of their own numbers. Rays from the
+/// rounded middles of edges, if these are inside, left the mesh.
+#[test]
+fn no_ray_leaves_a_closed_mesh_from_within_a_rounding_error_of_an_edge() {
+    const FACES: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+    let coordinates = |p: DVec3| robust::Coord3D { x: p.x, y: p.y, z: p.z };
+    let mut n_inside = 0;
+    for seed in 0..300 {
+        let draw = |k: u64| random::unit(random::hash(&[seed, k])) * 2.0 - 1.0;
+        let mut corners = [0, 3, 6, 9].map(|k| DVec3::new(draw(k), draw(k + 1), draw(k + 2)));
+        let side = |[a, b, c]: [DVec3; 3], p: DVec3| {
+            robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(p))
+        };
+        if side([corners[0], corners[1], corners[2]], corners[3]) < 0.0 {
+            corners.swap(0, 1);
+        }
+        let faces = FACES.map(|face| face.map(|corner| corners[corner]));
+        for [from, to] in [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]] {
+            for step in 0..27 {
+                let moved = |x: f64, by: u64| [x, x.next_up(), x.next_down()][(by % 3) as usize];
+                let middle = (corners[from] + corners[to]) * 0.5;
+                let origin = DVec3::new(moved(middle.x, step), moved(middle.y, step / 3), moved(middle.z, step / 9));
+                if !faces.iter().all(|face| side(*face, origin) > 0.0) {
+                    continue;
+                }
+                n_inside += 1;
+                let direction = DVec3::new(draw(20 + 3 * step), draw(21 + 3 * step), draw(22 + 3 * step));
+                let ray = WatertightRay::new(&Ray::new(origin, direction));
+                let is_hit = faces.iter().any(|face| ray.intersect(*face, Interval::FORWARD).is_some());
+                assert!(is_hit, "seed {seed}: {origin:?}, {direction:?}, {corners:?}");
+            }
+        }
+    }
+    assert!(n_inside > 2000, "{n_inside}");
+}
+
+/// Regression: a ray through a common edge missed one of its triangles where the shear was rounded, although all differences are exact.
+#[test]
+fn a_ray_through_a_common_edge_or_vertex_hits_all_triangles_there_at_the_same_t() {
+    let (mut n_edges, mut n_vertices) = (0, 0);
+    for seed in 0..20_000 {
+        let integer = |k: u64| (random::hash(&[seed, k]) % 17) as f64 - 8.0;
+        let vector = |k: u64| DVec3::new(integer(k), integer(k + 1), integer(k + 2));
+        let (a, b, direction) = (vector(0), vector(3), vector(6));
+        // Its parameter on the edge is 0, a quarter, a half, three quarters or 1; all numbers are exact.
+        let at = random::hash(&[seed, 9]) % 5;
+        let target = a + (b - a) * (at as f64 / 4.0);
+        let t = 1.0 + (random::hash(&[seed, 10]) % 3) as f64;
+        let ray = Ray::new(target - direction * t, direction);
+        let hits: Vec<f64> = [12, 15, 18, 21]
+            .into_iter()
+            .filter(|k| {
+                // The edge and the direction of the ray do not lie in the plane of the triangle.
+                let normal = (b - a).cross(vector(*k) - a);
+                normal.dot(direction) != 0.0
+            })
+            .map(|k| {
+                let hit = WatertightRay::new(&ray).intersect([a, b, vector(k)], Interval::FORWARD);
+                let turned = WatertightRay::new(&ray).intersect([b, vector(k), a], Interval::FORWARD);
+                assert_eq!(hit.map(|hit| hit.t), turned.map(|hit| hit.t), "seed {seed}");
+                hit.unwrap_or_else(|| panic!("seed {seed}: {ray:?} misses {a:?}, {b:?}, {:?}", vector(k))).t
+            })
+            .collect();
+        if let [first, others @ ..] = hits.as_slice() {
+            assert!(others.iter().all(|other| other == first), "seed {seed}: {hits:?}");
+            assert!((first - t).abs() < 1e-13, "seed {seed}: {first}, {t}");
+            if at % 4 == 0 { n_vertices += 1 } else { n_edges += 1 }
+        }
+    }
+    assert!(n_edges > 10_000 && n_vertices > 5000, "{n_edges} edges, {n_vertices} vertices");
+}

@@ -1,0 +1,152 @@
+//! Exact sides of edges and vertices on which a ray passes.
+
+use rt_math::DVec3;
+use rt_math::float::{power_of_two_scale, two_product, two_sum};
+
+/// Most terms of a volume: nine pairs of products of three numbers, each the sum of four.
+const CAPACITY: usize = 72;
+
+/// Volumes `d·((p − o) × (q − o))` that the direction `d` of a ray from `o` spans with the edges `(p, q)`. They are positive where the edge
+/// turns counterclockwise around the direction.
+///
+/// Each has the exact sign, and is 0 only when it is exactly 0. Its value is rounded, and all have a common positive factor. Shewchuk,
+/// "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997. Exact unless the coordinates of the points
+/// differ by more than a factor of 10⁹⁰, or those of the direction do.
+pub(crate) fn edge_volumes<const N: usize>(origin: DVec3, direction: DVec3, edges: [[DVec3; 2]; N]) -> [f64; N] {
+    let size = edges.iter().flatten().fold(origin.abs(), |size, point| size.max(point.abs()));
+    let scale = power_of_two_scale(size);
+    let (o, d) = (origin * scale, direction * power_of_two_scale(direction));
+    edges.map(|[p, q]| {
+        let (p, q) = (p * scale, q * scale);
+        let mut volume = Expansion::default();
+        // (p − o) × (q − o) = p × q + q × o + o × p
+        for (a, b) in [(p, q), (q, o), (o, p)] {
+            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+                volume.add_product(d[i], a[j], b[k]);
+                volume.add_product(-d[i], a[k], b[j]);
+            }
+        }
+        volume.value()
+    })
+}
+
+/// Area `(p − o) × d` of two coordinates of a point and the origin and direction of a ray, with the exact sign.
+pub(crate) fn point_area(origin: [f64; 2], direction: [f64; 2], point: [f64; 2]) -> f64 {
+    let factor = |[x, y]: [f64; 2]| power_of_two_scale(DVec3::new(x, y, 0.0));
+    let (of_points, of_direction) = (factor([0, 1].map(|i| origin[i].abs().max(point[i].abs()))), factor(direction));
+    let (o, p, d) = (origin.map(|x| x * of_points), point.map(|x| x * of_points), direction.map(|x| x * of_direction));
+    let mut area = Expansion::default();
+    for (a, b) in [(p[0], d[1]), (-p[1], d[0]), (-o[0], d[1]), (o[1], d[0])] {
+        area.add_product(a, b, 1.0);
+    }
+    area.value()
+}
+
+/// Exact sum: terms of rising magnitude that do not overlap, none of which is 0.
+struct Expansion {
+    terms: [f64; CAPACITY],
+    len: usize,
+}
+
+impl Default for Expansion {
+    fn default() -> Self {
+        Self { terms: [0.0; CAPACITY], len: 0 }
+    }
+}
+
+impl Expansion {
+    /// Adds a number (Shewchuk 1997, figure 6).
+    fn add(&mut self, number: f64) {
+        let (mut sum, mut kept) = (number, 0);
+        for i in 0..self.len {
+            let error;
+            (sum, error) = two_sum(sum, self.terms[i]);
+            if error != 0.0 {
+                self.terms[kept] = error;
+                kept += 1;
+            }
+        }
+        if sum != 0.0 && kept < CAPACITY {
+            self.terms[kept] = sum;
+            kept += 1;
+        }
+        self.len = kept;
+    }
+
+    /// Adds the product of three numbers.
+    fn add_product(&mut self, a: f64, b: f64, c: f64) {
+        let (high, low) = two_product(a, b);
+        for part in [low, high] {
+            let (product, error) = two_product(part, c);
+            self.add(error);
+            self.add(product);
+        }
+    }
+
+    /// Rounded sum with the exact sign.
+    fn value(&self) -> f64 {
+        self.terms[..self.len].iter().sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::random::hash;
+
+    /// Integers of this many bits, with their sign.
+    fn integer(seed: u64, index: u64, bits: u32) -> i128 {
+        i128::from(hash(&[seed, index]) as i64 >> (63 - bits))
+    }
+
+    fn volume([o, d, p, q]: [[i128; 3]; 4]) -> i128 {
+        let [a, b] = [p, q].map(|v| [v[0] - o[0], v[1] - o[1], v[2] - o[2]]);
+        d[0] * (a[1] * b[2] - a[2] * b[1]) + d[1] * (a[2] * b[0] - a[0] * b[2]) + d[2] * (a[0] * b[1] - a[1] * b[0])
+    }
+
+    #[test]
+    fn signs_of_areas_are_those_of_integers() {
+        let mut n_zero = 0;
+        for seed in 0..10_000 {
+            let [o, d] = [0, 1].map(|k| [0, 1].map(|axis| integer(seed, 2 * k + axis, 50)));
+            let factor = integer(seed, 90, 2);
+            let p = [0, 1]
+                .map(|axis| o[axis] + factor * d[axis] + integer(seed, 91 + axis as u64, 1) / (1 + seed as i128 % 2));
+            let expected = (p[0] - o[0]) * d[1] - (p[1] - o[1]) * d[0];
+            let [o, d, p] = [o, d, p].map(|v| v.map(|number| number as f64));
+            let found = point_area(o, d, p);
+            assert_eq!(found.partial_cmp(&0.0).map(|order| order as i128), Some(expected.signum()), "seed {seed}");
+            n_zero += usize::from(expected == 0);
+        }
+        assert!(n_zero > 1000, "{n_zero}");
+    }
+
+    /// Differences and products of integers, which `i128` checks; a third of the edges are hit exactly or almost.
+    #[test]
+    fn signs_are_those_of_integers() {
+        let mut n_zero = 0;
+        for seed in 0..30_000 {
+            let vector = |k: u64, bits: u32| [0, 1, 2].map(|axis| integer(seed, 3 * k + axis, bits));
+            let (o, p, d) = (vector(0, 38), vector(1, 38), vector(2, 38));
+            // A point on the line through o + d and p, or next to it.
+            let factor = integer(seed, 90, 2);
+            let near = [0, 1, 2].map(|axis| p[axis] + factor * (o[axis] + d[axis] - p[axis]));
+            let beside = [0, 1, 2].map(|axis| near[axis] + integer(seed, 91 + axis as u64, 1));
+            let q = [vector(3, 38), near, beside][seed as usize % 3];
+            let expected = volume([o, d, p, q]);
+            let float = |v: [i128; 3]| DVec3::from_array(v.map(|number| number as f64));
+            for scale in [1.0, 2.0f64.powi(-600), 2.0f64.powi(500)] {
+                let edge = [float(p) * scale, float(q) * scale];
+                let [found, turned, _] =
+                    edge_volumes(float(o) * scale, float(d) * scale, [edge, [edge[1], edge[0]], edge]);
+                assert_eq!(found.partial_cmp(&0.0).map(|order| order as i128), Some(expected.signum()), "seed {seed}");
+                assert_eq!(turned, -found);
+                let rounded = expected as f64;
+                let unscaled = if scale == 1.0 { found } else { rounded };
+                assert!((unscaled - rounded).abs() <= 1e-15 * rounded.abs(), "seed {seed}: {found}, {expected}");
+            }
+            n_zero += usize::from(expected == 0);
+        }
+        assert!(n_zero > 5000, "{n_zero}");
+    }
+}
