@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, codecs::hdr::HdrDecoder};
 
 use crate::{
     Encoding, Image, ImageFileError, ImageFormat, MAX_READ_PIXELS,
@@ -129,6 +129,9 @@ fn format_of_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>) -> Resul
     if is_pfm(&mut reader).map_err(unreadable)? {
         return Ok(ImageFormat::Pfm);
     }
+    if is_rgbe(&mut reader).map_err(unreadable)? {
+        return Ok(ImageFormat::Hdr);
+    }
     let reader = ImageReader::new(reader).with_guessed_format().map_err(unreadable)?;
     match reader.format() {
         Some(image::ImageFormat::Png) => Ok(ImageFormat::Png),
@@ -165,6 +168,11 @@ fn is_pfm(reader: &mut impl BufRead) -> std::io::Result<bool> {
     Ok(matches!(reader.fill_buf()?, [b'P', b'F' | b'f', ..]))
 }
 
+/// True for Radiance files with the header of Ward's `rgbe.c` instead of `#?RADIANCE`.
+fn is_rgbe(reader: &mut impl BufRead) -> std::io::Result<bool> {
+    Ok(reader.fill_buf()?.starts_with(b"#?RGBE"))
+}
+
 fn pfm_error(path: &Path, error: PfmError) -> ImageFileError {
     match error {
         PfmError::Io(source) => ImageFileError::Read { path: path.to_owned(), source },
@@ -185,16 +193,20 @@ fn undecodable(path: &Path, error: ImageError) -> ImageFileError {
 /// Decoder of a file of `length` bytes in a format of the `image` crate, whose image is within the limits.
 fn decoder<'r>(
     path: &Path,
-    source: Box<dyn ImageSource + 'r>,
+    mut source: Box<dyn ImageSource + 'r>,
     length: u64,
 ) -> Result<Box<dyn ImageDecoder + 'r>, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    let reader = ImageReader::new(source).with_guessed_format().map_err(unreadable)?;
-    let Some(format) = reader.format().filter(image::ImageFormat::reading_enabled) else {
-        return Err(ImageFileError::UnknownFormat(path.to_owned()));
+    let decoder: Result<Box<dyn ImageDecoder + 'r>, _> = if is_rgbe(&mut source).map_err(unreadable)? {
+        HdrDecoder::new_nonstrict(source).map(|decoder| Box::new(decoder) as Box<_>)
+    } else {
+        let reader = ImageReader::new(source).with_guessed_format().map_err(unreadable)?;
+        let Some(format) = reader.format().filter(image::ImageFormat::reading_enabled) else {
+            return Err(ImageFileError::UnknownFormat(path.to_owned()));
+        };
+        image_decoder(reader.into_inner(), format, MAX_DECODER_BYTES)
     };
-    let decoder =
-        image_decoder(reader.into_inner(), format, MAX_DECODER_BYTES).map_err(|error| undecodable(path, error))?;
+    let decoder = decoder.map_err(|error| undecodable(path, error))?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
         let reason = format!("it has {width}x{height} pixels");
@@ -282,6 +294,16 @@ mod tests {
         let mut bytes = Cursor::new(Vec::new());
         image.write_to(&mut bytes, image::ImageFormat::Png).expect("a PNG");
         bytes.into_inner()
+    }
+
+    /// Regression: Mitsuba and others write this header; the file was called "not an image".
+    #[test]
+    fn radiance_files_with_the_older_header_are_read() {
+        let bytes = encoded(ImageFormat::Hdr);
+        let rest = bytes.strip_prefix(b"#?RADIANCE").expect("the header");
+        let older = [b"#?RGBE", rest].concat();
+        assert_eq!(read_bytes(&older).expect("readable"), read_bytes(&bytes).expect("readable"));
+        assert_eq!(format_of_bytes(&older, Path::new("older.hdr")).expect("known"), ImageFormat::Hdr);
     }
 
     #[test]

@@ -57,7 +57,8 @@ impl Instance {
     #[inline]
     fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
         let light = self.light.map(|index| LightId { index, triangle });
-        SurfaceHit { t, interaction, object: self.object, material: self.material, light }
+        let Self { object, material, casts_shadow, .. } = *self;
+        SurfaceHit { t, interaction, object, material, light, casts_shadow }
     }
 
     /// Light of a hit on it, on a triangle if it is a mesh.
@@ -329,6 +330,7 @@ impl Instances<'_> {
                     interaction: to_world(surface.interaction, transform.as_deref()),
                     object: instance.object,
                     light: light.map(|(light, first)| LightId { index: first + light.index, ..light }),
+                    casts_shadow: instance.casts_shadow && surface.casts_shadow,
                     ..surface
                 }
             }

@@ -8,6 +8,7 @@
 //! Both densities are per unit solid angle. The weights of a direction sum to 1. Delta lights and specular lobes are found by
 //! one technique only; their weight is 1.
 
+use crate::SurfaceHit;
 use rt_math::Real;
 
 /// MIS weight by the power heuristic with exponent 2, of a direction sampled with density `pdf`; `other_pdf` is the density of
@@ -17,6 +18,13 @@ pub(crate) fn power_heuristic<R: Real>(pdf: R, other_pdf: R) -> R {
     // The quotient does not overflow where squares do.
     let ratio = other_pdf / pdf;
     (ratio * ratio + 1.0).recip()
+}
+
+/// Density with which a BSDF has sampled a direction, for the lights that a path finds behind a null interface. Shadow rays end at the
+/// interface, unless its object casts no shadow. Light sampling then does not compete: the density is so large that the weight is 1.
+/// That of a delta lobe stays 0.
+pub(crate) fn pdf_behind(interface: &SurfaceHit, pdf: f64) -> f64 {
+    if interface.casts_shadow && pdf > 0.0 { f64::from(f32::MAX) } else { pdf }
 }
 
 #[cfg(test)]

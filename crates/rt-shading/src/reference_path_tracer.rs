@@ -24,7 +24,7 @@ use crate::{
     hit_context::HitContext,
     medium::Medium,
     medium_tracker::MediumTracker,
-    mis::power_heuristic,
+    mis::{pdf_behind, power_heuristic},
     ray_kind::kind_of,
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},
@@ -108,6 +108,9 @@ impl ReferencePathTracer<'_> {
                 path.seen.hit |= is_dimmed;
                 if path.media.null_limit_exceeded() && path.bounces + path.media.bounces_of_passages() > max_depth {
                     return path.seen;
+                }
+                if let Some(prev) = &mut path.prev {
+                    prev.bsdf_pdf = pdf_behind(&hit, prev.bsdf_pdf);
                 }
                 (span, kind) = (hit.span_after(&ray), RayKind::Refraction);
                 continue;

@@ -17,6 +17,8 @@ pub struct SurfaceHit {
     pub material: u32,
     /// Area light of the surface, if it is one of the sampled lights.
     pub light: Option<LightId>,
+    /// True if the object ends shadow rays.
+    pub casts_shadow: bool,
 }
 
 impl SurfaceHit {

@@ -23,7 +23,7 @@ impl SceneQueries for ShapeTracer {
         let hit: Hit = hits.reduce(|best, hit| if hit.precedes(&best) { hit } else { best })?;
         let (interaction, object) = (self.set.surface(ray, &hit, needs)?, hit.primitive);
         let light = (self.light == Some(object)).then_some(LightId { index: 0, triangle: None });
-        Some(SurfaceHit { t: hit.t, interaction, object, material: object, light })
+        Some(SurfaceHit { t: hit.t, interaction, object, material: object, light, casts_shadow: true })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {

@@ -13,7 +13,7 @@ use crate::{
     interior_list::MediumInterface,
     lane_set::Element,
     light::LightId,
-    mis::power_heuristic,
+    mis::{pdf_behind, power_heuristic},
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,
@@ -167,7 +167,9 @@ impl<E: Element> SpawnedPaths<E> {
             return;
         }
         let (ray, _) = wave.paths.rays.get(at);
-        self.passing.push(&ray, hit.span_after(&ray), &PathRecord { throughput, ..wave.paths.get(at) });
+        let record = wave.paths.get(at);
+        let pdf = pdf_behind(hit, record.pdf);
+        self.passing.push(&ray, hit.span_after(&ray), &PathRecord { throughput, pdf, ..record });
     }
 
     /// Samples the next direction of the path.

@@ -101,7 +101,7 @@ impl ShapeWorld {
                 surface
             }
         };
-        SurfaceHit { t, interaction, object: primitive, material: *material, light: *light }
+        SurfaceHit { t, interaction, object: primitive, material: *material, light: *light, casts_shadow: true }
     }
 }
 
@@ -138,7 +138,7 @@ impl StreamQueries for ShapeWorld {
             TestShape::Plane(plane) => StreamShape::Plane(plane),
             TestShape::Triangle(triangle, _) => StreamShape::Triangle(triangle),
         };
-        Some(StreamPrimitive { shape, object: index, material: *material, light: *light })
+        Some(StreamPrimitive { shape, object: index, material: *material, light: *light, casts_shadow: true })
     }
 
     fn surface(&self, ray: &Ray, hits: &HitStream, at: usize, _: InteractionFlags) -> Option<SurfaceHit> {

@@ -53,8 +53,14 @@ impl<E: Element> SpawnedRays<E> {
                 group.mask &= !(1 << lane);
                 let body = surfaces.body(lane);
                 let interaction = points.surface(lanes, lane);
-                let hit =
-                    SurfaceHit { t: t[lane], interaction, object: body.object, material: body.material, light: None };
+                let hit = SurfaceHit {
+                    t: t[lane],
+                    interaction,
+                    object: body.object,
+                    material: body.material,
+                    light: None,
+                    casts_shadow: true,
+                };
                 self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, way), seen);
                 continue;
             }

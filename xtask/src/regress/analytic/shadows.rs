@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-use rt_math::DVec3;
+use rt_math::{DVec3, transcendental::exp};
+use rt_scene_io::Integrator;
 
 use super::{
     Case, Checks, Conditions, Fallible,
-    area_light::{AreaLight, Receiver, check_image, tuple},
+    area_light::{ALBEDO, AreaLight, Receiver, check_image, tuple},
     cases, closed_form,
 };
 
@@ -15,6 +16,8 @@ cases! {
         "(acos x − x √(1 − x²)) / π", "5 σ", penumbra;
     "eclipse", "a disk of light behind disks, one radius aside",
         "1 − lens / π: 0.6089977810, 0.8883475203", "5 σ", eclipse;
+    "gel", "a disk of light above a tinted slab that does not refract",
+        "2π ∫ exp(−0.7 / c) c dc from 3/√10 to 1: 0.1531666", "5 σ", gel;
 }
 
 /// Radius of the light, 1 above the receiver: so small that all of it is seen at the same cosine, but for its square.
@@ -41,6 +44,28 @@ fn eclipse(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let hides = format!("(shape: disk(radius: {size:?}), transform: {place}, material: \"black\")");
         let share = 1.0 - closed_form::lens(1.0, radius, 1.0) / PI;
         hold_share(checks, conditions, &format!("behind a disk of {radius}"), &hides, share)?;
+    }
+    Ok(())
+}
+
+/// Shadow rays end at the slab, and only sampled directions find the light behind it.
+fn gel(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
+    const ABSORPTION: f64 = 0.7;
+    let (area_light, receiver) = (AreaLight::disk(1.0, 3.0, 0.0), Receiver::ground(0.5));
+    let cos_min = 3.0 / 10f64.sqrt();
+    // By the midpoint rule; the integrand is smooth.
+    let n = 10_000;
+    let integrand = |i: u32| {
+        let cos = cos_min + (1.0 - cos_min) * (f64::from(i) + 0.5) / f64::from(n);
+        exp(-ABSORPTION / cos) * cos
+    };
+    let irradiance = 2.0 * PI * (1.0 - cos_min) / f64::from(n) * (0..n).map(integrand).sum::<f64>();
+    let slab = format!(
+        "(shape: box(min: (-1e3, -1e3, 1), max: (1e3, 1e3, 2)), material: glass(ior: 1, absorption: gray({ABSORPTION})))"
+    );
+    let image = area_light.scene(&receiver, 1e-6, &slab)?;
+    for integrator in [Integrator::Direct, Integrator::Path] {
+        image.hold(checks, integrator.name(), irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
     }
     Ok(())
 }
