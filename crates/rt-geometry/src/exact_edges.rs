@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn signs_of_areas_are_those_of_integers() {
         let mut n_zero = 0;
-        for seed in 0..10_000 {
+        for seed in 0..4_000 {
             let [o, d] = [0, 1].map(|k| [0, 1].map(|axis| integer(seed, 2 * k + axis, 50)));
             let factor = integer(seed, 90, 2);
             let p = [0, 1]
@@ -118,14 +118,14 @@ mod tests {
             assert_eq!(found.partial_cmp(&0.0).map(|order| order as i128), Some(expected.signum()), "seed {seed}");
             n_zero += usize::from(expected == 0);
         }
-        assert!(n_zero > 1000, "{n_zero}");
+        assert!(n_zero > 400, "{n_zero}");
     }
 
     /// Differences and products of integers, which `i128` checks; a third of the edges are hit exactly or almost.
     #[test]
     fn signs_are_those_of_integers() {
         let mut n_zero = 0;
-        for seed in 0..30_000 {
+        for seed in 0..6_000 {
             let vector = |k: u64, bits: u32| [0, 1, 2].map(|axis| integer(seed, 3 * k + axis, bits));
             let (o, p, d) = (vector(0, 38), vector(1, 38), vector(2, 38));
             // A point on the line through o + d and p, or next to it.
@@ -147,6 +147,6 @@ mod tests {
             }
             n_zero += usize::from(expected == 0);
         }
-        assert!(n_zero > 5000, "{n_zero}");
+        assert!(n_zero > 1000, "{n_zero}");
     }
 }

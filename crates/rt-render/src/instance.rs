@@ -268,7 +268,8 @@ impl Instances<'_> {
             _ => return None,
         };
         let light = instance.light_id(of_mesh);
-        Some(StreamPrimitive { shape, object: instance.object, material: instance.material, light })
+        let Instance { object, material, casts_shadow, .. } = *instance;
+        Some(StreamPrimitive { shape, object, material, light, casts_shadow })
     }
 
     /// All instances as primitives of streams; `None` for those that are none. A mesh is one of its triangles.

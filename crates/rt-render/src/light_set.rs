@@ -9,7 +9,7 @@ use rt_shading::{
 
 use crate::{
     area_lights::area_lights,
-    instance::{Aggregate, BottomLevel},
+    instance::{Aggregate, BottomLevel, Instance},
 };
 
 /// Area lights, the environment and the delta lights of a scene. `appearance` is in render space.
@@ -24,7 +24,12 @@ pub(crate) fn light_set(
         lights.push(Light::Environment(light.as_ref().clone()));
     }
     lights.extend(appearance.lights.iter().cloned().map(Light::Delta));
-    LightSet::new(lights, scene.settings.light_sampling, radius(top))
+    let n_sampled = lights.iter().filter(|light| !light.is_delta()).count();
+    let lights = LightSet::new(lights, scene.settings.light_sampling, radius(top));
+    // A light that casts no shadow hides others only.
+    let hides_lights =
+        |instance: &Instance| !instance.casts_shadow && n_sampled > usize::from(instance.light.is_some());
+    if top.all_instances(levels).any(hides_lights) { lights.seen_through_objects() } else { lights }
 }
 
 /// Half of the diagonal around the bounded part of the world; 1 without one.

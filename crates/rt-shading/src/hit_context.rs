@@ -95,6 +95,11 @@ impl<'m> HitContext<'m> {
         Some(Self { material, direction, length, is_inside, transmission: SurfaceTransmission::of(features, material) })
     }
 
+    /// True if light passes the surface.
+    pub(crate) fn transmits_light(&self) -> bool {
+        self.transmission != SurfaceTransmission::None
+    }
+
     /// Media on both sides of the surface, given the interior list of the ray. `None` where scattered light
     /// stays on its side, and for a solid if the list is full. Call it once per hit: a solid that is left without having been
     /// entered is noted.

@@ -20,6 +20,7 @@ mod interfaces;
 mod lane_bsdf;
 mod lane_material;
 mod light_samples;
+mod lights_behind;
 mod path_stream;
 mod settings;
 mod shade;
@@ -32,6 +33,7 @@ use crate::{InteriorList, RadianceSample, ShadingCounts, ShadingFeatures, Stream
 pub use clamp::Clamp;
 use inputs::PathInputs;
 use lane_material::LaneMaterials;
+pub(crate) use path_stream::PrevVertex;
 use rt_geometry::{RayStream, STREAM_CAPACITY};
 use rt_math::{Interval, Ray, Sampler};
 pub use settings::{Lighting, PathSettings};

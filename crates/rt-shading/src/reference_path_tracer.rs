@@ -19,12 +19,14 @@
 //! media of a surface), and then the waves: `path.rs`, `path/shade.rs`.
 
 use crate::{
-    InteriorList, Lighting, PathSettings, RadianceSample, SceneQueries, ShadingCounts, ShadingFeatures, Transport,
+    InteriorList, Lighting, PathSettings, RadianceSample, SceneQueries, ShadingCounts, ShadingFeatures, SurfaceHit,
+    Transport,
     bsdf::Scattering,
     hit_context::HitContext,
     medium::Medium,
     medium_tracker::MediumTracker,
-    mis::{pdf_behind, power_heuristic},
+    mis::{UNRIVALLED_PDF, pdf_behind, power_heuristic},
+    path::PrevVertex,
     ray_kind::kind_of,
     russian_roulette::russian_roulette,
     vertex::{Vertex, bsdf_at},
@@ -132,6 +134,10 @@ impl ReferencePathTracer<'_> {
                 let weight = path.mis_weight(|from| hit.light.map_or(0.0, |light| light_pdf(from, light)));
                 self.add(path.throughput * emitted * weight, path.bounces, &mut path);
             }
+            // Light samples pass opaque objects that cast no shadow, so that the light behind them is looked up for sampled directions.
+            if !hit.casts_shadow && lights.is_seen_through_objects && !context.transmits_light() {
+                self.add_lights_behind(world, &ray, &hit, &mut path);
+            }
             if path.bounces > max_depth {
                 return path.seen;
             }
@@ -232,6 +238,20 @@ impl ReferencePathTracer<'_> {
         if !world.occluded(&shadow_ray, span) {
             self.add(radiance * transmittance(wi, light.sample.distance), path.bounces + 1, path);
         }
+    }
+
+    /// Adds the light of sampled lights behind a hit, up to the next object that casts a shadow.
+    fn add_lights_behind(&mut self, world: &mut dyn SceneQueries, ray: &Ray, hit: &SurfaceHit, path: &mut PathState) {
+        let Some(&LightSampleContext { point, normal, bsdf_pdf: pdf }) = path.prev.as_ref() else { return };
+        let from = PrevVertex { point, normal, pdf };
+        let (mut span, mut radiance, mut is_open) = (hit.span_after(ray), Rgb::BLACK, pdf < UNRIVALLED_PDF);
+        while is_open {
+            let behind = world.closest(ray, span, RayKind::Shadow, ShadingFeatures::ALL.surface());
+            radiance += from.light_behind(&self.lighting, ray.direction, hit.object, behind.as_ref());
+            is_open = behind.as_ref().is_some_and(|hit| !hit.casts_shadow);
+            span = behind.map_or(span, |hit| hit.span_after(ray));
+        }
+        self.add(path.throughput * radiance, path.bounces, path);
     }
 
     /// Adds radiance that this many surfaces have scattered, clamped if it is indirect.

@@ -15,6 +15,8 @@ pub struct StreamPrimitive<'w> {
     pub material: u32,
     /// See [`SurfaceHit::light`](crate::SurfaceHit::light).
     pub light: Option<LightId>,
+    /// See [`SurfaceHit::casts_shadow`](crate::SurfaceHit::casts_shadow).
+    pub casts_shadow: bool,
 }
 
 /// Shape of a [`StreamPrimitive`].

@@ -54,8 +54,8 @@ def differences_are_exact(vertices, origin):
 def all_hits(vertices, faces, origin, direction, t_min, t_max, slack):
     """Hits in order, as pairs of t and the index of the triangle: those that are certain, and those on a border.
 
-    If differences between vertices and the origin have to be rounded, a ray within `slack` of a border may pass on either
-    side of it; otherwise all hits are certain.
+    For programs that round: if differences between vertices and the origin have to be rounded, a ray within `slack` of a border may
+    pass on either side of it. Otherwise, and with a `slack` of 0, all hits are certain.
     """
     slack = Fraction(0) if differences_are_exact(vertices, origin) else slack
     certain, border = [], []

@@ -15,8 +15,8 @@ import exact
 
 CASES = []
 
-#: Barycentric weights up to this size are on the border of a triangle, if differences between vertices and the origin of
-#: the ray have to be rounded: by 2⁻⁵³ of a distance that is a few times the triangle.
+#: For programs that round: barycentric weights up to this size are on the border of a triangle, if differences between vertices
+#: and the origin of the ray have to be rounded: by 2⁻⁵³ of a distance that is a few times the triangle.
 SLACK = Fraction(1, 2**50)
 
 
@@ -30,7 +30,9 @@ def case(name, source, risk, vertices, faces, rays, *, single=False, t_min=0.0, 
     answers = []
     for origin, direction in rays:
         hits, border = exact.all_hits(vertices, faces, origin, direction, t_min, t_max, SLACK)
+        exact_hits, _ = exact.all_hits(vertices, faces, origin, direction, t_min, t_max, Fraction(0))
         answers.append({
+            "exact": sorted(index for _, index in exact_hits),
             "t": [float(t) for t, _ in hits],
             "primitive": [index for _, index in hits],
             "border_t": [float(t) for t, _ in border],

@@ -105,7 +105,7 @@ fn no_ray_leaves_a_closed_mesh_from_within_a_rounding_error_of_an_edge() {
     const FACES: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
     let coordinates = |p: DVec3| robust::Coord3D { x: p.x, y: p.y, z: p.z };
     let mut n_inside = 0;
-    for seed in 0..300 {
+    for seed in 0..100 {
         let draw = |k: u64| random::unit(random::hash(&[seed, k])) * 2.0 - 1.0;
         let mut corners = [0, 3, 6, 9].map(|k| DVec3::new(draw(k), draw(k + 1), draw(k + 2)));
         let side = |[a, b, c]: [DVec3; 3], p: DVec3| {
@@ -131,14 +131,14 @@ fn no_ray_leaves_a_closed_mesh_from_within_a_rounding_error_of_an_edge() {
             }
         }
     }
-    assert!(n_inside > 2000, "{n_inside}");
+    assert!(n_inside > 700, "{n_inside}");
 }
 
 /// Regression: a ray through a common edge missed one of its triangles where the shear was rounded, although all differences are exact.
 #[test]
 fn a_ray_through_a_common_edge_or_vertex_hits_all_triangles_there_at_the_same_t() {
     let (mut n_edges, mut n_vertices) = (0, 0);
-    for seed in 0..20_000 {
+    for seed in 0..6_000 {
         let integer = |k: u64| (random::hash(&[seed, k]) % 17) as f64 - 8.0;
         let vector = |k: u64| DVec3::new(integer(k), integer(k + 1), integer(k + 2));
         let (a, b, direction) = (vector(0), vector(3), vector(6));
@@ -167,5 +167,5 @@ fn a_ray_through_a_common_edge_or_vertex_hits_all_triangles_there_at_the_same_t(
             if at % 4 == 0 { n_vertices += 1 } else { n_edges += 1 }
         }
     }
-    assert!(n_edges > 10_000 && n_vertices > 5000, "{n_edges} edges, {n_vertices} vertices");
+    assert!(n_edges > 3000 && n_vertices > 1500, "{n_edges} edges, {n_vertices} vertices");
 }

@@ -61,6 +61,7 @@ pub struct LightSet {
     n_sampled: usize,
     sampler: LightSampler,
     environment: Option<u32>,
+    pub(crate) is_seen_through_objects: bool,
 }
 
 impl Default for LightSet {
@@ -71,6 +72,13 @@ impl Default for LightSet {
 }
 
 impl LightSet {
+    /// The set in a scene where an object that casts no shadow may lie before one of the sampled lights. Light samples pass it, and
+    /// integrators continue sampled directions to the light behind it.
+    #[must_use]
+    pub fn seen_through_objects(self) -> Self {
+        Self { is_seen_through_objects: true, ..self }
+    }
+
     /// Set of these lights, in their order but for delta lights, which move behind the others.
     ///
     /// `scene_radius` (world units) determines the power of environment lights. Rays that miss the scene hit the first
@@ -88,7 +96,8 @@ impl LightSet {
             LightSampling::Tree => LightSampler::Tree(LightTree::new(sampled.iter().map(Light::extent))),
         };
         let environment = sampled.iter().position(Light::is_environment);
-        Self { environment: environment.and_then(|index| u32::try_from(index).ok()), lights, n_sampled, sampler }
+        let environment = environment.and_then(|index| u32::try_from(index).ok());
+        Self { lights, n_sampled, sampler, environment, is_seen_through_objects: false }
     }
 
     /// All lights, by index.

@@ -46,10 +46,10 @@ pub(super) struct WavePathState {
 
 /// Previous vertex of a path, for the MIS weights of lights that it hits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PrevVertex {
-    pub(super) point: DVec3,
-    pub(super) normal: Option<DVec3>,
-    pub(super) pdf: f64,
+pub(crate) struct PrevVertex {
+    pub(crate) point: DVec3,
+    pub(crate) normal: Option<DVec3>,
+    pub(crate) pdf: f64,
 }
 
 /// Streams of a wave, by the kind of their rays: rays of a kind are coherent, and counted as such.

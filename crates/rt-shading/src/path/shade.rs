@@ -76,6 +76,10 @@ impl<E: Element> SpawnedPaths<E> {
                 seen.radiance += settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
             }
         }
+        if !hit.casts_shadow && lighting.lights.is_seen_through_objects && !context.transmits_light() {
+            let from = wave.paths.prev_vertex(at, &self.states[sample as usize]);
+            self.look_behind(&ray, hit, (sample, path.throughput), from);
+        }
         if wave.bounces > settings.max_depth || self.states[sample as usize].emission_only {
             return None;
         }

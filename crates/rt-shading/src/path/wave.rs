@@ -4,6 +4,7 @@ use super::{
     gathered::{Gathered, HitGroups, gather},
     inputs::PathInputs,
     lane_material::{LaneMaterial, VertexKind},
+    lights_behind::LightBehind,
     path_stream::{PathStream, PathStreamsByKind, WavePathState},
     wave_samples::WaveSamples,
 };
@@ -50,6 +51,8 @@ pub(super) struct SpawnedPaths<E: Element> {
     pub(super) states: Vec<WavePathState>,
     /// Surfaces of the hits that are shaded in lanes.
     pub(super) gathered: Gathered<E>,
+    /// Directions to lights behind objects that cast no shadow.
+    pub(super) behind: Vec<LightBehind>,
     pub(super) counts: ShadingCounts,
 }
 
@@ -115,6 +118,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 world.closest_stream(&paths.rays, kind, hits);
                 let mut wave = &PathWave { paths, hits, bounces };
                 spawned.group(inputs, &*world, wave, (groups, samplers), seen);
+                spawned.add_lights_behind(inputs, &mut *world, bounces, seen);
                 let compacted;
                 if groups.is_sparse() {
                     groups.compact((wave.paths, wave.hits), dense);
@@ -190,6 +194,7 @@ impl<E: Element> SpawnedPaths<E> {
             && world.has_only_primitives()
             && !tracks_states
             && !inputs.has_ambient_light(false)
+            && !inputs.lighting.lights.is_seen_through_objects
         {
             let primitives = &hits.primitive.as_slice()[..paths.rays.len()];
             groups.fill(primitives, if ends_all { VertexKind::EmissionOnly } else { kind });
@@ -209,6 +214,7 @@ impl<E: Element> SpawnedPaths<E> {
             let hit = world.primitive(hits, at);
             let material = hit.and_then(|hit| inputs.materials.get(hit.material));
             if let (Some(hit), Some(material)) = (hit, material)
+                && (hit.casts_shadow || !inputs.lighting.lights.is_seen_through_objects)
                 && !(tracks_states && self.states[id].keeps_out_of_lanes(inputs, (wave, at), (&hit, material)))
             {
                 let ends = ends_all || (tracks_states && self.states[id].emission_only);

@@ -18,6 +18,8 @@ cases! {
         "1 − lens / π: 0.6089977810, 0.8883475203", "5 σ", eclipse;
     "gel", "a disk of light above a tinted slab that does not refract",
         "2π ∫ exp(−0.7 / c) c dc from 3/√10 to 1: 0.1531666", "5 σ", gel;
+    "shadowless", "two disks of light behind a black disk and behind each other, without shadows",
+        "π (9 / 13 + 81 / 106): 4.575600", "5 σ", shadowless;
 }
 
 /// Radius of the light, 1 above the receiver: so small that all of it is seen at the same cosine, but for its square.
@@ -66,6 +68,26 @@ fn gel(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let image = area_light.scene(&receiver, 1e-6, &slab)?;
     for integrator in [Integrator::Direct, Integrator::Path] {
         image.hold(checks, integrator.name(), irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
+    }
+    Ok(())
+}
+
+/// Light samples pass the disk; sampled directions end at it, and the light behind counts with the rest of its weight.
+fn shadowless(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
+    let receiver = Receiver::ground(0.5);
+    let disk = |radius: f64, height: f64, more: &str| {
+        let place = format!("[rotate_x(90), translate(0, 0, {height:?})]");
+        format!("(shape: disk(radius: {radius:?}), transform: {place}, casts_shadow: false, {more}),")
+    };
+    let screen = disk(1.5, 1.0, "material: \"black\"");
+    // The nearer light casts no shadow either, and hides the middle of the other. It is seen from below only.
+    let lamp = AreaLight::disk(4.5, 2.5, 0.0);
+    let near = "(shape: disk(radius: 3), transform: [rotate_x(-90), translate(0, 0, 2)], casts_shadow: false, material: \"lamp\"),";
+    let image = lamp.scene(&receiver, 1e-6, &format!("{screen} {near}"))?;
+    let irradiance = PI * (9.0 / 13.0 + 81.0 / 106.0);
+    for integrator in [Integrator::Direct, Integrator::Path] {
+        let what = format!("two lights, {}", integrator.name());
+        image.hold(checks, what, irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
     }
     Ok(())
 }

@@ -1,0 +1,104 @@
+//! Lights behind opaque objects that cast no shadow.
+//!
+//! Light samples pass such an object, weighted against the density with which the BSDF samples their direction. A direction that the BSDF
+//! has sampled ends at the object. So its light is looked up behind the object, and the weights of both techniques sum to 1.
+
+use super::{inputs::PathInputs, path_stream::PrevVertex, settings::Lighting, wave::SpawnedPaths};
+use crate::{
+    RadianceSample, StreamQueries, SurfaceHit,
+    lane_set::Element,
+    mis::{UNRIVALLED_PDF, power_heuristic},
+    viewed_surface::is_inside,
+};
+use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
+use rt_math::{DVec3, Interval, Ray, Rgb};
+
+/// Part of a ray behind an object that casts no shadow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightBehind {
+    ray: Ray,
+    span: Interval,
+    /// Index of the camera ray.
+    sample: u32,
+    throughput: Rgb,
+    from: PrevVertex,
+    /// The object, whose own light is not behind it.
+    object: u32,
+}
+
+impl<E: Element> SpawnedPaths<E> {
+    /// Notes the ray of a path behind its hit, unless light sampling does not compete for its direction.
+    pub(super) fn look_behind(
+        &mut self,
+        ray: &Ray,
+        hit: &SurfaceHit,
+        (sample, throughput): (u32, Rgb),
+        from: PrevVertex,
+    ) {
+        if from.pdf > 0.0 && from.pdf < UNRIVALLED_PDF {
+            let span = hit.span_after(ray);
+            self.behind.push(LightBehind { ray: *ray, span, sample, throughput, from, object: hit.object });
+        }
+    }
+
+    /// Adds the light of sampled lights on these rays, up to the next object that casts a shadow.
+    pub(super) fn add_lights_behind<W: StreamQueries>(
+        &mut self,
+        inputs: &PathInputs<'_>,
+        world: &mut W,
+        bounces: u32,
+        seen: &mut [RadianceSample],
+    ) {
+        let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
+        while !self.behind.is_empty() {
+            for waiting in core::mem::take(&mut self.behind).chunks(STREAM_CAPACITY) {
+                rays.clear();
+                waiting.iter().for_each(|behind| rays.push(&behind.ray, behind.span));
+                world.closest_stream(&rays, RayKind::Shadow, &mut hits);
+                for (at, behind) in waiting.iter().enumerate() {
+                    let hit = world.surface(&behind.ray, &hits, at, inputs.features.surface());
+                    let LightBehind { ray, throughput, from, object, .. } = behind;
+                    let radiance =
+                        *throughput * from.light_behind(&inputs.lighting, ray.direction, *object, hit.as_ref());
+                    seen[behind.sample as usize].radiance +=
+                        inputs.settings.clamp.apply(bounces, radiance, &mut self.counts);
+                    if let Some(hit) = hit.filter(|hit| !hit.casts_shadow) {
+                        self.behind.push(LightBehind { span: hit.span_after(&behind.ray), ..*behind });
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl PrevVertex {
+    /// Radiance of a sampled light at a hit behind an object, or of the environment, with its MIS weight. The object's own light is not
+    /// behind it.
+    pub(crate) fn light_behind(
+        &self,
+        lighting: &Lighting<'_>,
+        direction: DVec3,
+        object: u32,
+        hit: Option<&SurfaceHit>,
+    ) -> Rgb {
+        let Lighting { appearance, lights, .. } = lighting;
+        let (emitted, light_pdf) = match hit {
+            None => {
+                let light_pdf = lights.pdf_li_environment(self.point, self.normal, direction);
+                (appearance.background.radiance(direction), light_pdf)
+            }
+            Some(hit) => {
+                let material = appearance.materials.get(hit.material as usize);
+                let (Some(light), Some(material)) = (hit.light.filter(|_| hit.object != object), material) else {
+                    return Rgb::BLACK;
+                };
+                let surface = &hit.interaction;
+                let (on_light, light_normal) = (surface.point, surface.geometric_normal);
+                let light_pdf = lights.pdf_li(self.point, self.normal, light, on_light, light_normal);
+                let is_inside = is_inside(direction, surface);
+                (material.emitted_radiance(&appearance.textures, surface, is_inside), light_pdf)
+            }
+        };
+        if light_pdf > 0.0 { emitted * power_heuristic(self.pdf, light_pdf) } else { Rgb::BLACK }
+    }
+}
