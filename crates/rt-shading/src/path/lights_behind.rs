@@ -49,6 +49,9 @@ impl<E: Element> SpawnedPaths<E> {
         bounces: u32,
         seen: &mut [RadianceSample],
     ) {
+        if self.behind.is_empty() {
+            return;
+        }
         let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
         while !self.behind.is_empty() {
             for waiting in core::mem::take(&mut self.behind).chunks(STREAM_CAPACITY) {
