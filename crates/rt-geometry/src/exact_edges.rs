@@ -131,8 +131,8 @@ mod tests {
             // A point on the line through o + d and p, or next to it.
             let factor = integer(seed, 90, 2);
             let near = [0, 1, 2].map(|axis| p[axis] + factor * (o[axis] + d[axis] - p[axis]));
-            let beside = [0, 1, 2].map(|axis| near[axis] + integer(seed, 91 + axis as u64, 1));
-            let q = [vector(3, 38), near, beside][seed as usize % 3];
+            let moved = [0, 1, 2].map(|axis| near[axis] + integer(seed, 91 + axis as u64, 1));
+            let q = [vector(3, 38), near, moved][seed as usize % 3];
             let expected = volume([o, d, p, q]);
             let float = |v: [i128; 3]| DVec3::from_array(v.map(|number| number as f64));
             for scale in [1.0, 2.0f64.powi(-600), 2.0f64.powi(500)] {

@@ -12,18 +12,18 @@ use rt_math::{Interval, Ray};
 /// Ray prepared for many triangle tests: the affine map that takes the ray to the positive z axis.
 ///
 /// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, in `f64`. A vertex is mapped by a
-/// function of that vertex and the ray alone. Where rounding could change the side of an edge on which the ray passes, the side is
-/// computed exactly from the numbers of ray and vertices. So no ray passes through an edge or a vertex of a closed mesh, and a ray
-/// through an edge hits both of its triangles, at the same `t`. The side of a triangle on which a ray starts is exact as well. So a
-/// ray that starts in its plane hits it at 0.
+/// function of that vertex and the ray alone. Where rounding could change the side on which the ray passes an edge, it is
+/// computed exactly, from the numbers of ray and vertices. So no ray passes through an edge or a vertex of a closed mesh. A ray
+/// exactly through an edge hits both of its triangles, at the same `t`. The side of a triangle on which a ray starts is exact as well.
+/// So a ray that starts in its plane hits it at 0.
 ///
 /// # When the sides of edges are certain
 ///
-/// Let `u = 2⁻⁵³`. Let `Z` be the largest distance of a vertex from the origin along the axis of the largest direction component, and
-/// `M` the largest coordinate of a vertex in ray space across the ray. A coordinate across the ray is off by at most `u(2M + 5Z)`:
-/// differences are rounded, and so are the shear, its product and the result. A product of two such coordinates is off by at most
-/// `u·M(2M + 5Z)` for each factor, by the square of that error, and by its own rounding. So with `W = M + Z` an area is
-/// off by less than `32u·W(M + 4u·W)` ([`edge_error`](Self::edge_error)).
+/// Let `u = 2⁻⁵³`. Let `Z` be the largest distance of a vertex from the origin along the main axis, that of the largest direction
+/// component. Let `M` be the largest coordinate of a vertex across the ray. Differences are rounded, and so are the
+/// shear, its product and the result. So a coordinate across the ray is off by at most `e = u(2M + 5Z)`. An area is a
+/// difference of two products of such coordinates: it is off by at most `4M·e + 2e²`, and by `4u·M²` for its own roundings.
+/// With `W = M + Z`, that is less than `32u·W(M + 4u·W)` ([`edge_error`](Self::edge_error)).
 #[derive(Clone, Copy, Debug)]
 pub struct WatertightRay {
     origin: DVec3,
@@ -43,16 +43,17 @@ impl WatertightRay {
     /// triangle on the wrong side of the origin, so that its sign is computed exactly.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
 
-    /// Factors of [`edge_error`](Self::edge_error), and the least area with a certain sign: products with a depth do not underflow.
+    /// Factors of [`edge_error`](Self::edge_error), and the minimum of an area with a certain sign: products with a depth do not
+    /// underflow.
     pub const EDGE_ERROR: [f64; 3] = [32.0 * UNIT_ROUNDOFF, 4.0 * UNIT_ROUNDOFF, 1e-180];
 
-    /// Bound that an area of a triangle in ray space must exceed, so that its sign is certain: given the largest coordinate across the
-    /// ray, and the largest distance along the main axis.
+    /// Bound that an area of a triangle in ray space must exceed, so that its sign is certain. It is given the largest coordinate
+    /// `across` the ray, and the largest distance `along` the main axis.
     #[inline(always)]
     pub fn edge_error(across: f64, along: f64) -> f64 {
-        let [of_product, of_coordinate, least] = Self::EDGE_ERROR;
+        let [of_product, of_coordinate, min] = Self::EDGE_ERROR;
         let sum = across + along;
-        (sum * of_product * (across + sum * of_coordinate)).max(least)
+        (sum * of_product * (across + sum * of_coordinate)).max(min)
     }
 
     /// Prepares a ray. A ray of direction zero has no hits.
@@ -162,8 +163,8 @@ impl WatertightRay {
         RaySpaceTriangle { areas, determinant: u + v + w, depths }
     }
 
-    /// Areas with exact signs, times a common factor. The ray passes exactly through edges of area 0; the others are then those of the
-    /// edge or vertex alone, so that all of its triangles are hit at the same `t`.
+    /// Areas with exact signs, times a common factor. The ray passes exactly through edges of area 0. The other areas are then those of
+    /// the edge or vertex alone, so that all of its triangles are hit at the same `t`.
     #[cold]
     #[inline(never)]
     fn exact_areas(&self, [a, b, c]: [DVec3; 3], sheared: [DVec3; 3]) -> [f64; 3] {

@@ -80,8 +80,8 @@ fn edge_error<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3]) -> F64x8<S> 
     let of_x = max_abs(simd, [a.x, b.x, c.x]);
     let across = of_x.max(simd, max_abs(simd, [a.y, b.y, c.y]));
     let sum = across.add(simd, max_abs(simd, [a.z, b.z, c.z]));
-    let [of_product, of_coordinate, least] = WatertightRay::EDGE_ERROR.map(|bound| F64x8::splat(simd, bound));
-    sum.mul(simd, of_product).mul(simd, across.add(simd, sum.mul(simd, of_coordinate))).max(simd, least)
+    let [of_product, of_coordinate, min] = WatertightRay::EDGE_ERROR.map(|bound| F64x8::splat(simd, bound));
+    sum.mul(simd, of_product).mul(simd, across.add(simd, sum.mul(simd, of_coordinate))).max(simd, min)
 }
 
 /// `t` at the plane of three vertices, by the areas opposite of them, and the sum of the areas.

@@ -327,8 +327,8 @@ fn empty_scenes_are_missed() {
     }
 }
 
-/// Regression: next to an edge, rays crossed it on another side than that of their own numbers, and points were on the wrong side of the
-/// surface. The exact side of each face is that of a determinant.
+/// Regression: next to an edge, rays passed it on another side than that of their own numbers. So points were on the wrong side of
+/// the surface. The exact side of each face is that of a determinant.
 #[test]
 fn points_within_a_rounding_error_of_the_edges_of_a_tetrahedron_are_on_the_right_side() {
     const FACES: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];

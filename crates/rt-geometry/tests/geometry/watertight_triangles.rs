@@ -164,7 +164,7 @@ fn a_ray_through_a_common_edge_or_vertex_hits_all_triangles_there_at_the_same_t(
         if let [first, others @ ..] = hits.as_slice() {
             assert!(others.iter().all(|other| other == first), "seed {seed}: {hits:?}");
             assert!((first - t).abs() < 1e-13, "seed {seed}: {first}, {t}");
-            if at % 4 == 0 { n_vertices += 1 } else { n_edges += 1 }
+            if at.is_multiple_of(4) { n_vertices += 1 } else { n_edges += 1 }
         }
     }
     assert!(n_edges > 3000 && n_vertices > 1500, "{n_edges} edges, {n_vertices} vertices");

@@ -3,7 +3,12 @@
 //! Light samples pass such an object, weighted against the density with which the BSDF samples their direction. A direction that the BSDF
 //! has sampled ends at the object. So its light is looked up behind the object, and the weights of both techniques sum to 1.
 
-use super::{inputs::PathInputs, path_stream::PrevVertex, settings::Lighting, wave::SpawnedPaths};
+use super::{
+    inputs::PathInputs,
+    path_stream::{LightBehind, PrevVertex},
+    settings::Lighting,
+    wave::SpawnedPaths,
+};
 use crate::{
     RadianceSample, StreamQueries, SurfaceHit,
     lane_set::Element,
@@ -11,20 +16,7 @@ use crate::{
     viewed_surface::is_inside,
 };
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
-use rt_math::{DVec3, Interval, Ray, Rgb};
-
-/// Part of a ray behind an object that casts no shadow.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LightBehind {
-    ray: Ray,
-    span: Interval,
-    /// Index of the camera ray.
-    sample: u32,
-    throughput: Rgb,
-    from: PrevVertex,
-    /// The object, whose own light is not behind it.
-    object: u32,
-}
+use rt_math::{DVec3, Ray, Rgb};
 
 impl<E: Element> SpawnedPaths<E> {
     /// Notes the ray of a path behind its hit, unless light sampling does not compete for its direction.

@@ -52,6 +52,19 @@ pub(crate) struct PrevVertex {
     pub(crate) pdf: f64,
 }
 
+/// Part of a ray behind an object that casts no shadow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightBehind {
+    pub(super) ray: Ray,
+    pub(super) span: Interval,
+    /// Index of the camera ray.
+    pub(super) sample: u32,
+    pub(super) throughput: Rgb,
+    pub(super) from: PrevVertex,
+    /// The object, whose own light is not behind it.
+    pub(super) object: u32,
+}
+
 /// Streams of a wave, by the kind of their rays: rays of a kind are coherent, and counted as such.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PathStreamsByKind<E: Element> {

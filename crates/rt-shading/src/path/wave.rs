@@ -4,8 +4,7 @@ use super::{
     gathered::{Gathered, HitGroups, gather},
     inputs::PathInputs,
     lane_material::{LaneMaterial, VertexKind},
-    lights_behind::LightBehind,
-    path_stream::{PathStream, PathStreamsByKind, WavePathState},
+    path_stream::{LightBehind, PathStream, PathStreamsByKind, WavePathState},
     wave_samples::WaveSamples,
 };
 use crate::{

@@ -75,15 +75,10 @@ fn gel(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 /// Light samples pass the disk; sampled directions end at it, and the light behind counts with the rest of its weight.
 fn shadowless(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let receiver = Receiver::ground(0.5);
-    let disk = |radius: f64, height: f64, more: &str| {
-        let place = format!("[rotate_x(90), translate(0, 0, {height:?})]");
-        format!("(shape: disk(radius: {radius:?}), transform: {place}, casts_shadow: false, {more}),")
-    };
-    let screen = disk(1.5, 1.0, "material: \"black\"");
-    // The nearer light casts no shadow either, and hides the middle of the other. It is seen from below only.
-    let lamp = AreaLight::disk(4.5, 2.5, 0.0);
-    let near = "(shape: disk(radius: 3), transform: [rotate_x(-90), translate(0, 0, 2)], casts_shadow: false, material: \"lamp\"),";
-    let image = lamp.scene(&receiver, 1e-6, &format!("{screen} {near}"))?;
+    // The nearer light casts no shadow either, and hides the middle of the other. It emits downwards.
+    let others = "(shape: disk(radius: 1.5), transform: [rotate_x(90), translate(0, 0, 1)], material: \"black\", casts_shadow: false),
+        (shape: disk(radius: 3), transform: [rotate_x(-90), translate(0, 0, 2)], material: \"lamp\", casts_shadow: false),";
+    let image = AreaLight::disk(4.5, 2.5, 0.0).scene(&receiver, 1e-6, others)?;
     let irradiance = PI * (9.0 / 13.0 + 81.0 / 106.0);
     for integrator in [Integrator::Direct, Integrator::Path] {
         let what = format!("two lights, {}", integrator.name());
