@@ -92,7 +92,7 @@ impl Expansion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rt_math::random::hash;
+    use rt_math::{random::hash, transcendental::exp2};
 
     /// Integers of this many bits, with their sign.
     fn integer(seed: u64, index: u64, bits: u32) -> i128 {
@@ -135,7 +135,7 @@ mod tests {
             let q = [vector(3, 38), near, moved][seed as usize % 3];
             let expected = volume([o, d, p, q]);
             let float = |v: [i128; 3]| DVec3::from_array(v.map(|number| number as f64));
-            for scale in [1.0, 2.0f64.powi(-600), 2.0f64.powi(500)] {
+            for scale in [1.0, exp2(-600.0), exp2(500.0)] {
                 let edge = [float(p) * scale, float(q) * scale];
                 let [found, turned, _] =
                     edge_volumes(float(o) * scale, float(d) * scale, [edge, [edge[1], edge[0]], edge]);
