@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use rt_accel::{DVec3, HitBatch, RayBatch};
 
 use crate::geometry::PyMesh;
-use crate::rays::{Rays, RaysView, Refused, on_threads, value_error};
+use crate::rays::{Rays, RaysView, Refused, value_error};
 use crate::scene::PyScene;
 
 /// Points that a thread interpolates at a time.
@@ -53,7 +53,8 @@ pub(crate) fn first_triangles<'py>(
                 Ok(())
             })
         };
-        py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+        let threads = view.threads(py, threads)?;
+        py.detach(|| threads.run(work)).map_err(value_error)?;
     }
     Ok(first_triangles)
 }
@@ -78,7 +79,8 @@ pub(crate) fn crossings<'py>(
         1 => closest_crossings(scene, mesh, &view, with_points, is_parallel),
         _ => all_crossings(scene, mesh, &view, max_hits, with_points, is_parallel),
     };
-    let mut found = py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+    let threads = view.threads(py, threads)?;
+    let mut found = py.detach(|| threads.run(work)).map_err(value_error)?;
     found.triangles.shrink_to_fit();
     found.rays.shrink_to_fit();
     found.points.shrink_to_fit();

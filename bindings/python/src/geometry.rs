@@ -3,12 +3,13 @@
 use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rt_accel::{DVec3, MeshError, Sphere, Spheres, TriangleMesh, Vertices};
+use rt_accel::{DVec3, MeshError, Primitives as _, Sphere, Spheres, TriangleMesh, Vertices};
+use rt_geometry::Triangle;
 
 use crate::arrays::{Rows, RowsView};
 
 /// Checked triangles.
-#[pyclass(name = "Mesh", frozen)]
+#[pyclass(name = "Mesh", module = "rt._rt", frozen)]
 pub(crate) struct PyMesh {
     pub(crate) mesh: TriangleMesh<'static>,
     /// Maximum magnitude of the coordinates of all vertices; 0 without vertices.
@@ -56,6 +57,12 @@ impl PyMesh {
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.mesh.triangles().as_flattened().to_vec().into_pyarray(py)
     }
+
+    /// True if a triangle has an area after its vertices are rounded to single precision, as in files for rendering.
+    fn has_area(&self) -> bool {
+        let mut triangles = (0..self.mesh.len() as u32).filter_map(|i| self.mesh.triangle(i));
+        triangles.any(|corners| Triangle::new(corners.map(|corner| corner.as_vec3().as_dvec3())).is_ok())
+    }
 }
 
 /// Vertices in the precision of the rows.
@@ -67,7 +74,7 @@ fn vertices_of(rows: &Rows<'_>) -> Vertices<'static> {
 }
 
 /// Checked spheres.
-#[pyclass(name = "SphereSet", frozen)]
+#[pyclass(name = "SphereSet", module = "rt._rt", frozen)]
 #[derive(Clone)]
 pub(crate) struct PySpheres(pub(crate) Spheres);
 

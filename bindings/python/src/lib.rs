@@ -1,7 +1,7 @@
 //! Extension module `rt._rt`: rays and images for numpy arrays. Users import the package `rt`, which wraps it.
 //!
-//! `arrays` turns numpy arrays into batches, and `rays` traces them slice by slice. `geometry` holds meshes and spheres, `scene`
-//! the queries, `crossings` those of trimesh, `render` images.
+//! `arrays` turns numpy arrays into batches, and `rays` traces them slice by slice on `threads`. `geometry` holds meshes and
+//! spheres, `scene` the queries, `crossings` those of trimesh, `render` images.
 
 mod arrays;
 mod crossings;
@@ -9,10 +9,15 @@ mod geometry;
 mod rays;
 mod render;
 mod scene;
+mod threads;
 
 /// Exact rays on triangle meshes, and images.
 #[pyo3::pymodule]
 mod _rt {
+    /// Version of the package.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+
     #[pymodule_export]
     use crate::crossings::{crossings, first_triangles};
     #[pymodule_export]
@@ -20,5 +25,5 @@ mod _rt {
     #[pymodule_export]
     use crate::render::{PyRendering, render};
     #[pymodule_export]
-    use crate::scene::PyScene;
+    use crate::scene::{PyScene, check_quality};
 }

@@ -5,9 +5,13 @@ use pyo3::prelude::*;
 use rt_accel::RayBatch;
 
 use crate::arrays::{Gathered, Parameters, ParametersView, Rows, RowsView};
+use crate::threads::Threads;
 
 /// Rays that a thread takes at a time. Few enough that the arrays of their results stay in the cache.
 const RAYS_PER_THREAD: usize = 1 << 16;
+
+/// Rays below which a call stays on one thread, as few as queries of rt-accel give to one.
+const MIN_RAYS_TO_SHARE: usize = 1 << 14;
 
 /// Threads beyond which slices do not grow, so that intermediate results take tens of megabytes.
 const MAX_THREADS_PER_SLICE: usize = 16;
@@ -71,6 +75,11 @@ pub(crate) struct RaysView<'a> {
 }
 
 impl RaysView<'_> {
+    /// Threads of the call: the given number, or one for few rays.
+    pub(crate) fn threads(&self, py: Python<'_>, threads: usize) -> PyResult<Threads> {
+        Threads::new(py, threads, self.len.div_ceil(MIN_RAYS_TO_SHARE))
+    }
+
     /// Calls `trace` with one slice of rays after the other, and the index of its first ray, for results that are written
     /// in place.
     pub(crate) fn for_each_slice(
@@ -110,6 +119,11 @@ impl RaysView<'_> {
                     return Err(format!("row {row} of {what} holds a number that is not finite"));
                 }
             }
+            for (what, limits) in [("t_min", self.t_min), ("t_max", self.t_max)] {
+                if let Some(row) = limits.first_nan(first, n) {
+                    return Err(format!("row {row} of {what} is not a number"));
+                }
+            }
             let vectors =
                 self.origins.vectors(first, n, &mut origins).zip(self.directions.vectors(first, n, &mut directions));
             let limits = self.t_min.scalars(first, n).zip(self.t_max.scalars(first, n));
@@ -126,17 +140,4 @@ impl RaysView<'_> {
 fn slice_len(is_parallel: bool) -> usize {
     let threads = if is_parallel { rayon::current_num_threads().min(MAX_THREADS_PER_SLICE) } else { 1 };
     RAYS_PER_THREAD * threads
-}
-
-/// Calls `work` on the given number of threads: all processors for 0. Its argument is true if there are several.
-pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce(bool) -> T + Send) -> Result<T, Refused> {
-    match threads {
-        0 => Ok(work(rayon::current_num_threads() > 1)),
-        1 => Ok(work(false)),
-        _ => {
-            let pool =
-                rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
-            Ok(pool.install(|| work(true)))
-        }
-    }
 }

@@ -5,13 +5,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use numpy::{IntoPyArray as _, PyArray1};
-use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rt_render::{PlanOptions, Progress, RayKind, RenderPlan, Rendering, RunOptions, StopRule, Stopped, TargetError};
-use rt_scene_io::{Integrator, LoadOptions};
+use rt_scene_io::{Integrator, LoadOptions, Scene};
+
+use crate::threads::Threads;
 
 /// A finished image: pixels, row by row, with statistics and error estimates.
-#[pyclass(name = "Rendering", frozen)]
+#[pyclass(name = "Rendering", module = "rt._rt", frozen)]
 pub(crate) struct PyRendering {
     rendering: Rendering,
     width: usize,
@@ -108,7 +110,7 @@ pub(crate) fn render(
     let integrator = integrator.map(integrator_of).transpose()?;
     let rule = stop_rule(spp, time, target_error)?;
     let interrupt = AtomicBool::new(false);
-    let work = || -> Result<Rendering, String> {
+    let load = |_| -> Result<Scene, String> {
         let options = LoadOptions { size, integrator, ..LoadOptions::default() };
         let mut scene = rt_scene_io::load(&path, &options).map_err(|error| error.to_string())?;
         let settings = &mut scene.settings;
@@ -116,11 +118,21 @@ pub(crate) fn render(
         settings.seed = seed.unwrap_or(settings.seed);
         settings.depth = depth.unwrap_or(settings.depth);
         settings.integrator = integrator.unwrap_or(settings.integrator);
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).map_err(|error| error.to_string())?;
+        Ok(scene)
+    };
+    // The first exception of a signal handler.
+    let mut raised: Option<PyErr> = None;
+    let pool = Threads::all(py)?;
+    let work = || -> Result<Rendering, String> {
+        let scene = pool.run(load)?;
+        let plan = pool.run(|_| RenderPlan::compile(&scene, &PlanOptions::default()));
+        let plan = plan.map_err(|error| error.to_string())?;
         let options = RunOptions { threads, interrupt: Some(&interrupt), ..RunOptions::default() };
+        // Called on this thread: only the main thread of Python handles signals.
         let observer = |_: Progress| {
-            if Python::attach(|py| py.check_signals()).is_err() {
-                interrupt.store(true, Ordering::Relaxed);
+            if raised.is_none() {
+                raised = Python::attach(|py| py.check_signals()).err();
+                interrupt.fetch_or(raised.is_some(), Ordering::Relaxed);
             }
         };
         let rendered = match &rule {
@@ -129,10 +141,11 @@ pub(crate) fn render(
         };
         rendered.map_err(|error| error.to_string())
     };
-    let rendering = py.detach(work).map_err(PyValueError::new_err)?;
-    if rendering.stopped == Stopped::Interrupted {
-        return Err(PyKeyboardInterrupt::new_err("the render was interrupted"));
+    let rendered = py.detach(work);
+    if let Some(raised) = raised {
+        return Err(raised);
     }
+    let rendering = rendered.map_err(PyValueError::new_err)?;
     let (width, height) = (rendering.film.width() as usize, rendering.film.height() as usize);
     Ok(PyRendering { rendering, width, height })
 }

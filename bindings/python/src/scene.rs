@@ -1,76 +1,119 @@
 //! Queries of a scene.
 
+use std::collections::BTreeMap;
+
 use numpy::{Element, IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rt_accel::{
-    BatchError, BuildParams, DVec3, GeometryId, HitBatch, HitLists, RayBatch, Scene, SceneBuilder, Transform,
+    BatchError, BuildParams, DVec3, Geometry, GeometryId, HitBatch, HitLists, Primitives as _, RayBatch, Scene,
+    SceneBuilder, Transform,
 };
 
 use crate::arrays::{Rows, RowsView};
 use crate::geometry::{PyMesh, PySpheres};
-use crate::rays::{Rays, Refused, on_threads, value_error};
+use crate::rays::{Rays, Refused, value_error};
+use crate::threads::Threads;
 
 /// Points that a thread takes at a time.
 const POINTS_PER_TASK: usize = 64;
 
 /// Meshes and spheres with their trees.
-#[pyclass(name = "Scene", frozen)]
+#[pyclass(name = "Scene", module = "rt._rt", frozen)]
 pub(crate) struct PyScene {
     pub(crate) scene: Scene<'static>,
-    /// In the order in which they were added.
-    geometries: Vec<GeometryId>,
+    /// By key: the caller chooses keys of geometries.
+    geometries: GeometryIds,
 }
 
-/// Index of a geometry, and a matrix of 4 x 4 numbers or `None` for the identity.
-type Placement<'py> = (usize, Option<PyReadonlyArray2<'py, f64>>);
+type GeometryIds = BTreeMap<u64, GeometryId>;
 
-/// Adds geometries to a builder, and appends their numbers.
-fn add_all(
-    py: Python<'_>,
-    builder: &mut SceneBuilder<'static>,
-    geometries: &[Bound<'_, PyAny>],
-    ids: &mut Vec<GeometryId>,
-) -> PyResult<()> {
-    for geometry in geometries {
-        let id = if let Ok(mesh) = geometry.cast::<PyMesh>() {
-            let mesh = mesh.get().mesh.clone();
-            py.detach(|| builder.add(mesh))
-        } else {
-            let spheres = geometry.cast::<PySpheres>()?.get().0.clone();
-            py.detach(|| builder.add(spheres))
+/// Key of a geometry, and a matrix of 4 x 4 numbers or `None` for the identity.
+type Placement<'py> = (u64, Option<PyReadonlyArray2<'py, f64>>);
+
+/// Geometries and instances to add to a scene.
+struct Insertion {
+    geometries: Vec<(u64, Geometry<'static>)>,
+    instances: Vec<(u64, Option<Transform>)>,
+}
+
+impl Insertion {
+    fn extract(geometries: &[(u64, Bound<'_, PyAny>)], instances: &[Placement<'_>]) -> PyResult<Self> {
+        let geometry = |(key, geometry): &(u64, Bound<'_, PyAny>)| -> PyResult<_> {
+            Ok(match geometry.cast::<PyMesh>() {
+                Ok(mesh) => (*key, mesh.get().mesh.clone().into()),
+                Err(_) => (*key, geometry.cast::<PySpheres>()?.get().0.clone().into()),
+            })
         };
-        ids.push(id.map_err(value_error)?);
+        let instance = |(i, (key, matrix)): (usize, &Placement<'_>)| {
+            let transform = matrix.as_ref().map(transform_of).transpose();
+            Ok((*key, transform.map_err(|error| value_error(format!("instance {i}: {error}")))?))
+        };
+        Ok(Self {
+            geometries: geometries.iter().map(geometry).collect::<PyResult<_>>()?,
+            instances: instances.iter().enumerate().map(instance).collect::<PyResult<_>>()?,
+        })
     }
-    Ok(())
-}
 
-/// Adds instances of geometries, and returns their indices.
-fn place_all(
-    builder: &mut SceneBuilder<'static>,
-    instances: &[Placement<'_>],
-    ids: &[GeometryId],
-) -> PyResult<Vec<u32>> {
-    let place = |(i, (geometry, transform)): (usize, &Placement<'_>)| {
-        let id = geometry_of(ids, *geometry)?;
-        let refused = |error: String| value_error(format!("instance {i}: {error}"));
-        match transform {
-            None => builder.place(id),
-            Some(matrix) => builder.place_at(id, &transform_of(matrix).map_err(refused)?),
+    /// Largest number of primitives in a tree, if the scene has `n_instances` others.
+    fn largest_tree(&self, n_instances: usize) -> usize {
+        let len = |(_, geometry): &(u64, Geometry<'static>)| match geometry {
+            Geometry::Mesh(mesh) => mesh.len(),
+            Geometry::Spheres(spheres) => spheres.len(),
+        };
+        self.geometries.iter().map(len).fold(n_instances + self.instances.len(), usize::max)
+    }
+
+    /// Builds the trees of geometries, and returns the numbers of the instances.
+    fn add_to(self, builder: &mut SceneBuilder<'static>, ids: &mut GeometryIds) -> Result<Vec<u32>, Refused> {
+        for (key, geometry) in self.geometries {
+            ids.insert(key, builder.add(geometry).map_err(|error| error.to_string())?);
         }
-        .map_err(|error| refused(error.to_string()))
-    };
-    instances.iter().enumerate().map(place).collect()
+        let place = |(i, (key, transform)): (usize, &(u64, Option<Transform>))| {
+            let id = geometry_of(ids, *key)?;
+            let placed = match transform {
+                None => builder.place(id),
+                Some(transform) => builder.place_at(id, transform),
+            };
+            placed.map_err(|error| format!("instance {i}: {error}"))
+        };
+        self.instances.iter().enumerate().map(place).collect()
+    }
 }
 
-fn geometry_of(ids: &[GeometryId], geometry: usize) -> PyResult<GeometryId> {
-    ids.get(geometry).copied().ok_or_else(|| value_error(format!("there is no geometry {geometry}")))
+fn params_of(quality: &str) -> PyResult<BuildParams> {
+    match quality {
+        "fast" => Ok(BuildParams::FAST),
+        "balanced" => Ok(BuildParams::BALANCED),
+        "high" => Ok(BuildParams::HIGH),
+        _ => Err(value_error(format!("quality {quality:?} is not one of 'fast', 'balanced', 'high'"))),
+    }
+}
+
+/// Refuses an unknown quality of trees.
+#[pyfunction]
+pub(crate) fn check_quality(quality: &str) -> PyResult<()> {
+    params_of(quality).map(|_| ())
+}
+
+fn geometry_of(ids: &GeometryIds, key: u64) -> Result<GeometryId, Refused> {
+    ids.get(&key).copied().ok_or_else(|| format!("there is no geometry with the key {key}"))
 }
 
 /// `work` for each point, on the given number of threads.
 fn for_each_point<T: Send>(
+    py: Python<'_>,
     points: RowsView<'_>,
     threads: usize,
+    work: impl Fn(DVec3) -> T + Send + Sync,
+) -> PyResult<Vec<T>> {
+    let threads = Threads::new(py, threads, points.len().div_ceil(POINTS_PER_TASK))?;
+    py.detach(|| for_each_point_on(&threads, points, work)).map_err(value_error)
+}
+
+fn for_each_point_on<T: Send>(
+    threads: &Threads,
+    points: RowsView<'_>,
     work: impl Fn(DVec3) -> T + Send + Sync,
 ) -> Result<Vec<T>, Refused> {
     if let Some(row) = points.first_non_finite(0, points.len(), false) {
@@ -80,13 +123,13 @@ fn for_each_point<T: Send>(
         RowsView::F32(rows) => DVec3::new(rows[[i, 0]].into(), rows[[i, 1]].into(), rows[[i, 2]].into()),
         RowsView::F64(rows) => DVec3::new(rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]),
     };
-    on_threads(threads, |is_parallel| {
+    Ok(threads.run(|is_parallel| {
         if is_parallel {
             (0..points.len()).into_par_iter().with_min_len(POINTS_PER_TASK).map(|i| work(at(i))).collect()
         } else {
             (0..points.len()).map(|i| work(at(i))).collect()
         }
-    })
+    }))
 }
 
 /// Array of what `trace` computes for each ray, on the given number of threads.
@@ -108,7 +151,8 @@ fn per_ray<'py, T: Element + Send + Sync>(
                 trace(is_parallel, rays, results).map_err(|error| error.to_string())
             })
         };
-        py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+        let threads = view.threads(py, threads)?;
+        py.detach(|| threads.run(work)).map_err(value_error)?;
     }
     Ok(results)
 }
@@ -151,24 +195,22 @@ type Nearest<'py> =
 
 #[pymethods]
 impl PyScene {
-    /// Builds trees over geometries; instances are pairs of the index of a geometry and a matrix of 4 x 4 numbers.
+    /// Builds trees over geometries, each with a key; instances are pairs of a key and a matrix of 4 x 4 numbers.
     #[new]
     fn new(
         py: Python<'_>,
-        geometries: Vec<Bound<'_, PyAny>>,
+        geometries: Vec<(u64, Bound<'_, PyAny>)>,
         instances: Vec<Placement<'_>>,
         quality: &str,
     ) -> PyResult<Self> {
-        let params = match quality {
-            "fast" => BuildParams::FAST,
-            "balanced" => BuildParams::BALANCED,
-            "high" => BuildParams::HIGH,
-            _ => return Err(value_error(format!("quality {quality:?} is not one of 'fast', 'balanced', 'high'"))),
+        let (mut builder, mut ids) = (SceneBuilder::new(params_of(quality)?), GeometryIds::new());
+        let insertion = Insertion::extract(&geometries, &instances)?;
+        let threads = Threads::to_build(py, insertion.largest_tree(0))?;
+        let work = |_| {
+            insertion.add_to(&mut builder, &mut ids)?;
+            builder.build().map_err(|error| error.to_string())
         };
-        let (mut builder, mut ids) = (SceneBuilder::new(params), Vec::new());
-        add_all(py, &mut builder, &geometries, &mut ids)?;
-        place_all(&mut builder, &instances, &ids)?;
-        let scene = py.detach(|| builder.build()).map_err(value_error)?;
+        let scene = py.detach(|| threads.run(work)).map_err(value_error)?;
         Ok(Self { scene, geometries: ids })
     }
 
@@ -178,32 +220,38 @@ impl PyScene {
     fn updated(
         &self,
         py: Python<'_>,
-        vertices: Vec<(usize, Bound<'_, PyMesh>)>,
+        vertices: Vec<(u64, Bound<'_, PyMesh>)>,
         transforms: Vec<(u32, PyReadonlyArray2<'_, f64>)>,
         removed_instances: Vec<u32>,
-        removed_geometries: Vec<usize>,
-        geometries: Vec<Bound<'_, PyAny>>,
+        removed_geometries: Vec<u64>,
+        geometries: Vec<(u64, Bound<'_, PyAny>)>,
         instances: Vec<Placement<'_>>,
     ) -> PyResult<(Self, Vec<u32>)> {
         let (mut builder, mut ids) = (self.scene.to_builder(), self.geometries.clone());
-        for (geometry, mesh) in vertices {
-            let (id, vertices) = (geometry_of(&ids, geometry)?, mesh.get().mesh.vertices().clone());
-            py.detach(|| builder.set_vertices(id, vertices)).map_err(value_error)?;
-        }
         for (instance, matrix) in transforms {
             let refused = |error: String| value_error(format!("instance {instance}: {error}"));
             let transform = transform_of(&matrix).map_err(refused)?;
             builder.set_transform(instance, &transform).map_err(|error| refused(error.to_string()))?;
         }
-        for instance in removed_instances {
-            builder.remove(instance).map_err(value_error)?;
-        }
-        for geometry in removed_geometries {
-            builder.remove_geometry(geometry_of(&ids, geometry)?).map_err(value_error)?;
-        }
-        add_all(py, &mut builder, &geometries, &mut ids)?;
-        let numbers = place_all(&mut builder, &instances, &ids)?;
-        let scene = py.detach(|| builder.build()).map_err(value_error)?;
+        let insertion = Insertion::extract(&geometries, &instances)?;
+        let largest_changed = vertices.iter().map(|(_, mesh)| mesh.get().mesh.len()).max().unwrap_or(0);
+        let threads = Threads::to_build(py, insertion.largest_tree(self.scene.n_instances()).max(largest_changed))?;
+        let vertices: Vec<_> = vertices.iter().map(|(key, mesh)| (*key, mesh.get().mesh.vertices().clone())).collect();
+        let work = |_| {
+            for (key, vertices) in vertices {
+                builder.set_vertices(geometry_of(&ids, key)?, vertices).map_err(|error| error.to_string())?;
+            }
+            for instance in removed_instances {
+                builder.remove(instance).map_err(|error| error.to_string())?;
+            }
+            for key in removed_geometries {
+                builder.remove_geometry(geometry_of(&ids, key)?).map_err(|error| error.to_string())?;
+                ids.remove(&key);
+            }
+            let numbers = insertion.add_to(&mut builder, &mut ids)?;
+            Ok::<_, Refused>((builder.build().map_err(|error| error.to_string())?, numbers))
+        };
+        let (scene, numbers) = py.detach(|| threads.run(work)).map_err(value_error)?;
         Ok((Self { scene, geometries: ids }, numbers))
     }
 
@@ -253,7 +301,8 @@ impl PyScene {
                     traced.map_err(|error| error.to_string())
                 })
             };
-            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+            let threads = view.threads(py, threads)?;
+            py.detach(|| threads.run(work)).map_err(value_error)?;
         }
         Ok((t, primitive, instance, uv))
     }
@@ -316,10 +365,10 @@ impl PyScene {
                 all.extend(&lists);
                 Ok(())
             })?;
-            Ok(all)
+            Ok::<_, Refused>(all)
         };
-        let HitArrays { offsets, t, primitive, instance, uv } =
-            py.detach(|| on_threads(threads, work).flatten()).map_err(value_error)?;
+        let threads = view.threads(py, threads)?;
+        let HitArrays { offsets, t, primitive, instance, uv } = py.detach(|| threads.run(work)).map_err(value_error)?;
         Ok((
             offsets.into_pyarray(py),
             t.into_pyarray(py),
@@ -337,10 +386,13 @@ impl PyScene {
         max_distance: f64,
         threads: usize,
     ) -> PyResult<Nearest<'py>> {
+        if max_distance.is_nan() {
+            return Err(value_error("max_distance is not a number"));
+        }
         let points = Rows::extract("points", points)?;
         let view = points.view();
         let nearest = |point| self.scene.nearest_point(point, max_distance);
-        let found = py.detach(|| for_each_point(view, threads, nearest)).map_err(value_error)?;
+        let found = for_each_point(py, view, threads, nearest)?;
         let coordinates = found.iter().flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point.to_array()));
         let distances = found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance));
         let primitives = found.iter().map(|hit| hit.map_or(HitBatch::MISS, |hit| hit.primitive));
@@ -361,8 +413,7 @@ impl PyScene {
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let points = Rows::extract("points", points)?;
         let view = points.view();
-        let inside =
-            py.detach(|| for_each_point(view, threads, |point| self.scene.contains(point))).map_err(value_error)?;
+        let inside = for_each_point(py, view, threads, |point| self.scene.contains(point))?;
         Ok(inside.into_pyarray(py))
     }
 
@@ -375,7 +426,7 @@ impl PyScene {
         let points = Rows::extract("points", points)?;
         let view = points.view();
         let distance = |point| self.scene.signed_distance(point).unwrap_or(f64::INFINITY);
-        let distances = py.detach(|| for_each_point(view, threads, distance)).map_err(value_error)?;
+        let distances = for_each_point(py, view, threads, distance)?;
         Ok(distances.into_pyarray(py))
     }
 }

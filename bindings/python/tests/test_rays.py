@@ -80,6 +80,9 @@ def test_origins_and_directions_broadcast():
     assert many.hit.all()
     assert mesh.closest(np.empty((0, 3)), np.empty((0, 3))).t.shape == (0,)
     assert mesh.all_hits(np.empty((0, 3)), [1, 0, 0]).offsets.tolist() == [0]
+    assert mesh.closest([], []).t.shape == mesh.contains([]).shape == (0,)
+    assert rt.Spheres([], []).n_spheres == 0
+    assert mesh.closest(np.array([0, 0, 2**70], dtype=object), [0, 0, -1]).t == 2.0**70
 
 
 def test_limits_are_inclusive_and_may_differ_from_ray_to_ray():
@@ -128,6 +131,16 @@ def test_results_are_arrays_of_the_documented_types():
         (lambda m: m.closest("abc", [1, 0, 0]), "origins must be numbers"),
         (lambda m: m.closest([0, 0, 0], [1, 0, 0], t_max=[1, 2]), "t_max of shape"),
         (lambda m: m.closest([0, 0, 0], [1, 0, 0], t_max=None), "t_max must be a number"),
+        (lambda m: m.closest([0, 0, 0], [1, 0, 0], t_max=[None]), "t_max must be a number"),
+        (lambda m: m.closest([0, 0, 0], [1, 0, 0], t_min=1j), "t_min must be real numbers"),
+        (lambda m: m.closest([0, 0, 0], [1, 0, 0], t_min=np.nan), "t_min must be a number, .*not nan"),
+        (lambda m: m.any_hit([[0, 0, 0]] * 2, [1, 0, 0], t_max=[5, np.nan]), "row 1 of t_max is not a number"),
+        (lambda m: m.all_hits([[0, 0, 0]] * 3, [1, 0, 0], t_min=[0, 0, np.nan]), "row 2 of t_min is not a number"),
+        (lambda m: m.nearest_point([0, 0, 0], max_distance=np.nan), "max_distance must be a number, not nan"),
+        (lambda m: m.nearest_point([0, 0, 0], max_distance=None), "max_distance must be a number"),
+        (lambda m: m.closest(np.zeros((2, 3), "datetime64[s]"), [1, 0, 0]), "origins must be numbers, not datetime64"),
+        (lambda m: m.closest(["1", "2", "3"], [1, 0, 0]), "origins must be numbers, not <U1"),
+        (lambda m: m.closest(np.ma.masked_less([[-1.0, 0, 0]], 0), [1, 0, 0]), "origins has masked numbers"),
         (lambda m: m.closest([0, 0, 1j], [1, 0, 0]), "origins must be real numbers"),
         (lambda m: m.closest([0, 0, 0], [1, 0, 0], threads=0), "threads must be"),
         (lambda m: m.closest([0, 0, 0], [1, 0, 0], threads=10**6), "threads must be an integer from 1 to 1024"),
@@ -141,7 +154,10 @@ def test_results_are_arrays_of_the_documented_types():
         (lambda m: rt.TriangleMesh(*box(), quality="best"), "quality"),
         (lambda m: rt.Spheres([[0, 0, 0]], [1, 2]), r"radii of shape \(2,\) does not fit the shape \(1,\)"),
         (lambda m: rt.Spheres([[0, 0, 0], [1, 1, 1]], [1, -1]), "sphere 1: radius -1"),
-        (lambda m: rt.Scene([rt.Instance(m, np.zeros((4, 4)))]), "instance 0"),
+        (lambda m: rt.Spheres([[0, 0, 0]], 1e-320), "sphere 0: radius 1e-320 must be positive"),
+        (lambda m: rt.Spheres([[0, 0, 0]], [np.nan]), "sphere 0: radius NaN must be positive"),
+        (lambda m: rt.Scene([rt.Instance(m, np.diag([0, 0, 0, 1]))]), "instance 0: the transform is singular$"),
+        (lambda m: rt.Instance(m, 1j * np.eye(4)), "a transform must be real numbers"),
         (lambda m: rt.Scene([rt.Instance(rt.Spheres([[0, 0, 0]], 1), np.diag([1, 2, 1, 1]))]), "same factor"),
     ],
 )

@@ -57,8 +57,56 @@ def test_errors_say_what_and_where(scene, tmp_path):
     bad.write_text("Scene(camera: 3)")
     with pytest.raises(ValueError, match="bad.ron"):
         rt.render(bad)
-    with pytest.raises(ValueError, match="positive number of seconds"):
-        rt.render(scene, time=-1.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"spp": 0}, "spp must be an integer from 1 to"),
+        ({"spp": -1}, "spp must be an integer from 1 to"),
+        ({"spp": 1.5}, "spp must be an integer from 1 to"),
+        ({"size": (16.7, 16)}, "the width of size must be an integer from 1 to 4294967295, not 16.7"),
+        ({"size": (5, -1)}, "the height of size must be an integer from 1 to 4294967295, not -1"),
+        ({"size": 5}, "size must be a width and a height, not 5"),
+        ({"depth": -1}, "depth must be an integer from 0 to"),
+        ({"seed": -1}, "seed must be an integer from 0 to"),
+        ({"threads": np.inf}, "threads must be an integer from 1 to 1024, not inf"),
+        ({"threads": [2]}, "threads must be an integer from 1 to 1024, not"),
+        ({"time": 0}, "time must be positive and finite, not 0"),
+        ({"time": -1.0}, "time must be positive and finite, not -1.0"),
+        ({"time": np.inf}, "time must be positive and finite, not inf"),
+        ({"target_error": 0}, "target_error must be positive and finite, not 0"),
+        ({"target_error": np.nan}, "target_error must be a number, not nan"),
+        ({"fov": np.nan}, "fov must be a number, not nan"),
+        ({"fov": 180}, "fov must be between 0 and 180, not 180"),
+        ({"look_from": (0, np.nan, 0)}, r"look_from \[0.0, nan, 0.0\] holds a number that is not finite"),
+        ({"look_from": (0, 5, 0), "look_at": (0, 5, 0)}, "look_from and look_at are the same point"),
+        ({"look_from": (0, 5, 0), "up": (0, 1, 0)}, r"up \[0.0, 1.0, 0.0\] is zero or parallel to the view"),
+        ({"look_from": (0, 5, 0), "up": (0, 0, 0)}, r"up \[0.0, 0.0, 0.0\] is zero or parallel to the view"),
+        ({"up": (0, 1, 0)}, "up needs look_from"),
+    ],
+)
+def test_options_out_of_range_are_named(options, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        rt.render(rt.Spheres([[0, 0, 0]], 1.0), **{"spp": 1, "size": (8, 8)} | options)
+
+
+def test_errors_of_geometry_do_not_name_temporary_files():
+    with pytest.raises(ValueError, match="^film.size"):
+        rt.render(rt.Spheres([[0, 0, 0]], 1.0), size=(1 << 20, 1 << 20))
+
+
+def test_tables_hold_the_samples_that_were_rendered(scene):
+    (row,) = rt.converge(scene, spp=(3,), reference_spp=4, seeds=1, size=(8, 8))
+    assert row.spp == rt.render(scene, spp=3, size=(8, 8)).samples_per_pixel == 4
+    for options, message in [
+        ({"spp": (1.5,)}, "spp must be an integer"),
+        ({"spp": ()}, "spp must hold"),
+        ({"seeds": 0}, "seeds must be an integer from 1"),
+        ({"reference_spp": 0}, "spp must be an integer from 1"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            rt.converge(scene, **{"spp": (1,), "seeds": 1, "size": (8, 8)} | options)
 
 
 def test_the_error_falls_with_the_number_of_samples(scene):
@@ -83,6 +131,25 @@ def test_geometry_is_rendered_where_rays_hit_it():
     is_bright = np.asarray(depth).max(axis=-1) > 0
     # Nearest white, farthest and background black; pixels on a silhouette may be either.
     assert (is_bright == hit).mean() > 0.95
+
+
+def test_views_along_the_y_axis_and_with_another_up():
+    # A bar along x: upright in the image if x is up.
+    spheres = rt.Spheres([[x, 0, 0] for x in np.linspace(-2, 2, 9)], 0.5)
+    options = {"size": (32, 32), "spp": 1, "integrator": "depth", "look_from": (0, 8, 0), "look_at": (0, 0, 0)}
+    wide, high = (np.asarray(rt.render(spheres, **options, **up)).max(axis=-1) > 0 for up in ({}, {"up": (1, 0, 0)}))
+    assert wide.any(axis=0).sum() > 2 * wide.any(axis=1).sum() > 0
+    assert high.any(axis=1).sum() > 2 * high.any(axis=0).sum() > 0
+
+
+def test_meshes_without_area_are_left_out():
+    line = rt.TriangleMesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]])
+    # Without area in single precision.
+    thin = rt.TriangleMesh([[1, 0, 0], [2, 0, 0], [1.5, 1e-60, 0]], [[0, 1, 2]])
+    options = {"size": (16, 16), "spp": 1, "look_from": (0, 0, 5), "integrator": "depth"}
+    mesh = rt.TriangleMesh(*box())
+    expected = rt.render(mesh, **options)
+    np.testing.assert_array_equal(rt.render(rt.Scene([mesh, line, thin]), **options), expected)
 
 
 def test_a_default_camera_sees_the_geometry():

@@ -75,6 +75,18 @@ def test_geometries_without_objects_free_their_memory():
     assert scene._scene.memory == memory and scene.numbers == (0,)
 
 
+def test_removed_geometries_leave_no_traces():
+    random = np.random.default_rng(9)
+    scene = rt.Scene([rt.Spheres([[0, 0, 0]], 1.0)])
+    for _ in range(20):
+        (number,) = scene.update(insert=[mesh(random)])
+        scene.update(remove=[number])
+    scene.update(insert=[rt.Spheres([[0, 0, 0]], 1.0)])
+    # Its geometry takes the place of the removed ones.
+    with pytest.raises(ValueError, match="instance 1: geometry 1: the transform is not uniform"):
+        scene.update(transforms={1: np.diag([1.0, 2.0, 1.0, 1.0])})
+
+
 def test_refused_changes_leave_the_scene_as_it_is():
     random = np.random.default_rng(8)
     scene = rt.Scene([mesh(random), rt.Spheres([[0, 0, 0]], 1.0)])
@@ -94,6 +106,11 @@ def test_refused_changes_leave_the_scene_as_it_is():
         scene.update(transforms={0: np.eye(3)})
     with pytest.raises(ValueError, match="instance 1: geometry 1: the transform is not uniform"):
         scene.update(transforms={1: np.diag([1.0, 2.0, 1.0, 1.0])})
+    with pytest.raises(ValueError, match=r"vertices must have the shape \(n, 3\), not \(1, 8, 3\)"):
+        scene.update(vertices={0: np.zeros((1, 8, 3))})
+    for wrong in ({"remove": [0.9]}, {"remove": ["1"]}, {"transforms": {0.0: np.eye(4)}}):
+        with pytest.raises(ValueError, match="numbers of objects are integers, not"):
+            scene.update(**wrong)
     with pytest.raises(TypeError, match="object 0 is a str"):
         scene.update(insert=["sphere"])
     assert scene.numbers == (0, 1)

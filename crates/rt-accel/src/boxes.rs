@@ -7,7 +7,7 @@ use rt_math::{Aabb, Interval, Ray, SlabRay};
 /// [`visit_candidates`](crate::Accelerator::visit_candidates) or
 /// [`visit_overlapping`](crate::Accelerator::visit_overlapping).
 ///
-/// A ray that starts in a box hits it at its origin.
+/// A ray that starts in a box hits it at its origin. Rays miss a box that does not exist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boxes<'b>(pub &'b [Aabb]);
 
@@ -17,16 +17,16 @@ impl Primitives for Boxes<'_> {
     }
 
     fn bounds(&self, index: u32) -> Option<Aabb> {
-        Some(self.0[index as usize])
+        self.0.get(index as usize).copied()
     }
 
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
-        let inside = self.0[index as usize].clip(&SlabRay::new(ray), span)?;
+        let inside = self.0.get(index as usize)?.clip(&SlabRay::new(ray), span)?;
         Some(Hit { t: inside.min, instance: 0, primitive: index, uv: [0.0; 2] })
     }
 
     fn geometry(&self, index: u32) -> PrimitiveGeometry {
-        PrimitiveGeometry::Box(self.0[index as usize])
+        self.0.get(index as usize).map_or(PrimitiveGeometry::Opaque, |aabb| PrimitiveGeometry::Box(*aabb))
     }
 }
 
@@ -35,4 +35,24 @@ impl Primitives for Boxes<'_> {
 pub(crate) fn row() -> Vec<Aabb> {
     let corners = (0..100).map(|index| glam::DVec3::X * f64::from(index));
     corners.map(|corner| Aabb::new(corner, corner + 0.5)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Accelerator as _, AcceleratorKind, AnyAccelerator, NoProbe};
+
+    #[test]
+    fn boxes_that_do_not_exist_are_missed() {
+        let boxes = row();
+        let (all, few) = (Boxes(&boxes), Boxes(&boxes[..3]));
+        let ray = Ray::new(glam::DVec3::new(200.0, 0.25, 0.25), glam::DVec3::NEG_X);
+        assert_eq!((few.bounds(9), few.intersect(9, &ray, Interval::FORWARD)), (None, None));
+        assert_eq!(few.geometry(9), PrimitiveGeometry::Opaque);
+        for &kind in AcceleratorKind::ALL {
+            let accelerator = AnyAccelerator::build(kind, &all).expect("a tree");
+            let hit = accelerator.closest(&few, &ray, Interval::FORWARD, &mut NoProbe);
+            assert_eq!(hit.map(|hit| hit.primitive), Some(2), "{kind:?}");
+        }
+    }
 }

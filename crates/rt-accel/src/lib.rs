@@ -31,9 +31,10 @@
 //! 2013, in `f64`), and culled primitives provably cannot win. The [`guide`] explains each with images, proofs and costs.
 //!
 //! **Owns** accelerators, their builders and queries, and scenes of meshes and spheres. **Does not own** the shapes and their
-//! kernels, which are in `rt-geometry`. Features: `parallel` (default) builds and traces on all threads; `large-pages` (default)
-//! requests pages of 2 MiB from Linux; `serde`; `all-simd`. Queries neither fail, allocate nor lock, except that [`LazyBih`]
-//! does both where it splits a node, and lists of all hits grow.
+//! kernels, which are in `rt-geometry`. Features: `parallel` (default) builds large trees and traces batches on all threads;
+//! `large-pages` (default) requests pages of 2 MiB from Linux; `serde`; `all-simd`. Queries of accelerators neither fail,
+//! allocate nor lock, except that [`LazyBih`] allocates and locks where it splits a node, and lists of all hits grow. Queries of
+//! a [`Scene`] may allocate; batches fail if the lengths of their arrays differ.
 
 #![deny(unsafe_code)]
 

@@ -1,6 +1,6 @@
 //! # rt-camera: camera and image plane
 //!
-//! From a sample of a pixel to a ray, and from radiance to a file:
+//! From a sample of a pixel to a ray:
 //!
 //! ```text
 //!                                    0        r.x      width
@@ -11,8 +11,6 @@
 //!             ╱                      │         │         │
 //!            z    view along −z      └─────────┴─────────┘      direction = (s·(r.x − c.x), −s·(r.y − c.y), −1)
 //!                             height
-//!
-//!      byte = round(255 · encode(tone(2^exposure · mean of weight · radiance)))      or dithered: ⌊255 · ... + threshold⌋
 //! ```
 //!
 //! | step | type |

@@ -8,11 +8,11 @@ pub enum ShapeError {
     /// A coordinate is NaN, infinite, or beyond the range in which kernels keep their precision.
     #[error("coordinate {0:?} is not a finite number of magnitude at most 1e60")]
     BadCoordinate(f64),
-    /// The radius is not positive, or so small that its square underflows.
-    #[error("radius {0} must be positive (at least 1e-60)")]
+    /// The radius is not finite, not positive, or so small or large that its square underflows or overflows.
+    #[error("radius {} must be positive ({})", short(*.0), limit(*.0))]
     BadRadius(f64),
-    /// A length or a slope that is not positive, or so small that its square underflows.
-    #[error("{0} {1} must be positive (at least 1e-60)")]
+    /// A length or a slope that is not finite, not positive, or so small or large that its square underflows or overflows.
+    #[error("{} {} must be positive ({})", .0, short(*.1), limit(*.1))]
     BadLength(&'static str, f64),
     /// A cylinder whose top is not above its bottom.
     #[error("the top {top} must be above the bottom {bottom}")]
@@ -70,14 +70,41 @@ pub(crate) fn check_coordinates(points: impl IntoIterator<Item = DVec3>) -> Resu
 /// Minimum radius or length: its square and the square of that stay far from underflow.
 const MIN_LENGTH: f64 = 1e-60;
 
+/// A number without hundreds of zeros.
+fn short(value: f64) -> String {
+    if value.abs() < 1e-4 && value != 0.0 || value.abs() > 1e16 { format!("{value:?}") } else { value.to_string() }
+}
+
+/// Limit that a radius or length violates.
+fn limit(value: f64) -> &'static str {
+    if value > MAX_COORDINATE { "at most 1e60" } else { "at least 1e-60" }
+}
+
+fn is_length(value: f64) -> bool {
+    (MIN_LENGTH..=MAX_COORDINATE).contains(&value)
+}
+
 /// Checks a radius: positive and finite.
 pub(crate) fn check_radius(radius: f64) -> Result<(), ShapeError> {
-    check_coordinates([DVec3::splat(radius)])?;
-    if radius >= MIN_LENGTH { Ok(()) } else { Err(ShapeError::BadRadius(radius)) }
+    if is_length(radius) { Ok(()) } else { Err(ShapeError::BadRadius(radius)) }
 }
 
 /// Checks a length or slope other than a radius: positive and finite. `what` names it in the message.
 pub(crate) fn check_length(what: &'static str, length: f64) -> Result<(), ShapeError> {
-    check_coordinates([DVec3::splat(length)])?;
-    if length >= MIN_LENGTH { Ok(()) } else { Err(ShapeError::BadLength(what, length)) }
+    if is_length(length) { Ok(()) } else { Err(ShapeError::BadLength(what, length)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refused_radii_are_named_in_few_digits() {
+        let message = |radius| check_radius(radius).expect_err("a refused radius").to_string();
+        assert_eq!(message(0.0), "radius 0 must be positive (at least 1e-60)");
+        assert_eq!(message(1e-320), "radius 1e-320 must be positive (at least 1e-60)");
+        assert_eq!(message(f64::NAN), "radius NaN must be positive (at least 1e-60)");
+        assert_eq!(message(1e300), "radius 1e300 must be positive (at most 1e60)");
+        assert_eq!(message(f64::INFINITY), "radius inf must be positive (at most 1e60)");
+    }
 }

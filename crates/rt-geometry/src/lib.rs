@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!                .  -  -  .             Ray-sphere intersection in three steps, the cheapest first:
-//!             .'      h      '.
+//!             .'      h      '.          with f = o − c:
 //!   o ───────●───────┬────────●──▶ d    1. sphere behind the ray?      f·d > 0 and the origin outside
 //!     ╲    t₀        │L       t₁        2. ray misses?                 L > r
 //!        ╲   .       │        .         3. else half chord h:          h² = (r − L)(r + L)

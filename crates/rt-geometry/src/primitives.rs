@@ -44,7 +44,8 @@ pub enum BatchKernel {
     Single,
 }
 
-/// Indexed set of primitives. Accelerators require [`bounds`](Self::bounds) and [`intersect`](Self::intersect) only.
+/// Indexed set of primitives. Accelerators require [`len`](Self::len), [`bounds`](Self::bounds) and
+/// [`intersect`](Self::intersect) only.
 ///
 /// # Contract
 ///

@@ -168,7 +168,7 @@ mod tests {
     fn bad_spheres_are_refused() {
         assert_eq!(Sphere::new(DVec3::ZERO, -1.0), Err(ShapeError::BadRadius(-1.0)));
         assert_eq!(Sphere::new(DVec3::ZERO, 0.0), Err(ShapeError::BadRadius(0.0)));
-        assert!(matches!(Sphere::new(DVec3::ZERO, f64::NAN), Err(ShapeError::BadCoordinate(_))));
+        assert!(matches!(Sphere::new(DVec3::ZERO, f64::NAN), Err(ShapeError::BadRadius(_))));
         assert_eq!(Sphere::new(DVec3::splat(1e61), 1.0), Err(ShapeError::BadCoordinate(1e61)));
     }
 

@@ -23,7 +23,7 @@
 //! ```
 //! use rt_image::{Development, Image};
 //!
-//! let mut image = Image::new(2, 1, false);
+//! let mut image = Image::new(2, 1, false); // width, height, without alpha
 //! image.pixels_mut()[1] = [1.0; 3];
 //! let bitmap = Development::default().develop(&image);
 //! assert_eq!(bitmap.bytes, [0, 0, 0, 255, 255, 255]);

@@ -16,7 +16,7 @@ impl Interval {
     /// All parameters in front of the origin of a spawned ray.
     ///
     /// For exact hit points, as on a floor at height 0, the offset of the origin may be the smallest number. Then the
-    /// parameter of a hit on the same floor underflows to 0. So 0 and its neighbour are excluded.
+    /// parameter of a hit on the same floor underflows to 0. So 0 and all subnormal numbers are excluded.
     pub const SPAWNED: Self = Self { min: f64::MIN_POSITIVE, max: f64::INFINITY };
 
     /// From the origin of a shadow ray to its target: up to 1, as its direction is `target - origin`, and otherwise as

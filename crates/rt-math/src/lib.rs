@@ -14,8 +14,8 @@
 //!
 //! **Does not own** shapes and their intersection (rt-geometry), accelerators, lights or cameras.
 //!
-//! All numbers are `f64`, or lanes of them in computations that are generic over [`Real`]. Functions whose last bit differs between
-//! platforms come from [`transcendental`].
+//! Numbers are `f64`. Computations that are generic over [`Real`] also take lanes of them, or `f32` as [`F32`]. [`Vec2`] and
+//! [`Vec3`] store pairs and triples in `f32`. Functions whose last bit differs between platforms come from [`transcendental`].
 //!
 //! ```
 //! use rt_math::{DVec3, Ray, Transform};

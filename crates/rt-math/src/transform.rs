@@ -25,7 +25,7 @@ pub struct Transform {
 pub enum TransformError {
     /// A component is NaN or infinite.
     NonFinite,
-    /// The map is singular: its determinant is 0, or its condition number (the value) exceeds 3·10¹².
+    /// The map is singular: its determinant is 0, or its condition number (the value, which may be NaN) exceeds 3·10¹².
     Singular(f64),
     /// The last row of a 4×4 matrix is not (0, 0, 0, 1).
     NotAffine,
@@ -37,6 +37,7 @@ impl fmt::Display for TransformError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NonFinite => f.write_str("the transform has a NaN or infinite component"),
+            Self::Singular(condition) if condition.is_nan() => f.write_str("the transform is singular"),
             Self::Singular(condition) => write!(
                 f,
                 "the transform is singular (condition number {condition:.3e}, at most {MAX_CONDITION:.0e} is accepted)"
@@ -408,6 +409,9 @@ mod tests {
     #[test]
     fn useless_maps_are_refused() {
         assert!(matches!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)), Err(TransformError::Singular(_))));
+        let message = Transform::from_rows([[0.0; 4], [0.0; 4], [0.0; 4], [0.0, 0.0, 0.0, 1.0]])
+            .map_err(|error| error.to_string());
+        assert_eq!(message, Err("the transform is singular".to_owned()));
         assert!(matches!(Transform::scale(DVec3::new(1.0, 1e-13, 1.0)), Err(TransformError::Singular(_))));
         assert_eq!(Transform::scale(DVec3::NAN), Err(TransformError::NonFinite));
         assert_eq!(Transform::rotate(DVec3::ZERO, 1.0), Err(TransformError::DegenerateDirection));

@@ -7,9 +7,10 @@
 array([ 2., inf])
 
 Rays are traced in double precision, with exact decisions at edges and vertices: no ray slips through a closed mesh, and
-no hit is reported twice. Arrays of numpy go in and out without a copy, and all processors work by default.
+no hit is reported twice. Contiguous arrays of numpy are read in place, and all processors work by default.
 """
 
+from ._rt import VERSION as __version__
 from ._render import ConvergenceRow, Image, converge, render
 from ._results import AllHits, Hits, NearestPoints
 from ._scene import Instance, Scene, Spheres, TriangleMesh
@@ -24,6 +25,7 @@ __all__ = [
     "Scene",
     "Spheres",
     "TriangleMesh",
+    "__version__",
     "converge",
     "render",
 ]

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
+import operator
+from numbers import Real
+
 import numpy as np
+
+
+def numbers(what, values, expected="must be numbers"):
+    """Array of real numbers of any type and shape."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{what} has masked numbers: fill or remove them")
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind == "O" and all(isinstance(value, Real) for value in array.flat):
+            array = array.astype(np.float64)
+    except (OverflowError, ValueError) as error:
+        raise ValueError(f"{what} {expected}: {error}") from error
+    if array.dtype.kind == "c":
+        raise ValueError(f"{what} must be real numbers, not {array.dtype}")
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{what} {expected}, not {array.dtype if array.ndim else repr(values)}")
+    return array
 
 
 def vectors(what, values):
     """Array of shape (..., 3) in single or double precision, without a copy if it has one of them."""
-    array = np.asarray(values)
+    array = numbers(what, values)
     if array.dtype != np.float32 and array.dtype != np.float64:
-        if np.issubdtype(array.dtype, np.complexfloating):
-            raise ValueError(f"{what} must be real numbers, not {array.dtype}")
-        try:
-            array = array.astype(np.float64)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"{what} must be numbers, not {array.dtype}") from error
+        array = array.astype(np.float64)
     if not array.dtype.isnative:
         array = array.astype(array.dtype.newbyteorder("="))
+    if array.shape == (0,):
+        array = array.reshape(0, 3)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"{what} must have the shape (..., 3), not {array.shape}")
     return array
@@ -44,20 +61,46 @@ def _rows(array, shape):
 
 def parameters(what, values, shape):
     """One number for all rays, or a contiguous array of one for each."""
-    if np.ndim(values) == 0:
-        try:
-            return float(values)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"{what} must be a number, or an array of one for each, not {values!r}") from error
+    array = numbers(what, values, "must be a number, or an array of one for each")
+    if array.ndim == 0:
+        return number(what, array)
     try:
-        return np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=np.float64), shape).reshape(-1))
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{what} of shape {np.shape(values)} does not fit the shape {shape}: one number each is needed") from error
+        return np.ascontiguousarray(np.broadcast_to(array.astype(np.float64, copy=False), shape).reshape(-1))
+    except ValueError as error:
+        raise ValueError(f"{what} of shape {array.shape} does not fit the shape {shape}: one number each is needed") from error
+
+
+def number(what, value):
+    """A number that is not NaN."""
+    array = numbers(what, value, "must be a number")
+    if array.ndim != 0 or np.isnan(array):
+        raise ValueError(f"{what} must be a number, not {value}")
+    return float(array)
+
+
+def positive(what, value, below=np.inf):
+    """A number between zero and a bound, both exclusive."""
+    of_option = number(what, value)
+    if not 0 < of_option < below:
+        rule = "positive and finite" if below == np.inf else f"between 0 and {below}"
+        raise ValueError(f"{what} must be {rule}, not {value}")
+    return of_option
+
+
+def integer(what, value, least, most):
+    """An integer in a range."""
+    try:
+        of_option = operator.index(value)
+    except TypeError:
+        of_option = None
+    if of_option is None or not least <= of_option <= most:
+        raise ValueError(f"{what} must be an integer from {least} to {most}, not {value!r}")
+    return of_option
 
 
 def faces(values):
     """Triangles of shape (n, 3) as indices of 32 bits."""
-    array = np.asarray(values)
+    array = numbers("faces", values)
     if array.size == 0:
         return np.empty((0, 3), dtype=np.uint32)
     if array.ndim != 2 or array.shape[1] != 3:
@@ -77,12 +120,7 @@ MAX_THREADS = 1024
 
 def thread_count(threads):
     """0 for all processors."""
-    if threads is None:
-        return 0
-    count = int(threads)
-    if count != threads or not 1 <= count <= MAX_THREADS:
-        raise ValueError(f"threads must be an integer from 1 to {MAX_THREADS} or None, not {threads!r}")
-    return count
+    return 0 if threads is None else integer("threads", threads, 1, MAX_THREADS)
 
 
 def ids(array, shape):

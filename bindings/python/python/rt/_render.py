@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Sequence
+from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,6 +33,9 @@ class Image(np.ndarray):
         Mean over the pixels.
     stopped : str
         Why the render ended: ``'samples'``, ``'time'`` or ``'target'``.
+
+    Copies and pickles of the image keep these attributes. They are `None` in other arrays that are made from it, such as
+    crops and products.
     """
 
     statistics: dict
@@ -40,8 +45,28 @@ class Image(np.ndarray):
     stopped: str
 
     def __array_finalize__(self, source):
-        for name in ("statistics", "error", "error_interval", "samples_per_pixel", "stopped"):
-            setattr(self, name, getattr(source, name, None))
+        vars(self).update(dict.fromkeys(("statistics", "error", "error_interval", "samples_per_pixel", "stopped")))
+
+    def copy(self, order: str = "C") -> Image:
+        """Copy of the pixels and the attributes."""
+        copied = super().copy(order)
+        vars(copied).update(deepcopy(vars(self)))
+        return copied
+
+    def __copy__(self):
+        return self.copy("K")
+
+    def __deepcopy__(self, memo):
+        return self.copy("K")
+
+    def __reduce__(self):
+        function, arguments, state = super().__reduce__()
+        return function, arguments, (state, vars(self))
+
+    def __setstate__(self, state):
+        array, attributes = state
+        super().__setstate__(array)
+        vars(self).update(attributes)
 
 
 def render(
@@ -51,6 +76,7 @@ def render(
     size: tuple[int, int] | None = None,
     look_from: ArrayLike | None = None,
     look_at: ArrayLike | None = None,
+    up: ArrayLike | None = None,
     fov: float | None = None,
     seed: int | None = None,
     integrator: str | None = None,
@@ -65,13 +91,18 @@ def render(
     ----------
     scene : str or path, Scene, TriangleMesh or Spheres
         A file: a scene in ``.ron`` or ``.json``, or a model in glTF, OBJ, PLY, STL, NFF or pbrt format. Or geometry, which
-        is gray, lit by studio lights, and has its vertices rounded to single precision.
+        is gray, lit by studio lights, and has its vertices rounded to single precision. Triangles without area are left
+        out.
     spp : int, optional
-        Samples per pixel, by default those of the scene. With `time` or `target_error`, the largest number.
+        Samples per pixel, by default those of the scene. With `time` or `target_error`, the largest number. Numbers that
+        do not suit the sample pattern are rounded up, as 3 to 4: ``samples_per_pixel`` of the image is the actual one.
     size : tuple of int, optional
         Width and height.
     look_from, look_at : array_like, optional
         Position of the camera and its target, for geometry; by default the whole object is shown.
+    up : array_like, optional
+        Direction that is up in the image, for geometry with `look_from`. By default the y axis, or the z axis for a view
+        along y.
     fov : float, optional
         Vertical opening angle of the camera in degrees, for geometry.
     seed : int, optional
@@ -81,9 +112,9 @@ def render(
     depth : int, optional
         Largest number of bounces.
     time : float, optional
-        Seconds after which the render ends.
+        Seconds after which the render ends, positive.
     target_error : float, optional
-        Estimated relative error at which the render ends, such as 0.02.
+        Estimated relative error at which the render ends, positive, such as 0.02.
     threads : int, optional
         Number of threads, by default all processors.
 
@@ -96,20 +127,31 @@ def render(
     ------
     ValueError
         If the scene cannot be loaded or an option is not valid. The message says where.
+
+    A signal handler may end the render by an exception, as Ctrl-C does.
     """
-    if size is not None:
-        width, height = size
-        size = (int(width), int(height))
     options = dict(
-        spp=spp, size=size, seed=seed, integrator=integrator, depth=depth, time=time, target_error=target_error,
+        spp=_optional(_arrays.integer, "spp", spp, 1, 2**32 - 1),
+        size=_optional(_size, "size", size),
+        seed=_optional(_arrays.integer, "seed", seed, 0, 2**64 - 1),
+        integrator=integrator,
+        depth=_optional(_arrays.integer, "depth", depth, 0, 2**32 - 1),
+        time=_optional(_arrays.positive, "time", time),
+        target_error=_optional(_arrays.positive, "target_error", target_error),
         threads=_arrays.thread_count(threads),
     )
-    camera = _camera(look_from, look_at, fov)
+    camera = _camera(look_from, look_at, up, fov)
     if isinstance(scene, (Scene, TriangleMesh, Spheres)):
         with tempfile.TemporaryDirectory() as folder:
-            rendering = _rt.render(os.fspath(_scene_file.write(Path(folder), scene, camera)), **options)
+            path = _scene_file.write(Path(folder), scene, camera)
+            try:
+                rendering = _rt.render(os.fspath(path), **options)
+            except ValueError as error:
+                # The caller does not know the temporary files.
+                message = re.sub(rf"{re.escape(folder)}\S*?: ", "", str(error))
+                raise ValueError(message) from None
     elif camera:
-        raise ValueError("look_from, look_at and fov are for geometry; a scene file has cameras of its own")
+        raise ValueError("look_from, look_at, up and fov are for geometry; a scene file has cameras of its own")
     else:
         rendering = _rt.render(os.fspath(scene), **options)
     image = rendering.pixels().reshape(rendering.height, rendering.width, 3).view(Image)
@@ -120,19 +162,53 @@ def render(
     return image
 
 
-def _camera(look_from: ArrayLike | None, look_at: ArrayLike | None, fov: float | None) -> dict[str, object]:
-    camera: dict[str, object] = {}
-    for name, value in [("look_from", look_from), ("look_at", look_at)]:
-        if value is not None:
-            point = _arrays.vectors(name, value)
-            if point.shape != (3,):
-                raise ValueError(f"{name} must be one point, not an array of shape {point.shape}")
-            camera[name] = point.astype(np.float64).tolist()
-    if look_at is not None and look_from is None:
-        raise ValueError("look_at needs look_from")
+def _optional(check, what, value, *limits):
+    return None if value is None else check(what, value, *limits)
+
+
+def _size(what, size):
+    try:
+        width, height = size
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} must be a width and a height, not {size!r}") from None
+    limits = 1, 2**32 - 1
+    return _arrays.integer(f"the width of {what}", width, *limits), _arrays.integer(f"the height of {what}", height, *limits)
+
+
+def _camera(
+    look_from: ArrayLike | None, look_at: ArrayLike | None, up: ArrayLike | None, fov: float | None
+) -> dict[str, object]:
+    given = {"look_from": look_from, "look_at": look_at, "up": up}
+    points = {name: _point(name, value) for name, value in given.items() if value is not None}
+    for name in ("look_at", "up"):
+        if name in points and look_from is None:
+            raise ValueError(f"{name} needs look_from")
+    if points:
+        view = points.get("look_at", np.zeros(3)) - points["look_from"]
+        if not view.any():
+            raise ValueError("look_from and look_at are the same point")
+        if "up" not in points and not view[[0, 2]].any():
+            points["up"] = np.array([0.0, 0.0, 1.0])
+        if "up" in points and not np.cross(_unit(points["up"]), _unit(view)).any():
+            raise ValueError(f"up {points['up'].tolist()} is zero or parallel to the view from look_from to look_at")
+    camera: dict[str, object] = {name: point.tolist() for name, point in points.items()}
     if fov is not None:
-        camera["fov"] = float(fov)
+        camera["fov"] = _arrays.positive("fov", fov, 180)
     return camera
+
+
+def _unit(vector):
+    """The vector divided by its largest coordinate, so that products stay in range."""
+    return vector / (np.abs(vector).max() or 1.0)
+
+
+def _point(what, value):
+    point = _arrays.vectors(what, value).astype(np.float64)
+    if point.shape != (3,):
+        raise ValueError(f"{what} must be one point, not an array of shape {point.shape}")
+    if not np.isfinite(point).all():
+        raise ValueError(f"{what} {point.tolist()} holds a number that is not finite")
+    return point
 
 
 class ConvergenceRow(NamedTuple):
@@ -140,8 +216,8 @@ class ConvergenceRow(NamedTuple):
 
     Attributes
     ----------
-    spp : int
-        Samples per pixel.
+    spp : float
+        Samples per pixel that were rendered, the mean over the images.
     seconds : float
         Mean wall-clock time to render, without loading and building.
     relative_rmse : float
@@ -152,7 +228,7 @@ class ConvergenceRow(NamedTuple):
         Mean difference from the reference, over the mean radiance of the reference.
     """
 
-    spp: int
+    spp: float
     seconds: float
     relative_rmse: float
     estimated: float | None
@@ -173,7 +249,7 @@ def converge(
     ----------
     scene : str or path, Scene, TriangleMesh or Spheres
     spp : sequence of int
-        Samples per pixel of each line of the table.
+        Samples per pixel of each line of the table. `render` rounds them up to what the sample pattern needs.
     reference_spp : int, optional
         Samples per pixel of the reference, by default 16 times the largest of `spp`. Its own error is part of the
         result: it adds about 3 % to the error of the last line.
@@ -186,18 +262,20 @@ def converge(
     -------
     list of ConvergenceRow
     """
-    spp = [int(count) for count in spp]
-    if not spp or min(spp) < 1 or seeds < 1:
-        raise ValueError("spp and seeds must be positive")
-    first_seed = options.pop("seed", None) or 0
-    reference_spp = reference_spp or 16 * max(spp)
+    most = 2**32 - 1
+    spp = [_arrays.integer("spp", count, 1, most) for count in spp]
+    if not spp:
+        raise ValueError("spp must hold a number of samples")
+    seeds = _arrays.integer("seeds", seeds, 1, most)
+    first_seed = _arrays.integer("seed", options.pop("seed", None) or 0, 0, 2**64 - 1 - seeds)
+    reference_spp = min(16 * max(spp), most) if reference_spp is None else reference_spp
     # A seed of its own: a reference from the same samples would look closer than it is.
     reference = np.asarray(render(scene, spp=reference_spp, seed=first_seed + seeds, **options), dtype=np.float64)
     mean = reference.mean()
     scale = mean if mean > 0 else np.nan
     rows = []
     for count in spp:
-        squares, biases, seconds, estimates = [], [], [], []
+        squares, biases, seconds, estimates, counts = [], [], [], [], []
         for seed in range(first_seed, first_seed + seeds):
             image = render(scene, spp=count, seed=seed, **options)
             difference = np.asarray(image, dtype=np.float64) - reference
@@ -205,10 +283,11 @@ def converge(
             biases.append(difference.mean())
             seconds.append(image.statistics["render_seconds"])
             estimates.append(image.error)
+            counts.append(image.samples_per_pixel)
         known = [error for error in estimates if error is not None]
         rows.append(
             ConvergenceRow(
-                count,
+                float(np.mean(counts)),
                 float(np.mean(seconds)),
                 float(np.sqrt(np.mean(squares)) / scale),
                 float(np.mean(known)) if known else None,

@@ -61,7 +61,10 @@ class AllHits(NamedTuple):
 
     @property
     def ray(self) -> NDArray[np.int64]:
-        """Index of the ray of each hit."""
+        """Index of the ray of each hit, among all rays in C order after origins and directions are broadcast.
+
+        It is a row of origins and of directions only if both have the shape (n, 3).
+        """
         return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
 
 

@@ -6,22 +6,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+VERSION: str
+
 class Mesh:
     def __new__(cls, vertices: NDArray[Any], faces: NDArray[np.uint32]) -> Mesh: ...
     def with_vertices(self, vertices: NDArray[Any]) -> Mesh: ...
     def vertices(self) -> NDArray[Any]: ...
     def faces(self) -> NDArray[np.uint32]: ...
+    def has_area(self) -> bool: ...
 
 class SphereSet:
     def __new__(cls, centres: NDArray[np.float64], radii: NDArray[np.float64]) -> SphereSet: ...
     def numbers(self) -> NDArray[np.float64]: ...
+
+def check_quality(quality: str) -> None: ...
 
 _Limit = float | NDArray[np.float64]
 
 class Scene:
     def __new__(
         cls,
-        geometries: list[Mesh | SphereSet],
+        geometries: list[tuple[int, Mesh | SphereSet]],
         instances: list[tuple[int, NDArray[np.float64] | None]],
         quality: str,
     ) -> Scene: ...
@@ -31,7 +36,7 @@ class Scene:
         transforms: list[tuple[int, NDArray[np.float64]]],
         removed_instances: list[int],
         removed_geometries: list[int],
-        geometries: list[Mesh | SphereSet],
+        geometries: list[tuple[int, Mesh | SphereSet]],
         instances: list[tuple[int, NDArray[np.float64] | None]],
     ) -> tuple[Scene, list[int]]: ...
     @property

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import operator
 import threading
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,7 +52,8 @@ class _Queries:
         Raises
         ------
         ValueError
-            If shapes do not fit together, or a number is NaN or infinite. The message names its row.
+            If shapes do not fit together, if a number of a ray is NaN or infinite, or if a limit is NaN. The message names
+            its row: the index in the array with its leading axes flattened, after it is broadcast.
 
         Examples
         --------
@@ -106,7 +108,7 @@ class _Queries:
         Returns
         -------
         AllHits
-            Compressed sparse rows over the rays in C order.
+            Compressed sparse rows over the rays in C order, after origins and directions are broadcast.
         """
         origins, directions, shape = _arrays.rays(origins, directions)
         limits = _arrays.parameters("t_min", t_min, shape), _arrays.parameters("t_max", t_max, shape)
@@ -144,6 +146,7 @@ class _Queries:
         Parameters
         ----------
         points : array_like, shape (..., 3)
+            Coordinates up to 1e60 in magnitude. Farther points have no nearest point.
         max_distance : float
             Farther surfaces do not count.
         threads : int, optional
@@ -151,12 +154,17 @@ class _Queries:
         Returns
         -------
         NearestPoints
+
+        Raises
+        ------
+        ValueError
+            If a coordinate is NaN or infinite, or `max_distance` is NaN. The message names the row.
         """
         points = _arrays.vectors("points", points)
         shape = points.shape[:-1]
         count = _arrays.thread_count(threads)
         nearest, distance, primitive, instance = self._core().nearest_point(
-            points.reshape(-1, 3), float(max_distance), count
+            points.reshape(-1, 3), _arrays.number("max_distance", max_distance), count
         )
         ids = _arrays.ids(primitive, shape), _arrays.ids(instance, shape)
         return NearestPoints(nearest.reshape(*shape, 3), distance.reshape(shape), *ids)
@@ -178,6 +186,8 @@ class _Queries:
     def signed_distance(self, points: ArrayLike, *, threads: int | None = None) -> NDArray[np.float64]:
         """Distance of each point from the nearest surface: negative inside, as by `contains`; ``inf`` without a surface.
 
+        Points with a coordinate beyond 1e60 in magnitude have the distance ``inf``.
+
         Returns
         -------
         ndarray of float64
@@ -190,21 +200,39 @@ class _Queries:
 class _Geometry(_Queries):
     """A geometry, which is a scene of its own as soon as it is queried."""
 
-    __slots__ = ("_geometry", "_lock", "_scene", "quality")
+    __slots__ = ("__weakref__", "_geometry", "_lock", "_scene", "quality")
 
     def __init__(self, geometry, quality):
         self._geometry = geometry
         self._lock = threading.Lock()
         self._scene = None
-        # Raises a ValueError for an unknown quality.
-        _rt.Scene([], [], quality)
+        _rt.check_quality(quality)
         self.quality = quality
 
     def _core(self) -> _rt.Scene:
         with self._lock:
             if self._scene is None:
-                self._scene = _rt.Scene([self._geometry], [(0, None)], self.quality)
+                self._scene = _rt.Scene([(0, self._geometry)], [(0, None)], self.quality)
             return self._scene
+
+    def _arguments(self):
+        """Arrays of which the class makes an equal geometry."""
+        raise NotImplementedError
+
+    def __reduce__(self):
+        return _geometry_from, (type(self), self._arguments(), self.quality)
+
+    # A geometry never changes.
+    def __copy__(self):
+        return self
+
+    def __deepcopy__(self, memo):
+        return self
+
+
+def _geometry_from(of_type, arguments, quality):
+    """The geometry of a pickle."""
+    return of_type(*arguments, quality=quality)
 
 
 class TriangleMesh(_Geometry):
@@ -223,7 +251,8 @@ class TriangleMesh(_Geometry):
     Raises
     ------
     ValueError
-        For a vertex that is not finite and for an index without a vertex. The message names the row.
+        For a vertex that is not finite, or beyond 1e60 in magnitude, and for an index without a vertex. The message names
+        the vertex or the triangle by its row.
 
     Examples
     --------
@@ -236,16 +265,21 @@ class TriangleMesh(_Geometry):
     __slots__ = ("n_faces", "n_vertices")
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, quality: str = "balanced") -> None:
-        vertices = _arrays.vectors("vertices", vertices if np.size(vertices) else np.empty((0, 3)))
-        if vertices.ndim != 2:
-            raise ValueError(f"vertices must have the shape (n, 3), not {vertices.shape}")
+        vertices = self._checked(vertices)
         faces = _arrays.faces(faces)
         super().__init__(_rt.Mesh(vertices, faces), quality)
         self.n_vertices = len(vertices)
         self.n_faces = len(faces)
 
+    @staticmethod
+    def _checked(vertices):
+        vertices = _arrays.vectors("vertices", vertices if np.size(vertices) else np.empty((0, 3)))
+        if vertices.ndim != 2:
+            raise ValueError(f"vertices must have the shape (n, 3), not {vertices.shape}")
+        return vertices
+
     def _with_vertices(self, vertices):
-        vertices = _arrays.vectors("vertices", vertices)
+        vertices = self._checked(vertices)
         mesh = TriangleMesh.__new__(TriangleMesh)
         _Geometry.__init__(mesh, self._geometry.with_vertices(vertices), self.quality)
         mesh.n_vertices, mesh.n_faces = len(vertices), self.n_faces
@@ -260,6 +294,15 @@ class TriangleMesh(_Geometry):
     def faces(self) -> NDArray[np.uint32]:
         """Copy of the faces."""
         return self._geometry.faces().reshape(-1, 3)
+
+    def _arguments(self):
+        return self.vertices, self.faces
+
+    def __len__(self) -> int:
+        return self.n_faces
+
+    def __bool__(self) -> bool:
+        return True
 
     def __repr__(self) -> str:
         return f"<rt.TriangleMesh: {self.n_faces} triangles, {self.n_vertices} vertices>"
@@ -278,7 +321,7 @@ class Spheres(_Geometry):
     Raises
     ------
     ValueError
-        For a radius that is not positive and for numbers that are not finite. The message names the row.
+        For a radius that is not positive and for numbers that are not finite. The message names the sphere by its row.
     """
 
     __slots__ = ("n_spheres",)
@@ -299,12 +342,21 @@ class Spheres(_Geometry):
         """Copy of the radii."""
         return self._geometry.numbers().reshape(-1, 4)[:, 3]
 
+    def _arguments(self):
+        return self.centres, self.radii
+
+    def __len__(self) -> int:
+        return self.n_spheres
+
+    def __bool__(self) -> bool:
+        return True
+
     def __repr__(self) -> str:
         return f"<rt.Spheres: {self.n_spheres} spheres>"
 
 
 class Instance:
-    """A geometry at another place, without a copy of it.
+    """A geometry at another place, without a copy of it. An instance never changes.
 
     Parameters
     ----------
@@ -314,19 +366,47 @@ class Instance:
         scaled by one factor.
     """
 
-    __slots__ = ("geometry", "transform")
+    __slots__ = ("__weakref__", "_geometry", "_transform")
 
     def __init__(self, geometry: TriangleMesh | Spheres, transform: ArrayLike) -> None:
         if not isinstance(geometry, _Geometry):
             raise TypeError(f"an instance takes a TriangleMesh or Spheres, not {type(geometry).__name__}")
-        transform = np.array(transform, dtype=np.float64)
+        transform = _arrays.numbers("a transform", transform).astype(np.float64)
         if transform.shape != (4, 4):
             raise ValueError(f"a transform has the shape (4, 4), not {transform.shape}")
-        self.geometry = geometry
-        self.transform = transform
+        transform.setflags(write=False)
+        self._geometry = geometry
+        self._transform = transform
+
+    @property
+    def geometry(self) -> TriangleMesh | Spheres:
+        """The geometry that is placed."""
+        return self._geometry
+
+    @property
+    def transform(self) -> NDArray[np.float64]:
+        """The matrix, which is read-only. `Scene.update` moves objects of a scene."""
+        return self._transform
+
+    def __reduce__(self):
+        return type(self), (self.geometry, self.transform)
+
+    def __copy__(self):
+        return self
+
+    def __deepcopy__(self, memo):
+        return self
 
     def __repr__(self) -> str:
         return f"rt.Instance({self.geometry!r}, {self.transform.tolist()})"
+
+
+def _number(value):
+    """Number of an object of a scene."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise ValueError(f"numbers of objects are integers, not {value!r}") from None
 
 
 def _geometry_of(item):
@@ -354,7 +434,7 @@ class Scene(_Queries):
     (array([4., 4.]), array([0, 1], dtype=int32))
     """
 
-    __slots__ = ("_geometries", "_lock", "_n_geometries", "_objects", "_scene")
+    __slots__ = ("__weakref__", "_geometries", "_lock", "_n_geometries", "_objects", "_quality", "_scene")
 
     def __init__(
         self,
@@ -365,14 +445,15 @@ class Scene(_Queries):
         if isinstance(objects, (_Geometry, Instance)):
             objects = [objects]
         self._lock = threading.Lock()
-        # By identity: the geometries that are placed, with their numbers.
+        # By identity: the geometries that are placed, with their keys. Keys are not used again.
         self._geometries: dict[int, tuple[int, _Geometry]] = {}
         self._n_geometries = 0
         self._objects: dict[int, TriangleMesh | Spheres | Instance] = dict(enumerate(objects))
         self._scene = _rt.Scene(*self._added(self._objects.values()), quality)
+        self._quality = quality
 
     def _added(self, objects):
-        """New geometries among those of objects, and the number of the geometry and the transform of each object."""
+        """New geometries with their keys, and the key of the geometry and the transform of each object."""
         geometries, instances = [], []
         for i, item in enumerate(objects):
             geometry, transform = (item.geometry, item.transform) if isinstance(item, Instance) else (item, None)
@@ -380,18 +461,18 @@ class Scene(_Queries):
                 raise TypeError(f"object {i} is a {type(item).__name__}, not a TriangleMesh, Spheres or Instance")
             if id(geometry) not in self._geometries:
                 self._geometries[id(geometry)] = (self._n_geometries, geometry)
+                geometries.append((self._n_geometries, geometry._geometry))
                 self._n_geometries += 1
-                geometries.append(geometry._geometry)
             instances.append((self._geometries[id(geometry)][0], transform))
         return geometries, instances
 
     def update(
         self,
         *,
-        insert: Sequence[TriangleMesh | Spheres | Instance] = (),
-        remove: Sequence[int] = (),
-        transforms: Mapping[int, ArrayLike] | None = None,
-        vertices: Mapping[int, ArrayLike] | None = None,
+        insert: TriangleMesh | Spheres | Instance | Iterable[TriangleMesh | Spheres | Instance] = (),
+        remove: Iterable[SupportsIndex] = (),
+        transforms: Mapping[Any, ArrayLike] | None = None,
+        vertices: Mapping[Any, ArrayLike] | None = None,
     ) -> list[int]:
         """Changes objects without building the trees of the others again.
 
@@ -401,9 +482,9 @@ class Scene(_Queries):
 
         Parameters
         ----------
-        insert : sequence of TriangleMesh, Spheres and Instance
+        insert : iterable of TriangleMesh, Spheres and Instance
             Objects to add. They get the lowest numbers that are free after `remove`.
-        remove : sequence of int
+        remove : iterable of int
             Numbers of objects to remove. The numbers of others stay. A geometry without objects frees its memory.
         transforms : mapping from int to array_like of shape (4, 4)
             New transform by number of the object, which replaces the former one.
@@ -421,8 +502,8 @@ class Scene(_Queries):
         KeyError
             For a number without an object.
         ValueError
-            For vertices and transforms that do not fit, and for vertices of one mesh given twice. The scene is unchanged
-            then.
+            For vertices and transforms that do not fit, for numbers that are no integers, and for vertices of one mesh
+            given twice. The scene is unchanged then.
 
         Examples
         --------
@@ -440,9 +521,11 @@ class Scene(_Queries):
         array(4.)
         """
         insert = [insert] if isinstance(insert, (_Geometry, Instance)) else list(insert)
-        remove = [int(number) for number in remove]
+        remove = [_number(number) for number in remove]
+        transforms = {_number(number): matrix for number, matrix in (transforms or {}).items()}
+        vertices = {_number(number): of_mesh for number, of_mesh in (vertices or {}).items()}
         with self._lock:
-            return self._update(insert, remove, transforms or {}, vertices or {})
+            return self._update(insert, remove, transforms, vertices)
 
     def _update(self, insert, remove, transforms, vertices):
         changed = Scene.__new__(Scene)
@@ -472,7 +555,7 @@ class Scene(_Queries):
         return numbers
 
     def _set_vertices(self, number, vertices):
-        """Replaces the mesh of an object and of all that share it. Returns its number and the new arrays."""
+        """Replaces the mesh of an object and of all that share it. Returns its key and the new arrays."""
         item = self._objects[number]
         old = _geometry_of(item)
         if not isinstance(old, TriangleMesh):
@@ -497,7 +580,7 @@ class Scene(_Queries):
         return number, moved.transform
 
     def _drop_unused(self):
-        """Forgets geometries without objects. Returns their numbers."""
+        """Removes geometries without objects. Returns their keys."""
         used = {id(_geometry_of(item)) for item in self._objects.values()}
         unused = {key: index for key, (index, _) in self._geometries.items() if key not in used}
         for key in unused:
@@ -517,5 +600,37 @@ class Scene(_Queries):
     def _core(self) -> _rt.Scene:
         return self._scene
 
+    def __len__(self) -> int:
+        return len(self._objects)
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __reduce__(self):
+        with self._lock:
+            return _scene_from, (type(self), dict(self._objects), self._quality)
+
+    def __copy__(self):
+        copied = type(self).__new__(type(self))
+        copied._lock = threading.Lock()
+        with self._lock:
+            copied._geometries, copied._n_geometries = dict(self._geometries), self._n_geometries
+            copied._objects, copied._scene, copied._quality = dict(self._objects), self._scene, self._quality
+        return copied
+
+    def __deepcopy__(self, memo):
+        # Geometries, instances and trees never change.
+        return self.__copy__()
+
     def __repr__(self) -> str:
         return f"<rt.Scene: {len(self._objects)} objects>"
+
+
+def _scene_from(of_type, objects, quality):
+    """The scene of a pickle: objects by number."""
+    nothing = Spheres([], [])
+    unused = [number for number in range(max(objects, default=-1)) if number not in objects]
+    scene = of_type([objects.get(number, nothing) for number in range(len(objects) + len(unused))], quality=quality)
+    if unused:
+        scene.update(remove=unused)
+    return scene

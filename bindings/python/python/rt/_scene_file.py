@@ -38,7 +38,7 @@ def _nodes(folder: Path, file_name: str, geometry: TriangleMesh | Spheres) -> li
     if isinstance(geometry, Spheres):
         spheres = zip(geometry.centres.tolist(), geometry.radii.tolist())
         return [{"shape": {"sphere": {"center": centre, "radius": radius}}} for centre, radius in spheres]
-    if geometry.n_faces == 0:
+    if not geometry._geometry.has_area():
         return []
     _write_ply(folder / file_name, geometry.vertices, geometry.faces)
     return [{"model": file_name}]

@@ -38,7 +38,10 @@ pub struct GeometryId(u32);
 #[derive(Clone, Debug)]
 pub struct SceneBuilder<'a> {
     params: BuildParams,
+    /// By index; `None` for removed ones.
     geometries: Vec<Option<Arc<Blas<'a>>>>,
+    /// Indices of these, which are reused.
+    free_geometries: BTreeSet<u32>,
     /// By number; `None` for free numbers.
     instances: Vec<Option<Instance>>,
     /// Indices of these.
@@ -55,6 +58,7 @@ impl<'a> SceneBuilder<'a> {
         Self {
             params,
             geometries: Vec::new(),
+            free_geometries: BTreeSet::new(),
             instances: Vec::new(),
             free: BTreeSet::new(),
             moved: BTreeSet::new(),
@@ -62,16 +66,20 @@ impl<'a> SceneBuilder<'a> {
         }
     }
 
-    /// Adds a geometry and builds its tree. It is in the scene once it is placed.
+    /// Adds a geometry and builds its tree. It is in the scene once it is placed. Its index is the lowest that is free.
     ///
     /// # Errors
     ///
     /// [`SceneError::Geometry`] if no tree can be built.
     pub fn add(&mut self, geometry: impl Into<Geometry<'a>>) -> Result<GeometryId, SceneError> {
-        let id = self.geometries.len() as u32;
+        let id = self.free_geometries.first().copied().unwrap_or(self.geometries.len() as u32);
         let built = Blas::build(geometry.into(), &self.params);
-        let built = built.map_err(|source| SceneError::Geometry { geometry: id, source })?;
-        self.geometries.push(Some(Arc::new(built)));
+        let built = Some(Arc::new(built.map_err(|source| SceneError::Geometry { geometry: id, source })?));
+        if self.free_geometries.remove(&id) {
+            self.geometries[id as usize] = built;
+        } else {
+            self.geometries.push(built);
+        }
         Ok(GeometryId(id))
     }
 
@@ -163,7 +171,7 @@ impl<'a> SceneBuilder<'a> {
     }
 
     /// Removes a geometry without instances, and frees its memory unless a scene still uses it. The indices of the
-    /// others stay.
+    /// others stay; its own is reused, and [`GeometryId`]s of the removed geometry may then name another one.
     ///
     /// # Errors
     ///
@@ -174,6 +182,7 @@ impl<'a> SceneBuilder<'a> {
             return Err(SceneError::InUse { geometry: geometry.0, instance: instance.id });
         }
         self.geometries[geometry.0 as usize] = None;
+        self.free_geometries.insert(geometry.0);
         Ok(())
     }
 
@@ -224,6 +233,11 @@ impl<'a> SceneBuilder<'a> {
     }
 }
 
+/// Indices of the items that are `None`.
+fn free_places<T>(items: &[Option<T>]) -> BTreeSet<u32> {
+    (0..).zip(items).filter_map(|(index, item)| item.is_none().then_some(index)).collect()
+}
+
 /// World bounds of a placed geometry; a point without primitives.
 fn bounds(geometry: &Blas<'_>, world_from_local: Option<&Transform>) -> Aabb {
     let local = if geometry.bounds.is_empty() { Aabb::from_points([DVec3::ZERO]) } else { geometry.bounds };
@@ -259,13 +273,12 @@ impl<'a> Scene<'a> {
             instances.resize(instance.id as usize, None);
             instances.push(Some(instance.clone()));
         }
-        let free =
-            (0..).zip(&instances).filter_map(|(number, instance)| instance.is_none().then_some(number)).collect();
         SceneBuilder {
             params: self.params,
             geometries: self.geometries.clone(),
+            free_geometries: free_places(&self.geometries),
+            free: free_places(&instances),
             instances,
-            free,
             moved: BTreeSet::new(),
             former_tree: Some(self.tree.clone()),
         }
@@ -281,5 +294,29 @@ impl<'a> Scene<'a> {
         let geometry = builder.add(geometry)?;
         builder.place(geometry)?;
         builder.build()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TriangleMesh;
+
+    #[test]
+    fn geometries_that_come_and_go_take_no_room() {
+        let mesh = || TriangleMesh::new(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+        let mut scene = Scene::new(mesh().expect("a mesh")).expect("a scene");
+        let mut ids = Vec::new();
+        for _ in 0..10 {
+            let mut builder = scene.to_builder();
+            let id = builder.add(mesh().expect("a mesh")).expect("a geometry");
+            let instance = builder.place(id).expect("an instance");
+            let mut builder = builder.build().expect("a scene").to_builder();
+            builder.remove(instance).expect("an instance");
+            builder.remove_geometry(id).expect("a geometry");
+            scene = builder.build().expect("a scene");
+            ids.push(id);
+        }
+        assert!(ids.iter().all(|id| *id == GeometryId(1)) && scene.geometries.len() == 2, "{ids:?}");
     }
 }

@@ -54,7 +54,7 @@ impl core::error::Error for MeshError {}
 pub enum SceneError {
     /// No accelerator can be built over a geometry.
     Geometry {
-        /// Index of the geometry, in the order of addition.
+        /// Index of the geometry: the lowest that was free.
         geometry: u32,
         /// The reason; primitives are those of the geometry.
         source: BuildError,

@@ -91,8 +91,13 @@ fn change(draw: &mut Draw, builder: &mut SceneBuilder<'static>, ids: &mut Vec<Ge
                 Some(vertices) => builder.add(TriangleMesh::new(vertices.clone(), TRIANGLES.to_vec()).expect("a mesh")),
                 None => builder.add(spheres()),
             };
-            content.geometries.insert(ids.len(), vertices);
-            ids.push(id.expect("a geometry"));
+            let free = (0..ids.len()).find(|index| !content.geometries.contains_key(index)).unwrap_or(ids.len());
+            content.geometries.insert(free, vertices);
+            let id = id.expect("a geometry");
+            match ids.get_mut(free) {
+                Some(of_removed) => *of_removed = id,
+                None => ids.push(id),
+            }
         }
         0..=3 if !geometries.is_empty() => {
             let (geometry, transform) = (geometries[draw.below(geometries.len())], draw.transform());

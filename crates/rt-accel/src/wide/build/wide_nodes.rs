@@ -12,6 +12,9 @@ use crate::wide::node::{Child, WideNode};
 /// Nodes down to this depth, at most 73, precede the at most 512 chunks below.
 const TOP: u32 = 3;
 
+/// Primitives below which one thread creates all nodes, as it makes all other decisions about them.
+const MIN_SHARED: usize = 4096;
+
 /// A tree whose nodes have up to eight children. The first node is the root, which may have a leaf as its only child.
 #[derive(Debug, PartialEq)]
 pub(in crate::wide) struct WideTree {
@@ -59,9 +62,12 @@ impl WideBuilder<'_> {
             ChildSlot::Node(from_left) => self.part(PendingNode { from_left, ..first }, TOP),
             ChildSlot::Leaf | ChildSlot::Open(_) => self.single_leaf(root),
         };
-        let below = parallel_map(top.deferred.len(), |at| {
-            self.part(PendingNode { parent: (0, 0), ..top.deferred[at] }, u32::MAX)
-        });
+        let part = |at: usize| self.part(PendingNode { parent: (0, 0), ..top.deferred[at] }, u32::MAX);
+        let below = if self.indices.len() < MIN_SHARED {
+            (0..top.deferred.len()).map(part).collect()
+        } else {
+            parallel_map(top.deferred.len(), part)
+        };
         join(top, below)
     }
 
