@@ -331,7 +331,7 @@ Write statistics in JSON to this file or to -, and count the cost per ray
 their part of the view is empty. `pixel_samples` are the samples per pixel; `simple_pixels` took fewer because they show no edge \
 (--adaptive). `stopped` is the stop rule that ended the render (samples, time, target-error). `unconverged_pixels` counts pixels that missed --target-error \
 (null without --target-error-pixels). `clamping` is the effect of --clamp (null without it). `saturated_pixels` counts pixels in which the \
-light of caustics was cut off at a radiance of 2^27, summed over passes. `estimated_error` is null after a single \
+light of caustics was cut off at a radiance of 2^41, summed over passes. `estimated_error` is null after a single \
 pass. `shading` counts the work of materials, and the SIMD `lanes` that shaded, with those in use. `seconds` are wall-clock times. \
 Counts are the same in every run, those of lanes on processors of the same kind; `seconds`, `mega_rays_per_second` and \
 `peak_memory_bytes` (null where unknown) are not.";

@@ -95,7 +95,7 @@ pub(crate) enum CliError {
     Damaged { bad_samples: u64, samples: u64, file: PathBuf },
     /// Lost light of caustics, with `--strict`.
     #[error(
-        "the light of caustics was cut off at a radiance of 2^27 in {pixels} {}, summed over passes; reduce the radiance of all \
+        "the light of caustics was cut off at a radiance of 2^41 in {pixels} {}, summed over passes; reduce the radiance of all \
          lights, and raise the exposure instead; the image was written to {}",
         if *pixels == 1 { "pixel" } else { "pixels" }, file.display()
     )]

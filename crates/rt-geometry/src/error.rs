@@ -9,10 +9,10 @@ pub enum ShapeError {
     #[error("coordinate {0:?} is not a finite number of magnitude at most 1e60")]
     BadCoordinate(f64),
     /// The radius is not finite, not positive, or so small or large that its square underflows or overflows.
-    #[error("radius {} must be positive ({})", short(*.0), limit(*.0))]
+    #[error("radius {} must be {}", short(*.0), limit(*.0))]
     BadRadius(f64),
     /// A length or a slope that is not finite, not positive, or so small or large that its square underflows or overflows.
-    #[error("{} {} must be positive ({})", .0, short(*.1), limit(*.1))]
+    #[error("{} {} must be {}", .0, short(*.1), limit(*.1))]
     BadLength(&'static str, f64),
     /// A cylinder whose top is not above its bottom.
     #[error("the top {top} must be above the bottom {bottom}")]
@@ -77,7 +77,7 @@ fn short(value: f64) -> String {
 
 /// Limit that a radius or length violates.
 fn limit(value: f64) -> &'static str {
-    if value > MAX_COORDINATE { "at most 1e60" } else { "at least 1e-60" }
+    if value > MAX_COORDINATE { "at most 1e60" } else { "positive (at least 1e-60)" }
 }
 
 fn is_length(value: f64) -> bool {
@@ -104,7 +104,7 @@ mod tests {
         assert_eq!(message(0.0), "radius 0 must be positive (at least 1e-60)");
         assert_eq!(message(1e-320), "radius 1e-320 must be positive (at least 1e-60)");
         assert_eq!(message(f64::NAN), "radius NaN must be positive (at least 1e-60)");
-        assert_eq!(message(1e300), "radius 1e300 must be positive (at most 1e60)");
-        assert_eq!(message(f64::INFINITY), "radius inf must be positive (at most 1e60)");
+        assert_eq!(message(1e300), "radius 1e300 must be at most 1e60");
+        assert_eq!(message(f64::INFINITY), "radius inf must be at most 1e60");
     }
 }

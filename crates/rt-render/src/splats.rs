@@ -5,14 +5,14 @@ use rt_math::{DVec2, Rgb};
 
 use crate::Crop;
 
-/// Fixed-point scale of radiance: contributions are rounded to 2⁻³⁶, and sums saturate at 2²⁷.
-const SCALE: f64 = (1u64 << 36) as f64;
+/// Fixed-point scale of radiance: contributions are rounded to 2⁻⁸⁶, so that those of dim lights keep their digits. Sums saturate at 2⁴¹.
+const SCALE: f64 = (1u128 << 86) as f64;
 
-/// Contribution to a pixel: its index in the crop, and its radiance in units of 2⁻³⁶, never negative.
+/// Contribution to a pixel: its index in the crop, and its radiance in units of 2⁻⁸⁶, never negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Splat {
     pixel: usize,
-    light: [i64; 3],
+    light: [i128; 3],
     /// True in a negative lobe of the filter.
     is_negative: bool,
 }
@@ -21,7 +21,7 @@ pub(crate) struct Splat {
 #[derive(Clone, Debug)]
 pub(crate) struct SplatImage {
     /// Sums row by row, for positive and negative lobes of the filter; the second is empty if it has none.
-    lobes: [Vec<[i64; 3]>; 2],
+    lobes: [Vec<[i128; 3]>; 2],
 }
 
 impl SplatImage {
@@ -42,7 +42,7 @@ impl SplatImage {
     /// Radiance of a pixel, by its index in the crop.
     pub(crate) fn radiance(&self, pixel: usize) -> Rgb {
         let [positive, negative] = &self.lobes;
-        let of = |lobe: &Vec<[i64; 3]>| {
+        let of = |lobe: &Vec<[i128; 3]>| {
             lobe.get(pixel).map_or(Rgb::BLACK, |sums| Rgb::from(sums.map(|sum| sum as f64 / SCALE)))
         };
         of(positive) - of(negative)
@@ -50,12 +50,12 @@ impl SplatImage {
 
     /// True if a sum has reached the bound, so that light is missing from this pixel.
     pub(crate) fn is_saturated(&self, pixel: usize) -> bool {
-        self.lobes.iter().filter_map(|lobe| lobe.get(pixel)).flatten().any(|&sum| sum == i64::MAX)
+        self.lobes.iter().filter_map(|lobe| lobe.get(pixel)).flatten().any(|&sum| sum == i128::MAX)
     }
 
     /// Bytes of an image with this number of pixels.
     pub(crate) const fn memory(pixels: usize, filter: Filter) -> usize {
-        pixels * size_of::<[i64; 3]>() * if filter.has_negative_lobes() { 2 } else { 1 }
+        pixels * size_of::<[i128; 3]>() * if filter.has_negative_lobes() { 2 } else { 1 }
     }
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn splat(filter: Filter, crop: Crop, offset: DVec2, raster: DVec2, li
             if weight != 0.0 {
                 let pixel = (y - crop.y) as usize * crop.width as usize + (x - crop.x) as usize;
                 // The conversion saturates.
-                let light = (light * weight.abs()).to_array().map(|c| (c * SCALE).round() as i64);
+                let light = (light * weight.abs()).to_array().map(|c| (c * SCALE).round() as i128);
                 add(Splat { pixel, light, is_negative: weight < 0.0 });
             }
         }
@@ -112,6 +112,17 @@ mod tests {
         }
     }
 
+    /// Regression: contributions of light sources of an intensity of 10⁻⁷ were rounded to nothing.
+    #[test]
+    fn sums_are_in_proportion_to_the_light() {
+        let splats = |light: f64| {
+            (1..400).map(move |i| (DVec2::new(4.0 + f64::from(i) / 400.0, 6.5), Rgb::gray(light / f64::from(i))))
+        };
+        let sum = |light: f64| image_of(Filter::Box, &splats(light).collect::<Vec<_>>()).radiance(8).g;
+        let (bright, dim) = (sum(1.0), sum(1e-12));
+        assert!((1e12 * dim / bright - 1.0).abs() < 1e-9, "{bright}, {dim}");
+    }
+
     #[test]
     fn light_falls_on_its_own_pixel() {
         let image = image_of(Filter::Box, &[(DVec2::new(4.25, 6.75), Rgb::WHITE), (DVec2::new(2.9, 6.0), Rgb::WHITE)]);
@@ -123,7 +134,7 @@ mod tests {
     fn order_changes_no_bit() {
         let splat = |i: u32| {
             let raster = DVec2::new(f64::from(i % 17) * 0.5 + 3.0, f64::from(i % 13) * 0.5 + 5.0);
-            (raster, Rgb::new(1e-3, 0.1, 1e9) * f64::from(i))
+            (raster, Rgb::new(1e-3, 0.1, 2e13) * f64::from(i))
         };
         let forwards: Vec<_> = (0..400).map(splat).collect();
         let backwards: Vec<_> = (0..400).rev().map(splat).collect();
@@ -132,7 +143,7 @@ mod tests {
             assert_eq!(a.lobes, b.lobes);
         }
         let image = image_of(Filter::Box, &forwards);
-        assert_eq!(image.radiance(0).b, i64::MAX as f64 / SCALE, "capped");
+        assert_eq!(image.radiance(0).b, i128::MAX as f64 / SCALE, "capped");
         assert!(image.is_saturated(0) && !image_of(Filter::Box, &forwards[..1]).is_saturated(0));
     }
 }

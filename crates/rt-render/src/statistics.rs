@@ -30,7 +30,7 @@ pub struct Statistics {
     pub passes: u32,
     /// Samples that are NaN, infinite or negative; they count as black.
     pub bad_samples: u64,
-    /// Pixels in which light tracing exceeded the largest radiance of a pass, 2²⁷, summed over passes; the excess is lost.
+    /// Pixels in which light tracing exceeded the largest radiance of a pass, 2⁴¹, summed over passes; the excess is lost.
     pub saturated_pixels: u64,
     /// Number of threads, summed over all machines.
     pub threads: usize,

@@ -205,12 +205,12 @@ fn light_of_caustics_beyond_the_largest_radiance_is_reported() {
             settings: (integrator: path_caustics), camera: (look_from: (0, 3, 5)))"
         )
     };
-    let place = Workplace::with("bright.ron", scene("1e12"));
+    let place = Workplace::with("bright.ron", scene("1e16"));
     place.write("dim.ron", scene("10"));
     let arguments = "--size 24x18 --spp 16 --stats stats.json";
     for threads in [1, 3] {
         let run = place.succeed(&format!("render bright.ron -o bright.exr --threads {threads} {arguments}"));
-        let warning = "warning: the light of caustics was cut off at a radiance of 2^27 in ";
+        let warning = "warning: the light of caustics was cut off at a radiance of 2^41 in ";
         assert_eq!(run.stderr.matches(warning).count(), 1, "{run:?}");
         let pixels = &place.json("stats.json")["saturated_pixels"];
         assert!(pixels.as_u64() > Some(0) && run.stderr.contains(&format!("in {pixels} pixels")), "{pixels}: {run:?}");
