@@ -51,10 +51,15 @@ fn is_radiance(rgb: Rgb) -> bool {
     rgb.to_array().iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c))
 }
 
-/// Samples that fell into the positive or into the negative part of a filter.
+/// Samples that fell into the positive or into the negative part of a filter. All samples of filters without negative lobes have weight 1
+/// and lie in the first.
 ///
-/// The two are averaged apart and then subtracted: a flat area stays flat, however many samples fall into each. All
-/// samples of filters without negative lobes have weight 1 and lie in the first.
+/// ```text
+///   L₊ + M n₋/n (L₊ − L₋)        M = (∫ positive part + ∫ negative part) / ∫ filter
+/// ```
+///
+/// L₊ and L₋ are the means of the parts, and n₋ of n samples are in the negative one. A flat area stays flat, however many samples fall into
+/// each. The mean is that of the filter for any number of samples from two on, as n₋/n is the negative share of the filter on average.
 #[derive(Clone, Copy, Default)]
 struct SignedSum {
     radiance: Rgb,
@@ -81,7 +86,7 @@ impl SignedSum {
         (self.radiance * scale, self.coverage * scale)
     }
 
-    /// The filtered radiance and coverage of a pixel; where one lobe has no sample, the mean of the other.
+    /// The filtered radiance and coverage of a pixel; the mean of the negative part if all samples are in it.
     fn difference([positive, negative]: &[Self; 2]) -> (Rgb, f64) {
         if negative.count == 0.0 {
             return positive.mean();
@@ -89,9 +94,44 @@ impl SignedSum {
         if positive.count == 0.0 {
             return negative.mean();
         }
-        // The parts differ by 1 and add up to the magnitude.
-        let share = 0.5 * (negative.magnitude - 1.0);
+        let share = negative.magnitude * negative.count / (positive.count + negative.count);
         let ((plus, plus_coverage), (minus, minus_coverage)) = (positive.mean(), negative.mean());
-        (plus * (1.0 + share) - minus * share, plus_coverage * (1.0 + share) - minus_coverage * share)
+        (plus + (plus - minus) * share, plus_coverage + (plus_coverage - minus_coverage) * share)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::random::{hash, unit};
+
+    const MAGNITUDE: f64 = 1.25;
+
+    /// Mean over pixels of this many samples, a tenth of which are in the negative part.
+    fn mean_of(n: u64, radiance: [f64; 2]) -> f64 {
+        let negative_share = 0.5 * (MAGNITUDE - 1.0) / MAGNITUDE;
+        let pixel = |at: u64| {
+            let mut pixel = PixelAccumulator::new(false);
+            for sample in 0..n {
+                let is_negative = unit(hash(&[at, sample])) < negative_share;
+                let radiance = Rgb::gray(radiance[usize::from(is_negative)]);
+                let weight = if is_negative { -MAGNITUDE } else { MAGNITUDE };
+                pixel.add(&RadianceSample { radiance, hit: true }, weight);
+            }
+            pixel.mean().0.g
+        };
+        let n_pixels = 40_000;
+        (0..n_pixels).map(pixel).sum::<f64>() / n_pixels as f64
+    }
+
+    /// Regression: a pixel without samples in the negative part had the mean of the positive one, which no number of passes mended.
+    #[test]
+    fn a_filter_with_negative_lobes_has_its_mean_with_any_number_of_samples() {
+        for n in [4, 8, 16, 64] {
+            assert!((mean_of(n, [1.0, 1.0]) - 1.0).abs() < 1e-12, "{n} samples on a flat area");
+            // 1.125 · 1 − 0.125 · 0, with a standard error of less than a thousandth.
+            let at_edge = mean_of(n, [1.0, 0.0]);
+            assert!((at_edge - 1.125).abs() < 0.004, "{n} samples: {at_edge}");
+        }
     }
 }
