@@ -59,7 +59,7 @@ fn is_radiance(rgb: Rgb) -> bool {
 /// ```
 ///
 /// L₊ and L₋ are the means of the parts, and n₋ of n samples are in the negative one. A flat area stays flat, however many samples fall into
-/// each. The mean is that of the filter for any number of samples from two on, as n₋/n is the negative share of the filter on average.
+/// each. On average n₋/n is the negative share of the filter. So the mean is that of the filter for any number of samples from two on.
 #[derive(Clone, Copy, Default)]
 struct SignedSum {
     radiance: Rgb,
