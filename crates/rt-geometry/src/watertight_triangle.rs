@@ -92,6 +92,7 @@ impl WatertightRay {
     /// [sheared](Self::shear_point) position.
     pub(crate) fn is_above(&self, vertex: DVec3, sheared: DVec3) -> bool {
         let size = sheared.abs();
+        // More than the error bound of a coordinate.
         if sheared.y.abs() > Self::EDGE_ERROR[0] * (size.x.max(size.y) + size.z) {
             return sheared.y > 0.0;
         }

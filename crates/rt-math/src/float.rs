@@ -61,12 +61,12 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
 
 /// Bound relative to the sum of magnitudes, above which the rounded difference of two rounded products has the exact
 /// sign. Each product has a relative error of at most u, and so has the difference.
-pub const SIGN_ERROR_BOUND: f64 = 4.0 * UNIT_ROUNDOFF;
+const SIGN_ERROR_BOUND: f64 = 4.0 * UNIT_ROUNDOFF;
 
 /// True if the rounded difference of two rounded products has the exact sign.
 #[inline(always)]
-pub fn is_sign_certain<R: Real>(difference: R, minuend: R, subtrahend: R) -> R::Mask {
-    difference.abs().gt((minuend.abs() + subtrahend.abs()) * SIGN_ERROR_BOUND)
+fn is_sign_certain(difference: f64, minuend: f64, subtrahend: f64) -> bool {
+    difference.abs() > (minuend.abs() + subtrahend.abs()) * SIGN_ERROR_BOUND
 }
 
 /// `a × b` with [`difference_of_products`] in each component.

@@ -20,13 +20,13 @@ pub(crate) fn power_heuristic<R: Real>(pdf: R, other_pdf: R) -> R {
     (ratio * ratio + 1.0).recip()
 }
 
-/// Density of a direction with which light sampling does not compete: so large that the weight of the direction is 1.
-pub(crate) const UNRIVALLED_PDF: f64 = f32::MAX as f64;
+/// Density of a sampled direction that light sampling cannot find: so large that its MIS weight is 1.
+pub(crate) const PDF_OF_WEIGHT_ONE: f64 = f32::MAX as f64;
 
 /// Density with which a BSDF has sampled a direction, for the lights that a path finds behind a null interface. Shadow rays end at the
 /// interface, unless its object casts no shadow. Light sampling then does not compete. The density of a delta lobe stays 0.
 pub(crate) fn pdf_behind(interface: &SurfaceHit, pdf: f64) -> f64 {
-    if interface.casts_shadow && pdf > 0.0 { UNRIVALLED_PDF } else { pdf }
+    if interface.casts_shadow && pdf > 0.0 { PDF_OF_WEIGHT_ONE } else { pdf }
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ use crate::{
     hit_context::HitContext,
     medium::Medium,
     medium_tracker::MediumTracker,
-    mis::{UNRIVALLED_PDF, pdf_behind, power_heuristic},
+    mis::{PDF_OF_WEIGHT_ONE, pdf_behind, power_heuristic},
     path::PrevVertex,
     ray_kind::kind_of,
     russian_roulette::russian_roulette,
@@ -66,16 +66,7 @@ struct PathState {
     /// Media that the path is inside of.
     media: MediumTracker,
     /// Previous vertex; `None` for the camera and for delta lobes, whose directions light sampling cannot find.
-    prev: Option<LightSampleContext>,
-}
-
-/// Previous vertex, for the density with which light sampling would have found the direction that its BSDF has sampled.
-struct LightSampleContext {
-    point: DVec3,
-    /// Normal for the sampling of lights; `None` if the surface transmits light.
-    normal: Option<DVec3>,
-    /// Density of the direction by the BSDF, in 1/sr.
-    bsdf_pdf: f64,
+    prev: Option<PrevVertex>,
 }
 
 impl ReferencePathTracer<'_> {
@@ -112,7 +103,7 @@ impl ReferencePathTracer<'_> {
                     return path.seen;
                 }
                 if let Some(prev) = &mut path.prev {
-                    prev.bsdf_pdf = pdf_behind(&hit, prev.bsdf_pdf);
+                    prev.pdf = pdf_behind(&hit, prev.pdf);
                 }
                 (span, kind) = (hit.span_after(&ray), RayKind::Refraction);
                 continue;
@@ -128,9 +119,8 @@ impl ReferencePathTracer<'_> {
             let is_omitted = is_caustic && transport == Transport::NonCaustic;
             if !emitted.is_black() && !is_omitted {
                 let SurfaceInteraction { point, geometric_normal, .. } = hit.interaction;
-                let light_pdf = |from: &LightSampleContext, light| {
-                    lights.pdf_li(from.point, from.normal, light, point, geometric_normal)
-                };
+                let light_pdf =
+                    |from: &PrevVertex, light| lights.pdf_li(from.point, from.normal, light, point, geometric_normal);
                 let weight = path.mis_weight(|from| hit.light.map_or(0.0, |light| light_pdf(from, light)));
                 self.add(path.throughput * emitted * weight, path.bounces, &mut path);
             }
@@ -159,7 +149,7 @@ impl ReferencePathTracer<'_> {
             path.starts_specular = if path.bounces == 0 { sample.is_delta } else { path.starts_specular };
             path.bounces += 1;
             let (point, normal) = (vertex.view.surface.point, vertex.normal);
-            path.prev = (!sample.is_delta).then_some(LightSampleContext { point, normal, bsdf_pdf: sample.pdf });
+            path.prev = (!sample.is_delta).then_some(PrevVertex { point, normal, pdf: sample.pdf });
             if path.throughput.is_black() {
                 return path.seen;
             }
@@ -242,9 +232,8 @@ impl ReferencePathTracer<'_> {
 
     /// Adds the light of sampled lights behind a hit, up to the next object that casts a shadow.
     fn add_lights_behind(&mut self, world: &mut dyn SceneQueries, ray: &Ray, hit: &SurfaceHit, path: &mut PathState) {
-        let Some(&LightSampleContext { point, normal, bsdf_pdf: pdf }) = path.prev.as_ref() else { return };
-        let from = PrevVertex { point, normal, pdf };
-        let (mut span, mut radiance, mut is_open) = (hit.span_after(ray), Rgb::BLACK, pdf < UNRIVALLED_PDF);
+        let Some(from) = path.prev else { return };
+        let (mut span, mut radiance, mut is_open) = (hit.span_after(ray), Rgb::BLACK, from.pdf < PDF_OF_WEIGHT_ONE);
         while is_open {
             let behind = world.closest(ray, span, RayKind::Shadow, ShadingFeatures::ALL.surface());
             radiance += from.light_behind(&self.lighting, ray.direction, hit.object, behind.as_ref());
@@ -273,7 +262,7 @@ impl PathState {
     /// MIS weight of light that the ray in the direction of the BSDF sample has found.
     ///
     /// `light_pdf` is the density of this direction by light sampling; 0 if light sampling cannot find the light.
-    fn mis_weight(&self, light_pdf: impl FnOnce(&LightSampleContext) -> f64) -> f64 {
-        self.prev.as_ref().map_or(1.0, |from| power_heuristic(from.bsdf_pdf, light_pdf(from)))
+    fn mis_weight(&self, light_pdf: impl FnOnce(&PrevVertex) -> f64) -> f64 {
+        self.prev.as_ref().map_or(1.0, |from| power_heuristic(from.pdf, light_pdf(from)))
     }
 }

@@ -80,22 +80,22 @@ def number(what, value):
 
 def positive(what, value, below=np.inf):
     """A number between zero and a bound, both exclusive."""
-    of_option = number(what, value)
-    if not 0 < of_option < below:
+    result = number(what, value)
+    if not 0 < result < below:
         rule = "positive and finite" if below == np.inf else f"between 0 and {below}"
         raise ValueError(f"{what} must be {rule}, not {value}")
-    return of_option
+    return result
 
 
 def integer(what, value, least, most):
     """An integer in a range."""
     try:
-        of_option = operator.index(value)
+        result = operator.index(value)
     except TypeError:
-        of_option = None
-    if of_option is None or not least <= of_option <= most:
+        result = None
+    if result is None or not least <= result <= most:
         raise ValueError(f"{what} must be an integer from {least} to {most}, not {value!r}")
-    return of_option
+    return result
 
 
 def faces(values):

@@ -219,6 +219,9 @@ class _Geometry(_Queries):
         """Arrays of which the class makes an equal geometry."""
         raise NotImplementedError
 
+    def __bool__(self) -> bool:
+        return True
+
     def __reduce__(self):
         return _geometry_from, (type(self), self._arguments(), self.quality)
 
@@ -301,9 +304,6 @@ class TriangleMesh(_Geometry):
     def __len__(self) -> int:
         return self.n_faces
 
-    def __bool__(self) -> bool:
-        return True
-
     def __repr__(self) -> str:
         return f"<rt.TriangleMesh: {self.n_faces} triangles, {self.n_vertices} vertices>"
 
@@ -347,9 +347,6 @@ class Spheres(_Geometry):
 
     def __len__(self) -> int:
         return self.n_spheres
-
-    def __bool__(self) -> bool:
-        return True
 
     def __repr__(self) -> str:
         return f"<rt.Spheres: {self.n_spheres} spheres>"

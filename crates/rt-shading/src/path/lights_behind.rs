@@ -12,7 +12,7 @@ use super::{
 use crate::{
     RadianceSample, StreamQueries, SurfaceHit,
     lane_set::Element,
-    mis::{UNRIVALLED_PDF, power_heuristic},
+    mis::{PDF_OF_WEIGHT_ONE, power_heuristic},
     viewed_surface::is_inside,
 };
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
@@ -27,7 +27,7 @@ impl<E: Element> SpawnedPaths<E> {
         (sample, throughput): (u32, Rgb),
         from: PrevVertex,
     ) {
-        if from.pdf > 0.0 && from.pdf < UNRIVALLED_PDF {
+        if from.pdf > 0.0 && from.pdf < PDF_OF_WEIGHT_ONE {
             let span = hit.span_after(ray);
             self.behind.push(LightBehind { ray: *ray, span, sample, throughput, from, object: hit.object });
         }

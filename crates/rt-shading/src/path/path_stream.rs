@@ -48,7 +48,9 @@ pub(super) struct WavePathState {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PrevVertex {
     pub(crate) point: DVec3,
+    /// Normal for the sampling of lights; `None` if the surface transmits light.
     pub(crate) normal: Option<DVec3>,
+    /// Density of the direction by the BSDF, in 1/sr.
     pub(crate) pdf: f64,
 }
 

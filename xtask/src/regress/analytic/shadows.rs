@@ -66,8 +66,14 @@ fn gel(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         "(shape: box(min: (-1e3, -1e3, 1), max: (1e3, 1e3, 2)), material: glass(ior: 1, absorption: gray({ABSORPTION})))"
     );
     let image = area_light.scene(&receiver, 1e-6, &slab)?;
+    let clear = "(shape: box(min: (-1e3, -1e3, 1), max: (1e3, 1e3, 2)), material: glass(ior: 1), casts_shadow: false)";
+    let through_clear = area_light.scene(&receiver, 1e-6, clear)?;
     for integrator in [Integrator::Direct, Integrator::Path] {
-        image.hold(checks, integrator.name(), irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
+        let what = integrator.name();
+        image.hold(checks, what, irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
+        // Both techniques find this light.
+        let what = format!("a clear slab without shadow, {what}");
+        through_clear.hold(checks, what, 0.1 * PI, (integrator, PI / ALBEDO), conditions.effort())?;
     }
     Ok(())
 }
