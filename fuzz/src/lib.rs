@@ -17,10 +17,10 @@ use rt_scene_io::{Content, Group, LoadOptions, SceneNode, Scene, load};
 use tempfile::TempDir;
 
 /// Processor time that one input may take. Sanitizers and checks of overflow make the program several times as slow as it
-/// is for its users; what takes a second for them takes longer than this.
+/// is for its users. What takes a second for them takes longer than this.
 const BUDGET: Duration = Duration::from_secs(5);
 
-/// Plans are made of scenes with at most so many objects, instances unfolded, and so many triangles: there the loaders are
+/// Plans are made of scenes with at most as many objects, each instance counted, and as many triangles. The loaders are
 /// under test, and not the builders of trees.
 const MAX_PLANNED: u64 = 10_000;
 
@@ -33,8 +33,8 @@ pub fn within_budget(work: impl FnOnce()) {
     assert!(taken < BUDGET, "took {taken:?} of processor time");
 }
 
-/// Writes `bytes` to a file of this name, beside an image `t.png`, a library `a.mtl` and a buffer `a.bin` that they may
-/// name, and passes its path on. The folder is one for the whole process, in the folder for temporary files.
+/// Writes `bytes` to a file of this name, and passes its path on. The folder is one for the whole process, among the
+/// temporary files. It also has an image `t.png`, a library `a.mtl` and a buffer `a.bin` that the file may name.
 pub fn with_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     thread_local!(static FOLDER: OnceCell<TempDir> = const { OnceCell::new() });
     FOLDER.with(|folder| {
@@ -95,7 +95,7 @@ fn count(nodes: &[SceneNode], groups: &[u64]) -> u64 {
     total
 }
 
-/// Goes on from a checkpoint, tile by tile and pass by pass: with a scene whose image is 17 by 3 pixels, as that of the seeds.
+/// Resumes a checkpoint, tile by tile and pass by pass. The scene has an image of 17 by 3 pixels, as that of the seeds.
 pub fn go_on(checkpoint: &Checkpoint) {
     const SCENE: &str = "(film: (size: (17, 3)), settings: (spp: 2), nodes: [(shape: sphere())])";
     thread_local!(static LOADED: OnceCell<Scene> = const { OnceCell::new() });

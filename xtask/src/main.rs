@@ -35,6 +35,7 @@ mod process;
 #[path = "../../crates/rt-cli/src/processor.rs"]
 mod processor;
 mod regress;
+mod release_build;
 mod renderer;
 mod scenes;
 mod spd;

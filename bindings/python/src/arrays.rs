@@ -6,10 +6,11 @@
 use core::ops::Range;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, ndarray::ArrayView2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rt_accel::{Scalars, Vectors};
+
+use crate::error::value_error;
 
 /// Numbers that are checked at a time.
 const NUMBERS_PER_CHECK: usize = 4096;
@@ -28,13 +29,11 @@ impl<'py> Rows<'py> {
         } else if let Ok(rows) = array.extract() {
             Self::F32(rows)
         } else {
-            return Err(PyValueError::new_err(format!("{what} must be an array of floats with three columns")));
+            return Err(value_error(format!("{what} must be an array of floats with three columns")));
         };
         match rows.shape() {
             [_, 3] => Ok(rows),
-            [n, columns] => {
-                Err(PyValueError::new_err(format!("{what} must have three columns, not the shape ({n}, {columns})")))
-            }
+            [n, columns] => Err(value_error(format!("{what} must have three columns, not the shape ({n}, {columns})"))),
         }
     }
 
@@ -153,8 +152,7 @@ pub(crate) enum Parameters<'py> {
 impl<'py> Parameters<'py> {
     /// Takes a number or a contiguous array of doubles.
     pub(crate) fn extract(what: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let wrong =
-            || PyValueError::new_err(format!("{what} must be a number, or an array of one number for each ray"));
+        let wrong = || value_error(format!("{what} must be a number, or an array of one number for each ray"));
         match value.extract::<f64>() {
             Ok(same) if same.is_nan() => Err(wrong()),
             Ok(same) => Ok(Self::Same(same)),

@@ -5,8 +5,9 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use rt_accel::{DVec3, HitBatch, RayBatch};
 
+use crate::error::value_error;
 use crate::geometry::PyMesh;
-use crate::rays::{Rays, RaysView, Refused, value_error};
+use crate::rays::{Rays, RaysView, Refused};
 use crate::scene::PyScene;
 
 /// Points that a thread interpolates at a time.

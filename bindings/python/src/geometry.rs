@@ -1,12 +1,12 @@
 //! Meshes and spheres.
 
 use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rt_accel::{DVec3, MeshError, Primitives as _, Sphere, Spheres, TriangleMesh, Vertices};
 use rt_geometry::Triangle;
 
 use crate::arrays::{Rows, RowsView};
+use crate::error::value_error;
 
 /// Checked triangles.
 #[pyclass(name = "Mesh", module = "rt._rt", frozen)]
@@ -18,7 +18,7 @@ pub(crate) struct PyMesh {
 
 impl PyMesh {
     fn checked(mesh: Result<TriangleMesh<'static>, MeshError>) -> PyResult<Self> {
-        let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let mesh = mesh.map_err(value_error)?;
         let largest_coordinate = match mesh.vertices() {
             Vertices::F32(vertices) => vertices.as_flattened().iter().fold(0.0_f32, |max, c| max.max(c.abs())).into(),
             Vertices::F64(vertices) => vertices.as_flattened().iter().fold(0.0, |max, c| c.abs().max(max)),
@@ -34,7 +34,7 @@ impl PyMesh {
         let rows = Rows::extract("vertices", vertices)?;
         let faces = faces.as_array();
         if faces.ncols() != 3 {
-            return Err(PyValueError::new_err(format!("faces must have three columns, not {}", faces.ncols())));
+            return Err(value_error(format!("faces must have three columns, not {}", faces.ncols())));
         }
         let triangles: Vec<[u32; 3]> = faces.rows().into_iter().map(|face| [face[0], face[1], face[2]]).collect();
         Self::checked(TriangleMesh::new(vertices_of(&rows), triangles))
@@ -86,11 +86,11 @@ impl PySpheres {
         if centres.ncols() != 3 || centres.nrows() != radii.len() {
             let message =
                 format!("{} centres with {} columns for {} radii", centres.nrows(), centres.ncols(), radii.len());
-            return Err(PyValueError::new_err(message));
+            return Err(value_error(message));
         }
         let sphere = |(i, (centre, radius)): (usize, (numpy::ndarray::ArrayView1<'_, f64>, &f64))| {
             let centre = DVec3::new(centre[0], centre[1], centre[2]);
-            Sphere::new(centre, *radius).map_err(|error| PyValueError::new_err(format!("sphere {i}: {error}")))
+            Sphere::new(centre, *radius).map_err(|error| value_error(format!("sphere {i}: {error}")))
         };
         let spheres = centres.rows().into_iter().zip(radii).enumerate().map(sphere);
         Ok(Self(Spheres::new(spheres.collect::<PyResult<_>>()?)))

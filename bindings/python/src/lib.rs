@@ -5,6 +5,7 @@
 
 mod arrays;
 mod crossings;
+mod error;
 mod geometry;
 mod rays;
 mod render;

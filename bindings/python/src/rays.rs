@@ -1,10 +1,10 @@
 //! Rays of a call as batches, slice by slice, on the threads of the call.
 
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rt_accel::RayBatch;
 
 use crate::arrays::{Gathered, Parameters, ParametersView, Rows, RowsView};
+use crate::error::value_error;
 use crate::threads::Threads;
 
 /// Rays that a thread takes at a time. Few enough that the arrays of their results stay in the cache.
@@ -18,11 +18,6 @@ const MAX_THREADS_PER_SLICE: usize = 16;
 
 /// Error text of a refused batch: exceptions of Python can only be made under the lock of the interpreter.
 pub(crate) type Refused = String;
-
-/// A `ValueError`.
-pub(crate) fn value_error(error: impl ToString) -> PyErr {
-    PyValueError::new_err(error.to_string())
-}
 
 /// Rays of a call.
 pub(crate) struct Rays<'py> {

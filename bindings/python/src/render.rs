@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use numpy::{IntoPyArray as _, PyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rt_render::{PlanOptions, Progress, RayKind, RenderPlan, Rendering, RunOptions, StopRule, Stopped, TargetError};
 use rt_scene_io::{Integrator, LoadOptions, Scene};
 
+use crate::error::value_error;
 use crate::threads::Threads;
 
 /// A finished image: pixels, row by row, with statistics and error estimates.
@@ -145,7 +145,7 @@ pub(crate) fn render(
     if let Some(raised) = raised {
         return Err(raised);
     }
-    let rendering = rendered.map_err(PyValueError::new_err)?;
+    let rendering = rendered.map_err(value_error)?;
     let (width, height) = (rendering.film.width() as usize, rendering.film.height() as usize);
     Ok(PyRendering { rendering, width, height })
 }
@@ -154,7 +154,7 @@ fn integrator_of(name: &str) -> PyResult<Integrator> {
     let found = Integrator::ALL.into_iter().find(|integrator| integrator.name() == name);
     found.ok_or_else(|| {
         let names = Integrator::ALL.map(Integrator::name).join(", ");
-        PyValueError::new_err(format!("integrator {name:?} is not one of {names}"))
+        value_error(format!("integrator {name:?} is not one of {names}"))
     })
 }
 
@@ -165,7 +165,7 @@ fn stop_rule(spp: Option<u32>, time: Option<f64>, target_error: Option<f64>) -> 
     }
     let duration = |seconds: f64| {
         let message = format!("time must be a positive number of seconds, not {seconds}");
-        Duration::try_from_secs_f64(seconds).map_err(|_| PyValueError::new_err(message))
+        Duration::try_from_secs_f64(seconds).map_err(|_| value_error(message))
     };
     let default_max =
         if target_error.is_some() { StopRule::DEFAULT_MAX_SPP_OF_TARGET } else { StopRule::DEFAULT_MAX_SPP };

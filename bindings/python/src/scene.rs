@@ -11,8 +11,9 @@ use rt_accel::{
 };
 
 use crate::arrays::{Rows, RowsView};
+use crate::error::value_error;
 use crate::geometry::{PyMesh, PySpheres};
-use crate::rays::{Rays, Refused, value_error};
+use crate::rays::{Rays, Refused};
 use crate::threads::Threads;
 
 /// Points that a thread takes at a time.

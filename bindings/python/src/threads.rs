@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::rays::value_error;
+use crate::error::value_error;
 
 /// Primitives below which the thread of the caller builds a tree: far below the 4096 from which rt-accel calls rayon.
 const MIN_PRIMITIVES_TO_SHARE: usize = 512;

@@ -6,18 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rt_accel::{AcceleratorKind, wide::Quality};
 use serde::Serialize;
 
-use crate::{
-    error::TaskError,
-    workspace::{cargo, output_of},
-};
-
-/// Runs this task again as a release build: users get neither overflow checks nor single crates that are optimised alone.
-pub(crate) fn run_release_build() -> Result<(), TaskError> {
-    let mut command = cargo();
-    command.args(["run", "--quiet", "--release", "--package", "xtask", "--"]).args(std::env::args_os().skip(1));
-    print!("{}", output_of(&mut command)?);
-    Ok(())
-}
+use crate::error::TaskError;
 
 /// Prints the results as JSON on standard output, and the table on standard error.
 pub(super) fn print(results: &impl Serialize, table: &impl Display) -> Result<(), TaskError> {

@@ -13,9 +13,8 @@
 //! All results go to standard output as JSON, and a table to standard error. Compare ratios of one run only.
 
 pub(crate) use build::wrapped_rustc;
-pub(crate) use common::run_release_build;
 
-use crate::{error::TaskError, workspace::Workspace};
+use crate::{error::TaskError, release_build::run_release_build, workspace::Workspace};
 
 mod build;
 mod builtin;

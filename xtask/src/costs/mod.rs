@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::{bench::run_release_build, error::TaskError, files, scenes, workspace::Workspace};
+use crate::{error::TaskError, files, release_build::run_release_build, scenes, workspace::Workspace};
 
 mod claims;
 mod figure;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::physics;
+use super::physics::table::PairRow;
 use crate::{error::TaskError, renderer::Renderer, workspace::Workspace};
 
 /// Inputs of every unit.
@@ -41,7 +41,7 @@ pub(super) struct Findings {
     /// Reason of a unit that could not run completely.
     pub skipped: Option<String>,
     /// Comparison of an image with an independent reference, for the table of pairs.
-    pub pair: Option<physics::PairRow>,
+    pub pair: Option<PairRow>,
 }
 
 /// Counts of something that was tried many times.

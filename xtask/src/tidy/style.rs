@@ -15,16 +15,19 @@ use crate::{error::TaskError, files, workspace::Workspace};
 /// Files that contain the words that they search for.
 const TABLES: [&str; 2] = ["tidy/banned_words.rs", "tidy/names.rs"];
 
+/// Packages that are workspaces of their own.
+const OTHER_PACKAGES: [&str; 2] = ["bindings/python", "fuzz"];
+
 /// Pages that record the past.
 const HISTORY: [&str; 2] = ["CHANGELOG.md", "docs/performance-log.md"];
 
 /// Breaches of all these rules, in all crates and in the pages.
 pub(super) fn check(workspace: &Workspace) -> Result<Vec<String>, TaskError> {
     let mut found = Found { workspace, breaches: Vec::new() };
-    for package in &workspace.packages {
-        let Some(folder) = package.manifest_path.parent() else { continue };
+    let packages = workspace.packages.iter().filter_map(|package| Some(package.manifest_path.parent()?.to_owned()));
+    for folder in packages.chain(OTHER_PACKAGES.map(|folder| workspace.root.join(folder))) {
         let mut sources = BTreeMap::new();
-        for path in workspace.files(&workspace.relative(folder).to_string(), ".rs")? {
+        for path in workspace.files(&workspace.relative(&folder).to_string(), ".rs")? {
             let source = files::read(&path)?;
             sources.insert(path, source);
         }

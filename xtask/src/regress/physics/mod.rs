@@ -18,13 +18,13 @@ mod blocks;
 mod comparison;
 mod pair;
 mod score;
-mod table;
+pub(super) mod table;
 
 use blocks::Blocks;
 use comparison::{Comparison, MEAN_LIMIT};
 use pair::{BlockMeans, Effort, Expect, OWN, Pair, Series};
 use score::{RelativeTolerance, Score};
-pub(super) use table::PairRow;
+use table::PairRow;
 
 /// Pairs outside of the project.
 const SHARED: &str = "../shared/reference/physics/pairs";

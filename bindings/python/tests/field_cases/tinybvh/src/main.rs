@@ -1,8 +1,8 @@
 //! Closest hits of tinybvh, for `compare.py`.
 //!
-//! Standard input holds numbers that are separated by white space: the number of triangles, nine coordinates for each of them, the
-//! number of rays, and for each ray the origin, the direction, and the largest t. Rays start at t = 0, as tinybvh has no other start.
-//! Each line of the output is `t triangle` or `miss`; t counts in lengths of the direction that was given.
+//! Standard input holds numbers that are separated by white space: the number of triangles, and nine coordinates for each of them.
+//! The number of rays follows, and for each ray the origin, the direction, and the largest t. Rays start at t = 0, as tinybvh has no
+//! other start. Each line of the output is `t triangle` or `miss`; t counts in lengths of the direction that was given.
 
 #![allow(clippy::print_stdout, reason = "the result of the program")]
 
