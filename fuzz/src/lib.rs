@@ -13,7 +13,7 @@ use std::{cell::OnceCell, fs, path::Path, time::Duration};
 
 use cpu_time::ProcessTime;
 use rt_render::{Checkpoint, PlanOptions, RenderPlan, RunOptions, StopRule};
-use rt_scene_io::{Content, Group, LoadOptions, SceneNode, Scene, load};
+use rt_scene_io::{Content, Group, LoadOptions, Scene, SceneNode, load};
 use tempfile::TempDir;
 
 /// Processor time that one input may take. Sanitizers and checks of overflow make the program several times as slow as it
