@@ -10,7 +10,7 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, codecs::hdr::Hd
 
 use crate::{
     Encoding, Image, ImageFileError, ImageFormat, MAX_READ_PIXELS,
-    image_decoder::{ImageSource, decode_pixels, image_decoder},
+    image_decoder::{ExrParts, ImageSource, decode_pixels, exr_parts, image_decoder},
     pfm::{self, PfmError, PfmHeader},
 };
 
@@ -92,7 +92,7 @@ fn header_of_stream(
         let film_bytes = 12 * u64::from(width) * u64::from(height);
         return Ok(ImageHeader { width, height, film_bytes, decoded_bytes: 0 });
     }
-    let decoder = decoder(path, reader, length)?;
+    let (decoder, block_bytes) = decoder(path, reader, length)?;
     let (width, height) = decoder.dimensions();
     let pixels = u64::from(width) * u64::from(height);
     let color = decoder.color_type();
@@ -103,7 +103,8 @@ fn header_of_stream(
         2 => 8 * pixels,
         _ => 0,
     };
-    Ok(ImageHeader { width, height, film_bytes, decoded_bytes: decoder.total_bytes() + spread_bytes })
+    let decoded_bytes = (decoder.total_bytes() + spread_bytes).max(3 * block_bytes);
+    Ok(ImageHeader { width, height, film_bytes, decoded_bytes })
 }
 
 /// Format of an image file by its first bytes, as in [`read_image`], and not by its name: it holds
@@ -160,7 +161,7 @@ fn read_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>, length: u64) 
     if is_pfm(&mut reader).map_err(unreadable)? {
         return pfm::read(reader, length).map_err(|error| pfm_error(path, error));
     }
-    let image = decode_pixels(decoder(path, reader, length)?).map_err(|error| undecodable(path, error))?;
+    let image = decode_pixels(decoder(path, reader, length)?.0).map_err(|error| undecodable(path, error))?;
     Ok(film_of(&image))
 }
 
@@ -190,13 +191,24 @@ fn undecodable(path: &Path, error: ImageError) -> ImageFileError {
     }
 }
 
-/// Decoder of a file of `length` bytes in a format of the `image` crate, whose image is within the limits.
+/// Decoder of a file of `length` bytes in a format of the `image` crate, whose image is within the limits. The second number is
+/// the bytes of the largest block of an EXR file.
 fn decoder<'r>(
     path: &Path,
     mut source: Box<dyn ImageSource + 'r>,
     length: u64,
-) -> Result<Box<dyn ImageDecoder + 'r>, ImageFileError> {
+) -> Result<(Box<dyn ImageDecoder + 'r>, u64), ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
+    let damaged = |reason| ImageFileError::Decode { path: path.to_owned(), reason };
+    let exr = exr_parts(&mut *source).map_err(unreadable)?;
+    if let Some(ExrParts { window_pixels, block_bytes }) = exr {
+        if window_pixels > MAX_READ_PIXELS {
+            return Err(damaged(format!("its data window has {window_pixels} pixels, more than {MAX_READ_PIXELS}")));
+        }
+        if block_bytes / MAX_EXPANSION > length {
+            return Err(damaged(format!("a block of {block_bytes} bytes cannot come from {length} bytes")));
+        }
+    }
     let decoder: Result<Box<dyn ImageDecoder + 'r>, _> = if is_rgbe(&mut source).map_err(unreadable)? {
         HdrDecoder::new_nonstrict(source).map(|decoder| Box::new(decoder) as Box<_>)
     } else {
@@ -209,17 +221,15 @@ fn decoder<'r>(
     let decoder = decoder.map_err(|error| undecodable(path, error))?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
-        let reason = format!("it has {width}x{height} pixels");
-        return Err(ImageFileError::Decode { path: path.to_owned(), reason });
+        return Err(damaged(format!("it has {width}x{height} pixels")));
     }
     if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(ImageFileError::TooLarge { path: path.to_owned(), width, height });
     }
     if decoder.total_bytes() / MAX_EXPANSION > length {
-        let reason = format!("{width}x{height} pixels cannot come from {length} bytes");
-        return Err(ImageFileError::Decode { path: path.to_owned(), reason });
+        return Err(damaged(format!("{width}x{height} pixels cannot come from {length} bytes")));
     }
-    Ok(decoder)
+    Ok((decoder, exr.map_or(0, |parts| parts.block_bytes)))
 }
 
 /// Linear radiance and coverage of a decoded image.
@@ -272,7 +282,7 @@ fn premultiply([r, g, b, a]: [usize; 4], light: &[f32]) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Development, write_image};
+    use crate::{Development, image_decoder::png_bytes, write_image, write_layers};
     use proptest::prelude::*;
 
     fn read_bytes(bytes: &[u8]) -> Result<Image, ImageFileError> {
@@ -393,6 +403,55 @@ mod tests {
         bytes[last_x..last_x + 4].copy_from_slice(&16_000_000u32.to_le_bytes());
         let message = read_bytes(&bytes).expect_err("refused").to_string();
         assert!(message.contains("16000001x7 pixels cannot come from"), "{message}");
+    }
+
+    /// Regression: 1.1 MB with such a window took 2.4 GB, and 3 kB ended the program. The decoder unpacks the data window in
+    /// blocks, whatever the size of the image.
+    #[test]
+    fn an_exr_of_few_bytes_with_a_huge_data_window_is_refused() {
+        let mut bytes = Vec::new();
+        write_layers(&Image::new(12, 7, false), &[], &[], &mut bytes).expect("written, in rows");
+        let name = b"dataWindow\0box2i\0";
+        let window = bytes.windows(name.len()).position(|part| part == name).expect("every EXR has one");
+        let last_x = window + name.len() + 12;
+        for (x, message) in [
+            (1_000_000, "a block of "),
+            (600_000_000, "its data window has 4200000007 pixels"),
+            (-600_000_000, "its data window has 4200000007 pixels"),
+        ] {
+            bytes[last_x..last_x + 4].copy_from_slice(&i32::to_le_bytes(x));
+            let error = read_bytes(&bytes).expect_err("refused").to_string();
+            assert!(error.contains(message), "{error}");
+        }
+    }
+
+    /// Kinds and data of the chunks of a PNG file.
+    fn chunks(png: &[u8]) -> impl Iterator<Item = ([u8; 4], &[u8])> {
+        let mut rest = &png[8..];
+        core::iter::from_fn(move || {
+            let (length, chunk) = rest.split_first_chunk()?;
+            let (kind, data) = chunk.split_first_chunk()?;
+            let (data, after) = data.split_at(u32::from_be_bytes(*length) as usize);
+            rest = &after[4..];
+            Some((*kind, data))
+        })
+    }
+
+    /// Regression: the colour profile of a PNG file, which nothing uses, was unpacked to any size.
+    #[test]
+    fn a_colour_profile_that_expands_a_thousandfold_is_left_out() {
+        let png = encoded(ImageFormat::Png);
+        // The pixels of another file are packed as a profile is.
+        let zeros = encoded_by_image(&image::GrayImage::new(1 << 12, 1 << 14).into());
+        let profile: Vec<u8> =
+            chunks(&zeros).filter(|(kind, _)| kind == b"IDAT").flat_map(|(_, data)| data).copied().collect();
+        let chunk = [b"iCCPp\0\0".as_slice(), &profile].concat();
+        let (header, rest) = png.split_at(33);
+        let length = (chunk.len() as u32 - 4).to_be_bytes();
+        let checksum = crc32fast::hash(&chunk).to_be_bytes();
+        let bomb = [header, &length, &chunk, &checksum, rest].concat();
+        assert!(png_bytes(&mut Cursor::new(&bomb)).expect("readable") < 2 << 20);
+        assert_eq!(read_bytes(&bomb).expect("readable"), read_bytes(&png).expect("readable"));
     }
 
     #[test]
