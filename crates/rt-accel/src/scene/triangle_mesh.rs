@@ -88,8 +88,9 @@ vertices_from!(f64, F64);
 /// Triangles over shared vertices, borrowed or owned.
 ///
 /// The mesh is not repaired: primitive `i` is triangle `i` of the caller. Triangles without area are kept and never
-/// hit; they can be nearest to a point. Vertices in double precision are used exactly. If single precision holds all of them, the mesh keeps them so,
-/// which is faster and gives the same hits.
+/// hit; they can be nearest to a point. Vertices in double precision are used exactly. If single precision holds all of them,
+/// the mesh keeps them so, which is faster and gives the same hits. Products of edges that are shorter than some 10⁻¹⁵⁰
+/// underflow, so that such triangles may be missed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleMesh<'a> {
     vertices: Vertices<'a>,
