@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!      vᵢ: squared standard error of pixel i, mean of channels               MSE ≈ V = mean of vᵢ
-//!      V F₀.₀₂₅(m, n) ≤ MSE ≤ V F₀.₉₇₅(m, n)        m = (Σ vᵢ)² / Σ vᵢ²        n = (Σ vᵢ)² / Σ vᵢ² / (Pᵢ − 1)
+//!      V F₀.₀₂₅(m, n) ≤ MSE ≤ V F₀.₉₇₅(m, n)        m = (Σ vᵢ)² / Σ vᵢ²        n = (Σ vᵢ)² / Σ vᵢ² / fᵢ
+//!      fᵢ: degrees of freedom of vᵢ
 //! ```
 //!
 //! The interval bounds the error of *this* image, as a comparison with an exact image would measure it. Two uncertainties
@@ -74,7 +75,7 @@ pub(crate) struct ErrorSums {
     pixels: u64,
     /// Σ vᵢ.
     squares: f64,
-    /// Σ vᵢ² / (Pᵢ − 1).
+    /// Σ vᵢ² / fᵢ.
     spread_of_estimate: f64,
     /// Σ vᵢ².
     spread_of_error: f64,
@@ -93,7 +94,7 @@ impl ErrorSums {
         let weights = (pixel.mean() * pixel.mean()).map(|square| 1.0 / (square + RELATIVE_EPSILON));
         self.pixels += 1;
         self.squares += square;
-        self.spread_of_estimate += square * square / (f64::from(pixel.passes()) - 1.0);
+        self.spread_of_estimate += square * square / pixel.freedom();
         self.spread_of_error += square * square;
         self.relative += mean_of_channels(variance * weights);
         self.largest = self.largest.max(variance.max_component().sqrt());

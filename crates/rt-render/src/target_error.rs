@@ -137,9 +137,8 @@ impl Progressive<'_> {
 
     /// Flags of the unconverged pixels. All active pixels must have taken all passes so far.
     fn unconverged(&mut self, target: TargetError, active: &[bool], stages: f64) -> Vec<bool> {
-        let passes = self.state.cursor.pass;
-        let student =
-            if passes > 1 { student_t(TargetError::CONFIDENCE, f64::from(passes - 1)) } else { f64::INFINITY };
+        let first = self.state.pixels.iter().zip(active).find(|(pixel, active)| **active && pixel.passes() > 1);
+        let student = first.map_or(f64::INFINITY, |(pixel, _)| student_t(TargetError::CONFIDENCE, pixel.freedom()));
         // The error falls as the square root of the number of samples, or faster.
         let mut needed = self.samples() as f64;
         let of = |(pixel, &active): (&PixelEstimate, &bool)| {
