@@ -1,5 +1,5 @@
 #!/bin/sh
-# Renders a scene on a Slurm cluster: one job of an array for each part, and one that joins them. README.md explains it.
+# Renders a scene on a Slurm cluster: one job of an array for each shard, and one that merges them. README.md explains it.
 #
 #   submit.sh SCENE PARTS IMAGE [OPTIONS OF `rt-cli render`]
 #

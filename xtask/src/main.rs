@@ -3,7 +3,7 @@
 //! ```text
 //!   cargo xtask regress    golden images and checks, through the real binary
 //!   cargo xtask tidy       project rules that no compiler checks
-//!   cargo xtask bench      rays per second and build times of each accelerator
+//!   cargo xtask bench      benchmarks of rays, images, loading and builds
 //!   cargo xtask costs      costs of each accelerator on scenes of growing size
 //!   cargo xtask figures    the images in the guide of rt-accel, and the plot in docs/CONVERGENCE.md
 //!   cargo xtask spd        the Standard Procedural Databases as NFF files

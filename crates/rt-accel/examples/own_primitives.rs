@@ -1,4 +1,4 @@
-//! Traces primitives of your own, here discs, with every structure, and compares what they cost.
+//! Traces primitives of your own, here discs, with every accelerator, and compares what they cost.
 //!
 //! `cargo run --release -p rt-accel --example own_primitives`
 

@@ -14,12 +14,12 @@
 //! ```
 //!
 //! A [`Scene`] traces single rays and [`RayBatch`]es; [`SceneBuilder`] places its meshes and spheres by transforms.
-//! [`UserGeometry`] takes boxes and a closure, [`Primitives`] is a trait for your own, and these structures hold them:
+//! [`UserGeometry`] takes boxes and a closure, [`Primitives`] is a trait for your own, and these accelerators hold them:
 //!
 //! | accelerator | choose it for | paper |
 //! |---|---|---|
 //! | [`WideBvh`] | many rays: eight boxes per node | Wald, Benthin and Boulos 2008 |
-//! | [`Bvh`] | half the memory | Wald 2007 |
+//! | [`Bvh`] | less memory (0.5 to 0.9 of it) | Wald 2007 |
 //! | [`Linear`] | up to about ten primitives | |
 //! | [`UniformGrid`] | evenly distributed primitives | Amanatides and Woo 1987 |
 //! | [`KdTree`] | little overlap, seen from within | Wald and Havran 2006 |

@@ -44,8 +44,8 @@ impl Linear {
         Ok(linear)
     }
 
-    /// Sets the instruction set, for tests and comparisons; the default is the best of the processor. Unavailable
-    /// levels are replaced by the portable one.
+    /// Sets the instruction set, for tests and comparisons; the default is the best of the processor. An
+    /// unavailable level is replaced by the best one below it.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
         self.spheres = self.spheres.map(|spheres| spheres.with_level(level));

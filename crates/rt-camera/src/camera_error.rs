@@ -30,7 +30,7 @@ pub enum CameraError {
     #[error("the rotation of the aperture is {0}; it must be finite")]
     LensRotation(f64),
     /// The shutter (its two times) is not usable.
-    #[error("the shutter is open from {} to {}; it must open at 0 at the earliest and close after that, at 1 at the latest", .0[0], .0[1])]
+    #[error("the shutter is open from {} to {}; it must open and close between 0 and 1, and not close before it opens", .0[0], .0[1])]
     Shutter([f64; 2]),
     /// The two poses of the camera cannot be interpolated.
     #[error(transparent)]

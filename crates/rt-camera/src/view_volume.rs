@@ -194,7 +194,7 @@ impl ViewVolume {
         self.depth.dot(nearest - self.origin)
     }
 
-    /// The least depth of a point of the ball, as [`min_depth`](Self::min_depth).
+    /// Minimum depth of a point of the sphere, as [`min_depth`](Self::min_depth).
     pub fn min_depth_of_sphere(&self, centre: DVec3, radius: f64) -> f64 {
         self.depth.dot(centre - self.origin) - self.depth.length() * radius
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   Scene ──┬─ measures: size, smallest detail, distance from the origin, precision of each camera
-//!           └─ findings: error (cannot be rendered) · warning (looks wrong) · info,
+//!           └─ findings: error (cannot be rendered) · warning (looks wrong) · note,
 //!              each with the object's name, the measured numbers, and advice
 //! ```
 //!

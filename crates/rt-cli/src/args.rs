@@ -218,7 +218,7 @@ const CHECK_FORMAT_HELP: &str = "\
 Set the report format
 
 In JSON, `measures` holds measurements of the whole scene, with lengths in world units. `findings` lists the findings, most severe \
-first: `severity` (error, warning, info), `kind` (a name that is stable across versions), `object`, measured `values` by name \
+first: `severity` (error, warning, note), `kind` (a name that is stable across versions), `object`, measured `values` by name \
 (null for infinite), `message` and `advice`. The first findings of each kind are listed; `more` counts the others. `errors`, \
 `warnings` and `notes` count all findings.";
 

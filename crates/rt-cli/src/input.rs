@@ -129,7 +129,7 @@ pub(crate) fn warn(warnings: &[Warning], console: Console) {
 pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, CliError> {
     match &args.asset_root {
         Some(root) if !root.is_dir() => {
-            Err(CliError::Usage(format!("--asset-root {} is not a directory", root.display())))
+            Err(CliError::Usage(format!("--asset-root {} is not a directory; choose another one", root.display())))
         }
         root => Ok(LoadOptions {
             root: root.clone(),

@@ -177,7 +177,10 @@ impl OutputFile {
 /// Fallback directories, the given one first; it must exist.
 pub(crate) fn fallback_dirs(fallback: Option<&Path>) -> Result<Vec<PathBuf>, CliError> {
     if let Some(folder) = fallback.filter(|folder| !folder.is_dir()) {
-        return Err(CliError::Usage(format!("--fallback-dir {} is not a directory", folder.display())));
+        return Err(CliError::Usage(format!(
+            "--fallback-dir {} is not a directory; create it, or choose another one",
+            folder.display()
+        )));
     }
     Ok(fallback.map(Path::to_owned).into_iter().chain([env::temp_dir(), PathBuf::from(".")]).collect())
 }

@@ -17,9 +17,9 @@
 //! scene, without an epsilon to tune.
 //!
 //! **Owns** the shapes ([`Sphere`], [`Cuboid`], [`Plane`], [`Triangle`], [`Polygon`], [`CappedQuadric`],
-//! [`InfiniteQuadric`], [`Disk`], [`Rectangle`], [`Torus`]) and their enum [`Shape`]. Shapes under affine maps
-//! ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]) and sets ([`Spheres`]). The intersection tests in
-//! `f64`, and the geometry of a hit. **Does not own** accelerators that find the closest of many hits (rt-accel),
+//! [`InfiniteQuadric`], [`Disk`], [`Rectangle`], [`Torus`]) and their enum [`Shape`]. It also owns shapes under affine
+//! maps ([`TransformedShape`]), meshes ([`MeshData`], [`TriangleMesh`]), sets ([`Primitives`], [`Spheres`]),
+//! intersection tests in `f64`, and the geometry of a hit. **Does not own** accelerators that find the closest of many hits (rt-accel),
 //! materials and light (rt-shading), or files (rt-scene-io).
 //!
 //! All tests are total: a ray that misses, has a NaN or has no direction gives `None`. Inside and outside are exact,

@@ -1,4 +1,4 @@
-//! # rt-math: transformations
+//! # rt-math: vectors, transforms, random numbers
 //!
 //! Types and arithmetic of all other crates:
 //!

@@ -1,4 +1,4 @@
-//! # rt-render: the algorithm
+//! # rt-render: render plan and render loop
 //!
 //! ```text
 //!   Scene ──compile──> RenderPlan ──render──> Image

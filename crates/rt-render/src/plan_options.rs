@@ -14,12 +14,12 @@ pub struct PlanOptions {
     pub crop: Option<Crop>,
     /// Leave the background out and record coverage in an alpha channel.
     pub transparent: bool,
-    /// Radiance of camera rays that hit nothing, instead of its background. The background still lights the scene.
+    /// Radiance of camera rays that hit nothing, instead of the background of the scene. The background still lights the scene.
     /// Geometry and cost integrators ignore it.
     pub backdrop: Option<Rgb>,
     /// Do not trim the plan. The image is bit-identical, as tests verify.
     pub full: bool,
-    /// Instruction set of the accelerators; `None` for the best one of the processor. The best
+    /// Instruction set of accelerators and shading; `None` for the best one of the processor. The best
     /// available one below it replaces one that is not available. The image is bit-identical.
     pub simd: Option<SimdLevel>,
     /// Type of the numbers that surfaces are shaded in.

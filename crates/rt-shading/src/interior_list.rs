@@ -1,4 +1,4 @@
-//! Nested dielectrics.
+//! Nested dielectrics: media around a point, and their priorities.
 
 use crate::{InteriorMedium, Material, SceneQueries, SurfaceHit, medium::Medium};
 use rt_geometry::{InteractionFlags, RayKind};
@@ -85,7 +85,7 @@ pub(crate) enum InterfaceEvent {
 }
 
 impl InteriorList {
-    /// A point in an unbounded medium of this material.
+    /// Media around a point in an unbounded medium of this material.
     pub fn filled_with(material: u32) -> Self {
         // No object has this index: the medium is left through any surface of the material.
         Self { entries: vec![MediumEntry { object: u32::MAX, material }] }

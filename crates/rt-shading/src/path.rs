@@ -52,8 +52,8 @@ use wave::{PathBatch, PathStreams};
 /// ```
 ///
 /// Classical lights and surfaces are as bright as under [`Whitted`](crate::Whitted). The intensity of a light in classical units
-/// thus counts π times, and kd is an albedo. Dielectrics nest as they do there. Shadow rays pass through no surface: only BSDF samples
-/// find light behind glass.
+/// thus counts π times, and kd is an albedo. Dielectrics nest as they do there. Shadow rays end at any surface that casts a
+/// shadow: only BSDF samples find light behind glass.
 ///
 /// Shading in lanes is in `f32`; positions, hits, densities of lights and sums are `f64`. The radiance of a camera ray is bit-identical
 /// in every wave, with every instruction set, and with one lane. Keep one instance per thread: all buffers are reused.

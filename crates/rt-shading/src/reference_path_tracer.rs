@@ -11,9 +11,9 @@
 //!                  ● x₃                  5. end the path by Russian roulette
 //! ```
 //!
-//! [`PathTracer`](crate::PathTracer) takes the same steps for many paths at a time. Both return the same bits for every path, as tests
-//! verify. This file evaluates every feature ([`ShadingFeatures::ALL`]) and computes each BSDF at the hit. It thus also verifies that features
-//! left out of a plan, and cached BSDFs, change no bit.
+//! [`PathTracer`](crate::PathTracer) takes the same steps for many paths at a time. In `f64` ([`PathTracer::in_f64`](crate::PathTracer::in_f64))
+//! both return the same radiance to 10⁻⁹, as tests verify. This file evaluates every feature ([`ShadingFeatures::ALL`]) and computes each
+//! BSDF at the hit. It thus also verifies that features left out of a plan, and cached BSDFs, change nothing.
 //!
 //! Read next: `mis.rs` (weights), `bsdf/mod.rs` (BSDFs), `light/light_set.rs` (lights), `vertex.rs`, `hit_context.rs` (sides and
 //! media of a surface), and then the waves: `path.rs`, `path/shade.rs`.
@@ -35,7 +35,7 @@ use crate::{
 use rt_geometry::{RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
-/// Path integrator for one path at a time: reference for [`PathTracer`](crate::PathTracer), without batches of rays, with the same bits.
+/// Path integrator for one path at a time: reference for [`PathTracer`](crate::PathTracer), without batches of rays.
 ///
 /// It implements [`Transport::Full`] and [`Transport::NonCaustic`]. [`Transport::Specular`], of distribution ray tracing, is rendered as
 /// `Full`.

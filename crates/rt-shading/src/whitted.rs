@@ -39,8 +39,8 @@ use wave::{TreeBatch, TreeStreams};
 /// Waves hold many camera rays (Laine, Karras and Aila, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs", 2013).
 /// A wave traces one ray of each to its closest hit, then all shadow rays from there.
 ///
-/// The ray tree of each camera ray is traversed depth first with a stack of its own. Only `max_depth` limits the depth. Shading in lanes
-/// is in `f32`; positions, hits and sums are `f64`. The radiance of a camera ray is bit-identical in every wave, with every instruction
+/// The ray tree of each camera ray is traversed depth first with a stack of its own. `max_depth` and `min_contribution` limit it, not the
+/// stack of the thread. Shading in lanes is in `f32`; positions, hits and sums are `f64`. The radiance of a camera ray is bit-identical in every wave, with every instruction
 /// set, and with one lane. Keep one instance per thread: all buffers are reused.
 ///
 /// Rays carry the list of dielectrics that they are inside of ([`InteriorList`]). At equal indices of refraction on both sides of a

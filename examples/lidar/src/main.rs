@@ -1,4 +1,4 @@
-//! A laser scanner in a forest: somebody else's primitives, with every structure and most of the queries of rt-accel.
+//! A laser scanner in a forest: primitives of a program of its own, in every accelerator, with most of the queries of rt-accel.
 //!
 //! `cargo run --release --manifest-path examples/lidar/Cargo.toml`
 

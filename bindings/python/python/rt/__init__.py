@@ -7,7 +7,7 @@
 array([ 2., inf])
 
 Rays are traced in double precision, with exact decisions at edges and vertices: no ray slips through a closed mesh, and
-no hit is reported twice. Contiguous arrays of numpy are read in place, and all processors work by default.
+each triangle is hit at most once. Contiguous arrays of numpy are read in place, and all processors work by default.
 """
 
 from ._rt import VERSION as __version__

@@ -1,4 +1,4 @@
-"""What queries return."""
+"""Results of queries."""
 
 from __future__ import annotations
 

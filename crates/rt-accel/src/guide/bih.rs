@@ -32,7 +32,7 @@
 //! | nodes + tests of a primary ray | 15 + 12 | 40 + 27 | 24 + 21 | 63 + 61 |
 //! | nodes + tests of a diffuse ray | 32 + 22 | 79 + 47 | 47 + 41 | 47 + 46 |
 //!
-//! Under 20 bytes per primitive, and a tenth to a fifth of the build of [`bvh`](super::bvh), for 1.5 to 5 times its
+//! Under 20 bytes per primitive, and a fifth to a third of the build of [`bvh`](super::bvh), for 1.5 to 5 times its
 //! nodes and tests. Lazy trees begin with 56 bytes per primitive, for the boxes of all, and end with 40 to 60.
 //!
 //! **Choose it** for scenes that change with every image and have few rays. Choose the lazy one where only a small part

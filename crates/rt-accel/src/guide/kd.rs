@@ -27,7 +27,7 @@
 //! | nodes + tests of a primary ray | 12 + 3 | 14 + 2 | 16 + 4 | 35 + 7 |
 //! | nodes + tests of a diffuse ray | 27 + 12 | 32 + 9 | 39 + 16 | 33 + 10 |
 //!
-//! About 45 to 100 bytes per primitive; builds take 2 to 8 times as long as those of [`bvh`](super::bvh). A node is one
+//! About 45 to 100 bytes per primitive; builds take 3 to 8 times as long as those of [`bvh`](super::bvh). A node is one
 //! plane here and two boxes there. So this tree visits more nodes on nearly all scenes, at less cost each. It is faster
 //! on *mound* and on gear wheels, and slower on *rock*.
 //!

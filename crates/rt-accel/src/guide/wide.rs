@@ -18,8 +18,8 @@
 //! the closest hit; the rest is tested in `f64`, about once per ray. Where at most a quarter of all primitives are
 //! something else, leaves are of spheres, with bounding spheres of the others.
 //!
-//! **Batches**: `closest_batch` traces eight coherent rays as a packet, each within an eighth of the steepest component
-//! of the first one. Each box, and each triangle or sphere, is then tested with all eight. One or two remaining rays
+//! **Batches**: `closest_batch` traces eight coherent rays as a packet. Their directions differ from that of the first by at
+//! most an eighth of its largest component. Each box, and each triangle or sphere, is then tested with all eight. One or two remaining rays
 //! are traced alone. In trees of 256 spheres and more, up to 64 rays of one octant are culled together first by a
 //! common frustum. Tests of [`PrimitiveGeometry::ExactSphere`](crate::PrimitiveGeometry::ExactSphere) are exact for the
 //! whole packet, and so are certain hits of one triangle. Incoherent rays are interleaved in trees of more than 8 MiB:
@@ -31,7 +31,7 @@
 //! **Small trees** have at most 64 triangles. Incoherent rays of a batch are tested with all of them, eight rays at a time.
 //! The filter leaves three candidates for each ray. The triangle that a ray starts on is skipped if the ray
 //! certainly leaves it. The nearest of the others is intersected exactly, for eight rays and triangles together. Few rays
-//! are left for the nodes. Queries that count their work do not take this way.
+//! are left for the nodes. Queries that count their work use the tree.
 //!
 //! **Why it equals brute force**: the `f32` arithmetic errs outwards. A box is entered no later and left no earlier
 //! than any padded bounds in it. Tests of triangles and spheres have margins for all rounding. The proofs are at the

@@ -68,13 +68,11 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "NAME", value_parser = named(&Accel::ALL, Accel::name), help_heading = "Rendering")]
     pub(crate) accel: Option<Accel>,
 
-    /// Choose the SIMD instructions of `bvh8` and `linear`; `portable` also disables SIMD shading; does not change the image [default: best
-    /// available]
+    /// Choose the SIMD instructions of accelerators and shading; does not change the image [default: best available]
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "Rendering")]
     pub(crate) simd: Option<SimdLevel>,
 
-    /// Choose the numbers in which surfaces are shaded: `f32` for common shapes and materials, elsewhere `f64`; or `f64` everywhere, as
-    /// reference
+    /// Choose the numbers of shading: `f32` for common shapes and materials and else `f64`, or everything in `f64`
     #[arg(long, value_name = "NAME", value_parser = named(Precision::ALL, Precision::name), default_value = "f32", help_heading = "Rendering")]
     pub(crate) precision: Precision,
 

@@ -121,6 +121,9 @@ fn named(files: &[PathBuf], error: MergeError) -> CliError {
                 name(0)
             )
         }
+        MergeError::Doubled(one, other) if name(one) == name(other) => {
+            format!("{} is given twice; remove one of them", name(one))
+        }
         MergeError::Doubled(one, other) => {
             format!("{} and {} are the same shard; remove one of them", name(one), name(other))
         }

@@ -144,9 +144,9 @@ fn refuse_for_shards(args: &RenderArgs) -> Result<(), CliError> {
     ];
     match whole.into_iter().find(|(_, is_given)| *is_given && args.checkpoint.shard.is_some()) {
         None => Ok(()),
-        Some(("--aov", _)) => {
-            Err(CliError::Usage("--aov cannot be used with --shard; `merge` writes stderr and samples".to_owned()))
-        }
+        Some(("--aov", _)) => Err(CliError::Usage(
+            "--aov cannot be used with --shard, except with --frames; `merge` writes stderr and samples".to_owned(),
+        )),
         Some((option, _)) => {
             Err(CliError::Usage(format!("{option} cannot be used with --shard, except with --frames")))
         }

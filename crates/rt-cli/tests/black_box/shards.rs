@@ -74,7 +74,7 @@ fn what_is_missing_doubled_or_foreign_is_named() {
     let two = parts(&[1, 3], 3);
     for (files, message) in [
         (two.clone(), "shard 2/3 is missing; render it".to_owned()),
-        (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part and scene.2-of-3.part are the same shard".to_owned()),
+        (format!("{all} scene.2-of-3.part"), "scene.2-of-3.part is given twice".to_owned()),
         (format!("{two} foreign.part"), "foreign.part: is of another image".to_owned()),
         (format!("{two} half.part"), "half.part: is one of 2 shards, but scene.1-of-3.part is one of 3".to_owned()),
         (format!("{two} text.part"), "text.part: is not a shard of an image".to_owned()),

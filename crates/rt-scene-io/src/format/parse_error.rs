@@ -51,6 +51,9 @@ impl<'t> Explainer<'t> {
         if let Some(start) = cursor.last().filter(|last| last.range.end > at).map(|last| last.range.start) {
             (at, cursor) = (start, Cursor::before(self.text, start));
         }
+        if let Some(comma) = self.stray_comma(at) {
+            return ParseError::new(comma, "unexpected `,`: remove it");
+        }
         match error.code {
             Ron::Message(message) if message == NO_SPELLING => self.no_spelling(&cursor, at),
             Ron::Message(message) => ParseError::new(at, message),
@@ -293,6 +296,12 @@ impl<'t> Explainer<'t> {
         self.wrong_value(Some(value), at)
     }
 
+    /// A comma at the position that follows another one, or an opening bracket.
+    fn stray_comma(&self, at: usize) -> Option<usize> {
+        let comma = next(self.text, at).filter(|comma| self.text[*comma..].starts_with(','))?;
+        self.text[..comma].trim_end().ends_with([',', '(', '[', '{']).then_some(comma)
+    }
+
     /// True if the last token before the position is a complete value.
     fn stands_behind_value(&self, cursor: &Cursor<'t>, at: usize) -> bool {
         let is_key = next(self.text, at).is_some_and(|next| self.text[next..].starts_with(':'));
@@ -309,7 +318,9 @@ impl<'t> Explainer<'t> {
     fn wrong_value(&self, value: Option<TextValue<'t>>, at: usize) -> ParseError {
         let Some(TextValue { range, path }) = value else { return self.early_end() };
         let given = &self.text[range.clone()];
-        let Some(slot) = self.schema.slot(&path) else { return ParseError::new(at, "unexpected value") };
+        let Some(slot) = self.schema.slot(&path) else {
+            return ParseError::new(at, format!("unexpected value {}", shown(given)));
+        };
         let word = given.trim_matches('"');
         let chosen = slot.choices().into_iter().find(|(name, _)| *name == word);
         if self.notation == Notation::Ron

@@ -10,7 +10,7 @@ use crate::{Accel, Integrator};
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Method by which light is computed. The default is `path` for scenes with area lights, an environment image, or physical
-    /// materials, else `whitted`. Without `lights`, physical materials of models and emissive objects count too.
+    /// materials, else `whitted`. If the field `lights` is absent, physical materials of models and emissive objects select `path` as well.
     ///
     /// Default: `whitted` or `path`, as the scene needs. Example: `integrator: path`.
     #[serde(skip_serializing_if = "Option::is_none")]

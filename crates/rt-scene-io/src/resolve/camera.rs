@@ -75,7 +75,7 @@ fn settings(
         None => None,
     };
     let (opens, closes) = camera.shutter.unwrap_or((0.0, 1.0));
-    let rule = "must open at 0 at the earliest and close after that, at 1 at the latest";
+    let rule = "must open and close between 0 and 1, and not close before it opens";
     let is_sound = 0.0 <= opens && opens <= closes && closes <= 1.0;
     let refused = || LoadErrorKind::invalid(format_args!("the shutter, open from {opens} to {closes},"), rule);
     report.check(format_args!("{path}.shutter"), is_sound.then_some(()).ok_or_else(refused))?;

@@ -131,8 +131,9 @@ impl EffectiveFields {
         let is_delta =
             |light: &Light| matches!(light, Light::Point { .. } | Light::Directional { .. } | Light::Spot { .. });
         let is_lit_by_these = options.studio_lights == StudioLights::Auto && !lights.iter().any(is_delta);
-        (is_lit_by_these && integrator == Integrator::Whitted)
-            .then(|| format!("`whitted` takes no light from {sources}: use `path`, or --lights studio."))
+        (is_lit_by_these && integrator == Integrator::Whitted).then(|| {
+            format!("`whitted` takes no light from {sources}: use `distributed` or `path`, or --lights studio.")
+        })
     }
 
     /// True if rays that leave the scene carry no light.

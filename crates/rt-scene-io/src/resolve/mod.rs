@@ -91,7 +91,7 @@ pub(crate) fn resolve_with(
     let is_chosen = options.integrator.is_none() && file.settings.integrator.is_none();
     if is_chosen && settings.integrator != Integrator::Whitted {
         notes.push(format!(
-            "The integrator is `{}`, because `whitted` does not support all its lights and materials.",
+            "The integrator is `{}`, because `whitted` does not support all lights and materials of the scene.",
             settings.integrator.name()
         ));
     }
