@@ -20,12 +20,25 @@ use crate::{LoadErrorKind, error::LineError, limits::FACE_CORNERS};
 pub(super) struct ObjPart {
     /// Name of the object or group; may be empty.
     pub(super) name: String,
+    /// Name of the object, the last `o` statement; may be empty.
+    object: String,
     /// The material in force, if any.
     pub(super) material: Option<String>,
     /// The smoothing group in force.
     pub(super) smoothing: Smoothing,
     /// Presence of texture coordinates and normals at all corners.
     attributes: [bool; 2],
+}
+
+impl ObjPart {
+    /// Faces of the same value share normals: those of a smoothing group, or those of an object without smoothing groups.
+    pub(super) fn smoothed_surface(&self) -> (Smoothing, &str) {
+        let object = match self.smoothing {
+            Smoothing::Unspecified => self.object.as_str(),
+            Smoothing::Off | Smoothing::Group(_) => "",
+        };
+        (self.smoothing, object)
+    }
 }
 
 /// A file in order.
@@ -114,15 +127,17 @@ struct StatementReader {
     corners: Vec<[Option<usize>; 3]>,
 }
 
+#[derive(Clone)]
 struct ObjState {
     name: String,
+    object: String,
     material: Option<String>,
     smoothing: Smoothing,
 }
 
 impl Default for ObjState {
     fn default() -> Self {
-        Self { name: String::new(), material: None, smoothing: Smoothing::Unspecified }
+        Self { name: String::new(), object: String::new(), material: None, smoothing: Smoothing::Unspecified }
     }
 }
 
@@ -136,7 +151,11 @@ impl StatementReader {
             "f" | "fo" => self.face(line)?,
             "l" | "p" => self.skip("line or point", line.number),
             "mtllib" => self.document.libraries.push((line.number, rest.to_owned())),
-            "o" | "g" => self.change(|state| state.name = rest.to_owned()),
+            "o" => self.change(|state| {
+                rest.clone_into(&mut state.name);
+                rest.clone_into(&mut state.object);
+            }),
+            "g" => self.change(|state| rest.clone_into(&mut state.name)),
             "usemtl" => {
                 let name = (!rest.is_empty()).then(|| rest.to_owned());
                 self.change(|state| state.material = name);
@@ -249,8 +268,8 @@ impl StatementReader {
         if let Some(&index) = self.current.get(&attributes) {
             return index;
         }
-        let ObjState { name, material, smoothing } = &self.state;
-        let part = ObjPart { name: name.clone(), material: material.clone(), smoothing: *smoothing, attributes };
+        let ObjState { name, object, material, smoothing } = self.state.clone();
+        let part = ObjPart { name, object, material, smoothing, attributes };
         let index = *self.part_index.entry(part.clone()).or_insert_with(|| {
             self.document.parts.push(part);
             self.faces.push(String::new());

@@ -5,8 +5,8 @@
 //!                        └── mtllib ── mtl ── tobj ──> Phong
 //! ```
 //!
-//! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. What a file
-//! leaves out is replaced, with a warning: a missing library or image, a name that no library defines.
+//! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. Normals of a smoothing
+//! group are computed over all of its meshes. What a file leaves out is replaced, with a warning: a missing library or image, a name that no library defines.
 
 mod bump_to_normal;
 mod document;
@@ -18,7 +18,7 @@ mod smoothing;
 mod texture_map;
 mod textures;
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use rt_geometry::{Face, MeshData, MeshError};
 use rt_image::Encoding;
@@ -86,15 +86,20 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     };
 
     let mut library = MaterialLibrary::open(&document.libraries, path, options, &mut model)?;
+    let mut parts = Vec::new();
     for group in groups {
         let Some(part) = group.name.parse().ok().and_then(|i: usize| document.parts.get(i)) else { continue };
-        let place = format!("{}: {}", path.display(), display_name(part));
         let mut shapes = FaceShapes::default();
         let data =
             mesh_data(&group.mesh, &mut shapes).map_err(|e| LoadErrorKind::from(e).at(path, display_name(part)))?;
+        parts.push((part, shapes, data));
+    }
+    add_normals(&mut parts);
+
+    for (part, shapes, mut data) in parts {
+        let place = format!("{}: {}", path.display(), display_name(part));
         let warnings = shapes.messages().map(|message| Warning { place: place.clone(), message });
         model.warnings.extend(warnings);
-        let mut data = smoothing::add_normals(data, part.smoothing);
         if library.needs_tangents(part.material.as_deref()) {
             if data.uvs.is_empty() {
                 let message = "bump maps and anisotropy need texture coordinates: they are left out";
@@ -116,6 +121,17 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         return Err(model.empty("has no usable triangles", path));
     }
     Ok(model)
+}
+
+/// Adds normals to the parts without normals. Parts that are smoothed together are adjacent.
+fn add_normals(parts: &mut [(&ObjPart, FaceShapes, MeshData)]) {
+    let mut surfaces: BTreeMap<_, Vec<&mut MeshData>> = BTreeMap::new();
+    for (part, _, data) in parts {
+        surfaces.entry(part.smoothed_surface()).or_default().push(data);
+    }
+    for ((smoothing, _), meshes) in surfaces {
+        smoothing::add_normals(meshes, smoothing);
+    }
 }
 
 fn display_name(part: &ObjPart) -> String {
@@ -264,6 +280,49 @@ mod tests {
         assert_eq!(normals("s off\n"), 0);
         assert_eq!(normals("s 1\n"), 4);
         assert_eq!(normals(""), 6, "the sharp edge is kept: its two vertices are repeated");
+    }
+
+    /// Normals at the ridge of a roof of two sides, corner by corner.
+    fn ridge_normals(height: f32, faces: &str) -> Vec<Vec3> {
+        let roof =
+            format!("v -2 -2 0\nv 0 -2 {height}\nv 0 2 {height}\nv -2 2 0\nv 2 -2 0\nv 2 2 0\nvt 0 0\nvn 0 0 1\n");
+        let model = load_text(&format!("{roof}{faces}")).expect("a model");
+        let mut normals = Vec::new();
+        for data in model.meshes.iter().map(|m| m.mesh.data()) {
+            let corners = data.triangles.iter().flatten().map(|&i| i as usize);
+            let at_ridge = corners.filter(|&i| data.positions[i].x == 0.0);
+            normals.extend(at_ridge.map(|i| data.normals.get(i).copied().unwrap_or(Vec3::NAN)));
+        }
+        normals
+    }
+
+    /// Normals were computed for each combination of name, material and attributes: an edge between two of them was sharp.
+    #[test]
+    fn smoothing_groups_extend_across_materials_groups_objects_and_texture_coordinates() {
+        let ridge = |faces: &str| ridge_normals(1.0, faces);
+        let smooth = ridge("s 1\nf 1 2 3 4\nf 2 5 6 3\n");
+        assert!(smooth.iter().all(|n| n.x.abs() < 0.2), "{smooth:?}");
+        for between in ["usemtl b", "g b", "o b", "o b\nusemtl b\ng c"] {
+            assert_eq!(ridge(&format!("s 1\nf 1 2 3 4\n{between}\nf 2 5 6 3\n")), smooth, "{between}");
+        }
+        assert_eq!(ridge("s 1\nf 1/1 2/1 3/1 4/1\nf 2 5 6 3\n"), smooth);
+        // Of the faces with normals only those without receive new ones.
+        assert_eq!(ridge("s 1\nf 1//1 2//1 3//1 4//1\nf 2 5 6 3\n")[3..], smooth[3..]);
+        let separate = ridge("s 1\nf 1 2 3 4\ns 2\nf 2 5 6 3\n");
+        assert!(separate.iter().all(|n| n.x.abs() > 0.4), "{separate:?}");
+        assert!(ridge("s 1\nf 1 2 3 4\ns off\nf 2 5 6 3\n")[3..].iter().all(|n| n.is_nan()));
+    }
+
+    /// The same without smoothing groups: materials and groups make no edge sharp, objects remain separate.
+    #[test]
+    fn gentle_edges_are_smoothed_across_materials_and_groups_of_an_object() {
+        let ridge = |between: &str| ridge_normals(0.2, &format!("o a\nf 1 2 3 4\n{between}\nf 2 5 6 3\n"));
+        let smooth = ridge("");
+        assert!(smooth.iter().all(|n| n.x.abs() < 0.04), "{smooth:?}");
+        assert_eq!([ridge("usemtl b"), ridge("g b"), ridge("g b\no a")], [smooth.clone(), smooth.clone(), smooth]);
+        for normal in [ridge("o b"), ridge("o b\ng a")].concat() {
+            assert!(normal.x.abs() > 0.09, "{normal}");
+        }
     }
 
     #[test]
