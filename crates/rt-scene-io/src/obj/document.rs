@@ -96,8 +96,8 @@ impl ObjDocument {
     }
 }
 
-/// The colour of vertices without one, where others have one.
-const WHITE: [f32; 3] = [1.0; 3];
+/// Marks vertices without a colour in a file where others have one. Colours have no negative components.
+pub(super) const NO_COLOUR: [f32; 3] = [-1.0; 3];
 
 /// Adds its colour to each vertex statement.
 fn coloured(positions: &str, colours: &[[f32; 3]]) -> String {
@@ -205,18 +205,18 @@ impl StatementReader {
         Ok(())
     }
 
-    /// Keeps the colour of a vertex. Vertices before the first that has one are white, as are those without.
+    /// Keeps the colour of a vertex.
     fn colour(&mut self, line: &Line<'_>) -> Result<(), String> {
         let first = match line.arguments().take(8).count() {
             6 => 3,
             7 => 4,
             _ if self.colours.is_empty() => return Ok(()),
             _ => {
-                self.colours.push(WHITE);
+                self.colours.push(NO_COLOUR);
                 return Ok(());
             }
         };
-        let mut colour = WHITE;
+        let mut colour = NO_COLOUR;
         for (part, word) in colour.iter_mut().zip(line.arguments().skip(first)) {
             *part = word.parse().map_err(|_| format!("`{}` is not a number", shortened(word)))?;
         }
@@ -224,7 +224,7 @@ impl StatementReader {
             self.skip("vertex colour outside of 0 to 1", line.number);
             colour = colour.map(|part: f32| if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) });
         }
-        self.colours.resize(self.counts[0], WHITE);
+        self.colours.resize(self.counts[0], NO_COLOUR);
         self.colours.push(colour);
         Ok(())
     }
@@ -409,11 +409,11 @@ mod tests {
     }
 
     #[test]
-    fn vertices_without_a_colour_are_white_next_to_those_with_one() {
+    fn vertices_without_a_colour_are_marked_next_to_those_with_one() {
         let document = parse("v 5 5 5 0.5 0 2\nv 6 6 6\nv 7 7 7 1 0.25 0.5 0\n");
         let colours: Vec<_> = document.text.lines().take(7).map(|line| line.splitn(5, ' ').nth(4)).collect();
-        let white = Some("1 1 1");
-        assert_eq!(colours, [white, white, white, white, Some("0.5 0 1"), white, Some("0.25 0.5 0")]);
+        let none = Some("-1 -1 -1");
+        assert_eq!(colours, [none, none, none, none, Some("0.5 0 1"), none, Some("0.25 0.5 0")]);
         assert_eq!(document.skipped["vertex colour outside of 0 to 1"], (1, 7));
         assert_eq!(refused("v 1 2 3 red 0 0"), "7: `red` is not a number");
     }

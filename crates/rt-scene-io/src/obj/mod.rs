@@ -25,7 +25,7 @@ use rt_image::Encoding;
 use rt_math::Vec3;
 
 use self::{
-    document::{ObjDocument, ObjPart},
+    document::{NO_COLOUR, ObjDocument, ObjPart},
     face_shape::FaceShapes,
     library::MaterialLibrary,
 };
@@ -170,14 +170,16 @@ fn mesh_data(mesh: &tobj::Mesh, shapes: &mut FaceShapes) -> Result<MeshData, Mes
     Ok(MeshData { normals: vectors(&mesh.normals), uvs, colors, ..data })
 }
 
-/// The colours of vertices as light; none if all are white. The programs that write them (MeshLab, ZBrush, Blender) write
-/// display colours: sRGB.
+/// The colours of vertices as light, white for vertices without one; none if no vertex has a colour. The programs that write
+/// them (MeshLab, ZBrush, Blender) write display colours: sRGB.
 fn linear_colours(shown: &[f32]) -> Vec<[f32; 4]> {
-    if shown.iter().all(|&part| part == 1.0) {
+    let colours = || shown.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]);
+    if colours().all(|colour| colour == NO_COLOUR) {
         return Vec::new();
     }
     let light = |part: f32| Encoding::Srgb.decode_signal(f64::from(part)) as f32;
-    shown.chunks_exact(3).map(|rgb| [light(rgb[0]), light(rgb[1]), light(rgb[2]), 1.0]).collect()
+    let linear = |[r, g, b]: [f32; 3]| [light(r), light(g), light(b), 1.0];
+    colours().map(|colour| if colour == NO_COLOUR { [1.0; 4] } else { linear(colour) }).collect()
 }
 
 fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
@@ -256,6 +258,17 @@ mod tests {
         assert!(matches!(diffuse(0), ColorTexture::Textured(TextureId(0), _)));
         assert_eq!(model.textures, [Texture::VertexColor(None)]);
         assert!(matches!(diffuse(1), ColorTexture::Constant(_)));
+    }
+
+    /// White colours of vertices were dropped, so that a mesh without material was grey.
+    #[test]
+    fn white_colours_of_vertices_are_kept() {
+        let white = "v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n";
+        let model = load_text(white).expect("a model");
+        assert_eq!(model.meshes[0].mesh.data().colors, [[1.0; 4]; 3]);
+        assert_eq!(model.textures, [Texture::VertexColor(None)]);
+        let plain = load_text(&white.replace(" 1 1 1", "")).expect("a model");
+        assert!(plain.meshes[0].mesh.data().colors.is_empty());
     }
 
     #[test]
@@ -372,6 +385,18 @@ mod tests {
         assert_eq!(what[0], "the material library `none.mtl` does not exist; plain grey is used for its materials");
         assert_eq!(what[1], "the image `missing.png` does not exist; the plain colour is used");
         assert_eq!(what.len(), 2);
+    }
+
+    /// Exporters write them for each material: warnings would hide the others.
+    #[test]
+    fn ambient_colours_and_maps_are_ignored_without_a_warning() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("m.mtl"), "newmtl m\nKa 1 0 0\nmap_Ka missing.png\nKd 1 1 1\n").expect("written");
+        let path = folder.path().join("m.obj");
+        fs::write(&path, format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3\n")).expect("written");
+        let model = load_file(&path, &LoadOptions::default()).expect("a model");
+        assert_eq!(model.warnings, []);
+        assert_eq!(model.materials[0].to_phong().ambient, ColorTexture::Constant(Rgb::gray(0.1)));
     }
 
     #[test]
