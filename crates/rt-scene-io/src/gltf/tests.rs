@@ -103,6 +103,27 @@ fn images_are_read_from_data_uris_at_the_given_coordinates() {
     assert!(matches!(model.materials[0].to_phong().diffuse, ColorTexture::Textured(_, Rgb::WHITE)));
 }
 
+/// Each accessor was within its limit, but a file of 1 kB could have any number of them: ten primitives took five seconds.
+#[test]
+fn accessors_without_a_buffer_are_limited_in_their_sum() {
+    let zeros = |count: usize, targets: usize| {
+        let target = vec![r#"{"POSITION": 0}"#; targets].join(", ");
+        let json = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "nodes": [{{"mesh": 0}}],
+                "accessors": [{{"componentType": 5126, "count": {count}, "type": "VEC3"}}],
+                "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "targets": [{target}]}}],
+                    "weights": {:?}}}]}}"#,
+            vec![1; targets]
+        );
+        load_bytes(json.as_bytes(), Path::new("m.gltf"), &LoadOptions::default())
+    };
+    let error = zeros(limits::GLTF_ZEROS, 9).expect_err("too many zeros").to_string();
+    let expected =
+        "m.gltf: accessors[0]: the sum of all counts without a bufferView is 20971520, above the limit of 16777216";
+    assert_eq!(error, expected);
+    assert!(zeros(3, 9).is_ok());
+}
+
 /// A material with KHR_materials_transmission and KHR_materials_volume.
 fn volume(base_color: &str, metallic: f64, transmission: f64, thickness: f64) -> rt_shading::Material {
     let primitive = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
