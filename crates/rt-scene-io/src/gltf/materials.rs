@@ -95,10 +95,9 @@ fn required_attributes(description: &MaterialJson, has_colors: bool) -> Required
             *free = set;
         }
     }
-    let tangents = description.normals().is_some() || description.extensions.anisotropy.is_some();
-    let along = description.normals().map(|texture| Some(texture.uv_set()));
-    let along = uv_sets.iter().position(|set| Some(*set) == along).unwrap_or(0);
-    RequiredAttributes { uv_sets, along, colors: has_colors, tangents }
+    let of_anisotropy = description.extensions.anisotropy.as_ref().map(|_| 0);
+    let tangents = description.normals().map(TextureInfo::uv_set).or(of_anisotropy);
+    RequiredAttributes { uv_sets, colors: has_colors, tangents }
 }
 
 struct MaterialBuilder<'r, 'a> {

@@ -137,6 +137,23 @@ fn specular_glossiness_keeps_transforms_sets_and_vertex_colours_as_phong() {
     assert_eq!(offset(below), 0.5);
 }
 
+/// Their texture coordinates were read only for textures: without one, the surface was isotropic.
+#[test]
+fn anisotropy_without_tangents_and_textures_runs_along_the_first_texture_coordinates() {
+    let load = |mesh: &str| {
+        let rest = r#""nodes": [{"mesh": 0}],
+            "materials": [{"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}}]"#;
+        load_with(&mesh.replace("\"indices\"", "\"material\": 0, \"indices\""), rest).expect("a model")
+    };
+    let model = load(MESH);
+    assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
+    assert!(model.meshes[0].mesh.data().uvs.is_empty(), "no texture reads them");
+    assert_eq!(model.warnings, []);
+    let model = load(r#"{"attributes": {"POSITION": 0}, "indices": 2}"#);
+    assert!(model.meshes[0].mesh.data().tangents.is_empty());
+    assert_eq!(model.warnings[0].message, "its normal map or anisotropy needs tangents or TEXCOORD_0: it is left out");
+}
+
 /// Each accessor was within its limit, but a file of 1 kB could have any number of them: ten primitives took five seconds.
 #[test]
 fn accessors_without_a_buffer_are_limited_in_their_sum() {
