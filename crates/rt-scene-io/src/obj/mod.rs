@@ -319,7 +319,7 @@ mod tests {
             assert_eq!(ridge(&format!("s 1\nf 1 2 3 4\n{between}\nf 2 5 6 3\n")), smooth, "{between}");
         }
         assert_eq!(ridge("s 1\nf 1/1 2/1 3/1 4/1\nf 2 5 6 3\n"), smooth);
-        // Of the faces with normals only those without receive new ones.
+        // Faces with normals keep them, and count for the others.
         assert_eq!(ridge("s 1\nf 1//1 2//1 3//1 4//1\nf 2 5 6 3\n")[3..], smooth[3..]);
         let separate = ridge("s 1\nf 1 2 3 4\ns 2\nf 2 5 6 3\n");
         assert!(separate.iter().all(|n| n.x.abs() > 0.4), "{separate:?}");

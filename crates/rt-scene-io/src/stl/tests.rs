@@ -123,7 +123,7 @@ fn colours_of_facets_and_headers_are_a_warning() {
     assert_eq!(messages(&magics), ["the colours of the header (`COLOR=`) and of facets are left out"]);
 }
 
-/// They were read as text, and refused because of their first line.
+/// They were read as text, which lacks its end.
 #[test]
 fn binary_files_that_begin_with_solid_may_have_bytes_after_the_facets() {
     for comment in [&b"solid foo\0\0"[..], b"solid made by a program"] {
