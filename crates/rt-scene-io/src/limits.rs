@@ -84,6 +84,8 @@ limits! {
     GLTF_INSTANCES: u64 = 1 << 21, Count "instances of EXT_mesh_gpu_instancing" of ".gltf, .glb";
     /// An accessor without a buffer holds zeros, which take no bytes in the file.
     GLTF_ZEROS: usize = 1 << 22, Count "elements of an accessor without a buffer" of ".gltf, .glb";
+    /// Several primitives may read the same zeros, and each takes time.
+    GLTF_ALL_ZEROS: u64 = 1 << 24, Count "elements of all accessors without a buffer" of ".gltf, .glb";
     /// Compressed views expand, and several may share the same bytes.
     GLTF_DECODED_BYTES: u64 = 1 << 32, Bytes "size of all decoded views of a model" of ".gltf, .glb";
     /// The header of a stream claims it before there is anything to show for it.

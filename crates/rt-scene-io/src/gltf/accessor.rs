@@ -52,7 +52,9 @@ fn read<T: Copy>(
         Some(view) => Items::new(&view, accessor.offset(), count, size, buffers)?.decode(&decode),
         None => {
             let (what, limit) = ("the count without a bufferView", limits::GLTF_ZEROS as u64);
-            LoadErrorKind::check_limit(what, count as u64, limit).map_err(|reason| fail(accessor, buffers, reason))?;
+            LoadErrorKind::check_limit(what, count as u64, limit)
+                .and_then(|()| buffers.count_zeros(count as u64))
+                .map_err(|reason| fail(accessor, buffers, reason))?;
             vec![zero; count]
         }
     };

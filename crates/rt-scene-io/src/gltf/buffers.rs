@@ -1,6 +1,6 @@
 //! Bytes that a document refers to: in the file itself, in data URIs, or in other files.
 
-use std::{borrow::Cow, collections::HashMap, path::Path};
+use std::{borrow::Cow, cell::Cell, collections::HashMap, path::Path};
 
 use base64::{
     Engine,
@@ -31,6 +31,8 @@ pub(super) struct Buffers<'a> {
     data: Vec<Option<Cow<'a, [u8]>>>,
     /// Content of compressed views, by index.
     decoded: HashMap<usize, Vec<u8>>,
+    /// Elements read so far from accessors without a buffer.
+    zeros: Cell<u64>,
     /// Reserved memory of the buffers that are not in the file itself.
     _reservations: Vec<Reservation>,
 }
@@ -73,7 +75,7 @@ impl<'a> Buffers<'a> {
             });
         }
         let decoded = decode_views(document, &data, path, options, &mut reservations)?;
-        Ok(Self { path, document, data, decoded, _reservations: reservations })
+        Ok(Self { path, document, data, decoded, zeros: Cell::new(0), _reservations: reservations })
     }
 
     pub(super) fn view(&self, view: &View<'_>) -> Result<&[u8], LoadError> {
@@ -92,6 +94,13 @@ impl<'a> Buffers<'a> {
                 format!("{length} bytes at offset {offset} exceed the buffer {buffer} of {} bytes", data.len());
             fail(LoadErrorKind::Syntax(message))
         })
+    }
+
+    /// Adds elements without a buffer to those of all accessors, which have a limit.
+    pub(super) fn count_zeros(&self, count: u64) -> Result<(), LoadErrorKind> {
+        self.zeros.set(self.zeros.get() + count);
+        let (what, limit) = ("the sum of all counts without a bufferView", limits::GLTF_ALL_ZEROS);
+        LoadErrorKind::check_limit(what, self.zeros.get(), limit)
     }
 
     /// Bytes of all buffers, and of decoded views.

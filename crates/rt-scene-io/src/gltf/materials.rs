@@ -13,7 +13,7 @@ use super::{
     buffers::Buffers,
     material_json::{self, MaterialJson, SpecularGlossiness, TextureInfo, Volume},
     primitive::RequiredAttributes,
-    textures::{GltfTextures, PixelEncoding, UvSets, image_texture},
+    textures::{GltfTextures, PixelEncoding, UvSets},
 };
 use crate::parser_message::plain;
 use crate::{LoadError, LoadErrorKind, LoadOptions, MaterialId, Model};
@@ -95,10 +95,9 @@ fn required_attributes(description: &MaterialJson, has_colors: bool) -> Required
             *free = set;
         }
     }
-    let tangents = description.normals().is_some() || description.extensions.anisotropy.is_some();
-    let along = description.normals().map(|texture| Some(texture.uv_set()));
-    let along = uv_sets.iter().position(|set| Some(*set) == along).unwrap_or(0);
-    RequiredAttributes { uv_sets, along, colors: has_colors, tangents }
+    let of_anisotropy = description.extensions.anisotropy.as_ref().map(|_| 0);
+    let tangents = description.normals().map(TextureInfo::uv_set).or(of_anisotropy);
+    RequiredAttributes { uv_sets, colors: has_colors, tangents }
 }
 
 struct MaterialBuilder<'r, 'a> {
@@ -245,10 +244,13 @@ impl MaterialBuilder<'_, '_> {
         let matt = matt.unwrap_or_else(|| Arc::new(Bitmap::opaque(1, 1, vec![[1.0; 3]])));
         let bitmap = sum_of(&matt, diffuse_factor, &shine, specular_factor);
         self.textures.count(&bitmap)?;
-        let sampler = self.textures.document.textures().nth(info.index).map(|texture| texture.sampler());
-        let id = self.model.add_texture(image_texture(Arc::new(bitmap), sampler.as_ref()));
+        // The sum has the pixels of the diffuse image if there are several, and is read at its coordinates.
+        let info = other.diffuse_texture.as_ref().filter(|_| matt.pixels.len() > 1).unwrap_or(info);
+        let sum = self.textures.replaced(info, Arc::new(bitmap), self.sets);
+        let id = self.model.add_texture(sum);
+        let sum = self.times_vertex_colors(ColorTexture::Textured(id, Rgb::WHITE));
         if let LayeredBase::SpecularGlossiness { base_color, mean_specular, .. } = &mut base {
-            *base_color = ColorTexture::Textured(id, Rgb::WHITE);
+            *base_color = sum;
             *mean_specular = specular_factor * shine.approximate_mean();
         }
         Ok(base)
@@ -338,14 +340,19 @@ impl MaterialBuilder<'_, '_> {
     /// Reads a colour, which vertex colours multiply, if there are any.
     fn tinted(&mut self, info: Option<&TextureInfo>, factor: Rgb) -> Result<ColorTexture, LoadError> {
         let color = self.color(info, factor)?;
-        if !self.has_colors || factor.is_black() {
-            return Ok(color);
+        Ok(self.times_vertex_colors(color))
+    }
+
+    /// A colour multiplied by vertex colours, if there are any.
+    fn times_vertex_colors(&mut self, color: ColorTexture) -> ColorTexture {
+        if !self.has_colors || color.factor().is_black() {
+            return color;
         }
         let below = match color {
             ColorTexture::Constant(_) => None,
             ColorTexture::Textured(id, _) => Some(Arc::new(self.model.textures[id.0 as usize].clone())),
         };
-        Ok(ColorTexture::Textured(self.model.add_texture(Texture::VertexColor(below)), factor))
+        ColorTexture::Textured(self.model.add_texture(Texture::VertexColor(below)), color.factor())
     }
 
     fn value(&mut self, info: Option<&TextureInfo>, channel: Channel, factor: f32) -> Result<FloatTexture, LoadError> {

@@ -21,12 +21,10 @@ use crate::{LoadError, LoadErrorKind, tangents};
 pub(super) struct RequiredAttributes {
     /// Sets of texture coordinates (TEXCOORD_n) for the two slots of a mesh; `None` for an unused slot.
     pub(super) uv_sets: [Option<u32>; 2],
-    /// The slot of coordinates along which its normal map is laid.
-    pub(super) along: usize,
     /// Vertex colours.
     pub(super) colors: bool,
-    /// True if it has a map in tangent space.
-    pub(super) tangents: bool,
+    /// Set of texture coordinates along which tangents are generated where a file has none; `None` if it needs no tangents.
+    pub(super) tangents: Option<u32>,
 }
 
 pub(super) struct Deformation<'a> {
@@ -77,8 +75,8 @@ pub(super) fn read(
             data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
     }
-    if required_attributes.tangents {
-        complete_tangents(&mut data, required_attributes.along, &mut notes);
+    if let Some(set) = required_attributes.tangents {
+        complete_tangents(&mut data, set, required_attributes, &attributes, &mut notes)?;
     }
     Ok(PrimitiveContent::Triangles(data, notes))
 }
@@ -96,14 +94,13 @@ fn read_vertices(
     for (set, slot) in required_attributes.uv_sets.iter().zip(&mut sets) {
         let Some(set) = *set else { continue };
         match attributes.vectors::<2>(&Semantic::TexCoords(set))? {
-            // In the file v runs downwards.
-            Some(uvs) => *slot = uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect(),
+            Some(uvs) => *slot = upwards(uvs),
             None => notes
                 .push(format!("its texture needs TEXCOORD_{set}, which is missing: the texture is read at one point")),
         }
     }
     // Flat triangles have normals of their own, which the tangents of a file do not fit.
-    let tangents = if required_attributes.tangents && !normals.is_empty() {
+    let tangents = if required_attributes.tangents.is_some() && !normals.is_empty() {
         attributes.vectors::<4>(&Semantic::Tangents)?.unwrap_or_default()
     } else {
         Vec::new()
@@ -196,18 +193,34 @@ fn apply_skin(
     Ok(())
 }
 
-/// Makes tangents where the file has none.
-fn complete_tangents(data: &mut MeshData, along: usize, notes: &mut Vec<String>) {
+/// Texture coordinates with v upwards; in the file it runs downwards.
+fn upwards(uvs: Vec<[f32; 2]>) -> Vec<[f32; 2]> {
+    uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect()
+}
+
+/// Makes tangents along a set of texture coordinates where the file has none.
+fn complete_tangents(
+    data: &mut MeshData,
+    set: u32,
+    required_attributes: &RequiredAttributes,
+    attributes: &Attributes<'_>,
+    notes: &mut Vec<String>,
+) -> Result<(), LoadError> {
     if !data.tangents.is_empty() {
-        return;
+        return Ok(());
     }
-    let uvs = if along == 0 { &data.uvs } else { &data.second_uvs };
-    if uvs.is_empty() {
-        notes.push("its normal map needs texture coordinates: it is left out".to_owned());
-        return;
+    let uvs = match required_attributes.uv_sets.iter().position(|slot| *slot == Some(set)) {
+        Some(0) => data.uvs.clone(),
+        Some(_) => data.second_uvs.clone(),
+        // No texture reads the set.
+        None => attributes.vectors::<2>(&Semantic::TexCoords(set))?.map(upwards).unwrap_or_default(),
+    };
+    if uvs.len() == data.positions.len() {
+        tangents::generate(data, &uvs);
+    } else {
+        notes.push(format!("its normal map or anisotropy needs tangents or TEXCOORD_{set}: it is left out"));
     }
-    let uvs = uvs.clone();
-    tangents::generate(data, &uvs);
+    Ok(())
 }
 
 /// Triangles from a list of vertices (glTF 2.0, section 3.7.2.1). All keep the orientation of the first.

@@ -103,6 +103,78 @@ fn images_are_read_from_data_uris_at_the_given_coordinates() {
     assert!(matches!(model.materials[0].to_phong().diffuse, ColorTexture::Textured(_, Rgb::WHITE)));
 }
 
+/// The image of the summed colours had neither the transform of its texture nor vertex colours.
+#[test]
+fn specular_glossiness_keeps_transforms_sets_and_vertex_colours_as_phong() {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let image = image::RgbImage::from_pixel(2, 1, image::Rgb([255, 0, 0]));
+    image.write_to(&mut png, image::ImageFormat::Png).expect("a png");
+    let uri: String = png.into_inner().iter().map(|byte| format!("%{byte:02x}")).collect();
+    let base_color = |attributes: &str, textures: &str| {
+        let primitive =
+            format!(r#"{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 1{attributes}}}, "indices": 2, "material": 0}}"#);
+        let rest = format!(
+            r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "data:image/png,{uri}"}}], "textures": [{{"source": 0}}],
+                "materials": [{{"extensions": {{"KHR_materials_pbrSpecularGlossiness": {{
+                    "specularFactor": [0, 0, 0], {textures}}}}}}}]"#
+        );
+        let model = load_with(&primitive, &rest).expect("a model");
+        let ColorTexture::Textured(id, _) = model.materials[0].to_phong().diffuse else { panic!("textured") };
+        model.textures[id.0 as usize].clone()
+    };
+    let texture = |name: &str, offset: f64| {
+        format!(r#""{name}": {{"index": 0, "extensions": {{"KHR_texture_transform": {{"offset": [{offset}, 0]}}}}}}"#)
+    };
+    let (diffuse, shine) = (texture("diffuseTexture", 0.5), texture("specularGlossinessTexture", 0.25));
+    let offset = |texture: &rt_shading::Texture| match texture {
+        rt_shading::Texture::Mapped { map, .. } => map.rows[0][2],
+        _ => panic!("mapped: {texture:?}"),
+    };
+    assert_eq!(offset(&base_color("", &format!("{diffuse}, {shine}"))), 0.5);
+    assert_eq!(offset(&base_color("", &shine)), 0.25, "without a diffuse texture the image is that of the other");
+    let tinted = base_color(r#", "COLOR_0": 0"#, &format!("{diffuse}, {shine}"));
+    let rt_shading::Texture::VertexColor(Some(below)) = &tinted else { panic!("vertex colours: {tinted:?}") };
+    assert_eq!(offset(below), 0.5);
+}
+
+/// Their texture coordinates were read only for textures: without one, the surface was isotropic.
+#[test]
+fn anisotropy_without_tangents_and_textures_runs_along_the_first_texture_coordinates() {
+    let load = |mesh: &str| {
+        let rest = r#""nodes": [{"mesh": 0}],
+            "materials": [{"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}}]"#;
+        load_with(&mesh.replace("\"indices\"", "\"material\": 0, \"indices\""), rest).expect("a model")
+    };
+    let model = load(MESH);
+    assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
+    assert!(model.meshes[0].mesh.data().uvs.is_empty(), "no texture reads them");
+    assert_eq!(model.warnings, []);
+    let model = load(r#"{"attributes": {"POSITION": 0}, "indices": 2}"#);
+    assert!(model.meshes[0].mesh.data().tangents.is_empty());
+    assert_eq!(model.warnings[0].message, "its normal map or anisotropy needs tangents or TEXCOORD_0: it is left out");
+}
+
+/// Each accessor was within its limit, but a file of 1 kB could have any number of them: ten primitives took five seconds.
+#[test]
+fn accessors_without_a_buffer_are_limited_in_their_sum() {
+    let zeros = |count: usize, targets: usize| {
+        let target = vec![r#"{"POSITION": 0}"#; targets].join(", ");
+        let json = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "nodes": [{{"mesh": 0}}],
+                "accessors": [{{"componentType": 5126, "count": {count}, "type": "VEC3"}}],
+                "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "targets": [{target}]}}],
+                    "weights": {:?}}}]}}"#,
+            vec![1; targets]
+        );
+        load_bytes(json.as_bytes(), Path::new("m.gltf"), &LoadOptions::default())
+    };
+    let error = zeros(limits::GLTF_ZEROS, 9).expect_err("too many zeros").to_string();
+    let expected =
+        "m.gltf: accessors[0]: the sum of all counts without a bufferView is 20971520, above the limit of 16777216";
+    assert_eq!(error, expected);
+    assert!(zeros(3, 9).is_ok());
+}
+
 /// A material with KHR_materials_transmission and KHR_materials_volume.
 fn volume(base_color: &str, metallic: f64, transmission: f64, thickness: f64) -> rt_shading::Material {
     let primitive = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");

@@ -50,18 +50,22 @@ impl<'a> GltfTextures<'a> {
         let Some(bitmap) = self.bitmap(info, pixels, place, model)? else { return Ok(None) };
         let Some(texture) = self.document.textures().nth(info.index) else { return Ok(None) };
         let sampler = texture.sampler();
-        let map = UvMap { is_second: sets[1] == Some(info.uv_set()), rows: rows(info.extensions.transform.as_ref()) };
+        let map = uv_map(info, sets);
         let image = texture_source(self.document, info.index).unwrap_or_default();
         let [a, b] = map.rows.map(|row| row.map(f64::to_bits));
         let key = (image, sampler.index(), pixels, map.is_second, [a[0], a[1], a[2], b[0], b[1], b[2]]);
         if let Some(&known) = self.known.get(&key) {
             return Ok(Some(known));
         }
-        let image = image_texture(bitmap, Some(&sampler));
-        let texture = if map == UvMap::IDENTITY { image } else { Texture::Mapped { texture: Arc::new(image), map } };
-        let id = model.add_texture(texture);
+        let id = model.add_texture(mapped(image_texture(bitmap, Some(&sampler)), map));
         self.known.insert(key, id);
         Ok(Some(id))
+    }
+
+    /// Texture of an image that replaces the one of a reference, with its sampler and map.
+    pub(super) fn replaced(&self, info: &TextureInfo, bitmap: Arc<Bitmap>, sets: UvSets) -> Texture {
+        let sampler = self.document.textures().nth(info.index).map(|texture| texture.sampler());
+        mapped(image_texture(bitmap, sampler.as_ref()), uv_map(info, sets))
     }
 
     /// The image of a reference; `None`, with a warning, if it cannot be read.
@@ -141,8 +145,17 @@ fn texture_source(document: &Document, texture: usize) -> Option<usize> {
     (image < json.images.len()).then_some(image)
 }
 
+/// Map from the texture coordinates of meshes to those of a reference.
+fn uv_map(info: &TextureInfo, sets: UvSets) -> UvMap {
+    UvMap { is_second: sets[1] == Some(info.uv_set()), rows: rows(info.extensions.transform.as_ref()) }
+}
+
+fn mapped(texture: Texture, map: UvMap) -> Texture {
+    if map == UvMap::IDENTITY { texture } else { Texture::Mapped { texture: Arc::new(texture), map } }
+}
+
 /// Texture of an image with the modes of a sampler; it repeats without one.
-pub(super) fn image_texture(bitmap: Arc<Bitmap>, sampler: Option<&Sampler<'_>>) -> Texture {
+fn image_texture(bitmap: Arc<Bitmap>, sampler: Option<&Sampler<'_>>) -> Texture {
     let wrap = sampler.map_or([WrappingMode::Repeat; 2], |s| [s.wrap_s(), s.wrap_t()]).map(|mode| match mode {
         WrappingMode::Repeat => Wrap::Repeat,
         WrappingMode::MirroredRepeat => Wrap::Mirror,

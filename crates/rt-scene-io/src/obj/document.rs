@@ -20,12 +20,25 @@ use crate::{LoadErrorKind, error::LineError, limits::FACE_CORNERS};
 pub(super) struct ObjPart {
     /// Name of the object or group; may be empty.
     pub(super) name: String,
+    /// Name of the object, the last `o` statement; may be empty.
+    object: String,
     /// The material in force, if any.
     pub(super) material: Option<String>,
     /// The smoothing group in force.
     pub(super) smoothing: Smoothing,
     /// Presence of texture coordinates and normals at all corners.
     attributes: [bool; 2],
+}
+
+impl ObjPart {
+    /// Faces of the same value share normals: those of a smoothing group, or those of an object without smoothing groups.
+    pub(super) fn smoothed_surface(&self) -> (Smoothing, &str) {
+        let object = match self.smoothing {
+            Smoothing::Unspecified => self.object.as_str(),
+            Smoothing::Off | Smoothing::Group(_) => "",
+        };
+        (self.smoothing, object)
+    }
 }
 
 /// A file in order.
@@ -83,8 +96,8 @@ impl ObjDocument {
     }
 }
 
-/// The colour of vertices without one, where others have one.
-const WHITE: [f32; 3] = [1.0; 3];
+/// Marks vertices without a colour in a file where others have one. Colours have no negative components.
+pub(super) const NO_COLOUR: [f32; 3] = [-1.0; 3];
 
 /// Adds its colour to each vertex statement.
 fn coloured(positions: &str, colours: &[[f32; 3]]) -> String {
@@ -114,15 +127,17 @@ struct StatementReader {
     corners: Vec<[Option<usize>; 3]>,
 }
 
+#[derive(Clone)]
 struct ObjState {
     name: String,
+    object: String,
     material: Option<String>,
     smoothing: Smoothing,
 }
 
 impl Default for ObjState {
     fn default() -> Self {
-        Self { name: String::new(), material: None, smoothing: Smoothing::Unspecified }
+        Self { name: String::new(), object: String::new(), material: None, smoothing: Smoothing::Unspecified }
     }
 }
 
@@ -136,7 +151,11 @@ impl StatementReader {
             "f" | "fo" => self.face(line)?,
             "l" | "p" => self.skip("line or point", line.number),
             "mtllib" => self.document.libraries.push((line.number, rest.to_owned())),
-            "o" | "g" => self.change(|state| state.name = rest.to_owned()),
+            "o" => self.change(|state| {
+                rest.clone_into(&mut state.name);
+                rest.clone_into(&mut state.object);
+            }),
+            "g" => self.change(|state| rest.clone_into(&mut state.name)),
             "usemtl" => {
                 let name = (!rest.is_empty()).then(|| rest.to_owned());
                 self.change(|state| state.material = name);
@@ -186,18 +205,18 @@ impl StatementReader {
         Ok(())
     }
 
-    /// Keeps the colour of a vertex. Vertices before the first that has one are white, as are those without.
+    /// Keeps the colour of a vertex.
     fn colour(&mut self, line: &Line<'_>) -> Result<(), String> {
         let first = match line.arguments().take(8).count() {
             6 => 3,
             7 => 4,
             _ if self.colours.is_empty() => return Ok(()),
             _ => {
-                self.colours.push(WHITE);
+                self.colours.push(NO_COLOUR);
                 return Ok(());
             }
         };
-        let mut colour = WHITE;
+        let mut colour = NO_COLOUR;
         for (part, word) in colour.iter_mut().zip(line.arguments().skip(first)) {
             *part = word.parse().map_err(|_| format!("`{}` is not a number", shortened(word)))?;
         }
@@ -205,7 +224,7 @@ impl StatementReader {
             self.skip("vertex colour outside of 0 to 1", line.number);
             colour = colour.map(|part: f32| if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) });
         }
-        self.colours.resize(self.counts[0], WHITE);
+        self.colours.resize(self.counts[0], NO_COLOUR);
         self.colours.push(colour);
         Ok(())
     }
@@ -249,8 +268,8 @@ impl StatementReader {
         if let Some(&index) = self.current.get(&attributes) {
             return index;
         }
-        let ObjState { name, material, smoothing } = &self.state;
-        let part = ObjPart { name: name.clone(), material: material.clone(), smoothing: *smoothing, attributes };
+        let ObjState { name, object, material, smoothing } = self.state.clone();
+        let part = ObjPart { name, object, material, smoothing, attributes };
         let index = *self.part_index.entry(part.clone()).or_insert_with(|| {
             self.document.parts.push(part);
             self.faces.push(String::new());
@@ -390,11 +409,11 @@ mod tests {
     }
 
     #[test]
-    fn vertices_without_a_colour_are_white_next_to_those_with_one() {
+    fn vertices_without_a_colour_are_marked_next_to_those_with_one() {
         let document = parse("v 5 5 5 0.5 0 2\nv 6 6 6\nv 7 7 7 1 0.25 0.5 0\n");
         let colours: Vec<_> = document.text.lines().take(7).map(|line| line.splitn(5, ' ').nth(4)).collect();
-        let white = Some("1 1 1");
-        assert_eq!(colours, [white, white, white, white, Some("0.5 0 1"), white, Some("0.25 0.5 0")]);
+        let none = Some("-1 -1 -1");
+        assert_eq!(colours, [none, none, none, none, Some("0.5 0 1"), none, Some("0.25 0.5 0")]);
         assert_eq!(document.skipped["vertex colour outside of 0 to 1"], (1, 7));
         assert_eq!(refused("v 1 2 3 red 0 0"), "7: `red` is not a number");
     }

@@ -5,8 +5,8 @@
 //!                        └── mtllib ── mtl ── tobj ──> Phong
 //! ```
 //!
-//! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. What a file
-//! leaves out is replaced, with a warning: a missing library or image, a name that no library defines.
+//! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. Normals of a smoothing
+//! group are computed over all of its meshes. What a file leaves out is replaced, with a warning: a missing library or image, a name that no library defines.
 
 mod bump_to_normal;
 mod document;
@@ -18,14 +18,14 @@ mod smoothing;
 mod texture_map;
 mod textures;
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use rt_geometry::{Face, MeshData, MeshError};
 use rt_image::Encoding;
 use rt_math::Vec3;
 
 use self::{
-    document::{ObjDocument, ObjPart},
+    document::{NO_COLOUR, ObjDocument, ObjPart},
     face_shape::FaceShapes,
     library::MaterialLibrary,
 };
@@ -86,15 +86,20 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     };
 
     let mut library = MaterialLibrary::open(&document.libraries, path, options, &mut model)?;
+    let mut parts = Vec::new();
     for group in groups {
         let Some(part) = group.name.parse().ok().and_then(|i: usize| document.parts.get(i)) else { continue };
-        let place = format!("{}: {}", path.display(), display_name(part));
         let mut shapes = FaceShapes::default();
         let data =
             mesh_data(&group.mesh, &mut shapes).map_err(|e| LoadErrorKind::from(e).at(path, display_name(part)))?;
+        parts.push((part, shapes, data));
+    }
+    add_normals(&mut parts);
+
+    for (part, shapes, mut data) in parts {
+        let place = format!("{}: {}", path.display(), display_name(part));
         let warnings = shapes.messages().map(|message| Warning { place: place.clone(), message });
         model.warnings.extend(warnings);
-        let mut data = smoothing::add_normals(data, part.smoothing);
         if library.needs_tangents(part.material.as_deref()) {
             if data.uvs.is_empty() {
                 let message = "bump maps and anisotropy need texture coordinates: they are left out";
@@ -116,6 +121,17 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         return Err(model.empty("has no usable triangles", path));
     }
     Ok(model)
+}
+
+/// Adds normals to the parts without normals. Parts that are smoothed together are adjacent.
+fn add_normals(parts: &mut [(&ObjPart, FaceShapes, MeshData)]) {
+    let mut surfaces: BTreeMap<_, Vec<&mut MeshData>> = BTreeMap::new();
+    for (part, _, data) in parts {
+        surfaces.entry(part.smoothed_surface()).or_default().push(data);
+    }
+    for ((smoothing, _), meshes) in surfaces {
+        smoothing::add_normals(meshes, smoothing);
+    }
 }
 
 fn display_name(part: &ObjPart) -> String {
@@ -154,14 +170,16 @@ fn mesh_data(mesh: &tobj::Mesh, shapes: &mut FaceShapes) -> Result<MeshData, Mes
     Ok(MeshData { normals: vectors(&mesh.normals), uvs, colors, ..data })
 }
 
-/// The colours of vertices as light; none if all are white. The programs that write them (MeshLab, ZBrush, Blender) write
-/// display colours: sRGB.
+/// The colours of vertices as light, white for vertices without one; none if no vertex has a colour. The programs that write
+/// them (MeshLab, ZBrush, Blender) write display colours: sRGB.
 fn linear_colours(shown: &[f32]) -> Vec<[f32; 4]> {
-    if shown.iter().all(|&part| part == 1.0) {
+    let colours = || shown.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]);
+    if colours().all(|colour| colour == NO_COLOUR) {
         return Vec::new();
     }
     let light = |part: f32| Encoding::Srgb.decode_signal(f64::from(part)) as f32;
-    shown.chunks_exact(3).map(|rgb| [light(rgb[0]), light(rgb[1]), light(rgb[2]), 1.0]).collect()
+    let linear = |[r, g, b]: [f32; 3]| [light(r), light(g), light(b), 1.0];
+    colours().map(|colour| if colour == NO_COLOUR { [1.0; 4] } else { linear(colour) }).collect()
 }
 
 fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
@@ -242,6 +260,17 @@ mod tests {
         assert!(matches!(diffuse(1), ColorTexture::Constant(_)));
     }
 
+    /// White colours of vertices were dropped, so that a mesh without material was grey.
+    #[test]
+    fn white_colours_of_vertices_are_kept() {
+        let white = "v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n";
+        let model = load_text(white).expect("a model");
+        assert_eq!(model.meshes[0].mesh.data().colors, [[1.0; 4]; 3]);
+        assert_eq!(model.textures, [Texture::VertexColor(None)]);
+        let plain = load_text(&white.replace(" 1 1 1", "")).expect("a model");
+        assert!(plain.meshes[0].mesh.data().colors.is_empty());
+    }
+
     #[test]
     fn a_concave_face_covers_its_own_area_only() {
         let model = load_text("v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4").expect("a dart");
@@ -264,6 +293,49 @@ mod tests {
         assert_eq!(normals("s off\n"), 0);
         assert_eq!(normals("s 1\n"), 4);
         assert_eq!(normals(""), 6, "the sharp edge is kept: its two vertices are repeated");
+    }
+
+    /// Normals at the ridge of a roof of two sides, corner by corner.
+    fn ridge_normals(height: f32, faces: &str) -> Vec<Vec3> {
+        let roof =
+            format!("v -2 -2 0\nv 0 -2 {height}\nv 0 2 {height}\nv -2 2 0\nv 2 -2 0\nv 2 2 0\nvt 0 0\nvn 0 0 1\n");
+        let model = load_text(&format!("{roof}{faces}")).expect("a model");
+        let mut normals = Vec::new();
+        for data in model.meshes.iter().map(|m| m.mesh.data()) {
+            let corners = data.triangles.iter().flatten().map(|&i| i as usize);
+            let at_ridge = corners.filter(|&i| data.positions[i].x == 0.0);
+            normals.extend(at_ridge.map(|i| data.normals.get(i).copied().unwrap_or(Vec3::NAN)));
+        }
+        normals
+    }
+
+    /// Normals were computed for each combination of name, material and attributes: an edge between two of them was sharp.
+    #[test]
+    fn smoothing_groups_extend_across_materials_groups_objects_and_texture_coordinates() {
+        let ridge = |faces: &str| ridge_normals(1.0, faces);
+        let smooth = ridge("s 1\nf 1 2 3 4\nf 2 5 6 3\n");
+        assert!(smooth.iter().all(|n| n.x.abs() < 0.2), "{smooth:?}");
+        for between in ["usemtl b", "g b", "o b", "o b\nusemtl b\ng c"] {
+            assert_eq!(ridge(&format!("s 1\nf 1 2 3 4\n{between}\nf 2 5 6 3\n")), smooth, "{between}");
+        }
+        assert_eq!(ridge("s 1\nf 1/1 2/1 3/1 4/1\nf 2 5 6 3\n"), smooth);
+        // Faces with normals keep them, and count for the others.
+        assert_eq!(ridge("s 1\nf 1//1 2//1 3//1 4//1\nf 2 5 6 3\n")[3..], smooth[3..]);
+        let separate = ridge("s 1\nf 1 2 3 4\ns 2\nf 2 5 6 3\n");
+        assert!(separate.iter().all(|n| n.x.abs() > 0.4), "{separate:?}");
+        assert!(ridge("s 1\nf 1 2 3 4\ns off\nf 2 5 6 3\n")[3..].iter().all(|n| n.is_nan()));
+    }
+
+    /// The same without smoothing groups: materials and groups make no edge sharp, objects remain separate.
+    #[test]
+    fn gentle_edges_are_smoothed_across_materials_and_groups_of_an_object() {
+        let ridge = |between: &str| ridge_normals(0.2, &format!("o a\nf 1 2 3 4\n{between}\nf 2 5 6 3\n"));
+        let smooth = ridge("");
+        assert!(smooth.iter().all(|n| n.x.abs() < 0.04), "{smooth:?}");
+        assert_eq!([ridge("usemtl b"), ridge("g b"), ridge("g b\no a")], [smooth.clone(), smooth.clone(), smooth]);
+        for normal in [ridge("o b"), ridge("o b\ng a")].concat() {
+            assert!(normal.x.abs() > 0.09, "{normal}");
+        }
     }
 
     #[test]
@@ -313,6 +385,18 @@ mod tests {
         assert_eq!(what[0], "the material library `none.mtl` does not exist; plain grey is used for its materials");
         assert_eq!(what[1], "the image `missing.png` does not exist; the plain colour is used");
         assert_eq!(what.len(), 2);
+    }
+
+    /// Exporters write them for each material: warnings would hide the others.
+    #[test]
+    fn ambient_colours_and_maps_are_ignored_without_a_warning() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("m.mtl"), "newmtl m\nKa 1 0 0\nmap_Ka missing.png\nKd 1 1 1\n").expect("written");
+        let path = folder.path().join("m.obj");
+        fs::write(&path, format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3\n")).expect("written");
+        let model = load_file(&path, &LoadOptions::default()).expect("a model");
+        assert_eq!(model.warnings, []);
+        assert_eq!(model.materials[0].to_phong().ambient, ColorTexture::Constant(Rgb::gray(0.1)));
     }
 
     #[test]

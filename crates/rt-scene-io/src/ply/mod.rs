@@ -82,9 +82,17 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     if corners.is_empty() {
         return Err(model.empty("has no usable triangles", path));
     }
-    let data =
+    let mut data =
         mesh_data(&header, &vertices, &corners).map_err(|error| LoadErrorKind::from(error).at(path, "element face"))?;
     let is_colored = !data.colors.is_empty();
+    let clamped = clamp_colors(&mut data.colors);
+    if clamped > 0 {
+        warn(format!(
+            "vertex colours above 1 are clamped: {clamped} of {}; colours of type `float` are 1 at most, those of type \
+             `uchar` 255",
+            data.colors.len()
+        ));
+    }
     model.set_mesh(data, path)?;
     if is_colored {
         show_colors(&mut model);
@@ -239,6 +247,16 @@ fn colors(header: &PlyHeader, vertices: &PlyVertices) -> Vec<[f32; 4]> {
         [r, g, b, if has_alpha { a / max_alpha } else { 1.0 }]
     });
     decoded.collect()
+}
+
+/// Clamps components above 1, without alpha. Returns the number of changed colours.
+fn clamp_colors(colors: &mut [[f32; 4]]) -> usize {
+    let mut count = 0;
+    for [r, g, b, _] in colors.iter_mut().filter(|[r, g, b, _]| r.max(*g).max(*b) > 1.0) {
+        [*r, *g, *b] = [r.min(1.0), g.min(1.0), b.min(1.0)];
+        count += 1;
+    }
+    count
 }
 
 #[cfg(test)]

@@ -242,9 +242,25 @@ fn colours_of_vertices_are_decoded_and_shown() {
     let floats = colored("float", alpha, ["0.5 0 1 255", "2 0 0 0", "0 0 0 51", "1 1 1 255"]);
     assert_eq!(
         data(&floats).colors,
-        [[0.5, 0.0, 1.0, 1.0], [2.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.2], [1.0, 1.0, 1.0, 1.0]]
+        [[0.5, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.2], [1.0, 1.0, 1.0, 1.0]]
     );
     assert!(load_text(SQUARE).expect("a square").textures.is_empty());
+}
+
+/// Floats up to 255 were accepted without a word: `path` clamped them, `whitted` did not.
+#[test]
+fn float_colours_above_one_are_a_warning() {
+    let model = colored("float", "", ["255 128 0", "1 1 1", "0 0 1.5", "0 0 0"]);
+    let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+    assert_eq!(
+        warnings,
+        [
+            "vertex colours above 1 are clamped: 2 of 4; colours of type `float` are 1 at most, those of type `uchar` 255"
+        ]
+    );
+    assert_eq!(data(&model).colors[..3], [[1.0, 1.0, 0.0, 1.0], [1.0; 4], [0.0, 0.0, 1.0, 1.0]]);
+    assert_eq!(colored("float", "", ["1 0.5 0", "1 1 1", "0 0 1", "0 0 0"]).warnings, []);
+    assert_eq!(colored("uchar", "", ["255 128 0"; 4]).warnings, []);
 }
 
 #[test]

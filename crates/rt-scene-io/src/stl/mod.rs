@@ -1,7 +1,7 @@
 //! STL (3D Systems, 1988), text and binary, through `stl_io`.
 //!
 //! The size of a file distinguishes the two, as many binary files begin with "solid". Corners at one position become one
-//! vertex. Facets are flat; normals in the file are ignored.
+//! vertex. Facets are flat; normals in the file are ignored, and colours are left out.
 
 mod ascii_reader;
 
@@ -52,7 +52,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
         refuse_utf16(&bytes).at(path, "")?;
     }
     match promised_size(&bytes) {
-        Some(promised) if promised == bytes.len() as u64 || !begins_as_text => {
+        Some(promised) if promised == bytes.len() as u64 || !begins_as_text || is_followed(&bytes, promised) => {
             let after = (bytes.len() as u64).checked_sub(promised).ok_or_else(|| {
                 let facets = (promised - HEADER as u64) / FACET;
                 let rule = format!("is truncated: its {facets} facets take {promised} bytes");
@@ -60,6 +60,9 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
             })?;
             if after > 0 {
                 let message = format!("{after} bytes after the last facet are left out");
+                model.warn(path.display(), message);
+            }
+            if let Some(message) = left_out_colors(&bytes, promised) {
                 model.warn(path.display(), message);
             }
             read_binary(bytes, &mut mesh).map_err(|error| LoadErrorKind::Syntax(error.to_string()).at(path, ""))?;
@@ -79,6 +82,22 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
 fn promised_size(bytes: &[u8]) -> Option<u64> {
     let count = bytes.get(COMMENT..HEADER)?.try_into().ok()?;
     Some(HEADER as u64 + FACET * u64::from(u32::from_le_bytes(count)))
+}
+
+/// True for a binary file with bytes after its facets: text has no NUL, which the number of facets contains.
+fn is_followed(bytes: &[u8], promised: u64) -> bool {
+    promised < bytes.len() as u64 && bytes[COMMENT..HEADER].contains(&0)
+}
+
+/// Warning about colours of a binary file of this size. VisCAM and SolidView mark the colour of a facet with the highest bit of
+/// its last two bytes. Magics writes `COLOR=` and four bytes to the comment, and clears the bit of facets with a colour.
+fn left_out_colors(bytes: &[u8], promised: u64) -> Option<String> {
+    if bytes[..COMMENT].windows(6).any(|word| word == b"COLOR=") {
+        return Some("the colours of the header (`COLOR=`) and of facets are left out".to_owned());
+    }
+    let facets = bytes[HEADER..promised as usize].chunks_exact(FACET as usize);
+    let (count, colored) = (facets.len(), facets.filter(|facet| facet[FACET as usize - 1] & 0x80 != 0).count());
+    (colored > 0).then(|| format!("the colours of {colored} of {count} facets are left out"))
 }
 
 /// Triangles whose equal corners share a vertex.

@@ -105,6 +105,35 @@ fn numbers_of_facets_are_checked_before_anything_is_read() {
     assert_eq!(load_all(&longer).expect("a square").warnings[0].message, "7 bytes after the last facet are left out");
 }
 
+/// Colours were left out without a word.
+#[test]
+fn colours_of_facets_and_headers_are_a_warning() {
+    let messages = |bytes: &[u8]| {
+        let model = load_all(bytes).expect("a square");
+        model.warnings.into_iter().map(|w| w.message).collect::<Vec<_>>()
+    };
+    let mut one = binary(b"");
+    one[HEADER + FACET as usize - 2..][..2].copy_from_slice(&0x801f_u16.to_le_bytes());
+    assert_eq!(messages(&one), ["the colours of 1 of 2 facets are left out"]);
+    // Without the highest bit, the two bytes are no colour.
+    let mut other = binary(b"");
+    other[HEADER + FACET as usize - 2] = 0x1f;
+    assert_eq!(messages(&other), [""; 0]);
+    let magics = binary(b"a COLOR=\xff\x00\x00\xff,MATERIAL=");
+    assert_eq!(messages(&magics), ["the colours of the header (`COLOR=`) and of facets are left out"]);
+}
+
+/// They were read as text, which lacks its end.
+#[test]
+fn binary_files_that_begin_with_solid_may_have_bytes_after_the_facets() {
+    for comment in [&b"solid foo\0\0"[..], b"solid made by a program"] {
+        let model = load_all(&[binary(comment), b"\0\0rest".to_vec()].concat()).expect("a square");
+        assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+        let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+        assert_eq!(warnings, ["6 bytes after the last facet are left out"]);
+    }
+}
+
 #[test]
 fn cut_and_changed_files_never_panic() {
     for bytes in [text().into_bytes(), binary(b""), binary(b"solid")] {
