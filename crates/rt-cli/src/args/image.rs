@@ -17,13 +17,14 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true, help_heading = "Camera and scene")]
     pub(crate) size: Option<[u32; 2]>,
 
-    /// Set the samples per pixel, or their maximum with --time or --target-error [default: as in the scene]
+    /// Set the samples per pixel [default: as in the scene]
     ///
-    /// The maximum is 4096 by default with --target-error, and 1048576 with --time alone. Numbers that the sampler does not support are rounded up.
+    /// With the stop rules of `render`, it is their maximum: by default 4096 with --target-error, and 1048576 with --time alone. Numbers that the
+    /// sampler does not support are rounded up.
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 31), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) spp: Option<u32>,
 
-    /// Split the samples into N independent passes to estimate the error [default: 1; for stochastic integrators 2 or 4, unless that doubles the samples]
+    /// Split the samples into N independent passes to estimate the error [default: 1; for stochastic integrators 2 or 4, unless that doubles the samples; for `converge` 1]
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 16), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) passes: Option<u32>,
 
