@@ -217,7 +217,9 @@ impl PbrtTextures {
         Ok(Alpha { mode: AlphaMode::Blend, factor: factor.clamp(0.0, 1.0), texture, culls_back_faces: false })
     }
 
-    /// The texture whose alpha is the mean of the colours of another; `None` if that shows no image.
+    /// The texture whose alpha is the number that a float image map gives; `None` if `id` shows no image.
+    ///
+    /// As in pbrt-v4 (`MIPMap::Bilerp<Float>`), that is the alpha channel, or the mean of the colours of an opaque image.
     fn alpha_of(&mut self, id: TextureId, line: usize, files: FileScope<'_>) -> Result<Option<TextureId>, LineError> {
         if let Some(known) = self.alphas.get(&id) {
             return Ok(Some(*known));
@@ -228,6 +230,9 @@ impl PbrtTextures {
             None => return Ok(None),
         };
         let Texture::Image { bitmap, wrap, smooth } = image else { return Ok(None) };
+        if bitmap.alpha.iter().any(|alpha| *alpha != 1.0) {
+            return Ok(Some(id));
+        }
         let bytes = (bitmap.memory() + bitmap.pixels.len() * size_of::<f32>()) as u64;
         files.options.memory.keep("the alpha of a shape", bytes).in_line(line)?;
         let alpha = bitmap.pixels.iter().map(|pixel| (pixel.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0)).collect();

@@ -16,6 +16,12 @@ fn square(before: &str, parameters: &str) -> Model {
     };
     save("mask.png", |x, _| [255 * x as u8; 3]);
     save("normals.png", |_, _| [128, 51, 255]);
+    let save_rgba = |name: &str, alpha: [u8; 2]| {
+        let image = image::RgbaImage::from_fn(2, 2, |x, _| image::Rgba([255, 0, 0, alpha[x as usize]]));
+        image.save(folder.path().join(name)).expect("saved");
+    };
+    save_rgba("cut.png", [0, 255]);
+    save_rgba("red.png", [255, 255]);
     let text = format!(
         "WorldBegin\nTexture \"mask\" \"float\" \"imagemap\" \"string filename\" \"mask.png\" \"float uscale\" 2\n\
          Texture \"squares\" \"float\" \"checkerboard\"\n{before}\n\
@@ -40,6 +46,20 @@ fn shapes_are_cut_by_numbers_and_images() {
     let other = square("", "\"texture alpha\" \"squares\"");
     assert_eq!(other.materials[0].alpha, Alpha::OPAQUE);
     assert!(other.warnings[0].message.contains("\"alpha\" must be an image"), "{:?}", other.warnings);
+}
+
+/// Alpha was the mean of the colours, even where the image has an alpha channel.
+#[test]
+fn alpha_of_an_rgba_image_is_its_alpha_channel() {
+    let alpha_of = |file: &str| {
+        let image = format!("Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"{file}\"");
+        let model = square(&image, "\"texture alpha\" \"a\"");
+        let Some(TextureId(id)) = model.materials[0].alpha.texture else { panic!("not cut by {file}") };
+        model.textures[id as usize].bitmap().expect("an image").alpha.clone()
+    };
+    assert_eq!(alpha_of("cut.png"), [0.0, 1.0, 0.0, 1.0]);
+    // Images that are opaque throughout count as images of three channels.
+    assert_eq!(alpha_of("red.png"), [1.0 / 3.0; 4]);
 }
 
 #[test]
