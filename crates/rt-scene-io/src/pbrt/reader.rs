@@ -22,7 +22,7 @@ use crate::text::tokenizer::{Token, TokenKind, Tokenizer, shown};
 use crate::{LoadError, LoadErrorKind, MaterialId, Model, SceneNode, Warning, read_text, resolve_path};
 
 /// Directives before the world that choose an algorithm.
-const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
+const CHOICES: [&str; 4] = ["Integrator", "Sampler", "PixelFilter", "Accelerator"];
 
 /// Directives of the world.
 const WORLD: [&str; 22] = [
@@ -51,7 +51,7 @@ const WORLD: [&str; 22] = [
 ];
 
 /// Directives that are read and left out.
-const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
+const LEFT_OUT: [&str; 5] = ["ColorSpace", "MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
 
 /// Targets of attributes.
 const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
@@ -209,6 +209,12 @@ impl<'f> PbrtReader<'f> {
                 let name = tokens.text("the name of a choice")?;
                 Parameters::read(tokens, line)?;
                 self.model.notes.push(format!("{word} \"{name}\" is ignored: this program chooses its own."));
+            }
+            "ColorSpace" => {
+                let name = tokens.text("the name of a colour space")?;
+                if !name.eq_ignore_ascii_case("srgb") {
+                    self.warn(line, format!("the colour space \"{name}\" is not supported: colours are read as sRGB"));
+                }
             }
             "AttributeBegin" | "TransformBegin" => self.open_scope(line, false)?,
             "AttributeEnd" | "TransformEnd" => self.close_scope(line, word)?,

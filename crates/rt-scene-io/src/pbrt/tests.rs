@@ -157,6 +157,13 @@ fn orientation_is_reversed_with_the_normals() {
     assert!((place.normal(DVec3::Y) - DVec3::Z).length() < 1e-12, "the file's −z, mirrored");
 }
 
+/// A colour space was a note that `--strict` accepts, although it changes all colours.
+#[test]
+fn the_colour_space_srgb_is_no_warning() {
+    let model = good(&world("ColorSpace \"srgb\""));
+    assert_eq!((&model.warnings[..], &model.notes[..]), (&[][..], &[][..]));
+}
+
 /// `u` of a sphere begins at the +x of the file and goes on to its +y.
 #[test]
 fn shapes_of_revolution_stand_along_z() {
@@ -218,8 +225,13 @@ fn every_bad_line_is_named_and_all_in_one_run() {
         ),
         (
             "Material \"diffuse\" \"texture reflectance\" \"t\"",
-            "m.pbrt:2: unknown texture `t`; no textures are defined",
+            "m.pbrt:2: unknown spectrum texture `t`; no spectrum textures are defined",
         ),
+        (
+            "Texture \"t\" \"float\" \"constant\" Material \"diffuse\" \"texture reflectance\" \"t\"",
+            "m.pbrt:2: unknown spectrum texture `t`; no spectrum textures are defined",
+        ),
+        ("Texture \"t\" \"color\" \"constant\"", "m.pbrt:2: unknown type of a texture `color`"),
         ("NamedMaterial \"m\"", "m.pbrt:2: unknown material `m`; no materials are defined"),
         ("ObjectInstance \"m\"", "m.pbrt:2: unknown object `m`; no objects are defined"),
         ("Texture \"t\" \"float\" \"wood\"", "m.pbrt:2: unknown texture `wood`"),
@@ -273,6 +285,7 @@ fn what_is_not_supported_is_listed_with_its_line() {
         ),
         ("LightSource \"goniometric\"", "the light \"goniometric\" is not supported"),
         ("LightSource \"point\" \"float fov\" 5", "the parameter \"fov\" of LightSource is not supported"),
+        ("ColorSpace \"rec2020\"", "the colour space \"rec2020\" is not supported: colours are read as sRGB"),
         ("MediumInterface \"fog\" \"\"", "`MediumInterface` is left out"),
         ("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "`MakeNamedMedium` is left out"),
         (

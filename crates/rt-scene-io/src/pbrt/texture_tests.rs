@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use rt_shading::{Alpha, AlphaMode, Texture, TextureId};
+use rt_math::Rgb;
+use rt_shading::{Alpha, AlphaMode, ColorTexture, MaterialModel, Texture, TextureId};
 
 use super::load_text;
 use crate::{LoadOptions, Model};
@@ -60,6 +61,22 @@ fn alpha_of_an_rgba_image_is_its_alpha_channel() {
     assert_eq!(alpha_of("cut.png"), [0.0, 1.0, 0.0, 1.0]);
     // Images that are opaque throughout count as images of three channels.
     assert_eq!(alpha_of("red.png"), [1.0 / 3.0; 4]);
+}
+
+/// Float and spectrum textures shared one namespace, so that the last definition replaced both.
+#[test]
+fn float_and_spectrum_textures_have_names_of_their_own() {
+    let textures = "Texture \"n\" \"spectrum\" \"constant\" \"rgb value\" [1 0 0]\n\
+                    Texture \"n\" \"float\" \"constant\" \"float value\" 0.25\n\
+                    Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"n\" \"texture scale\" \"n\"\n";
+    let of = |name: &str| {
+        let material = format!("{textures}Material \"diffuse\" \"texture reflectance\" \"{name}\"");
+        let model = square(&material, "\"texture alpha\" \"n\"");
+        assert_eq!(model.materials[0].alpha.factor, 0.25);
+        model.materials[0].model.clone()
+    };
+    let diffuse = |r| MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::new(r, 0.0, 0.0)), roughness: 0.0 };
+    assert_eq!((of("n"), of("s")), (diffuse(1.0), diffuse(0.25)));
 }
 
 #[test]

@@ -9,6 +9,7 @@ use super::parameters::{Parameters, unknown};
 use super::reader::PbrtReader;
 use super::shape::{DirectiveError, PbrtShape};
 use super::state::Emission;
+use super::texture::TextureType;
 use super::view::PbrtCamera;
 use super::{light, material, shape, spectrum};
 use crate::build_mesh::build_mesh;
@@ -72,10 +73,10 @@ impl PbrtReader<'_> {
                 self.state.surface = *surface;
             }
             "Texture" => {
-                tokens.text("the type of a texture")?;
+                let texture_type = TextureType::read(&tokens.text("the type of a texture")?, line)?;
                 let class = tokens.text("the class of a texture")?;
                 let parameters = self.parameters(tokens, line, "texture")?;
-                let warnings = self.textures.define(name, &class, &parameters, self.files)?;
+                let warnings = self.textures.define(name, texture_type, &class, &parameters, self.files)?;
                 self.warn_all(word, &parameters, warnings);
             }
             _ => {
