@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use rt_math::Rgb;
+use rt_geometry::MeshData;
+use rt_math::{Rgb, Vec3};
 use rt_shading::{Alpha, AlphaMode, ColorTexture, MaterialModel, Texture, TextureId};
 
 use super::load_text;
@@ -23,9 +24,14 @@ fn square(before: &str, parameters: &str) -> Model {
     };
     save_rgba("cut.png", [0, 255]);
     save_rgba("red.png", [255, 255]);
+    let faces = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+                 element face 2\nproperty list uchar int vertex_indices\nend_header\n\
+                 0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n4 0 1 2 3\n3 1 4 2\n";
+    std::fs::write(folder.path().join("faces.ply"), faces).expect("written");
     let text = format!(
         "WorldBegin\nTexture \"mask\" \"float\" \"imagemap\" \"string filename\" \"mask.png\" \"float uscale\" 2\n\
-         Texture \"squares\" \"float\" \"checkerboard\"\n{before}\n\
+         Texture \"squares\" \"float\" \"checkerboard\"\n\
+         Texture \"colors\" \"spectrum\" \"imagemap\" \"string filename\" \"mask.png\"\n{before}\n\
          Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] {parameters}\n"
     );
     let path: &Path = &folder.path().join("m.pbrt");
@@ -97,4 +103,64 @@ fn normal_maps_are_numbers_along_tangents() {
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
     let sphere = square(&format!("{bumpy}\nShape \"sphere\""), "");
     assert!(sphere.warnings[0].message.contains("its normal map needs texture coordinates"), "{:?}", sphere.warnings);
+}
+
+/// A material with an image.
+const IMAGE: &str = "Material \"diffuse\" \"texture reflectance\" \"colors\"";
+
+/// The first mesh of the world with this before the square.
+fn mesh(before: &str) -> MeshData {
+    square(before, "").meshes[0].mesh.data().clone()
+}
+
+/// Meshes without `uv` had no texture coordinates, so that images showed one colour.
+#[test]
+fn triangles_without_uv_have_the_texture_coordinates_of_pbrt() {
+    let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 2 3 0]";
+    let uvs = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+    for textured in [shape.to_owned() + " \"texture alpha\" \"mask\"", format!("{IMAGE}\n{shape}")] {
+        let data = mesh(&textured);
+        assert_eq!((&data.triangles[..], data.uvs), (&[[0, 1, 2], [3, 4, 5]][..], [uvs, uvs].concat()));
+        assert_eq!(data.positions[3..], [Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::ZERO]);
+    }
+    let reversed = mesh(&format!("{IMAGE}\nReverseOrientation\n{shape}"));
+    assert_eq!((&reversed.triangles[..], reversed.uvs), (&[[0, 2, 1], [3, 5, 4]][..], [uvs, uvs].concat()));
+    // Without textures, vertices stay shared.
+    let plain = mesh(shape);
+    assert_eq!((plain.positions.len(), plain.uvs), (4, Vec::new()));
+}
+
+#[test]
+fn every_patch_without_uv_spans_the_unit_square() {
+    let shape = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0 2 0 0 2 1 0] \
+                 \"integer indices\" [0 1 2 3 1 4 3 5]";
+    let uvs = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    let data = mesh(&format!("{IMAGE}\n{shape}"));
+    assert_eq!(data.triangles, [[0, 1, 3], [0, 3, 2], [4, 5, 7], [4, 7, 6]]);
+    assert_eq!((data.uvs, data.positions[5]), ([uvs, uvs].concat(), Vec3::X * 2.0));
+    let plain = mesh(shape);
+    assert_eq!((plain.positions.len(), plain.uvs), (6, Vec::new()));
+    // The coordinates of a single patch follow its indices, not its vertices.
+    let turned = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 3 2]";
+    let turned = mesh(turned);
+    assert_eq!((turned.uvs, turned.positions[3]), (uvs.to_vec(), Vec3::new(1.0, 1.0, 0.0)));
+}
+
+#[test]
+fn every_face_of_a_ply_file_without_uv_has_the_texture_coordinates_of_pbrt() {
+    let shape = "Shape \"plymesh\" \"string filename\" \"faces.ply\"";
+    let data = mesh(&format!("{IMAGE}\n{shape}"));
+    assert_eq!(data.triangles, [[0, 1, 2], [0, 2, 3], [4, 5, 6]]);
+    let (square, triangle) = ([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    assert_eq!((data.uvs, data.positions[5]), ([&square[..], &triangle[..]].concat(), Vec3::X * 2.0));
+    let plain = mesh(shape);
+    assert_eq!((plain.positions.len(), plain.uvs), (5, Vec::new()));
+}
+
+#[test]
+fn normal_maps_need_no_uv() {
+    let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0]";
+    let model = square(&format!("Material \"diffuse\" \"string normalmap\" \"normals.png\"\n{shape}"), "");
+    assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 3]);
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }

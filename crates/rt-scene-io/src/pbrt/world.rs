@@ -152,9 +152,10 @@ impl PbrtReader<'_> {
         let kind = tokens.text("the kind of a shape")?;
         let parameters = self.parameters(tokens, line, "shape")?;
         let mut warnings = Vec::new();
-        let mut solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut warnings)?;
         let name = format!("line {line}");
         let mut alpha = self.textures.alpha(&parameters, self.files, &mut warnings)?;
+        let needs_uvs = alpha.texture.is_some() || self.surface().is_some_and(Material::is_textured);
+        let mut solid = shape::read(&kind, &parameters, self.state.reversed, needs_uvs, self.files, &mut warnings)?;
         if matches!(solid, PbrtShape::Exact(..)) && alpha != Alpha::OPAQUE {
             warnings.push(format!("\"alpha\" is supported for meshes only: the {kind} is opaque"));
             alpha = Alpha::OPAQUE;
