@@ -418,7 +418,8 @@ impl<'f> PbrtReader<'f> {
         model.cameras.extend(self.view.as_ref().map(|view| view.camera(size)));
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let world = PbrtCamera::ours_from_world(self.view.as_ref());
-        model.nodes = vec![SceneNode { children: self.nodes, ..SceneNode::empty(stem, world) }];
+        let is_left_handed = world.flips_handedness();
+        model.nodes = vec![SceneNode { children: self.nodes, is_left_handed, ..SceneNode::empty(stem, world) }];
         Ok(model)
     }
 }

@@ -137,6 +137,7 @@ fn right_stays_right_and_the_front_stays_the_front() {
         let data = model.meshes[0].mesh.data();
         assert_eq!(data.triangles, [[0, 1, 2]]);
         assert_eq!(root.normal(DVec3::Z), root.vector(DVec3::Z));
+        assert_eq!(model.nodes[0].is_left_handed, root.flips_handedness());
     }
 }
 
