@@ -157,6 +157,21 @@ fn every_face_of_a_ply_file_without_uv_has_the_texture_coordinates_of_pbrt() {
     assert_eq!((plain.positions.len(), plain.uvs), (5, Vec::new()));
 }
 
+/// The second axis was that along which `v` rises, in charts that mirror the image as well.
+#[test]
+fn the_second_axis_of_normal_maps_is_the_cross_product_of_pbrt() {
+    let sides = |before: &str, uv: &str| -> Vec<f32> {
+        let bumpy = format!("Material \"diffuse\" \"string normalmap\" \"normals.png\"\n{before}");
+        let model = square(&bumpy, &format!("\"point2 uv\" [{uv}]"));
+        model.meshes[0].mesh.data().tangents.iter().map(|tangent| tangent[3]).collect()
+    };
+    let (straight, mirrored) = ("0 0 1 0 0 1 1 1", "1 0 0 0 1 1 0 1");
+    assert_eq!((sides("", straight), sides("", mirrored)), (vec![1.0; 4], vec![1.0; 4]));
+    // The product is taken in the world.
+    let reflection = "Scale -1 1 1";
+    assert_eq!((sides(reflection, straight), sides(reflection, mirrored)), (vec![-1.0; 4], vec![-1.0; 4]));
+}
+
 #[test]
 fn normal_maps_need_no_uv() {
     let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0]";

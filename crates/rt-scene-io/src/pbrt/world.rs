@@ -160,7 +160,9 @@ impl PbrtReader<'_> {
             warnings.push(format!("\"alpha\" is supported for meshes only: the {kind} is opaque"));
             alpha = Alpha::OPAQUE;
         }
-        if self.surface().is_some_and(|surface| surface.normal_map.is_some()) && !lay_tangents(&mut solid) {
+        let is_reflected = self.state.matrix.flips_handedness();
+        if self.surface().is_some_and(|surface| surface.normal_map.is_some()) && !lay_tangents(&mut solid, is_reflected)
+        {
             warnings.push("its normal map needs texture coordinates: it is left out".to_owned());
         }
         let (content, place) = match solid {
@@ -216,11 +218,16 @@ impl PbrtReader<'_> {
 }
 
 /// Makes the tangents that normal maps are laid along; false if there are none.
-fn lay_tangents(solid: &mut PbrtShape) -> bool {
+///
+/// The second axis of a map is the cross product of normal and tangent in the world, as in `NormalMap` of pbrt-v4, whether `v`
+/// rises along it or not. `is_reflected` is true for a mesh whose transform flips handedness.
+fn lay_tangents(solid: &mut PbrtShape, is_reflected: bool) -> bool {
     match solid {
         PbrtShape::Mesh(data) if !data.uvs.is_empty() => {
             let uvs = data.uvs.clone();
             tangents::generate(data, &uvs);
+            let side = if is_reflected { -1.0 } else { 1.0 };
+            data.tangents.iter_mut().for_each(|tangent| tangent[3] = side);
             true
         }
         PbrtShape::Mesh(_) | PbrtShape::Exact(..) => false,
