@@ -68,6 +68,8 @@ pub(super) struct PbrtReader<'f> {
     pub(super) includes: usize,
     pub(super) report: Diagnostics,
     pub(super) error_count: usize,
+    /// Kinds and names of definitions that were not found.
+    missing: Vec<(&'static str, String)>,
     pub(super) model: Model,
     /// Index of each message in the warnings, and the number of its occurrences.
     pub(super) warned: HashMap<String, (usize, usize)>,
@@ -109,6 +111,7 @@ impl<'f> PbrtReader<'f> {
             includes: 0,
             report: Diagnostics::new(files.root_file),
             error_count: 0,
+            missing: Vec::new(),
             model: Model::default(),
             warned: HashMap::new(),
             state: GraphicsState::default(),
@@ -132,6 +135,20 @@ impl<'f> PbrtReader<'f> {
         }
     }
 
+    /// True if a name that was not found is defined further down.
+    pub(super) fn has_forward_references(&self) -> bool {
+        self.missing.iter().any(|(kind, name)| match *kind {
+            "material" => self.named.contains_key(name),
+            kind => self.textures.is_defined(kind, name),
+        })
+    }
+
+    /// A reader of the same file that begins with the textures and materials of this one.
+    pub(super) fn with_definitions(self) -> Self {
+        let Self { files, textures, surfaces, named, .. } = self;
+        Self { textures, surfaces, named, ..Self::new(files) }
+    }
+
     /// Reads all directives of a text, and reports errors.
     pub(super) fn read(&mut self, text: &str) {
         let mut tokens = Tokenizer::new(text);
@@ -147,6 +164,9 @@ impl<'f> PbrtReader<'f> {
             match read {
                 Ok(()) => {}
                 Err(DirectiveError::Line(error)) => {
+                    if let LoadErrorKind::UnknownWord { kind, found, .. } = &error.kind {
+                        self.missing.push((kind, found.clone()));
+                    }
                     self.report(error);
                     tokens.skip_to_directive();
                 }

@@ -411,6 +411,28 @@ fn instances_are_counted_before_they_are_unfolded() {
     assert!(scopes.starts_with("m.pbrt:1026: the depth of scopes is 1025, above the limit of 1024"), "{scopes}");
 }
 
+/// pbrt-v4 looks names up at the end of the file. They were refused before their definition.
+#[test]
+fn materials_and_textures_may_be_defined_after_their_use() {
+    let uses = "NamedMaterial \"m\"\nShape \"disk\" \"texture alpha\" \"a\"\nObjectBegin \"o\" Shape \"disk\" ObjectEnd\n\
+                ObjectInstance \"o\"\n";
+    let material = "MakeNamedMaterial \"m\" \"texture reflectance\" \"t\"\n";
+    let textures =
+        "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [1 0 0]\nTexture \"a\" \"float\" \"constant\"\n";
+    let model = good(&world(&format!("AttributeBegin\n{uses}AttributeEnd\n{material}{textures}")));
+    assert_eq!((shapes(&model).len(), &model.warnings[..]), (3, &[][..]));
+    let (albedo, roughness) = (ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)), 0.0);
+    assert_eq!(model.materials[0].model, MaterialModel::Diffuse { albedo, roughness });
+    assert_eq!(shapes(&model).iter().map(|(_, node)| node.material.0).collect::<Vec<_>>(), [0, 0, 1]);
+    // A definition holds for all that comes after it, as before.
+    let twice = "MakeNamedMaterial \"m\"\nNamedMaterial \"m\"\nMakeNamedMaterial \"m\" \"rgb reflectance\" [1 0 0]\n";
+    let albedo = ColorTexture::Constant(Rgb::gray(0.5));
+    assert_eq!(good(&world(twice)).materials[0].model, MaterialModel::Diffuse { albedo, roughness });
+    let error = load(&world(&format!("{uses}{material}"))).unwrap_err().to_string();
+    assert!(error.starts_with("m.pbrt:2: unknown material `m`; no materials are defined"), "{error}");
+    assert_eq!(error.lines().filter(|line| line.contains("unknown")).count(), 3, "{error}");
+}
+
 /// Each message lists all names, of which there may be many.
 #[test]
 fn files_of_nothing_but_mistakes_end_early() {

@@ -56,6 +56,12 @@ pub(super) struct PbrtTextures {
 }
 
 impl PbrtTextures {
+    /// True if there is a texture of this [kind](TextureType::kind) and name.
+    pub(super) fn is_defined(&self, kind: &str, name: &str) -> bool {
+        let types = [TextureType::Float, TextureType::Spectrum];
+        types.into_iter().any(|of| of.kind() == kind && self.named[of as usize].contains_key(name))
+    }
+
     /// Adds the texture `name`; returns warnings about unsupported parts.
     pub(super) fn define(
         &mut self,
