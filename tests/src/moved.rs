@@ -20,6 +20,7 @@ pub fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Result<Scene, Transfor
         content: None,
         material: rt_scene_io::MaterialId(0),
         casts_shadow: true,
+        is_left_handed: false,
         children: std::mem::take(&mut scene.nodes),
     };
     scene.nodes = vec![root];

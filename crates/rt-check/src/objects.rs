@@ -33,6 +33,8 @@ pub(crate) struct Object<'s> {
     pub(crate) chain_condition: f64,
     pub(crate) material: usize,
     pub(crate) casts_shadow: bool,
+    /// True below an odd number of [left-handed](SceneNode::is_left_handed) nodes.
+    pub(crate) is_left_handed: bool,
     /// World space; `None` for an infinite object.
     pub(crate) bounds: Option<Aabb>,
 }
@@ -79,6 +81,7 @@ struct Siblings<'s> {
     world_from_parent: Transform,
     chain_condition: f64,
     casts_shadow: bool,
+    is_left_handed: bool,
 }
 
 impl<'s> Objects<'s> {
@@ -103,6 +106,7 @@ impl<'s> Objects<'s> {
             world_from_parent: Transform::IDENTITY,
             chain_condition: 1.0,
             casts_shadow: true,
+            is_left_handed: false,
         }];
         while let Some(siblings) = open.last_mut() {
             let Some((index, node)) = siblings.nodes.next() else {
@@ -113,6 +117,7 @@ impl<'s> Objects<'s> {
             let world_from_local = siblings.world_from_parent.compose(&node.parent_from_local);
             let chain_condition = siblings.chain_condition * condition(&node.parent_from_local.linear());
             let casts_shadow = siblings.casts_shadow && node.casts_shadow;
+            let is_left_handed = siblings.is_left_handed != node.is_left_handed;
             if self.nodes.len() >= MAX_NODES || open.len() >= MAX_DEPTH {
                 self.truncated = true;
                 return;
@@ -126,6 +131,7 @@ impl<'s> Objects<'s> {
                 world_from_parent: world_from_local,
                 chain_condition,
                 casts_shadow,
+                is_left_handed,
             };
             open.push(below(&node.children, None));
             let geometry = match &node.content {
@@ -151,6 +157,7 @@ impl<'s> Objects<'s> {
                     chain_condition,
                     material: node.material.0 as usize,
                     casts_shadow,
+                    is_left_handed,
                     bounds: world_bounds(geometry, &world_from_local),
                 });
             }

@@ -33,12 +33,14 @@ fn check_object(objects: &Objects<'_>, object: &Object<'_>, findings: &mut Findi
             ),
         ));
     }
-    if object.world_from_local.flips_handedness() {
+    if object.world_from_local.flips_handedness() != object.is_left_handed {
+        // Relative to the world of a left-handed file.
+        let determinant = -linear.determinant().abs();
         findings.add(Finding::new(
             Kind::Mirrored,
             objects.name(object),
-            &[("determinant", linear.determinant())],
-            format!("the transform is a reflection (determinant {:.6})", linear.determinant()),
+            &[("determinant", determinant)],
+            format!("the transform is a reflection (determinant {determinant:.6})"),
         ));
     }
     let has_normals = matches!(object.geometry, Geometry::Mesh(_, mesh) if !mesh.data().normals.is_empty());
@@ -57,6 +59,7 @@ mod tests {
     use super::*;
     use crate::fixture::*;
     use rt_math::{DVec3, Transform};
+    use rt_scene_io::SceneNode;
 
     #[test]
     fn a_product_that_undoes_itself_is_still_a_loss() {
@@ -73,6 +76,26 @@ mod tests {
         assert_eq!(finding.object, "nodes[0].children[0]");
         assert!((finding.values[0].value - 1.0).abs() < 1e-9, "{finding:?}");
         assert!((finding.values[1].value - 1e14).abs() < 1e5, "{finding:?}");
+    }
+
+    /// The reflection of the whole world of a pbrt file was noted for each of its objects.
+    #[test]
+    fn the_reflection_of_a_left_handed_file_is_no_mirror_image() {
+        let mut scene = empty();
+        let reflected = |x, children| {
+            let reflection = Transform::scale(DVec3::new(x, 1.0, 1.0)).unwrap();
+            SceneNode { children, ..SceneNode::empty(String::new(), reflection) }
+        };
+        let in_file = vec![sphere(DVec3::ZERO, 1.0), reflected(-2.0, vec![sphere(DVec3::X * 4.0, 1.0)])];
+        let file = SceneNode { is_left_handed: true, ..reflected(-1.0, in_file) };
+        scene.nodes = vec![file.clone()];
+        // An object that the file itself reflects is one.
+        let finding = only(&scene, Kind::Mirrored);
+        assert_eq!(finding.object, "nodes[0].children[1].children[0]");
+        assert_eq!(finding.values, [value("determinant", -2.0)]);
+        // A scene that reflects the file makes a mirror image of the rest.
+        scene.nodes = vec![reflected(-1.0, vec![file])];
+        assert_eq!(only(&scene, Kind::Mirrored).object, "nodes[0].children[0].children[0]");
     }
 
     #[test]

@@ -103,6 +103,8 @@ mod text;
 mod texture;
 #[cfg(feature = "format")]
 mod texture_error;
+#[cfg(feature = "ply")]
+mod unshare;
 
 #[cfg(feature = "format")]
 pub use convert::{Converted, convert};

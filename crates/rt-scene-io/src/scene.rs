@@ -276,6 +276,9 @@ pub struct SceneNode {
     pub material: MaterialId,
     /// True if it casts shadows. `false` applies to all nodes below.
     pub casts_shadow: bool,
+    /// True if the nodes below come from a file with left-handed coordinates, which `parent_from_local` reflects: their
+    /// image is no mirror image.
+    pub is_left_handed: bool,
     /// Nodes below.
     pub children: Vec<SceneNode>,
 }
@@ -302,7 +305,8 @@ impl Clone for SceneNode {
 impl SceneNode {
     /// Copy without the nodes below.
     fn without_children(&self) -> Self {
-        let Self { name, parent_from_local, moves_to, content, material, casts_shadow, children } = self;
+        let Self { name, parent_from_local, moves_to, content, material, casts_shadow, is_left_handed, children } =
+            self;
         Self {
             name: name.clone(),
             parent_from_local: *parent_from_local,
@@ -310,6 +314,7 @@ impl SceneNode {
             content: content.clone(),
             material: *material,
             casts_shadow: *casts_shadow,
+            is_left_handed: *is_left_handed,
             children: Vec::with_capacity(children.len()),
         }
     }
@@ -328,6 +333,7 @@ impl SceneNode {
             content: None,
             material: MaterialId(0),
             casts_shadow: true,
+            is_left_handed: false,
             children: Vec::new(),
         }
     }

@@ -24,7 +24,9 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 31), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) spp: Option<u32>,
 
-    /// Split the samples into N independent passes to estimate the error [default: 1; for stochastic integrators 2 or 4, unless that doubles the samples; for `converge` 1]
+    /// Split the samples into N independent passes to estimate the error [default: 1; for stochastic integrators 2 or 4, unless that doubles the samples]
+    ///
+    /// `converge` takes 1 by default.
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 16), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) passes: Option<u32>,
 

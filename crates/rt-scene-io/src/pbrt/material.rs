@@ -16,7 +16,7 @@ use rt_shading::{ColorTexture, InteriorMedium, MaterialModel, Phong};
 
 use super::parameters::{Parameters, Values, unknown};
 use super::spectrum::{colour, glass, metal};
-use super::texture::PbrtTextures;
+use super::texture::{PbrtTextures, TextureType};
 use crate::Material;
 use crate::error::LineError;
 
@@ -43,11 +43,13 @@ pub(super) fn read(
     let reader = MaterialParameters { parameters, textures };
     Ok(Some(match kind {
         "diffuse" => {
-            let albedo = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), warnings)?;
+            let albedo =
+                textures.coefficient(parameters, "reflectance", TextureType::Spectrum, Rgb::gray(0.5), warnings)?;
             made(MaterialModel::Diffuse { albedo, roughness: 0.0 })
         }
         "coateddiffuse" => {
-            let base_color = textures.coefficient(parameters, "reflectance", Rgb::gray(0.5), warnings)?;
+            let base_color =
+                textures.coefficient(parameters, "reflectance", TextureType::Spectrum, Rgb::gray(0.5), warnings)?;
             let roughness = reader.roughness(warnings)?;
             made(MaterialModel::MetallicRoughness { base_color, metallic: 0.0, roughness })
         }
@@ -124,7 +126,8 @@ impl MaterialParameters<'_> {
     fn conductor(&self, name: String, warnings: &mut Vec<String>) -> Result<Material, LineError> {
         let (p, roughness) = (self.parameters, self.roughness(warnings)?);
         if p.get("reflectance").is_some() {
-            let base_color = self.textures.coefficient(p, "reflectance", Rgb::WHITE, warnings)?;
+            let base_color =
+                self.textures.coefficient(p, "reflectance", TextureType::Spectrum, Rgb::WHITE, warnings)?;
             let model = MaterialModel::MetallicRoughness { base_color, metallic: 1.0, roughness };
             let material = Material::new(name, model);
             // Ambient light is reflected by the diffuse part only.

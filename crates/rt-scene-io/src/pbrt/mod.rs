@@ -10,7 +10,8 @@
 //!
 //! The world of the format is left-handed: it is mirrored below one node, unless its camera is a mirror too. Instances of
 //! objects share their meshes. Media, motion, curves and partial shapes are skipped or approximated with a warning. Unused
-//! parameters are reported. The colour 1 of a light is white.
+//! parameters are reported. The colour 1 of a light is white. A file that uses names before their definition is read again with
+//! all definitions.
 
 mod file_scope;
 mod light;
@@ -51,6 +52,13 @@ pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadErro
 fn load_text(text: &str, path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let mut reader = PbrtReader::new(FileScope { root_file: path, options });
     reader.read(text);
+    // Textures may follow the materials that use them, and materials the shapes.
+    for _ in 0..2 {
+        if reader.has_forward_references() {
+            reader = reader.with_definitions();
+            reader.read(text);
+        }
+    }
     reader.finish()
 }
 

@@ -22,7 +22,7 @@ use crate::text::tokenizer::{Token, TokenKind, Tokenizer, shown};
 use crate::{LoadError, LoadErrorKind, MaterialId, Model, SceneNode, Warning, read_text, resolve_path};
 
 /// Directives before the world that choose an algorithm.
-const CHOICES: [&str; 5] = ["Integrator", "Sampler", "PixelFilter", "Accelerator", "ColorSpace"];
+const CHOICES: [&str; 4] = ["Integrator", "Sampler", "PixelFilter", "Accelerator"];
 
 /// Directives of the world.
 const WORLD: [&str; 22] = [
@@ -51,7 +51,7 @@ const WORLD: [&str; 22] = [
 ];
 
 /// Directives that are read and left out.
-const LEFT_OUT: [&str; 4] = ["MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
+const LEFT_OUT: [&str; 5] = ["ColorSpace", "MakeNamedMedium", "MediumInterface", "ActiveTransform", "TransformTimes"];
 
 /// Targets of attributes.
 const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
@@ -68,6 +68,8 @@ pub(super) struct PbrtReader<'f> {
     pub(super) includes: usize,
     pub(super) report: Diagnostics,
     pub(super) error_count: usize,
+    /// Kinds and names of definitions that were not found.
+    missing: Vec<(&'static str, String)>,
     pub(super) model: Model,
     /// Index of each message in the warnings, and the number of its occurrences.
     pub(super) warned: HashMap<String, (usize, usize)>,
@@ -109,6 +111,7 @@ impl<'f> PbrtReader<'f> {
             includes: 0,
             report: Diagnostics::new(files.root_file),
             error_count: 0,
+            missing: Vec::new(),
             model: Model::default(),
             warned: HashMap::new(),
             state: GraphicsState::default(),
@@ -132,6 +135,20 @@ impl<'f> PbrtReader<'f> {
         }
     }
 
+    /// True if a name that was not found is defined further down.
+    pub(super) fn has_forward_references(&self) -> bool {
+        self.missing.iter().any(|(kind, name)| match *kind {
+            "material" => self.named.contains_key(name),
+            kind => self.textures.is_defined(kind, name),
+        })
+    }
+
+    /// A reader of the same file that begins with the textures and materials of this one.
+    pub(super) fn with_definitions(self) -> Self {
+        let Self { files, textures, surfaces, named, .. } = self;
+        Self { textures, surfaces, named, ..Self::new(files) }
+    }
+
     /// Reads all directives of a text, and reports errors.
     pub(super) fn read(&mut self, text: &str) {
         let mut tokens = Tokenizer::new(text);
@@ -147,6 +164,9 @@ impl<'f> PbrtReader<'f> {
             match read {
                 Ok(()) => {}
                 Err(DirectiveError::Line(error)) => {
+                    if let LoadErrorKind::UnknownWord { kind, found, .. } = &error.kind {
+                        self.missing.push((kind, found.clone()));
+                    }
                     self.report(error);
                     tokens.skip_to_directive();
                 }
@@ -209,6 +229,12 @@ impl<'f> PbrtReader<'f> {
                 let name = tokens.text("the name of a choice")?;
                 Parameters::read(tokens, line)?;
                 self.model.notes.push(format!("{word} \"{name}\" is ignored: this program chooses its own."));
+            }
+            "ColorSpace" => {
+                let name = tokens.text("the name of a colour space")?;
+                if !name.eq_ignore_ascii_case("srgb") {
+                    self.warn(line, format!("the colour space \"{name}\" is not supported: colours are read as sRGB"));
+                }
             }
             "AttributeBegin" | "TransformBegin" => self.open_scope(line, false)?,
             "AttributeEnd" | "TransformEnd" => self.close_scope(line, word)?,
@@ -412,7 +438,8 @@ impl<'f> PbrtReader<'f> {
         model.cameras.extend(self.view.as_ref().map(|view| view.camera(size)));
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let world = PbrtCamera::ours_from_world(self.view.as_ref());
-        model.nodes = vec![SceneNode { children: self.nodes, ..SceneNode::empty(stem, world) }];
+        let is_left_handed = world.flips_handedness();
+        model.nodes = vec![SceneNode { children: self.nodes, is_left_handed, ..SceneNode::empty(stem, world) }];
         Ok(model)
     }
 }

@@ -14,7 +14,8 @@ use rt_math::{DMat3, DVec3, Transform, Vec3};
 use super::file_scope::FileScope;
 use super::parameters::{Parameters, unknown};
 use crate::error::{ErrorInLine, LineError};
-use crate::{LoadError, LoadErrorKind, resolve_path};
+use crate::unshare::unshare;
+use crate::{LoadError, LoadErrorKind, ply, resolve_path};
 
 /// Known kinds of shapes.
 const KINDS: [&str; 8] =
@@ -43,24 +44,26 @@ impl From<LineError> for DirectiveError {
     }
 }
 
-/// Reads a shape of this kind, with its front on the other side if it is `reversed`.
+/// Reads a shape of this kind, with its front on the other side if it is `reversed`. A mesh without texture coordinates
+/// gets those of pbrt-v4 if it `needs_uvs`.
 pub(super) fn read(
     kind: &str,
     parameters: &Parameters,
     reversed: bool,
+    needs_uvs: bool,
     files: FileScope<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<PbrtShape, DirectiveError> {
     let mut data = match kind {
         "sphere" | "disk" | "cylinder" => return Ok(exact(kind, parameters, reversed, warnings)?),
-        "trianglemesh" => triangles(parameters)?,
+        "trianglemesh" => triangles(parameters, needs_uvs)?,
         "loopsubdiv" => {
             parameters.pass_over(&["levels"]);
             warnings.push("a subdivision surface is not smoothed: its control mesh is seen".to_owned());
-            triangles(parameters)?
+            triangles(parameters, needs_uvs)?
         }
-        "bilinearmesh" => patches(parameters, warnings)?,
-        "plymesh" => return ply(parameters, reversed, files, warnings),
+        "bilinearmesh" => patches(parameters, needs_uvs, warnings)?,
+        "plymesh" => return ply_mesh(parameters, reversed, needs_uvs, files, warnings),
         "curve" => return Ok(PbrtShape::Unsupported),
         other => return Err(unknown("shape", other, parameters.line, KINDS).into()),
     };
@@ -106,27 +109,50 @@ const fn turn() -> DMat3 {
     DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X)
 }
 
-fn triangles(parameters: &Parameters) -> Result<MeshData, LineError> {
+/// Texture coordinates of the corners of a triangle without any.
+const TRIANGLE_UVS: [[f32; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+
+/// Texture coordinates of the corners of a patch without any.
+const PATCH_UVS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+
+fn triangles(parameters: &Parameters, needs_uvs: bool) -> Result<MeshData, LineError> {
     let mut data = vertices(parameters)?;
     let indices = parameters.indices("indices", data.positions.len())?;
     // A single triangle needs no indices.
-    let indices = if indices.is_empty() && data.positions.len() == 3 { vec![0, 1, 2] } else { indices };
+    let mut indices = if indices.is_empty() && data.positions.len() == 3 { vec![0, 1, 2] } else { indices };
     if indices.is_empty() || !indices.len().is_multiple_of(3) {
         let rule = "must be three for each triangle, and for one at least";
         return Err(LineError::new(parameters.line, format_args!("{} indices", indices.len()), rule));
+    }
+    if needs_uvs && data.uvs.is_empty() {
+        lay_uvs(&mut data, &mut indices, TRIANGLE_UVS);
     }
     data.triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     Ok(data)
 }
 
-/// Two triangles for each patch, whose corners are at (0, 0), (1, 0), (0, 1) and (1, 1).
-fn patches(parameters: &Parameters, warnings: &mut Vec<String>) -> Result<MeshData, LineError> {
+/// Gives each corner of the faces a vertex of its own, at the texture coordinates of this corner.
+fn lay_uvs<const N: usize>(data: &mut MeshData, indices: &mut [u32], face_uvs: [[f32; 2]; N]) {
+    unshare(data, indices);
+    data.uvs = face_uvs.into_iter().cycle().take(indices.len()).collect();
+    for (index, vertex) in indices.iter_mut().zip(0..) {
+        *index = vertex;
+    }
+}
+
+/// Two triangles for each patch, whose corners are at [`PATCH_UVS`].
+fn patches(parameters: &Parameters, needs_uvs: bool, warnings: &mut Vec<String>) -> Result<MeshData, LineError> {
     let mut data = vertices(parameters)?;
     let indices = parameters.indices("indices", data.positions.len())?;
-    let indices = if indices.is_empty() && data.positions.len() == 4 { vec![0, 1, 2, 3] } else { indices };
+    let mut indices = if indices.is_empty() && data.positions.len() == 4 { vec![0, 1, 2, 3] } else { indices };
     if indices.is_empty() || !indices.len().is_multiple_of(4) {
         let rule = "must be four for each patch, and for one at least";
         return Err(LineError::new(parameters.line, format_args!("{} indices", indices.len()), rule));
+    }
+    // A single patch needs no further vertices.
+    let is_single = indices.len() == 4 && data.positions.len() == 4;
+    if (needs_uvs || is_single) && data.uvs.is_empty() {
+        lay_uvs(&mut data, &mut indices, PATCH_UVS);
     }
     let mut bent = 0;
     for patch in indices.chunks_exact(4) {
@@ -139,9 +165,6 @@ fn patches(parameters: &Parameters, warnings: &mut Vec<String>) -> Result<MeshDa
     }
     if bent > 0 {
         warnings.push(format!("{bent} bent patches became two flat triangles each"));
-    }
-    if data.uvs.is_empty() && data.positions.len() == 4 {
-        data.uvs = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     }
     Ok(data)
 }
@@ -185,9 +208,10 @@ fn face(data: &mut MeshData, reversed: bool) {
 }
 
 /// The mesh of a PLY file; its colours are not used.
-fn ply(
+fn ply_mesh(
     p: &Parameters,
     reversed: bool,
+    needs_uvs: bool,
     files: FileScope<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<PbrtShape, DirectiveError> {
@@ -199,7 +223,8 @@ fn ply(
         return Err(LineError { line: p.line, kind }.into());
     }
     let path = resolve_path(file, files.root_file, files.options).in_line(p.line)?;
-    let model = crate::ply::load(&path, files.options).map_err(DirectiveError::File)?;
+    let load = if needs_uvs { ply::load_with_face_uvs } else { ply::load };
+    let model = load(&path, files.options).map_err(DirectiveError::File)?;
     warnings.extend(model.warnings.into_iter().map(|warning| format!("{}: {}", warning.place, warning.message)));
     let Some(mesh) = model.meshes.into_iter().next() else { return Ok(PbrtShape::Unsupported) };
     let mut data = Arc::unwrap_or_clone(mesh.mesh).data().clone();

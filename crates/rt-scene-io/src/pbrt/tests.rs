@@ -137,6 +137,7 @@ fn right_stays_right_and_the_front_stays_the_front() {
         let data = model.meshes[0].mesh.data();
         assert_eq!(data.triangles, [[0, 1, 2]]);
         assert_eq!(root.normal(DVec3::Z), root.vector(DVec3::Z));
+        assert_eq!(model.nodes[0].is_left_handed, root.flips_handedness());
     }
 }
 
@@ -155,6 +156,13 @@ fn orientation_is_reversed_with_the_normals() {
     let (place, _) = &shapes(&disk)[0];
     assert_eq!(place.point(DVec3::ZERO), DVec3::Z * -2.0);
     assert!((place.normal(DVec3::Y) - DVec3::Z).length() < 1e-12, "the file's −z, mirrored");
+}
+
+/// A colour space was a note that `--strict` accepts, although it changes all colours.
+#[test]
+fn the_colour_space_srgb_is_no_warning() {
+    let model = good(&world("ColorSpace \"srgb\""));
+    assert_eq!((&model.warnings[..], &model.notes[..]), (&[][..], &[][..]));
 }
 
 /// `u` of a sphere begins at the +x of the file and goes on to its +y.
@@ -218,8 +226,13 @@ fn every_bad_line_is_named_and_all_in_one_run() {
         ),
         (
             "Material \"diffuse\" \"texture reflectance\" \"t\"",
-            "m.pbrt:2: unknown texture `t`; no textures are defined",
+            "m.pbrt:2: unknown spectrum texture `t`; no spectrum textures are defined",
         ),
+        (
+            "Texture \"t\" \"float\" \"constant\" Material \"diffuse\" \"texture reflectance\" \"t\"",
+            "m.pbrt:2: unknown spectrum texture `t`; no spectrum textures are defined",
+        ),
+        ("Texture \"t\" \"color\" \"constant\"", "m.pbrt:2: unknown type of a texture `color`"),
         ("NamedMaterial \"m\"", "m.pbrt:2: unknown material `m`; no materials are defined"),
         ("ObjectInstance \"m\"", "m.pbrt:2: unknown object `m`; no objects are defined"),
         ("Texture \"t\" \"float\" \"wood\"", "m.pbrt:2: unknown texture `wood`"),
@@ -273,6 +286,7 @@ fn what_is_not_supported_is_listed_with_its_line() {
         ),
         ("LightSource \"goniometric\"", "the light \"goniometric\" is not supported"),
         ("LightSource \"point\" \"float fov\" 5", "the parameter \"fov\" of LightSource is not supported"),
+        ("ColorSpace \"rec2020\"", "the colour space \"rec2020\" is not supported: colours are read as sRGB"),
         ("MediumInterface \"fog\" \"\"", "`MediumInterface` is left out"),
         ("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "`MakeNamedMedium` is left out"),
         (
@@ -395,6 +409,28 @@ fn instances_are_counted_before_they_are_unfolded() {
     );
     let scopes = load(&world(&"AttributeBegin\n".repeat(2000))).unwrap_err().to_string();
     assert!(scopes.starts_with("m.pbrt:1026: the depth of scopes is 1025, above the limit of 1024"), "{scopes}");
+}
+
+/// pbrt-v4 looks names up at the end of the file. They were refused before their definition.
+#[test]
+fn materials_and_textures_may_be_defined_after_their_use() {
+    let uses = "NamedMaterial \"m\"\nShape \"disk\" \"texture alpha\" \"a\"\nObjectBegin \"o\" Shape \"disk\" ObjectEnd\n\
+                ObjectInstance \"o\"\n";
+    let material = "MakeNamedMaterial \"m\" \"texture reflectance\" \"t\"\n";
+    let textures =
+        "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [1 0 0]\nTexture \"a\" \"float\" \"constant\"\n";
+    let model = good(&world(&format!("AttributeBegin\n{uses}AttributeEnd\n{material}{textures}")));
+    assert_eq!((shapes(&model).len(), &model.warnings[..]), (3, &[][..]));
+    let (albedo, roughness) = (ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)), 0.0);
+    assert_eq!(model.materials[0].model, MaterialModel::Diffuse { albedo, roughness });
+    assert_eq!(shapes(&model).iter().map(|(_, node)| node.material.0).collect::<Vec<_>>(), [0, 0, 1]);
+    // A definition holds for all that comes after it, as before.
+    let twice = "MakeNamedMaterial \"m\"\nNamedMaterial \"m\"\nMakeNamedMaterial \"m\" \"rgb reflectance\" [1 0 0]\n";
+    let albedo = ColorTexture::Constant(Rgb::gray(0.5));
+    assert_eq!(good(&world(twice)).materials[0].model, MaterialModel::Diffuse { albedo, roughness });
+    let error = load(&world(&format!("{uses}{material}"))).unwrap_err().to_string();
+    assert!(error.starts_with("m.pbrt:2: unknown material `m`; no materials are defined"), "{error}");
+    assert_eq!(error.lines().filter(|line| line.contains("unknown")).count(), 3, "{error}");
 }
 
 /// Each message lists all names, of which there may be many.

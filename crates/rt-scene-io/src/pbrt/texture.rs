@@ -1,4 +1,4 @@
-//! Colour textures by name, normal maps, and alpha textures.
+//! Textures by type and name, normal maps, and alpha textures.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
@@ -18,11 +18,37 @@ use crate::{LoadErrorKind, limits, resolve_path};
 /// Kinds of textures that only other programs have.
 const UNSUPPORTED: [&str; 7] = ["bilerp", "directionmix", "dots", "fbm", "marble", "mix", "ptex"];
 
+/// Type of a texture. Textures of different types may have the same name.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum TextureType {
+    Float,
+    Spectrum,
+}
+
+impl TextureType {
+    /// Reads the second word of a `Texture`.
+    pub(super) fn read(word: &str, line: usize) -> Result<Self, LineError> {
+        match word {
+            "float" => Ok(Self::Float),
+            "spectrum" => Ok(Self::Spectrum),
+            other => Err(unknown("type of a texture", other, line, ["float", "spectrum"])),
+        }
+    }
+
+    /// Kind of name, for messages.
+    const fn kind(self) -> &'static str {
+        match self {
+            Self::Float => "float texture",
+            Self::Spectrum => "spectrum texture",
+        }
+    }
+}
+
 #[derive(Debug, Default)]
 pub(super) struct PbrtTextures {
     pub(super) list: Vec<Texture>,
-    /// In the order of their names, for messages.
-    named: BTreeMap<String, ColorTexture>,
+    /// Float textures, then spectrum textures, in the order of their names, for messages.
+    named: [BTreeMap<String, ColorTexture>; 2],
     images: HashMap<(PathBuf, PixelEncoding), Arc<Bitmap>>,
     /// Alpha textures made from the colours of other textures.
     alphas: HashMap<TextureId, TextureId>,
@@ -30,20 +56,27 @@ pub(super) struct PbrtTextures {
 }
 
 impl PbrtTextures {
+    /// True if there is a texture of this [kind](TextureType::kind) and name.
+    pub(super) fn is_defined(&self, kind: &str, name: &str) -> bool {
+        let types = [TextureType::Float, TextureType::Spectrum];
+        types.into_iter().any(|of| of.kind() == kind && self.named[of as usize].contains_key(name))
+    }
+
     /// Adds the texture `name`; returns warnings about unsupported parts.
     pub(super) fn define(
         &mut self,
         name: String,
+        kind: TextureType,
         class: &str,
         parameters: &Parameters,
         files: FileScope<'_>,
     ) -> Result<Vec<String>, LineError> {
         let mut warnings = Vec::new();
         let made = match class {
-            "constant" => self.coefficient(parameters, "value", Rgb::WHITE, &mut warnings)?,
+            "constant" => self.coefficient(parameters, "value", kind, Rgb::WHITE, &mut warnings)?,
             "scale" => {
-                let below = self.coefficient(parameters, "tex", Rgb::WHITE, &mut warnings)?;
-                let factor = self.coefficient(parameters, "scale", Rgb::WHITE, &mut warnings)?;
+                let below = self.coefficient(parameters, "tex", kind, Rgb::WHITE, &mut warnings)?;
+                let factor = self.coefficient(parameters, "scale", TextureType::Float, Rgb::WHITE, &mut warnings)?;
                 match (below, factor) {
                     (below, ColorTexture::Constant(rgb)) => times(below, rgb),
                     (ColorTexture::Constant(rgb), textured) => times(textured, rgb),
@@ -53,7 +86,7 @@ impl PbrtTextures {
                     }
                 }
             }
-            "checkerboard" => self.checkerboard(parameters, &mut warnings)?,
+            "checkerboard" => self.checkerboard(parameters, kind, &mut warnings)?,
             "imagemap" => self.image(parameters, files, &mut warnings)?,
             other if UNSUPPORTED.contains(&other) => {
                 warnings.push(format!("the texture \"{other}\" is not supported: grey is used"));
@@ -65,25 +98,25 @@ impl PbrtTextures {
             }
         };
         // Later definitions of a name hold for what comes after them.
-        self.named.insert(name, made);
+        self.named[kind as usize].insert(name, made);
         Ok(warnings)
     }
 
-    /// A parameter that is a colour, a number or a texture.
+    /// A parameter that is a colour, a number or a texture of type `kind`.
     pub(super) fn coefficient(
         &self,
         parameters: &Parameters,
         name: &str,
+        kind: TextureType,
         default: Rgb,
         warnings: &mut Vec<String>,
     ) -> Result<ColorTexture, LineError> {
         match parameters.get(name) {
             Some(parameter) if parameter.kind == "texture" => {
                 let texture = parameters.word(name, "texture")?.unwrap_or_default();
-                self.named
-                    .get(texture)
-                    .copied()
-                    .ok_or_else(|| unknown("texture", texture, parameter.line, self.named.keys().map(String::as_str)))
+                let named = &self.named[kind as usize];
+                let known = || named.keys().map(String::as_str);
+                named.get(texture).copied().ok_or_else(|| unknown(kind.kind(), texture, parameter.line, known()))
             }
             _ => {
                 let Some((rgb, warning)) = colour(parameters, name)? else {
@@ -103,7 +136,7 @@ impl PbrtTextures {
         default: f64,
         warnings: &mut Vec<String>,
     ) -> Result<f64, LineError> {
-        match self.coefficient(parameters, name, Rgb::gray(default), warnings)? {
+        match self.coefficient(parameters, name, TextureType::Float, Rgb::gray(default), warnings)? {
             ColorTexture::Constant(rgb) => Ok(rgb.g),
             ColorTexture::Textured(..) => {
                 warnings.push(format!("the texture of \"{name}\" is not supported: {default} is used"));
@@ -112,9 +145,14 @@ impl PbrtTextures {
         }
     }
 
-    fn checkerboard(&mut self, parameters: &Parameters, warnings: &mut Vec<String>) -> Result<ColorTexture, LineError> {
+    fn checkerboard(
+        &mut self,
+        parameters: &Parameters,
+        kind: TextureType,
+        warnings: &mut Vec<String>,
+    ) -> Result<ColorTexture, LineError> {
         let mut square =
-            |name: &str, default: f64| match self.coefficient(parameters, name, Rgb::gray(default), warnings)? {
+            |name: &str, default: f64| match self.coefficient(parameters, name, kind, Rgb::gray(default), warnings)? {
                 ColorTexture::Constant(rgb) => Ok(rgb),
                 ColorTexture::Textured(_, rgb) => {
                     warnings.push(format!("the texture of the squares \"{name}\" is not shown"));
@@ -203,7 +241,7 @@ impl PbrtTextures {
         files: FileScope<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<Alpha, LineError> {
-        let (texture, factor) = match self.coefficient(parameters, "alpha", Rgb::WHITE, warnings)? {
+        let (texture, factor) = match self.coefficient(parameters, "alpha", TextureType::Float, Rgb::WHITE, warnings)? {
             ColorTexture::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Alpha::OPAQUE),
             ColorTexture::Constant(rgb) => (None, rgb.g),
             ColorTexture::Textured(id, rgb) => match self.alpha_of(id, parameters.line, files)? {
@@ -217,7 +255,9 @@ impl PbrtTextures {
         Ok(Alpha { mode: AlphaMode::Blend, factor: factor.clamp(0.0, 1.0), texture, culls_back_faces: false })
     }
 
-    /// The texture whose alpha is the mean of the colours of another; `None` if that shows no image.
+    /// The texture whose alpha is the number that a float image map gives; `None` if `id` shows no image.
+    ///
+    /// It is the alpha channel, or the mean of the colours of an opaque image (`MIPMap::Bilerp<Float>` of pbrt-v4).
     fn alpha_of(&mut self, id: TextureId, line: usize, files: FileScope<'_>) -> Result<Option<TextureId>, LineError> {
         if let Some(known) = self.alphas.get(&id) {
             return Ok(Some(*known));
@@ -228,6 +268,9 @@ impl PbrtTextures {
             None => return Ok(None),
         };
         let Texture::Image { bitmap, wrap, smooth } = image else { return Ok(None) };
+        if bitmap.alpha.iter().any(|alpha| *alpha != 1.0) {
+            return Ok(Some(id));
+        }
         let bytes = (bitmap.memory() + bitmap.pixels.len() * size_of::<f32>()) as u64;
         files.options.memory.keep("the alpha of a shape", bytes).in_line(line)?;
         let alpha = bitmap.pixels.iter().map(|pixel| (pixel.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0)).collect();

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use rt_shading::{Alpha, AlphaMode, Texture, TextureId};
+use rt_geometry::MeshData;
+use rt_math::{Rgb, Vec3};
+use rt_shading::{Alpha, AlphaMode, ColorTexture, MaterialModel, Texture, TextureId};
 
 use super::load_text;
 use crate::{LoadOptions, Model};
@@ -16,9 +18,20 @@ fn square(before: &str, parameters: &str) -> Model {
     };
     save("mask.png", |x, _| [255 * x as u8; 3]);
     save("normals.png", |_, _| [128, 51, 255]);
+    let save_rgba = |name: &str, alpha: [u8; 2]| {
+        let image = image::RgbaImage::from_fn(2, 2, |x, _| image::Rgba([255, 0, 0, alpha[x as usize]]));
+        image.save(folder.path().join(name)).expect("saved");
+    };
+    save_rgba("cut.png", [0, 255]);
+    save_rgba("red.png", [255, 255]);
+    let faces = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+                 element face 2\nproperty list uchar int vertex_indices\nend_header\n\
+                 0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n4 0 1 2 3\n3 1 4 2\n";
+    std::fs::write(folder.path().join("faces.ply"), faces).expect("written");
     let text = format!(
         "WorldBegin\nTexture \"mask\" \"float\" \"imagemap\" \"string filename\" \"mask.png\" \"float uscale\" 2\n\
-         Texture \"squares\" \"float\" \"checkerboard\"\n{before}\n\
+         Texture \"squares\" \"float\" \"checkerboard\"\n\
+         Texture \"colors\" \"spectrum\" \"imagemap\" \"string filename\" \"mask.png\"\n{before}\n\
          Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] {parameters}\n"
     );
     let path: &Path = &folder.path().join("m.pbrt");
@@ -42,6 +55,36 @@ fn shapes_are_cut_by_numbers_and_images() {
     assert!(other.warnings[0].message.contains("\"alpha\" must be an image"), "{:?}", other.warnings);
 }
 
+/// Alpha was the mean of the colours, even where the image has an alpha channel.
+#[test]
+fn alpha_of_an_rgba_image_is_its_alpha_channel() {
+    let alpha_of = |file: &str| {
+        let image = format!("Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"{file}\"");
+        let model = square(&image, "\"texture alpha\" \"a\"");
+        let Some(TextureId(id)) = model.materials[0].alpha.texture else { panic!("not cut by {file}") };
+        model.textures[id as usize].bitmap().expect("an image").alpha.clone()
+    };
+    assert_eq!(alpha_of("cut.png"), [0.0, 1.0, 0.0, 1.0]);
+    // Images that are opaque throughout count as images of three channels.
+    assert_eq!(alpha_of("red.png"), [1.0 / 3.0; 4]);
+}
+
+/// Float and spectrum textures shared one namespace, so that the last definition replaced both.
+#[test]
+fn float_and_spectrum_textures_have_names_of_their_own() {
+    let textures = "Texture \"n\" \"spectrum\" \"constant\" \"rgb value\" [1 0 0]\n\
+                    Texture \"n\" \"float\" \"constant\" \"float value\" 0.25\n\
+                    Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"n\" \"texture scale\" \"n\"\n";
+    let of = |name: &str| {
+        let material = format!("{textures}Material \"diffuse\" \"texture reflectance\" \"{name}\"");
+        let model = square(&material, "\"texture alpha\" \"n\"");
+        assert_eq!(model.materials[0].alpha.factor, 0.25);
+        model.materials[0].model.clone()
+    };
+    let diffuse = |r| MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::new(r, 0.0, 0.0)), roughness: 0.0 };
+    assert_eq!((of("n"), of("s")), (diffuse(1.0), diffuse(0.25)));
+}
+
 #[test]
 fn a_shape_that_is_cut_has_a_material_of_its_own() {
     let model = square("Shape \"sphere\"", "\"float alpha\" 0.5");
@@ -60,4 +103,79 @@ fn normal_maps_are_numbers_along_tangents() {
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
     let sphere = square(&format!("{bumpy}\nShape \"sphere\""), "");
     assert!(sphere.warnings[0].message.contains("its normal map needs texture coordinates"), "{:?}", sphere.warnings);
+}
+
+/// A material with an image.
+const IMAGE: &str = "Material \"diffuse\" \"texture reflectance\" \"colors\"";
+
+/// The first mesh of the world with this before the square.
+fn mesh(before: &str) -> MeshData {
+    square(before, "").meshes[0].mesh.data().clone()
+}
+
+/// Meshes without `uv` had no texture coordinates, so that images showed one colour.
+#[test]
+fn triangles_without_uv_have_the_texture_coordinates_of_pbrt() {
+    let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 2 3 0]";
+    let uvs = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+    for textured in [shape.to_owned() + " \"texture alpha\" \"mask\"", format!("{IMAGE}\n{shape}")] {
+        let data = mesh(&textured);
+        assert_eq!((&data.triangles[..], data.uvs), (&[[0, 1, 2], [3, 4, 5]][..], [uvs, uvs].concat()));
+        assert_eq!(data.positions[3..], [Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::ZERO]);
+    }
+    let reversed = mesh(&format!("{IMAGE}\nReverseOrientation\n{shape}"));
+    assert_eq!((&reversed.triangles[..], reversed.uvs), (&[[0, 2, 1], [3, 5, 4]][..], [uvs, uvs].concat()));
+    // Without textures, vertices stay shared.
+    let plain = mesh(shape);
+    assert_eq!((plain.positions.len(), plain.uvs), (4, Vec::new()));
+}
+
+#[test]
+fn every_patch_without_uv_spans_the_unit_square() {
+    let shape = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0 2 0 0 2 1 0] \
+                 \"integer indices\" [0 1 2 3 1 4 3 5]";
+    let uvs = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    let data = mesh(&format!("{IMAGE}\n{shape}"));
+    assert_eq!(data.triangles, [[0, 1, 3], [0, 3, 2], [4, 5, 7], [4, 7, 6]]);
+    assert_eq!((data.uvs, data.positions[5]), ([uvs, uvs].concat(), Vec3::X * 2.0));
+    let plain = mesh(shape);
+    assert_eq!((plain.positions.len(), plain.uvs), (6, Vec::new()));
+    // The coordinates of a single patch follow its indices, not its vertices.
+    let turned = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 3 2]";
+    let turned = mesh(turned);
+    assert_eq!((turned.uvs, turned.positions[3]), (uvs.to_vec(), Vec3::new(1.0, 1.0, 0.0)));
+}
+
+#[test]
+fn every_face_of_a_ply_file_without_uv_has_the_texture_coordinates_of_pbrt() {
+    let shape = "Shape \"plymesh\" \"string filename\" \"faces.ply\"";
+    let data = mesh(&format!("{IMAGE}\n{shape}"));
+    assert_eq!(data.triangles, [[0, 1, 2], [0, 2, 3], [4, 5, 6]]);
+    let (square, triangle) = ([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    assert_eq!((data.uvs, data.positions[5]), ([&square[..], &triangle[..]].concat(), Vec3::X * 2.0));
+    let plain = mesh(shape);
+    assert_eq!((plain.positions.len(), plain.uvs), (5, Vec::new()));
+}
+
+/// The second axis was that along which `v` rises, in charts that mirror the image as well.
+#[test]
+fn the_second_axis_of_normal_maps_is_the_cross_product_of_pbrt() {
+    let sides = |before: &str, uv: &str| -> Vec<f32> {
+        let bumpy = format!("Material \"diffuse\" \"string normalmap\" \"normals.png\"\n{before}");
+        let model = square(&bumpy, &format!("\"point2 uv\" [{uv}]"));
+        model.meshes[0].mesh.data().tangents.iter().map(|tangent| tangent[3]).collect()
+    };
+    let (straight, mirrored) = ("0 0 1 0 0 1 1 1", "1 0 0 0 1 1 0 1");
+    assert_eq!((sides("", straight), sides("", mirrored)), (vec![1.0; 4], vec![1.0; 4]));
+    // The product is taken in the world.
+    let reflection = "Scale -1 1 1";
+    assert_eq!((sides(reflection, straight), sides(reflection, mirrored)), (vec![-1.0; 4], vec![-1.0; 4]));
+}
+
+#[test]
+fn normal_maps_need_no_uv() {
+    let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0]";
+    let model = square(&format!("Material \"diffuse\" \"string normalmap\" \"normals.png\"\n{shape}"), "");
+    assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 3]);
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }

@@ -9,6 +9,7 @@ use super::parameters::{Parameters, unknown};
 use super::reader::PbrtReader;
 use super::shape::{DirectiveError, PbrtShape};
 use super::state::Emission;
+use super::texture::TextureType;
 use super::view::PbrtCamera;
 use super::{light, material, shape, spectrum};
 use crate::build_mesh::build_mesh;
@@ -72,10 +73,10 @@ impl PbrtReader<'_> {
                 self.state.surface = *surface;
             }
             "Texture" => {
-                tokens.text("the type of a texture")?;
+                let texture_type = TextureType::read(&tokens.text("the type of a texture")?, line)?;
                 let class = tokens.text("the class of a texture")?;
                 let parameters = self.parameters(tokens, line, "texture")?;
-                let warnings = self.textures.define(name, &class, &parameters, self.files)?;
+                let warnings = self.textures.define(name, texture_type, &class, &parameters, self.files)?;
                 self.warn_all(word, &parameters, warnings);
             }
             _ => {
@@ -151,14 +152,17 @@ impl PbrtReader<'_> {
         let kind = tokens.text("the kind of a shape")?;
         let parameters = self.parameters(tokens, line, "shape")?;
         let mut warnings = Vec::new();
-        let mut solid = shape::read(&kind, &parameters, self.state.reversed, self.files, &mut warnings)?;
         let name = format!("line {line}");
         let mut alpha = self.textures.alpha(&parameters, self.files, &mut warnings)?;
+        let needs_uvs = alpha.texture.is_some() || self.surface().is_some_and(Material::is_textured);
+        let mut solid = shape::read(&kind, &parameters, self.state.reversed, needs_uvs, self.files, &mut warnings)?;
         if matches!(solid, PbrtShape::Exact(..)) && alpha != Alpha::OPAQUE {
             warnings.push(format!("\"alpha\" is supported for meshes only: the {kind} is opaque"));
             alpha = Alpha::OPAQUE;
         }
-        if self.surface().is_some_and(|surface| surface.normal_map.is_some()) && !lay_tangents(&mut solid) {
+        let is_reflected = self.state.matrix.flips_handedness();
+        if self.surface().is_some_and(|surface| surface.normal_map.is_some()) && !lay_tangents(&mut solid, is_reflected)
+        {
             warnings.push("its normal map needs texture coordinates: it is left out".to_owned());
         }
         let (content, place) = match solid {
@@ -214,11 +218,16 @@ impl PbrtReader<'_> {
 }
 
 /// Makes the tangents that normal maps are laid along; false if there are none.
-fn lay_tangents(solid: &mut PbrtShape) -> bool {
+///
+/// The second axis of a map is the cross product of normal and tangent in the world, as in `NormalMap` of pbrt-v4. `v` may fall along
+/// it. `is_reflected` is true for a mesh whose transform flips handedness.
+fn lay_tangents(solid: &mut PbrtShape, is_reflected: bool) -> bool {
     match solid {
         PbrtShape::Mesh(data) if !data.uvs.is_empty() => {
             let uvs = data.uvs.clone();
             tangents::generate(data, &uvs);
+            let side = if is_reflected { -1.0 } else { 1.0 };
+            data.tangents.iter_mut().for_each(|tangent| tangent[3] = side);
             true
         }
         PbrtShape::Mesh(_) | PbrtShape::Exact(..) => false,

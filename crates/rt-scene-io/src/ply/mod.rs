@@ -25,28 +25,55 @@ use crate::files::refuse_utf16;
 use crate::memory::{FileSample, load_within_budget};
 use crate::parser_message::plain;
 use crate::sanitize::shortened;
+use crate::unshare::unshare;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
 
 pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     load_within_budget(path, options, peak_bytes, |bytes| {
         refuse_utf16(&bytes).at(path, "")?;
-        load_bytes(bytes, path)
+        load_bytes(bytes, path, MissingUvs::Keep)
     })
 }
 
+/// Version of [`load`] that gives a file without texture coordinates those of pbrt-v4.
+#[cfg(feature = "pbrt")]
+pub(crate) fn load_with_face_uvs(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    // Each corner of a face of four becomes a vertex with a normal and texture coordinates, and is listed twice.
+    let peak = |sample: &FileSample| peak_bytes(sample) + 4 * (12 + 12 + 8 + 8) * count(sample, "face");
+    load_within_budget(path, options, peak, |bytes| {
+        refuse_utf16(&bytes).at(path, "")?;
+        load_bytes(bytes, path, MissingUvs::PerFace)
+    })
+}
+
+/// Texture coordinates of a file without any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MissingUvs {
+    /// None.
+    Keep,
+    /// [`FACE_UVS`], for faces without common vertices.
+    PerFace,
+}
+
+/// Texture coordinates of the corners of a face in pbrt-v4, which has triangles and quadrilaterals only.
+const FACE_UVS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
 /// Bytes of memory that loading takes at its peak.
 fn peak_bytes(sample: &FileSample) -> u64 {
-    let count = |name: &str| {
-        let header = PlyReader::from_reader(&mut sample.head()).map(|reader| reader.header().clone()).ok();
-        header.and_then(|header| header.get_element(name).map(|element| element.count as u64)).unwrap_or(0)
-    };
+    let count = |name| count(sample, name);
     // The length of strips is unknown before reading: at most all of the file, in numbers of four bytes.
     let strips = if count(STRIPS) > 0 { 12 * sample.size } else { 0 };
     sample.size + 56 * count("vertex") + 28 * count("face") + strips
 }
 
+/// Number of rows that the header declares for an element.
+fn count(sample: &FileSample, name: &str) -> u64 {
+    let header = PlyReader::from_reader(&mut sample.head()).map(|reader| reader.header().clone()).ok();
+    header.and_then(|header| header.get_element(name).map(|element| element.count as u64)).unwrap_or(0)
+}
+
 /// Loads the file that `bytes` hold; `path` is for messages.
-pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadError> {
+pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path, missing_uvs: MissingUvs) -> Result<Model, LoadError> {
     // The reader wants white space after the last word; behind binary data it does no harm.
     bytes.push(b'\n');
     let mut rest = bytes.as_slice();
@@ -82,8 +109,11 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
     if corners.is_empty() {
         return Err(model.empty("has no usable triangles", path));
     }
-    let mut data =
-        mesh_data(&header, &vertices, &corners).map_err(|error| LoadErrorKind::from(error).at(path, "element face"))?;
+    let bad_face = |error| LoadErrorKind::from(error).at(path, "element face");
+    let mut data = mesh_data(&header, &vertices, &corners).map_err(bad_face)?;
+    if missing_uvs == MissingUvs::PerFace && data.uvs.is_empty() {
+        lay_face_uvs(&mut data, &corners).map_err(bad_face)?;
+    }
     let is_colored = !data.colors.is_empty();
     let clamped = clamp_colors(&mut data.colors);
     if clamped > 0 {
@@ -231,6 +261,24 @@ fn mesh_data(
         data.colors = colors(header, vertices);
     }
     Ok(data)
+}
+
+/// Gives each corner of the faces a vertex of its own, at [`FACE_UVS`]; further corners are at (0, 0).
+fn lay_face_uvs(data: &mut MeshData, corners: &FaceCorners) -> Result<(), rt_geometry::MeshError> {
+    let order: Vec<u32> = corners.faces().flatten().copied().collect();
+    unshare(data, &order);
+    let indices: Vec<u32> = (0..order.len() as u32).collect();
+    let mut rest = indices.as_slice();
+    let faces = corners.faces().map(|face| {
+        let (outline, after) = rest.split_at(face.len());
+        rest = after;
+        Face { outline, holes: &[] }
+    });
+    let MeshData { positions, triangles, .. } = MeshData::from_polygons(std::mem::take(&mut data.positions), faces)?;
+    (data.positions, data.triangles) = (positions, triangles);
+    let uv = |corner: usize| FACE_UVS.get(corner).copied().unwrap_or_default();
+    data.uvs = corners.faces().flat_map(|face| (0..face.len()).map(uv)).collect();
+    Ok(())
 }
 
 /// Linear colours with alpha, 1 where the file has none.

@@ -5,7 +5,7 @@ const SQUARE: &str = "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproper
                       element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 
 fn load_text(text: &str) -> Result<Model, LoadError> {
-    load_bytes(text.as_bytes().to_vec(), Path::new("m.ply"))
+    load_bytes(text.as_bytes().to_vec(), Path::new("m.ply"), MissingUvs::Keep)
 }
 
 fn refused(text: &str) -> String {
@@ -56,7 +56,7 @@ fn text_and_both_byte_orders_hold_the_same_square() {
     assert_eq!(data(&text).triangles.len(), 2);
     assert_eq!(text.warnings, []);
     for big in [false, true] {
-        let model = load_bytes(binary(big), Path::new("m.ply")).expect("a square");
+        let model = load_bytes(binary(big), Path::new("m.ply"), MissingUvs::Keep).expect("a square");
         assert_eq!(data(&model).positions, data(&text).positions);
         assert_eq!(data(&model).triangles, [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(data(&model).normals, [Vec3::Z; 4]);
@@ -91,7 +91,7 @@ fn a_binary_file_without_its_last_byte_is_refused() {
         let mut bytes = binary(big);
         bytes.pop();
         let length = bytes.len();
-        let error = load_bytes(bytes, Path::new("m.ply")).expect_err("a truncated file").to_string();
+        let error = load_bytes(bytes, Path::new("m.ply"), MissingUvs::Keep).expect_err("a truncated file").to_string();
         assert_eq!(error, format!("m.ply: the file ends too early (before byte {length})"));
     }
 }
@@ -99,9 +99,10 @@ fn a_binary_file_without_its_last_byte_is_refused() {
 #[test]
 fn other_bytes_are_no_ply_file() {
     let noise: Vec<u8> = (0..3000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    let error = load_bytes(noise, Path::new("m.ply")).expect_err("noise").to_string();
+    let error = load_bytes(noise, Path::new("m.ply"), MissingUvs::Keep).expect_err("noise").to_string();
     assert_eq!(error, "m.ply:1: is not a PLY file: the first line must be `ply`");
-    let error = load_bytes(b"ply\nformat ascii 1.0\ncomment \xff\n".to_vec(), Path::new("m.ply")).expect_err("latin");
+    let error = load_bytes(b"ply\nformat ascii 1.0\ncomment \xff\n".to_vec(), Path::new("m.ply"), MissingUvs::Keep)
+        .expect_err("latin");
     assert_eq!(error.to_string(), "m.ply:3: the header is not UTF-8 text");
 }
 
@@ -138,7 +139,7 @@ fn headers_that_promise_too_much_are_refused_at_once() {
     let mut long = binary(false);
     let at = long.len() - 7;
     long[at] = 255;
-    let error = load_bytes(long, Path::new("m.ply")).expect_err("a bad file").to_string();
+    let error = load_bytes(long, Path::new("m.ply"), MissingUvs::Keep).expect_err("a bad file").to_string();
     assert!(error.contains("the file ends too early"), "{error}");
 }
 
@@ -205,13 +206,13 @@ fn faces_that_are_none_are_counted() {
 fn cut_files_never_panic() {
     for bytes in [SQUARE.as_bytes().to_vec(), binary(false), binary(true)] {
         for length in 0..bytes.len() - 1 {
-            let cut = load_bytes(bytes[..length].to_vec(), Path::new("m.ply"));
+            let cut = load_bytes(bytes[..length].to_vec(), Path::new("m.ply"), MissingUvs::Keep);
             assert!(cut.is_err() || length + 3 > bytes.len(), "cut at {length}");
         }
         for (place, value) in (0..bytes.len()).flat_map(|place| [0, 1, 127, 255].map(|value| (place, value))) {
             let mut changed = bytes.clone();
             changed[place] = value;
-            let _ = load_bytes(changed, Path::new("m.ply"));
+            let _ = load_bytes(changed, Path::new("m.ply"), MissingUvs::Keep);
         }
     }
 }

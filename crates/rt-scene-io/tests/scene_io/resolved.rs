@@ -83,7 +83,7 @@ fn outline(scene: &Scene) -> String {
 }
 
 fn outline_nodes(nodes: &[SceneNode], depth: usize, lines: &mut Vec<String>) {
-    for SceneNode { name, parent_from_local, moves_to, content, material, casts_shadow, children } in nodes {
+    for SceneNode { name, parent_from_local, moves_to, content, material, casts_shadow, children, .. } in nodes {
         let (axes, origin) = (parent_from_local.linear(), parent_from_local.translation());
         let indent = "    ".repeat(depth);
         let place =
