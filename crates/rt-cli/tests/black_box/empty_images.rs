@@ -105,7 +105,7 @@ fn area_lights_that_whitted_does_not_sample_are_named() {
     let scene = "(camera: (look_from: (0, 0, 5)), lights: [quad(corner: (-9, 8, -9), edges: ((0, 0, 1), (1, 0, 0)))], background: constant(0), \
                  nodes: [(shape: sphere())])";
     let place = Workplace::with("scene.ron", scene);
-    let note = "note: `whitted` takes no light from area lights: use `path`, or --lights studio.\n";
+    let note = "note: `whitted` takes no light from area lights: use `distributed` or `path`, or --lights studio.\n";
     let run = place.run("render scene.ron --size 8x8 --spp 1 --integrator whitted");
     assert!(run.stdout.contains(note), "{run:?}");
     assert_eq!(

@@ -115,7 +115,7 @@ fn layers_that_cannot_be_written_are_refused_at_once() {
         (2, "render scene.ron -o a.png --spp 1 --integrator depth --aov stderr,depth=b.exr"),
         (2, "render scene.ron -o a.exr --aov depth=a.exr"),
         (2, "merge a.part -o a.exr --aov depth=b.exr"),
-        (3, "render scene.ron -o a.exr --size 8000x8000 --memory 8GiB --integrator depth --spp 1 --aov all=b.exr"),
+        (3, "render scene.ron -o a.exr --size 8000x8000 --memory 12GiB --integrator depth --spp 1 --aov all=b.exr"),
     ];
     for (code, arguments) in cases {
         let run = place.run(arguments);

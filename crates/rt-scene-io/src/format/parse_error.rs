@@ -314,13 +314,19 @@ impl<'t> Explainer<'t> {
         byte.is_some_and(|byte| byte.is_ascii_digit() || b"-[tfn".contains(byte))
     }
 
+    /// Reports text at a place where the schema has nothing.
+    fn unexpected(&self, at: usize) -> ParseError {
+        match self.text[at..].chars().next() {
+            Some(bracket @ (')' | ']' | '}')) => ParseError::new(at, format!("unexpected `{bracket}`: remove it")),
+            _ => ParseError::new(at, "unexpected value"),
+        }
+    }
+
     /// Reports a value of the wrong type or form.
     fn wrong_value(&self, value: Option<TextValue<'t>>, at: usize) -> ParseError {
         let Some(TextValue { range, path }) = value else { return self.early_end() };
         let given = &self.text[range.clone()];
-        let Some(slot) = self.schema.slot(&path) else {
-            return ParseError::new(at, format!("unexpected value {}", shown(given)));
-        };
+        let Some(slot) = self.schema.slot(&path) else { return self.unexpected(at) };
         let word = given.trim_matches('"');
         let chosen = slot.choices().into_iter().find(|(name, _)| *name == word);
         if self.notation == Notation::Ron

@@ -28,6 +28,8 @@ fn syntax_and_names() {
         "(nodes: [(shape: sphere(radius: 1,5))])",
         "(nodes: [], settings: (integrator: path-caustics))",
         "(nodes: [(shape: sphere(radius: 1.5)])",
+        "(nodes: [(shape: sphere(radius: 1)),,])",
+        "(nodes: [])) ",
         "(nodes: [(shape: sphere(center: (0, 0)))])",
         "(nodes: [(shape: sphere(raduis: 1))])",
         "(\n    nodse: [],\n)",
