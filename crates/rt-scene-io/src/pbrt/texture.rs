@@ -257,7 +257,7 @@ impl PbrtTextures {
 
     /// The texture whose alpha is the number that a float image map gives; `None` if `id` shows no image.
     ///
-    /// As in pbrt-v4 (`MIPMap::Bilerp<Float>`), that is the alpha channel, or the mean of the colours of an opaque image.
+    /// This is the alpha channel, or the mean of the colours of an opaque image, as in `MIPMap::Bilerp<Float>` of pbrt-v4.
     fn alpha_of(&mut self, id: TextureId, line: usize, files: FileScope<'_>) -> Result<Option<TextureId>, LineError> {
         if let Some(known) = self.alphas.get(&id) {
             return Ok(Some(*known));

@@ -219,8 +219,8 @@ impl PbrtReader<'_> {
 
 /// Makes the tangents that normal maps are laid along; false if there are none.
 ///
-/// The second axis of a map is the cross product of normal and tangent in the world, as in `NormalMap` of pbrt-v4, whether `v`
-/// rises along it or not. `is_reflected` is true for a mesh whose transform flips handedness.
+/// The second axis of a map is the cross product of normal and tangent in the world, as in `NormalMap` of pbrt-v4. It does
+/// not depend on the direction of rising `v`. `is_reflected` is true for a mesh whose transform flips handedness.
 fn lay_tangents(solid: &mut PbrtShape, is_reflected: bool) -> bool {
     match solid {
         PbrtShape::Mesh(data) if !data.uvs.is_empty() => {
