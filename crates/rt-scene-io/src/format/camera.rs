@@ -32,7 +32,7 @@ pub struct Camera {
     /// Unit: none. Default: `(0, 1, 0)`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// Instead of `look_from`: transform of a camera at the origin that looks along −z, as steps.
+    /// Instead of `look_from`: transform of a camera at the origin that looks along −z, as steps. An empty list is as none.
     ///
     /// Example: `transform: [translate(0, 1, 5)]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Each object, group, material and smoothing group becomes a mesh of its own under a node of its own. Normals of a smoothing
-//! group are computed over all of its meshes. What a file leaves out is replaced, with a warning: a missing library or image, a name that no library defines.
+//! group are computed over all of its meshes. What a file leaves out is replaced, with a warning: a missing library or
+//! image, a name that no library defines.
 
 mod bump_to_normal;
 mod document;
