@@ -98,7 +98,7 @@ limits! {
     FACE_CORNERS: usize = rt_geometry::MeshData::MAX_CORNERS, Count "corners of a face" of "every mesh";
     /// All pairs of edges are tested for crossings; larger faces are not tested.
     CROSSING_CORNERS: usize = 512, Count "corners of a face tested for crossing edges" of ".obj";
-    /// Smoothing across creases compares all pairs of faces around a corner; beyond, corners are smooth all around.
+    /// Smoothing across creases compares all pairs of faces around a vertex. Beyond, each face keeps its own normal there.
     CREASED_FACES: usize = 256, Count "faces at a vertex tested for creases" of ".obj";
     /// Textures are decoded to three numbers of 32 bits for each pixel.
     TEXTURE_PIXELS: u64 = 1 << 28, Count "pixels of a texture" of "every texture";
