@@ -3,8 +3,11 @@
 use rt_math::DVec3;
 use rt_math::float::{power_of_two_scale, two_product, two_sum};
 
-/// Most terms of a volume: nine pairs of products of three numbers, each the sum of four.
-const CAPACITY: usize = 72;
+/// Most terms of a volume: six products of a number and two sums of two numbers, each the sum of sixteen.
+const CAPACITY: usize = 96;
+
+/// Relative error bound of sums of pairs ([`Pair`]), per sum of magnitudes. Some 2⁻¹⁰² is enough for ten roundings of 2⁻¹⁰⁵.
+const PAIR_ERROR: f64 = 1.0 / (1u128 << 98) as f64;
 
 /// Volumes `d·((p − o) × (q − o))` that the direction `d` of a ray from `o` spans with the edges `(p, q)`. They are positive where the edge
 /// turns counterclockwise around the direction.
@@ -17,17 +20,65 @@ pub(crate) fn edge_volumes<const N: usize>(origin: DVec3, direction: DVec3, edge
     let scale = power_of_two_scale(size);
     let (o, d) = (origin * scale, direction * power_of_two_scale(direction));
     edges.map(|[p, q]| {
-        let (p, q) = (p * scale, q * scale);
-        let mut volume = Expansion::default();
-        // (p − o) × (q − o) = p × q + q × o + o × p
-        for (a, b) in [(p, q), (q, o), (o, p)] {
-            for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
-                volume.add_product(d[i], a[j], b[k]);
-                volume.add_product(-d[i], a[k], b[j]);
+        let [p, q] = [p, q].map(|point| (point * scale).to_array());
+        let [a, b] = [p, q].map(|point| [0, 1, 2].map(|i| Pair::sum(point[i], -o[i])));
+        volume_of_pairs(d, a, b).unwrap_or_else(|| exact_volume(d, a, b))
+    })
+}
+
+/// Volume `d·(a × b)` computed in pairs of numbers; `None` if its sign is not certain.
+fn volume_of_pairs(d: DVec3, a: [Pair; 3], b: [Pair; 3]) -> Option<f64> {
+    let (mut volume, mut magnitude) = (Pair::default(), 0.0);
+    for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let [first, second] = [a[j].times(b[k]), a[k].times(b[j])];
+        volume = volume.plus(first.minus(second).times(Pair { high: d[i], low: 0.0 }));
+        magnitude += d[i].abs() * (first.high.abs() + second.high.abs());
+    }
+    (volume.high.abs() > PAIR_ERROR * magnitude).then_some(volume.high)
+}
+
+/// Volume `d·(a × b)`, with the exact sign.
+fn exact_volume(d: DVec3, a: [Pair; 3], b: [Pair; 3]) -> f64 {
+    let mut volume = Expansion::default();
+    for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        for (sign, a, b) in [(1.0, a[j], b[k]), (-1.0, a[k], b[j])] {
+            for a in [a.low, a.high] {
+                for b in [b.low, b.high] {
+                    volume.add_product(sign * d[i], a, b);
+                }
             }
         }
-        volume.value()
-    })
+    }
+    volume.value()
+}
+
+/// Sum of two numbers, the first of which is the rounded sum (Dekker 1971).
+#[derive(Clone, Copy, Debug, Default)]
+struct Pair {
+    high: f64,
+    low: f64,
+}
+
+impl Pair {
+    /// Exact sum.
+    fn sum(a: f64, b: f64) -> Self {
+        let (high, low) = two_sum(a, b);
+        Self { high, low }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        let sum = Self::sum(self.high, other.high);
+        Self::sum(sum.high, sum.low + (self.low + other.low))
+    }
+
+    fn minus(self, other: Self) -> Self {
+        self.plus(Self { high: -other.high, low: -other.low })
+    }
+
+    fn times(self, other: Self) -> Self {
+        let (high, low) = two_product(self.high, other.high);
+        Self::sum(high, low + (self.high * other.low + self.low * other.high))
+    }
 }
 
 /// Area `(p − o) × d` of two coordinates of a point and the origin and direction of a ray, with the exact sign.
@@ -75,6 +126,9 @@ impl Expansion {
 
     /// Adds the product of three numbers.
     fn add_product(&mut self, a: f64, b: f64, c: f64) {
+        if a == 0.0 || b == 0.0 || c == 0.0 {
+            return;
+        }
         let (high, low) = two_product(a, b);
         for part in [low, high] {
             let (product, error) = two_product(part, c);
