@@ -88,6 +88,19 @@ impl SamplerKind {
             },
         }
     }
+
+    /// Most samples per pixel, at most `spp` but at least 1, that [`round_up`](Self::round_up) keeps.
+    pub const fn round_down(self, spp: u32) -> u32 {
+        let spp = if spp == 0 { 1 } else { spp };
+        match self {
+            Self::Centre | Self::Random | Self::Halton => spp,
+            Self::Grid | Self::Jittered | Self::HalfJittered | Self::MultiJittered => {
+                let side = spp.isqrt();
+                side * side
+            }
+            Self::Sobol | Self::BlueNoise => 1 << spp.ilog2(),
+        }
+    }
 }
 
 /// Side of the smallest square grid with at least `cells` cells, at most [`MAX_SIDE`].

@@ -101,9 +101,8 @@ impl Progressive<'_> {
         state.cursor.done_tiles.resize(scheduler.tiles().len(), false);
         let left: Vec<_> = tiles.iter().copied().filter(|&number| !state.cursor.done_tiles[number]).collect();
         let samples_before = state.statistics.samples;
-        let max_spp = state.pixels.iter().map(PixelEstimate::samples).max().unwrap_or(0);
-        let pass_progress =
-            PassProgress { finished: state.statistics.passes, spp: max_spp, rmse: state.error.rmse(), error_progress };
+        let (finished, taken) = (state.statistics.passes, state.cursor.taken);
+        let pass_progress = PassProgress { finished, spp: taken, rmse: state.error.rmse(), error_progress };
         let pixels: u64 = tiles.iter().map(|&number| scheduler.tiles()[number].area()).sum();
         let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
             let saturated = accumulate(state.layout, &mut state.pixels, &tile, light.as_ref(), &pass_spec);

@@ -120,7 +120,8 @@ impl StopRule {
         }
     }
 
-    /// Samples per pixel of a pass, after `taken` samples; `None` at the maximum.
+    /// Samples per pixel of a pass, after `taken` samples; `None` at the maximum. Not more than all passes before: the error of a larger pass
+    /// could not be estimated.
     pub(crate) fn pass_spp(&self, pattern: SamplerKind, pass: u32, taken: u32) -> Option<u32> {
         let left = self.max_spp.saturating_sub(taken);
         let wanted = match self.target.map(|target| target.criterion) {
@@ -128,8 +129,12 @@ impl StopRule {
             Some(Criterion::Image) => self.spp_of_image(pass),
             Some(Criterion::Pixels { .. }) => self.doubling_spp(pass),
         };
-        let spp = pattern.round_up(wanted.min(left.max(1)));
-        (pass == 0 || spp <= left).then_some(spp)
+        if pass == 0 {
+            return Some(pattern.round_up(wanted.min(left.max(1))));
+        }
+        let most = left.min(taken);
+        let spp = pattern.round_up(wanted.min(most));
+        (most > 0).then(|| if spp <= most { spp } else { pattern.round_down(most) })
     }
 
     /// Pass sizes of [`Criterion::Pixels`]: eight equal passes double the number of samples. Fewer passes would leave the
@@ -193,7 +198,8 @@ mod tests {
         let of = |max_spp, pattern| sizes(&StopRule { max_spp, ..StopRule::default() }, pattern);
         assert_eq!(of(50, SamplerKind::Random), [1, 1, 2, 4, 8, 16, 16, 2]);
         assert_eq!(of(64, SamplerKind::Sobol), [1, 1, 2, 4, 8, 16, 16, 16]);
-        assert_eq!(of(20, SamplerKind::Jittered), [1, 1, 4, 4, 9, 1]);
+        assert_eq!(of(20, SamplerKind::Jittered), [1, 1, 1, 1, 4, 4, 4, 4]);
+        assert_eq!(of(26, SamplerKind::Sobol), [1, 1, 2, 4, 8, 8, 2]);
         assert_eq!(of(1, SamplerKind::Sobol), [1]);
     }
 
@@ -229,6 +235,25 @@ mod tests {
         assert!(of_image.takes_new_samples(1023) && !of_image.takes_new_samples(1024));
         assert!(!TargetError::of_pixels(0.05).takes_new_samples(1));
         assert!(TargetError { two_stage: true, ..of_image }.takes_new_samples(1 << 20));
+    }
+
+    /// Regression: renders ended far below the maximum where what was left was no size of the pattern, as 768 of 1000 Sobol' points.
+    /// A pass of four after two, as with squares, made the error a third too large.
+    #[test]
+    fn all_samples_are_taken_and_no_pass_exceeds_those_before() {
+        for target in [None, Some(TargetError::of_image(0.01)), Some(TargetError::of_pixels(0.01))] {
+            for pattern in SamplerKind::ALL {
+                for max_spp in [1, 2, 3, 4, 6, 25, 50, 64, 100, 1000] {
+                    let sizes = sizes(&StopRule { max_spp, target, time: None }, pattern);
+                    let mut taken = sizes[0];
+                    for &spp in &sizes[1..] {
+                        assert!(spp <= taken && pattern.round_up(spp) == spp, "{pattern:?}, {sizes:?}");
+                        taken += spp;
+                    }
+                    assert_eq!(taken, max_spp.max(sizes[0]), "{pattern:?}, {sizes:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -171,7 +171,7 @@ impl PixelEstimate {
             let spread = ratio * ratio + (1.0 - ratio) * (1.0 - ratio) * self.earlier_spread;
             (self.earlier * (1.0 - ratio * ratio) + square * (last * last), spread)
         } else {
-            // As for random samples. For two passes of the same size, this holds for all.
+            // As for random samples. Two passes of the same size need no assumption, and stop rules make no larger ones.
             (square * (last * earlier), 1.0)
         })
     }
