@@ -179,7 +179,7 @@ impl TriangleMesh {
     }
 }
 
-/// Interpolated value; `None` if the mesh has none.
+/// Interpolated value; `None` if the mesh has none. Exact where all three corners have the same.
 fn interpolated<const N: usize>(values: &[[f32; N]], triangle: [u32; 3], weights: [f64; 3]) -> Option<[f64; N]> {
     if values.is_empty() {
         return None;
@@ -188,7 +188,8 @@ fn interpolated<const N: usize>(values: &[[f32; N]], triangle: [u32; 3], weights
     let (a, b, c) = (corner(0), corner(1), corner(2));
     let mut mean = [0.0; N];
     for (k, mean) in mean.iter_mut().enumerate() {
-        *mean = f64::from(a[k]) * weights[0] + f64::from(b[k]) * weights[1] + f64::from(c[k]) * weights[2];
+        let [a, b, c] = [a[k], b[k], c[k]].map(f64::from);
+        *mean = if a == b && b == c { a } else { a * weights[0] + b * weights[1] + c * weights[2] };
     }
     Some(mean)
 }
@@ -268,6 +269,18 @@ mod tests {
         assert_eq!(mesh.bounds(), Aabb::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)));
         assert_eq!(mesh.memory(), 4 * 12 + 2 * 12 + 4 * 12 + 4 * 8);
         assert_eq!(mesh.geometry(0), PrimitiveGeometry::ExactTriangle([Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]));
+    }
+
+    /// Regression: equal values of all corners were rounded below them, so that an alpha test at this value left holes.
+    #[test]
+    fn equal_values_of_corners_are_interpolated_exactly() {
+        for alpha in [1.0, 0.4, 0.9f32] {
+            for index in 0..10_000 {
+                let (v, w) = (f64::from(index % 100) / 199.0, f64::from(index / 100) / 203.0);
+                let mean = interpolated(&[[alpha]; 3], [0, 1, 2], [1.0 - v - w, v, w]);
+                assert_eq!(mean, Some([f64::from(alpha)]));
+            }
+        }
     }
 
     #[test]

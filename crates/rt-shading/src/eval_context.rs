@@ -16,13 +16,28 @@ pub struct MaterialEvalContext<'a> {
 }
 
 impl MaterialEvalContext<'_> {
-    /// Value of a reflectance, at most 1 so that no energy is created.
+    /// Value of a reflectance, clamped to \[0, 1\]: more would create energy, and negative pixels of images are made by resampling.
     pub(crate) fn reflectance(&self, coefficient: &ColorTexture) -> Rgb {
-        coefficient.at(self.textures, self.surface).map(|c| c.min(1.0))
+        coefficient.at(self.textures, self.surface).map(|c| c.clamp(0.0, 1.0))
     }
 
     /// Value of a parameter, clamped to \[0, 1\].
     pub(crate) fn unit_value(&self, parameter: &FloatTexture) -> f64 {
         parameter.at(self.textures, self.surface).clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rt_math::DVec3;
+
+    /// Regression: a channel below 0 made samples negative, which count as black.
+    #[test]
+    fn reflectances_are_neither_negative_nor_above_one() {
+        let surface = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+        let at = MaterialEvalContext { textures: &[], surface: &surface, ior: 1.0 };
+        let reflectance = at.reflectance(&ColorTexture::Constant(Rgb::new(-0.02, 0.5, 1.5)));
+        assert_eq!(reflectance, Rgb::new(0.0, 0.5, 1.0));
     }
 }

@@ -134,6 +134,9 @@ impl LayeredSurface {
         let tint = self.specular_color.at(at.textures, at.surface);
         let f0 = (tint * (fresnel * fresnel)).map(|f| f.min(1.0)) * strength;
         let transmitted = if self.transmission.is_zero() { 0.0 } else { at.unit_value(&self.transmission) };
+        // The glass of a solid takes its share from the dielectric. The rest has more metal.
+        let weight = if self.is_thin { 0.0 } else { transmitted * (1.0 - metallic) };
+        let metallic = if weight < 1.0 { metallic / (1.0 - weight) } else { 0.0 };
         let below = color * (1.0 - metallic);
         let layers = Layered {
             f0: f0.lerp(color, metallic),
@@ -145,7 +148,6 @@ impl LayeredSurface {
         if self.is_thin {
             return Layered { diffuse: below * (1.0 - transmitted), transmittance: below * transmitted, ..layers };
         }
-        let weight = transmitted * (1.0 - metallic);
         let glass = DispersiveDielectric { iors: self.iors(at.ior), roughness, transmittance: color };
         Layered { diffuse: below, glass: (weight > 0.0).then_some((weight, glass)), ..layers }
     }
@@ -277,5 +279,39 @@ impl LayeredSurface {
         let normal_map = self.clearcoat_normal_map.as_mut().map(|map| &mut map.texture);
         let parameters = of_base.into_iter().flatten().chain(parameters).filter_map(FloatTexture::texture_mut);
         parameters.chain(normal_map).chain(&mut self.anisotropy_direction).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Regression: solids of half metal and half glass reflected 20 times the diffuse light.
+    #[test]
+    fn the_rest_of_a_solid_is_the_metal_and_the_plastic_that_glass_leaves() {
+        let constant = FloatTexture::Constant;
+        let color = Rgb::new(0.8, 0.4, 0.2);
+        let base_color = ColorTexture::Constant(color);
+        let surface = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+        let at = MaterialEvalContext { textures: &[], surface: &surface, ior: 1.5 };
+        let of = |metallic: f64, transmission: f64| {
+            let base = LayeredBase::MetallicRoughness {
+                base_color: base_color.clone(),
+                metallic: constant(metallic),
+                roughness: constant(0.3),
+            };
+            let transmission = constant(transmission);
+            LayeredSurface { transmission, is_thin: false, ..LayeredSurface::new(base) }.bsdf(&at)
+        };
+        for (metallic, transmission) in [(0.0, 0.5), (0.25, 1.0), (0.5, 0.5), (0.75, 0.2), (1.0, 1.0)] {
+            let layered = of(metallic, transmission);
+            let rest = 1.0 - layered.glass.map_or(0.0, |(weight, _)| weight);
+            assert!((rest - (1.0 - transmission * (1.0 - metallic))).abs() < 1e-15);
+            // m metal and (1 − m)(1 − t) plastic.
+            let plastic = (1.0 - metallic) * (1.0 - transmission);
+            assert!((layered.diffuse.r * rest - color.r * plastic).abs() < 1e-15, "{metallic}, {transmission}");
+            let f0 = metallic * color.r + plastic * 0.04;
+            assert!((layered.f0.r * rest - f0).abs() < 1e-15, "{metallic}, {transmission}");
+        }
     }
 }

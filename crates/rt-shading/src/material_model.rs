@@ -107,6 +107,18 @@ impl MaterialModel {
         }
     }
 
+    /// Number of lobes that a mix takes for this part, as [`bsdf`](Self::bsdf) makes them.
+    pub fn lobes(&self) -> usize {
+        match self {
+            Self::Black => 0,
+            Self::Glossy { diffuse, specular, .. } => {
+                usize::from(!diffuse.is_zero()) + usize::from(!specular.is_zero())
+            }
+            Self::Mix(parts) => parts.iter().map(|(_, part)| part.lobes()).sum(),
+            _ => 1,
+        }
+    }
+
     /// True if a diffuse lobe lies below a layer, as [`Bsdf::is_diffuse_below_layer`] reports it of a point.
     pub fn has_layers(&self) -> bool {
         match self {

@@ -216,6 +216,14 @@ impl MaterialBuilder<'_, '_> {
         }
         layered.is_thin = all.volume.as_ref().is_none_or(|volume| !has_thickness(volume));
         layered.dispersion = all.dispersion.as_ref().map_or(0.0, |d| f64::from(d.dispersion.max(0.0)));
+        let has_layers =
+            all.clearcoat.is_some() || all.sheen.is_some() || all.specular.is_some() || all.anisotropy.is_some();
+        if !layered.is_thin && !layered.transmission.is_zero() && has_layers {
+            self.warn(
+                "the transmissive part of a solid (KHR_materials_volume) is plain glass: clearcoat, sheen, specular and anisotropy \
+                 apply to the rest",
+            );
+        }
         Ok(())
     }
 
@@ -369,12 +377,11 @@ fn has_thickness(volume: &Volume) -> bool {
     volume.thickness_factor > 0.0
 }
 
-/// Medium of a solid. Black and metallic surfaces transmit no light on average, and have no medium.
+/// Medium of a solid. Metallic surfaces transmit no light, and have no medium.
 fn interior(layered: &LayeredSurface, volume: Option<&Volume>) -> Option<InteriorMedium> {
     let volume = volume.filter(|volume| has_thickness(volume))?;
-    let LayeredBase::MetallicRoughness { base_color, metallic, .. } = &layered.base else { return None };
-    let transmission = layered.transmission.mean() * (1.0 - metallic.mean());
-    if layered.transmission.is_zero() || base_color.scaled(transmission).is_zero() {
+    let LayeredBase::MetallicRoughness { metallic, .. } = &layered.base else { return None };
+    if layered.transmission.is_zero() || layered.transmission.mean() * (1.0 - metallic.mean()) <= 0.0 {
         return None;
     }
     let distance = f64::from(volume.attenuation_distance);

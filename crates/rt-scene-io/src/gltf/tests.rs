@@ -188,12 +188,13 @@ fn volume(base_color: &str, metallic: f64, transmission: f64, thickness: f64) ->
 }
 
 #[test]
-fn black_and_metallic_volumes_enclose_no_medium() {
+fn metallic_opaque_and_thin_volumes_enclose_no_medium() {
     let medium = |base_color, metallic, transmission, thickness| {
         volume(base_color, metallic, transmission, thickness).interior.map(|inside| inside.ior)
     };
     assert_eq!(medium("[1, 1, 1, 1]", 0.0, 1.0, 1.0), Some(1.5));
-    assert_eq!(medium("[0, 0, 0, 1]", 0.0, 1.0, 1.0), None, "black");
+    // It transmits no light, and reflects as glass does.
+    assert_eq!(medium("[0, 0, 0, 1]", 0.0, 1.0, 1.0), Some(1.5), "black");
     assert_eq!(medium("[1, 1, 1, 1]", 1.0, 1.0, 1.0), None, "metallic");
     assert_eq!(medium("[1, 1, 1, 1]", 0.0, 0.0, 1.0), None, "opaque");
     assert_eq!(medium("[1, 1, 1, 1]", 0.0, 1.0, 0.0), None, "thin");

@@ -151,6 +151,12 @@ impl ModelReader<'_, '_> {
             };
             mixed.push((weight, part.model));
         }
+        let lobes: usize = mixed.iter().map(|(_, part)| part.lobes()).sum();
+        if lobes > MAX_LOBES {
+            let rule = format!("must be at most {MAX_LOBES}: a `glossy` material with a diffuse part has two");
+            self.report.check::<()>(path, Err(LoadErrorKind::invalid(format_args!("{lobes} lobes"), rule)));
+            return None;
+        }
         Some(EmissiveModel { model: MaterialModel::Mix(mixed), ..sum })
     }
 

@@ -63,11 +63,11 @@ pub fn conductor_fresnel<R: Real>(cos_i: R, n: R, k: R) -> R {
     (perpendicular + parallel) * 0.5
 }
 
-/// (a − b) / (a + b); 1 if both are 0, as at the horizon.
+/// (a − b) / (a + b) for a ≥ b, never negative by rounding; 1 if both are 0, as at the horizon.
 #[inline(always)]
 fn ratio<R: Real>(a: R, b: R) -> R {
     let (sum, one) = (a + b, a.splat(1.0));
-    R::select(sum.gt(a.splat(0.0)), (a - b) / sum, one)
+    R::select(sum.gt(a.splat(0.0)), ((a - b) / sum).max(a.splat(0.0)), one)
 }
 
 /// Smooth or rough metal: f = F·D·G₂ / (4 cos cos) with microfacets of [`Ggx`] (Cook, Torrance 1982).
@@ -120,5 +120,20 @@ impl Conductor {
             facets.reflection_pdf(wo, m),
         )
         .if_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Regression: a channel of n = 1 and k = 0 was negative by rounding, and made whole samples black.
+    #[test]
+    fn channels_that_reflect_nothing_are_not_negative() {
+        for index in 0..=10_000 {
+            let cos = f64::from(index) / 10_000.0;
+            let reflected = conductor_fresnel(cos, 1.0, 0.0);
+            assert!((0.0..1e-7).contains(&reflected) || cos == 0.0, "{cos}: {reflected}");
+        }
     }
 }
