@@ -227,7 +227,8 @@ mod tests {
         for exponent in [1, 2, 3] {
             for schedule in schedules {
                 let deviation = |samples: u32| (0..exponent).map(|_| 1.0 / f64::from(samples)).product::<f64>().sqrt();
-                let squares = schedule.iter().map(|&samples| (f64::from(samples) * deviation(samples)).powi(2));
+                let weighted = |&samples: &u32| f64::from(samples) * deviation(samples);
+                let squares = schedule.iter().map(|samples| weighted(samples) * weighted(samples));
                 let total: u32 = schedule.iter().sum();
                 let expected = squares.sum::<f64>() / f64::from(total * total);
                 let (mut sum, mut spread, repeats) = (0.0, 0.0, 4000);
