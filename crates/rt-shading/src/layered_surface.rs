@@ -295,11 +295,8 @@ mod tests {
         let surface = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
         let at = MaterialEvalContext { textures: &[], surface: &surface, ior: 1.5 };
         let of = |metallic: f64, transmission: f64| {
-            let base = LayeredBase::MetallicRoughness {
-                base_color: base_color.clone(),
-                metallic: constant(metallic),
-                roughness: constant(0.3),
-            };
+            let base =
+                LayeredBase::MetallicRoughness { base_color, metallic: constant(metallic), roughness: constant(0.3) };
             let transmission = constant(transmission);
             LayeredSurface { transmission, is_thin: false, ..LayeredSurface::new(base) }.bsdf(&at)
         };
