@@ -83,7 +83,7 @@ mod tests {
     fn the_reflection_of_a_left_handed_file_is_no_mirror_image() {
         let mut scene = empty();
         let reflected = |x, children| {
-            let reflection = Transform::scale(DVec3::new(x, 1.0, 1.0)).unwrap();
+            let reflection = Transform::scale(DVec3::new(x, 1.0, 1.0)).expect("a reflection");
             SceneNode { children, ..SceneNode::empty(String::new(), reflection) }
         };
         let in_file = vec![sphere(DVec3::ZERO, 1.0), reflected(-2.0, vec![sphere(DVec3::X * 4.0, 1.0)])];

@@ -6,8 +6,8 @@ use rt_math::float::{power_of_two_scale, two_product, two_sum};
 /// Most terms of a volume: six products of a number and two sums of two numbers, each the sum of sixteen.
 const CAPACITY: usize = 96;
 
-/// Relative error bound of sums of pairs ([`Pair`]), per sum of magnitudes. Some 2⁻¹⁰² is enough for ten roundings of 2⁻¹⁰⁵.
-const PAIR_ERROR: f64 = 1.0 / (1u128 << 98) as f64;
+/// Relative error bound of [`DoubleDouble`] sums, per sum of magnitudes. Some 2⁻¹⁰² is enough for ten roundings of 2⁻¹⁰⁵.
+const DOUBLE_DOUBLE_ERROR: f64 = 1.0 / (1u128 << 98) as f64;
 
 /// Volumes `d·((p − o) × (q − o))` that the direction `d` of a ray from `o` spans with the edges `(p, q)`. They are positive where the edge
 /// turns counterclockwise around the direction.
@@ -21,24 +21,24 @@ pub(crate) fn edge_volumes<const N: usize>(origin: DVec3, direction: DVec3, edge
     let (o, d) = (origin * scale, direction * power_of_two_scale(direction));
     edges.map(|[p, q]| {
         let [p, q] = [p, q].map(|point| (point * scale).to_array());
-        let [a, b] = [p, q].map(|point| [0, 1, 2].map(|i| Pair::sum(point[i], -o[i])));
-        volume_of_pairs(d, a, b).unwrap_or_else(|| exact_volume(d, a, b))
+        let [a, b] = [p, q].map(|point| [0, 1, 2].map(|i| DoubleDouble::sum(point[i], -o[i])));
+        double_double_volume(d, a, b).unwrap_or_else(|| exact_volume(d, a, b))
     })
 }
 
-/// Volume `d·(a × b)` computed in pairs of numbers; `None` if its sign is not certain.
-fn volume_of_pairs(d: DVec3, a: [Pair; 3], b: [Pair; 3]) -> Option<f64> {
-    let (mut volume, mut magnitude) = (Pair::default(), 0.0);
+/// Volume `d·(a × b)` in twice the precision; `None` if its sign is not certain.
+fn double_double_volume(d: DVec3, a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> Option<f64> {
+    let (mut volume, mut magnitude) = (DoubleDouble::default(), 0.0);
     for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
         let [first, second] = [a[j].times(b[k]), a[k].times(b[j])];
-        volume = volume.plus(first.minus(second).times(Pair { high: d[i], low: 0.0 }));
+        volume = volume.plus(first.minus(second).times(DoubleDouble { high: d[i], low: 0.0 }));
         magnitude += d[i].abs() * (first.high.abs() + second.high.abs());
     }
-    (volume.high.abs() > PAIR_ERROR * magnitude).then_some(volume.high)
+    (volume.high.abs() > DOUBLE_DOUBLE_ERROR * magnitude).then_some(volume.high)
 }
 
 /// Volume `d·(a × b)`, with the exact sign.
-fn exact_volume(d: DVec3, a: [Pair; 3], b: [Pair; 3]) -> f64 {
+fn exact_volume(d: DVec3, a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> f64 {
     let mut volume = Expansion::default();
     for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
         for (sign, a, b) in [(1.0, a[j], b[k]), (-1.0, a[k], b[j])] {
@@ -52,14 +52,14 @@ fn exact_volume(d: DVec3, a: [Pair; 3], b: [Pair; 3]) -> f64 {
     volume.value()
 }
 
-/// Sum of two numbers, the first of which is the rounded sum (Dekker 1971).
+/// Number of twice the precision: the sum of two numbers, of which the first is the rounded sum (Dekker 1971).
 #[derive(Clone, Copy, Debug, Default)]
-struct Pair {
+struct DoubleDouble {
     high: f64,
     low: f64,
 }
 
-impl Pair {
+impl DoubleDouble {
     /// Exact sum.
     fn sum(a: f64, b: f64) -> Self {
         let (high, low) = two_sum(a, b);

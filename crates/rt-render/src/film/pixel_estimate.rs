@@ -94,8 +94,9 @@ impl PixelEstimate {
     pub(crate) fn validate(&self, index: usize, max_passes: u32, max_samples: u32) -> Result<(), ContentError> {
         let Self { mean, coverage, samples, passes, last, earlier, earlier_spread } = *self;
         let has_wrong_counts = passes > max_passes || samples > max_samples || passes > samples;
-        let has_wrong_last = last.passes > passes || last.samples() > f64::from(samples) || earlier_spread.is_nan();
-        if has_wrong_counts || has_wrong_last || earlier_spread < 0.0 || (passes == 0) != (samples == 0) {
+        let has_wrong_last = last.passes > passes || last.samples() > f64::from(samples);
+        let has_wrong_spread = !(0.0..=1.0).contains(&earlier_spread);
+        if has_wrong_counts || has_wrong_last || has_wrong_spread || (passes == 0) != (samples == 0) {
             return Err(ContentError::Pixel(index));
         }
         let colors = [mean, last.mean, last.scatter, earlier];
