@@ -54,6 +54,22 @@ pub(crate) fn find_animated_light(scene: &Scene, top: &Aggregate, levels: &Botto
     animated.find(|instance| uses_material(instance, levels, &emits)).map(|instance| instance.name.to_string())
 }
 
+/// True if a surface emits light and is not sampled: only rays find it.
+pub(crate) fn has_unsampled_emitters(scene: &Scene, top: &Aggregate, levels: &BottomLevel) -> bool {
+    let emits = |instance: &Instance| {
+        let material = scene.appearance.materials.get(instance.material as usize);
+        material.is_some_and(|material| !material.emission.is_zero())
+    };
+    top.instances.iter().any(|instance| match (instance.geometry.group(), instance.light) {
+        (None, light) => light.is_none() && emits(instance),
+        // A group that has an index stores sampled lights by their own.
+        (Some(group), light) => {
+            let mut inner = levels.groups[group as usize].instances.iter();
+            inner.any(|inner| emits(inner) && (light.is_none() || inner.light.is_none()))
+        }
+    })
+}
+
 /// Object by its name, which may be empty, for messages.
 pub(crate) fn named_object(name: &str) -> String {
     if name.is_empty() { "an object without a name".to_owned() } else { format!("object '{name}'") }

@@ -8,7 +8,7 @@ use rt_shading::{Appearance, BsdfCache, LightSources, Lighting, Material, Shadin
 use crate::{
     RenderError, RenderSpace,
     accel_choice::AccelOptions,
-    area_lights::find_animated_light,
+    area_lights::has_unsampled_emitters,
     flatten::flatten,
     instance::{Aggregate, BottomLevel, InstanceGeometry},
     light_set::light_set,
@@ -53,9 +53,6 @@ impl<'s> CompiledScene<'s> {
         let integrator = source.settings.integrator;
         let accel = AccelOptions::new(source, options);
         let (mut top, mut levels) = flatten(source, accel, space.render_from_world(), !options.full, static_time)?;
-        if let (Integrator::Distributed, Some(light)) = (integrator, find_animated_light(source, &top, &levels)) {
-            return Err(RenderError::MovingLight(light));
-        }
         let appearance = space.appearance(&source.appearance);
         let lights = if integrator.samples_area_lights() {
             light_set(source, &appearance, &mut top, &mut levels)
@@ -93,6 +90,11 @@ impl<'s> CompiledScene<'s> {
             has_emission: used_features.emission,
             has_specular: used_features.reflection || used_features.refraction,
         })
+    }
+
+    /// True if the world has an emitter that is not sampled.
+    pub(crate) fn has_unsampled_emitters(&self) -> bool {
+        has_unsampled_emitters(self.source, &self.world.top, &self.world.levels)
     }
 
     /// Materials and lights for integrators that sample lights.

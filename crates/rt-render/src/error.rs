@@ -1,7 +1,5 @@
 //! Errors of compiling and rendering a scene.
 
-use crate::area_lights::named_object;
-
 /// Reason that a scene cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
@@ -131,13 +129,6 @@ pub enum RenderError {
          (--target-error)"
     )]
     AdaptiveMotion,
-    /// An animated emissive object with an integrator that finds sampled lights only.
-    #[error(
-        "{} is a moving emitter, which the integrator 'distributed' does not support; use 'path', 'direct' or \
-         'path-caustics', or remove its motion",
-        named_object(.0)
-    )]
-    MovingLight(String),
     /// Adaptive sampling in object space in a progressive render.
     #[error(
         "adaptive sampling in object space needs a fixed number of samples; remove the time limit and the target error"

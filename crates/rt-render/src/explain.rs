@@ -356,7 +356,7 @@ impl RenderPlan<'_> {
         let bounces = count(settings.max_depth as usize, "bounce", "bounces");
         let what = match settings.transport {
             Transport::Full | Transport::NonCaustic => "paths",
-            Transport::Specular => "specular and glossy paths",
+            Transport::Specular | Transport::SpecularWithEmitters => "specular and glossy paths",
         };
         let roulette = if settings.max_depth > settings.rr_start_depth {
             format!(", Russian roulette after {}", count(settings.rr_start_depth as usize, "bounce", "bounces"))

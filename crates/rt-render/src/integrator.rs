@@ -19,13 +19,14 @@ pub(crate) enum IntegratorState {
 
 impl IntegratorState {
     /// Integrator of the settings. `depth_range` is that of the scene along the view axis.
-    pub(crate) fn new(settings: &RenderSettings, depth_range: [f64; 2]) -> Self {
+    pub(crate) fn new(settings: &RenderSettings, depth_range: [f64; 2], has_unsampled_emitters: bool) -> Self {
         let path = |max_depth, transport| {
             let clamp = settings.clamp.and_then(Clamp::new).unwrap_or_default();
             Self::Path(PathSettings { max_depth, rr_start_depth: settings.rr_start_depth, transport, clamp })
         };
         match settings.integrator {
             Integrator::Whitted => Self::Whitted,
+            Integrator::Distributed if has_unsampled_emitters => path(settings.depth, Transport::SpecularWithEmitters),
             Integrator::Distributed => path(settings.depth, Transport::Specular),
             Integrator::Path | Integrator::PathReference => path(settings.depth, Transport::Full),
             Integrator::Caustics => path(settings.depth, Transport::NonCaustic),

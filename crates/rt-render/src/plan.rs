@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use rt_camera::{CameraSettings, SamplerKind};
-use rt_scene_io::{Integrator, NamedCamera, Scene};
+use rt_scene_io::{Integrator, NamedCamera, RenderSettings, Scene};
 use rt_shading::Clamp;
 
 use crate::{
@@ -73,7 +73,7 @@ impl<'s> RenderPlan<'s> {
         let frame = Frame::new(&compiled, options, view)?;
         Ok(Self {
             options: *options,
-            integrator: IntegratorState::new(settings, frame.depth_range(&compiled.world.bounds())),
+            integrator: integrator(settings, &compiled, &frame),
             scene: compiled,
             frame,
             camera_name,
@@ -101,7 +101,7 @@ impl<'s> RenderPlan<'s> {
             return Ok(());
         }
         self.frame = Frame::new(&self.scene, &options, view)?;
-        self.integrator = IntegratorState::new(&scene.settings, self.frame.depth_range(&self.scene.world.bounds()));
+        self.integrator = integrator(&scene.settings, &self.scene, &self.frame);
         self.options = options;
         Ok(())
     }
@@ -156,4 +156,8 @@ impl<'s> RenderPlan<'s> {
     pub const fn build_seconds(&self) -> f64 {
         self.build_seconds
     }
+}
+
+fn integrator(settings: &RenderSettings, scene: &CompiledScene<'_>, frame: &Frame) -> IntegratorState {
+    IntegratorState::new(settings, frame.depth_range(&scene.world.bounds()), scene.has_unsampled_emitters())
 }

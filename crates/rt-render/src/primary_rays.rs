@@ -11,7 +11,7 @@ use crate::{
     tile_job::{TileJob, TileResult},
 };
 
-/// Camera rays per batch: enough for batch traversal, with data that fits the cache of a core.
+/// Maximum number of camera rays per batch: enough for batch traversal, with data that fits the cache of a core.
 const BATCH_SIZE: usize = STREAM_CAPACITY;
 
 /// Indices of all samplers of a batch, for draws.
@@ -28,6 +28,8 @@ const ALL: [u32; BATCH_SIZE] = {
 /// Camera rays of a batch with their radiance.
 #[derive(Debug, Default)]
 pub(crate) struct PrimaryRayBatch {
+    /// Number of rays that are traced together.
+    size: usize,
     /// Positions in the pixel of the samples that are generated.
     positions: Vec<[f64; 2]>,
     /// Points on the lens of these samples, in the unit square.
@@ -48,8 +50,17 @@ impl PrimaryRayBatch {
         &self.rays
     }
 
+    /// Room for the most rays.
+    pub(crate) fn full() -> Self {
+        Self::new(BATCH_SIZE)
+    }
+
+    pub(crate) fn new(size: usize) -> Self {
+        Self { size: size.min(BATCH_SIZE), ..Self::default() }
+    }
+
     pub(crate) const fn free_slots(&self) -> usize {
-        BATCH_SIZE - self.weights.len()
+        self.size - self.weights.len()
     }
 
     pub(crate) fn clear(&mut self) {

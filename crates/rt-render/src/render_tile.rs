@@ -9,7 +9,7 @@ use rt_geometry::HitStream;
 use rt_scene_io::Integrator;
 use rt_shading::{
     Background, InteriorList, LaneLevel, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
-    Whitted,
+    Whitted, batch_size,
 };
 
 use crate::{
@@ -57,7 +57,7 @@ impl ThreadState {
             paths,
             occlusion: OcclusionWave::default(),
             hits: HitStream::default(),
-            camera: PrimaryRayBatch::default(),
+            camera: PrimaryRayBatch::new(batch_size(plan.scene.source.appearance.lights.len())),
             buffers: TracerBuffers::default(),
         }
     }

@@ -45,7 +45,7 @@ pub(crate) fn scene_for_model(
     notes.extend(model.notes.iter().cloned());
     let used = used_materials([&*model.nodes]);
     let used: Vec<&Material> = used.iter().filter_map(|id| model.materials.get(*id as usize)).collect();
-    let has_emissive = used.iter().any(|material| is_emissive(material));
+    let has_emissive = used.iter().any(|material| is_emissive(material, &model.textures));
     let is_lit_by_objects = has_emissive && model.lights.is_empty() && options.studio_lights != StudioLights::Studio;
     let reason = if used.iter().any(|material| !matches!(material.model, MaterialModel::Phong(_))) {
         Some("materials are physically based")

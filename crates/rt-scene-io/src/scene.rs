@@ -7,9 +7,9 @@ use std::{fmt, sync::Arc};
 use rt_camera::{CameraSettings, FilmSettings, SamplerKind};
 use rt_geometry::{Shape, TriangleMesh};
 use rt_math::{AnimatedTransform, AnimatedTransformChain, AnimatedTransformError, Rgb, Transform};
-#[cfg(feature = "format")]
-use rt_shading::ColorTexture;
 use rt_shading::{Appearance, light::LightSampling};
+#[cfg(feature = "format")]
+use rt_shading::{ColorTexture, Texture};
 
 use crate::sanitize::SingleLine;
 
@@ -379,10 +379,13 @@ pub(crate) fn used_materials<'a>(trees: impl IntoIterator<Item = &'a [SceneNode]
 /// True if a material makes its objects lights: it emits everywhere, or through a texture brighter than white. Textures of
 /// less are screens, signs and glowing details, which do not light a scene.
 #[cfg(feature = "format")]
-pub(crate) fn is_emissive(material: &Material) -> bool {
+pub(crate) fn is_emissive(material: &Material, textures: &[Texture]) -> bool {
     match material.emission {
         ColorTexture::Constant(radiance) => !radiance.is_black(),
-        ColorTexture::Textured(_, radiance) => radiance.max_component() > 1.0,
+        ColorTexture::Textured(texture, factor) => {
+            let texture = textures.get(texture.0 as usize).map_or(Rgb::WHITE, Texture::max);
+            (texture * factor).max_component() > 1.0
+        }
     }
 }
 

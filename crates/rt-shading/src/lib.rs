@@ -124,4 +124,5 @@ pub use shading_features::ShadingFeatures;
 pub use stream_queries::{SingleQueries, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
 pub use viewed_surface::is_inside;
+pub use wavefront::streams::batch_size;
 pub use whitted::{ShadingCounts, Whitted};

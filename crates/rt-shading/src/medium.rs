@@ -30,6 +30,15 @@ pub(crate) fn absorb(weight: &mut Rgb, absorption: Rgb, distance: f64) -> bool {
     true
 }
 
+/// Transmittance of a medium that fills the whole way to a light. The end of the medium towards a light at infinity is unknown: such
+/// light is not attenuated.
+pub(crate) fn transmittance_to_light(absorption: Rgb, distance: f64) -> Rgb {
+    if absorption.is_black() || !distance.is_finite() {
+        return Rgb::WHITE;
+    }
+    Medium { absorption, ..Medium::AIR }.transmittance(distance)
+}
+
 /// Medium behind the surface of a dielectric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorMedium {

@@ -167,7 +167,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             // Rays that stages append behind these get no times.
             rays.time.as_mut_slice().fill(0.0);
         }
-        let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting));
+        let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting, settings.transport));
         let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
         let first_list = if surroundings.len() > 1 { first } else { 0 };
         let surroundings = surroundings.get(first_list..).unwrap_or_default();

@@ -146,6 +146,15 @@ impl Bitmap {
         if count == 0 { 1.0 } else { sampled.map(|alpha| f64::from(*alpha)).sum::<f64>() / count as f64 }
     }
 
+    /// Largest value of each component; 0 for those without a finite positive value.
+    pub fn max(&self) -> Rgb {
+        let max = |component: usize| {
+            let finite = self.pixels.iter().map(|pixel| pixel[component]).filter(|value| value.is_finite());
+            f64::from(finite.fold(0.0, f32::max))
+        };
+        Rgb::new(max(0), max(1), max(2))
+    }
+
     /// Size of the pixels in bytes.
     pub fn memory(&self) -> usize {
         size_of_val(self.pixels.as_slice()) + size_of_val(self.alpha.as_slice())
@@ -158,6 +167,19 @@ impl Bitmap {
 }
 
 impl Texture {
+    /// Largest value of each component; that of vertex colours is 1.
+    pub fn max(&self) -> Rgb {
+        match self {
+            Self::Checker { even, odd, .. } => {
+                let (even, odd) = (even.to_array(), odd.to_array());
+                Rgb::from([0, 1, 2].map(|component| even[component].max(odd[component])))
+            }
+            Self::Image { bitmap, .. } => bitmap.max(),
+            Self::Mapped { texture, .. } => texture.max(),
+            Self::VertexColor(texture) => texture.as_ref().map_or(Rgb::WHITE, |texture| texture.max()),
+        }
+    }
+
     /// The colour at a point; black where texture coordinates are not finite, or no pixel can be numbered.
     pub fn at(&self, point: &TexturePoint) -> Rgb {
         match self {

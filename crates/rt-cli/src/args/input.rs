@@ -36,7 +36,7 @@ pub(crate) struct InputArgs {
     /// Add studio lights: auto (only to unlit scenes), none, or studio (always)
     ///
     /// Studio lights are a key light, a fill light, ambient light and a background. A scene is lit if it has a light, an emissive
-    /// material or an environment image. A background other than black counts as a light if the integrator samples it.
+    /// material or an environment image. Emission by a texture counts if it is brighter than 1 somewhere. A background other than black counts as a light if the integrator samples it.
     #[arg(long, value_name = "NAME", value_parser = values::named(&StudioLights::ALL, StudioLights::name), default_value = "auto")]
     pub(crate) lights: StudioLights,
 

@@ -19,3 +19,4 @@ mod refusals;
 mod replaced_camera;
 mod shards;
 mod support;
+mod unsampled_emitters;

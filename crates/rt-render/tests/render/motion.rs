@@ -5,9 +5,7 @@ use rt_camera::{Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan};
-use rt_scene_io::{
-    Accel, AdaptiveSampling, Content, GroupId, Integrator, MaterialId, RenderSettings, Scene, SceneNode,
-};
+use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Material, Phong};
 
 fn shift(x: f64, y: f64, z: f64) -> Transform {
@@ -182,31 +180,6 @@ fn edges_are_looked_for_where_nothing_moves() {
     (camera.shutter, camera.moves_to) = ([0.0, 0.5], Some(shift(0.0, 1.0, 9.0)));
     scene.nodes[3].moves_to = None;
     assert!(matches!(refusal(&scene), Some(RenderError::AdaptiveMotion)));
-}
-
-/// `distributed` only finds sampled lights, and animated lights are not sampled.
-#[test]
-fn distributed_refuses_animated_lights() {
-    let mut scene = everything();
-    scene.settings.integrator = Integrator::Distributed;
-    let refusal = |scene: &Scene| RenderPlan::compile(scene, &PlanOptions::default()).err();
-    assert!(refusal(&scene).is_none());
-    let mut emitter = SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5));
-    emitter.name = "firefly".into();
-    emitter.moves_to = Some(shift(1.0, 0.0, 0.0));
-    let mut swarm = SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
-    (swarm.name, swarm.moves_to) = ("swarm".into(), Some(shift(1.0, 0.0, 0.0)));
-    let unnamed = Scene { nodes: vec![SceneNode { name: "".into(), ..emitter.clone() }], ..scene.clone() };
-    let message = refusal(&unnamed).expect("refused").to_string();
-    assert!(message.starts_with("an object without a name is a moving emitter"), "{message}");
-    let alone = Scene { nodes: vec![emitter.clone()], ..scene.clone() };
-    let mut grouped = Scene { nodes: vec![swarm], ..scene.clone() };
-    grouped.groups[0].nodes = vec![SceneNode { moves_to: None, ..emitter }];
-    for (mut scene, name) in [(alone, "firefly"), (grouped, "swarm")] {
-        assert!(matches!(refusal(&scene), Some(RenderError::MovingLight(object)) if object == name), "{name}");
-        scene.settings.integrator = Integrator::Path;
-        assert!(refusal(&scene).is_none());
-    }
 }
 
 #[test]

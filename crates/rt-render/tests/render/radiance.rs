@@ -3,9 +3,9 @@
 use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
 use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
-use rt_render::{PlanOptions, RenderPlan, RunOptions};
-use rt_scene_io::{Content, MaterialId, MeshId, NamedCamera, NamedMesh, Scene, SceneNode};
-use rt_shading::{ColorTexture, Phong};
+use rt_render::{PlanOptions, Precision, RenderPlan, RunOptions};
+use rt_scene_io::{Content, Integrator, MaterialId, MeshId, NamedCamera, NamedMesh, Scene, SceneNode};
+use rt_shading::{ColorTexture, InteriorMedium, Material, Phong, Transmission};
 
 use crate::support::{point_light, spheres};
 
@@ -67,4 +67,38 @@ fn the_inside_of_a_sphere_is_lit_uniformly() {
     let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
     let film = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
     assert!(film.pixels().iter().flatten().all(|c| (c - 1.0).abs() < 1e-6));
+}
+
+#[test]
+fn whitted_absorbed_no_light_on_the_way_from_a_light() {
+    let floor = Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane");
+    let enclosure = Cuboid::new(DVec3::splat(-20.0), DVec3::splat(20.0)).expect("a box");
+    let mut scene = from_above(Content::Shape(Shape::Plane(floor)));
+    scene.settings.depth = 0;
+    let absorption = Rgb::new(0.1, 0.2, 0.4);
+    let clear = Transmission { coefficient: ColorTexture::Constant(Rgb::WHITE), fresnel: true };
+    let glass = Material::new("glass".into(), Phong { transmission: Some(clear), ..Phong::BLACK });
+    let interior = Some(InteriorMedium { absorption, ..InteriorMedium::clear(1.5) });
+    scene.appearance.materials.push(Material { interior, ..glass });
+    scene.nodes.push(SceneNode::new(Content::Shape(Shape::Cuboid(enclosure)), MaterialId(1)));
+    scene.cameras[0].medium = Some(MaterialId(1));
+    let half = rt_math::transcendental::tan(0.4);
+    for (integrator, precision) in [
+        (Integrator::Whitted, Precision::F32),
+        (Integrator::Whitted, Precision::F64),
+        (Integrator::Direct, Precision::F32),
+    ] {
+        scene.settings.integrator = integrator;
+        let plan = RenderPlan::compile(&scene, &PlanOptions { precision, ..PlanOptions::default() }).expect("a plan");
+        let film = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
+        for (i, pixel) in film.pixels().iter().enumerate() {
+            let at = DVec2::new((i % 33) as f64 - 16.0, (i / 33) as f64 - 16.0).length() / 16.5 * half * 5.0;
+            let [to_light, to_camera] = [4.0, 5.0].map(|height: f64| (height * height + at * at).sqrt());
+            let lit = absorption.map(|a| 4.0 / to_light * rt_math::transcendental::exp(-a * (to_light + to_camera)));
+            for (seen, expected) in pixel.iter().zip(lit.to_array()) {
+                let off = (f64::from(*seen) / expected - 1.0).abs();
+                assert!(off < 1e-5, "{integrator:?} {precision:?} pixel {i}: {seen} not {expected}");
+            }
+        }
+    }
 }

@@ -208,8 +208,8 @@ pub enum Light {
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         caps: bool,
     },
-    /// Comes from everywhere, scaled by the `ambient` coefficient of materials, under `whitted` and `distributed`. The other
-    /// integrators follow the light of the background instead. Several add up.
+    /// Comes from everywhere, scaled by the `ambient` coefficient of materials, under `whitted` and `distributed`. With an
+    /// environment image, `distributed` follows its light instead; the other integrators follow any background. Several add up.
     Ambient(Color),
 }
 

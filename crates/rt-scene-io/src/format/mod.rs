@@ -89,6 +89,7 @@ pub struct SceneFile {
     pub background: Option<Background>,
     /// The lights. Without this field, a scene without other light gets studio lights: a key light, a fill light, some ambient
     /// light and a background. Other light is an emissive material, an environment image, and under path tracing a background.
+    /// Emission by a texture counts if it is brighter than 1 somewhere.
     /// An empty list means no lights.
     ///
     /// Default: studio lights if no other light exists. Example: `lights: [point(position: (-3, 5, 4)), ambient(0.2)]`.

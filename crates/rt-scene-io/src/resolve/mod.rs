@@ -26,7 +26,7 @@ mod value;
 use std::path::Path;
 
 use rt_math::Aabb;
-use rt_shading::Appearance;
+use rt_shading::{Appearance, Texture};
 
 use crate::bounds::tree_bounds;
 use crate::format::SceneFile;
@@ -68,9 +68,9 @@ pub(crate) fn resolve_with(
     };
     let used = used_materials(groups.iter().map(|group| &*group.nodes).chain([&*nodes]));
     let used: Vec<&Material> = used.iter().filter_map(|id| materials.list.get(*id as usize)).collect();
-    let has_emissive = used.iter().any(|material| is_emissive(material));
+    let has_emissive = used.iter().any(|material| is_emissive(material, &textures.list));
     let has_layers = used.iter().any(|material| material.model.has_layers());
-    let default_integrator = default_integrator(file, &used, &options);
+    let default_integrator = default_integrator(file, (&used, &textures.list), &options);
     let set = file.settings.integrator.unwrap_or(default_integrator);
     let integrator = match options.integrator {
         Some(integrator) => integrator,
@@ -123,9 +123,14 @@ fn bounds_at_rest(
 
 /// Path tracing for light that `whitted` lacks: area lights, environment images, physical materials. Without `lights` in the
 /// scene, physical materials of models and emissive objects count too. `used` are the materials of all objects.
-fn default_integrator(file: &SceneFile, used: &[&Material], options: &LoadOptions) -> Integrator {
+fn default_integrator(
+    file: &SceneFile,
+    (used, textures): (&[&Material], &[Texture]),
+    options: &LoadOptions,
+) -> Integrator {
     let has_studio = options.studio_lights == StudioLights::Studio;
-    let needs_path = |material: &&Material| material.is_physically_based() || (is_emissive(material) && !has_studio);
+    let needs_path =
+        |material: &&Material| material.is_physically_based() || (is_emissive(material, textures) && !has_studio);
     let is_unspecified = file.lights.is_none() && used.iter().any(needs_path);
     let lights = file.lights.as_deref().unwrap_or_default();
     let is_physical = lights.iter().any(area_light::is_area_light)

@@ -196,6 +196,22 @@ fn lights_are_as_written() {
 }
 
 #[test]
+fn bright_textures_of_dim_factors_were_no_lights() {
+    let with = |emission: &str| {
+        let material = format!("material: diffuse(emission: {emission})");
+        resolved(&format!("(settings: (integrator: path), nodes: [(shape: sphere(), {material})])"))
+    };
+    for (emission, lights) in [
+        ("checker(even: (2, 1, 0), odd: (2, 1, 0))", 0),
+        ("checker(even: 0, odd: (0, 0, 30))", 0),
+        ("checker(even: 1, odd: (0.5, 1, 0.2))", 2),
+        ("(0.1, 0, 0)", 0),
+    ] {
+        assert_eq!(with(emission).appearance.lights.len(), lights, "{emission}");
+    }
+}
+
+#[test]
 fn what_is_left_open_is_chosen_and_noted() {
     let studio = resolved("(nodes: [(shape: sphere())])");
     assert_eq!(studio.notes.len(), 2, "{:?}", studio.notes);

@@ -36,18 +36,21 @@ impl<E: Element> SpawnedPaths<E> {
         let (clamp, bounces) = (inputs.settings.clamp, path.wave.bounces);
         let surface = vertex.view.surface;
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
-        for (light, stream) in inputs.lighting.lights.delta_lights().zip(&mut self.delta) {
-            let Some(lit) = light.sample_li(surface.point) else { continue };
-            let scattered = vertex.eval(lit.direction);
-            // Cancels the 1/π of BSDFs for lights in classical units.
-            let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
-            if radiance.is_black() {
-                self.counts.shadow_rays_skipped += u64::from(light.casts_shadows);
-            } else if light.casts_shadows {
-                let radiance = attenuated(radiance, vertex, media, (lit.direction, lit.distance));
-                stream.push_ray(light.shadow_ray(&shadow_rays, &lit, vertex.time), path.sample, radiance);
-            } else {
-                seen.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
+        let mut lights = inputs.lighting.lights.delta_lights();
+        for stream in &mut self.delta.streams {
+            for light in lights.by_ref().take(self.delta.lights_per_stream) {
+                let Some(lit) = light.sample_li(surface.point) else { continue };
+                let scattered = vertex.eval(lit.direction);
+                // Cancels the 1/π of BSDFs for lights in classical units.
+                let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
+                if radiance.is_black() {
+                    self.counts.shadow_rays_skipped += u64::from(light.casts_shadows);
+                } else if light.casts_shadows {
+                    let radiance = attenuated(radiance, vertex, media, (lit.direction, lit.distance));
+                    stream.push_ray(light.shadow_ray(&shadow_rays, &lit, vertex.time), path.sample, radiance);
+                } else {
+                    seen.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
+                }
             }
         }
     }

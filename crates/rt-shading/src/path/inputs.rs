@@ -34,11 +34,20 @@ impl PathInputs<'_> {
         self.settings.transport == Transport::Specular
     }
 
+    /// True if a path that a diffuse lobe continues ends after the emission of the next surface.
+    pub(super) fn ends_behind_diffuse(&self) -> bool {
+        matches!(self.settings.transport, Transport::Specular | Transport::SpecularWithEmitters)
+    }
+
+    /// True if light of the background reaches diffuse surfaces of this kind.
+    pub(super) fn gathers_background(&self, is_diffuse_below_layer: bool) -> bool {
+        is_diffuse_below_layer || self.lighting.lights.environment().is_some()
+    }
+
     /// True if ambient light stands for the background at a surface of this kind.
     pub(super) fn has_ambient_light(&self, is_diffuse_below_layer: bool) -> bool {
-        let Lighting { appearance, lights, .. } = &self.lighting;
-        let follows_background = is_diffuse_below_layer || lights.environment().is_some();
-        let gathers_background = !appearance.background.is_black() && follows_background;
-        self.follows_specular_only() && self.features.ambient && !gathers_background
+        let has_background = !self.lighting.appearance.background.is_black();
+        let gathers_background = has_background && self.gathers_background(is_diffuse_below_layer);
+        self.ends_behind_diffuse() && self.features.ambient && !gathers_background
     }
 }

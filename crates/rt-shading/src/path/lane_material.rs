@@ -1,6 +1,6 @@
 //! Materials that are shaded in lanes.
 
-use super::settings::Lighting;
+use super::{settings::Lighting, transport::Transport};
 use crate::{
     ColorTexture, Material, MaterialModel,
     bsdf::{DiffusePhong, GlassSurface, LaneSurface, OrenNayar},
@@ -97,9 +97,10 @@ impl VertexKind {
 }
 
 impl LaneMaterials {
-    /// Materials of a scene.
-    pub(super) fn new(lighting: Lighting<'_>) -> Self {
-        let has_usual_lights = lighting.lights.lights().iter().all(is_usual);
+    /// Materials of a scene. None is shaded in lanes where diffuse lobes are sampled and paths end behind them.
+    pub(super) fn new(lighting: Lighting<'_>, transport: Transport) -> Self {
+        let has_usual_lights =
+            transport != Transport::SpecularWithEmitters && lighting.lights.lights().iter().all(is_usual);
         let of = |material| if has_usual_lights { LaneMaterial::of(material) } else { None };
         let materials: Vec<_> = lighting.appearance.materials.iter().map(of).collect();
         let keeps_states = |material: &Option<LaneMaterial>| {

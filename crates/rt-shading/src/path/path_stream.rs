@@ -42,6 +42,8 @@ pub(super) struct WavePathState {
     pub(super) first_bounce_nonspecular: bool,
     /// True if the path ends after the emission of the next surface.
     pub(super) emission_only: bool,
+    /// True if the background is black for the next ray.
+    pub(super) omits_background: bool,
 }
 
 /// Previous vertex of a path, for the MIS weights of lights that it hits.
@@ -83,6 +85,7 @@ impl Default for WavePathState {
             vertex: None,
             first_bounce_nonspecular: false,
             emission_only: false,
+            omits_background: false,
         }
     }
 }

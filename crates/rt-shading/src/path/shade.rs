@@ -194,7 +194,8 @@ impl<E: Element> SpawnedPaths<E> {
         // Light paths do not find the reverse of a direction that was kept on its side. So only purely specular paths from the
         // camera take it: `NonCaustic` and light tracing must sum to all light.
         let Some(wi) = vertex.continued(&sample, !state.first_bounce_nonspecular) else { return };
-        let ends = bounces >= settings.max_depth || (inputs.follows_specular_only() && sample.is_diffuse);
+        let ends_behind_diffuse = inputs.ends_behind_diffuse() && sample.is_diffuse;
+        let ends = bounces >= settings.max_depth || ends_behind_diffuse;
         if ends && !inputs.scene_emits() {
             self.counts.depth_limited += 1;
             return;
@@ -211,6 +212,7 @@ impl<E: Element> SpawnedPaths<E> {
             state.first_bounce_nonspecular = !sample.is_delta;
         }
         state.emission_only = ends;
+        state.omits_background = ends_behind_diffuse && !inputs.gathers_background(bsdf.is_diffuse_below_layer());
         state.vertex = Some(vertex.view.surface.point);
         state.medium_tracker.scatter(path.interface, sample.kind);
         let ray = vertex.view.surface.spawn_ray(wi, vertex.time);

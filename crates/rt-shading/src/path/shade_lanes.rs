@@ -174,33 +174,38 @@ impl<E: Element> SpawnedPaths<E> {
         let Vertices { at, points, throughput, time, .. } = vertices;
         let mask = vertices.mask & !vertices.delta;
         let samples = wave.paths.sample.vector(*at);
-        for (light, stream) in inputs.lighting.lights.delta_lights().zip(&mut self.delta) {
-            let zero = lanes.splat(0.0);
-            let incident = sample_li(lanes, light, points, mask);
-            let cos = vertices.cosines(lanes, incident.direction);
-            // Cancels the 1/π of BSDFs for lights in classical units.
-            let reflected = bsdf.reflected(incident.direction, cos, light.units.irradiance_factor());
-            let mut radiance = reflected.scaled_by(*throughput).scaled_by(incident.strength);
-            let lit = lanes.bits(incident.is_lit & vertices.height(lanes, cos).gt(zero) & !is_zero(radiance)) & mask;
-            let (shadow_origin, below) = vertices.shadow_origins(lanes, lit, cos);
-            if light.casts_shadows {
-                let black = lanes.bits(incident.is_lit) & mask & !lit;
-                self.counts.shadow_rays_skipped += u64::from(black.count_ones());
-                if vertices.two_sided & lit != 0 && inputs.features.absorption {
-                    let distance = lanes.widen(incident.distance);
-                    radiance = self.gathered.attenuated(lanes, &(radiance, distance), vertices.two_sided & lit, below);
+        let mut lights = inputs.lighting.lights.delta_lights();
+        for stream in &mut self.delta.streams {
+            for light in lights.by_ref().take(self.delta.lights_per_stream) {
+                let zero = lanes.splat(0.0);
+                let incident = sample_li(lanes, light, points, mask);
+                let cos = vertices.cosines(lanes, incident.direction);
+                // Cancels the 1/π of BSDFs for lights in classical units.
+                let reflected = bsdf.reflected(incident.direction, cos, light.units.irradiance_factor());
+                let mut radiance = reflected.scaled_by(*throughput).scaled_by(incident.strength);
+                let lit =
+                    lanes.bits(incident.is_lit & vertices.height(lanes, cos).gt(zero) & !is_zero(radiance)) & mask;
+                let (shadow_origin, below) = vertices.shadow_origins(lanes, lit, cos);
+                if light.casts_shadows {
+                    let black = lanes.bits(incident.is_lit) & mask & !lit;
+                    self.counts.shadow_rays_skipped += u64::from(black.count_ones());
+                    if vertices.two_sided & lit != 0 && inputs.features.absorption {
+                        let distance = lanes.widen(incident.distance);
+                        radiance =
+                            self.gathered.attenuated(lanes, &(radiance, distance), vertices.two_sided & lit, below);
+                    }
+                    let (direction, end) = shadow_rays(lanes, light, shadow_origin);
+                    stream.push(lanes, lit, [shadow_origin, direction], (end, *time), (radiance, samples));
+                } else if clamp.applies_after(wave.bounces + 1) {
+                    let radiance = lanes.store_vector(radiance);
+                    for lane in each_lane(lit) {
+                        let [r, g, b] = [0, 1, 2].map(|c| radiance[c][lane].into());
+                        seen[samples[lane] as usize].radiance +=
+                            clamp.apply(wave.bounces + 1, Rgb::new(r, g, b), &mut self.counts);
+                    }
+                } else {
+                    add_radiance(lanes, lit, radiance, true, samples, seen);
                 }
-                let (direction, end) = shadow_rays(lanes, light, shadow_origin);
-                stream.push(lanes, lit, [shadow_origin, direction], (end, *time), (radiance, samples));
-            } else if clamp.applies_after(wave.bounces + 1) {
-                let radiance = lanes.store_vector(radiance);
-                for lane in each_lane(lit) {
-                    let [r, g, b] = [0, 1, 2].map(|c| radiance[c][lane].into());
-                    seen[samples[lane] as usize].radiance +=
-                        clamp.apply(wave.bounces + 1, Rgb::new(r, g, b), &mut self.counts);
-                }
-            } else {
-                add_radiance(lanes, lit, radiance, true, samples, seen);
             }
         }
     }

@@ -148,7 +148,7 @@ fn trace(
     let (seen, counts_in_f64) = radiance_of(PathTracer::new(settings, features).in_f64());
     let differing = seen.iter().zip(&in_f32).filter(|(a, b)| !(a.hit == b.hit && difference(a, b) < 1e-3)).count();
     assert!(differing <= 1 + rays.len() / 50, "{differing} of {} paths differ in f32: {settings:?}", rays.len());
-    if settings.transport != Transport::Specular {
+    if !matches!(settings.transport, Transport::Specular | Transport::SpecularWithEmitters) {
         let (air, none) = (InteriorList::default(), ShadingCounts::default());
         let mut reference = ReferencePathTracer { settings, lighting, surroundings: air, counts: none };
         let mut differing = Vec::new();

@@ -10,4 +10,7 @@ pub enum Transport {
     /// Specular and glossy transport; diffuse surfaces have direct and ambient light only ("Distributed Ray Tracing",
     /// Cook, Porter, Carpenter 1984).
     Specular,
+    /// The same in scenes with emitters that are not sampled, such as a torus or a moving sphere. Diffuse surfaces find their
+    /// direct light by BSDF samples.
+    SpecularWithEmitters,
 }

@@ -8,8 +8,11 @@ use super::{
     wave_samples::WaveSamples,
 };
 use crate::{
-    InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamPrimitive, StreamQueries, bsdf::LaneSurface,
-    lane_set::Element, mis::power_heuristic, wavefront::streams::ShadowRayStream,
+    InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamPrimitive, StreamQueries,
+    bsdf::LaneSurface,
+    lane_set::Element,
+    mis::power_heuristic,
+    wavefront::streams::{DeltaStreams, ShadowRayStream},
 };
 use rt_geometry::{HitStream, RayKind, RayStream};
 use rt_math::{Rgb, Sampler};
@@ -45,7 +48,7 @@ pub(super) struct SpawnedPaths<E: Element> {
     /// Rays that continue behind null interfaces, in the same wave.
     pub(super) passing: PathStream<E>,
     /// Shadow rays to each delta light, and to the sampled light.
-    pub(super) delta: Vec<ShadowRayStream<E>>,
+    pub(super) delta: DeltaStreams<E>,
     pub(super) sampled: ShadowRayStream<E>,
     pub(super) states: Vec<WavePathState>,
     /// Surfaces of the hits that are shaded in lanes.
@@ -144,7 +147,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 }
             }
             let clamp = inputs.settings.clamp;
-            for light in spawned.delta.iter_mut().take(n_delta).chain([&mut spawned.sampled]) {
+            for light in spawned.delta.streams.iter_mut().chain([&mut spawned.sampled]) {
                 let counts = &mut spawned.counts;
                 let bounded = |radiance| clamp.apply(bounces + 1, radiance, counts);
                 light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), bounded, seen);
@@ -160,9 +163,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
 impl<E: Element> SpawnedPaths<E> {
     /// Makes space for lights and samples.
     fn start(&mut self, inputs: &PathInputs<'_>, n_delta: usize, (n_samples, surroundings): (usize, &[InteriorList])) {
-        if self.delta.len() < n_delta {
-            self.delta.resize_with(n_delta, ShadowRayStream::default);
-        }
+        self.delta.start(n_delta, n_samples);
         if self.states.len() < n_samples {
             self.states.resize_with(n_samples, WavePathState::default);
         }
@@ -254,6 +255,9 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let (ray, _) = wave.paths.rays.get(at);
         let sample = wave.paths.sample.get(at) as usize;
+        if inputs.materials.track_states && self.states[sample].omits_background {
+            return;
+        }
         let vertex = wave.paths.prev_vertex(at, &self.states[sample]);
         let light_pdf = vertex.pdf_li_environment(&inputs.lighting, ray.direction);
         let weight = if light_pdf > 0.0 { power_heuristic(vertex.pdf, light_pdf) } else { 1.0 };

@@ -8,7 +8,40 @@ use crate::{
 use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{Interval, Ray, Rgb, Vector3};
 
-/// Shadow rays to one light, with what it adds to samples if they are not occluded.
+/// Delta lights that have a stream each for batches of [`STREAM_CAPACITY`] camera rays. A stream takes 50 kB.
+const LIGHTS_OF_FULL_BATCHES: usize = 64;
+
+/// Camera rays to shade together under this number of delta lights: a multiple of 8, for more lights fewer rays. This bounds the memory of
+/// [`PathTracer`](crate::PathTracer) and [`Whitted`](crate::Whitted), and changes no image.
+pub const fn batch_size(n_delta_lights: usize) -> usize {
+    if n_delta_lights <= LIGHTS_OF_FULL_BATCHES {
+        return STREAM_CAPACITY;
+    }
+    let size = STREAM_CAPACITY * LIGHTS_OF_FULL_BATCHES / n_delta_lights / 8 * 8;
+    if size == 0 { 8 } else { size }
+}
+
+/// Shadow rays to delta lights, in the order of the lights at each vertex.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DeltaStreams<E: Element> {
+    /// Streams, each of the next [`lights_per_stream`](Self::lights_per_stream) lights.
+    pub(crate) streams: Vec<ShadowRayStream<E>>,
+    /// Lights for which a stream has space, if each sample has one vertex.
+    pub(crate) lights_per_stream: usize,
+}
+
+impl<E: Element> DeltaStreams<E> {
+    /// Makes space for the rays of one vertex of each sample.
+    pub(crate) fn start(&mut self, n_lights: usize, n_samples: usize) {
+        self.lights_per_stream = (STREAM_CAPACITY / n_samples.max(1)).max(1);
+        let n_streams = n_lights.div_ceil(self.lights_per_stream);
+        if self.streams.len() < n_streams {
+            self.streams.resize_with(n_streams, ShadowRayStream::default);
+        }
+    }
+}
+
+/// Shadow rays to a light or to a few, with what these add to samples if they are not occluded.
 #[derive(Clone, Debug)]
 pub(crate) struct ShadowRayStream<E: Element> {
     rays: RayStream,
@@ -125,4 +158,21 @@ pub(crate) fn append<L: LaneSet>(
         lanes.compress_f64(time, mask, rays.time.vector_mut(end));
     }
     rays.grow(mask.count_ones() as usize);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ten_thousand_lights_took_a_quarter_of_a_gigabyte_per_thread() {
+        assert_eq!([0, 1, 64, 65, 128, 2048, 1 << 20].map(batch_size), [256, 256, 256, 248, 128, 8, 8]);
+        for n_lights in [65, 100, 1000, 10_000] {
+            let mut streams = DeltaStreams::<f32>::default();
+            streams.start(n_lights, batch_size(n_lights));
+            assert!(streams.streams.len() <= 128.max(n_lights / 31), "{n_lights} lights");
+            assert!(streams.streams.len() * streams.lights_per_stream >= n_lights);
+            assert!(streams.lights_per_stream * batch_size(n_lights) <= STREAM_CAPACITY);
+        }
+    }
 }

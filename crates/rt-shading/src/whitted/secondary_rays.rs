@@ -28,8 +28,9 @@ impl<E: Element> SpawnedRays<E> {
         paths: &TreeStream<E>,
     ) {
         let settings = inputs.settings;
-        let &HitGroup { phong, surfaces: &HitSurfaces { surface, normals, .. }, at, mask, weight, transmits, eta } =
-            group;
+        let &HitGroup {
+            phong, surfaces: &HitSurfaces { surface, normals, .. }, at, mask, weight, transmits, eta, ..
+        } = group;
         let &ShadedSurface { normal: towards_viewer, direction, near_origin, .. } = surface;
         let normal = normals.normal;
         let features = &settings.features;

@@ -6,7 +6,8 @@ use crate::{
     hit_context::{HitContext, MAX_NULL_INTERFACES},
     interior_list::MediumInterface,
     lane_set::Element,
-    medium, optics,
+    medium::{self, transmittance_to_light},
+    optics,
     viewed_surface::ViewedSurface,
 };
 use rt_math::{Interval, Ray, Rgb};
@@ -34,14 +35,15 @@ impl<E: Element> SpawnedRays<E> {
             return self.skip_interface(inputs, (ray, path), hit, (interface, way), seen);
         }
         seen.hit = true;
+        let mut absorption = Rgb::BLACK;
         if features.absorption {
-            let medium = interface.map_or_else(|| tree.interior.medium(materials), |c| c.before);
-            self.absorb(&mut path.weight, medium.absorption, way);
+            absorption = interface.map_or_else(|| tree.interior.medium(materials), |c| c.before).absorption;
+            self.absorb(&mut path.weight, absorption, way);
         }
         let HitContext { material, direction, is_inside, .. } = context;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let phong = &material.to_phong();
-        self.shade_direct(inputs, (material, phong), &view, (&path, ray.time), seen);
+        self.shade_direct(inputs, (material, phong), (&view, absorption), (&path, ray.time), seen);
         let interface = interface.filter(|_| phong.transmission.is_some());
         self.spawn_secondary_rays(inputs, phong, (&view, interface), (&path, ray.time));
     }
@@ -82,12 +84,12 @@ impl<E: Element> SpawnedRays<E> {
         absorbs
     }
 
-    /// Emission of a surface, and the direct light that it reflects.
+    /// Emission of a surface, and the direct light that it reflects, with the absorption of the medium before it.
     fn shade_direct(
         &mut self,
         inputs: &TreeInputs<'_>,
         (material, phong): (&Material, &Phong),
-        view: &ViewedSurface<'_>,
+        (view, absorption): (&ViewedSurface<'_>, Rgb),
         (path, time): (&TreePath, f64),
         seen: &mut RadianceSample,
     ) {
@@ -104,33 +106,38 @@ impl<E: Element> SpawnedRays<E> {
         let diffuse = phong.diffuse.at(textures, surface);
         let specular = if features.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
-        for (light, stream) in appearance.lights.iter().zip(&mut self.lights) {
-            let shadowed = features.shadows && light.casts_shadows;
-            if light.is_behind(surface.point.into(), view.normal.into()) {
-                self.counts.shadow_rays_skipped += u64::from(shadowed);
-                continue;
-            }
-            let lit = light.sample_li(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
-            let reflected = lit.map_or(Rgb::BLACK, |lit| {
-                let mut reflectance = diffuse * view.normal.dot(lit.direction);
-                if features.highlights && !specular.is_black() {
-                    self.counts.highlights += 1;
-                    let strength =
-                        phong.highlight.strength(view.normal, -view.direction, lit.direction, phong.exponent);
-                    reflectance += specular * strength;
+        for (stream, lights) in
+            self.lights.streams.iter_mut().zip(appearance.lights.chunks(self.lights.lights_per_stream))
+        {
+            for light in lights {
+                let shadowed = features.shadows && light.casts_shadows;
+                if light.is_behind(surface.point.into(), view.normal.into()) {
+                    self.counts.shadow_rays_skipped += u64::from(shadowed);
+                    continue;
                 }
-                reflectance * lit.strength * light.units.classical_factor()
-            });
-            match lit {
-                Some(lit) if !reflected.is_black() => {
-                    let radiance = path.weight * reflected;
-                    if shadowed {
-                        stream.push_ray(light.shadow_ray(&shadow_rays, &lit, time), path.sample, radiance);
-                    } else {
-                        seen.radiance += radiance;
+                let lit = light.sample_li(surface.point).filter(|lit| view.normal.dot(lit.direction) > 0.0);
+                let reflected = lit.map_or(Rgb::BLACK, |lit| {
+                    let mut reflectance = diffuse * view.normal.dot(lit.direction);
+                    if features.highlights && !specular.is_black() {
+                        self.counts.highlights += 1;
+                        let strength =
+                            phong.highlight.strength(view.normal, -view.direction, lit.direction, phong.exponent);
+                        reflectance += specular * strength;
                     }
+                    reflectance * lit.strength * light.units.classical_factor()
+                });
+                match lit {
+                    Some(lit) if !reflected.is_black() => {
+                        let radiance = path.weight * reflected;
+                        if shadowed {
+                            let radiance = radiance * transmittance_to_light(absorption, lit.distance);
+                            stream.push_ray(light.shadow_ray(&shadow_rays, &lit, time), path.sample, radiance);
+                        } else {
+                            seen.radiance += radiance;
+                        }
+                    }
+                    _ => self.counts.shadow_rays_skipped += u64::from(shadowed),
                 }
-                _ => self.counts.shadow_rays_skipped += u64::from(shadowed),
             }
         }
     }

@@ -11,6 +11,7 @@ use crate::{
     Background, RadianceSample,
     lane_set::{Element, LaneSet, LaneStage},
     lanes::{LANES, each_lane, first_lanes, is_zero},
+    medium::transmittance_to_light,
     stream_queries::{StreamPrimitive, StreamQueries, StreamShape},
     wavefront::{
         delta_lights::{sample_li, shadow_rays},
@@ -21,7 +22,7 @@ use crate::{
     },
 };
 use rt_geometry::HitStream;
-use rt_math::{Real, Rgb};
+use rt_math::{Real, Rgb, Vector3};
 
 impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeTreeHits<'_, W, E> {
     #[inline(always)]
@@ -170,7 +171,8 @@ impl<E: Element> SpawnedRays<E> {
         for (mask, square) in [(mask & !odd, 0), (odd, 1)] {
             if mask != 0 {
                 let (weight, eta) = (lanes.load_vector(&paths.weight, at), lanes.splat(1.0));
-                let group = HitGroup { phong: model.square(square), surfaces, at, mask, weight, transmits: 0, eta };
+                let phong = model.square(square);
+                let group = HitGroup { phong, surfaces, at, mask, weight, transmits: 0, eta, absorption: None };
                 self.shade_group((lanes, inputs), group, paths, seen);
             }
         }
@@ -265,34 +267,68 @@ impl<E: Element> SpawnedRays<E> {
         let (direction, &ShadingNormals { normal, shadow_origin, .. }) = (surface.direction, normals);
         let zero = lanes.splat(0.0);
         let has_highlight = phong.specular != Rgb::BLACK;
-        for (light, stream) in appearance.lights.iter().zip(&mut self.lights) {
-            let shadowed = settings.features.shadows && light.casts_shadows;
-            let incident = sample_li(lanes, light, points, mask);
-            let wi = incident.direction;
-            let cos = normal.dot(wi);
-            let faces = incident.is_lit & cos.gt(zero);
-            let faced = lanes.bits(faces) & mask;
-            if faced == 0 {
-                self.counts.shadow_rays_skipped += if shadowed { u64::from(mask.count_ones()) } else { 0 };
-                continue;
+        for (stream, lights) in
+            self.lights.streams.iter_mut().zip(appearance.lights.chunks(self.lights.lights_per_stream))
+        {
+            for light in lights {
+                let shadowed = settings.features.shadows && light.casts_shadows;
+                let incident = sample_li(lanes, light, points, mask);
+                let wi = incident.direction;
+                let cos = normal.dot(wi);
+                let faces = incident.is_lit & cos.gt(zero);
+                let faced = lanes.bits(faces) & mask;
+                if faced == 0 {
+                    self.counts.shadow_rays_skipped += if shadowed { u64::from(mask.count_ones()) } else { 0 };
+                    continue;
+                }
+                let mut reflectance = lanes.splat_rgb(phong.diffuse) * cos;
+                if has_highlight {
+                    self.counts.highlights += u64::from(faced.count_ones());
+                    let strength = phong.highlight_strength([normal, -direction, wi]);
+                    reflectance = reflectance + lanes.splat_rgb(phong.specular) * strength;
+                }
+                let radiance = reflectance.scaled_by(incident.strength) * lanes.splat(light.units.classical_factor());
+                let lit = faced & !lanes.bits(is_zero(radiance));
+                let radiance = radiance.scaled_by(group.weight);
+                if !shadowed {
+                    add_radiance(lanes, lit, radiance, true, paths.sample.vector(at), seen);
+                    continue;
+                }
+                let mut radiance = radiance;
+                if let Some(absorption) = &group.absorption {
+                    radiance = attenuated(lanes, radiance, absorption, incident.distance);
+                }
+                self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
+                let (direction, end) = shadow_rays(lanes, light, shadow_origin);
+                let time = times(lanes, &paths.rays, at, inputs.has_time);
+                stream.push(lanes, lit, [shadow_origin, direction], (end, time), (radiance, paths.sample.vector(at)));
             }
-            let mut reflectance = lanes.splat_rgb(phong.diffuse) * cos;
-            if has_highlight {
-                self.counts.highlights += u64::from(faced.count_ones());
-                let strength = phong.highlight_strength([normal, -direction, wi]);
-                reflectance = reflectance + lanes.splat_rgb(phong.specular) * strength;
-            }
-            let radiance = reflectance.scaled_by(incident.strength) * lanes.splat(light.units.classical_factor());
-            let lit = faced & !lanes.bits(is_zero(radiance));
-            let radiance = radiance.scaled_by(group.weight);
-            if !shadowed {
-                add_radiance(lanes, lit, radiance, true, paths.sample.vector(at), seen);
-                continue;
-            }
-            self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
-            let (direction, end) = shadow_rays(lanes, light, shadow_origin);
-            let time = times(lanes, &paths.rays, at, inputs.has_time);
-            stream.push(lanes, lit, [shadow_origin, direction], (end, time), (radiance, paths.sample.vector(at)));
         }
     }
+}
+
+/// Light of a distance, attenuated by the medium before each lane. That of a light at infinity is not, as under path tracing.
+#[inline(never)]
+fn attenuated<L: LaneSet>(
+    lanes: L,
+    radiance: Vector3<L::F>,
+    absorption: &[Rgb; LANES],
+    distance: L::F,
+) -> Vector3<L::F> {
+    lanes.vectorize(
+        #[inline(always)]
+        || {
+            let mut distances = [0.0; LANES];
+            lanes.store_f64(lanes.widen(distance), &mut distances);
+            let mut transmittances = [[L::Element::rounded(1.0); LANES]; 3];
+            for (lane, (&absorption, distance)) in absorption.iter().zip(distances).enumerate() {
+                let of_lane = transmittance_to_light(absorption, distance).to_array();
+                for (to, component) in transmittances.iter_mut().zip(of_lane) {
+                    to[lane] = L::Element::rounded(component);
+                }
+            }
+            let [r, g, b] = &transmittances;
+            radiance.scaled_by(Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b)))
+        },
+    )
 }

@@ -5,7 +5,7 @@ use crate::{
     InteriorList, LaneLevel, RadianceSample,
     lane_set::Element,
     stream_queries::{StreamPrimitive, StreamQueries, StreamShape},
-    wavefront::{gathered_shapes::GatheredShapes, streams::ShadowRayStream},
+    wavefront::{gathered_shapes::GatheredShapes, streams::DeltaStreams},
 };
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
 use rt_math::Interval;
@@ -35,7 +35,7 @@ pub(super) struct SpawnedRays<E: Element> {
     pub(super) reflected: TreeStream<E>,
     pub(super) refracted: TreeStream<E>,
     /// Shadow rays by light.
-    pub(super) lights: Vec<ShadowRayStream<E>>,
+    pub(super) lights: DeltaStreams<E>,
     /// Ray trees of the samples.
     pub(super) trees: Vec<RayTree>,
     /// Samples whose path has ended in this wave, in scenes that defer rays.
@@ -106,7 +106,7 @@ impl<E: Element> TreeStreams<E> {
                 }
             }
             first_kind = RayKind::Reflection;
-            for light in &mut spawned.lights {
+            for light in &mut spawned.lights.streams {
                 light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), |radiance| radiance, seen);
             }
             self.next_wave();
@@ -132,10 +132,7 @@ impl<E: Element> TreeStreams<E> {
 impl<E: Element> SpawnedRays<E> {
     /// Makes space for lights and samples.
     fn start(&mut self, inputs: &TreeInputs<'_>, (n_samples, surroundings): (usize, &[InteriorList])) {
-        let n_lights = inputs.appearance.lights.len();
-        if self.lights.len() < n_lights {
-            self.lights.resize_with(n_lights, ShadowRayStream::default);
-        }
+        self.lights.start(inputs.appearance.lights.len(), n_samples);
         if self.trees.len() < n_samples {
             self.trees.resize_with(n_samples, RayTree::default);
         }
