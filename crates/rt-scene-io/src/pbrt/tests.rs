@@ -192,6 +192,37 @@ fn matrices_stand_column_by_column_and_add_up() {
     assert_eq!(at("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All"), DVec3::ZERO);
 }
 
+/// `EndTime` stayed active after its scope, so that later transforms were left out.
+#[test]
+fn active_transforms_end_with_their_scope() {
+    let end = "ActiveTransform EndTime Translate 0 1 0";
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("end.pbrt"), end).expect("written");
+    let at = |text: &str| {
+        let path = folder.path().join("m.pbrt");
+        let model = load_text(&world(text), &path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        model.nodes[0].parent_from_local.inverse_point(shapes(&model).last().expect("a sphere").0.point(DVec3::ZERO))
+    };
+    for scope in [
+        format!("AttributeBegin {end} AttributeEnd"),
+        format!("ObjectBegin \"a\" {end} ObjectEnd"),
+        "Import \"end.pbrt\"".to_owned(),
+    ] {
+        assert_eq!(at(&format!("{scope} Translate 1 0 0")), DVec3::X, "{scope}");
+    }
+    assert_eq!(at("Include \"end.pbrt\" Translate 1 0 0"), DVec3::ZERO, "an included file is no scope");
+    assert_eq!(at("ActiveTransform EndTime AttributeBegin AttributeEnd Translate 1 0 0"), DVec3::ZERO);
+}
+
+/// `CoordSysTransform` was left out while the end of a motion was active.
+#[test]
+fn coordinate_systems_replace_the_transforms_of_both_times() {
+    let text = "Translate 1 0 0 CoordinateSystem \"a\" Identity ActiveTransform EndTime CoordSysTransform \"a\"";
+    let model = good(&world(text));
+    assert_eq!(model.nodes[0].parent_from_local.inverse_point(shapes(&model)[0].0.point(DVec3::ZERO)), DVec3::X);
+    assert_eq!(model.warnings, []);
+}
+
 #[test]
 fn portraits_and_orthographic_views_are_measured_along_the_shorter_side() {
     let tall = SCENE.replace("[64]", "[24]");
