@@ -345,6 +345,29 @@ fn what_is_not_supported_is_listed_with_its_line() {
     );
 }
 
+/// Such a light was a black surface with emission. pbrt-v4 has neither the light nor the surface.
+#[test]
+fn area_lights_of_interfaces_are_left_out() {
+    let light = "AttributeBegin Material \"interface\" AreaLightSource \"diffuse\" Shape \"sphere\" AttributeEnd";
+    let model = good(&world(light));
+    assert_eq!((shapes(&model).len(), model.materials.len(), &model.background), (1, 1, &None));
+    let message = "a shape without material is invisible: it is left out, and its area light is ignored, as in pbrt";
+    assert_eq!(model.warnings.iter().map(|warning| warning.message.as_str()).collect::<Vec<_>>(), [message]);
+}
+
+/// The invisible lights of pbrt-v4 gave no light, without a warning.
+#[test]
+fn area_lights_of_alpha_0_are_warned_of() {
+    let light = |alpha: &str| {
+        let mesh = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
+        good(&world(&format!("AttributeBegin AreaLightSource \"diffuse\" {mesh} {alpha} AttributeEnd"))).warnings
+    };
+    let warnings = light("\"float alpha\" 0");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert_eq!(warnings[0].message, "an area light of alpha 0 is not supported: it gives no light");
+    assert_eq!((light("\"float alpha\" 0.5"), light("")), (Vec::new(), Vec::new()));
+}
+
 #[test]
 fn a_flat_patch_is_two_triangles_of_its_normal() {
     let model = good("WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]");
