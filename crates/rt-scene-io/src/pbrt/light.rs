@@ -17,7 +17,7 @@ use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 
 use super::FileScope;
 use super::parameters::{Parameters, unknown};
-use super::spectrum::colour;
+use super::spectrum::light_colour;
 use crate::error::{ErrorInLine, LineError};
 use crate::{LoadErrorKind, read_texture, resolve_path};
 
@@ -46,7 +46,7 @@ pub(super) fn read(
         "goniometric" | "projection" => return Ok((PbrtLight::Unsupported, Vec::new())),
         other => return Err(unknown("light", other, parameters.line, KINDS)),
     };
-    let given = colour(parameters, name)?;
+    let given = light_colour(parameters, name)?;
     let (colour, warning) = given.unwrap_or((Rgb::WHITE, None));
     let mut warnings = Vec::from_iter(warning);
     let intensity = colour * parameters.not_negative("scale", 1.0)?;

@@ -368,6 +368,22 @@ fn area_lights_of_alpha_0_are_warned_of() {
     assert_eq!((light("\"float alpha\" 0.5"), light("")), (Vec::new(), Vec::new()));
 }
 
+/// Their radiance and intensity were the mean of the spectrum.
+#[test]
+fn spectra_give_lights_a_colour_and_no_level() {
+    let model = good(&world(
+        "LightSource \"point\" \"spectrum I\" [200 100 900 100] \"float scale\" 2\n\
+         LightSource \"infinite\" \"spectrum L\" [200 100 900 100]\n\
+         AreaLightSource \"diffuse\" \"spectrum L\" [200 100 900 100]",
+    ));
+    let ColorTexture::Constant(radiance) = model.materials[0].emission else { panic!("a constant") };
+    let of = [radiance, model.lights[0].intensity / 2.0];
+    assert!(of.iter().all(|rgb| (rgb.luminance() - 1.0).abs() < 1e-12), "{of:?}");
+    let sky = crate::format::Color::from_rgb(radiance.to_array());
+    assert_eq!(model.background, Some(crate::format::Background::Constant(sky)));
+    assert_eq!(model.warnings, []);
+}
+
 #[test]
 fn a_flat_patch_is_two_triangles_of_its_normal() {
     let model = good("WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]");

@@ -128,7 +128,7 @@ impl PbrtReader<'_> {
             if kind != "diffuse" {
                 return Err(unknown("area light", &kind, line, ["diffuse"]));
             }
-            let (radiance, warning) = spectrum::colour(&parameters, "L")?.unwrap_or((Rgb::WHITE, None));
+            let (radiance, warning) = spectrum::light_colour(&parameters, "L")?.unwrap_or((Rgb::WHITE, None));
             let radiance = radiance * parameters.not_negative("scale", 1.0)?;
             self.state.emission = Some(Emission { radiance, both_sides: parameters.flag("twosided")? });
             self.warn_all(word, &parameters, warning.into_iter().collect());
