@@ -5,7 +5,7 @@ use rt_geometry::Shape;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_shading::bsdf::ComplexIor;
 use rt_shading::light::EmissionSides;
-use rt_shading::{ColorTexture, DeltaLightKind, MaterialModel, Texture};
+use rt_shading::{ColorTexture, DeltaLight, DeltaLightKind, MaterialModel, Texture};
 
 /// A scene with most of the supported directives.
 const SCENE: &str = r#"
@@ -269,7 +269,8 @@ fn every_bad_line_is_named_and_all_in_one_run() {
         ("Texture \"t\" \"float\" \"wood\"", "m.pbrt:2: unknown texture `wood`"),
         ("Texture \"t\" \"spectrum\" \"imagemap\"", "m.pbrt:2: an image has no \"string filename\": add it"),
         ("LightSource \"lamp\"", "m.pbrt:2: unknown light `lamp`"),
-        ("LightSource \"spot\" \"float coneangle\" 100", "m.pbrt:2: a cone from 95 to 100 degrees must be angles"),
+        ("LightSource \"spot\" \"float conedeltaangle\" -5", "m.pbrt:2: a cone from 35 to 30 degrees must be angles"),
+        ("LightSource \"spot\" \"float coneangle\" 0", "m.pbrt:2: a cone from -5 to 0 degrees must be angles"),
         (
             "LightSource \"distant\" \"point3 to\" [0 0 0]",
             "m.pbrt:2: the direction from [0, 0, 0] to [0, 0, 0] has length 0",
@@ -382,6 +383,59 @@ fn spectra_give_lights_a_colour_and_no_level() {
     let sky = crate::format::Color::from_rgb(radiance.to_array());
     assert_eq!(model.background, Some(crate::format::Background::Constant(sky)));
     assert_eq!(model.warnings, []);
+}
+
+/// The spot of a file with these parameters.
+fn spot(parameters: &str) -> (DeltaLight, Vec<String>) {
+    let model = good(&world(&format!("LightSource \"spot\" {parameters}")));
+    (model.lights[0].clone(), model.warnings.iter().map(|warning| warning.message.clone()).collect())
+}
+
+/// Flux of a spot at the origin along −z: the integral of its intensity over all directions.
+fn flux(light: &DeltaLight) -> f64 {
+    const STEPS: u32 = 100_000;
+    let strength = |step: u32| {
+        let cos = 1.0 - 2.0 * (f64::from(step) + 0.5) / f64::from(STEPS);
+        let sample = light.sample_li(DVec3::new((1.0 - cos * cos).sqrt(), 0.0, -cos));
+        sample.map_or(0.0, |sample| sample.strength.g)
+    };
+    (0..STEPS).map(strength).sum::<f64>() * 2.0 * std::f64::consts::TAU / f64::from(STEPS)
+}
+
+/// The factor was that of another ramp: a spot of 25° with an edge of 10° emitted 85 % of its power.
+#[test]
+fn spots_emit_their_power() {
+    for cone in [
+        "\"float coneangle\" 25 \"float conedeltaangle\" 10",
+        "\"float coneangle\" 60 \"float conedeltaangle\" 60",
+        "\"float coneangle\" 45 \"float conedeltaangle\" 0",
+        "\"float coneangle\" 100",
+    ] {
+        let (light, _) = spot(&format!("\"float power\" 7 \"rgb I\" [2 2 2] {cone}"));
+        assert!((flux(&light) / 14.0 - 1.0).abs() < 1e-3, "{cone}: {}", flux(&light));
+    }
+}
+
+/// Such files were refused.
+#[test]
+fn spots_of_any_cone_are_read() {
+    let cone = |parameters: &str| {
+        let (light, warnings) = spot(parameters);
+        let DeltaLightKind::Spot { cos_inner, cos_outer, .. } = light.kind else { panic!("a spot") };
+        let degrees = [cos_inner, cos_outer].map(|cos| cos.acos().to_degrees().round());
+        (degrees, warnings)
+    };
+    // pbrt-v4 takes the cosine of -10 degrees.
+    let (degrees, warnings) = cone("\"float coneangle\" 30 \"float conedeltaangle\" 40");
+    assert_eq!(degrees, [10.0, 30.0]);
+    assert_eq!(warnings, ["the falloff of a spot begins -10 degrees from its axis: 10 is used"]);
+    assert_eq!(cone("\"float coneangle\" 30 \"float conedeltaangle\" 70").0, [0.0, 30.0]);
+    assert_eq!(cone("\"float coneangle\" 3").0, [2.0, 3.0]);
+    let (degrees, warnings) = cone("\"float coneangle\" 92");
+    assert_eq!(degrees, [87.0, 90.0]);
+    assert_eq!(warnings, ["a spot of 92 degrees from its axis is not supported: 90 is used"]);
+    assert_eq!(cone("\"float coneangle\" 180").0, [90.0, 90.0]);
+    assert_eq!(cone("\"float coneangle\" 90 \"float conedeltaangle\" 90"), ([0.0, 90.0], Vec::new()));
 }
 
 #[test]
