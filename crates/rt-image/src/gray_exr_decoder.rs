@@ -1,22 +1,22 @@
 //! Decoder of OpenEXR files of one channel, such as masks. The `image` crate reads colours only.
 
+use std::io::{BufRead, Seek};
+
 use exr::block::{self, reader::Reader};
 use exr::meta::{MetaData, header::Header};
 use exr::prelude::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, Vec2, read};
 use image::error::{DecodingError, LimitError, LimitErrorKind};
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat};
 
-use crate::image_decoder::ImageSource;
-
 /// OpenEXR file of one channel, whose header is read. Its pixels are gray.
-pub(crate) struct GrayExrDecoder<'r> {
-    reader: Reader<Box<dyn ImageSource + 'r>>,
+pub(crate) struct GrayExrDecoder<R> {
+    reader: Reader<R>,
     size: (u32, u32),
 }
 
-impl<'r> GrayExrDecoder<'r> {
+impl<R: BufRead + Seek> GrayExrDecoder<R> {
     /// True for a file of one part with one channel. Leaves `source` at its start.
-    pub(crate) fn accepts(source: &mut dyn ImageSource) -> std::io::Result<bool> {
+    pub(crate) fn accepts(source: &mut R) -> std::io::Result<bool> {
         let metadata = MetaData::read_from_buffered(&mut *source, false);
         source.rewind()?;
         Ok(metadata.is_ok_and(|metadata| match &metadata.headers[..] {
@@ -28,7 +28,7 @@ impl<'r> GrayExrDecoder<'r> {
     }
 
     /// Reads the header of an accepted file whose pixels take at most `max_bytes`.
-    pub(crate) fn new(source: Box<dyn ImageSource + 'r>, max_bytes: u64) -> Result<Self, ImageError> {
+    pub(crate) fn new(source: R, max_bytes: u64) -> Result<Self, ImageError> {
         let reader = block::read(source, false).map_err(damaged)?;
         let window = reader.headers().first().map(|header| header.shared_attributes.display_window.size);
         let Vec2(width, height) = window.unwrap_or_default();
@@ -44,7 +44,7 @@ fn damaged(error: exr::error::Error) -> ImageError {
     ImageError::Decoding(DecodingError::new(ImageFormat::OpenExr.into(), error))
 }
 
-impl ImageDecoder for GrayExrDecoder<'_> {
+impl<R: BufRead + Seek> ImageDecoder for GrayExrDecoder<R> {
     fn dimensions(&self) -> (u32, u32) {
         self.size
     }

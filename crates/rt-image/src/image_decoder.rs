@@ -32,7 +32,7 @@ pub fn image_decoder<'r>(
     if format == ImageFormat::Jpeg {
         return Ok(Box::new(JpegDecoder::new(&mut *source, max_bytes)?));
     }
-    if format == ImageFormat::OpenExr && GrayExrDecoder::accepts(&mut *source)? {
+    if format == ImageFormat::OpenExr && GrayExrDecoder::accepts(&mut source)? {
         return Ok(Box::new(GrayExrDecoder::new(source, max_bytes)?));
     }
     let max_bytes = if format == ImageFormat::Png { max_bytes.min(png_bytes(&mut *source)?) } else { max_bytes };
