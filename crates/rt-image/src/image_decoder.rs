@@ -5,6 +5,7 @@ use std::io::{BufRead, Seek, SeekFrom};
 use exr::meta::MetaData;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
+use crate::gray_exr_decoder::GrayExrDecoder;
 use crate::jpeg_decoder::JpegDecoder;
 
 /// Bytes that the chunks of a PNG file may take in addition to those of the file and of some rows. Colour profiles are
@@ -30,6 +31,9 @@ pub fn image_decoder<'r>(
 ) -> Result<Box<dyn ImageDecoder + 'r>, ImageError> {
     if format == ImageFormat::Jpeg {
         return Ok(Box::new(JpegDecoder::new(&mut *source, max_bytes)?));
+    }
+    if format == ImageFormat::OpenExr && GrayExrDecoder::accepts(&mut source)? {
+        return Ok(Box::new(GrayExrDecoder::new(source, max_bytes)?));
     }
     let max_bytes = if format == ImageFormat::Png { max_bytes.min(png_bytes(&mut *source)?) } else { max_bytes };
     let mut reader = ImageReader::with_format(source, format);

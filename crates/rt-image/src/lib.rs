@@ -35,6 +35,8 @@ mod develop;
 mod dither;
 #[cfg(feature = "files")]
 mod exr_layers;
+#[cfg(feature = "files")]
+mod gray_exr_decoder;
 mod image;
 #[cfg(feature = "files")]
 mod image_decoder;

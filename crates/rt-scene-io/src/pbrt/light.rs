@@ -1,15 +1,17 @@
 //! Delta lights and infinite lights. Their units are radiance and radiant intensity; colour 1 is white.
 //!
-//! `power` (lm) and `illuminance` (lx) scale a light so that its colour 1 emits or receives as much, as in pbrt-v4:
+//! `power` (lm) and `illuminance` (lx) scale a light so that its colour 1 emits or receives as much:
 //!
 //! | light | factor |
 //! |---|---|
 //! | point | power / 4π |
-//! | spot | power / 2π((1 − cos inner) + (cos inner − cos outer)/2) |
+//! | spot | power / 2π((1 − cos inner) + (cos inner − cos outer)/3) |
 //! | distant | illuminance |
 //! | infinite | illuminance / π |
+//!
+//! The edge of a spot is a squared ramp over the cosine, whose mean is 1/3. That of pbrt-v4 has the mean 1/2.
 
-use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::f64::consts::{FRAC_1_PI, TAU};
 
 use rt_math::transcendental::cos;
 use rt_math::{DVec3, Rgb, Transform};
@@ -17,7 +19,7 @@ use rt_shading::{DeltaLight, DeltaLightKind, Falloff, LightUnits};
 
 use super::FileScope;
 use super::parameters::{Parameters, unknown};
-use super::spectrum::colour;
+use super::spectrum::light_colour;
 use crate::error::{ErrorInLine, LineError};
 use crate::{LoadErrorKind, read_texture, resolve_path};
 
@@ -46,7 +48,7 @@ pub(super) fn read(
         "goniometric" | "projection" => return Ok((PbrtLight::Unsupported, Vec::new())),
         other => return Err(unknown("light", other, parameters.line, KINDS)),
     };
-    let given = colour(parameters, name)?;
+    let given = light_colour(parameters, name)?;
     let (colour, warning) = given.unwrap_or((Rgb::WHITE, None));
     let mut warnings = Vec::from_iter(warning);
     let intensity = colour * parameters.not_negative("scale", 1.0)?;
@@ -62,9 +64,11 @@ pub(super) fn read(
             delta_light(parameters, kind, intensity * level(parameters, "illuminance", 1.0)?)
         }
         "spot" => {
-            let kind = spot(parameters, position, aim(parameters, place)?)?;
+            let kind = spot(parameters, position, aim(parameters, place)?, &mut warnings)?;
             let spread = match kind {
-                DeltaLightKind::Spot { cos_inner, cos_outer, .. } => PI * (2.0 - cos_inner - cos_outer),
+                DeltaLightKind::Spot { cos_inner, cos_outer, .. } => {
+                    TAU * (1.0 - cos_inner + (cos_inner - cos_outer) / 3.0)
+                }
                 _ => 2.0 * TAU,
             };
             delta_light(parameters, kind, intensity * level(parameters, "power", 1.0 / spread)?)
@@ -107,12 +111,28 @@ fn aim(parameters: &Parameters, place: &Transform) -> Result<DVec3, LineError> {
 }
 
 /// Cone of a spot light, with the squared ramp of [`DeltaLightKind::Spot`] at its edge.
-fn spot(parameters: &Parameters, position: DVec3, direction: DVec3) -> Result<DeltaLightKind, LineError> {
-    let outer = parameters.float("coneangle", 30.0)?;
-    let inner = outer - parameters.float("conedeltaangle", 5.0)?;
-    if !(0.0 <= inner && inner <= outer && 0.0 < outer && outer <= 90.0) {
-        let rule = "must be angles with 0 <= inner <= outer <= 90, and outer above 0";
-        return Err(LineError::new(parameters.line, format_args!("a cone from {inner} to {outer} degrees"), rule));
+///
+/// pbrt-v4 takes the cosine of the inner angle. One below 0 therefore counts without its sign.
+fn spot(
+    parameters: &Parameters,
+    position: DVec3,
+    direction: DVec3,
+    warnings: &mut Vec<String>,
+) -> Result<DeltaLightKind, LineError> {
+    let width = parameters.float("coneangle", 30.0)?;
+    let start = width - parameters.float("conedeltaangle", 5.0)?;
+    if !(start <= width && 0.0 < width) {
+        let rule = "must be angles with inner <= outer, and outer above 0";
+        return Err(LineError::new(parameters.line, format_args!("a cone from {start} to {width} degrees"), rule));
+    }
+    let outer = width.min(90.0);
+    if width > outer {
+        warnings.push(format!("a spot of {width} degrees from its axis is not supported: {outer} is used"));
+    }
+    // Beyond the cone, pbrt-v4 would be dark within it.
+    let inner = if start < -width { 0.0 } else { start.abs().min(outer) };
+    if start < 0.0 {
+        warnings.push(format!("the falloff of a spot begins {start} degrees from its axis: {inner} is used"));
     }
     let cos_outer = cos(outer.to_radians()).clamp(0.0, 1.0_f64.next_down());
     let cos_inner = cos(inner.to_radians()).max(cos_outer.next_up());

@@ -75,11 +75,6 @@ pub(super) fn read(
     }))
 }
 
-/// A material that emits and scatters no light.
-pub(super) fn black() -> Material {
-    Material::new("light".to_owned(), MaterialModel::Black)
-}
-
 struct MaterialParameters<'r> {
     parameters: &'r Parameters,
     textures: &'r PbrtTextures,

@@ -63,6 +63,8 @@ fn load_text(text: &str, path: &Path, options: &LoadOptions) -> Result<Model, Lo
 }
 
 #[cfg(test)]
+mod light_tests;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod texture_tests;

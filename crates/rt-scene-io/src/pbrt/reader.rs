@@ -78,8 +78,6 @@ pub(super) struct PbrtReader<'f> {
     pub(super) saved: Vec<(GraphicsState, usize, bool)>,
     /// All attributes: the file, their target, and the parameter.
     pub(super) attributes: Vec<(PathBuf, String, Parameter)>,
-    /// True while transforms apply to the end of a motion, which is not supported.
-    pub(super) at_end_time: bool,
     pub(super) in_world: bool,
     pub(super) view: Option<PbrtCamera>,
     pub(super) size: [u32; 2],
@@ -117,7 +115,6 @@ impl<'f> PbrtReader<'f> {
             state: GraphicsState::default(),
             saved: Vec::new(),
             attributes: Vec::new(),
-            at_end_time: false,
             in_world: false,
             view: None,
             size: [1280, 720],
@@ -219,7 +216,11 @@ impl<'f> PbrtReader<'f> {
             }
             _ if TRANSFORMS.contains(&word) => {
                 let changed = state::transformed(&self.state.matrix, word, line, tokens)?;
-                self.set_matrix(changed, line);
+                if self.state.at_end_time {
+                    self.warn(line, "motion is not supported: objects keep their transform at the start".to_owned());
+                } else {
+                    self.state.matrix = changed;
+                }
             }
             "CoordinateSystem" | "CoordSysTransform" | "ReverseOrientation" | "ActiveTransform" | "TransformTimes" => {
                 self.space(word, line, tokens)?;
@@ -279,14 +280,6 @@ impl<'f> PbrtReader<'f> {
         Ok(())
     }
 
-    fn set_matrix(&mut self, matrix: Transform, line: usize) {
-        if self.at_end_time {
-            self.warn(line, "motion is not supported: objects keep their transform at the start".to_owned());
-        } else {
-            self.state.matrix = matrix;
-        }
-    }
-
     fn space(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         match word {
             "CoordinateSystem" => {
@@ -298,12 +291,13 @@ impl<'f> PbrtReader<'f> {
                 let Some(system) = self.systems.get(&name).copied() else {
                     return Err(unknown("coordinate system", &name, line, self.systems.keys().map(String::as_str)));
                 };
-                self.set_matrix(system, line);
+                // A coordinate system has the transforms of both times, whichever is active.
+                self.state.matrix = system;
             }
             "ReverseOrientation" => self.state.reversed = !self.state.reversed,
             "ActiveTransform" => match tokens.next_kind("`StartTime`, `EndTime` or `All`")? {
-                (_, TokenKind::Word("StartTime" | "All")) => self.at_end_time = false,
-                (_, TokenKind::Word("EndTime")) => self.at_end_time = true,
+                (_, TokenKind::Word("StartTime" | "All")) => self.state.at_end_time = false,
+                (_, TokenKind::Word("EndTime")) => self.state.at_end_time = true,
                 (line, other) => {
                     return Err(LineError::new(line, shown(&other), "is not one of `StartTime`, `EndTime` and `All`"));
                 }
@@ -350,7 +344,7 @@ impl<'f> PbrtReader<'f> {
                     return Err(LineError::new(line, "`WorldBegin`", "is given twice: keep one"));
                 }
                 self.state.matrix = Transform::IDENTITY;
-                self.at_end_time = false;
+                self.state.at_end_time = false;
                 self.systems.insert("world".to_owned(), Transform::IDENTITY);
             }
         }

@@ -21,6 +21,8 @@ pub(super) struct Emission {
 pub(super) struct GraphicsState {
     /// From the space of shapes to the world; before the world begins, from the world to the camera.
     pub(super) matrix: Transform,
+    /// True while transforms apply only to the end of a motion, which is not supported.
+    pub(super) at_end_time: bool,
     pub(super) reversed: bool,
     /// Index in the list of surfaces.
     pub(super) surface: usize,
@@ -32,7 +34,7 @@ pub(super) struct GraphicsState {
 impl Default for GraphicsState {
     fn default() -> Self {
         let (matrix, attributes) = (Transform::IDENTITY, HashMap::new());
-        Self { matrix, reversed: false, surface: 0, emission: None, attributes }
+        Self { matrix, at_end_time: false, reversed: false, surface: 0, emission: None, attributes }
     }
 }
 

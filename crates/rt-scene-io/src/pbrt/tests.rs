@@ -46,12 +46,12 @@ fn load(text: &str) -> Result<Model, LoadError> {
     load_text(text, Path::new("m.pbrt"), &LoadOptions::default())
 }
 
-fn good(text: &str) -> Model {
+pub(super) fn good(text: &str) -> Model {
     load(text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A scene of one shape with these directives before it.
-fn world(before: &str) -> String {
+pub(super) fn world(before: &str) -> String {
     format!("WorldBegin\n{before}\nShape \"sphere\"\n")
 }
 
@@ -68,7 +68,7 @@ fn placed(nodes: &[SceneNode], outer: &Transform) -> Vec<(Transform, SceneNode)>
     all
 }
 
-fn shapes(model: &Model) -> Vec<(Transform, SceneNode)> {
+pub(super) fn shapes(model: &Model) -> Vec<(Transform, SceneNode)> {
     placed(&model.nodes, &Transform::IDENTITY)
 }
 
@@ -192,6 +192,37 @@ fn matrices_stand_column_by_column_and_add_up() {
     assert_eq!(at("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All"), DVec3::ZERO);
 }
 
+/// `EndTime` stayed active after its scope, so that later transforms were left out.
+#[test]
+fn active_transforms_end_with_their_scope() {
+    let end = "ActiveTransform EndTime Translate 0 1 0";
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("end.pbrt"), end).expect("written");
+    let at = |text: &str| {
+        let path = folder.path().join("m.pbrt");
+        let model = load_text(&world(text), &path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        model.nodes[0].parent_from_local.inverse_point(shapes(&model).last().expect("a sphere").0.point(DVec3::ZERO))
+    };
+    for scope in [
+        format!("AttributeBegin {end} AttributeEnd"),
+        format!("ObjectBegin \"a\" {end} ObjectEnd"),
+        "Import \"end.pbrt\"".to_owned(),
+    ] {
+        assert_eq!(at(&format!("{scope} Translate 1 0 0")), DVec3::X, "{scope}");
+    }
+    assert_eq!(at("Include \"end.pbrt\" Translate 1 0 0"), DVec3::ZERO, "an included file is no scope");
+    assert_eq!(at("ActiveTransform EndTime AttributeBegin AttributeEnd Translate 1 0 0"), DVec3::ZERO);
+}
+
+/// `CoordSysTransform` was left out while the end of a motion was active.
+#[test]
+fn coordinate_systems_replace_the_transforms_of_both_times() {
+    let text = "Translate 1 0 0 CoordinateSystem \"a\" Identity ActiveTransform EndTime CoordSysTransform \"a\"";
+    let model = good(&world(text));
+    assert_eq!(model.nodes[0].parent_from_local.inverse_point(shapes(&model)[0].0.point(DVec3::ZERO)), DVec3::X);
+    assert_eq!(model.warnings, []);
+}
+
 #[test]
 fn portraits_and_orthographic_views_are_measured_along_the_shorter_side() {
     let tall = SCENE.replace("[64]", "[24]");
@@ -238,7 +269,8 @@ fn every_bad_line_is_named_and_all_in_one_run() {
         ("Texture \"t\" \"float\" \"wood\"", "m.pbrt:2: unknown texture `wood`"),
         ("Texture \"t\" \"spectrum\" \"imagemap\"", "m.pbrt:2: an image has no \"string filename\": add it"),
         ("LightSource \"lamp\"", "m.pbrt:2: unknown light `lamp`"),
-        ("LightSource \"spot\" \"float coneangle\" 100", "m.pbrt:2: a cone from 95 to 100 degrees must be angles"),
+        ("LightSource \"spot\" \"float conedeltaangle\" -5", "m.pbrt:2: a cone from 35 to 30 degrees must be angles"),
+        ("LightSource \"spot\" \"float coneangle\" 0", "m.pbrt:2: a cone from -5 to 0 degrees must be angles"),
         (
             "LightSource \"distant\" \"point3 to\" [0 0 0]",
             "m.pbrt:2: the direction from [0, 0, 0] to [0, 0, 0] has length 0",

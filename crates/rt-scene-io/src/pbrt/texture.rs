@@ -242,7 +242,7 @@ impl PbrtTextures {
         warnings: &mut Vec<String>,
     ) -> Result<Alpha, LineError> {
         let (texture, factor) = match self.coefficient(parameters, "alpha", TextureType::Float, Rgb::WHITE, warnings)? {
-            ColorTexture::Constant(rgb) if rgb == Rgb::WHITE => return Ok(Alpha::OPAQUE),
+            ColorTexture::Constant(rgb) if rgb.g >= 1.0 => return Ok(Alpha::OPAQUE),
             ColorTexture::Constant(rgb) => (None, rgb.g),
             ColorTexture::Textured(id, rgb) => match self.alpha_of(id, parameters.line, files)? {
                 Some(alpha) => (Some(alpha), rgb.g),
@@ -252,7 +252,8 @@ impl PbrtTextures {
                 }
             },
         };
-        Ok(Alpha { mode: AlphaMode::Blend, factor: factor.clamp(0.0, 1.0), texture, culls_back_faces: false })
+        // The product counts as 1 where it is larger: neither its factor nor its texture is clamped.
+        Ok(Alpha { mode: AlphaMode::Blend, factor, texture, culls_back_faces: false })
     }
 
     /// The texture whose alpha is the number that a float image map gives; `None` if `id` shows no image.
@@ -273,7 +274,7 @@ impl PbrtTextures {
         }
         let bytes = (bitmap.memory() + bitmap.pixels.len() * size_of::<f32>()) as u64;
         files.options.memory.keep("the alpha of a shape", bytes).in_line(line)?;
-        let alpha = bitmap.pixels.iter().map(|pixel| (pixel.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0)).collect();
+        let alpha = bitmap.pixels.iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).collect();
         let bitmap = Arc::new(Bitmap { alpha, ..Bitmap::clone(&bitmap) });
         self.count(&bitmap, line)?;
         let image = Texture::Image { bitmap, wrap, smooth };

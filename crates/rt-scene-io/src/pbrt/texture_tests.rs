@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rt_geometry::MeshData;
 use rt_math::{Rgb, Vec3};
-use rt_shading::{Alpha, AlphaMode, ColorTexture, MaterialModel, Texture, TextureId};
+use rt_shading::{Alpha, AlphaMode, ColorTexture, MaterialModel, Texture, TextureId, TexturePoint};
 
 use super::load_text;
 use crate::{LoadOptions, Model};
@@ -18,12 +18,15 @@ fn square(before: &str, parameters: &str) -> Model {
     };
     save("mask.png", |x, _| [255 * x as u8; 3]);
     save("normals.png", |_, _| [128, 51, 255]);
+    save("gray.png", |_, _| [128; 3]);
     let save_rgba = |name: &str, alpha: [u8; 2]| {
         let image = image::RgbaImage::from_fn(2, 2, |x, _| image::Rgba([255, 0, 0, alpha[x as usize]]));
         image.save(folder.path().join(name)).expect("saved");
     };
     save_rgba("cut.png", [0, 255]);
     save_rgba("red.png", [255, 255]);
+    save_rgba("veil.png", [128, 128]);
+    std::fs::write(folder.path().join("two.exr"), gray_exr(2.0)).expect("written");
     let faces = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
                  element face 2\nproperty list uchar int vertex_indices\nend_header\n\
                  0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n4 0 1 2 3\n3 1 4 2\n";
@@ -36,6 +39,73 @@ fn square(before: &str, parameters: &str) -> Model {
     );
     let path: &Path = &folder.path().join("m.pbrt");
     load_text(&text, path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// OpenEXR file of one pixel and the channel `Y`, as pbrt-v4 writes float textures.
+fn gray_exr(value: f32) -> Vec<u8> {
+    let mut bytes = b"\x76\x2f\x31\x01\x02\0\0\0".to_vec();
+    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
+        let size = (value.len() as u32).to_le_bytes();
+        bytes.extend([name.as_bytes(), b"\0", kind.as_bytes(), b"\0", &size, value].concat());
+    };
+    // Name, 32-bit float, not linear, and one sample for each pixel.
+    attribute("channels", "chlist", b"Y\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\0");
+    attribute("compression", "compression", &[0]);
+    attribute("dataWindow", "box2i", &[0; 16]);
+    attribute("displayWindow", "box2i", &[0; 16]);
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &1f32.to_le_bytes());
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &1f32.to_le_bytes());
+    bytes.push(0);
+    // The place of the only row, its number, its size, and the pixel.
+    bytes.extend((bytes.len() as u64 + 8).to_le_bytes());
+    bytes.extend([0u32.to_le_bytes(), 4u32.to_le_bytes(), value.to_le_bytes()].concat());
+    bytes
+}
+
+/// Factors above 1 and texels above 1 were clamped before they were multiplied.
+#[test]
+fn scale_of_an_alpha_texture_is_applied_before_clamping() {
+    let constant = |value: f64| {
+        let textures = format!(
+            "Texture \"c\" \"float\" \"constant\" \"float value\" {value}\n\
+             Texture \"a\" \"float\" \"scale\" \"texture tex\" \"c\" \"float scale\" 2"
+        );
+        square(&textures, "\"texture alpha\" \"a\"").materials[0].alpha.clone()
+    };
+    assert_eq!((constant(0.3).factor, constant(0.8)), (0.6, Alpha::OPAQUE));
+
+    let of = |file: &str, scale: f64, above: f64| {
+        let textures = format!(
+            "Texture \"i\" \"float\" \"imagemap\" \"string filename\" \"{file}\" \"float scale\" {scale}\n\
+             Texture \"a\" \"float\" \"scale\" \"texture tex\" \"i\" \"float scale\" {above}"
+        );
+        let model = square(&textures, "\"texture alpha\" \"a\"");
+        assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+        let alpha = model.materials[0].alpha.clone();
+        // The largest threshold that is hit, in steps of 1/1000.
+        let hits = |step: &u32| {
+            let threshold = f64::from(*step) / 1000.0;
+            alpha.hits(&model.textures, &TexturePoint::default(), 1.0, || threshold)
+        };
+        (0..1000).rev().find(hits)
+    };
+    // 128 of 255 is 0.2159 in sRGB, and 0.502 as alpha.
+    assert_eq!((of("gray.png", 1.0, 1.0), of("gray.png", 2.0, 1.0)), (Some(215), Some(431)));
+    assert_eq!((of("gray.png", 1.0, 2.0), of("gray.png", 2.0, 2.0)), (Some(431), Some(863)));
+    assert_eq!((of("gray.png", 8.0, 1.0), of("gray.png", 0.0, 1.0)), (Some(999), None));
+    assert_eq!((of("veil.png", 0.5, 1.0), of("veil.png", 1.5, 1.0)), (Some(250), Some(752)));
+    assert_eq!((of("two.exr", 0.25, 1.0), of("two.exr", 1.0, 1.0)), (Some(499), Some(999)));
+}
+
+/// pbrt-v4 stores float textures so; the files were refused.
+#[test]
+fn exr_textures_of_one_channel_are_read() {
+    let text = "Texture \"y\" \"spectrum\" \"imagemap\" \"string filename\" \"two.exr\"\n\
+                Material \"diffuse\" \"texture reflectance\" \"y\"";
+    let model = square(text, "");
+    assert_eq!(model.textures.last().expect("the image").bitmap().expect("an image").pixels, [[2.0; 3]]);
 }
 
 #[test]

@@ -128,7 +128,7 @@ impl PbrtReader<'_> {
             if kind != "diffuse" {
                 return Err(unknown("area light", &kind, line, ["diffuse"]));
             }
-            let (radiance, warning) = spectrum::colour(&parameters, "L")?.unwrap_or((Rgb::WHITE, None));
+            let (radiance, warning) = spectrum::light_colour(&parameters, "L")?.unwrap_or((Rgb::WHITE, None));
             let radiance = radiance * parameters.not_negative("scale", 1.0)?;
             self.state.emission = Some(Emission { radiance, both_sides: parameters.flag("twosided")? });
             self.warn_all(word, &parameters, warning.into_iter().collect());
@@ -179,8 +179,13 @@ impl PbrtReader<'_> {
             }
         };
         self.warn_all(&format!("the shape \"{kind}\""), &parameters, warnings);
+        let emits = self.emission().is_some();
+        if emits && alpha.factor == 0.0 {
+            self.warn(line, "an area light of alpha 0 is not supported: it gives no light".to_owned());
+        }
         let Some(material) = self.material(alpha) else {
-            self.warn(line, "a shape without material is invisible: it is left out".to_owned());
+            let of_light = if emits { ", and its area light is ignored, as in pbrt" } else { "" };
+            self.warn(line, format!("a shape without material is invisible: it is left out{of_light}"));
             return Ok(());
         };
         self.add(SceneNode { content: Some(content), material, ..SceneNode::empty(name, place) }, line)?;
@@ -192,19 +197,20 @@ impl PbrtReader<'_> {
         self.surfaces.get(self.state.surface)?.as_ref()
     }
 
+    /// The emission in force; `None` if it is black.
+    fn emission(&self) -> Option<Emission> {
+        self.state.emission.filter(|emission| !emission.radiance.is_black())
+    }
+
     /// The current material with its emission and alpha; `None` if it is invisible.
     fn material(&mut self, alpha: Alpha) -> Option<MaterialId> {
-        let emission = self.state.emission.filter(|emission| !emission.radiance.is_black());
-        let surface = self.surface().cloned();
+        let emission = self.emission();
         let bits = emission.map(|light| (light.radiance.to_array().map(f64::to_bits), light.both_sides));
         let key = (self.state.surface, bits, (alpha.factor.to_bits(), alpha.texture));
         if let Some(known) = self.materials.get(&key) {
             return Some(*known);
         }
-        let mut made = match surface {
-            Some(surface) => surface,
-            None => emission.map(|_| material::black())?,
-        };
+        let mut made = self.surface()?.clone();
         if let Some(Emission { radiance, both_sides }) = emission {
             self.emits = true;
             made.emission = ColorTexture::Constant(radiance);
