@@ -38,7 +38,12 @@ pub(super) struct Deformation<'a> {
 
 pub(super) enum PrimitiveContent {
     /// Triangles, and messages about omissions and repairs.
-    Triangles(MeshData, Vec<String>),
+    Triangles {
+        data: MeshData,
+        /// True if joints took it to the world.
+        is_skinned: bool,
+        notes: Vec<String>,
+    },
     /// Points or lines, which have no surface.
     NoSurface,
 }
@@ -66,19 +71,22 @@ pub(super) fn read(
     data.triangles = assemble(primitive.mode(), &order);
     check_counts(&data).at(buffers.path(), place)?;
     morph(&mut data, primitive, deformation.weights, buffers, place)?;
-    if let Some(joints) = &deformation.joints {
-        apply_skin(&mut data, &attributes, joints, &mut notes).map_err(|apply_skin| match apply_skin {
-            SkinError::Read(error) => error,
-            SkinError::Deform(reason) => reason.at(buffers.path(), place),
-        })?;
-        if deformation.mirrored {
-            data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    let is_skinned = match &deformation.joints {
+        Some(joints) => {
+            apply_skin(&mut data, &attributes, joints, &mut notes).map_err(|apply_skin| match apply_skin {
+                SkinError::Read(error) => error,
+                SkinError::Deform(reason) => reason.at(buffers.path(), place),
+            })?
         }
+        None => false,
+    };
+    if is_skinned && deformation.mirrored {
+        data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
     if let Some(set) = required_attributes.tangents {
         complete_tangents(&mut data, set, required_attributes, &attributes, &mut notes)?;
     }
-    Ok(PrimitiveContent::Triangles(data, notes))
+    Ok(PrimitiveContent::Triangles { data, is_skinned, notes })
 }
 
 /// The arrays that have an element for each vertex; `None` without positions.
@@ -163,13 +171,13 @@ enum SkinError {
     Deform(LoadErrorKind),
 }
 
-/// Takes the mesh to the world by its joints.
+/// Takes the mesh to the world by its joints; false, with a note, if it names none.
 fn apply_skin(
     data: &mut MeshData,
     attributes: &Attributes<'_>,
     joints: &[Affine],
     notes: &mut Vec<String>,
-) -> Result<(), SkinError> {
+) -> Result<bool, SkinError> {
     let mut sets = Vec::new();
     for set in 0.. {
         let joints = attributes.vectors::<4>(&Semantic::Joints(set)).map_err(SkinError::Read)?;
@@ -184,13 +192,13 @@ fn apply_skin(
     }
     if sets.is_empty() {
         notes.push("its node has a skin, but it has no joints and weights; the skin is ignored".to_owned());
-        return Ok(());
+        return Ok(false);
     }
     let count = skin::deform(data, &sets, joints).map_err(SkinError::Deform)?;
     if count > 0 {
         notes.push(format!("the weights of {count} vertices do not have the sum 1; they were scaled"));
     }
-    Ok(())
+    Ok(true)
 }
 
 /// Texture coordinates with v upwards; in the file it runs downwards.

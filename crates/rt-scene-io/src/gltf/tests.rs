@@ -576,3 +576,131 @@ fn a_mirrored_node_of_a_skin_turns_its_triangles() {
     let data = model.meshes[0].mesh.data();
     assert_eq!((data.triangles[0], data.positions[1]), ([0, 2, 1], Vec3::new(-1.0, 0.0, 0.0)));
 }
+
+/// The second key of a step was the end of a motion, and the mesh was smeared on the line to it.
+#[test]
+fn steps_hold_their_pose_while_the_shutter_is_open() {
+    let arrays = Arrays::triangle()
+        .with("SCALAR", &[0.0, 1.0, 2.0])
+        .with("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0, 0.0]);
+    let rest = format!(
+        r#"{TRIANGLE}, "nodes": [{{"mesh": 0}}],
+            "animations": [{{"channels": [{{"sampler": 0, "target": {{"node": 0, "path": "translation"}}}}],
+                "samplers": [{{"input": 1, "output": 2, "interpolation": "MODE"}}]}}]"#
+    );
+    let model = |mode: &str, time| arrays.load(&rest.replace("MODE", mode), &open_at(time)).expect("a model");
+    for time in [0.0, 0.5, 1.0] {
+        let model = model("STEP", time);
+        assert_eq!((model.nodes[0].moves_to, model.warnings), (None, vec![]), "{time}");
+    }
+    assert_eq!(model("STEP", 1.0).nodes[0].parent_from_local, rt_math::Transform::translate(DVec3::X * 8.0));
+    assert_eq!(model("LINEAR", 0.0).nodes[0].moves_to, Some(rt_math::Transform::translate(DVec3::X * 8.0)));
+}
+
+/// They were put at the origin, though the warning said that only the skin is ignored.
+#[test]
+fn primitives_without_joints_stand_at_their_node_though_it_has_a_skin() {
+    let arrays = Arrays::triangle().with_bytes("VEC4", &[0; 12]).with("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+    let rest = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0}},
+            {"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}}]}],
+        "skins": [{"joints": [1]}],
+        "nodes": [{"mesh": 0, "skin": 0, "translation": [2, 0, 0], "scale": [-1, 1, 1]}, {"translation": [0, 0, 3]}]"#;
+    let model = arrays.model(rest);
+    assert!(model.warnings[0].message.ends_with("the skin is ignored"), "{:?}", model.warnings);
+    let found = |mesh: u32| model.nodes.iter().find(|node| node.content == Some(Content::Mesh(MeshId(mesh))));
+    let (plain, skinned) = (found(0).expect("the part without joints"), found(1).expect("the part with joints"));
+    assert_eq!(plain.parent_from_local.point(DVec3::X), DVec3::X, "mirrored at 0 and moved by 2");
+    assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2]], "its node mirrors it");
+    assert_eq!(skinned.parent_from_local, rt_math::Transform::IDENTITY);
+    let data = model.meshes[1].mesh.data();
+    assert_eq!((data.positions[0], data.triangles[0]), (Vec3::new(0.0, 0.0, 3.0), [0, 2, 1]));
+}
+
+/// The mesh vanished with its node.
+#[test]
+fn skinned_meshes_ignore_a_singular_transform_of_their_node() {
+    let arrays = Arrays::triangle().with_bytes("VEC4", &[0; 12]).with("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+    let rest = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}}]}],
+        "skins": [{"joints": [1]}], "nodes": [{"mesh": 0, "skin": 0, "scale": [0, 0, 0]}, {"translation": [0, 0, 3]}]"#;
+    let model = arrays.model(rest);
+    let shown: Vec<&SceneNode> = model.nodes.iter().filter(|node| node.content.is_some()).collect();
+    assert_eq!((shown.len(), shown[0].parent_from_local), (1, rt_math::Transform::IDENTITY));
+    assert_eq!(model.meshes[0].mesh.data().positions[1], Vec3::new(1.0, 0.0, 3.0));
+    assert_eq!(model.warnings, []);
+    let rest = rest.replace(r#"[0, 0, 0]}, {"#, r#"[0, 0, 0], "children": [2]}, {"#).replace("3]}]", "3]}, {}]");
+    let model = arrays.model(&rest);
+    assert_eq!(model.nodes.len(), 2, "the mesh and the joint");
+    let message = &model.warnings[0].message;
+    assert!(message.contains("singular") && message.ends_with("all but its skinned meshes is left out"), "{message}");
+}
+
+/// A data URI without its scheme is the name of a file, of any length.
+#[test]
+fn messages_about_long_references_are_short() {
+    let long = "A".repeat(200);
+    for (scheme, count) in [("", 10_000), (",base64/", 1), ("../", 10_000)] {
+        let uri = scheme.to_owned() + &long.repeat(count);
+        let json = format!(r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 1, "uri": "{uri}"}}]}}"#);
+        let error = load_bytes(json.as_bytes(), Path::new("m.gltf"), &LoadOptions::default()).expect_err("no file");
+        let message = error.to_string();
+        assert!(message.contains("m.gltf: buffers[0].uri: `") && message.len() < 700, "{message}");
+    }
+    let textured = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
+    let rest = format!(
+        r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "{}.png"}}], "textures": [{{"source": 0}}],
+            "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}]"#,
+        "folder/".repeat(100)
+    );
+    let model = load_with(&textured, &rest).expect("a model");
+    let message = &model.warnings[0].message;
+    assert!(message.ends_with("the plain colour is used") && message.len() < 500, "{message}");
+}
+
+/// They stood still, and nothing said so.
+#[test]
+fn lights_that_move_while_the_shutter_is_open_are_not_blurred_and_say_so() {
+    let arrays = Arrays::triangle().with("SCALAR", &[0.0, 4.0]).with("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
+    let rest = format!(
+        r#"{TRIANGLE}, "extensions": {{"KHR_lights_punctual": {{"lights": [{{"type": "point"}}, {{"type": "directional"}}]}}}},
+            "nodes": [{{"children": [1, 2, 3]}}, {{"extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}},
+                {{"extensions": {{"KHR_lights_punctual": {{"light": 1}}}}}}, {{"mesh": 0}}],
+            "animations": [{{"channels": [{{"sampler": 0, "target": {{"node": 0, "path": "translation"}}}}],
+                "samplers": [{{"input": 1, "output": 2}}]}}]"#
+    );
+    let model = arrays.load(&rest, &open_at(1.0)).expect("a model");
+    let message = "lights have no motion blur: 1; their place at the start of the shutter is used";
+    assert_eq!(model.warnings.iter().map(|w| w.message.as_str()).collect::<Vec<_>>(), [message]);
+    let position = |model: &Model| match model.lights[0].kind {
+        DeltaLightKind::Point { position, .. } => position,
+        _ => panic!("a point light"),
+    };
+    assert_eq!(position(&model), DVec3::X * 2.0);
+    assert_eq!(arrays.load(&rest, &open_at(4.0)).expect("a model").warnings, []);
+}
+
+/// 1e-9 in the last row left out the node and all below it.
+#[test]
+fn rounding_of_the_last_row_of_a_matrix_is_no_error() {
+    let model = load_nodes(r#""nodes": [{"matrix": [1,0,0,1e-9, 0,1,0,-1e-7, 0,0,1,0, 5,0,0,0.9999999], "mesh": 0}]"#);
+    assert_eq!(
+        (model.nodes[0].parent_from_local, model.warnings),
+        (rt_math::Transform::translate(DVec3::X * 5.0), vec![])
+    );
+    let skewed = load_nodes(r#""nodes": [{"matrix": [1,0,0,1e-5, 0,1,0,0, 0,0,1,0, 0,0,0,1], "mesh": 0}]"#);
+    assert!(skewed.warnings[0].message.contains("last row"));
+}
+
+/// Only the weights of meshes caused the warning.
+#[test]
+fn animated_weights_without_targets_are_a_warning() {
+    let arrays = Arrays::triangle().with("SCALAR", &[0.0, 1.0]).with("SCALAR", &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+    let rest = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}, {"POSITION": 0}]}]}],
+        "nodes": [{"mesh": 0}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
+            "samplers": [{"input": 1, "output": 2, "interpolation": "STEP"}]}]"#;
+    let warnings: Vec<String> =
+        arrays.load(rest, &open_at(0.0)).expect("a model").warnings.iter().map(ToString::to_string).collect();
+    let expected =
+        "m.glb: animations[0].channels[0]: has [2] morph targets and 3 weights; what has no partner is left out";
+    assert_eq!(warnings, [expected]);
+}
