@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The crate provides types and defaults; all content of the file is checked before use (see `document` and `accessor`). Meshes
-//! are built for one time: morphed, and skinned meshes in world space.
+//! are built for one time: morphed, and skinned meshes in world space, or next to it if they are far from its origin.
 
 mod accessor;
 mod animation;
@@ -188,7 +188,7 @@ impl Meshes<'_> {
     fn changes(&self, node: &gltf::Node<'_>, mesh: &gltf::Mesh<'_>, parts: &[MeshPart]) -> bool {
         let Some((later, worlds)) = &self.later else { return false };
         let moved = |joint: gltf::Node<'_>| worlds.get(joint.index()) != self.worlds.get(joint.index());
-        let is_skinned = parts.iter().any(|part| part.is_skinned);
+        let is_skinned = parts.iter().any(|part| part.skinned_at.is_some());
         later.weights(node, mesh) != self.pose.weights(node, mesh)
             || node.skin().is_some_and(|skin| is_skinned && skin.joints().any(moved))
     }
@@ -237,11 +237,11 @@ impl Meshes<'_> {
         let has_colors = primitive.get(&gltf::Semantic::Colors(0)).is_some();
         let material = self.appearance.material(&material, has_colors, model)?;
         let reservation = self.reserve(mesh, primitive, place)?;
-        let (data, is_skinned) =
+        let (data, skinned_at) =
             match primitive::read(primitive, &material.required_attributes, deformation, self.buffers, place)? {
-                PrimitiveContent::Triangles { data, is_skinned, notes } => {
+                PrimitiveContent::Triangles { data, skinned_at, notes } => {
                     model.warnings.extend(notes.into_iter().map(warning));
-                    (data, is_skinned)
+                    (data, skinned_at)
                 }
                 PrimitiveContent::NoSurface => {
                     model.warnings.push(warning("points and lines are not supported; they are left out".to_owned()));
@@ -258,7 +258,7 @@ impl Meshes<'_> {
         let (what, limit) = ("the memory of all meshes in bytes", limits::GLTF_MESH_BYTES);
         LoadErrorKind::check_limit(what, self.bytes, limit).at(path, place)?;
         let id = model.add_mesh(mesh.name().unwrap_or_default().to_owned(), built);
-        Ok(Some(MeshPart { mesh: id, material: material.id, is_skinned }))
+        Ok(Some(MeshPart { mesh: id, material: material.id, skinned_at }))
     }
 }
 

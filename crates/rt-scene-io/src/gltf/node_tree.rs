@@ -23,8 +23,8 @@ use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, NamedC
 pub(super) struct MeshPart {
     pub(super) mesh: MeshId,
     pub(super) material: MaterialId,
-    /// True for a mesh in world space, false for one in the space of its node.
-    pub(super) is_skinned: bool,
+    /// Origin of a mesh with joints, in world space; `None` for a mesh in the space of its node.
+    pub(super) skinned_at: Option<DVec3>,
 }
 
 /// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node. Returns the number of lights that would move
@@ -51,7 +51,7 @@ pub(super) fn walk(
             let source = &nodes[frame.index];
             if let Some(mesh) = source.mesh() {
                 let parts = parts_of(source, &mesh, model)?;
-                let (bound, parts) = parts.into_iter().partition(|part| part.is_skinned);
+                let (bound, parts) = parts.into_iter().partition(|part| part.skinned_at.is_some());
                 place_skinned(source, bound, model);
                 if let Some(reason) = &frame.unusable {
                     let is_all = source.children().len() == 0 && source.camera().is_none() && source.light().is_none();
@@ -225,17 +225,19 @@ fn empty(source: &Source<'_>) -> SceneNode {
 
 /// One mesh becomes the content of the node, several become children of it.
 fn place_mesh(node: &mut SceneNode, parts: &[MeshPart]) {
-    if let [MeshPart { mesh, material, .. }] = *parts {
+    if let [MeshPart { mesh, material, skinned_at }] = *parts {
         node.content = Some(Content::Mesh(mesh));
         node.material = material;
+        if let Some(origin) = skinned_at {
+            node.parent_from_local = Transform::translate(origin);
+        }
         return;
     }
-    node.children.extend(
-        parts.iter().map(|part| SceneNode {
-            name: node.name.clone(),
-            ..SceneNode::new(Content::Mesh(part.mesh), part.material)
-        }),
-    );
+    node.children.extend(parts.iter().map(|part| SceneNode {
+        name: node.name.clone(),
+        parent_from_local: part.skinned_at.map_or(Transform::IDENTITY, Transform::translate),
+        ..SceneNode::new(Content::Mesh(part.mesh), part.material)
+    }));
 }
 
 fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransforms, model: &mut Model) {

@@ -704,3 +704,30 @@ fn animated_weights_without_targets_are_a_warning() {
         "m.glb: animations[0].channels[0]: has [2] morph targets and 3 weights; what has no partner is left out";
     assert_eq!(warnings, [expected]);
 }
+
+/// Positions in the world were rounded to `f32`: at 1e7 to whole numbers.
+#[test]
+fn skinned_meshes_far_from_the_origin_of_the_world_keep_their_shape() {
+    let arrays = Arrays::triangle().with_bytes("VEC4", &[0; 12]).with("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+    let primitive = r#"{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}}"#;
+    for count in [1, 2] {
+        let rest = format!(
+            r#""meshes": [{{"primitives": [{}]}}], "skins": [{{"joints": [1]}}],
+                "nodes": [{{"mesh": 0, "skin": 0}}, {{"translation": [1e7, -2e7, 0], "scale": [0.25, 0.25, 0.25]}}]"#,
+            [primitive].repeat(count).join(",")
+        );
+        let model = arrays.model(&rest);
+        let is_bound = |node: &&SceneNode| node.content.is_some() || !node.children.is_empty();
+        let bound = model.nodes.iter().find(is_bound).expect("the skinned mesh");
+        let parts = if count == 1 { std::slice::from_ref(bound) } else { &bound.children };
+        assert_eq!(parts.len(), count);
+        for part in parts {
+            let Some(Content::Mesh(MeshId(mesh))) = part.content else { panic!("a mesh") };
+            let positions = &model.meshes[mesh as usize].mesh.data().positions;
+            for (position, offset) in positions.iter().zip([DVec3::ZERO, DVec3::X * 0.25, DVec3::Y * 0.25]) {
+                let found = part.parent_from_local.point(position.as_dvec3());
+                assert_eq!(found, DVec3::new(1e7, -2e7, 0.0) + offset);
+            }
+        }
+    }
+}
