@@ -237,17 +237,12 @@ impl Meshes<'_> {
         let has_colors = primitive.get(&gltf::Semantic::Colors(0)).is_some();
         let material = self.appearance.material(&material, has_colors, model)?;
         let reservation = self.reserve(mesh, primitive, place)?;
-        let (data, skinned_at) =
-            match primitive::read(primitive, &material.required_attributes, deformation, self.buffers, place)? {
-                PrimitiveContent::Triangles { data, skinned_at, notes } => {
-                    model.warnings.extend(notes.into_iter().map(warning));
-                    (data, skinned_at)
-                }
-                PrimitiveContent::NoSurface => {
-                    model.warnings.push(warning("points and lines are not supported; they are left out".to_owned()));
-                    return Ok(None);
-                }
-            };
+        let read = primitive::read(primitive, &material.required_attributes, deformation, self.buffers, place)?;
+        let Some(PrimitiveContent { data, skinned_at, notes }) = read else {
+            model.warnings.push(warning("points and lines are not supported; they are left out".to_owned()));
+            return Ok(None);
+        };
+        model.warnings.extend(notes.into_iter().map(warning));
         let built = build_mesh(data, place, &mut model.warnings).map_err(|e| LoadErrorKind::from(e).at(path, place))?;
         let Some(built) = built else { return Ok(None) };
         drop(reservation);

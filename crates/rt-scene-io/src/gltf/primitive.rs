@@ -36,29 +36,26 @@ pub(super) struct Deformation<'a> {
     pub(super) mirrored: bool,
 }
 
-pub(super) enum PrimitiveContent {
-    /// Triangles, and messages about omissions and repairs.
-    Triangles {
-        data: MeshData,
-        /// Origin of a mesh that joints took to the world, in world space; `None` for a mesh in the space of its node.
-        skinned_at: Option<DVec3>,
-        notes: Vec<String>,
-    },
-    /// Points or lines, which have no surface.
-    NoSurface,
+/// Triangles of a primitive.
+pub(super) struct PrimitiveContent {
+    pub(super) data: MeshData,
+    /// Origin of a mesh that joints took to the world, in world space; `None` for a mesh in the space of its node.
+    pub(super) skinned_at: Option<DVec3>,
+    /// Messages about omissions and repairs.
+    pub(super) notes: Vec<String>,
 }
 
 /// Reads the arrays of a primitive, and applies morph targets and skins. Missing tangents are generated if the material
-/// needs them.
+/// needs them. `None` for points and lines, which have no surface.
 pub(super) fn read(
     primitive: &Primitive<'_>,
     required_attributes: &RequiredAttributes,
     deformation: &Deformation<'_>,
     buffers: &Buffers<'_>,
     place: &str,
-) -> Result<PrimitiveContent, LoadError> {
+) -> Result<Option<PrimitiveContent>, LoadError> {
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-        return Ok(PrimitiveContent::NoSurface);
+        return Ok(None);
     }
     let mut notes = Vec::new();
     let attributes = Attributes::of(primitive, buffers, place)?;
@@ -86,7 +83,7 @@ pub(super) fn read(
     if let Some(set) = required_attributes.tangents {
         complete_tangents(&mut data, set, required_attributes, &attributes, &mut notes)?;
     }
-    Ok(PrimitiveContent::Triangles { data, skinned_at, notes })
+    Ok(Some(PrimitiveContent { data, skinned_at, notes }))
 }
 
 /// The arrays that have an element for each vertex; `None` without positions.
