@@ -11,7 +11,7 @@ use rt_math::TransformError;
 use crate::MemoryError;
 use crate::excerpt::{Excerpt, Position};
 use crate::format::positions_of;
-use crate::sanitize::SingleLine;
+use crate::sanitize::{SingleLine, shortened_reference};
 use crate::texture_error::TextureError;
 
 /// All errors of a scene or model: at least one [`Diagnostic`]. Each is printed on a line of its own, followed by the line of
@@ -94,7 +94,7 @@ pub enum LoadErrorKind {
         known: &'static str,
     },
     /// A reference to a file elsewhere.
-    #[error("`{reference}` {rule}")]
+    #[error("`{}` {rule}", shortened_reference(reference))]
     BadReference {
         /// The reference as written.
         reference: String,
@@ -102,7 +102,7 @@ pub enum LoadErrorKind {
         rule: String,
     },
     /// A reference to a missing file.
-    #[error("`{reference}` does not exist (looked for {})", looked_for.display())]
+    #[error("`{}` does not exist (looked for {})", shortened_reference(reference), shortened_reference(&looked_for.to_string_lossy()))]
     MissingReference {
         /// The reference as written.
         reference: String,

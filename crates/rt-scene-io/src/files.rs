@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use rt_shading::Bitmap;
 
 use crate::options::folder_of;
+use crate::sanitize::shortened_reference;
 use crate::texture::{PixelEncoding, decode_within};
 use crate::{LoadErrorKind, LoadOptions, limits};
 
@@ -133,7 +134,7 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
         io::ErrorKind::NotFound => {
             LoadErrorKind::MissingReference { reference: reference.to_owned(), looked_for: path.clone() }
         }
-        _ => bad(&format!("cannot be read: {error} (looked for {})", path.display())),
+        _ => bad(&format!("cannot be read: {error} (looked for {})", shortened_reference(&path.to_string_lossy()))),
     })?;
     let root = options.root.as_deref().unwrap_or(folder);
     let inside = root.canonicalize().map_err(|error| bad(&format!("has no root {}: {error}", root.display())))?;

@@ -33,6 +33,17 @@ pub(crate) fn shortened(text: &str) -> String {
     if text.chars().count() <= 40 { text.to_owned() } else { text.chars().take(40).chain(['…']).collect() }
 }
 
+/// Reference or path of at most 200 characters for messages; of a longer one, its first and last 100. Exporters forget the scheme
+/// of data URIs, whose content is then the name of a file.
+pub(crate) fn shortened_reference(text: &str) -> String {
+    const PART: usize = 100;
+    let count = text.chars().count();
+    if count <= 2 * PART {
+        return text.to_owned();
+    }
+    text.chars().take(PART).chain(['…']).chain(text.chars().skip(count - PART)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -59,8 +59,8 @@ impl fmt::Display for Frames {
 impl Frames {
     /// All frames of an animation of this length, at least one; `None` if there are too many to number.
     pub(crate) fn of_animation(seconds: f64, fps: f64) -> Option<Self> {
-        // The product may be off a whole number by rounding.
-        let count = (seconds * fps * (1.0 - 1e-9)).ceil().max(1.0);
+        // Times of glTF keys are `f32`, with a relative error of up to 2^-24.
+        let count = (seconds * fps * (1.0 - f64::from(f32::EPSILON))).ceil().max(1.0);
         (count <= f64::from(u32::MAX)).then(|| Self { first: 0, last: count as u32 - 1 })
     }
 }
@@ -125,12 +125,22 @@ mod tests {
     }
 
     #[test]
-    fn all_frames_lie_before_the_end() {
+    fn all_frames_lie_before_the_end_also_of_keys_in_single_precision() {
         let count = |seconds, fps| Frames::of_animation(seconds, fps).map(|frames| frames.indices().count());
         for (seconds, fps, expected) in
             [(2.0, 24.0, 48), (0.5, 8.0, 4), (0.55, 10.0, 6), (0.1, 30.0, 3), (0.0, 24.0, 1), (-3.0, 24.0, 1)]
         {
             assert_eq!(count(seconds, fps), Some(expected), "{seconds} s, {fps}");
+        }
+        // Rounding to `f32` made the end of these later than their last frame, and one frame too many was rendered.
+        for length in 1..10_000_u16 {
+            for fps in [10.0, 24.0, 30.0, 60.0] {
+                assert_eq!(
+                    count(f64::from((f64::from(length) / fps) as f32), fps),
+                    Some(length.into()),
+                    "{length} at {fps}"
+                );
+            }
         }
         // Thirds of a second are no binary fractions.
         assert_eq!(count(f64::from(10.0f32 / 3.0), 30.0), Some(100));

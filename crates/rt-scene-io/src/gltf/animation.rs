@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::{
     accessor::read_vectors,
+    attribute_rules::unpaired_weights,
     buffers::Buffers,
     node_pose::{Pose, Property},
 };
@@ -52,7 +53,7 @@ enum CurveInterpolation {
 }
 
 /// Poses of a model when the shutter opens and, if an animation runs meanwhile, when it closes. `animations` is the list in the
-/// file.
+/// file. Channels of steps hold the pose of the opening.
 pub(super) fn poses(
     document: &Document,
     animations: &Value,
@@ -73,22 +74,23 @@ pub(super) fn poses(
         model.warnings.push(Warning { place: "animations".to_owned(), message });
         return Ok((opens, None));
     }
-    animate(&mut opens, list, opens_at, buffers, options)?;
+    animate(&mut opens, list, [opens_at; 2], buffers, options, Some(&mut model.warnings))?;
     if !(closes_at > opens_at) {
         return Ok((opens, None));
     }
     let mut closes = Pose::rest(document);
-    animate(&mut closes, list, closes_at, buffers, options)?;
+    animate(&mut closes, list, [opens_at, closes_at], buffers, options, None)?;
     Ok((opens, Some(closes)))
 }
 
-/// Poses a model at a time, in seconds.
+/// Poses a model at the second of two times, in seconds; channels of steps at the first.
 fn animate(
     pose: &mut Pose,
     list: &[Value],
-    time: f64,
+    [opens_at, time]: [f64; 2],
     buffers: &Buffers<'_>,
     options: &LoadOptions,
+    mut warnings: Option<&mut Vec<Warning>>,
 ) -> Result<(), LoadError> {
     for index in chosen(list, options.animation.as_deref()).at(buffers.path(), "animations")? {
         let place = format!("animations[{index}]");
@@ -105,6 +107,11 @@ fn animate(
             })?;
             let curve = Curve::read(sampler, property, buffers, &place)?;
             curve.times.last().into_iter().for_each(|end| options.animation_end.extend(f64::from(*end)));
+            if let (Property::Weights, Some(warnings)) = (property, &mut warnings) {
+                let message = unpaired_weights(buffers.document().as_json(), node, curve.width);
+                warnings.extend(message.map(|message| Warning { place: place.clone(), message }));
+            }
+            let time = if curve.interpolation == CurveInterpolation::Step { opens_at } else { time };
             pose.set(node, property, &curve.at(time)).at(buffers.path(), format!("{place}.target"))?;
         }
     }
@@ -171,15 +178,16 @@ impl Curve {
         Ok(Self { times, values, width, interpolation, turns: property == Property::Rotation })
     }
 
-    /// Value at a time; before the first and after the last key, that of the key.
+    /// Value at a time; before the first and after the last key, that of the key. Times are compared as `f32`, the precision of
+    /// keys: the key of frame 1 at 24 frames per second is later than 1/24 s.
     fn at(&self, time: f64) -> Vec<f64> {
-        let after = self.times.partition_point(|key| f64::from(*key) <= time);
+        let after = self.times.partition_point(|key| *key <= time as f32);
         let (Some(before), true) = (after.checked_sub(1), after < self.times.len()) else {
             return self.value(after.saturating_sub(1));
         };
         let [start, end] = [before, after].map(|key| f64::from(self.times[key]));
         let span = end - start;
-        let s = (time - start) / span;
+        let s = ((time - start) / span).clamp(0.0, 1.0);
         let [from, to] = [before, after].map(|key| self.value(key));
         match self.interpolation {
             CurveInterpolation::Step => from,
@@ -248,6 +256,26 @@ mod tests {
             (9.0, 20.0, 20.0),
         ] {
             assert_eq!((step.at(time), line.at(time)), (vec![held], vec![joined]), "{time}");
+        }
+    }
+
+    /// `f32` rounds the times of half of these keys up, and the frame showed the key before.
+    #[test]
+    fn frames_at_times_of_keys_show_these_keys() {
+        let times: Vec<f32> = (0..240).map(|frame| (f64::from(frame) / 24.0) as f32).collect();
+        let values: Vec<f32> = (0..240).map(|frame| frame as f32).collect();
+        let splines: Vec<f32> = values.iter().flat_map(|value| [0.0, *value, 0.0]).collect();
+        for (interpolation, values) in [
+            (CurveInterpolation::Step, &values),
+            (CurveInterpolation::Linear, &values),
+            (CurveInterpolation::CubicSpline, &splines),
+        ] {
+            let curve = Curve { times: times.clone(), values: values.clone(), width: 1, interpolation, turns: false };
+            for frame in 0..240 {
+                let (expected, found) = (f64::from(frame), curve.at(f64::from(frame) / 24.0)[0]);
+                let tolerance = if interpolation == CurveInterpolation::Step { 0.0 } else { 2e-5 };
+                assert!((found - expected).abs() <= tolerance, "{interpolation:?}: {found} at frame {frame}");
+            }
         }
     }
 

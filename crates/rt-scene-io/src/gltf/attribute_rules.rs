@@ -3,7 +3,7 @@
 use gltf::json::{
     Index, Root,
     accessor::{Accessor, ComponentType, Type},
-    mesh::{Primitive, Semantic},
+    mesh::{Mesh, Primitive, Semantic},
     validation::Checked,
 };
 
@@ -14,14 +14,10 @@ use crate::{LoadErrorKind, Warning};
 pub(super) fn check(root: &Root, warnings: &mut Vec<Warning>) -> Vec<(String, LoadErrorKind)> {
     let mut problems = Vec::new();
     for (m, mesh) in root.meshes.iter().enumerate() {
-        let targets = |primitive: &Primitive| primitive.targets.as_ref().map_or(0, Vec::len);
-        let counts: Vec<usize> = mesh.primitives.iter().map(targets).collect();
+        let counts = target_counts(mesh);
         let weights = mesh.weights.as_ref().map(Vec::len);
         if counts.iter().chain(&weights).any(|count| Some(count) != counts.first()) {
-            let message = format!(
-                "has {counts:?} morph targets and {} weights; what has no partner is left out",
-                weights.unwrap_or(0)
-            );
+            let message = unpaired_targets(&counts, weights.unwrap_or(0));
             warnings.push(Warning { place: format!("meshes[{m}]"), message });
         }
         for (p, primitive) in mesh.primitives.iter().enumerate() {
@@ -35,7 +31,27 @@ pub(super) fn check(root: &Root, warnings: &mut Vec<Warning>) -> Vec<(String, Lo
             }
         }
     }
+    for (n, node) in root.nodes.iter().enumerate() {
+        let message = node.weights.as_ref().and_then(|weights| unpaired_weights(root, n, weights.len()));
+        warnings.extend(message.map(|message| Warning { place: format!("nodes[{n}]"), message }));
+    }
     problems
+}
+
+/// Message about weights of a node, at rest or in an animation, that are not as many as the morph targets of its mesh.
+pub(super) fn unpaired_weights(root: &Root, node: usize, weights: usize) -> Option<String> {
+    let mesh = root.nodes.get(node)?.mesh.as_ref()?;
+    let counts = target_counts(root.meshes.get(mesh.value())?);
+    counts.iter().any(|count| *count != weights).then(|| unpaired_targets(&counts, weights))
+}
+
+fn unpaired_targets(counts: &[usize], weights: usize) -> String {
+    format!("has {counts:?} morph targets and {weights} weights; what has no partner is left out")
+}
+
+/// Number of morph targets of each primitive.
+fn target_counts(mesh: &Mesh) -> Vec<usize> {
+    mesh.primitives.iter().map(|primitive| primitive.targets.as_ref().map_or(0, Vec::len)).collect()
 }
 
 struct Check<'a> {
@@ -214,5 +230,23 @@ mod tests {
         let mesh = primitive(r#""_X": 0}, "targets": [{"POSITION": 0}]"#).replace("]}]}", "]}], \"weights\": [0, 1]}");
         let (problems, warnings) = checked(&[POSITIONS], &mesh);
         assert!(problems.is_empty() && warnings[0].message.contains("[1] morph targets and 2 weights"), "{warnings:?}");
+    }
+
+    /// Only the weights of meshes caused the warning.
+    #[test]
+    fn weights_of_nodes_without_targets_are_a_warning() {
+        let checked = |weights: &str| {
+            let json = format!(
+                r#"{{"asset": {{"version": "2.0"}}, "accessors": [{{{POSITIONS}}}],
+                    "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}},
+                        "targets": [{{"POSITION": 0}}, {{"POSITION": 0}}]}}]}}],
+                    "nodes": [{{"mesh": 0, "weights": [{weights}]}}]}}"#
+            );
+            let mut warnings = Vec::new();
+            assert!(check(&Root::from_str(&json).expect("good JSON"), &mut warnings).is_empty());
+            warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        let expected = "nodes[0]: has [2] morph targets and 4 weights; what has no partner is left out";
+        assert_eq!((checked("1, 0, 0, 1"), checked("0, 1")), (vec![expected.to_owned()], Vec::new()));
     }
 }

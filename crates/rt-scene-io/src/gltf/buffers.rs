@@ -146,9 +146,9 @@ fn decode_views(
 
 /// The bytes that a URI names: a data URI, or a file below the root folder. Other schemes are refused.
 pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec<u8>, LoadErrorKind> {
-    match uri.strip_prefix("data:") {
-        Some(rest) => decode_data_uri(rest),
-        None => {
+    match uri.split_at_checked("data:".len()) {
+        Some((scheme, rest)) if scheme.eq_ignore_ascii_case("data:") => decode_data_uri(rest),
+        _ => {
             let decoded = percent_decode_str(uri).decode_utf8_lossy();
             match read_referenced(&resolve_path(&decoded, path, options)?, options) {
                 // An empty buffer is no error before someone reads from it.
@@ -159,15 +159,17 @@ pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec
     }
 }
 
-/// `[type][;base64],content`, without the scheme (RFC 2397).
+/// `[type][;base64],content`, without the scheme (RFC 2397). Its words ignore case, as all words of URIs and media types do.
 fn decode_data_uri(rest: &str) -> Result<Vec<u8>, LoadErrorKind> {
     let Some((kind, content)) = rest.split_once(',') else {
         return Err(LoadErrorKind::Syntax("a data URI must have a comma before its content".to_owned()));
     };
-    if kind.ends_with(";base64") {
+    let content: Cow<'_, [u8]> = percent_decode_str(content).into();
+    let is_base64 = kind.rsplit_once(';').is_some_and(|(_, last)| last.eq_ignore_ascii_case("base64"));
+    if is_base64 {
         BASE64.decode(content).map_err(|error| LoadErrorKind::Syntax(format!("bad base64: {error}")))
     } else {
-        Ok(percent_decode_str(content).collect())
+        Ok(content.into_owned())
     }
 }
 
@@ -183,6 +185,17 @@ mod tests {
         assert_eq!(fetch("data:,a%20b"), Ok(b"a b".to_vec()));
         assert!(fetch("data:;base64,A!ID").is_err_and(|e| e.starts_with("bad base64")));
         assert!(fetch("data:nothing").is_err_and(|e| e.contains("comma")));
+    }
+
+    /// `;BASE64` was read as plain text, `DATA:` as the name of a file, and `%2B` as three digits of base64.
+    #[test]
+    fn words_of_data_uris_ignore_case_and_base64_may_be_percent_encoded() {
+        let fetch = |uri: &str| fetch(uri, Path::new("m.gltf"), &LoadOptions::default()).map_err(|e| e.to_string());
+        for uri in ["data:;BASE64,+/8D", "DATA:;base64,+/8D", "Data:a/b;Base64,%2B%2f8D", "data:a/b;c=d;base64,%2B/8D"]
+        {
+            assert_eq!(fetch(uri), Ok(vec![251, 255, 3]), "{uri}");
+        }
+        assert_eq!(fetch("data:a/b;base6,+/8D"), Ok(b"+/8D".to_vec()));
     }
 
     #[test]

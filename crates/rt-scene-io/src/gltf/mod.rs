@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The crate provides types and defaults; all content of the file is checked before use (see `document` and `accessor`). Meshes
-//! are built for one time: morphed, and skinned meshes in world space.
+//! are built for one time: morphed, and skinned meshes in world space, or next to it if they are far from its origin.
 
 mod accessor;
 mod animation;
@@ -110,12 +110,18 @@ fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model,
         options,
     };
     let poses = Poses { opens: &pose, closes: later.as_ref() };
-    node_tree::walk(&buffers, &poses, &mut model, |node, mesh, model| meshes.parts(node, mesh, model))?;
+    let held_lights =
+        node_tree::walk(&buffers, &poses, &mut model, |node, mesh, model| meshes.parts(node, mesh, model))?;
     if meshes.held > 0 {
         let held = meshes.held;
         let message = format!(
             "meshes with skins or morph targets have no motion blur: {held}; their pose at the start of the shutter is used"
         );
+        model.warn("animations", message);
+    }
+    if held_lights > 0 {
+        let message =
+            format!("lights have no motion blur: {held_lights}; their place at the start of the shutter is used");
         model.warn("animations", message);
     }
     if model.meshes.is_empty() {
@@ -168,22 +174,23 @@ impl Meshes<'_> {
             joints: node.skin().map(|skin| self.joints(&skin)).transpose()?,
             mirrored: self.worlds.get(node.index()).copied().flatten().is_some_and(|w| w.linear.determinant() < 0.0),
         };
-        self.held += u32::from(self.changes(node, mesh));
         let mut parts = Vec::new();
         for primitive in mesh.primitives() {
             let place = format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index());
             parts.extend(self.part(mesh, &primitive, &deformation, &place, model)?);
         }
+        self.held += u32::from(self.changes(node, mesh, &parts));
         self.known.insert(key, parts.clone());
         Ok(parts)
     }
 
     /// True if bones or morph targets move a mesh while the shutter is open.
-    fn changes(&self, node: &gltf::Node<'_>, mesh: &gltf::Mesh<'_>) -> bool {
+    fn changes(&self, node: &gltf::Node<'_>, mesh: &gltf::Mesh<'_>, parts: &[MeshPart]) -> bool {
         let Some((later, worlds)) = &self.later else { return false };
         let moved = |joint: gltf::Node<'_>| worlds.get(joint.index()) != self.worlds.get(joint.index());
+        let is_skinned = parts.iter().any(|part| part.skinned_at.is_some());
         later.weights(node, mesh) != self.pose.weights(node, mesh)
-            || node.skin().is_some_and(|skin| skin.joints().any(moved))
+            || node.skin().is_some_and(|skin| is_skinned && skin.joints().any(moved))
     }
 
     fn joints(&mut self, skin: &gltf::Skin<'_>) -> Result<Arc<[Affine]>, LoadError> {
@@ -230,16 +237,12 @@ impl Meshes<'_> {
         let has_colors = primitive.get(&gltf::Semantic::Colors(0)).is_some();
         let material = self.appearance.material(&material, has_colors, model)?;
         let reservation = self.reserve(mesh, primitive, place)?;
-        let data = match primitive::read(primitive, &material.required_attributes, deformation, self.buffers, place)? {
-            PrimitiveContent::Triangles(data, notes) => {
-                model.warnings.extend(notes.into_iter().map(warning));
-                data
-            }
-            PrimitiveContent::NoSurface => {
-                model.warnings.push(warning("points and lines are not supported; they are left out".to_owned()));
-                return Ok(None);
-            }
+        let read = primitive::read(primitive, &material.required_attributes, deformation, self.buffers, place)?;
+        let Some(PrimitiveContent { data, skinned_at, notes }) = read else {
+            model.warnings.push(warning("points and lines are not supported; they are left out".to_owned()));
+            return Ok(None);
         };
+        model.warnings.extend(notes.into_iter().map(warning));
         let built = build_mesh(data, place, &mut model.warnings).map_err(|e| LoadErrorKind::from(e).at(path, place))?;
         let Some(built) = built else { return Ok(None) };
         drop(reservation);
@@ -250,7 +253,7 @@ impl Meshes<'_> {
         let (what, limit) = ("the memory of all meshes in bytes", limits::GLTF_MESH_BYTES);
         LoadErrorKind::check_limit(what, self.bytes, limit).at(path, place)?;
         let id = model.add_mesh(mesh.name().unwrap_or_default().to_owned(), built);
-        Ok(Some((id, material.id)))
+        Ok(Some(MeshPart { mesh: id, material: material.id, skinned_at }))
     }
 }
 

@@ -5,12 +5,23 @@ use rt_math::{DMat3, DQuat, DVec3, Transform, TransformError};
 
 use crate::LoadErrorKind;
 
+/// Last row of an affine map.
+const AFFINE_ROW: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+/// Largest rounding error of an element of the last row.
+const MAX_ROW_ERROR: f64 = 1e-6;
+
 /// Transform of a node, from its matrix or from its translation, rotation and scale.
 pub(super) fn transform(matrix: &Matrix) -> Result<Transform, TransformError> {
     match matrix {
         Matrix::Matrix { matrix } => {
             // Columns in the file.
-            let rows = std::array::from_fn(|row| std::array::from_fn(|column| f64::from(matrix[column][row])));
+            let mut rows: [[f64; 4]; 4] =
+                std::array::from_fn(|row| std::array::from_fn(|column| f64::from(matrix[column][row])));
+            let is_affine = rows[3].iter().zip(AFFINE_ROW).all(|(x, exact)| (x - exact).abs() <= MAX_ROW_ERROR);
+            if is_affine {
+                rows[3] = AFFINE_ROW;
+            }
             Transform::from_rows(rows)
         }
         Matrix::Decomposed { translation, rotation, scale } => {

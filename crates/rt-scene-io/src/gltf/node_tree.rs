@@ -18,18 +18,26 @@ use super::{
 use crate::error::ErrorAt;
 use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, NamedCamera, SceneNode, limits};
 
-pub(super) type MeshPart = (MeshId, MaterialId);
+/// Mesh of a primitive, with its material.
+#[derive(Clone, Copy)]
+pub(super) struct MeshPart {
+    pub(super) mesh: MeshId,
+    pub(super) material: MaterialId,
+    /// Origin of a mesh with joints, in world space; `None` for a mesh in the space of its node.
+    pub(super) skinned_at: Option<DVec3>,
+}
 
-/// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node, with their materials.
+/// Walks the tree of the scene to be shown. `parts_of` gives the meshes of a node. Returns the number of lights that would move
+/// while the shutter is open.
 pub(super) fn walk(
     buffers: &Buffers<'_>,
     poses: &Poses<'_>,
     model: &mut Model,
     mut parts_of: impl FnMut(&Source<'_>, &gltf::Mesh<'_>, &mut Model) -> Result<Vec<MeshPart>, LoadError>,
-) -> Result<(), LoadError> {
+) -> Result<u32, LoadError> {
     let (document, path) = (buffers.document(), buffers.path());
     let nodes: Vec<Source<'_>> = document.nodes().collect();
-    let mut instances = 0;
+    let (mut instances, mut held_lights) = (0, 0);
     for root in roots(document, path)? {
         let mut stack: Vec<OpenNode> = Vec::new();
         stack.extend(open(&nodes[root], poses, &WorldTransforms::IDENTITY, model));
@@ -43,17 +51,26 @@ pub(super) fn walk(
             let source = &nodes[frame.index];
             if let Some(mesh) = source.mesh() {
                 let parts = parts_of(source, &mesh, model)?;
+                let (bound, parts) = parts.into_iter().partition(|part| part.skinned_at.is_some());
+                place_skinned(source, bound, model);
+                if let Some(reason) = &frame.unusable {
+                    let is_all = source.children().len() == 0 && source.camera().is_none() && source.light().is_none();
+                    if !(is_all && parts.is_empty()) {
+                        warn(source, &format!("{reason}; all but its skinned meshes is left out"), model);
+                    }
+                    continue;
+                }
                 place(source, &mut frame.node, &parts, buffers, &mut instances, model)?;
             }
             place_camera(source, document, &frame.world, model);
-            place_light(source, document, &frame.world.opens, model);
+            held_lights += u32::from(place_light(source, document, &frame.world, model));
             match stack.last_mut() {
                 Some(parent) => parent.node.children.push(frame.node),
                 None => model.nodes.push(frame.node),
             }
         }
     }
-    Ok(())
+    Ok(held_lights)
 }
 
 /// A node whose children are being visited.
@@ -61,6 +78,8 @@ struct OpenNode {
     index: usize,
     node: SceneNode,
     world: WorldTransforms,
+    /// Reason why the transform of a node with a skin is unusable: only its skinned meshes, which ignore the transform, are kept.
+    unusable: Option<String>,
     /// Still to be visited, last first.
     children: Vec<usize>,
 }
@@ -83,7 +102,7 @@ impl WorldTransforms {
     }
 }
 
-/// Starts a node, unless its transform is unusable.
+/// Starts a node, unless its transform is unusable. One with a skin is started without its children then.
 fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model: &mut Model) -> Option<OpenNode> {
     let parent_from_local = match transform(poses.opens.matrix(source.index())?) {
         Ok(transform) => transform,
@@ -94,6 +113,11 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model:
                 }
                 other => other.to_string(),
             };
+            if source.skin().is_some() && source.mesh().is_some() {
+                let node = empty(source);
+                let unusable = Some(reason);
+                return Some(OpenNode { index: source.index(), node, world: *parent, unusable, children: Vec::new() });
+            }
             warn(source, &format!("{reason}; it and its children are left out"), model);
             return None;
         }
@@ -102,7 +126,7 @@ fn open(source: &Source<'_>, poses: &Poses<'_>, parent: &WorldTransforms, model:
     children.reverse();
     let moves_to = moves_to(source, poses, &parent_from_local, model);
     let node = SceneNode { parent_from_local, moves_to, ..empty(source) };
-    Some(OpenNode { index: source.index(), world: parent.compose(&node), node, children })
+    Some(OpenNode { index: source.index(), world: parent.compose(&node), node, unusable: None, children })
 }
 
 /// Transform of a node when the shutter closes; `None` for a static node.
@@ -154,7 +178,16 @@ fn roots(document: &Document, path: &Path) -> Result<Vec<usize>, LoadError> {
     Ok(roots)
 }
 
-/// Puts a mesh where its node is, where the node's instances are, or, if it follows bones, into the world.
+/// Puts meshes that follow bones into the world. The transform of their node does not apply to them (glTF 2.0, section 3.7.3).
+fn place_skinned(source: &Source<'_>, parts: Vec<MeshPart>, model: &mut Model) {
+    if !parts.is_empty() {
+        let mut bound = empty(source);
+        place_mesh(&mut bound, &parts);
+        model.nodes.push(bound);
+    }
+}
+
+/// Puts a mesh where its node is, or where the node's instances are.
 fn place(
     source: &Source<'_>,
     node: &mut SceneNode,
@@ -163,10 +196,7 @@ fn place(
     instances: &mut u64,
     model: &mut Model,
 ) -> Result<(), LoadError> {
-    if source.skin().is_some() {
-        let mut bound = empty(source);
-        place_mesh(&mut bound, parts);
-        model.nodes.push(bound);
+    if source.skin().is_some() && parts.is_empty() {
         return Ok(());
     }
     let Some((placements, unusable)) = instancing::placements(source, buffers)? else {
@@ -195,14 +225,18 @@ fn empty(source: &Source<'_>) -> SceneNode {
 
 /// One mesh becomes the content of the node, several become children of it.
 fn place_mesh(node: &mut SceneNode, parts: &[MeshPart]) {
-    if let [(mesh, material)] = *parts {
+    if let [MeshPart { mesh, material, skinned_at }] = *parts {
         node.content = Some(Content::Mesh(mesh));
         node.material = material;
+        if let Some(origin) = skinned_at {
+            node.parent_from_local = Transform::translate(origin);
+        }
         return;
     }
-    node.children.extend(parts.iter().map(|(mesh, material)| SceneNode {
+    node.children.extend(parts.iter().map(|part| SceneNode {
         name: node.name.clone(),
-        ..SceneNode::new(Content::Mesh(*mesh), *material)
+        parent_from_local: part.skinned_at.map_or(Transform::IDENTITY, Transform::translate),
+        ..SceneNode::new(Content::Mesh(part.mesh), part.material)
     }));
 }
 
@@ -243,12 +277,14 @@ fn place_camera(source: &Source<'_>, document: &Document, world: &WorldTransform
     model.cameras.push(NamedCamera { name, settings, medium: None });
 }
 
-fn place_light(source: &Source<'_>, document: &Document, world: &Transform, model: &mut Model) {
+/// Puts a light where its node is when the shutter opens; true if it would move until the shutter closes.
+fn place_light(source: &Source<'_>, document: &Document, world: &WorldTransforms, model: &mut Model) -> bool {
     let all = document.as_json().extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
-    let Some(json) = source.light().and_then(|light| all?.lights.get(light.index())) else { return };
+    let Some(json) = source.light().and_then(|light| all?.lights.get(light.index())) else { return false };
     let intensity = Rgb::from(json.color.map(f64::from)) * f64::from(json.intensity);
-    let position = world.point(DVec3::ZERO);
-    let direction = world.vector(DVec3::NEG_Z).try_normalize();
+    let [position, position_at_end] = [world.opens, world.closes].map(|world| world.point(DVec3::ZERO));
+    let [direction, direction_at_end] =
+        [world.opens, world.closes].map(|world| world.vector(DVec3::NEG_Z).try_normalize());
     let falloff = Falloff::InverseSquare;
     let kind = match (json.type_, &json.spot, direction) {
         (Checked::Valid(lights::Type::Point), ..) => {
@@ -266,11 +302,17 @@ fn place_light(source: &Source<'_>, document: &Document, world: &Transform, mode
     let dark = [intensity.r, intensity.g, intensity.b].into_iter().any(|c| !(c.is_finite() && c >= 0.0));
     let Some(kind) = kind.filter(|_| position.is_finite() && !dark) else {
         warn(source, "the direction or intensity of its light is invalid; the light is left out", model);
-        return;
+        return false;
+    };
+    let moves = match kind {
+        DeltaLightKind::Point { .. } => position != position_at_end,
+        DeltaLightKind::Directional { .. } => direction != direction_at_end,
+        DeltaLightKind::Spot { .. } => (position, direction) != (position_at_end, direction_at_end),
     };
     let name = json.name.as_deref().or(source.name()).unwrap_or("light").to_owned();
     model.lights.push(DeltaLight { name, kind, intensity, units: LightUnits::Physical, casts_shadows: true });
     model.is_photometric = true;
+    moves
 }
 
 /// Cosines of the angles of a spot. Where both angles are the same the edge is as sharp as can be.

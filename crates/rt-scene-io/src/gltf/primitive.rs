@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use gltf::{Accessor, Primitive, Semantic, mesh::Mode};
 use rt_geometry::{MeshData, fan, strip};
-use rt_math::Vec3;
+use rt_math::{DVec3, Vec3};
 
 use super::{
     accessor::read_vectors,
     attributes::Attributes,
     buffers::Buffers,
     node_pose::Affine,
-    skin::{self, Influences},
+    skin::{self, Deformed, Influences},
 };
 use crate::error::ErrorAt;
 use crate::{LoadError, LoadErrorKind, tangents};
@@ -36,24 +36,26 @@ pub(super) struct Deformation<'a> {
     pub(super) mirrored: bool,
 }
 
-pub(super) enum PrimitiveContent {
-    /// Triangles, and messages about omissions and repairs.
-    Triangles(MeshData, Vec<String>),
-    /// Points or lines, which have no surface.
-    NoSurface,
+/// Triangles of a primitive.
+pub(super) struct PrimitiveContent {
+    pub(super) data: MeshData,
+    /// Origin of a mesh that joints took to the world, in world space; `None` for a mesh in the space of its node.
+    pub(super) skinned_at: Option<DVec3>,
+    /// Messages about omissions and repairs.
+    pub(super) notes: Vec<String>,
 }
 
 /// Reads the arrays of a primitive, and applies morph targets and skins. Missing tangents are generated if the material
-/// needs them.
+/// needs them. `None` for points and lines, which have no surface.
 pub(super) fn read(
     primitive: &Primitive<'_>,
     required_attributes: &RequiredAttributes,
     deformation: &Deformation<'_>,
     buffers: &Buffers<'_>,
     place: &str,
-) -> Result<PrimitiveContent, LoadError> {
+) -> Result<Option<PrimitiveContent>, LoadError> {
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-        return Ok(PrimitiveContent::NoSurface);
+        return Ok(None);
     }
     let mut notes = Vec::new();
     let attributes = Attributes::of(primitive, buffers, place)?;
@@ -66,19 +68,22 @@ pub(super) fn read(
     data.triangles = assemble(primitive.mode(), &order);
     check_counts(&data).at(buffers.path(), place)?;
     morph(&mut data, primitive, deformation.weights, buffers, place)?;
-    if let Some(joints) = &deformation.joints {
-        apply_skin(&mut data, &attributes, joints, &mut notes).map_err(|apply_skin| match apply_skin {
-            SkinError::Read(error) => error,
-            SkinError::Deform(reason) => reason.at(buffers.path(), place),
-        })?;
-        if deformation.mirrored {
-            data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    let skinned_at = match &deformation.joints {
+        Some(joints) => {
+            apply_skin(&mut data, &attributes, joints, &mut notes).map_err(|apply_skin| match apply_skin {
+                SkinError::Read(error) => error,
+                SkinError::Deform(reason) => reason.at(buffers.path(), place),
+            })?
         }
+        None => None,
+    };
+    if skinned_at.is_some() && deformation.mirrored {
+        data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
     if let Some(set) = required_attributes.tangents {
         complete_tangents(&mut data, set, required_attributes, &attributes, &mut notes)?;
     }
-    Ok(PrimitiveContent::Triangles(data, notes))
+    Ok(Some(PrimitiveContent { data, skinned_at, notes }))
 }
 
 /// The arrays that have an element for each vertex; `None` without positions.
@@ -163,13 +168,13 @@ enum SkinError {
     Deform(LoadErrorKind),
 }
 
-/// Takes the mesh to the world by its joints.
+/// Takes the mesh to the world by its joints, and returns its origin there; `None`, with a note, if it names none.
 fn apply_skin(
     data: &mut MeshData,
     attributes: &Attributes<'_>,
     joints: &[Affine],
     notes: &mut Vec<String>,
-) -> Result<(), SkinError> {
+) -> Result<Option<DVec3>, SkinError> {
     let mut sets = Vec::new();
     for set in 0.. {
         let joints = attributes.vectors::<4>(&Semantic::Joints(set)).map_err(SkinError::Read)?;
@@ -184,13 +189,13 @@ fn apply_skin(
     }
     if sets.is_empty() {
         notes.push("its node has a skin, but it has no joints and weights; the skin is ignored".to_owned());
-        return Ok(());
+        return Ok(None);
     }
-    let count = skin::deform(data, &sets, joints).map_err(SkinError::Deform)?;
-    if count > 0 {
-        notes.push(format!("the weights of {count} vertices do not have the sum 1; they were scaled"));
+    let Deformed { origin, unnormalised } = skin::deform(data, &sets, joints).map_err(SkinError::Deform)?;
+    if unnormalised > 0 {
+        notes.push(format!("the weights of {unnormalised} vertices do not have the sum 1; they were scaled"));
     }
-    Ok(())
+    Ok(Some(origin))
 }
 
 /// Texture coordinates with v upwards; in the file it runs downwards.

@@ -2,13 +2,16 @@
 
 use gltf::Skin;
 use rt_geometry::MeshData;
-use rt_math::{DMat3, DVec3};
+use rt_math::{Aabb, DMat3, DVec3};
 
 use super::{accessor::read_vectors, buffers::Buffers, node_pose::Affine};
 use crate::{LoadError, LoadErrorKind};
 
 /// Weights whose sum is farther than this from 1 cause a warning: four of them rounded to bytes are within it.
 const MAX_DEVIATION: f64 = 1.0 / 64.0;
+
+/// A mesh is far from the origin of the world if it is farther than this many times its size.
+const FAR: f64 = 1024.0;
 
 /// The maps of the joints, from where the mesh was bound to the world.
 pub(super) fn joints(
@@ -42,35 +45,65 @@ pub(super) struct Influences {
     pub(super) weights: Vec<[f32; 4]>,
 }
 
-/// Takes a mesh to the world by its joints. Weights are made to have the sum 1; the number of vertices where that changes
-/// much is returned.
-pub(super) fn deform(data: &mut MeshData, sets: &[Influences], joints: &[Affine]) -> Result<usize, LoadErrorKind> {
+/// Result of [`deform`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Deformed {
+    /// Origin of the mesh in world space: zero, or for a mesh far from the origin of the world a point near the mesh.
+    pub(super) origin: DVec3,
+    /// Number of vertices where the sum of the weights was not 1.
+    pub(super) unnormalised: usize,
+}
+
+/// Takes a mesh to the world, less the origin that is returned, by its joints. Weights are made to have the sum 1.
+pub(super) fn deform(data: &mut MeshData, sets: &[Influences], joints: &[Affine]) -> Result<Deformed, LoadErrorKind> {
+    let mut bounds = Aabb::EMPTY;
     let mut unnormalised = 0;
     for vertex in 0..data.positions.len() {
-        let mut sum = 0.0;
-        let mut blend = Affine::ZERO;
-        for set in sets {
-            for (joint, weight) in set.joints[vertex].into_iter().zip(set.weights[vertex].map(f64::from)) {
-                if weight > 0.0 {
-                    let rule = || format!("is not the index of a joint; there are {} (vertex {vertex})", joints.len());
-                    let map = joints.get(joint as usize).ok_or_else(|| LoadErrorKind::invalid(joint, rule()))?;
-                    sum += weight;
-                    blend.linear += map.linear * weight;
-                    blend.translation += map.translation * weight;
-                }
-            }
-        }
+        let (map, sum) = blend(sets, vertex, joints)?;
         unnormalised += usize::from(!((sum - 1.0).abs() <= MAX_DEVIATION));
-        let map = if sum > 0.0 && sum.is_finite() {
-            Affine { linear: blend.linear * (1.0 / sum), translation: blend.translation * (1.0 / sum) }
-        } else {
-            // A vertex that no joint holds goes with the first of those that it names.
-            let first = sets.first().and_then(|set| joints.get(set.joints[vertex][0] as usize));
-            *first.unwrap_or(&Affine::IDENTITY)
-        };
+        bounds = bounds.include(map.point(data.positions[vertex].as_dvec3()));
+    }
+    let origin = origin(&bounds);
+    for vertex in 0..data.positions.len() {
+        let (mut map, _) = blend(sets, vertex, joints)?;
+        map.translation -= origin;
         move_vertex(data, vertex, &map);
     }
-    Ok(unnormalised)
+    Ok(Deformed { origin, unnormalised })
+}
+
+/// Centre of a mesh that is small against its distance from the origin of the world: positions in `f32` would be too coarse.
+fn origin(bounds: &Aabb) -> DVec3 {
+    let (centre, size) = (bounds.centre(), bounds.extent().max_element());
+    let distance = centre.abs().max_element();
+    // Positions beyond `f32` are left to the checks of meshes.
+    let is_far = size > 0.0 && distance > FAR * size && distance <= f64::from(f32::MAX);
+    if is_far { centre } else { DVec3::ZERO }
+}
+
+/// Mean of the joints of a vertex, and the sum of their weights in the file.
+fn blend(sets: &[Influences], vertex: usize, joints: &[Affine]) -> Result<(Affine, f64), LoadErrorKind> {
+    let mut sum = 0.0;
+    let mut blend = Affine::ZERO;
+    for set in sets {
+        for (joint, weight) in set.joints[vertex].into_iter().zip(set.weights[vertex].map(f64::from)) {
+            if weight > 0.0 {
+                let rule = || format!("is not the index of a joint; there are {} (vertex {vertex})", joints.len());
+                let map = joints.get(joint as usize).ok_or_else(|| LoadErrorKind::invalid(joint, rule()))?;
+                sum += weight;
+                blend.linear += map.linear * weight;
+                blend.translation += map.translation * weight;
+            }
+        }
+    }
+    let map = if sum > 0.0 && sum.is_finite() {
+        Affine { linear: blend.linear * (1.0 / sum), translation: blend.translation * (1.0 / sum) }
+    } else {
+        // A vertex that no joint holds goes with the first of those that it names.
+        let first = sets.first().and_then(|set| joints.get(set.joints[vertex][0] as usize));
+        *first.unwrap_or(&Affine::IDENTITY)
+    };
+    Ok((map, sum))
 }
 
 fn move_vertex(data: &mut MeshData, vertex: usize, map: &Affine) {
@@ -111,8 +144,8 @@ mod tests {
     fn deformed(maps: &[Affine], joints: [f32; 4], weights: [f32; 4]) -> (MeshData, usize) {
         let mut data = vertex();
         let set = Influences { joints: vec![joints], weights: vec![weights] };
-        let bad = deform(&mut data, &[set], maps).expect("joints that are there");
-        (data, bad)
+        let deformed = deform(&mut data, &[set], maps).expect("joints that are there");
+        (data, deformed.unnormalised)
     }
 
     fn moved(offset: DVec3) -> Affine {

@@ -30,6 +30,7 @@ pub(super) fn node_places(
     let timeline = timeline(report, &path, animation.keys.iter().map(|key| key.time), animation.interpolation);
     let keys = moves(report, &path, timeline, animation.keys.iter().map(|key| key.transform.as_slice()));
     let (keys, rest) = (keys?, rest?);
+    let shutter = shutter.of_keys(animation.interpolation);
     shutter.places(report, path, |time| Ok(keys.at(time).compose(&rest)))
 }
 
@@ -61,6 +62,7 @@ pub(super) fn posed_camera<'a>(
     let keys_path = format!("{path}.animation");
     let times = animation.keys.iter().map(|key| key.time);
     let timeline = timeline(report, &keys_path, times, animation.interpolation)?;
+    let shutter = shutter.of_keys(animation.interpolation);
     let mut posed = camera.clone();
     if animation.keys.iter().any(|key| key.fov.is_some()) {
         posed.fov = Some(field_of_view(report, &keys_path, camera, animation, &timeline, shutter.opens())?);

@@ -15,7 +15,7 @@ use super::camera_pose::listed;
 use super::transform::refused_motion;
 use super::value::vector;
 use crate::diagnostics::Diagnostics;
-use crate::format::{Camera, Node, SceneFile};
+use crate::format::{Camera, Interpolation, Node, SceneFile};
 use crate::{LoadErrorKind, LoadOptions};
 
 /// Time interval of one image, as a part of an animation.
@@ -62,6 +62,14 @@ impl ShutterInterval {
                 [given.0, given.1].map(|time| (time - first) / (last - first))
             }
             (Some(_), _) => [0.0; 2],
+        }
+    }
+
+    /// Interval in which keys are evaluated. Steps hold the value of the opening: a step to the next key is no motion.
+    pub(super) const fn of_keys(self, interpolation: Interpolation) -> Self {
+        match interpolation {
+            Interpolation::Step => Self { times: [self.times[0]; 2], ..self },
+            Interpolation::Linear | Interpolation::Smooth => self,
         }
     }
 

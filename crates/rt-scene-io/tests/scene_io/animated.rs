@@ -103,6 +103,24 @@ fn blur_leads_from_the_pose_at_which_the_shutter_opens_to_that_at_which_it_close
     assert_eq!((place(&scene), scene.nodes[0].moves_to), (place(&at(SPHERE, 1.0)), Some(place(&at(SPHERE, 1.5)))));
 }
 
+/// The next key was the end of a motion, and the object was smeared on the line to it.
+#[test]
+fn steps_hold_their_pose_while_the_shutter_is_open() {
+    let text = SPHERE.replace("(keys:", "(interpolation: step, keys:");
+    let camera = "camera: (look_at: (0, 0, 0), shutter: (0, 1), animation: (interpolation: step, keys: [
+        (time: 0, look_from: (0, 0, 9)), (time: 2, look_from: (0, 0, 5)),
+    ])), nodes:";
+    let text = text.replace("nodes:", camera);
+    for (time, key) in [(1.0, 1.0), (1.5, 1.0), (2.0, 2.0)] {
+        let options = LoadOptions { at_time: Some(time), frame_time: Some(1.0), ..LoadOptions::default() };
+        let scene = posed(&text, &options);
+        assert_eq!((place(&scene), scene.nodes[0].moves_to), (place(&at(SPHERE, key)), None), "{time}");
+        let eye = if time < 2.0 { 9.0 } else { 5.0 };
+        let settings = self::camera(&scene);
+        assert_eq!((settings.world_from_camera.translation(), settings.moves_to), (DVec3::Z * eye, None), "{time}");
+    }
+}
+
 #[test]
 fn motions_next_to_an_animation_are_seen_for_as_long() {
     let text = "(
