@@ -280,7 +280,7 @@ impl Job<'_> {
         };
         let Some(file) = options.file.as_ref().filter(|file| file.exists()) else { return Ok(()) };
         let mut checkpointer = Checkpointer::new(file, options, label, self.console);
-        // Anything else in its place is none of this shard.
+        // Other files in its place stay.
         if let Ok(Some(earlier)) = checkpointer.earlier(options, self.options.memory)
             && let plan = self.compile()?
             && [false, true]

@@ -23,8 +23,8 @@ const INTERVAL_SHARE: f64 = 0.1;
 /// Least ratio of the sample counts of two points of the error plot, which bounds their number.
 const ERROR_SPACING: f64 = 1.02;
 
-/// Bytes of the copies of an image beyond those of its render. They are the canvas, the published image, the one before it while it is
-/// encoded, and up to three copies of the pixels in the encoder of an EXR file.
+/// Bytes of the copies of an image beyond those of its render. These are the canvas, the published image, and the one before it. An EXR
+/// file that is encoded takes up to three more.
 pub(super) fn copy_bytes([width, height]: [u32; 2], transparent: bool) -> u64 {
     const COPIES: u64 = 6;
     let channels = if transparent { 4 } else { 3 };
