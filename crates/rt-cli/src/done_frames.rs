@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Maximum size of a frame log in bytes: that of 10⁶ frames.
 pub(crate) const MAX_LOG_BYTES: u64 = 1 << 27;
 
-/// Hexadecimal digits of an identity: 128 bits.
+/// Hexadecimal digits of an identity or a hash: 128 bits.
 const IDENTITY_DIGITS: usize = 32;
 
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,6 +17,9 @@ const IDENTITY_DIGITS: usize = 32;
 pub(crate) struct DoneFrames {
     /// Identity of the image, by frame index.
     pub(crate) frames: BTreeMap<u32, String>,
+    /// Hash of the image file, by frame index.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) files: BTreeMap<u32, String>,
 }
 
 /// Parses a frame log; an empty file has no frames. `None` for anything else.
@@ -28,7 +31,7 @@ pub(crate) fn parse(text: &[u8]) -> Option<DoneFrames> {
     let is_identity = |text: &String| {
         text.len() == IDENTITY_DIGITS && text.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'))
     };
-    done.frames.values().all(is_identity).then_some(done)
+    done.frames.values().chain(done.files.values()).all(is_identity).then_some(done)
 }
 
 #[cfg(test)]
@@ -37,9 +40,13 @@ mod tests {
 
     #[test]
     fn crafted_numbers_of_frame_logs_are_refused() {
-        let of =
-            |frame: &str, identity: &str| parse(format!(r#"{{"frames": {{"{frame}": "{identity}"}}}}"#).as_bytes());
         let identity = "0123456789abcdef".repeat(2);
+        let of = |frame: &str, value: &str| {
+            let frames = parse(format!(r#"{{"frames": {{"{frame}": "{value}"}}}}"#).as_bytes());
+            let files = format!(r#"{{"frames": {{"0": "{identity}"}}, "files": {{"{frame}": "{value}"}}}}"#);
+            assert_eq!(parse(files.as_bytes()).is_some(), frames.is_some(), "{frame}: {value}");
+            frames
+        };
         for frame in ["0", "4294967295"] {
             assert!(of(frame, &identity).is_some(), "{frame}");
         }

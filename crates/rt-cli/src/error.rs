@@ -70,6 +70,21 @@ pub(crate) enum CliError {
         /// Its checkpoint, or the reason why there is none.
         checkpoint: Option<Result<SavedCheckpoint, String>>,
     },
+    /// An interrupt before any tile or pass was finished.
+    #[error(
+        "interrupted after {after}, before the first {unit} was finished; no image was written, and older files are unchanged{}{}",
+        resumption(.checkpoint), if *can_take_time { "; with --time, passes are finished sooner" } else { "" }
+    )]
+    NothingFinished {
+        /// Work done so far.
+        after: String,
+        /// "tile" or "pass".
+        unit: &'static str,
+        /// True if `--time` would render in passes instead.
+        can_take_time: bool,
+        /// Its checkpoint, or the reason why there is none.
+        checkpoint: Option<Result<SavedCheckpoint, String>>,
+    },
     #[error("interrupted after {measured} of {planned} sample counts; {}", measurements(*measured, folder))]
     MeasurementInterrupted { measured: usize, planned: usize, folder: PathBuf },
     /// A panic in a worker thread.
@@ -134,7 +149,9 @@ impl CliError {
             #[cfg(feature = "view")]
             Self::Server(..) => 4,
             Self::Damaged { .. } | Self::Saturated { .. } | Self::Empty { .. } | Self::Lost { .. } => 5,
-            Self::Interrupted { .. } | Self::MeasurementInterrupted { .. } => INTERRUPTED_EXIT_CODE,
+            Self::Interrupted { .. } | Self::NothingFinished { .. } | Self::MeasurementInterrupted { .. } => {
+                INTERRUPTED_EXIT_CODE
+            }
         })
     }
 }
@@ -172,6 +189,7 @@ fn retry(checkpoint: &Option<Result<SavedCheckpoint, String>>) -> String {
 fn single_frame(frame: u32, source: &CliError) -> String {
     match source {
         CliError::Interrupted { checkpoint: Some(Ok(checkpoint)), .. }
+        | CliError::NothingFinished { checkpoint: Some(Ok(checkpoint)), .. }
         | CliError::Lost { checkpoint: Some(Ok(checkpoint)), .. }
             if checkpoint.is_elsewhere =>
         {

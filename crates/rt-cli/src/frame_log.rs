@@ -2,10 +2,10 @@
 //!
 //! ```text
 //!   out-####.png  ->  out-####.png.frames.json, or with --shard 2/8 out-####.png.frames.2-of-8.json
-//!   { "frames": { "0": "5e1c...", "1": "90ab..." } }
+//!   { "frames": { "0": "5e1c...", "1": "90ab..." }, "files": { "0": "77d0...", "1": "c4e9..." } }
 //! ```
 //!
-//! Each frame has the [`Identity`] of its image. Each machine has its own file. Programs that share a file lock it, read the entries
+//! Each frame has the [`Identity`] of its image, and the hash of the image file. Each machine has its own file. Programs that share a file lock it, read the entries
 //! of the others, and replace the file.
 
 use std::collections::BTreeMap;
@@ -14,12 +14,13 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use rt_render::ShardSpec;
+use rt_scene_io::InputHashes;
 
 use crate::args::Frames;
 use crate::artifact_error::ArtifactError;
 use crate::done_frames::{self, DoneFrames, MAX_LOG_BYTES};
 use crate::error::CliError;
-use crate::identity::Identity;
+use crate::identity::{Identity, hash_of};
 use crate::output::OutputFile;
 
 #[derive(Debug)]
@@ -38,18 +39,21 @@ impl FrameLog {
     /// [`CliError`] if the log cannot be written, or is not a log.
     pub(crate) fn open(pattern: &Path, shard: Option<ShardSpec>, own: Frames, resume: bool) -> Result<Self, CliError> {
         let output = OutputFile::prepare_over_link(&log_path(pattern, shard), &[])?;
-        let DoneFrames { frames } = read(output.path())?;
+        let DoneFrames { frames, files } = read(output.path())?;
         let (stale, frames) = frames.into_iter().partition(|(frame, _)| !resume && own.contains(*frame));
-        Ok(Self { output, done: DoneFrames { frames }, stale })
+        Ok(Self { output, done: DoneFrames { frames, files }, stale })
     }
 
-    /// True if a frame is finished.
+    /// True if a frame is finished, and `image` is the file that it was written to. Logs of earlier versions lack the hashes of files.
     ///
     /// # Errors
     /// [`CliError`] if the finished frame is of another scene, or of other options.
-    pub(crate) fn has(&self, frame: u32, identity: &Identity, scene: &Path) -> Result<bool, CliError> {
+    pub(crate) fn has(&self, frame: u32, identity: &Identity, scene: &Path, image: &Path) -> Result<bool, CliError> {
         match self.done.frames.get(&frame) {
-            Some(known) if *known == identity.to_string() => Ok(true),
+            Some(known) if *known == identity.to_string() => {
+                let written = self.done.files.get(&frame);
+                Ok(written.is_none_or(|written| hash_of_image(image).is_some_and(|hash| hash == *written)))
+            }
             Some(_) => Err(ArtifactError::Foreign {
                 file: self.output.path().to_owned(),
                 scene: scene.display().to_string(),
@@ -60,16 +64,26 @@ impl FrameLog {
         }
     }
 
-    pub(crate) fn add(&mut self, frame: u32, identity: &Identity) -> Result<(), CliError> {
+    pub(crate) fn add(&mut self, frame: u32, identity: &Identity, image: &Path) -> Result<(), CliError> {
+        let hash = hash_of_image(image);
         let _lock = lock(self.output.path());
         let mut done = read(self.output.path())?;
         // Keep entries that other runs added meanwhile.
         done.frames.retain(|frame, identity| self.stale.get(frame) != Some(identity));
         self.stale.remove(&frame);
         done.frames.insert(frame, identity.to_string());
+        done.files.remove(&frame);
+        done.files.extend(hash.map(|hash| (frame, hash)));
+        done.files.retain(|frame, _| done.frames.contains_key(frame));
         self.output.write(|file| serde_json::to_writer_pretty(file, &done))?;
         Ok(())
     }
+}
+
+/// Hash of an image file; `None` if it cannot be read.
+fn hash_of_image(image: &Path) -> Option<String> {
+    let hash = hash_of(image, &InputHashes::default()).ok()?;
+    Some(hash.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// Reads the log; empty if there is none.

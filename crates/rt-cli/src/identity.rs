@@ -78,7 +78,7 @@ pub(crate) fn hash_bytes(bytes: &[u8]) -> [u8; 16] {
 }
 
 /// Hash of a file: the known one, or else that of its present content.
-fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 16], CliError> {
+pub(crate) fn hash_of(file: &Path, known: &InputHashes) -> Result<[u8; 16], CliError> {
     if let Some(hash) = known.get(file) {
         return Ok(hash);
     }

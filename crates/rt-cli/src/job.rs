@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use rt_camera::FilmSettings;
@@ -10,7 +11,7 @@ use rt_render::{
     Crop, FirstHitLayer, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, Shard, ShardSpec, Statistics,
     StopRule, Stopped,
 };
-use rt_scene_io::Scene;
+use rt_scene_io::{Integrator, Scene};
 use serde_json::Value;
 
 use crate::aov_file::AovFile;
@@ -23,6 +24,7 @@ use crate::error::CliError;
 use crate::output::{OutputFile, fallback_dirs, write_all};
 use crate::output_error::OutputError;
 use crate::render_observer::RenderObserver;
+use crate::saved_checkpoint::SavedCheckpoint;
 use crate::signals::SignalGuard;
 use crate::stats::{self, Outcome};
 use crate::{empty_image, image_file, input, memory, report, signals};
@@ -96,6 +98,7 @@ impl Job<'_> {
     /// Renders, writes the image and the statistics, and reports.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         if self.is_done()? {
+            self.remove_leftover()?;
             let shard = self.output.file().path().display();
             return self.console.println(format_args!("{shard} exists and is finished"));
         }
@@ -121,6 +124,10 @@ impl Job<'_> {
         let is_written = matches!(self.output, JobOutput::Image { .. }) || missing_tiles == 0;
         let mut results = vec![self.write_shard(&shard, &fallback_dirs)];
         let mut rendering = shard.into_rendering();
+        // A black image would replace an older one.
+        if stopped == Stopped::Interrupted && rendering.samples_per_pixel.max == 0 {
+            return Err(self.nothing_finished(self.work_done(&plan, &rendering), kept));
+        }
         results.extend(self.write_images(&plan, &mut rendering, &fallback_dirs));
         if let Some(display) = display {
             display.finish(&rendering.film);
@@ -161,6 +168,16 @@ impl Job<'_> {
         }
         self.check_samples(&rendering.statistics)?;
         self.check_content(&plan, &rendering)
+    }
+
+    fn nothing_finished(&self, after: String, checkpoint: Option<Result<SavedCheckpoint, String>>) -> CliError {
+        let in_passes = self.rule.is_some() || self.scene.settings.integrator == Integrator::Caustics;
+        CliError::NothingFinished {
+            after,
+            unit: if in_passes { "pass" } else { "tile" },
+            can_take_time: !in_passes && matches!(self.output, JobOutput::Image { .. }),
+            checkpoint,
+        }
     }
 
     /// Warns of an image that is black or shows no object.
@@ -234,7 +251,7 @@ impl Job<'_> {
         attributes
     }
 
-    /// True if the shard exists already: finished, and of this image.
+    /// True if the shard exists already: finished, of this image, and with its statistics if they are wanted.
     fn is_done(&self) -> Result<bool, CliError> {
         let (JobOutput::Shard(output), Some(options)) = (&self.output, &self.checkpoint) else {
             return Ok(false);
@@ -252,7 +269,27 @@ impl Job<'_> {
             let file = output.path().to_owned();
             return Err(ArtifactError::Foreign { file, scene: label.scene, advice }.into());
         }
-        Ok(shard.missing_tiles() == 0)
+        let lacks_stats = self.stats.as_ref().is_some_and(|stats| !stats.is_file() || !stats.path().exists());
+        Ok(shard.missing_tiles() == 0 && !lacks_stats)
+    }
+
+    /// Removes the checkpoint of a finished shard, which a kill before its removal left. Checkpoints of other images and shards stay.
+    fn remove_leftover(&self) -> Result<(), CliError> {
+        let (Some(options), Some(label)) = (&self.checkpoint, self.label(ArtifactKind::Checkpoint)) else {
+            return Ok(());
+        };
+        let Some(file) = options.file.as_ref().filter(|file| file.exists()) else { return Ok(()) };
+        let mut checkpointer = Checkpointer::new(file, options, label, self.console);
+        // Other files in its place stay.
+        if let Ok(Some(earlier)) = checkpointer.earlier(options, self.options.memory)
+            && let plan = self.compile()?
+            && [false, true]
+                .into_iter()
+                .any(|count| plan.accepts(&earlier, &RunOptions { count, ..self.run_options(&[], None) }, None))
+        {
+            checkpointer.remove();
+        }
+        Ok(())
     }
 
     fn label(&self, kind: ArtifactKind) -> Option<Label> {
@@ -371,14 +408,7 @@ impl Job<'_> {
         guard: &SignalGuard,
     ) -> Result<(Shard, RenderObserver), CliError> {
         let layers = self.output.layers();
-        let run = RunOptions {
-            threads: self.threads,
-            count: self.stats.is_some(),
-            maps: self.output.needs_maps(),
-            shard: self.shard(),
-            interrupt: Some(guard.flag()),
-            layers: &layers,
-        };
+        let run = self.run_options(&layers, Some(guard.flag()));
         let (mut earlier, mut checkpointer) = (None, None);
         if let (Some(options), Some(label)) = (&self.checkpoint, self.label(ArtifactKind::Checkpoint))
             && let Some(file) = &options.file
@@ -400,6 +430,17 @@ impl Job<'_> {
         observer.progress.finish();
         let shard = shard.map_err(|error| CliError::plan(self.scene_file, error))?;
         Ok((shard, observer))
+    }
+
+    fn run_options<'b>(&self, layers: &'b [FirstHitLayer], interrupt: Option<&'b AtomicBool>) -> RunOptions<'b> {
+        RunOptions {
+            threads: self.threads,
+            count: self.stats.is_some(),
+            maps: self.output.needs_maps(),
+            shard: self.shard(),
+            interrupt,
+            layers,
+        }
     }
 
     /// Warns of bad samples and of lost light; an error with `--strict`.

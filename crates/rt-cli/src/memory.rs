@@ -18,14 +18,16 @@ pub(crate) fn check(limit: Option<u64>, file: &Path, needs: &[(String, u64)]) ->
     }
 }
 
-/// Available memory in bytes: the minimum of the control groups and the machine; `None` if unknown.
+/// Available memory in bytes: the minimum of the control groups, the machine, and the address space of the process (`ulimit -v`).
+/// `None` if unknown.
 #[cfg(target_os = "linux")]
 pub(crate) fn available_bytes() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| kibibytes(&text, "MemTotal:"));
     let groups = read("/proc/self/cgroup").map(|text| group_files(&text)).unwrap_or_default();
     let allowed = groups.iter().filter_map(|file| read(file)?.trim().parse().ok());
-    allowed.chain(machine).min()
+    let address_space = read("/proc/self/limits").and_then(|text| soft_limit(&text, "Max address space"));
+    allowed.chain(machine).chain(address_space).min()
 }
 
 /// Unknown on this system.
@@ -59,6 +61,13 @@ fn group_files(groups: &str) -> Vec<String> {
     files
 }
 
+/// Soft limit of a line of `/proc/self/limits` (proc(5)); `None` for `unlimited`.
+#[cfg(any(target_os = "linux", test))]
+fn soft_limit(limits: &str, name: &str) -> Option<u64> {
+    let values = limits.lines().find_map(|line| line.strip_prefix(name))?;
+    values.split_whitespace().next()?.parse().ok()
+}
+
 /// Peak physical memory of the process in bytes; `None` if unknown.
 #[cfg(target_os = "linux")]
 pub(crate) fn peak_bytes() -> Option<u64> {
@@ -88,6 +97,15 @@ mod tests {
         assert_eq!(peak("Name:\tx\nVmPeak:\t  900 kB\nVmHWM:\t    1536 kB\n"), Some(1_572_864));
         assert_eq!(peak("Name:\tx\n"), None);
         assert_eq!(peak("VmHWM:\tmany kB\n"), None);
+    }
+
+    #[test]
+    fn the_soft_limit_of_the_address_space_is_found_among_the_lines() {
+        let text = "Limit    Soft Limit   Hard Limit   Units\nMax locked memory  4096  8192  bytes\n\
+                    Max address space         307200000            unlimited            bytes\n";
+        assert_eq!(soft_limit(text, "Max address space"), Some(307_200_000));
+        assert_eq!(soft_limit(&text.replace("307200000", "unlimited"), "Max address space"), None);
+        assert_eq!(soft_limit("", "Max address space"), None);
     }
 
     #[test]

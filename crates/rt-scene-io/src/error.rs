@@ -139,7 +139,7 @@ pub enum LoadErrorKind {
         rule: String,
     },
     /// Groups that contain each other.
-    #[error("groups contain each other: {}; remove one of the instances", .0.join(" -> "))]
+    #[error("groups contain each other: {}; remove one of the instances", chain(.0))]
     Cycle(Vec<String>),
     /// Errors beyond the number that is shown.
     #[error("{0} more errors are not listed; fix these first")]
@@ -165,6 +165,19 @@ pub enum LoadErrorKind {
     /// A bad image.
     #[error(transparent)]
     Texture(#[from] TextureError),
+}
+
+/// Names of a cycle. Of a long one, the first and last names, and the number between.
+fn chain(names: &[String]) -> String {
+    const SHOWN: usize = 4;
+    let shown = |names: &[String]| names.join(" -> ");
+    match names.len().checked_sub(2 * SHOWN) {
+        None | Some(0..=1) => shown(names),
+        Some(hidden) => {
+            let (first, last) = (&names[..SHOWN], &names[SHOWN + hidden..]);
+            format!("{} -> ({hidden} more) -> {}", shown(first), shown(last))
+        }
+    }
 }
 
 impl LoadErrorKind {

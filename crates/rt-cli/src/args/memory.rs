@@ -9,8 +9,8 @@ use crate::memory;
 pub(crate) struct MemoryArgs {
     /// Refuse work whose predicted memory exceeds this, such as 512M, 4GiB or 75%
     ///
-    /// A percentage is of the memory of the machine or of its control group; if neither is known, there is no limit. K, M, G and T
-    /// are powers of 1000; Ki, Mi, Gi and Ti are powers of 1024.
+    /// A percentage is of the memory of the machine, of its control group, or of `ulimit -v`, whichever is least. If none is known, there is
+    /// no limit. K, M, G and T are powers of 1000; Ki, Mi, Gi and Ti are powers of 1024.
     #[arg(long, value_name = "BYTES", value_parser = amount, allow_hyphen_values = true, default_value = "75%", help_heading = "Limits")]
     memory: Amount,
 }

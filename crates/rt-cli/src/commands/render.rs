@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use rt_image::ImageFormat;
 use rt_render::ShardSpec;
+use rt_scene_io::LoadErrorKind;
 
 use crate::aov_file::AovFile;
 use crate::args::{CheckpointArgs, FrameChoice, RenderArgs};
@@ -39,7 +40,11 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();
     let shard = args.checkpoint.shard;
-    let path = args.output.clone().unwrap_or_else(|| default_output(scene_file, shard, args.output_format));
+    let path = match &args.output {
+        Some(path) => path.clone(),
+        None if scene_file.file_name().is_none() => return Err(not_a_file(scene_file)),
+        None => default_output(scene_file, shard, args.output_format),
+    };
     let kind = OutputKind::of(&path, shard, args.output_format)?;
     if path.to_string_lossy().contains("####") {
         // With --frames, the number stands in its place.
@@ -111,6 +116,12 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         console,
     };
     job.run()
+}
+
+/// Error of a scene path without a file name, such as `.` and `/`.
+fn not_a_file(scene: &Path) -> CliError {
+    let kind = scene.metadata().map_or_else(LoadErrorKind::from, |_| LoadErrorKind::Directory);
+    kind.at(scene, "").into()
 }
 
 /// Refuses a checkpoint in the place of another file, which would be removed with it, and an unwritable `--checkpoint`. Other

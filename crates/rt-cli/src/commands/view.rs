@@ -9,6 +9,7 @@
 mod access;
 mod camera_controller;
 mod camera_text;
+mod encoded_images;
 mod frame_budget;
 mod http;
 mod open_browser;
@@ -32,10 +33,11 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::input::{self, Input};
 use crate::settings::{self, Overrides};
-use crate::signals;
+use crate::{memory, signals};
 
 use access::Access;
 use camera_controller::CameraController;
+use encoded_images::EncodedImages;
 use frame_budget::FrameBudget;
 use render_thread::Renderer;
 use routes::Session;
@@ -61,6 +63,10 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     // All pixels are sampled alike, pass after pass.
     (scene.settings.adaptive, scene.settings.passes) = (None, None);
     let mut plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
+    let size = [scene.film.width, scene.film.height];
+    let copies = ("its copies for the page".to_owned(), render_thread::copy_bytes(size, options.transparent));
+    let render = ("the render".to_owned(), plan.memory().peak());
+    memory::check(options.memory, &args.input.scene, &[render, copies])?;
     input::print_notes(&scene, console)?;
 
     let named = &scene.cameras[options.camera];
@@ -68,7 +74,6 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
         .ok_or_else(|| {
             CliError::Usage(format!("camera '{}' has no view direction; choose another --camera", named.name))
         })?;
-    let size = [scene.film.width, scene.film.height];
     let (mut integrator, spp) = (scene.settings.integrator, scene.settings.spp);
     let view = View { number: 0, camera: named.settings, size, integrator, max_spp: spp };
     let medium = named.medium.and_then(|medium| scene.appearance.materials.get(medium.0 as usize));
@@ -80,7 +85,15 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let access = Access::new(address.ip()).map_err(failed)?;
     let url = format!("http://{}{}", SocketAddr::new(reachable(address.ip()), address.port()), access.page());
     let shared = SharedState::new(State::new(view, controller, developments));
-    let session = Arc::new(Session { access, shared, name: scene.name.clone(), medium, size, spp });
+    let session = Arc::new(Session {
+        access,
+        shared,
+        files: EncodedImages::default(),
+        name: scene.name.clone(),
+        medium,
+        size,
+        spp,
+    });
     if !address.ip().is_loopback() {
         console.warn(format_args!(
             "--bind {} opens the view to the network: the address alone gives access to scene and render, and \
@@ -103,6 +116,7 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
         threads: args.threads.unwrap_or(0).into(),
         memory: options.memory,
         predicted_pixels: u64::from(size[0]) * u64::from(size[1]),
+        transparent: options.transparent,
         budget: FrameBudget::default(),
     };
     loop {

@@ -139,6 +139,24 @@ fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
 }
 
 #[test]
+fn a_frame_whose_image_was_replaced_is_rendered_again() {
+    let place = flight();
+    place.succeed("render flight.ron -o out-#.pfm --frames 0..1");
+    let first = place.read("out-1.pfm");
+    place.succeed("render flight.ron -o out-#.pfm --frames 1 --size 8x8 --integrator normals");
+    assert!(place.read("out-1.pfm") != first);
+    let run = place.succeed("render flight.ron -o out-#.pfm --frames 0..1 --resume");
+    assert!(run.stdout.contains("frame 0 of 0..1 exists already\nframe 1 of 0..1, at "), "{run:?}");
+    assert!(place.read("out-1.pfm") == first);
+    // Logs of earlier versions have no hashes of files.
+    let mut log = place.json("out-#.pfm.frames.json");
+    log.as_object_mut().expect("an object").remove("files").expect("hashes");
+    place.write("out-#.pfm.frames.json", log.to_string());
+    let run = place.succeed("render flight.ron -o out-#.pfm --frames 0..1 --resume");
+    assert_eq!(run.stdout.matches(" exists already").count(), 2, "{run:?}");
+}
+
+#[test]
 fn machines_share_frames_out() {
     let place = flight();
     place.succeed("render flight.ron -o all-#.pfm --frames 1..5 --quiet");

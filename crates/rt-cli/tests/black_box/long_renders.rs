@@ -75,6 +75,28 @@ fn the_second_signal_stops_at_once() {
     assert_eq!(place.files(), ["scene.ron"]);
 }
 
+#[test]
+#[cfg(unix)]
+fn an_interrupt_before_the_first_tile_keeps_older_images() {
+    let place = Workplace::with_scene();
+    let outputs = "--aov normal=normal.exr --stats stats.json";
+    place.succeed(&format!("render scene.ron -o scene.exr {outputs}"));
+    let older = ["scene.exr", "normal.exr", "stats.json"].map(|file| (file, place.read(file)));
+    let child = place.spawn(&format!("{ENDLESS} {outputs}"));
+    std::thread::sleep(Duration::from_millis(700));
+    signal(&child, "INT");
+    let run = Run::end(child);
+    assert_eq!(run.code, Some(130), "{run:?}");
+    let message = "error: interrupted after 0.0 % of the samples, before the first tile was finished; no image was \
+                   written, and older files are unchanged; --resume continues from scene.exr.checkpoint; with --time, \
+                   passes are finished sooner\n";
+    assert_eq!(run.stderr, message);
+    for (file, content) in older {
+        assert!(place.read(file) == content, "{file}");
+    }
+    assert!(place.path("scene.exr.checkpoint").exists());
+}
+
 /// Sends signals by a shell command, in which `$1` is the process, and waits for the end.
 #[cfg(unix)]
 fn signalled(words: &str) -> (Workplace, Run) {

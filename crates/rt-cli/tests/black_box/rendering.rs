@@ -286,3 +286,13 @@ fn a_missing_error_estimate_is_explained_once() {
     let run = Workplace::with_scene().succeed("render scene.ron --verbose");
     assert_eq!(run.stdout.matches("no error estimate: needs at least two passes").count(), 1, "{run:?}");
 }
+
+#[test]
+fn a_directory_in_place_of_the_scene_is_named_as_one() {
+    let place = Workplace::new();
+    for scene in [".", "..", "/"] {
+        place.fails(3, &format!("render {scene}"), &format!("error: {scene}: is a directory"));
+    }
+    place.fails(3, "render missing/..", "error: missing/..: ");
+    assert!(place.files().is_empty());
+}

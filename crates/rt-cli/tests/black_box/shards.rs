@@ -1,6 +1,6 @@
 //! Images of which several machines render a shard each.
 
-use crate::program::{Run, Workplace};
+use crate::program::{Run, Workplace, signal, wait_until};
 
 const RENDER: &str = "render scene.ron --size 100x70 --integrator path --spp 16";
 
@@ -111,6 +111,47 @@ fn a_part_that_is_there_is_not_rendered_again() {
     assert!(run.stdout.contains("scene.1-of-2.part exists and is finished"), "{run:?}");
     assert_eq!(place.read("scene.1-of-2.part"), before);
     place.fails(3, &format!("{RENDER} --shard 1/2 --resume --seed 3"), "scene.1-of-2.part: is of another image");
+}
+
+#[test]
+fn a_finished_part_without_its_statistics_is_rendered_again() {
+    let place = with_parts(2, "");
+    let resume = format!("{RENDER} --shard 1/2 --resume --stats");
+    let run = place.succeed(&format!("{resume} stats.json"));
+    assert!(run.stdout.contains("wrote scene.1-of-2.part"), "{run:?}");
+    assert!(place.json("stats.json").is_object());
+    let run = place.succeed(&format!("{resume} stats.json"));
+    assert!(run.stdout.contains("scene.1-of-2.part exists and is finished"), "{run:?}");
+    let run = place.succeed(&format!("{resume} -"));
+    assert!(run.stdout.starts_with('{'), "{run:?}");
+}
+
+/// A kill after the shard is renamed and before its checkpoint is removed leaves both.
+#[test]
+#[cfg(unix)]
+fn a_checkpoint_beside_its_finished_part_is_removed() {
+    let place = Workplace::with_scene();
+    let of_shard = |shard: u32| {
+        format!("render scene.ron --integrator path --size 160x120 --spp 24 --threads 2 --shard {shard}/2 -o a.part")
+    };
+    let kept = [1, 2].map(|shard| {
+        let child = place.spawn(&format!("{} --checkpoint-every 1ms", of_shard(shard)));
+        wait_until("a checkpoint", || place.path("a.part.checkpoint").exists());
+        signal(&child, "INT");
+        assert_eq!(Run::end(child).code, Some(130));
+        let kept = place.read("a.part.checkpoint");
+        std::fs::remove_file(place.path("a.part.checkpoint")).expect("removed");
+        kept
+    });
+    place.succeed(&of_shard(1));
+    let part = place.read("a.part");
+    for (checkpoint, is_removed) in [(&kept[0], true), (&kept[1], false)] {
+        place.write("a.part.checkpoint", checkpoint);
+        let run = place.succeed(&format!("{} --resume", of_shard(1)));
+        assert!(run.stdout.contains("a.part exists and is finished"), "{run:?}");
+        assert_eq!(place.path("a.part.checkpoint").exists(), !is_removed);
+        assert!(place.read("a.part") == part);
+    }
 }
 
 #[test]

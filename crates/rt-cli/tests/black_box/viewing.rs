@@ -102,6 +102,49 @@ fn an_image_beyond_the_memory_limit_is_refused_with_a_message() {
     view.assert_shows("scene.ron", "--spp 1");
 }
 
+/// The prediction lacked the copies of the image that the page receives.
+#[test]
+fn copies_of_a_viewed_image_count_as_memory() {
+    let place = Workplace::with("scene.ron", SPHERES);
+    // The port is taken, so that the program ends in any case.
+    let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a port");
+    let port = listener.local_addr().expect("an address").port();
+    let view = |limit: &str| place.run(&format!("view scene.ron --size 2000x2000 --port {port} --memory {limit}"));
+    let run = view("800MiB");
+    assert!(run.code == Some(3) && run.stderr.contains("needs") && run.stderr.contains("--memory"), "{run:?}");
+    assert_eq!(view("1GiB").code, Some(4), "only the port is in the way");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn connections_share_an_image_file() {
+    use std::io::{Read, Write};
+    let view = ViewServer::start(SPHERES, "--size 800x600 --spp 1");
+    view.finished();
+    let length = view.get("image.exr").body.len();
+    let resident = || {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", view.program.id())).expect("it runs");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a size");
+        1024 * line.trim().trim_end_matches(" kB").parse::<usize>().expect("a number")
+    };
+    let before = resident();
+    let (address, rest) = view.url.strip_prefix("http://").expect("an URL").split_once('/').expect("a path");
+    let open = |_: i32| {
+        let mut stream = std::net::TcpStream::connect(address).expect("a connection");
+        let request = format!("GET /{rest}image.exr HTTP/1.1\r\nHost: {address}\r\n\r\n");
+        stream.write_all(request.as_bytes()).expect("sent");
+        stream
+    };
+    let mut streams: Vec<_> = (0..50).map(open).collect();
+    for stream in &mut streams {
+        let mut head = [0; 15];
+        stream.read_exact(&mut head).expect("a response");
+        assert_eq!(&head, b"HTTP/1.1 200 OK");
+    }
+    let more = resident().saturating_sub(before);
+    assert!(more < 15 * length, "50 connections take {more} bytes for a file of {length}");
+}
+
 #[test]
 fn commands_move_the_camera_and_its_text_renders_the_same() {
     let view = ViewServer::start(SPHERES, "--spp 4");

@@ -266,6 +266,19 @@ fn the_default_is_a_share_of_what_there_is() {
     assert!(of("size of a file").contains("1.0 GiB"), "{table}");
 }
 
+/// The render ended with "memory allocation failed" and a core dump.
+#[test]
+fn a_limit_of_the_address_space_is_part_of_the_default() {
+    let place = Workplace::with_scene();
+    let script = "ulimit -v 500000 && exec \"$0\" render scene.ron --size 8000x8000";
+    let mut command = Command::new("sh");
+    command.args(["-c", script, env!("CARGO_BIN_EXE_rt-cli")]).current_dir(place.path(""));
+    let run = command.output().expect("a shell");
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert_eq!(run.status.code(), Some(3), "{said}");
+    assert!(said.contains("more than the limit of 366.2 MiB (--memory)"), "{said}");
+}
+
 #[test]
 fn the_largest_file_can_be_chosen() {
     let place = Workplace::with_scene();

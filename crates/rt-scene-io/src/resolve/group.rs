@@ -94,6 +94,20 @@ mod tests {
     }
 
     #[test]
+    fn a_long_cycle_is_named_in_short() {
+        let names: Vec<String> = (0..100_000).map(|i| format!("g{i}")).collect();
+        let contained: Vec<[&str; 1]> =
+            names.iter().cycle().skip(1).take(100_000).map(|name| [name.as_str()]).collect();
+        let cycle: Vec<(&str, &[&str])> =
+            names.iter().map(String::as_str).zip(contained.iter().map(|c| c.as_slice())).collect();
+        let said = order(&groups(&cycle)).unwrap_err().to_string();
+        assert!(said.contains(" more) -> ") && said.len() < 200, "{said}");
+        let chain = |count: usize| LoadErrorKind::Cycle(names[..count].to_vec()).to_string();
+        assert!(chain(9).contains("g0 -> g1 -> g2 -> g3 -> g4 -> g5 -> g6 -> g7 -> g8;"), "{}", chain(9));
+        assert!(chain(10).contains("g0 -> g1 -> g2 -> g3 -> (2 more) -> g6 -> g7 -> g8 -> g9;"), "{}", chain(10));
+    }
+
+    #[test]
     fn a_long_chain_does_not_overflow_the_stack() {
         let names: Vec<String> = (0..100_000).map(|i| format!("g{i}")).collect();
         let contained: Vec<[&str; 1]> = names.iter().skip(1).map(|name| [name.as_str()]).collect();

@@ -101,10 +101,17 @@ impl Method {
         self.options.crop.map_or([film.width, film.height], |crop| [crop.width, crop.height])
     }
 
-    /// Approximate samples of an image; the plan may round `spp` up further.
+    /// Samples of an image.
     pub(super) fn samples(&self, spp: u32) -> u64 {
         let [width, height] = self.size();
-        u64::from(width) * u64::from(height) * u64::from(self.scene.settings.pattern.round_up(spp))
+        u64::from(width) * u64::from(height) * u64::from(self.samples_per_pixel(spp))
+    }
+
+    /// `spp`, rounded up to what the sampler supports in each pass.
+    pub(super) fn samples_per_pixel(&self, spp: u32) -> u32 {
+        let settings = &self.scene.settings;
+        let passes = settings.passes.unwrap_or(1).max(1);
+        settings.pattern.round_up(spp.div_ceil(passes)).saturating_mul(passes)
     }
 }
 

@@ -29,6 +29,18 @@ pub(super) struct Outputs {
     pub(super) svg: OutputFile,
     pub(super) png: OutputFile,
     pub(super) html: OutputFile,
+    _created: Option<CreatedFolder>,
+}
+
+/// Directory that this program has created. It is removed at the end if it is still empty.
+#[derive(Debug)]
+struct CreatedFolder(PathBuf);
+
+impl Drop for CreatedFolder {
+    fn drop(&mut self) {
+        // Fails for a directory with files.
+        let _ = fs::remove_dir(&self.0);
+    }
 }
 
 impl Outputs {
@@ -38,6 +50,7 @@ impl Outputs {
             let message = "--output - is not supported: `converge` writes several files into a directory";
             return Err(CliError::Usage(message.to_owned()));
         }
+        let mut created = None;
         if !folder.is_dir() {
             if folder.exists() {
                 let reason = "it is not a directory; choose another --output".to_owned();
@@ -47,10 +60,12 @@ impl Outputs {
                 path: folder.to_owned(),
                 reason: format!("the directory cannot be created: {error}"),
             })?;
+            created = Some(CreatedFolder(folder.to_owned()));
         }
         let file = |extension: &str| OutputFile::prepare(&folder.join(format!("converge.{extension}")), inputs);
         let [csv, json, svg, png, html] = ["csv", "json", "svg", "png", "html"].map(file);
-        Ok(Self { folder: folder.to_owned(), csv: csv?, json: json?, svg: svg?, png: png?, html: html? })
+        let folder = folder.to_owned();
+        Ok(Self { folder, csv: csv?, json: json?, svg: svg?, png: png?, html: html?, _created: created })
     }
 }
 

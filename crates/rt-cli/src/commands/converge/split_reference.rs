@@ -36,7 +36,8 @@ pub(super) fn render(
     let Some(first) = methods.first() else { return Err(CliError::Usage("there is no method".to_owned())) };
     let mut method = first.with_sampler(other_sampler(methods));
     let seed = first.scene.settings.seed.wrapping_add(SEED_DISTANCE);
-    let wanted = max_spp.saturating_mul(TIMES_SAMPLES / 2).min(1 << 31);
+    let measured = methods.iter().map(|method| method.samples_per_pixel(max_spp)).max().unwrap_or(max_spp);
+    let wanted = measured.saturating_mul(TIMES_SAMPLES / 2).min(1 << 31);
     let spp = match runner.clock.limit() {
         None => wanted,
         Some(limit) => {
@@ -49,8 +50,6 @@ pub(super) fn render(
     runner.set_total_samples(planned + 2 * method.samples(spp));
     let a = runner.render(&mut method, spp, seed)?;
     let b = runner.render(&mut method, spp, seed.wrapping_add(1))?;
-    let measured =
-        methods.iter().map(|method| method.scene.settings.pattern.round_up(max_spp)).max().unwrap_or(max_spp);
     let note = format!(
         "two halves of {} samples per pixel each by {} and {}, together {} times the largest measured count of {measured}",
         a.spp,

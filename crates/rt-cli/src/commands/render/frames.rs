@@ -50,14 +50,15 @@ pub(super) fn each(
             Identity::new(&args.input, &args.image, files.as_deref().unwrap_or_default(), &InputHashes::default())?;
         // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
-        if log.has(frame, &identity, &args.input.scene)? && results(&args).all(Path::exists) {
+        let image = output(&args);
+        if log.has(frame, &identity, &args.input.scene, &image)? && results(&args).all(Path::exists) {
             say(frame, " exists already".to_owned())?;
             continue;
         }
         say(frame, at(frame))?;
         render(&args).map_err(|source| failed(frame, source))?;
         let _guard = signals::guard();
-        log.add(frame, &identity)?;
+        log.add(frame, &identity, &image)?;
     }
     Ok(())
 }

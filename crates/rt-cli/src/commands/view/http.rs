@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Most bytes of the request line and headers.
@@ -138,11 +139,13 @@ pub(super) struct Response {
     /// Name under which a browser saves the body.
     pub(super) file_name: Option<String>,
     pub(super) body: Cow<'static, [u8]>,
+    /// File after the body, which other responses may share.
+    pub(super) file: Option<Arc<Vec<u8>>>,
 }
 
 impl Response {
     pub(super) fn new(content_type: &'static str, body: impl Into<Cow<'static, [u8]>>) -> Self {
-        Self { status: Status::OK, content_type, file_name: None, body: body.into() }
+        Self { status: Status::OK, content_type, file_name: None, body: body.into(), file: None }
     }
 
     /// Refusal with a reason for people.
@@ -216,16 +219,18 @@ impl Connection {
     }
 
     fn send(&mut self, response: &Response, header: &str) -> io::Result<()> {
-        let Response { status: Status(code, phrase), content_type, file_name, body } = response;
+        let Response { status: Status(code, phrase), content_type, file_name, body, file } = response;
+        let file = file.as_ref().map_or(&[][..], |file| file);
         let disposition =
             file_name.as_ref().map(|name| format!("Content-Disposition: attachment; filename=\"{name}\"\r\n"));
         let head = format!(
             "HTTP/1.1 {code} {phrase}\r\nContent-Type: {content_type}\r\nContent-Length: {}\r\n{HEADERS}{}{header}\r\n",
-            body.len(),
+            body.len() + file.len(),
             disposition.unwrap_or_default()
         );
         self.stream.write_all(head.as_bytes())?;
-        self.stream.write_all(body)
+        self.stream.write_all(body)?;
+        self.stream.write_all(file)
     }
 }
 

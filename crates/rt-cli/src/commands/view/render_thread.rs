@@ -23,6 +23,14 @@ const INTERVAL_SHARE: f64 = 0.1;
 /// Least ratio of the sample counts of two points of the error plot, which bounds their number.
 const ERROR_SPACING: f64 = 1.02;
 
+/// Bytes of the copies of an image beyond those of its render. These are the canvas, the published image, and the one before it. An EXR
+/// file that is encoded takes up to three more.
+pub(super) fn copy_bytes([width, height]: [u32; 2], transparent: bool) -> u64 {
+    const COPIES: u64 = 6;
+    let channels = if transparent { 4 } else { 3 };
+    u64::from(width) * u64::from(height) * channels * size_of::<f32>() as u64 * COPIES
+}
+
 /// Renderer of the views that pages want.
 pub(super) struct Renderer<'a> {
     pub(super) shared: &'a SharedState,
@@ -32,6 +40,8 @@ pub(super) struct Renderer<'a> {
     pub(super) memory: Option<u64>,
     /// Pixels of the image that memory was predicted for.
     pub(super) predicted_pixels: u64,
+    /// True for images with an alpha channel.
+    pub(super) transparent: bool,
     pub(super) budget: FrameBudget,
 }
 
@@ -58,7 +68,8 @@ impl Renderer<'_> {
     fn check_memory(&self, predicted: &MemoryPrediction, [width, height]: [u32; 2]) -> Result<(), String> {
         let factor = f64::from(width) * f64::from(height) / self.predicted_pixels.max(1) as f64;
         let film = (predicted.film as f64 * factor) as u64;
-        let needed = MemoryPrediction { film, ..*predicted }.peak();
+        let render = MemoryPrediction { film, ..*predicted }.peak();
+        let needed = render.saturating_add(copy_bytes([width, height], self.transparent));
         match self.memory {
             Some(most) if needed > most => Err(format!(
                 "an image of {width}x{height} needs {} of memory, above the limit of {} (--memory)",

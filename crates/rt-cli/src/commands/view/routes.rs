@@ -5,7 +5,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use rt_camera::FilmSettings;
-use rt_image::{Development, Image, ImageFormat, write_image};
+use rt_image::ImageFormat;
 use rt_scene_io::{Integrator, limits};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use super::access::Access;
 use super::camera_controller::CameraCommand;
 use super::camera_text::camera_text;
+use super::encoded_images::{EncodedImages, FileKey};
 use super::http::{Request, Response, Status};
 use super::shared_state::{SharedState, State};
 use crate::args::{TONE_CURVES, tone_name, tone_of_name};
@@ -32,6 +33,7 @@ const MAX_PIXELS: u64 = 3840 * 2160;
 pub(super) struct Session {
     pub(super) access: Access,
     pub(super) shared: SharedState,
+    pub(super) files: EncodedImages,
     pub(super) name: String,
     /// Name of the medium around the camera.
     pub(super) medium: Option<String>,
@@ -133,24 +135,27 @@ impl Session {
         drop(state);
         let mut body = status.to_string().into_bytes();
         body.push(b'\n');
-        if let Some(film) = image.film.filter(|_| version != after) {
-            // Without dithering, images on their way to the final one are much smaller.
-            development.dither = development.dither.filter(|_| is_finished);
-            body.extend(encoded(&film, &development, ImageFormat::Png)?);
-        }
-        Ok(Response::new("application/octet-stream", body))
+        let file = match image.film.filter(|_| version != after) {
+            Some(film) => {
+                // Without dithering, images on their way to the final one are much smaller.
+                development.dither = development.dither.filter(|_| is_finished);
+                Some(self.files.file(FileKey { version, development, format: ImageFormat::Png }, &film)?)
+            }
+            None => None,
+        };
+        Ok(Response { file, ..Response::new("application/octet-stream", body) })
     }
 
     fn image(&self, format: ImageFormat, content_type: &'static str) -> Result<Response, Response> {
         let mut state = self.shared.lock();
         let integrator = state.view.integrator;
-        let (film, development) = (state.image.film.clone(), *state.development(integrator));
+        let (version, film, development) = (state.version, state.image.film.clone(), *state.development(integrator));
         drop(state);
         let film = film.ok_or_else(|| Response::refusal(Status::NOT_FOUND, "no image is rendered yet"))?;
-        let bytes = encoded(&film, &development, format)?;
+        let file = Some(self.files.file(FileKey { version, development, format }, &film)?);
         let stem = self.name.replace(|c: char| !c.is_ascii_alphanumeric() && !"-_.".contains(c), "_");
         let extension = format.extensions().first().copied().unwrap_or_default();
-        Ok(Response { file_name: Some(format!("{stem}.{extension}")), ..Response::new(content_type, bytes) })
+        Ok(Response { file_name: Some(format!("{stem}.{extension}")), file, ..Response::new(content_type, &[]) })
     }
 
     /// Applies settings, all or none of them.
@@ -204,14 +209,6 @@ impl Session {
         });
         Ok(response(&json!({ "view": view, "hit": hit })))
     }
-}
-
-/// Bytes of an image file.
-fn encoded(film: &Image, development: &Development, format: ImageFormat) -> Result<Vec<u8>, Response> {
-    let mut bytes = Vec::new();
-    write_image(film, development, format, &mut bytes)
-        .map_err(|error| Response::refusal(Status::INTERNAL, &error.to_string()))?;
-    Ok(bytes)
 }
 
 fn response(value: &Value) -> Response {
