@@ -35,6 +35,7 @@ pub(crate) fn shortened(text: &str) -> String {
 
 /// Reference or path of at most 200 characters for messages; of a longer one, its first and last 100. Exporters forget the scheme
 /// of data URIs, whose content is then the name of a file.
+#[cfg(feature = "format")]
 pub(crate) fn shortened_reference(text: &str) -> String {
     const PART: usize = 100;
     let count = text.chars().count();

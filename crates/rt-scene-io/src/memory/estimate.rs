@@ -11,9 +11,7 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::Reservation;
-use crate::error::ErrorAt;
-use crate::files::read_file;
-use crate::{LoadError, LoadErrorKind, LoadOptions, Model, NamedMesh, SceneNode};
+use crate::{LoadErrorKind, LoadOptions, SceneNode};
 
 /// Number of samples of a text.
 const PIECES: u64 = 32;
@@ -37,7 +35,7 @@ pub(crate) struct FileSample {
 
 impl FileSample {
     /// `None` for unreadable or irregular files, which the loader refuses.
-    fn of(path: &Path, options: &LoadOptions) -> Option<Self> {
+    pub(super) fn of(path: &Path, options: &LoadOptions) -> Option<Self> {
         if let Some(bytes) = options.content_of(path) {
             return Self::read(Cursor::new(bytes), bytes.len() as u64);
         }
@@ -63,6 +61,7 @@ impl FileSample {
     }
 
     /// The beginning of the file.
+    #[cfg(any(feature = "gltf", feature = "ply", feature = "stl", test))]
     pub(crate) fn head(&self) -> &[u8] {
         self.pieces.first().map_or(&[], Vec::as_slice)
     }
@@ -106,31 +105,6 @@ fn elements(line: &[u8]) -> [u64; 2] {
         before = byte;
     }
     [records, lists]
-}
-
-/// Reads and loads a model if the budget has room for its estimated peak, and charges the budget for the result.
-pub(crate) fn load_within_budget(
-    path: &Path,
-    options: &LoadOptions,
-    peak: impl FnOnce(&FileSample) -> u64,
-    load: impl FnOnce(Vec<u8>) -> Result<Model, LoadError>,
-) -> Result<Model, LoadError> {
-    let load = || load(read_file(path, options).at(path, "")?);
-    let Some(sample) = options.memory.limit().and_then(|_| FileSample::of(path, options)) else { return load() };
-    let what = format!("the model {}", path.display());
-    let peak = peak(&sample);
-    drop(sample);
-    let loading = options.memory.reserve(&what, peak).at(path, "")?;
-    let model = load()?;
-    drop(loading);
-    options.memory.keep(&what, memory(&model)).at(path, "")?;
-    Ok(model)
-}
-
-/// Bytes of the meshes and nodes of a model; textures are counted when they are read.
-fn memory(model: &Model) -> u64 {
-    let meshes: usize = model.meshes.iter().map(|NamedMesh { mesh, .. }| mesh.memory()).sum();
-    meshes as u64 + tree_bytes(&model.nodes)
 }
 
 pub(crate) fn tree_bytes(nodes: &[SceneNode]) -> u64 {

@@ -5,6 +5,8 @@ mod budget;
 mod error;
 #[cfg(feature = "format")]
 mod estimate;
+#[cfg(any(feature = "gltf", feature = "nff", feature = "obj", feature = "pbrt", feature = "ply", feature = "stl"))]
+mod load_within_budget;
 
 #[cfg(feature = "format")]
 pub use budget::MemoryBudget;
@@ -19,6 +21,15 @@ pub use error::MemoryError;
     feature = "ply",
     feature = "stl"
 ))]
-pub(crate) use estimate::{FileSample, load_within_budget};
+pub(crate) use estimate::FileSample;
 #[cfg(feature = "format")]
 pub(crate) use estimate::{reserve_scene, tree_bytes};
+#[cfg(any(
+    feature = "gltf",
+    feature = "nff",
+    feature = "obj",
+    feature = "pbrt",
+    feature = "ply",
+    feature = "stl"
+))]
+pub(crate) use load_within_budget::load_within_budget;
