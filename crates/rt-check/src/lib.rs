@@ -38,6 +38,7 @@ mod facets;
 mod finding;
 #[cfg(test)]
 mod fixture;
+mod flat_region;
 mod materials;
 mod measures;
 mod normals;
@@ -45,6 +46,7 @@ mod number;
 mod objects;
 mod polygons;
 mod report;
+mod round_side;
 mod singular_values;
 mod solids;
 mod topology;

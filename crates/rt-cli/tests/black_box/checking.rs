@@ -80,6 +80,25 @@ fn repairs_of_the_loader_are_found() {
     assert_eq!(report["warnings"], json!(1), "{report}");
 }
 
+/// Lights of the list `lights` in the plane of a ceiling were not found.
+#[test]
+fn area_lights_in_the_plane_of_a_ceiling_are_found() {
+    const ROOM: &str = r#"(
+        camera: (look_from: (0, 0.5, 3), look_at: (0, 0.5, 0)),
+        lights: [
+            quad(corner: (-0.2, HEIGHT, -0.2), edges: ((0.4, 0, 0), (0, 0, 0.4)), radiance: 5),
+            disk(center: (0.6, HEIGHT, 0), normal: (0, -1, 0), radius: 0.1, radiance: 3),
+        ],
+        nodes: [(transform: [translate(0, 1, 0)], shape: rectangle(width: 2, depth: 2))],
+    )"#;
+    let place = Workplace::new();
+    for (height, expected) in [("1", 2), ("0.999", 0)] {
+        place.write("room.ron", ROOM.replace("HEIGHT", height));
+        let report = report(&place, "room.ron");
+        assert_eq!(report["warnings"], json!(expected), "{report}");
+    }
+}
+
 #[test]
 fn every_scene_has_a_report() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
