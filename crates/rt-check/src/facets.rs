@@ -13,7 +13,7 @@ use crate::round_side::end_radii;
 use crate::welded::corners;
 
 /// Largest number of faces to compare.
-const MAX_FACETS: usize = 1 << 21;
+pub(crate) const MAX_FACETS: usize = 1 << 21;
 
 /// Corners of the polygon that stands for a circle; its area is 0.2 % smaller.
 const CIRCLE_CORNERS: usize = 64;
@@ -55,6 +55,9 @@ struct Faceted {
     span: Option<[DVec3; 3]>,
 }
 
+/// Bytes per object with facets.
+pub(crate) const FACETED_BYTES: usize = size_of::<Faceted>();
+
 /// All facets of a scene, numbered consecutively and computed on demand.
 #[derive(Debug)]
 pub(crate) struct Facets<'o> {
@@ -95,6 +98,13 @@ impl<'o> Facets<'o> {
     pub(crate) fn at(&self, index: usize) -> Facet {
         let faceted = &self.list[self.list.partition_point(|faceted| faceted.first <= index) - 1];
         self.facet(faceted, index - faceted.first)
+    }
+
+    /// Corners of all facets of an object in world space.
+    pub(crate) fn corners_of(&self, object: usize) -> Vec<DVec3> {
+        let Ok(rank) = self.list.binary_search_by_key(&object, |faceted| faceted.object) else { return Vec::new() };
+        let facets = (0..facet_count(&self.objects.list[object].geometry)).map(|n| self.facet(&self.list[rank], n));
+        facets.flat_map(|facet| self.outline(&facet).rings).flatten().collect()
     }
 
     fn facet(&self, faceted: &Faceted, number: usize) -> Facet {
