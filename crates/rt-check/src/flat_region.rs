@@ -40,8 +40,8 @@ type Edge = [[f64; 2]; 2];
 
 /// True if two regions overlap in more than an edge or corner. `tolerance` is the allowed rounding error of distances.
 ///
-/// Convex regions are compared exactly. Others overlap if their edges cross, or if one contains a point beside the middle of
-/// an edge of the other.
+/// Two convex regions are compared by the separating axis theorem. Others overlap if their edges cross, or if both contain a
+/// point next to the middle of an edge.
 pub(crate) fn overlap(a: &FlatRegion, b: &FlatRegion, tolerance: f64) -> bool {
     if let (Some(a), Some(b)) = (a.convex_ring(), b.convex_ring()) {
         return !is_separated_by_an_edge(a, b, tolerance) && !is_separated_by_an_edge(b, a, tolerance);

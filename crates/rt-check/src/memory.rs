@@ -10,7 +10,7 @@ use crate::topology::EDGE_BYTES;
 
 /// Bytes of a [`Bvh`](rt_accel::Bvh) over boxes while it is built, per box. Measured on models of a million triangles, rounded
 /// up.
-const BVH_BYTES: u64 = 270;
+const BVH_BYTES: u64 = 290;
 
 /// Bytes that [`check`](crate::check) holds in addition to the scene and its accelerators. The prediction of both is
 /// [`MemoryPrediction::of_scene`](rt_render::MemoryPrediction::of_scene).
@@ -134,7 +134,7 @@ mod tests {
         let ratio = large.peak() as f64 / small.peak() as f64;
         assert!((3.9..4.1).contains(&ratio), "{ratio}");
         let per_facet = (large.faces - small.faces) as f64 / f64::from(2 * (64 * 64 - 32 * 32));
-        assert!((310.0..330.0).contains(&per_facet), "{per_facet}");
+        assert!((330.0..345.0).contains(&per_facet), "{per_facet}");
         let per_triangle = (large.meshes - small.meshes) as f64 / f64::from(2 * (64 * 64 - 32 * 32));
         assert!((60.0..70.0).contains(&per_triangle), "{per_triangle}");
         assert_eq!(CheckMemory::of(&empty()), CheckMemory::default());
