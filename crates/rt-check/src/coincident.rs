@@ -10,10 +10,12 @@ use rt_accel::{Accelerator, Boxes, Bvh};
 use rt_geometry::{Shape, Sphere, TransformedShape};
 use rt_math::{Aabb, DVec3};
 
-use crate::coplanar::{area_vector, overlap_in_plane};
+use crate::coplanar::{area_vector, common_plane, flattened, overlap_in_plane};
 use crate::facets::{Facet, Facets, tolerance, widened};
 use crate::finding::{Finding, Findings, Kind};
+use crate::flat_region::{Outline, overlap};
 use crate::objects::{Geometry, Object, Objects};
+use crate::round_side::RoundSide;
 use crate::solids::Solids;
 
 /// Largest number of overlapping boxes to compare.
@@ -21,6 +23,9 @@ const MAX_PAIRS: u64 = 1 << 24;
 
 /// Largest number of planes to compare with all faces.
 const MAX_PLANES: usize = 64;
+
+/// Largest number of pairs of edges to compare, of faces that are no triangles.
+const MAX_EDGE_PAIRS: usize = 1 << 28;
 
 /// Overlap of two objects, or of parts of one.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,6 +42,8 @@ struct Search<'o> {
     solids: &'o Solids,
     eyes: Vec<DVec3>,
     errors: Vec<f64>,
+    /// Pairs of edges that may still be compared.
+    edge_pairs_left: usize,
     /// Overlaps by pair of objects. At equal distances the first object is visible.
     contacts: BTreeMap<(usize, usize), Contact>,
 }
@@ -48,6 +55,7 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
         solids,
         eyes: cameras.iter().map(|camera| camera.settings.world_from_camera.translation()).collect(),
         errors: objects.list.iter().map(Object::placement_error).collect(),
+        edge_pairs_left: MAX_EDGE_PAIRS,
         contacts: BTreeMap::new(),
     };
     let facets = Facets::of(objects);
@@ -64,18 +72,37 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
 impl Search<'_> {
     /// Compares flat faces with each other. Returns true if all were compared.
     fn faces(&mut self, facets: &Facets<'_>) -> bool {
-        visit_pairs(&facets.boxes(), |i, j| self.pair(facets.at(i), facets.at(j)))
+        let mut is_complete = true;
+        let all_visited = visit_pairs(&facets.boxes(), |i, j| {
+            is_complete &= self.pair(facets, facets.at(i), facets.at(j));
+        });
+        all_visited && is_complete
     }
 
-    fn pair(&mut self, a: Facet, b: Facet) {
+    /// Compares two faces. Returns false if that would take too long.
+    fn pair(&mut self, facets: &Facets<'_>, a: Facet, b: Facet) -> bool {
         let geometry = self.objects.list[a.object].geometry;
         if a.object == b.object && (!matches!(geometry, Geometry::Mesh(..)) || is_same_triangle(a.corners, b.corners)) {
-            return;
+            return true;
         }
         let reach = a.corners.iter().chain(&b.corners).map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        if overlap_in_plane(a.corners, b.corners, tolerance(self.errors[a.object] + self.errors[b.object], reach)) {
+        let allowed = tolerance(self.errors[a.object] + self.errors[b.object], reach);
+        let do_overlap = if facets.is_triangle(&a) && facets.is_triangle(&b) {
+            overlap_in_plane(a.corners, b.corners, allowed)
+        } else if let Some(axis) = common_plane(a.corners, b.corners, allowed) {
+            let [outline_a, outline_b] = [&a, &b].map(|facet| facets.outline(facet));
+            let edge_pairs = outline_a.corner_count().saturating_mul(outline_b.corner_count());
+            let Some(left) = self.edge_pairs_left.checked_sub(edge_pairs) else { return false };
+            self.edge_pairs_left = left;
+            let region = |outline: Outline| outline.flattened(|corner| flattened(corner, axis));
+            overlap(&region(outline_a), &region(outline_b), allowed)
+        } else {
+            false
+        };
+        if do_overlap {
             self.add(a, b, area_vector(a.corners), area_vector(b.corners));
         }
+        true
     }
 
     /// Compares planes with faces and each other. Returns true if all were compared.
@@ -85,7 +112,7 @@ impl Search<'_> {
         let some = &planes[..planes.len().min(MAX_PLANES)];
         for (rank, &(index, object)) in some.iter().enumerate() {
             let Some((point, normal)) = plane_in_world(object) else { continue };
-            let as_facet = |object, point| Facet { object, corners: [point; 3] };
+            let as_facet = |object, point| Facet { object, number: 0, corners: [point; 3] };
             for &(other_index, other) in &some[rank + 1..] {
                 let Some((other_point, other_normal)) = plane_in_world(other) else { continue };
                 let reach = point.abs().max_element().max(other_point.abs().max_element());
@@ -107,10 +134,17 @@ impl Search<'_> {
         planes.len() <= MAX_PLANES
     }
 
-    /// Finds equal shapes without flat faces at the same position. Returns true if all were compared.
+    /// Finds curved surfaces at the same position. Returns true if all were compared.
     fn round_shapes(&mut self) -> bool {
         let is_round = |object: &Object<'_>| match object.geometry {
-            Geometry::Shape(Shape::Cuboid(_) | Shape::Triangle(_) | Shape::Rectangle(_) | Shape::Plane(_))
+            Geometry::Shape(
+                Shape::Cuboid(_)
+                | Shape::Triangle(_)
+                | Shape::Rectangle(_)
+                | Shape::Plane(_)
+                | Shape::Disk(_)
+                | Shape::Polygon(_),
+            )
             | Geometry::Mesh(..) => None,
             Geometry::Shape(_) => object.bounds,
         };
@@ -120,7 +154,7 @@ impl Search<'_> {
         visit_pairs(&boxes, |i, j| {
             let (first, second) = (indices[i], indices[j]);
             let (a, b) = (&self.objects.list[first], &self.objects.list[second]);
-            if is_same_shape(a, b, self.errors[first] + self.errors[second]) {
+            if is_same_surface(a, b, self.errors[first] + self.errors[second]) {
                 let contact = self.contacts.entry((first, second)).or_default();
                 contact.faces += 1;
                 contact.visible += 1;
@@ -150,6 +184,7 @@ impl Search<'_> {
         let (name, other) = (objects.name(a), objects.name(b));
         let Contact { faces, visible } = *contact;
         let values = [("faces", faces as f64), ("visible_faces", visible as f64)];
+        let pairs = if faces == 1 { "pair" } else { "pairs" };
         if first == second {
             let message = format!("{faces} pairs of triangles overlap; the one of the lower index is visible");
             let finding = Finding::new(Kind::CoincidentSurfaces, name, &values, message);
@@ -161,7 +196,7 @@ impl Search<'_> {
         }
         if objects.is_glass(a) || objects.is_glass(b) {
             let message = format!(
-                "touches {other} exactly ({faces} pairs of faces); rays hit the first of the two and miss the other"
+                "touches {other} exactly ({faces} {pairs} of faces); rays hit the first of the two and miss the other"
             );
             // Rays through glass that is hit first continue behind the surface that it touches.
             let leaks = objects.is_glass(a) && !objects.is_glass(b);
@@ -169,7 +204,7 @@ impl Search<'_> {
         }
         (visible > 0).then(|| {
             let message = format!(
-                "overlaps {other} ({faces} pairs of faces); the first of the two is visible, or either if one is rotated"
+                "overlaps {other} ({faces} {pairs} of faces); the first of the two is visible, or either if one is rotated"
             );
             Finding::new(Kind::CoincidentSurfaces, name, &values, message).warn_if(a.material != b.material)
         })
@@ -205,7 +240,11 @@ fn plane_in_world(object: &Object<'_>) -> Option<(DVec3, DVec3)> {
     Some((map.point(plane.point()), map.normal(plane.normal()).try_normalize()?))
 }
 
-fn is_same_shape(a: &Object<'_>, b: &Object<'_>, placement_errors: f64) -> bool {
+/// True if two curved surfaces are the same, or coincide in a part of the sides of cylinders, cones or frusta.
+fn is_same_surface(a: &Object<'_>, b: &Object<'_>, placement_errors: f64) -> bool {
+    if let (Some(a), Some(b)) = (RoundSide::of(a), RoundSide::of(b)) {
+        return a.coincides(&b, placement_errors);
+    }
     let (Geometry::Shape(shape_a), Geometry::Shape(shape_b)) = (a.geometry, b.geometry) else { return false };
     match (sphere_in_world(shape_a, a), sphere_in_world(shape_b, b)) {
         (Some(a), Some(b)) => {

@@ -3,18 +3,21 @@
 use rt_math::DVec3;
 
 use crate::finding::{Finding, Findings, Kind};
-use crate::objects::Objects;
-use crate::solids::{Enclosure, Solids};
+use crate::objects::{Object, Objects};
+use crate::solids::{Enclosure, Solids, contains};
 
 /// Distance of a light over the extent of the scene beyond which it is practically directional. Directions to it from
 /// neighbouring points differ in the last digits of `f32` only.
 const FAR: f64 = 1e7;
 
+/// Largest number of lights to look for in a solid with a camera.
+const MAX_SOURCES: usize = 256;
+
 pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findings) {
     for camera in &objects.scene.cameras {
         let eye = camera.settings.world_from_camera.translation();
         for enclosure in solids.containing(objects, eye) {
-            findings.add(camera_inside(objects, &camera.name, eye, &enclosure, solids));
+            findings.add(camera_inside(objects, &camera.name, eye, &enclosure));
         }
     }
     for (index, light) in objects.scene.appearance.lights.iter().enumerate() {
@@ -26,7 +29,7 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
         let shadow_near = light.kind.shadow_near();
         if light.casts_shadows {
             let enclosures = solids.containing(objects, position).filter(|enclosure| enclosure.wall > shadow_near);
-            for enclosure in enclosures.filter(|enclosure| hides_light(objects, enclosure, solids)) {
+            for enclosure in enclosures.filter(|enclosure| hides_light(objects, enclosure)) {
                 let message = format!("is inside {}, which blocks its light", objects.name(enclosure.object));
                 findings.add(Finding::new(
                     Kind::LightEnclosed,
@@ -41,18 +44,26 @@ pub(crate) fn check(objects: &Objects<'_>, solids: &Solids, findings: &mut Findi
 }
 
 /// True if a solid blocks light inside of it from all cameras.
-fn hides_light(objects: &Objects<'_>, enclosure: &Enclosure<'_>, solids: &Solids) -> bool {
-    let mut eyes = objects.scene.cameras.iter().map(|camera| camera.settings.world_from_camera.translation());
+fn hides_light(objects: &Objects<'_>, enclosure: &Enclosure<'_>) -> bool {
     let object = enclosure.object;
-    object.casts_shadow && !objects.is_glass(object) && !eyes.any(|eye| solids.contains(objects, object, eye))
+    object.casts_shadow && objects.is_opaque(object) && is_outside_of_cameras(objects, object)
 }
 
-fn camera_inside(objects: &Objects<'_>, name: &str, eye: DVec3, enclosure: &Enclosure<'_>, solids: &Solids) -> Finding {
+/// True if a solid contains no camera.
+pub(crate) fn is_outside_of_cameras(objects: &Objects<'_>, object: &Object<'_>) -> bool {
+    let mut eyes = objects.scene.cameras.iter().map(|camera| camera.settings.world_from_camera.translation());
+    !eyes.any(|eye| contains(object, eye))
+}
+
+fn camera_inside(objects: &Objects<'_>, name: &str, eye: DVec3, enclosure: &Enclosure<'_>) -> Finding {
     let &Enclosure { object, wall } = enclosure;
     let is_glass = objects.is_glass(object);
     // A solid with a camera and a light inside is a room.
-    let mut positions = objects.scene.appearance.lights.iter().filter_map(|light| light.kind.position());
-    let is_lit = positions.any(|position| solids.contains(objects, object, position));
+    let positions = objects.scene.appearance.lights.iter().filter_map(|light| light.kind.position());
+    let emitters = objects.list.iter().filter(|object| objects.is_emissive(object));
+    let sources = positions.chain(emitters.filter_map(|emitter| emitter.bounds.map(|bounds| bounds.centre())));
+    let near = sources.filter(|source| object.bounds.is_none_or(|bounds| bounds.contains(*source)));
+    let is_lit = objects.is_emissive(object) || near.take(MAX_SOURCES).any(|source| contains(object, source));
     let DVec3 { x, y, z } = eye;
     let message = format!("is at ({x}, {y}, {z}) inside {}, {wall:.6e} from its wall", objects.name(object));
     let finding = Finding::new(Kind::CameraInside, name, &[("distance_to_wall", wall)], message);

@@ -141,7 +141,9 @@ kinds! {
     CameraPrecision = "camera-precision", Warning, "move camera and scene closer to the origin, and to each other";
     /// The camera is inside of a solid.
     CameraInside = "camera-inside", Warning, "move the camera out, or put a light inside if this is a room";
-    /// A light is inside of an opaque solid.
+    /// The scene has no source of light.
+    Unlit = "unlit", Warning, "add a light, an emissive material, or an environment image with `--env`";
+    /// A light or an emissive object is inside of an opaque solid.
     LightEnclosed = "light-enclosed", Warning,
         "move it out, set its `shadow_near` beyond the wall, or set `casts_shadow: false` for the object";
     /// A light is so far away that its directions lose digits.

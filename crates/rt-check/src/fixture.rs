@@ -18,7 +18,7 @@ pub(crate) const GREY: MaterialId = MaterialId(0);
 pub(crate) const GLASS: MaterialId = MaterialId(1);
 pub(crate) const CHECKER: MaterialId = MaterialId(2);
 
-/// Three materials, a small square image, and no objects.
+/// Three materials, ambient light, a small square image, and no objects.
 pub(crate) fn empty() -> Scene {
     let material = |name: &str, phong| Material::new(name.into(), phong);
     let white = ColorTexture::Constant(Rgb::WHITE);
@@ -31,6 +31,7 @@ pub(crate) fn empty() -> Scene {
         appearance: Appearance {
             materials: vec![material("grey", Phong::default()), glass, material("checker", checker)],
             textures: vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 1.0 }],
+            ambient: Rgb::WHITE,
             ..Appearance::default()
         },
         ..Scene::empty("test")

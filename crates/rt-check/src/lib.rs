@@ -18,6 +18,7 @@
 //! | topology | open glass, glass that touches something, coincident and coplanar surfaces |
 //! | transforms | condition numbers, mirrored or flattened objects |
 //! | cameras | precision of hit points in parts of a pixel, cameras inside objects |
+//! | lights | no light at all, lights and emissive objects inside opaque solids |
 //!
 //! ```
 //! use rt_check::{Severity, check};
@@ -33,23 +34,28 @@
 mod camera;
 mod coincident;
 mod coplanar;
+mod emitters;
 mod enclosed;
 mod facets;
 mod finding;
 #[cfg(test)]
 mod fixture;
+mod flat_region;
 mod materials;
 mod measures;
+mod memory;
 mod normals;
 mod number;
 mod objects;
 mod polygons;
 mod report;
+mod round_side;
 mod singular_values;
 mod solids;
 mod topology;
 mod transforms;
 mod triangles;
+mod unlit;
 mod welded;
 
 use rt_camera::CameraSettings;
@@ -68,6 +74,7 @@ use crate::{
 pub use camera::CameraMeasures;
 pub use finding::{Finding, Kind, Measurement, Severity};
 pub use measures::Measures;
+pub use memory::CheckMemory;
 pub use number::short_number;
 pub use report::{More, Report};
 
@@ -101,6 +108,8 @@ pub fn check(scene: &Scene) -> Report {
     coincident::check(&objects, &solids, &mut findings);
     measures.cameras = camera::check(&objects, space, geometry.as_ref(), &mut findings);
     enclosed::check(&objects, &solids, &mut findings);
+    emitters::check(&objects, &solids, &mut findings);
+    unlit::check(&objects, &mut findings);
     materials::check(&objects, &mut findings);
     Report::new(measures, findings)
 }

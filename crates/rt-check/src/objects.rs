@@ -6,15 +6,15 @@ use std::sync::Arc;
 use rt_geometry::{Shape, TransformedShape, TriangleMesh};
 use rt_math::{Aabb, Transform};
 use rt_scene_io::{Content, Group, NamedMesh, Scene, SceneNode};
-use rt_shading::Material;
+use rt_shading::{AlphaMode, Material};
 
 use crate::singular_values::condition;
 
 /// Largest number of nodes to visit; those of a group count once per instance.
-const MAX_NODES: usize = 1 << 20;
+pub(crate) const MAX_NODES: usize = 1 << 20;
 
 /// Maximum nesting to visit; the renderer rejects more.
-const MAX_DEPTH: usize = 1024;
+pub(crate) const MAX_DEPTH: usize = 1024;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Geometry<'s> {
@@ -61,6 +61,9 @@ struct TreeNode<'s> {
     index: usize,
     node: &'s SceneNode,
 }
+
+/// Bytes per node of a list of objects.
+pub(crate) const NODE_BYTES: usize = size_of::<TreeNode<'_>>();
 
 /// All objects of a scene in rendering order: of surfaces at the same distance, the first is visible.
 #[derive(Debug)]
@@ -203,6 +206,19 @@ impl<'s> Objects<'s> {
 
     pub(crate) fn is_glass(&self, object: &Object<'_>) -> bool {
         self.material(object).is_some_and(|material| material.interior.is_some())
+    }
+
+    /// True if no ray passes the surface of an object.
+    pub(crate) fn is_opaque(&self, object: &Object<'_>) -> bool {
+        self.material(object).is_none_or(|material| {
+            material.interior.is_none()
+                && material.alpha.mode == AlphaMode::Opaque
+                && material.to_phong().transmission.is_none()
+        })
+    }
+
+    pub(crate) fn is_emissive(&self, object: &Object<'_>) -> bool {
+        self.material(object).is_some_and(|material| !material.emission.is_zero())
     }
 
     /// Box around all bounded objects; empty if there are none.

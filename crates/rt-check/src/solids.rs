@@ -3,6 +3,7 @@
 use rt_geometry::{Hit, InteractionFlags, Primitives, Shape, ShapeHit, TransformedShape};
 use rt_math::{DVec3, Interval, Ray};
 
+use crate::facets::tolerance;
 use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Object, Objects};
 use crate::topology::Topology;
@@ -25,24 +26,18 @@ impl Solids {
         self.0[object]
     }
 
-    /// True if a point is inside of an object.
-    pub(crate) fn contains(&self, objects: &Objects<'_>, object: &Object<'_>, point: DVec3) -> bool {
-        self.containing(objects, point).any(|enclosure| std::ptr::eq(enclosure.object, object))
-    }
-
     /// Solids that contain a point.
     pub(crate) fn containing<'o>(
         &'o self,
         objects: &'o Objects<'o>,
         point: DVec3,
     ) -> impl Iterator<Item = Enclosure<'o>> {
-        objects.list.iter().enumerate().filter(|(index, _)| self.is_closed(*index)).filter_map(move |(_, object)| {
-            if object.bounds.is_some_and(|bounds| !bounds.contains(point)) {
-                return None;
-            }
-            let wall = wall_around(object, point)?;
-            Some(Enclosure { object, wall })
-        })
+        objects
+            .list
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| self.is_closed(*index))
+            .filter_map(move |(_, object)| Some(Enclosure { object, wall: wall_around(object, point)? }))
     }
 }
 
@@ -65,32 +60,49 @@ fn encloses(shape: &Shape) -> bool {
     }
 }
 
+/// True if a point is inside of a closed object.
+pub(crate) fn contains(solid: &Object<'_>, point: DVec3) -> bool {
+    wall_around(solid, point).is_some()
+}
+
 /// Distance from a point to the surface of the solid around it; `None` if the point is outside.
 ///
 /// A point is inside if most rays from it first hit a back face. A mesh that is inside out gives the opposite result;
 /// another lint reports it.
 fn wall_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
-    // No symmetric shape or mesh has edges in these directions.
-    const DIRECTIONS: [DVec3; 5] = [
-        DVec3::new(0.267, 0.802, 0.534),
-        DVec3::new(-0.715, 0.204, 0.669),
-        DVec3::new(0.611, -0.377, -0.696),
-        DVec3::new(-0.143, -0.871, 0.470),
-        DVec3::new(0.393, 0.231, -0.890),
-    ];
-    let leaves: Vec<f64> = DIRECTIONS
-        .into_iter()
-        .filter_map(|direction| {
-            let ray = Ray::new(point, direction);
-            let (t, normal) = first_hit(object, &ray)?;
-            (normal.dot(direction) > 0.0).then(|| t * direction.length())
-        })
-        .collect();
-    (2 * leaves.len() > DIRECTIONS.len()).then(|| leaves.into_iter().fold(f64::INFINITY, f64::min))
+    if object.bounds.is_some_and(|bounds| !bounds.contains(point)) {
+        return None;
+    }
+    let leaves = walls(object, point).flatten();
+    (2 * leaves.clone().count() > DIRECTIONS.len()).then(|| leaves.fold(f64::INFINITY, f64::min))
+}
+
+/// Distance from a point to the surface of the solid around it; `None` unless all rays from it first hit a back face, farther
+/// than rounding.
+pub(crate) fn wall_all_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
+    let nearest = walls(object, point).try_fold(f64::INFINITY, |nearest, wall| Some(wall?.min(nearest)))?;
+    (nearest > tolerance(object.placement_error(), point.abs().max_element() + nearest)).then_some(nearest)
+}
+
+/// Directions of rays from a point. No symmetric shape or mesh has edges in them.
+const DIRECTIONS: [DVec3; 5] = [
+    DVec3::new(0.267, 0.802, 0.534),
+    DVec3::new(-0.715, 0.204, 0.669),
+    DVec3::new(0.611, -0.377, -0.696),
+    DVec3::new(-0.143, -0.871, 0.470),
+    DVec3::new(0.393, 0.231, -0.890),
+];
+
+/// Distances from a point to the back faces that rays from it hit first; `None` for a ray that misses or hits a front face.
+fn walls(object: &Object<'_>, point: DVec3) -> impl Iterator<Item = Option<f64>> + Clone {
+    DIRECTIONS.into_iter().map(move |direction| {
+        let (t, normal) = first_hit(object, &Ray::new(point, direction))?;
+        (normal.dot(direction) > 0.0).then(|| t * direction.length())
+    })
 }
 
 /// Closest hit of a ray in world space on an object: its `t` and the normal of the front.
-fn first_hit(object: &Object<'_>, ray: &Ray) -> Option<(f64, DVec3)> {
+pub(crate) fn first_hit(object: &Object<'_>, ray: &Ray) -> Option<(f64, DVec3)> {
     let needs = InteractionFlags::NONE;
     match object.geometry {
         Geometry::Shape(shape) => {

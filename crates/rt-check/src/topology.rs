@@ -47,9 +47,14 @@ impl Topology {
     }
 }
 
-/// Edges with their lower vertex first, and a flag for the direction from the higher vertex. Duplicate triangles count
-/// once.
-fn directed_edges(welded: &Welded) -> Vec<((u32, u32), bool)> {
+/// Edge with its lower vertex first, and a flag for the direction from the higher vertex.
+type DirectedEdge = ((u32, u32), bool);
+
+/// Bytes per edge of a triangle while the edges of a mesh are counted.
+pub(crate) const EDGE_BYTES: usize = size_of::<DirectedEdge>();
+
+/// Directed edges of all triangles. Duplicate triangles count once.
+fn directed_edges(welded: &Welded) -> Vec<DirectedEdge> {
     let mut triangles = welded.sorted_keys();
     triangles.dedup();
     let edge = |a: u32, b: u32| if a < b { ((a, b), false) } else { ((b, a), true) };

@@ -1,7 +1,8 @@
 //! `check`: numerical health of a scene, as text or JSON.
 
-use rt_check::{CameraMeasures, Finding, Report, Severity, check};
+use rt_check::{CameraMeasures, CheckMemory, Finding, Report, Severity, check};
 use rt_render::{MemoryPrediction, RenderError};
+use rt_scene_io::{MemoryError, Scene};
 use serde_json::{Map, Value, json};
 
 use crate::args::{CheckArgs, ReportFormat};
@@ -12,9 +13,7 @@ use crate::input::{self, Input};
 pub(super) fn run(args: &CheckArgs) -> Result<(), CliError> {
     // The report includes the warnings of the loader.
     let Input { scene, options, .. } = input::read(&args.input, None, Console { quiet: true })?;
-    if let Err(cause @ RenderError::Memory(_)) = MemoryPrediction::of_scene(&scene, options.memory.limit()) {
-        return Err(CliError::plan(&args.input.scene, cause));
-    }
+    check_memory(&scene, options.memory.limit()).map_err(|cause| CliError::plan(&args.input.scene, cause.into()))?;
     let report = check(&scene);
     match args.format {
         ReportFormat::Text => show(format_args!("{report}"))?,
@@ -25,6 +24,29 @@ pub(super) fn run(args: &CheckArgs) -> Result<(), CliError> {
             file: args.input.scene.clone(),
             count: usize::try_from(count).unwrap_or(usize::MAX),
         }),
+        _ => Ok(()),
+    }
+}
+
+/// Error if the check needs more memory than the budget.
+fn check_memory(scene: &Scene, budget: Option<u64>) -> Result<(), MemoryError> {
+    let geometry = match MemoryPrediction::of_scene(scene, budget) {
+        Ok(prediction) => prediction,
+        Err(RenderError::Memory(error)) => return Err(error),
+        // The report states why the scene cannot be rendered.
+        Err(_) => MemoryPrediction::default(),
+    };
+    let lists = CheckMemory::of(scene).peak();
+    // The lists are made after the accelerators.
+    let held = MemoryPrediction { film: lists, ..geometry };
+    match budget {
+        Some(budget) if held.peak() > budget => {
+            let MemoryPrediction { textures, geometry, structures, .. } = held;
+            let lists = (lists, "the lists of objects, faces and edges of the check");
+            let parts = [(textures, "textures"), (geometry, "geometry"), (structures, "accelerators"), lists];
+            let (most, largest) = parts.into_iter().max().unwrap_or(lists);
+            Err(MemoryError { predicted: held.peak(), budget, largest: largest.to_owned(), most })
+        }
         _ => Ok(()),
     }
 }

@@ -80,6 +80,58 @@ fn repairs_of_the_loader_are_found() {
     assert_eq!(report["warnings"], json!(1), "{report}");
 }
 
+/// Lights of the list `lights` in the plane of a ceiling were not found.
+#[test]
+fn area_lights_in_the_plane_of_a_ceiling_are_found() {
+    const ROOM: &str = r#"(
+        camera: (look_from: (0, 0.5, 3), look_at: (0, 0.5, 0)),
+        lights: [
+            quad(corner: (-0.2, HEIGHT, -0.2), edges: ((0.4, 0, 0), (0, 0, 0.4)), radiance: 5),
+            disk(center: (0.6, HEIGHT, 0), normal: (0, -1, 0), radius: 0.1, radiance: 3),
+        ],
+        nodes: [(transform: [translate(0, 1, 0)], shape: rectangle(width: 2, depth: 2))],
+    )"#;
+    let place = Workplace::new();
+    for (height, expected) in [("1", 2), ("0.999", 0)] {
+        place.write("room.ron", ROOM.replace("HEIGHT", height));
+        let report = report(&place, "room.ron");
+        assert_eq!(report["warnings"], json!(expected), "{report}");
+    }
+}
+
+#[test]
+fn dark_scenes_and_enclosed_emitters_are_found() {
+    let scene = |nodes: &str| format!("(lights: [], settings: (integrator: path), nodes: [{nodes}])");
+    let solid = "(shape: box(min: (-1, -1, -1), max: (1, 1, 1)))";
+    let lamp = "(shape: sphere(radius: 0.3), material: light(radiance: 3))";
+    let place = Workplace::new();
+    for (nodes, kind) in [(solid.to_owned(), "unlit"), (format!("{solid}, {lamp}"), "light-enclosed")] {
+        place.write("dark.ron", scene(&nodes));
+        let report = report(&place, "dark.ron");
+        let kinds: Vec<&Value> = report["findings"].as_array().expect("a list").iter().map(|f| &f["kind"]).collect();
+        assert_eq!(kinds, [kind], "{report}");
+    }
+}
+
+/// The prediction for a check was that for a render.
+#[test]
+fn the_memory_of_the_check_counts() {
+    let side = 200;
+    let point = |i: i32| format!("v {} 0 {}\n", i % (side + 1), i / (side + 1));
+    let face = |i: i32| {
+        let a = i / side * (side + 1) + i % side + 1;
+        format!("f {a} {} {} {}\n", a + side + 1, a + side + 2, a + 1)
+    };
+    let points: String = (0..(side + 1) * (side + 1)).map(point).collect();
+    let faces: String = (0..side * side).map(face).collect();
+    let place = Workplace::with("sheet.obj", points + &faces);
+    let refused = place.run("check sheet.obj --memory 25MiB");
+    assert_eq!(refused.code, Some(3), "{refused:?}");
+    assert!(refused.stderr.contains("for the lists of objects, faces and edges of the check"), "{refused:?}");
+    place.succeed("explain sheet.obj --memory 25MiB");
+    place.succeed("check sheet.obj --memory 40MiB");
+}
+
 #[test]
 fn every_scene_has_a_report() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
