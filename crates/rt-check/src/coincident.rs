@@ -11,12 +11,13 @@ use rt_geometry::{Shape, Sphere, TransformedShape};
 use rt_math::{Aabb, DVec3};
 
 use crate::coplanar::{area_vector, common_plane, flattened, overlap_in_plane};
-use crate::facets::{Facet, Facets, tolerance, widened};
+use crate::facets::{Facet, Facets, widened};
 use crate::finding::{Finding, Findings, Kind};
 use crate::flat_region::{Outline, overlap};
 use crate::objects::{Geometry, Object, Objects};
 use crate::round_side::RoundSide;
 use crate::solids::Solids;
+use crate::tolerance::tolerance;
 
 /// Largest number of overlapping boxes to compare.
 const MAX_PAIRS: u64 = 1 << 24;

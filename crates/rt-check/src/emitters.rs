@@ -180,20 +180,20 @@ mod tests {
 
     #[test]
     fn an_emissive_object_whose_light_leaves_is_not_found() {
-        let lamp = || emissive(sphere(DVec3::ZERO, 0.3));
+        let emitter = || emissive(sphere(DVec3::ZERO, 0.3));
         let enclosed = |scene: &Scene| of_kind(scene, Kind::LightEnclosed);
-        let moved = |by| SceneNode { parent_from_local: Transform::translate(by), ..lamp() };
+        let moved = |by| SceneNode { parent_from_local: Transform::translate(by), ..emitter() };
         assert_eq!(enclosed(&scene_of(vec![cuboid(), moved(DVec3::X * 0.9)])), [], "sticks out");
         assert_eq!(enclosed(&scene_of(vec![cuboid(), moved(DVec3::X * 3.0)])), []);
-        assert_eq!(enclosed(&scene_of(vec![SceneNode { material: GLASS, ..cuboid() }, lamp()])), []);
-        assert_eq!(enclosed(&scene_of(vec![SceneNode { casts_shadow: false, ..cuboid() }, lamp()])), []);
+        assert_eq!(enclosed(&scene_of(vec![SceneNode { material: GLASS, ..cuboid() }, emitter()])), []);
+        assert_eq!(enclosed(&scene_of(vec![SceneNode { casts_shadow: false, ..cuboid() }, emitter()])), []);
         assert_eq!(enclosed(&scene_of(vec![emissive(cuboid())])), [], "a solid around itself");
         let flush = SceneNode {
             parent_from_local: Transform::translate(DVec3::Y),
             ..emissive(SceneNode::new(Content::Shape(Shape::Rectangle(Rectangle::new(0.5, 0.5).unwrap())), GREY))
         };
         assert_eq!(enclosed(&scene_of(vec![cuboid(), flush])), [], "flush with the top");
-        let mut leaves = scene_of(vec![cuboid(), lamp()]);
+        let mut leaves = scene_of(vec![cuboid(), emitter()]);
         leaves.appearance.materials[0].alpha = Alpha { mode: AlphaMode::Mask(0.5), ..Alpha::OPAQUE };
         assert_eq!(enclosed(&leaves), []);
     }

@@ -212,12 +212,6 @@ pub(crate) fn widened(bounds: Aabb, placement_error: f64) -> Aabb {
     Aabb::new(bounds.min - margin, bounds.max + margin)
 }
 
-/// Maximum computed distance of coincident surfaces: the errors of both transforms, and a few roundings of the
-/// largest coordinate.
-pub(crate) fn tolerance(placement_errors: f64, max_abs: f64) -> f64 {
-    4.0 * placement_errors + 8.0 * UNIT_ROUNDOFF * max_abs
-}
-
 /// Number of facets of an object.
 pub(crate) fn facet_count(geometry: &Geometry<'_>) -> usize {
     match geometry {

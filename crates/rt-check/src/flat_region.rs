@@ -36,7 +36,7 @@ pub(crate) struct FlatRegion {
     rule: InsideRule,
 }
 
-type Edge = [[f64; 2]; 2];
+type EdgeInPlane = [[f64; 2]; 2];
 
 /// True if two regions overlap in more than an edge or corner. `tolerance` is the allowed rounding error of distances.
 ///
@@ -59,7 +59,7 @@ impl FlatRegion {
         self.rings.first().filter(|_| self.rule == InsideRule::Convex).map(Vec::as_slice)
     }
 
-    fn edges(&self) -> impl Iterator<Item = Edge> {
+    fn edges(&self) -> impl Iterator<Item = EdgeInPlane> {
         self.rings.iter().flat_map(|ring| (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]))
     }
 
@@ -80,7 +80,7 @@ impl FlatRegion {
 }
 
 /// Points on both sides of the middle of an edge.
-fn probes([a, b]: Edge, tolerance: f64) -> [[f64; 2]; 2] {
+fn probes([a, b]: EdgeInPlane, tolerance: f64) -> [[f64; 2]; 2] {
     let along = [b[0] - a[0], b[1] - a[1]];
     let length = hypot(along[0], along[1]);
     let step = PROBE.max(4.0 * tolerance / length);
@@ -89,8 +89,8 @@ fn probes([a, b]: Edge, tolerance: f64) -> [[f64; 2]; 2] {
 }
 
 /// True if the ends of each edge lie on different sides of the other one, by more than the tolerance.
-fn do_cross(e: Edge, f: Edge, tolerance: f64) -> bool {
-    let divides = |[a, b]: Edge, [c, d]: Edge| {
+fn do_cross(e: EdgeInPlane, f: EdgeInPlane, tolerance: f64) -> bool {
+    let divides = |[a, b]: EdgeInPlane, [c, d]: EdgeInPlane| {
         let limit = tolerance * hypot(b[0] - a[0], b[1] - a[1]);
         let [c, d] = [cross(a, b, c), cross(a, b, d)];
         c.min(d) < -limit && c.max(d) > limit

@@ -52,6 +52,7 @@ mod report;
 mod round_side;
 mod singular_values;
 mod solids;
+mod tolerance;
 mod topology;
 mod transforms;
 mod triangles;

@@ -3,8 +3,8 @@
 use rt_geometry::{CappedQuadric, Shape};
 use rt_math::{DVec3, Interval, Ray};
 
-use crate::facets::tolerance;
 use crate::objects::{Geometry, Object};
+use crate::tolerance::tolerance;
 
 /// Maximum deviation of a transform from a similarity around the axis, relative.
 const ROUND: f64 = 1e-13;
@@ -88,8 +88,8 @@ fn is_wider_at_bottom(frustum: &CappedQuadric, small: f64, large: f64) -> bool {
         if frustum.has_caps() {
             t < 1.25
         } else {
-            let beside = Ray { origin: ray.origin + DVec3::X * ((large - small) / 4.0), ..ray };
-            frustum.intersect(&beside, Interval::FORWARD).is_some_and(|hit| hit.t < t)
+            let next_to = Ray { origin: ray.origin + DVec3::X * ((large - small) / 4.0), ..ray };
+            frustum.intersect(&next_to, Interval::FORWARD).is_some_and(|hit| hit.t < t)
         }
     };
     frustum.intersect(&ray, Interval::FORWARD).is_some_and(|hit| narrows(hit.t))

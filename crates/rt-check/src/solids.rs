@@ -3,9 +3,9 @@
 use rt_geometry::{Hit, InteractionFlags, Primitives, Shape, ShapeHit, TransformedShape};
 use rt_math::{DVec3, Interval, Ray};
 
-use crate::facets::tolerance;
 use crate::finding::{Finding, Findings, Kind};
 use crate::objects::{Geometry, Object, Objects};
+use crate::tolerance::tolerance;
 use crate::topology::Topology;
 
 /// Flags of objects: true for the closed surface of a solid.
@@ -77,7 +77,7 @@ fn wall_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
     (2 * leaves.clone().count() > DIRECTIONS.len()).then(|| leaves.fold(f64::INFINITY, f64::min))
 }
 
-/// Distance from a point to the surface of the solid around it; `None` unless all rays from it first hit a back face, farther
+/// Distance from a point to the surface of the solid around it. `None` unless all rays from it first hit a back face, farther
 /// than rounding.
 pub(crate) fn wall_all_around(object: &Object<'_>, point: DVec3) -> Option<f64> {
     let nearest = walls(object, point).try_fold(f64::INFINITY, |nearest, wall| Some(wall?.min(nearest)))?;

@@ -170,8 +170,8 @@ fn a_disk_on_a_plane_or_rectangle_is_found() {
             only(&scene_of(vec![SceneNode { material: GREY, ..ground }, disk(0.25, 0.0)]), Kind::CoincidentSurfaces);
         assert_eq!(finding.severity, Severity::Warning);
     }
-    let beside = at(DVec3::X * 0.75, disk(0.25, 0.0));
-    assert_eq!(of_kind(&scene_of(vec![rectangle(1.0), beside]), Kind::CoincidentSurfaces), [], "at the edge");
+    let outside = at(DVec3::X * 0.75, disk(0.25, 0.0));
+    assert_eq!(of_kind(&scene_of(vec![rectangle(1.0), outside]), Kind::CoincidentSurfaces), [], "at the edge");
     let ring = || SceneNode { material: GREY, ..disk(0.5, 0.25) };
     let turned = Transform::rotate(DVec3::Y, 0.05).unwrap();
     let inlay = SceneNode { parent_from_local: turned, ..disk(0.25, 0.0) };
@@ -189,8 +189,8 @@ fn a_polygon_on_a_rectangle_is_found() {
         assert_eq!((finding.severity, finding.values[0]), (Severity::Warning, value("faces", 2.0)));
         let finding = only(&scene_of(vec![floor(0.0), polygon(&square, rule)]), Kind::CoincidentSurfaces);
         assert_eq!(finding.values, faces(1.0, 1.0));
-        let beside = at(DVec3::X * 0.75, polygon(&square, rule));
-        assert_eq!(of_kind(&scene_of(vec![rectangle(1.0), beside]), Kind::CoincidentSurfaces), [], "at the edge");
+        let outside = at(DVec3::X * 0.75, polygon(&square, rule));
+        assert_eq!(of_kind(&scene_of(vec![rectangle(1.0), outside]), Kind::CoincidentSurfaces), [], "at the edge");
     }
     let polygons = |offset| {
         vec![SceneNode { material: GREY, ..polygon(&notched, InsideRule::EvenOdd) }, at(offset, disk(0.5, 0.0))]

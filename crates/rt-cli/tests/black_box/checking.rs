@@ -83,7 +83,7 @@ fn repairs_of_the_loader_are_found() {
 /// Lights of the list `lights` in the plane of a ceiling were not found.
 #[test]
 fn area_lights_in_the_plane_of_a_ceiling_are_found() {
-    const ROOM: &str = r#"(
+    const CEILING: &str = r#"(
         camera: (look_from: (0, 0.5, 3), look_at: (0, 0.5, 0)),
         lights: [
             quad(corner: (-0.2, HEIGHT, -0.2), edges: ((0.4, 0, 0), (0, 0, 0.4)), radiance: 5),
@@ -93,7 +93,7 @@ fn area_lights_in_the_plane_of_a_ceiling_are_found() {
     )"#;
     let place = Workplace::new();
     for (height, expected) in [("1", 2), ("0.999", 0)] {
-        place.write("room.ron", ROOM.replace("HEIGHT", height));
+        place.write("room.ron", CEILING.replace("HEIGHT", height));
         let report = report(&place, "room.ron");
         assert_eq!(report["warnings"], json!(expected), "{report}");
     }
@@ -103,9 +103,9 @@ fn area_lights_in_the_plane_of_a_ceiling_are_found() {
 fn dark_scenes_and_enclosed_emitters_are_found() {
     let scene = |nodes: &str| format!("(lights: [], settings: (integrator: path), nodes: [{nodes}])");
     let solid = "(shape: box(min: (-1, -1, -1), max: (1, 1, 1)))";
-    let lamp = "(shape: sphere(radius: 0.3), material: light(radiance: 3))";
+    let emitter = "(shape: sphere(radius: 0.3), material: light(radiance: 3))";
     let place = Workplace::new();
-    for (nodes, kind) in [(solid.to_owned(), "unlit"), (format!("{solid}, {lamp}"), "light-enclosed")] {
+    for (nodes, kind) in [(solid.to_owned(), "unlit"), (format!("{solid}, {emitter}"), "light-enclosed")] {
         place.write("dark.ron", scene(&nodes));
         let report = report(&place, "dark.ron");
         let kinds: Vec<&Value> = report["findings"].as_array().expect("a list").iter().map(|f| &f["kind"]).collect();

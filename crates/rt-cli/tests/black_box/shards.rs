@@ -129,7 +129,7 @@ fn a_finished_part_without_its_statistics_is_rendered_again() {
 /// A kill after the shard is renamed and before its checkpoint is removed leaves both.
 #[test]
 #[cfg(unix)]
-fn a_checkpoint_beside_its_finished_part_is_removed() {
+fn a_checkpoint_next_to_its_finished_part_is_removed() {
     let place = Workplace::with_scene();
     let of_shard = |shard: u32| {
         format!("render scene.ron --integrator path --size 160x120 --spp 24 --threads 2 --shard {shard}/2 -o a.part")
