@@ -44,9 +44,6 @@ const GOOD: &str = "(film: (size: (8, 8)), nodes: [(shape: sphere())])";
 fn bad_scenes_end_with_code_3() {
     let render = "render scene.ron -o older.png";
     let textured = "(materials: {\"wood\": phong(color: image(file: \"older.png\"))}, nodes: [(shape: sphere(), material: \"wood\")])";
-    let emitter = "(materials: {\"lamp\": phong(emission: gray(3))}, settings: (integrator: distributed), \
-        lights: [point(position: (3, 3, 3), intensity: gray(1))], camera: (look_from: (0, 0, 5)), \
-        nodes: [(name: \"firefly\", shape: sphere(), motion: [translate(1, 0, 0)], material: \"lamp\")])";
     let said = messages(
         3,
         &[
@@ -55,7 +52,6 @@ fn bad_scenes_end_with_code_3() {
             ("negative radius", "(nodes: [(shape: sphere()), (name: \"moon\", shape: sphere(radius: -1))])", render),
             ("shutter", "(camera: (shutter: (0.5, 0.25)), nodes: [(shape: sphere())])", render),
             ("motion through a mirror", "(nodes: [(shape: sphere(), motion: [stretch(-1, 1, 1)])])", render),
-            ("lamp that no ray finds", emitter, render),
             ("missing texture", &textured.replace("older", "wood"), render),
             ("broken texture", textured, "render scene.ron -o new.png"),
             ("missing image", GOOD, "develop missing.exr -o older.png"),
