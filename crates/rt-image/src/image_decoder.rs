@@ -3,6 +3,7 @@
 use std::io::{BufRead, Seek, SeekFrom};
 
 use exr::meta::MetaData;
+use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use crate::gray_exr_decoder::GrayExrDecoder;
@@ -20,6 +21,14 @@ pub trait ImageSource: BufRead + Seek {}
 
 impl<R: BufRead + Seek> ImageSource for R {}
 
+/// Header of Radiance files by Ward's `rgbe.c` instead of `#?RADIANCE`.
+const RGBE: &[u8] = b"#?RGBE";
+
+/// Format of an image of the `image` crate by its first bytes; `None` for others.
+pub fn guess_format(bytes: &[u8]) -> Option<ImageFormat> {
+    if bytes.starts_with(RGBE) { Some(ImageFormat::Hdr) } else { image::guess_format(bytes).ok() }
+}
+
 /// Reads the header of an image of a known format. The decoder allocates at most `max_bytes`.
 ///
 /// # Errors
@@ -31,6 +40,9 @@ pub fn image_decoder<'r>(
 ) -> Result<Box<dyn ImageDecoder + 'r>, ImageError> {
     if format == ImageFormat::Jpeg {
         return Ok(Box::new(JpegDecoder::new(&mut *source, max_bytes)?));
+    }
+    if format == ImageFormat::Hdr && source.fill_buf()?.starts_with(RGBE) {
+        return Ok(Box::new(HdrDecoder::new_nonstrict(source)?));
     }
     if format == ImageFormat::OpenExr && GrayExrDecoder::accepts(&mut source)? {
         return Ok(Box::new(GrayExrDecoder::new(source, max_bytes)?));

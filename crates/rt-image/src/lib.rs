@@ -61,7 +61,7 @@ pub use dither::Dither;
 pub use exr_layers::{Layer, write_layers};
 pub use image::Image;
 #[cfg(feature = "files")]
-pub use image_decoder::{ExrParts, ImageSource, decode_pixels, exr_parts, image_decoder};
+pub use image_decoder::{ExrParts, ImageSource, decode_pixels, exr_parts, guess_format, image_decoder};
 #[cfg(feature = "files")]
 pub use image_file::{ImageFileError, ImageFormat, MAX_READ_PIXELS};
 #[cfg(feature = "files")]

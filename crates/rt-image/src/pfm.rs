@@ -46,14 +46,17 @@ pub(crate) struct PfmHeader {
     scale: f32,
     /// Bytes up to the first sample.
     length: u64,
+    /// True if a carriage return is before the first sample. A line feed behind it may be part of the header.
+    ends_with_return: bool,
 }
 
 /// Reads the header of a map, and checks that its pixels are not too many.
 pub(crate) fn read_header(mut reader: impl BufRead) -> Result<PfmHeader, PfmError> {
-    let mut length = 0;
+    let (mut length, mut ends_with_return) = (0, false);
     let mut word = || -> Result<String, PfmError> {
-        let (word, consumed) = read_word(&mut reader)?;
+        let (word, consumed, end) = read_word(&mut reader)?;
         length += consumed;
+        ends_with_return = end == b'\r';
         Ok(word)
     };
     let channels: u64 = match word()?.as_str() {
@@ -70,17 +73,21 @@ pub(crate) fn read_header(mut reader: impl BufRead) -> Result<PfmHeader, PfmErro
     if u64::from(width) * u64::from(height) > MAX_READ_PIXELS {
         return Err(PfmError::TooLarge(width, height));
     }
-    Ok(PfmHeader { width, height, channels, scale, length })
+    Ok(PfmHeader { width, height, channels, scale, length, ends_with_return })
 }
 
 /// Reads a map from a file of `length` bytes in all.
 pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Image, PfmError> {
-    let PfmHeader { width, height, channels, scale, length: header_length } = read_header(&mut reader)?;
+    let PfmHeader { width, height, channels, scale, length: header_length, ends_with_return } =
+        read_header(&mut reader)?;
     let count = u64::from(width) * u64::from(height);
     // Checked before the film is allocated: a short file must not cost much memory.
     let (expected, found) = (4 * channels * count, length.saturating_sub(header_length));
     if found < expected {
         return Err(PfmError::Truncated { expected, found });
+    }
+    if ends_with_return && found == expected + 1 && reader.fill_buf()?.first() == Some(&b'\n') {
+        reader.consume(1);
     }
     let decode = |bytes: &[u8; 4]| {
         let value = if scale < 0.0 { f32::from_le_bytes(*bytes) } else { f32::from_be_bytes(*bytes) };
@@ -99,9 +106,9 @@ pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Image, PfmEr
     Ok(film)
 }
 
-/// The next word, without the white space around it, and the number of bytes that it and one white space behind it
-/// take.
-fn read_word(reader: &mut impl BufRead) -> Result<(String, u64), PfmError> {
+/// The next word, without the white space around it, the number of bytes that it and one white space behind it take, and
+/// that white space.
+fn read_word(reader: &mut impl BufRead) -> Result<(String, u64, u8), PfmError> {
     let mut word = String::new();
     let mut consumed = 0;
     for byte in reader.by_ref().bytes() {
@@ -110,7 +117,7 @@ fn read_word(reader: &mut impl BufRead) -> Result<(String, u64), PfmError> {
         if !byte.is_ascii_whitespace() {
             word.push(char::from(byte));
         } else if !word.is_empty() {
-            return Ok((word, consumed));
+            return Ok((word, consumed, byte));
         }
         if consumed > MAX_WORD as u64 {
             break;
@@ -141,6 +148,17 @@ mod tests {
         let mut written = Vec::new();
         write(&film, &mut written).expect("written");
         assert_eq!(written, bytes);
+    }
+
+    /// Their samples were read from one byte too early.
+    #[test]
+    fn lines_of_the_header_may_end_with_carriage_returns() {
+        for (header, first) in
+            [("PF\r\n1 1\r\n-1.0\r\n", 1.0_f32), ("PF\r1 1\r-1.0\r", f32::from_le_bytes([b'\n', 0, 0, 63]))]
+        {
+            let film = parse(&file(header, [first, 2.0, 3.0].map(f32::to_le_bytes))).expect("sound");
+            assert_eq!(film.pixels(), [[first, 2.0, 3.0]]);
+        }
     }
 
     #[test]

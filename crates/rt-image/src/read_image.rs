@@ -6,11 +6,11 @@ use std::{
     path::Path,
 };
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, codecs::hdr::HdrDecoder};
+use image::{DynamicImage, ImageDecoder, ImageError};
 
 use crate::{
     Encoding, Image, ImageFileError, ImageFormat, MAX_READ_PIXELS,
-    image_decoder::{ExrParts, ImageSource, decode_pixels, exr_parts, image_decoder},
+    image_decoder::{ExrParts, ImageSource, decode_pixels, exr_parts, guess_format, image_decoder},
     pfm::{self, PfmError, PfmHeader},
 };
 
@@ -130,11 +130,7 @@ fn format_of_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>) -> Resul
     if is_pfm(&mut reader).map_err(unreadable)? {
         return Ok(ImageFormat::Pfm);
     }
-    if is_rgbe(&mut reader).map_err(unreadable)? {
-        return Ok(ImageFormat::Hdr);
-    }
-    let reader = ImageReader::new(reader).with_guessed_format().map_err(unreadable)?;
-    match reader.format() {
+    match guess_format(reader.fill_buf().map_err(unreadable)?) {
         Some(image::ImageFormat::Png) => Ok(ImageFormat::Png),
         Some(image::ImageFormat::Jpeg) => Ok(ImageFormat::Jpeg),
         Some(image::ImageFormat::OpenExr) => Ok(ImageFormat::Exr),
@@ -167,11 +163,6 @@ fn read_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>, length: u64) 
 
 fn is_pfm(reader: &mut impl BufRead) -> std::io::Result<bool> {
     Ok(matches!(reader.fill_buf()?, [b'P', b'F' | b'f', ..]))
-}
-
-/// True for Radiance files with the header of Ward's `rgbe.c` instead of `#?RADIANCE`.
-fn is_rgbe(reader: &mut impl BufRead) -> std::io::Result<bool> {
-    Ok(reader.fill_buf()?.starts_with(b"#?RGBE"))
 }
 
 fn pfm_error(path: &Path, error: PfmError) -> ImageFileError {
@@ -209,16 +200,9 @@ fn decoder<'r>(
             return Err(damaged(format!("a block of {block_bytes} bytes cannot come from {length} bytes")));
         }
     }
-    let decoder: Result<Box<dyn ImageDecoder + 'r>, _> = if is_rgbe(&mut source).map_err(unreadable)? {
-        HdrDecoder::new_nonstrict(source).map(|decoder| Box::new(decoder) as Box<_>)
-    } else {
-        let reader = ImageReader::new(source).with_guessed_format().map_err(unreadable)?;
-        let Some(format) = reader.format().filter(image::ImageFormat::reading_enabled) else {
-            return Err(ImageFileError::UnknownFormat(path.to_owned()));
-        };
-        image_decoder(reader.into_inner(), format, MAX_DECODER_BYTES)
-    };
-    let decoder = decoder.map_err(|error| undecodable(path, error))?;
+    let format = guess_format(source.fill_buf().map_err(unreadable)?).filter(image::ImageFormat::reading_enabled);
+    let Some(format) = format else { return Err(ImageFileError::UnknownFormat(path.to_owned())) };
+    let decoder = image_decoder(source, format, MAX_DECODER_BYTES).map_err(|error| undecodable(path, error))?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
         return Err(damaged(format!("it has {width}x{height} pixels")));

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::Cursor;
 
 use image::ImageDecoder;
-use rt_image::{Encoding, ExrParts, TexturePixels, decode_pixels, exr_parts, image_decoder};
+use rt_image::{Encoding, ExrParts, TexturePixels, decode_pixels, exr_parts, guess_format, image_decoder};
 use rt_shading::Bitmap;
 
 use crate::texture_error::TextureError;
@@ -60,7 +60,7 @@ struct OpenedImage<'a> {
 
 fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
     let damaged = |error: image::ImageError| TextureError::Damaged(error.to_string());
-    let format = image::guess_format(bytes).map_err(|_| TextureError::UnknownFormat)?;
+    let format = guess_format(bytes).ok_or(TextureError::UnknownFormat)?;
     let mut source = Box::new(Cursor::new(bytes));
     // An EXR image is decoded in tiles or blocks of rows of the data window, whose sizes are taken from the header.
     let exr = exr_parts(&mut *source).map_err(|error| TextureError::Damaged(error.to_string()))?;
@@ -170,6 +170,14 @@ mod tests {
         }
         let nan = image::Rgb32FImage::from_pixel(1, 1, Rgb([f32::NAN, 0.5, 0.0]));
         assert!(matches!(decode_texture(&encode(nan, ImageFormat::OpenExr)), Err(TextureError::NonFinite(1))));
+    }
+
+    /// Mitsuba and others write this header.
+    #[test]
+    fn radiance_textures_with_the_older_header_were_no_images() {
+        let bytes = encode(image::Rgb32FImage::from_pixel(1, 1, Rgb([2.5, 0.5, 0.0])), ImageFormat::Hdr);
+        let rest = bytes.strip_prefix(b"#?RADIANCE").unwrap();
+        assert_eq!(decode_texture(&[b"#?RGBE", rest].concat()).unwrap().pixels, [[2.5, 0.5, 0.0]]);
     }
 
     #[test]

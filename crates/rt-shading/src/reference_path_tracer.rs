@@ -142,7 +142,9 @@ impl ReferencePathTracer<'_> {
             // Sample the next direction by the BSDF.
             let [u, v] = sampler.next_2d();
             let component = if bsdf.uses_component_sample() { sampler.next_1d() } else { 0.0 };
-            let Some(sample) = bsdf.sample(vertex.wo, [component, u, v]) else { return path.seen };
+            let Some(sample) = bsdf.sample_along(vertex.wo, [component, u, v], path.throughput) else {
+                return path.seen;
+            };
             let Some(wi) = vertex.continued(&sample, path.starts_specular) else { return path.seen };
             path.throughput *= sample.weight();
             path.eta_scale *= sample.eta * sample.eta;

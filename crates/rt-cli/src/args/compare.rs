@@ -119,7 +119,8 @@ difference seen when alternating between the images. --exposure and --tone set t
 samples the exposures that fit the reference.
 
 PNG and JPEG are decoded from sRGB to linear light. If only one image is PNG or JPEG, the other one is first tone-mapped to bytes, as \
-by `develop`, so that a .png and its .exr compare equal. This includes dithering, unless --dither off is given.
+by `develop`, so that a .png and its .exr compare equal. This includes dithering, unless --dither off is given. \
+Only crops differ: they are dithered like their part of the full image.
 
 The exit code is 1 if --metric is worse than --threshold: above it, or below it for psnr and ssim.";
 

@@ -433,6 +433,36 @@ mod tests {
     }
 
     #[test]
+    fn mirrored_bump_maps_had_inverted_slopes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        let maps = ["map_Bump h.png", "map_Bump -s -1 1 1 h.png", "map_Bump -s 2 -1 1 h.png", "norm -s -3 1 1 h.png"];
+        let mtl: String = (0..).zip(maps).map(|(index, map)| format!("newmtl m{index}\n{map}\n")).collect();
+        fs::write(place("m.mtl"), mtl).expect("written");
+        let heights = image::GrayImage::from_fn(3, 3, |x, y| image::Luma([100 * x as u8 + 20 * y as u8]));
+        heights.save(place("h.png")).expect("written");
+        let faces: String = (0..maps.len()).map(|index| format!("usemtl m{index}\nf 1/1 2/2 3/3\n")).collect();
+        fs::write(place("m.obj"), format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\n{faces}")).expect("written");
+
+        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let normals = |material: usize| {
+            let mut texture = &model.textures[model.materials[material].normal_map.expect("bumps").texture.0 as usize];
+            while let Texture::Mapped { texture: inner, .. } = texture {
+                texture = inner;
+            }
+            let Texture::Image { bitmap, .. } = texture else { panic!("{texture:?}") };
+            bitmap.pixels.iter().map(|pixel| pixel.map(|part| 2.0 * part - 1.0)).collect::<Vec<_>>()
+        };
+        let plain = normals(0);
+        for (material, signs) in [(1, [-1.0, 1.0]), (2, [1.0, -1.0]), (3, [-1.0, 1.0])] {
+            for ([x, y, z], mirrored) in plain.iter().zip(normals(material)) {
+                let expected = [signs[0] * x, signs[1] * y, *z];
+                assert!(expected.iter().zip(mirrored).all(|(a, b)| (a - b).abs() < 1e-6), "{material}: {mirrored:?}");
+            }
+        }
+    }
+
+    #[test]
     fn physical_glass_with_a_black_filter_encloses_no_medium() {
         let folder = tempfile::tempdir().expect("a folder");
         let place = |name: &str| folder.path().join(name);

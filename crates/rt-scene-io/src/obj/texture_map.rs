@@ -11,7 +11,7 @@ pub(super) struct TextureMap {
     pub(super) clamp: bool,
     /// Added to the texture coordinates after their multiplication by `scale`.
     offset: [f64; 2],
-    scale: [f64; 2],
+    pub(super) scale: [f64; 2],
     /// Factor of the slopes of a bump map.
     pub(super) bump: f64,
     /// Channel of the image, if specified.

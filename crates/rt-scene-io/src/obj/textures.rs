@@ -30,8 +30,8 @@ pub(super) enum PixelMeaning {
 
 pub(super) struct ObjTextures<'a> {
     options: &'a LoadOptions,
-    /// By file, clamping, and meaning.
-    known: HashMap<(PathBuf, bool, PixelMeaning), TextureId>,
+    /// By file, clamping, reversed axes of normals, and meaning.
+    known: HashMap<(PathBuf, bool, [bool; 2], PixelMeaning), TextureId>,
     bytes: u64,
 }
 
@@ -80,7 +80,9 @@ impl<'a> ObjTextures<'a> {
             }
             Err(reason) => return Err(reason.at(file, place)),
         };
-        let id = self.image(image, map.clamp, meaning, model)?;
+        // Normals are along the coordinates of the mesh, not of the map.
+        let mirrored = map.scale.map(|scale| meaning == PixelMeaning::NormalMap && scale < 0.0);
+        let id = self.image(image, (map.clamp, mirrored), meaning, model)?;
         if map.has_own_coordinates() {
             let Some(texture) = model.textures.get(id.0 as usize).cloned().map(Arc::new) else { return Ok(None) };
             return Ok(Some(model.add_texture(Texture::Mapped { texture, map: map.coordinates() })));
@@ -91,16 +93,19 @@ impl<'a> ObjTextures<'a> {
     fn image(
         &mut self,
         file: PathBuf,
-        clamp: bool,
+        (clamp, mirrored): (bool, [bool; 2]),
         meaning: PixelMeaning,
         model: &mut Model,
     ) -> Result<TextureId, LoadError> {
-        let key = (file, clamp, meaning);
+        let key = (file, clamp, mirrored, meaning);
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
         let file = &key.0;
-        let bitmap = self.decoded(file, clamp, meaning).at(file, "")?;
+        let mut bitmap = self.decoded(file, clamp, meaning).at(file, "")?;
+        for (axis, _) in mirrored.iter().enumerate().filter(|(_, mirrored)| **mirrored) {
+            bitmap.pixels.iter_mut().for_each(|pixel| pixel[axis] = 1.0 - pixel[axis]);
+        }
         self.bytes += bitmap.memory() as u64;
         let (what, limit) = ("the memory of all textures in bytes", limits::MODEL_TEXTURE_BYTES);
         LoadErrorKind::check_limit(what, self.bytes, limit).at(file, "")?;

@@ -48,15 +48,14 @@ impl DispersiveDielectric {
         (0..3).map(|index| self.channel(index).pdf(wo, wi)).sum::<f64>() / 3.0
     }
 
-    /// Implements [`super::Bsdf::sample`].
-    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+    /// Implements [`super::Bsdf::sample_along`]. Rough glass follows all channels with equal probability, so that its density does
+    /// not depend on the path.
+    pub fn sample(&self, wo: DVec3, u: [f64; 3], throughput: Rgb) -> Option<BsdfSample> {
         if self.is_plain() {
             return self.channel(0).sample(wo, u);
         }
-        // The conversion truncates.
-        let index = ((3.0 * u[0]) as usize).min(2);
-        let within = [(3.0 * u[0] - index as f64).clamp(0.0, 1.0), u[1], u[2]];
-        let sample = self.channel(index).sample(wo, within)?;
+        let (index, probability, within) = choose(if self.is_smooth() { throughput } else { Rgb::WHITE }, u[0]);
+        let sample = self.channel(index).sample(wo, [within, u[1], u[2]])?;
         if !sample.is_delta {
             return BsdfSample { value: self.eval(wo, sample.wi), pdf: self.pdf(wo, sample.wi), ..sample }.if_finite();
         }
@@ -64,6 +63,69 @@ impl DispersiveDielectric {
         let value = Rgb::from(core::array::from_fn(|k| {
             if k == index { [sample.value.r, sample.value.g, sample.value.b][k] } else { 0.0 }
         }));
-        BsdfSample { value, pdf: sample.pdf / 3.0, ..sample }.if_finite()
+        BsdfSample { value, pdf: sample.pdf * probability, ..sample }.if_finite()
+    }
+}
+
+/// A channel in proportion to `throughput`, its probability, and a number in \[0, 1\] that is left of `u`.
+fn choose(throughput: Rgb, u: f64) -> (usize, f64, f64) {
+    let weights = throughput.to_array().map(|weight| weight.max(0.0));
+    let sum: f64 = weights.iter().sum();
+    let mut probabilities = [1.0 / 3.0; 3];
+    if sum > 0.0 && sum.is_finite() {
+        probabilities = weights.map(|weight| weight / sum);
+    }
+    let mut before = 0.0;
+    let mut chosen = (0, 0.0, 0.0);
+    for (index, probability) in probabilities.into_iter().enumerate() {
+        // The last possible channel has what rounding leaves.
+        if probability > 0.0 && (chosen.1 == 0.0 || u >= before) {
+            chosen = (index, probability, ((u - before) / probability).clamp(0.0, 1.0));
+        }
+        before += probability;
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Paths chose a channel anew at each interface. Most of them then carried another one, and were black.
+    #[test]
+    fn a_path_of_one_channel_follows_it() {
+        let glass = DispersiveDielectric { iors: [1.49, 1.5, 1.52], roughness: 0.0, transmittance: Rgb::WHITE };
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let steps = 999;
+        for throughput in [Rgb::WHITE, Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 2.0), Rgb::new(0.5, 2.0, 0.25)] {
+            let mut sum = Rgb::BLACK;
+            for step in 0..steps {
+                let u = (f64::from(step) + 0.5) / f64::from(steps);
+                let sample = glass.sample(wo, [u, 0.5, 0.5], throughput).expect("passes");
+                let weight = sample.weight() * throughput;
+                assert!(!weight.is_black(), "{throughput:?} {u}");
+                // Light that is refracted is compressed by η², and all of it passes.
+                sum += weight * (sample.eta * sample.eta) / f64::from(steps);
+            }
+            let off = (sum - throughput).map(f64::abs).max_component();
+            assert!(off < 0.01 * throughput.max_component(), "{throughput:?}: {sum:?}");
+        }
+    }
+
+    #[test]
+    fn any_number_chooses_a_possible_channel() {
+        for (throughput, possible) in [
+            (Rgb::new(0.0, 1.0, 0.0), vec![1]),
+            (Rgb::new(1.0, 0.0, 3.0), vec![0, 2]),
+            (Rgb::BLACK, vec![0, 1, 2]),
+            (Rgb::new(f64::INFINITY, 1.0, 1.0), vec![0, 1, 2]),
+            (Rgb::new(f64::NAN, 1.0, 1.0), vec![1, 2]),
+        ] {
+            let chosen: Vec<usize> = [0.0, 0.4, 0.5, 1.0].map(|u| choose(throughput, u).0).into();
+            assert!(chosen.iter().all(|index| possible.contains(index)), "{throughput:?}: {chosen:?}");
+            assert!(
+                possible.iter().all(|index| (0..=100).any(|u| choose(throughput, f64::from(u) / 100.0).0 == *index))
+            );
+        }
     }
 }

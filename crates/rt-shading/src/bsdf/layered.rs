@@ -127,12 +127,12 @@ impl Layered {
         LayeredView::new(self, wo, is_above).density(wi)
     }
 
-    /// Implements [`super::Bsdf::sample`].
-    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+    /// Implements [`super::Bsdf::sample_along`].
+    pub fn sample(&self, wo: DVec3, u: [f64; 3], throughput: Rgb) -> Option<BsdfSample> {
         let Some((share, glass)) = &self.glass else { return self.sample_layers(wo, u) };
         Side::of(wo, u)?;
         let (sample, probability) = if u[0] < *share {
-            (glass.sample(wo, [(u[0] / share).min(1.0), u[1], u[2]])?, *share)
+            (glass.sample(wo, [(u[0] / share).min(1.0), u[1], u[2]], throughput)?, *share)
         } else {
             let within = ((u[0] - share) / (1.0 - share)).clamp(0.0, 1.0);
             (self.sample_layers(wo, [within, u[1], u[2]])?, 1.0 - share)

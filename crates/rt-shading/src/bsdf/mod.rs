@@ -202,16 +202,22 @@ impl Bsdf {
     /// Samples a direction about in proportion to f · |cos θ|, from three numbers in \[0, 1\]. `None` if the light is absorbed.
     #[inline]
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        self.sample_along(wo, u, Rgb::WHITE)
+    }
+
+    /// Version of [`Bsdf::sample`] for a path of this throughput. Smooth dispersive glass follows a channel in proportion to it.
+    #[inline]
+    pub fn sample_along(&self, wo: DVec3, u: [f64; 3], throughput: Rgb) -> Option<BsdfSample> {
         match self {
             Self::Single(lobe) => lobe.sample(wo, u),
             Self::Mix(mix) => mix.sample(wo, u),
-            Self::Layered(layered) => layered.sample(wo, u),
+            Self::Layered(layered) => layered.sample(wo, u, throughput),
         }
     }
 
-    /// Version of [`Bsdf::sample`] for light that arrives from `wo` and is traced on to `wi`: the value is f(wi, wo).
-    pub fn sample_importance(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
-        let sample = self.sample(wo, u)?;
+    /// Version of [`Bsdf::sample_along`] for light that arrives from `wo` and is traced on to `wi`: the value is f(wi, wo).
+    pub fn sample_importance(&self, wo: DVec3, u: [f64; 3], throughput: Rgb) -> Option<BsdfSample> {
+        let sample = self.sample_along(wo, u, throughput)?;
         let value = if sample.is_delta { sample.value * (sample.eta * sample.eta) } else { self.eval(sample.wi, wo) };
         BsdfSample { value, ..sample }.if_finite()
     }

@@ -155,7 +155,9 @@ impl<S: Sampler> LightPaths<S> {
         }
         let [u, v] = path.sampler.next_2d();
         let lobe = if vertex.bsdf.uses_component_sample() { path.sampler.next_1d() } else { 0.0 };
-        let Some(sample) = vertex.bsdf.sample_importance(vertex.wo, [lobe, u, v]) else { return };
+        let Some(sample) = vertex.bsdf.sample_importance(vertex.wo, [lobe, u, v], path.power * path.throughput) else {
+            return;
+        };
         // Camera paths find the light that the first surface scatters diffusely.
         if path.bounces == 0 && !sample.is_delta {
             return;

@@ -190,7 +190,7 @@ impl<E: Element> SpawnedPaths<E> {
         let Some(bsdf) = vertex.sampled_lobes() else { return };
         let [u, v] = sampler.next_2d();
         let lobe = if bsdf.uses_component_sample() { sampler.next_1d() } else { 0.0 };
-        let Some(sample) = bsdf.sample(vertex.wo, [lobe, u, v]) else { return };
+        let Some(sample) = bsdf.sample_along(vertex.wo, [lobe, u, v], path.throughput) else { return };
         // Light paths do not find the reverse of a direction that was kept on its side. So only purely specular paths from the
         // camera take it: `NonCaustic` and light tracing must sum to all light.
         let Some(wi) = vertex.continued(&sample, !state.first_bounce_nonspecular) else { return };

@@ -41,7 +41,7 @@ fn delta_lobes_are_reciprocal() {
             // Towards the denser side the cosine is that of the sharper angle: shares, not values, are equal.
             let share = |sample: &BsdfSample| sample.weight().g * sample.pdf * sample.eta * sample.eta;
             assert!(close(share(&there), share(&back), 1e-6), "{} {}", share(&there), share(&back));
-            let importance = bsdf.sample_importance(wo, numbers(31, index)).expect("scatters");
+            let importance = bsdf.sample_importance(wo, numbers(31, index), Rgb::WHITE).expect("scatters");
             assert!(close(importance.weight().g * importance.pdf, share(&there), 1e-12));
         }
     }
@@ -52,7 +52,9 @@ fn importance_is_the_adjoint() {
     for Surface { name, bsdf } in surfaces().into_iter().filter(|surface| !disperses(&surface.bsdf)) {
         for index in 0..200 {
             let (wo, u) = (at_angle(170.0 * numbers(33, index)[0], 1.0), numbers(34, index));
-            let Some((radiance, importance)) = bsdf.sample(wo, u).zip(bsdf.sample_importance(wo, u)) else { continue };
+            let Some((radiance, importance)) = bsdf.sample(wo, u).zip(bsdf.sample_importance(wo, u, Rgb::WHITE)) else {
+                continue;
+            };
             assert_eq!((radiance.wi, radiance.pdf), (importance.wi, importance.pdf), "{name}");
             let (a, b) = (radiance.value.g * radiance.eta * radiance.eta, importance.value.g);
             assert!(close(a, b, 1e-9), "{name}: {a} {b}");
@@ -253,7 +255,7 @@ fn channels_of_a_prism_are_glass_of_their_own_index() {
         for (channel, ior) in prism.iors.into_iter().enumerate() {
             for kind in [Scattering::Reflection, Scattering::Transmission] {
                 let glass = mean(&|u| Dielectric::clear(ior, roughness).sample(wo, u), channel, kind);
-                let own = mean(&|u| prism.sample(wo, u), channel, kind);
+                let own = mean(&|u| prism.sample(wo, u, Rgb::WHITE), channel, kind);
                 assert!((own - glass).abs() < 0.02, "{roughness}, {ior}, {kind:?}: {own} instead of {glass}");
             }
         }
