@@ -122,6 +122,7 @@ def test_seeds_of_a_table_are_limited_by_their_number(scene):
 def test_a_target_error_ends_at_4096_samples_by_default(scene):
     image = rt.render(scene, size=(4, 4), target_error=1e-9)
     assert image.stopped == "samples" and image.samples_per_pixel == 4096
+    assert rt.render(scene, size=(1, 1), time=1).samples_per_pixel > 4096
 
 
 def test_tables_hold_the_samples_that_were_rendered(scene):
